@@ -1,0 +1,180 @@
+//! The regular grid of a volume and its place in the world. Does not hold samples.
+
+use glam::{DAffine3, DMat3, DVec3};
+use thiserror::Error;
+
+/// A grid of `nx × ny × nz` voxels, placed in the world by an affine map that may rotate, scale,
+/// mirror and shear.
+///
+/// The map can always be inverted, and the number of voxels fits 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    dims: [usize; 3],
+    world_from_index: DAffine3,
+}
+
+/// Why a grid cannot be made.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum GridError {
+    /// An axis has no voxels.
+    #[error("the grid is empty: its dimensions are {0:?}")]
+    Empty([usize; 3]),
+    /// More voxels than a 32-bit index can name.
+    #[error("the grid has too many voxels: {0:?} is more than 4294967295 in all")]
+    TooLarge([usize; 3]),
+    /// The matrix has entries that are not finite, or its columns lie (almost) in one plane.
+    #[error("the grid's matrix cannot be inverted: columns {x}, {y}, {z}")]
+    Singular {
+        /// World step along the first axis.
+        x: DVec3,
+        /// World step along the second axis.
+        y: DVec3,
+        /// World step along the third axis.
+        z: DVec3,
+    },
+}
+
+/// Smallest volume of the parallelepiped that the normalised columns may span.
+const MIN_SKEW: f64 = 1e-6;
+
+/// Coordinates beyond this lose single voxels to rounding, in 64 bits too.
+const MAX_COORDINATE: f64 = 1e12;
+
+impl Grid {
+    /// A grid of `dims` voxels whose voxel `(i, j, k)` sits at `world_from_index · (i, j, k)`.
+    ///
+    /// # Errors
+    /// If an axis is empty, there are more than 2³²−1 voxels, or the map is not invertible.
+    pub fn new(dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, GridError> {
+        if dims.contains(&0) {
+            return Err(GridError::Empty(dims));
+        }
+        let n_voxels = dims.iter().try_fold(1_usize, |n, &d| n.checked_mul(d));
+        if n_voxels.is_none_or(|n| n as u64 > u64::from(u32::MAX)) {
+            return Err(GridError::TooLarge(dims));
+        }
+        let m = world_from_index.matrix3;
+        if !is_invertible(m) || !(world_from_index.translation.abs().max_element() < MAX_COORDINATE)
+        {
+            return Err(GridError::Singular { x: m.x_axis, y: m.y_axis, z: m.z_axis });
+        }
+        Ok(Self { dims, world_from_index })
+    }
+
+    /// An axis-parallel grid with voxel `(0, 0, 0)` at the world's origin.
+    ///
+    /// # Errors
+    /// As [`Grid::new`]; a spacing of zero cannot be inverted.
+    pub fn with_spacing(dims: [usize; 3], spacing: [f64; 3]) -> Result<Self, GridError> {
+        Self::new(dims, DAffine3::from_scale(DVec3::from_array(spacing)))
+    }
+
+    /// Voxels along x, y and z.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// Number of voxels, at least 1 and below 2³².
+    pub fn n_voxels(&self) -> usize {
+        self.dims.iter().product()
+    }
+
+    /// Takes index space to world space.
+    pub fn world_from_index(&self) -> DAffine3 {
+        self.world_from_index
+    }
+
+    /// Takes world space to index space.
+    pub fn index_from_world(&self) -> DAffine3 {
+        self.world_from_index.inverse()
+    }
+
+    /// World length of a step along each axis.
+    pub fn spacing(&self) -> [f64; 3] {
+        let m = self.world_from_index.matrix3;
+        [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()]
+    }
+
+    /// The world length of one voxel step: the shortest column of the matrix (SPEC §1). Slab
+    /// widths and opacities are per unit.
+    pub fn unit(&self) -> f64 {
+        self.spacing().into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// The middle of the grid in index space.
+    pub fn center_in_index(&self) -> DVec3 {
+        DVec3::from_array(self.dims.map(|n| (n as f64 - 1.0) / 2.0))
+    }
+
+    /// The middle of the grid in world space.
+    pub fn center_in_world(&self) -> DVec3 {
+        self.world_from_index.transform_point3(self.center_in_index())
+    }
+
+    /// Where voxel `(i, j, k)` is in memory.
+    ///
+    /// # Panics
+    /// In debug builds, if a coordinate is outside the grid.
+    pub fn voxel_idx(&self, [i, j, k]: [usize; 3]) -> usize {
+        let [nx, ny, nz] = self.dims;
+        debug_assert!(
+            i < nx && j < ny && k < nz,
+            "voxel ({i}, {j}, {k}) is outside {:?}",
+            self.dims
+        );
+        (k * ny + j) * nx + i
+    }
+
+    /// The coordinates `(i, j, k)` of the voxel at `voxel_idx` in memory.
+    pub fn voxel_coords(&self, voxel_idx: usize) -> [usize; 3] {
+        let [nx, ny, _] = self.dims;
+        let row = voxel_idx / nx;
+        [voxel_idx % nx, row % ny, row / ny]
+    }
+}
+
+fn is_invertible(m: DMat3) -> bool {
+    let volume_of_box = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
+    let lengths_are_sane = volume_of_box.is_normal()
+        && [m.x_axis, m.y_axis, m.z_axis].iter().all(|c| c.length() < MAX_COORDINATE);
+    lengths_are_sane && MIN_SKEW < m.determinant().abs() / volume_of_box
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grid_index_round_trip() {
+        let grid = Grid::with_spacing([3, 4, 5], [1.0, 2.0, 0.5]).unwrap();
+        for voxel_idx in 0..grid.n_voxels() {
+            assert_eq!(grid.voxel_idx(grid.voxel_coords(voxel_idx)), voxel_idx);
+        }
+        assert_eq!(grid.voxel_coords(1), [1, 0, 0], "x runs fastest");
+    }
+
+    #[test]
+    fn grid_unit_is_shortest_column() {
+        let sheared = DAffine3::from_mat3(DMat3::from_cols(
+            DVec3::new(2.0, 0.0, 0.0),
+            DVec3::new(0.3, 1.5, 0.0),
+            DVec3::new(0.0, 0.0, -3.0),
+        ));
+        let grid = Grid::new([4, 4, 4], sheared).unwrap();
+        assert!((grid.unit() - 1.5_f64.hypot(0.3)).abs() < 1e-12);
+        let there_and_back = grid.index_from_world() * grid.world_from_index();
+        assert!(there_and_back.abs_diff_eq(DAffine3::IDENTITY, 1e-12));
+    }
+
+    #[test]
+    fn grid_rejects_what_cannot_be_inverted() {
+        assert_eq!(Grid::with_spacing([0, 1, 1], [1.0; 3]), Err(GridError::Empty([0, 1, 1])));
+        for bad in [[0.0, 1.0, 1.0], [f64::NAN, 1.0, 1.0], [f64::INFINITY, 1.0, 1.0], [1e200; 3]] {
+            let err = Grid::with_spacing([2, 2, 2], bad).unwrap_err();
+            assert!(matches!(err, GridError::Singular { .. }), "{bad:?}: {err}");
+        }
+        for huge in [[usize::MAX; 3], [1 << 16, 1 << 16, 1]] {
+            assert_eq!(Grid::with_spacing(huge, [1.0; 3]), Err(GridError::TooLarge(huge)));
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! The picture: premultiplied RGBA in 32-bit floats.
+
+use thiserror::Error;
+
+/// Size and background of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImageDesc {
+    /// Pixels in a row, 1 … 32768.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue and opacity behind the volume, 0 … 1, not premultiplied.
+    pub background: [f32; 4],
+}
+
+/// A picture of premultiplied RGBA, row 0 at the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    pixels: Vec<[f32; 4]>,
+}
+
+/// Why a picture cannot be made.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ImageError {
+    /// A side is 0 or too long.
+    #[error("an image of {width} x {height} pixels cannot be made: sides are 1 to 32768")]
+    BadSize {
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// A background channel is outside 0 … 1.
+    #[error("the background must be four numbers from 0 to 1, not {0:?}")]
+    BadBackground([f32; 4]),
+}
+
+/// Longest side of a picture in pixels.
+const MAX_SIDE: u32 = 32768;
+
+impl Default for ImageDesc {
+    fn default() -> Self {
+        Self { width: 512, height: 512, background: [0.0; 4] }
+    }
+}
+
+impl ImageDesc {
+    /// The same, if such a picture can be made.
+    ///
+    /// # Errors
+    /// If a side is 0 or over 32768, or a background channel is outside 0 … 1.
+    pub fn checked(self) -> Result<Self, ImageError> {
+        let Self { width, height, background } = self;
+        if [width, height].iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
+            return Err(ImageError::BadSize { width, height });
+        }
+        if background.iter().any(|c| !(0.0..=1.0).contains(c)) {
+            return Err(ImageError::BadBackground(background));
+        }
+        Ok(self)
+    }
+
+    /// Number of pixels.
+    pub fn n_pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+}
+
+impl Image {
+    /// A picture of one colour, premultiplied.
+    pub fn filled(width: u32, height: u32, pixel: [f32; 4]) -> Self {
+        Self { width, height, pixels: vec![pixel; width as usize * height as usize] }
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All pixels, row by row from the top.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
+    }
+
+    /// All pixels, to be written.
+    pub fn pixels_mut(&mut self) -> &mut [[f32; 4]] {
+        &mut self.pixels
+    }
+
+    /// The pixel in column `x` of row `y`.
+    ///
+    /// # Panics
+    /// If it is outside the picture.
+    pub fn pixel(&self, x: u32, y: u32) -> [f32; 4] {
+        assert!(x < self.width && y < self.height, "pixel ({x}, {y}) is outside the image");
+        self.pixels[y as usize * self.width as usize + x as usize]
+    }
+
+    /// Lays a straight (not premultiplied) colour under every pixel.
+    pub fn lay_over(&mut self, [r, g, b, a]: [f32; 4]) {
+        let under = [r * a, g * a, b * a, a];
+        for pixel in &mut self.pixels {
+            let through = 1.0 - pixel[3];
+            for (channel, below) in pixel.iter_mut().zip(under) {
+                *channel += through * below;
+            }
+        }
+    }
+
+    /// The largest difference of any channel from `other`.
+    ///
+    /// # Panics
+    /// If the sizes differ.
+    pub fn max_difference(&self, other: &Self) -> f32 {
+        self.differences(other).fold(0.0, f32::max)
+    }
+
+    /// The mean difference of all channels from `other`.
+    ///
+    /// # Panics
+    /// If the sizes differ.
+    pub fn mean_difference(&self, other: &Self) -> f64 {
+        let sum: f64 = self.differences(other).map(f64::from).sum();
+        sum / (4 * self.pixels.len()) as f64
+    }
+
+    fn differences<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = f32> + 'a {
+        let sizes = [(self.width, self.height), (other.width, other.height)];
+        assert_eq!(sizes[0], sizes[1], "images of different size cannot be compared");
+        let channels = |image: &'a Self| image.pixels.iter().flatten();
+        channels(self).zip(channels(other)).map(|(a, b)| (a - b).abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn image_lays_over_background() {
+        let mut image = Image::filled(1, 1, [0.25, 0.0, 0.0, 0.5]);
+        image.lay_over([1.0, 1.0, 0.0, 0.5]);
+        assert_eq!(image.pixel(0, 0), [0.5, 0.25, 0.0, 0.75]);
+    }
+
+    #[test]
+    fn image_differences() {
+        let a = Image::filled(2, 1, [0.0; 4]);
+        let mut b = a.clone();
+        b.pixels_mut()[1][2] = 0.5;
+        assert_eq!(a.max_difference(&b), 0.5);
+        assert_eq!(a.mean_difference(&b), 0.0625);
+    }
+
+    #[test]
+    fn image_desc_rejects_bad_sizes() {
+        assert!(ImageDesc::default().checked().is_ok());
+        assert!(ImageDesc { width: 0, ..ImageDesc::default() }.checked().is_err());
+        assert!(ImageDesc { height: 1 << 20, ..ImageDesc::default() }.checked().is_err());
+        assert!(
+            ImageDesc { background: [0.0, 2.0, 0.0, 0.0], ..ImageDesc::default() }
+                .checked()
+                .is_err()
+        );
+    }
+}

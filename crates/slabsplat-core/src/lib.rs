@@ -1,0 +1,56 @@
+//! What a scene is made of: a [`Volume`] on a [`Grid`], a [`Camera`], a [`TransferFunction`],
+//! [`Shading`] and [`RenderSettings`]; and what comes out, an [`Image`].
+//!
+//! Everything here is checked where it is made. A [`Grid`] that exists can be inverted, a
+//! [`TransferFunction`] has sorted and finite points, a [`Camera`] has three right-angled axes, so
+//! that the crates above never ask again. Nothing here reads a file or draws.
+//!
+//! # Spaces
+//!
+//! - *index space*: voxel `(i, j, k)` sits at the point `(i, j, k)`; x runs fastest in memory.
+//! - *world space*: what the camera and the lights are given in; `x = A·(i, j, k) + o`.
+//! - *view space*: right, up, and *depth*, the distance along the viewing direction from the eye.
+//!
+//! A matrix is named `to_from_from`: `world_from_index` takes index space to world space.
+//!
+//! # Reading order
+//!
+//! `grid`, `sample`, `volume`; `camera`, `transfer`, `shading`, `settings`, `scene`; `voxel`, `image`.
+//!
+//! ```
+//! use slabsplat_core::{Grid, Samples, Scaling, Volume};
+//!
+//! let grid = Grid::with_spacing([2, 2, 1], [1.0, 1.0, 2.5])?;
+//! let volume = Volume::new(grid, Samples::U8(vec![0, 10, 20, 30]), Scaling::IDENTITY)?;
+//! assert_eq!(volume.value(3), 30.0);
+//! assert_eq!(volume.grid().unit(), 1.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod grid;
+mod sample;
+mod volume;
+
+mod camera;
+mod scene;
+mod settings;
+mod shading;
+mod transfer;
+
+mod image;
+mod voxel;
+
+pub use camera::{Camera, CameraError, Projection, ViewAxes};
+pub use grid::{Grid, GridError};
+pub use image::{Image, ImageDesc, ImageError};
+pub use sample::{Sample, SampleType, Samples};
+pub use scene::Scene;
+pub use settings::{
+    Compositing, KernelName, Lookup, Method, Normalization, RenderSettings, SettingsError,
+};
+pub use shading::{Light, Phong, Shading, ShadingError};
+pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
+pub use volume::{Scaling, Summary, Volume, VolumeError};
+pub use voxel::VoxelRecord;
+
+pub use glam;
