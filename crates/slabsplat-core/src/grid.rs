@@ -54,8 +54,7 @@ impl Grid {
             return Err(GridError::TooLarge(dims));
         }
         let m = world_from_index.matrix3;
-        if !is_invertible(m) || !(world_from_index.translation.abs().max_element() < MAX_COORDINATE)
-        {
+        if !is_invertible(m) || !is_reachable(world_from_index.translation) {
             return Err(GridError::Singular { x: m.x_axis, y: m.y_axis, z: m.z_axis });
         }
         Ok(Self { dims, world_from_index })
@@ -131,6 +130,10 @@ impl Grid {
         let row = voxel_idx / nx;
         [voxel_idx % nx, row % ny, row / ny]
     }
+}
+
+fn is_reachable(point: DVec3) -> bool {
+    point.is_finite() && point.abs().max_element() < MAX_COORDINATE
 }
 
 fn is_invertible(m: DMat3) -> bool {
