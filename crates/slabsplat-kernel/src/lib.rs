@@ -1,1 +1,57 @@
-//! Placeholder.
+//! Reconstruction kernels, what a slab cuts out of them, and tables of that.
+//!
+//! A voxel is a 3D [`Kernel`], a ball of finite radius in index space. A slab parallel to the image
+//! cuts a *section* out of it, whose line integrals ([`SectionDesc`]) are what the paper sums in a
+//! sheet (§3.2). Exact integrals are slow, so they are sampled once a slab width into a
+//! [`SectionTable`]; the two traditional methods use the [`FootprintTable`] of the whole kernel.
+//! [`FootprintShape`] says how a grid that is neither cubic nor upright bends all this.
+//!
+//! Nothing here knows voxels, images or colours. A new kernel implements [`Kernel`] and joins the
+//! list in `kernel.rs`; nothing else in the project changes.
+//!
+//! # Reading order
+//!
+//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `section_table`, `footprint_table`;
+//! `footprint_shape`.
+//!
+//! ```
+//! use slabsplat_core::{Lookup, Normalization};
+//! use slabsplat_kernel::{SectionDesc, SectionTable, TableDesc, kernel_named};
+//!
+//! let kernel = kernel_named("gaussian")?;
+//! let desc = SectionDesc {
+//!     kernel: &*kernel,
+//!     width: 1.0,
+//!     kappa: 1.0,
+//!     normalization: Normalization::None,
+//!     base_width: 0.5,
+//! };
+//! let table = TableDesc { sections: 128, radial_samples: 128, lookup: Lookup::Linear };
+//! let table = SectionTable::new(&desc, table);
+//! let (rho, front) = (0.3, -0.5);
+//! let exact = desc.weight(rho, front);
+//! let sampled = table.sample(rho as f32, front as f32, (front + 1.0) as f32);
+//! assert!((f64::from(sampled) - exact).abs() < 1e-4);
+//! # Ok::<(), slabsplat_kernel::UnknownKernel>(())
+//! ```
+
+mod kernel;
+
+mod crawfis_max;
+mod gaussian;
+
+mod hierarchy;
+mod section;
+
+mod footprint_table;
+mod section_table;
+
+mod footprint_shape;
+
+pub use crawfis_max::CrawfisMax;
+pub use footprint_shape::FootprintShape;
+pub use footprint_table::FootprintTable;
+pub use gaussian::Gaussian;
+pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
+pub use section::SectionDesc;
+pub use section_table::{SectionTable, TableDesc, lerp_radial};

@@ -1,0 +1,144 @@
+//! How a grid's matrix and a view make the kernel's ball an ellipsoid: the paper's future work on
+//! grids of unequal scaling (§7), without resampled slices.
+//!
+//! In index space the kernel stays a ball and the rays get a new direction and a new length, so one
+//! radial table serves every grid. Slab faces may then cut the rays obliquely: *tilt* says how the
+//! offset of the cut changes over the footprint. `docs/algorithm.md` derives the two forms.
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Grid, ViewAxes};
+
+/// A kernel of radius 1 in index space, as the view sees it. World units throughout.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootprintShape {
+    /// `κ`: index-space length of a ray over one `unit` of depth.
+    pub kappa: f64,
+    /// `|d|`: index-space length of a ray over one world unit of depth.
+    pub index_per_depth: f64,
+    /// `ρ² = xx·X² + 2·xy·X·Y + yy·Y²` at `X` to the right and `Y` above the centre: `[xx, xy, yy]`.
+    pub rho_squared: [f64; 3],
+    /// `p·d̂ = tilt[0]·X + tilt[1]·Y`: by how much a slab face is cut later than at the centre.
+    pub tilt: [f64; 2],
+    /// Half the width and half the height of the ellipsoid.
+    pub half_extent: [f64; 2],
+    /// Half the ellipsoid's thickness along the viewing direction.
+    pub half_depth: f64,
+}
+
+/// Offsets that differ by less than this over a footprint read the same section.
+const NEGLIGIBLE_TILT: f64 = 1e-5;
+
+impl FootprintShape {
+    /// The shape of the kernels of `grid` seen along `axes`.
+    pub fn new(grid: &Grid, axes: &ViewAxes) -> Self {
+        let index_from_world = grid.index_from_world().matrix3;
+        let [right, up, ray] =
+            [axes.right, axes.up, axes.forward].map(|axis| index_from_world * axis);
+        let along = ray.normalize();
+        let across = |p: DVec3| p - along * p.dot(along);
+        let (across_right, across_up) = (across(right), across(up));
+        let index_from_view = grid.world_from_index().matrix3.transpose();
+        let extent = |axis: DVec3| (index_from_view * axis).length();
+        Self {
+            kappa: grid.unit() * ray.length(),
+            index_per_depth: ray.length(),
+            rho_squared: [
+                across_right.length_squared(),
+                across_right.dot(across_up),
+                across_up.length_squared(),
+            ],
+            tilt: [right.dot(along), up.dot(along)],
+            half_extent: [extent(axes.right), extent(axes.up)],
+            half_depth: extent(axes.forward),
+        }
+    }
+
+    /// Whether slab faces cut the rays at different offsets within a footprint of `radius`.
+    pub fn is_tilted(&self, radius: f64) -> bool {
+        let [x, y] = self.tilt;
+        let [half_width, half_height] = self.half_extent;
+        NEGLIGIBLE_TILT < radius * (x.abs() * half_width + y.abs() * half_height)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::glam::{DAffine3, DMat3, DQuat};
+    use slabsplat_core::{Camera, Projection};
+
+    fn axes(eye: DVec3) -> ViewAxes {
+        let projection = Projection::Orthographic { view_height: 1.0 };
+        Camera::new(eye, DVec3::ZERO, DVec3::new(0.1, 1.0, 0.2), projection).unwrap().axes()
+    }
+
+    fn sheared() -> Grid {
+        let turn = DMat3::from_quat(DQuat::from_axis_angle(DVec3::ONE.normalize(), 0.4));
+        let shear = DMat3::from_cols(
+            DVec3::new(1.0, 0.0, 0.0),
+            DVec3::new(0.3, 1.2, 0.0),
+            DVec3::new(-0.2, 0.1, -2.0),
+        );
+        Grid::new([5, 5, 5], DAffine3::from_mat3(turn * shear)).unwrap()
+    }
+
+    #[test]
+    fn footprint_shape_of_cubic_grid_is_a_disc() {
+        let grid = Grid::with_spacing([4; 3], [0.5; 3]).unwrap();
+        let shape = FootprintShape::new(&grid, &axes(DVec3::new(3.0, 1.0, 2.0)));
+        assert!((shape.kappa - 1.0).abs() < 1e-12);
+        let [xx, xy, yy] = shape.rho_squared;
+        assert!((xx - 4.0).abs() < 1e-12 && xy.abs() < 1e-12 && (yy - 4.0).abs() < 1e-12);
+        assert!(!shape.is_tilted(2.0));
+        assert!((shape.half_depth - 0.5).abs() < 1e-12);
+    }
+
+    /// Both forms against their definition: the distance of a ray from the origin in index space,
+    /// and where on the ray its nearest point is.
+    #[test]
+    fn footprint_shape_measures_rays_in_index_space() {
+        let (grid, axes) = (sheared(), axes(DVec3::new(2.0, -1.0, 3.0)));
+        let shape = FootprintShape::new(&grid, &axes);
+        assert!(shape.is_tilted(2.0));
+        let index_from_world = grid.index_from_world().matrix3;
+        for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (-0.7, 2.1)] {
+            let through = index_from_world * (axes.right * x + axes.up * y);
+            let step = index_from_world * axes.forward;
+            let t = -through.dot(step) / step.length_squared();
+            let nearest = through + step * t;
+            let [xx, xy, yy] = shape.rho_squared;
+            let rho_squared = xx * x * x + 2.0 * xy * x * y + yy * y * y;
+            assert!((rho_squared - nearest.length_squared()).abs() < 1e-12);
+            let offset = shape.tilt[0] * x + shape.tilt[1] * y;
+            assert!((offset + t * shape.index_per_depth).abs() < 1e-12);
+        }
+    }
+
+    /// The extents, against points all over the ellipsoid.
+    #[test]
+    fn footprint_shape_bounds_the_ellipsoid() {
+        let (grid, axes) = (sheared(), axes(DVec3::new(2.0, -1.0, 3.0)));
+        let shape = FootprintShape::new(&grid, &axes);
+        let mut largest = DVec3::ZERO;
+        for i in 0..200 {
+            for j in 0..400 {
+                let (polar, azimuth) = (f64::from(i) / 200.0, f64::from(j) / 400.0);
+                let (polar, azimuth) =
+                    (polar * std::f64::consts::PI, azimuth * std::f64::consts::TAU);
+                let on_ball = DVec3::new(
+                    polar.sin() * azimuth.cos(),
+                    polar.sin() * azimuth.sin(),
+                    polar.cos(),
+                );
+                let at = grid.world_from_index().matrix3 * on_ball;
+                let in_view = DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward));
+                largest = largest.max(in_view.abs());
+            }
+        }
+        let [half_width, half_height] = shape.half_extent;
+        let bounds = DVec3::new(half_width, half_height, shape.half_depth);
+        assert!(
+            (bounds - largest).max_element() < 2e-3 && -1e-12 < (bounds - largest).min_element()
+        );
+    }
+}

@@ -1,0 +1,298 @@
+//! The section table (paper §3.2, figure 5): a kernel's sections by one slab width, sampled along the
+//! radius and along the offset of the slab from the voxel.
+//!
+//! A row holds one section from its middle to its edge. The rows stand `(2R + w)/sections` apart in
+//! offset, all in index space. A plain section looks the same from both sides, so only half of the
+//! rows are stored, named by their *reach*: how deep the slab reaches into the kernel from the nearer
+//! end. A slab wider than the kernel cuts nothing more at reach `2R` than at any deeper one, so
+//! that is where its rows end. A normalised section is not symmetric (`hierarchy.rs`) and has all
+//! its rows.
+
+use crate::SectionDesc;
+use slabsplat_core::{Lookup, Normalization};
+
+/// How finely a [`SectionTable`] is sampled, and how it is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TableDesc {
+    /// Rows over all offsets at which slab and kernel meet; the paper takes 128.
+    pub sections: u32,
+    /// Samples from the middle of a section to its edge.
+    pub radial_samples: u32,
+    /// How an offset between two rows is read.
+    pub lookup: Lookup,
+}
+
+/// Sampled sections of one kernel by slabs of one width.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SectionTable {
+    rows: RowMap,
+    lookup: Lookup,
+    /// Values in a row: samples 0 to `radial_samples`, and one more 0, so that interpolation never
+    /// looks past the end.
+    row_len: usize,
+    samples_per_index: f32,
+    weights: Vec<f32>,
+}
+
+/// Where along the rows an offset lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct RowMap {
+    radius: f32,
+    rows_per_index: f32,
+    last_row: f32,
+    mirrored: bool,
+}
+
+impl SectionTable {
+    /// Samples the sections of `desc`; some `sections × radial_samples` exact integrals.
+    pub fn new(desc: &SectionDesc<'_>, table: TableDesc) -> Self {
+        let radius = desc.kernel.radius();
+        let mirrored = desc.normalization == Normalization::None;
+        let row_spacing = row_spacing(desc, table.sections);
+        let deepest = if mirrored {
+            (radius + 0.5 * desc.width_in_index()).min(2.0 * radius)
+        } else {
+            2.0 * radius + desc.width_in_index()
+        };
+        let n_intervals = (deepest / row_spacing - 1e-9).ceil();
+        // The offset of row 0: the slab's back face just touches the kernel.
+        let first_front = -radius - desc.width_in_index();
+        let weights = (0..=n_intervals as usize)
+            .map(|row_idx| first_front + row_idx as f64 * row_spacing)
+            .flat_map(|front| {
+                sample_row(table.radial_samples, radius, move |rho| desc.weight(rho, front))
+            })
+            .collect();
+        Self {
+            rows: RowMap {
+                radius: radius as f32,
+                rows_per_index: (1.0 / row_spacing) as f32,
+                last_row: (deepest / row_spacing) as f32,
+                mirrored,
+            },
+            lookup: table.lookup,
+            row_len: row_len(table.radial_samples),
+            samples_per_index: (f64::from(table.radial_samples) / radius) as f32,
+            weights,
+        }
+    }
+
+    /// The weight at distance `rho` of the section between the faces `front` and `back`, which cut the
+    /// ray that many index units behind its point nearest to the voxel.
+    #[inline]
+    pub fn sample(&self, rho: f32, front: f32, back: f32) -> f32 {
+        let (row_idx, t) = self.row_at(front, back);
+        let position = self.radial_position(rho);
+        let near = lerp_radial(self.row(row_idx), position);
+        if t == 0.0 {
+            return near;
+        }
+        near + t * (lerp_radial(self.row(row_idx + 1), position) - near)
+    }
+
+    /// Writes the section between two faces to `row`, of [`row_len`](Self::row_len) values, to be read by
+    /// [`lerp_radial`].
+    #[inline]
+    pub fn blend(&self, front: f32, back: f32, row: &mut [f32]) {
+        let (row_idx, t) = self.row_at(front, back);
+        let near = self.row(row_idx);
+        if t == 0.0 {
+            row.copy_from_slice(near);
+            return;
+        }
+        let far = self.row(row_idx + 1);
+        for ((out, near), far) in row.iter_mut().zip(near).zip(far) {
+            *out = near + t * (far - near);
+        }
+    }
+
+    /// Values in a row.
+    pub fn row_len(&self) -> usize {
+        self.row_len
+    }
+
+    /// Number of rows stored.
+    pub fn n_rows(&self) -> usize {
+        self.weights.len() / self.row_len
+    }
+
+    /// All rows, one after the other.
+    pub fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
+    /// Samples in a row per index unit of distance.
+    pub fn samples_per_index(&self) -> f32 {
+        self.samples_per_index
+    }
+
+    #[inline]
+    fn radial_position(&self, rho: f32) -> f32 {
+        (rho * self.samples_per_index).min((self.row_len - 2) as f32)
+    }
+
+    /// The row at or below an offset, and how far it is to the next one, 0 … 1.
+    #[inline]
+    fn row_at(&self, front: f32, back: f32) -> (usize, f32) {
+        let position = self.rows.position(front, back);
+        match self.lookup {
+            Lookup::Nearest => ((position + 0.5) as usize, 0.0),
+            Lookup::Linear => {
+                let row_idx = position as usize;
+                (row_idx, position - row_idx as f32)
+            }
+        }
+    }
+
+    #[inline]
+    fn row(&self, row_idx: usize) -> &[f32] {
+        &self.weights[row_idx * self.row_len..][..self.row_len]
+    }
+}
+
+impl RowMap {
+    /// Rows from the first, with a fraction.
+    #[inline]
+    fn position(self, front: f32, back: f32) -> f32 {
+        let from_front = back + self.radius;
+        let reach = if self.mirrored { from_front.min(self.radius - front) } else { from_front };
+        (reach * self.rows_per_index).clamp(0.0, self.last_row)
+    }
+}
+
+/// Interpolates a row of a table at `position` samples from its start.
+#[inline]
+pub fn lerp_radial(row: &[f32], position: f32) -> f32 {
+    let idx = position as usize;
+    let t = position - idx as f32;
+    row[idx] + t * (row[idx + 1] - row[idx])
+}
+
+/// Distance between rows in index space: the paper's, but never coarser than it is for a slab as
+/// wide as the kernel, or thick slabs would be read from ever fewer rows.
+fn row_spacing(desc: &SectionDesc<'_>, sections: u32) -> f64 {
+    let kernel_extent = 2.0 * desc.kernel.radius();
+    (kernel_extent + desc.width_in_index().min(kernel_extent)) / f64::from(sections)
+}
+
+pub(crate) fn row_len(radial_samples: u32) -> usize {
+    radial_samples as usize + 2
+}
+
+/// Samples `weight_at` from 0 to `radius`, and adds the guard.
+pub(crate) fn sample_row(
+    radial_samples: u32,
+    radius: f64,
+    weight_at: impl Fn(f64) -> f64,
+) -> impl Iterator<Item = f32> {
+    let step = radius / f64::from(radial_samples);
+    let samples =
+        (0..=radial_samples).map(move |sample| weight_at(f64::from(sample) * step) as f32);
+    samples.chain(std::iter::once(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{KERNEL_NAMES, kernel_named};
+
+    const PAPER: TableDesc =
+        TableDesc { sections: 128, radial_samples: 128, lookup: Lookup::Nearest };
+    const DEFAULT: TableDesc = TableDesc { lookup: Lookup::Linear, ..PAPER };
+
+    fn desc<'a>(name: &str, width: f64, normalization: Normalization) -> SectionDesc<'a> {
+        let kernel = Box::leak(Box::new(kernel_named(name).unwrap()));
+        SectionDesc { kernel: &**kernel, width, kappa: 1.0, normalization, base_width: 0.5 }
+    }
+
+    /// Largest and mean error over a lattice of offsets and distances that hits no sample.
+    fn errors(desc: &SectionDesc<'_>, table: TableDesc) -> (f64, f64) {
+        let sampled = SectionTable::new(desc, table);
+        let (radius, width) = (desc.kernel.radius(), desc.width_in_index());
+        let (n_offsets, n_radii) = (701, 211);
+        let (mut worst, mut sum) = (0.0_f64, 0.0);
+        for o in 0..n_offsets {
+            let front = -radius - width
+                + (f64::from(o) + 0.3) / f64::from(n_offsets) * (2.0 * radius + width);
+            for r in 0..n_radii {
+                let rho = (f64::from(r) + 0.4) / f64::from(n_radii) * radius;
+                let read = sampled.sample(rho as f32, front as f32, (front + width) as f32);
+                let error = (f64::from(read) - desc.weight(rho, front)).abs();
+                worst = worst.max(error);
+                sum += error;
+            }
+        }
+        (worst, sum / f64::from(n_offsets * n_radii))
+    }
+
+    /// The measured error of the table against the exact integral, per section.
+    #[test]
+    fn section_table_error_is_small() {
+        for &name in KERNEL_NAMES {
+            for width in [0.25, 0.5, 1.0, 2.0, 5.0, 100.0] {
+                let desc = desc(name, width, Normalization::None);
+                let (worst, mean) = errors(&desc, DEFAULT);
+                println!("{name} w={width}: linear {worst:.1e} (mean {mean:.1e})");
+                assert!(worst < 4e-4 && mean < 5e-5, "{name} w={width}: {worst} {mean}");
+                let (worst, mean) = errors(&desc, PAPER);
+                println!("{name} w={width}: nearest {worst:.1e} (mean {mean:.1e})");
+                assert!(worst < 2e-2 && mean < 2e-3, "{name} w={width}: {worst} {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn section_table_error_is_small_when_normalized() {
+        for normalization in [Normalization::Paper, Normalization::Product] {
+            for width in [0.75, 1.0, 2.0, 3.0, 16.0] {
+                let (worst, mean) = errors(&desc("gaussian", width, normalization), DEFAULT);
+                println!("{normalization} w={width}: {worst:.1e} (mean {mean:.1e})");
+                assert!(worst < 1e-3 && mean < 5e-5, "{normalization} w={width}: {worst} {mean}");
+            }
+        }
+    }
+
+    #[test]
+    fn section_table_doubled_resolution_quarters_the_error() {
+        let desc = desc("gaussian", 1.0, Normalization::None);
+        let (_, coarse) = errors(&desc, DEFAULT);
+        let twice = TableDesc { sections: 256, radial_samples: 256, ..DEFAULT };
+        let (_, fine) = errors(&desc, twice);
+        assert!(fine < 0.35 * coarse, "{coarse} {fine}");
+    }
+
+    /// §3.2: "symmetry allows the reuse of sections for part of the kernel width".
+    #[test]
+    fn section_table_stores_half_if_symmetric() {
+        let plain = SectionTable::new(&desc("gaussian", 1.0, Normalization::None), PAPER);
+        assert_eq!(plain.n_rows(), 65);
+        let normalized = SectionTable::new(&desc("gaussian", 1.0, Normalization::Product), PAPER);
+        assert_eq!(normalized.n_rows(), 129);
+        assert_eq!(plain.sample(0.4, -1.2, -0.2), plain.sample(0.4, 0.2, 1.2));
+    }
+
+    #[test]
+    fn section_table_row_is_what_sample_reads() {
+        for lookup in [Lookup::Nearest, Lookup::Linear] {
+            let table = TableDesc { sections: 33, radial_samples: 20, lookup };
+            let table = SectionTable::new(&desc("crawfis-max", 0.7, Normalization::None), table);
+            let mut row = vec![0.0; table.row_len()];
+            for front in [-9.0_f32, -1.7, -0.4, 0.0, 1.1, 9.0] {
+                table.blend(front, front + 0.7, &mut row);
+                for rho in [0.0_f32, 0.33, 1.2, 1.5] {
+                    let read = lerp_radial(&row, rho * table.samples_per_index());
+                    let direct = table.sample(rho, front, front + 0.7);
+                    assert!((read - direct).abs() < 1e-7, "{front} {rho}: {read} {direct}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn section_table_is_zero_where_nothing_is_cut() {
+        let table = SectionTable::new(&desc("gaussian", 1.0, Normalization::None), DEFAULT);
+        for (rho, front) in [(0.0, 2.0), (0.0, -3.0), (0.0, 50.0), (2.0, -0.5), (9.0, -0.5)] {
+            assert_eq!(table.sample(rho, front, front + 1.0), 0.0, "{rho} {front}");
+        }
+    }
+}
