@@ -15,7 +15,8 @@
 //!
 //! # Reading order
 //!
-//! `grid`, `sample`, `volume`; `camera`, `transfer`, `shading`, `settings`, `scene`; `voxel`, `image`.
+//! `grid`, `sample`, `volume`; `camera`, `transfer`, `shading`, `settings`, `scene`; `view`,
+//! `slabs`; `voxel`, `image`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -37,6 +38,9 @@ mod settings;
 mod shading;
 mod transfer;
 
+mod slabs;
+mod view;
+
 mod image;
 mod voxel;
 
@@ -49,7 +53,9 @@ pub use settings::{
     Compositing, KernelName, Lookup, Method, Normalization, RenderSettings, SettingsError,
 };
 pub use shading::{Light, Phong, Shading, ShadingError};
+pub use slabs::{SlabGrid, TooManySlabs};
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
+pub use view::{View, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
 pub use voxel::VoxelRecord;
 

@@ -1,0 +1,101 @@
+//! Slabs parallel to the image plane (paper §3.2, SPEC §3).
+
+use thiserror::Error;
+
+/// The slabs that a volume's kernels meet.
+///
+/// Slab `n` lies between the depths `n·thickness` and `(n + 1)·thickness` from the grid's centre. Slabs
+/// are named by their *index*, counted from the first one that any kernel meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabGrid {
+    thickness: f64,
+    first: i64,
+    n_slabs: usize,
+}
+
+/// The slabs are so thin that there are too many of them.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("slabs {thickness} thick cut the volume into {n_slabs:.0} sheets, more than {MAX_SLABS}")]
+pub struct TooManySlabs {
+    /// Thickness asked for, in world units.
+    pub thickness: f64,
+    /// How many slabs that would be.
+    pub n_slabs: f64,
+}
+
+/// Slab numbers up to here are exact in 32-bit floats.
+const MAX_SLABS: u32 = 1 << 22;
+
+impl SlabGrid {
+    /// The slabs of `thickness` world units that meet the depths `near ..= far`.
+    ///
+    /// # Errors
+    /// If there are more than 2²² of them.
+    pub fn covering([near, far]: [f64; 2], thickness: f64) -> Result<Self, TooManySlabs> {
+        let first = (near / thickness).floor();
+        let n_slabs = (far / thickness).ceil() - first;
+        if f64::from(MAX_SLABS) < n_slabs.max(first.abs()) {
+            return Err(TooManySlabs { thickness, n_slabs });
+        }
+        Ok(Self { thickness, first: first as i64, n_slabs: n_slabs as usize })
+    }
+
+    /// Thickness of a slab in world units.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// How many slabs there are.
+    pub fn n_slabs(&self) -> usize {
+        self.n_slabs
+    }
+
+    /// Depth of a slab's front face from the grid's centre.
+    #[inline]
+    pub fn front(&self, slab_idx: usize) -> f64 {
+        (self.first + slab_idx as i64) as f64 * self.thickness
+    }
+
+    /// Depth of a slab's middle from the grid's centre.
+    #[inline]
+    pub fn middle(&self, slab_idx: usize) -> f64 {
+        self.front(slab_idx) + 0.5 * self.thickness
+    }
+
+    /// The first and the last slab that meet the depths `near < far`.
+    #[inline]
+    pub fn meeting(&self, near: f64, far: f64) -> [usize; 2] {
+        let at = |n: f64| (n as i64 - self.first).clamp(0, self.n_slabs as i64 - 1) as usize;
+        let first = at((near / self.thickness).floor());
+        let last = at((far / self.thickness).ceil() - 1.0);
+        [first, last.max(first)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slabs_have_a_face_at_the_center() {
+        let slabs = SlabGrid::covering([-3.2, 3.2], 0.5).unwrap();
+        assert_eq!(slabs.n_slabs(), 14);
+        assert_eq!(slabs.front(7), 0.0);
+        assert_eq!(slabs.middle(0), -3.25);
+    }
+
+    #[test]
+    fn slabs_meeting_a_kernel() {
+        let slabs = SlabGrid::covering([-4.0, 4.0], 1.0).unwrap();
+        assert_eq!(slabs.meeting(-2.0, 2.0), [2, 5], "a voxel on a face");
+        assert_eq!(slabs.meeting(-1.5, 2.5), [2, 6]);
+        assert_eq!(slabs.meeting(-4.0, 4.0), [0, 7]);
+    }
+
+    #[test]
+    fn slabs_too_thin_are_refused() {
+        let err = SlabGrid::covering([-100.0, 100.0], 1e-9).unwrap_err();
+        assert!(err.to_string().contains("more than 4194304"), "{err}");
+        assert!(SlabGrid::covering([-100.0, 100.0], 1e9).is_ok());
+    }
+}

@@ -1,0 +1,149 @@
+//! A camera before a grid: view space, pixels, and how large things are at a depth.
+
+use crate::{Camera, Grid, ImageDesc, Projection, ViewAxes};
+use glam::{DMat3, DVec3};
+
+/// View space and its pixels.
+///
+/// Points in view space are (right, up, depth) in world units: right and up from the optical axis,
+/// depth along it *from the grid's centre*, so that turning the camera about the volume
+/// leaves the slabs where they are (SPEC §3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    axes: ViewAxes,
+    eye: DVec3,
+    center_depth: f64,
+    unit: f64,
+    projection: Projection,
+    image_size: [u32; 2],
+}
+
+impl View {
+    /// The view of `grid` through `camera` on an image.
+    pub fn new(grid: &Grid, camera: &Camera, image: &ImageDesc) -> Self {
+        let axes = camera.axes();
+        Self {
+            axes,
+            eye: camera.eye(),
+            center_depth: (grid.center_in_world() - camera.eye()).dot(axes.forward),
+            unit: grid.unit(),
+            projection: camera.projection(),
+            image_size: [image.width, image.height],
+        }
+    }
+
+    /// Right, up and forward in world space.
+    pub fn axes(&self) -> &ViewAxes {
+        &self.axes
+    }
+
+    /// Width and height of the image in pixels.
+    pub fn image_size(&self) -> [u32; 2] {
+        self.image_size
+    }
+
+    /// Whether rays leave the eye; otherwise they are parallel.
+    pub fn is_perspective(&self) -> bool {
+        matches!(self.projection, Projection::Perspective { .. })
+    }
+
+    /// The point at view space `(0, 0, 0)` and the matrix that takes index space to view space.
+    pub fn from_index(&self, grid: &Grid) -> ViewFromIndex {
+        let ViewAxes { right, up, forward } = self.axes;
+        let view_from_world = DMat3::from_cols(right, up, forward).transpose();
+        let center_in_index = grid.center_in_index();
+        let center_in_view = view_from_world * (grid.center_in_world() - self.eye);
+        ViewFromIndex {
+            matrix: view_from_world * grid.world_from_index().matrix3,
+            center_in_index,
+            center_in_view: center_in_view.with_z(0.0),
+        }
+    }
+
+    /// Least depth at which anything is drawn, from the grid's centre: the eye's plane in an
+    /// orthographic view, one `unit` before the eye in a perspective one.
+    pub fn near_depth(&self) -> f64 {
+        let before_eye = if self.is_perspective() { self.unit } else { 0.0 };
+        before_eye - self.center_depth
+    }
+
+    /// Pixels per world unit at a depth from the grid's centre; the depth must not lie before
+    /// [`near_depth`](Self::near_depth).
+    pub fn pixels_per_world(&self, depth: f64) -> f64 {
+        let height = f64::from(self.image_size[1]);
+        match self.projection {
+            Projection::Orthographic { view_height } => height / view_height,
+            Projection::Perspective { fov_y_radians } => {
+                height / (2.0 * (0.5 * fov_y_radians).tan() * (depth + self.center_depth))
+            }
+        }
+    }
+
+    /// By how much footprints are widened where a pixel covers more than a voxel step (SPEC §5).
+    pub fn stretch(&self, pixels_per_world: f64) -> f64 {
+        (1.0 / (pixels_per_world * self.unit)).max(1.0)
+    }
+}
+
+/// Takes index space to view space; exact for voxels near the grid's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ViewFromIndex {
+    /// Takes steps in index space to steps in view space.
+    pub matrix: DMat3,
+    /// The grid's centre in index space.
+    pub center_in_index: DVec3,
+    /// The grid's centre in view space; its depth is 0.
+    pub center_in_view: DVec3,
+}
+
+impl ViewFromIndex {
+    /// A point of index space in view space.
+    #[inline]
+    pub fn transform(&self, in_index: DVec3) -> DVec3 {
+        self.matrix * (in_index - self.center_in_index) + self.center_in_view
+    }
+
+    /// The least and the largest depth of any voxel of `grid`.
+    pub fn depth_range(&self, grid: &Grid) -> [f64; 2] {
+        let half = self.center_in_index.abs();
+        let depth_per_step = self.matrix.row(2).abs();
+        debug_assert_eq!(half, grid.center_in_index(), "the view belongs to another grid");
+        let reach = depth_per_step.dot(half);
+        [-reach, reach]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view(projection: Projection) -> (Grid, View) {
+        let grid = Grid::with_spacing([3, 3, 5], [1.0, 1.0, 2.0]).unwrap();
+        let target = grid.center_in_world();
+        let camera = Camera::new(target + DVec3::Z * 20.0, target, DVec3::Y, projection).unwrap();
+        let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
+        (grid, View::new(&grid, &camera, &image))
+    }
+
+    #[test]
+    fn view_depth_is_from_grid_center() {
+        let (grid, view) = view(Projection::Orthographic { view_height: 10.0 });
+        let from_index = view.from_index(&grid);
+        let corner = from_index.transform(DVec3::ZERO);
+        assert!(corner.abs_diff_eq(DVec3::new(-1.0, -1.0, 4.0), 1e-12), "{corner}");
+        assert_eq!(from_index.depth_range(&grid), [-4.0, 4.0]);
+        assert_eq!(view.near_depth(), -20.0);
+        assert_eq!(view.pixels_per_world(0.0), 2.0);
+    }
+
+    #[test]
+    fn view_perspective_shrinks_with_depth() {
+        let fov_y_radians = std::f64::consts::FRAC_PI_2;
+        let (_, view) = view(Projection::Perspective { fov_y_radians });
+        assert!((view.pixels_per_world(0.0) - 0.5).abs() < 1e-12);
+        assert!((view.pixels_per_world(20.0) - 0.25).abs() < 1e-12);
+        assert_eq!(view.near_depth(), -19.0);
+        assert_eq!(view.stretch(0.25), 4.0);
+        assert_eq!(view.stretch(3.0), 1.0);
+    }
+}
