@@ -1,2 +1,124 @@
-//! Placeholder.
-fn main() {}
+//! `cargo xtask`: the one entrance to everything that a contributor or a build server runs.
+//!
+//! ```text
+//! cargo xtask lint     cargo xtask test     cargo xtask bench     cargo xtask ci
+//! ```
+//!
+//! Each command is a file of its own name; `cargo xtask` without arguments lists them.
+//! The rules about this repository that no compiler knows are [`tidy`] (files) and [`dependencies`] (crates).
+//! Both run as tests too, so that a plain `cargo test` finds what they find.
+//!
+//! Nothing here is part of the renderer, and no crate may depend on it.
+
+mod lint;
+mod test;
+
+mod bench;
+mod ci;
+
+mod dependencies;
+mod tidy;
+
+mod process;
+mod workspace;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+Usage: cargo xtask COMMAND
+
+  lint           rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
+  test [ARGS]    set up what the tests need, then `cargo test ARGS`, of all packages unless some are named
+  bench [ARGS]   `cargo bench ARGS` on every benchmark of the workspace
+  ci             lint, test, and each feature of each crate built alone
+  help           print this
+
+A filter for the benchmarks, or another option of theirs, follows `--`:
+  cargo xtask bench -- toss --save-baseline before
+";
+
+fn main() -> ExitCode {
+    let task = match parse(std::env::args_os().skip(1)) {
+        Ok(task) => task,
+        Err(message) => {
+            eprint!("error: {message}\n\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(&task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A command with the arguments that it passes on.
+#[derive(Debug, PartialEq)]
+enum Task {
+    Lint,
+    Test(Vec<OsString>),
+    Bench(Vec<OsString>),
+    Ci,
+    Help,
+}
+
+fn run(task: &Task) -> anyhow::Result<()> {
+    match task {
+        Task::Lint => lint::run(),
+        Task::Test(args) => test::run(args),
+        Task::Bench(args) => bench::run(args),
+        Task::Ci => ci::run(),
+        Task::Help => {
+            print!("{USAGE}");
+            Ok(())
+        }
+    }
+}
+
+fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
+    let command = args.next().ok_or("a command is missing")?;
+    let rest: Vec<OsString> = args.collect();
+    let task = match command.to_str() {
+        Some("test") => return Ok(Task::Test(rest)),
+        Some("bench") => return Ok(Task::Bench(rest)),
+        Some("lint") => Task::Lint,
+        Some("ci") => Task::Ci,
+        Some("help" | "--help" | "-h") => Task::Help,
+        _ => return Err(format!("there is no command `{}`", command.display())),
+    };
+    match rest.first() {
+        None => Ok(task),
+        Some(arg) => {
+            Err(format!("`{}` takes no arguments, found `{}`", command.display(), arg.display()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(args: &[&str], expected: Result<Task, &str>) {
+        let task = parse(args.iter().map(OsString::from));
+        assert_eq!(task, expected.map_err(String::from), "arguments {args:?}");
+    }
+
+    #[test]
+    fn parse_commands() {
+        check(&["lint"], Ok(Task::Lint));
+        check(&["ci"], Ok(Task::Ci));
+        check(&["--help"], Ok(Task::Help));
+        check(&["test", "-p", "xtask"], Ok(Task::Test(vec!["-p".into(), "xtask".into()])));
+        check(&["bench", "--", "toss"], Ok(Task::Bench(vec!["--".into(), "toss".into()])));
+    }
+
+    #[test]
+    fn parse_wrong_arguments() {
+        check(&[], Err("a command is missing"));
+        check(&["lnt"], Err("there is no command `lnt`"));
+        check(&["lint", "--fix"], Err("`lint` takes no arguments, found `--fix`"));
+    }
+}

@@ -1,0 +1,63 @@
+//! `cargo xtask ci`: what must pass before a change is handed in.
+//!
+//! Beside lint and test it builds each crate without features, and with each feature alone.
+//! A build of the whole workspace unites the features, and so hides one that does not stand by itself.
+
+use anyhow::{Result, ensure};
+
+use crate::process::{cargo, run as run_command};
+use crate::workspace::{self, Package};
+use crate::{lint, test};
+
+pub(crate) fn run() -> Result<()> {
+    lint::run()?;
+    test::run(&[])?;
+    check_features()
+}
+
+fn check_features() -> Result<()> {
+    let root = workspace::root();
+    let mut failed = Vec::new();
+    for build in workspace::packages(root)?.iter().flat_map(feature_builds) {
+        if run_command(cargo(root).arg("check").args(&build)).is_err() {
+            failed.push(build.join(" "));
+        }
+    }
+    ensure!(failed.is_empty(), "these do not build alone:\n{}", failed.join("\n"));
+    Ok(())
+}
+
+/// The arguments of one build per feature, and of one without; none for a crate that has no features.
+fn feature_builds(package: &Package) -> Vec<Vec<String>> {
+    if package.features.is_empty() {
+        return Vec::new();
+    }
+    let bare = ["--package", &package.name, "--no-default-features"].map(str::to_owned).to_vec();
+    let alone = package.features.iter().filter(|feature| *feature != "default").map(|feature| {
+        let mut build = bare.clone();
+        build.extend(["--features".to_owned(), feature.clone()]);
+        build
+    });
+    std::iter::once(bare.clone()).chain(alone).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(features: &[&str], expected: &[&str]) {
+        let mut package = Package::named("a");
+        package.features = features.iter().map(ToString::to_string).collect();
+        let builds: Vec<String> = feature_builds(&package).iter().map(|b| b.join(" ")).collect();
+        assert_eq!(builds, expected, "features {features:?}");
+    }
+
+    #[test]
+    fn feature_builds_each_alone() {
+        check(&[], &[]);
+        let bare = "--package a --no-default-features";
+        let cpu = "--package a --no-default-features --features cpu";
+        let wgpu = "--package a --no-default-features --features wgpu";
+        check(&["cpu", "default", "wgpu"], &[bare, cpu, wgpu]);
+    }
+}

@@ -1,0 +1,65 @@
+//! `cargo xtask lint`: everything that can be said about the code without running it.
+//!
+//! All steps run even if one fails, the quick ones first: one round shows everything there is to repair.
+//! Nothing is repaired here; `cargo fmt` and `cargo clippy --fix` do that.
+
+use std::path::Path;
+
+use anyhow::{Result, bail, ensure};
+
+use crate::process::{cargo, run as run_command};
+use crate::{dependencies, tidy, workspace};
+
+type Step = fn(&Path) -> Result<()>;
+
+const STEPS: &[(&str, Step)] = &[
+    ("rustfmt", check_format),
+    ("tidy", check_tidy),
+    ("dependency rules", check_dependencies),
+    ("clippy", check_clippy),
+    ("documentation", check_documentation),
+];
+
+pub(crate) fn run() -> Result<()> {
+    let root = workspace::root();
+    let mut failed = Vec::new();
+    for (name, step) in STEPS {
+        eprintln!("lint: {name}");
+        if let Err(error) = step(root) {
+            eprintln!("{error:#}");
+            failed.push(*name);
+        }
+    }
+    ensure!(failed.is_empty(), "lint failed in {}", failed.join(", "));
+    Ok(())
+}
+
+fn check_format(root: &Path) -> Result<()> {
+    run_command(cargo(root).args(["fmt", "--all", "--check"]))
+}
+
+fn check_tidy(root: &Path) -> Result<()> {
+    report(&tidy::check(root)?)
+}
+
+fn check_dependencies(root: &Path) -> Result<()> {
+    report(&dependencies::check(&workspace::packages(root)?))
+}
+
+fn check_clippy(root: &Path) -> Result<()> {
+    let clippy = ["clippy", "--workspace", "--all-targets", "--all-features"];
+    run_command(cargo(root).args(clippy).args(["--", "-D", "warnings"]))
+}
+
+fn check_documentation(root: &Path) -> Result<()> {
+    let doc = ["doc", "--no-deps", "--workspace", "--all-features"];
+    run_command(cargo(root).args(doc).env("RUSTDOCFLAGS", "-Dwarnings"))
+}
+
+fn report(findings: &[impl ToString]) -> Result<()> {
+    if findings.is_empty() {
+        return Ok(());
+    }
+    let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
+    bail!("{}", lines.join("\n"))
+}

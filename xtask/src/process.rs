@@ -1,0 +1,57 @@
+//! Starting other programs: shown before they run, and an error if they fail.
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+/// The cargo that runs us, in `root`.
+pub(crate) fn cargo(root: &Path) -> Command {
+    let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(program);
+    command.current_dir(root);
+    command
+}
+
+pub(crate) fn run(command: &mut Command) -> Result<()> {
+    let line = shown(command);
+    eprintln!("$ {line}");
+    let status = command.status().with_context(|| format!("cannot start `{line}`"))?;
+    ensure!(status.success(), "`{line}` failed, {status}");
+    Ok(())
+}
+
+/// What the command prints, as text.
+pub(crate) fn output(command: &mut Command) -> Result<String> {
+    let line = shown(command);
+    let output = command.output().with_context(|| format!("cannot start `{line}`"))?;
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "`{line}` failed, {}: {}", output.status, complaint.trim());
+    String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed no UTF-8"))
+}
+
+fn shown(command: &Command) -> String {
+    // A full path to the toolchain's cargo says nothing that its name does not.
+    let program = Path::new(command.get_program());
+    let program = program.file_stem().unwrap_or(program.as_os_str());
+    let words = std::iter::once(program).chain(command.get_args());
+    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shown_without_path() {
+        let mut command = Command::new("/opt/toolchain/bin/cargo");
+        command.args(["test", "--workspace"]);
+        assert_eq!(shown(&command), "cargo test --workspace", "the path is left out");
+    }
+
+    #[test]
+    fn output_failure_names_command() {
+        let error = output(cargo(Path::new(".")).arg("no-such-command")).unwrap_err().to_string();
+        assert!(error.starts_with("`cargo no-such-command` failed"), "message: {error}");
+    }
+}

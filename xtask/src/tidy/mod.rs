@@ -1,0 +1,156 @@
+//! Tidy: the rules about files that neither the compiler nor rustfmt nor clippy knows.
+//!
+//! A rule is a function from one file to its findings, and [`FILE_RULES`] lists them all; a rule about the
+//! tree as a whole is called in [`findings`].
+//! To add one, write it with a test on a bad example, and add it to the list.
+//!
+//! Rules judge text, not syntax trees: that is quick, needs no parser, and works while the code does not compile.
+
+mod collect;
+mod layout;
+mod markdown;
+mod rust;
+mod rust_text;
+mod text;
+
+use std::fmt;
+use std::path::Path;
+
+use anyhow::Result;
+
+/// A file that belongs to the repository.
+pub(crate) struct File {
+    /// From the root, with `/` between the parts.
+    path: String,
+    n_bytes: usize,
+    /// What the file says, unless it is binary.
+    text: Option<String>,
+}
+
+/// A broken rule, and where.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Finding {
+    path: String,
+    line: Option<usize>,
+    message: String,
+}
+
+type FileRule = fn(&File) -> Vec<Finding>;
+
+const FILE_RULES: &[FileRule] = &[
+    text::too_long,
+    text::trailing_whitespace,
+    text::carriage_return,
+    text::final_newline,
+    text::bare_todo,
+    rust::header,
+    rust::tab,
+    rust::unfinished_macro,
+    rust::ignored_test,
+    rust::silenced_lint,
+    markdown::one_sentence_a_line,
+    layout::crate_name,
+    layout::inherited_lints,
+    layout::binary_size,
+];
+
+/// All findings in the repository at `root`, by path.
+pub(crate) fn check(root: &Path) -> Result<Vec<Finding>> {
+    Ok(findings(&collect::files(root)?))
+}
+
+fn findings(files: &[File]) -> Vec<Finding> {
+    let mut findings = layout::top_level(files);
+    for file in files {
+        findings.extend(FILE_RULES.iter().flat_map(|rule| rule(file)));
+    }
+    findings.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
+    findings
+}
+
+impl File {
+    fn new(path: &str, bytes: Vec<u8>) -> Self {
+        let n_bytes = bytes.len();
+        // Text without a NUL: the test that git uses, and then what all our tools expect of text.
+        let text = String::from_utf8(bytes).ok().filter(|text| !text.contains('\0'));
+        Self { path: path.to_owned(), n_bytes, text }
+    }
+
+    /// The part after the last dot of the file's name, or nothing.
+    fn extension(&self) -> &str {
+        Path::new(&self.path).extension().and_then(|extension| extension.to_str()).unwrap_or("")
+    }
+
+    /// The text, if this is a text with that extension.
+    fn text_if(&self, extension: &str) -> Option<&str> {
+        self.text.as_deref().filter(|_| self.extension() == extension)
+    }
+
+    fn finding(&self, message: impl Into<String>) -> Finding {
+        Finding { path: self.path.clone(), line: None, message: message.into() }
+    }
+
+    /// `line` counts from 1.
+    fn finding_at(&self, line: usize, message: impl Into<String>) -> Finding {
+        Finding { line: Some(line), ..self.finding(message) }
+    }
+
+    /// One finding for each line that `is_bad`.
+    fn bad_lines(&self, text: &str, is_bad: fn(&str) -> bool, message: &str) -> Vec<Finding> {
+        let lines = text.split('\n').enumerate().filter(|(_, line)| is_bad(line));
+        lines.map(|(idx, _)| self.finding_at(idx + 1, message)).collect()
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.path, self.message),
+            None => write!(f, "{}: {}", self.path, self.message),
+        }
+    }
+}
+
+/// The lines of `rule`'s findings in a file of that name and content, 0 where the whole file is meant.
+#[cfg(test)]
+fn lines_found(rule: FileRule, path: &str, content: &str) -> Vec<usize> {
+    let file = File::new(path, content.as_bytes().to_vec());
+    rule(&file).iter().map(|finding| finding.line.unwrap_or(0)).collect()
+}
+
+/// No line, for comparison with [`lines_found`].
+#[cfg(test)]
+const NONE: [usize; 0] = [];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace;
+
+    #[test]
+    fn tidy_this_repository() {
+        let findings = check(workspace::root()).unwrap();
+        let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
+        assert!(lines.is_empty(), "{} findings:\n{}", lines.len(), lines.join("\n"));
+    }
+
+    #[test]
+    fn findings_by_path_and_line() {
+        let files = [
+            File::new("xtask/b.rs", b"//! B\n \n".to_vec()),
+            File::new("notes.txt", b"one\ntwo \n".to_vec()),
+        ];
+        let lines: Vec<String> = findings(&files).iter().map(ToString::to_string).collect();
+        assert_eq!(lines.len(), 3, "{lines:?}");
+        assert!(lines[0].starts_with("notes.txt: "), "the tree's finding: {lines:?}");
+        assert_eq!(lines[1], "notes.txt:2: trailing whitespace");
+        assert_eq!(lines[2], "xtask/b.rs:2: trailing whitespace");
+    }
+
+    #[test]
+    fn file_binary_has_no_text() {
+        assert_eq!(File::new("a", b"a\0b".to_vec()).text, None, "a NUL");
+        assert_eq!(File::new("a", vec![0xff, 0xfe]).text, None, "no UTF-8");
+        assert_eq!(File::new("a.rs", b"a".to_vec()).text_if("rs"), Some("a"), "text");
+    }
+}

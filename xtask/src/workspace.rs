@@ -1,0 +1,126 @@
+//! What cargo knows about the workspace, as far as the other modules ask: packages, what they use, features, benchmarks.
+//!
+//! Read from `cargo metadata --no-deps`, which parses manifests only: it needs neither a lock file nor a network.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use crate::process::{cargo, output};
+
+#[derive(Clone, Debug)]
+pub(crate) struct Package {
+    pub(crate) name: String,
+    pub(crate) dependencies: Vec<Dependency>,
+    pub(crate) features: Vec<String>,
+    pub(crate) benches: Vec<String>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct Dependency {
+    /// As the registry or the workspace knows it, however the manifest renames it.
+    pub(crate) name: String,
+    /// Whether only tests, examples and benchmarks see it.
+    pub(crate) is_dev: bool,
+}
+
+/// The directory of the workspace's manifest.
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace's directory")
+}
+
+/// The members of the workspace, by name.
+pub(crate) fn packages(root: &Path) -> Result<Vec<Package>> {
+    let metadata = ["metadata", "--no-deps", "--format-version", "1"];
+    parse(&output(cargo(root).args(metadata))?).context("cannot read `cargo metadata`")
+}
+
+fn parse(metadata: &str) -> Result<Vec<Package>> {
+    let metadata: Value = serde_json::from_str(metadata)?;
+    let mut packages: Vec<Package> =
+        array(&metadata, "packages")?.iter().map(parse_package).collect::<Result<_>>()?;
+    packages.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(packages)
+}
+
+fn parse_package(package: &Value) -> Result<Package> {
+    let features = package["features"].as_object().context("`features` is no table")?;
+    let is_bench = |target: &&Value| target["kind"] == serde_json::json!(["bench"]);
+    Ok(Package {
+        name: string(package, "name")?,
+        dependencies: array(package, "dependencies")?
+            .iter()
+            .map(parse_dependency)
+            .collect::<Result<_>>()?,
+        features: features.keys().cloned().collect(),
+        benches: array(package, "targets")?
+            .iter()
+            .filter(is_bench)
+            .map(|target| string(target, "name"))
+            .collect::<Result<_>>()?,
+    })
+}
+
+fn parse_dependency(dependency: &Value) -> Result<Dependency> {
+    Ok(Dependency { name: string(dependency, "name")?, is_dev: dependency["kind"] == "dev" })
+}
+
+fn array<'a>(value: &'a Value, key: &str) -> Result<&'a Vec<Value>> {
+    value[key].as_array().with_context(|| format!("`{key}` is no list"))
+}
+
+fn string(value: &Value, key: &str) -> Result<String> {
+    Ok(value[key].as_str().with_context(|| format!("`{key}` is no string"))?.to_owned())
+}
+
+#[cfg(test)]
+impl Package {
+    pub(crate) fn named(name: &str) -> Self {
+        Self { name: name.to_owned(), dependencies: vec![], features: vec![], benches: vec![] }
+    }
+
+    pub(crate) fn with(mut self, dependency: &str) -> Self {
+        self.dependencies.push(Dependency { name: dependency.to_owned(), is_dev: false });
+        self
+    }
+
+    pub(crate) fn with_dev(mut self, dependency: &str) -> Self {
+        self.dependencies.push(Dependency { name: dependency.to_owned(), is_dev: true });
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METADATA: &str = r#"{ "packages": [ {
+        "name": "a",
+        "dependencies": [
+            { "name": "glam", "kind": null },
+            { "name": "fastrand", "kind": "dev" },
+            { "name": "naga", "kind": "build" }
+        ],
+        "features": { "default": ["simd"], "simd": [] },
+        "targets": [ { "name": "a", "kind": ["lib"] }, { "name": "toss", "kind": ["bench"] } ]
+    } ] }"#;
+
+    #[test]
+    fn parse_one_package() {
+        let packages = parse(METADATA).unwrap();
+        let package = &packages[0];
+        assert_eq!(package.name, "a", "name");
+        assert_eq!(package.features, ["default", "simd"], "features");
+        assert_eq!(package.benches, ["toss"], "benches, without the library");
+        let dev: Vec<(&str, bool)> =
+            package.dependencies.iter().map(|d| (d.name.as_str(), d.is_dev)).collect();
+        assert_eq!(dev, [("glam", false), ("fastrand", true), ("naga", false)], "dependencies");
+    }
+
+    #[test]
+    fn packages_of_this_workspace() {
+        let packages = packages(root()).unwrap();
+        assert!(packages.iter().any(|package| package.name == "xtask"), "xtask is a member");
+    }
+}
