@@ -16,7 +16,7 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`, `transfer`, `shading`, `settings`, `scene`; `view`,
-//! `slabs`; `voxel`, `image`.
+//! `slabs`, `slices`; `voxel`, `image`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -39,6 +39,7 @@ mod shading;
 mod transfer;
 
 mod slabs;
+mod slices;
 mod view;
 
 mod image;
@@ -54,6 +55,7 @@ pub use settings::{
 };
 pub use shading::{Light, Phong, Shading, ShadingError};
 pub use slabs::{SlabGrid, TooManySlabs};
+pub use slices::SliceOrder;
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
 pub use view::{View, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};

@@ -1,7 +1,7 @@
 //! The traditional sheets: slices of the grid along one axis (paper §3.1), which is what pops.
 
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Grid, VoxelRecord};
+use crate::{Grid, VoxelRecord};
+use glam::DVec3;
 
 /// Which slices of the grid are sheets, and in which order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

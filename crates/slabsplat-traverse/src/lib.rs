@@ -7,7 +7,7 @@
 //! - `relevant_list`: `L_r`, the voxels whose opacity is above 0, kept up to date by difference;
 //! - `shade`: classification and Blinn–Phong, once a voxel and frame;
 //! - `project`: index space to view space;
-//! - `depth_order`, `slice_order`: what the two traditional methods sort by;
+//! - `depth_order`: what `every-sample` composites by (`axis-aligned` goes by slices, in core);
 //! - `toss`: buckets instead of a sort (§7), by image tile and then by slab.
 //!
 //! Every stage is parallel, and gives the same result for any number of threads. Nothing here knows
@@ -35,7 +35,6 @@ mod project;
 mod shade;
 
 mod depth_order;
-mod slice_order;
 mod toss;
 
 pub use depth_order::depth_order;
@@ -43,6 +42,5 @@ pub use gradient::Normals;
 pub use project::project;
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::{ShadeDesc, shade};
-pub use slice_order::SliceOrder;
 pub use toss::{SlabBuckets, TileBuckets, TileGrid, TileRect};
 pub use value_order::ValueOrder;

@@ -172,6 +172,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::single_range_in_vec_init, reason = "a list of one run is meant")]
     fn difference_of_runs() {
         let check = |a: &[Range<usize>], b: &[Range<usize>], expected: &[Range<usize>]| {
             assert_eq!(difference(a, b), expected, "{a:?} − {b:?}");

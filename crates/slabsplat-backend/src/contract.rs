@@ -1,0 +1,83 @@
+//! The trait, and what goes through it. The crate's documentation is the contract.
+
+use crate::FramePlan;
+use slabsplat_core::Image;
+use std::task::Poll;
+use thiserror::Error;
+
+/// Executes frame plans. Object-safe: the facade holds a `Box<dyn Backend>`.
+pub trait Backend: Send {
+    /// What it is and what it can do.
+    fn caps(&self) -> &Caps;
+
+    /// Begins a frame; the plan need not live longer than the call.
+    ///
+    /// # Errors
+    /// If the frame does not fit the device, or the device is gone.
+    fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError>;
+
+    /// Takes a frame if it is done, without waiting.
+    ///
+    /// # Errors
+    /// If the frame failed, was never submitted, or was taken already.
+    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError>;
+}
+
+/// What a backend is and what it can do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Caps {
+    /// The name that scene files and flags use.
+    pub name: &'static str,
+    /// What executes the frames, for people.
+    pub device: String,
+}
+
+/// Names a submitted frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct FrameId(pub u64);
+
+/// A finished frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// The picture, background included.
+    pub image: Image,
+    /// What it took.
+    pub stats: FrameStats,
+}
+
+/// What a frame took. Counts are exact and the same in every run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FrameStats {
+    /// Voxels that the plan named.
+    pub n_voxels: u64,
+    /// Sections or whole footprints that were splatted, once for every tile that they touch.
+    pub n_splats: u64,
+    /// Tiles that were full before their last sheet.
+    pub n_full_tiles: u64,
+}
+
+/// Why a frame failed.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum BackendError {
+    /// The frame needs more memory than there is.
+    #[error("the frame needs {needed_bytes} bytes on {device}, which has {available_bytes}")]
+    OutOfMemory {
+        /// What was asked.
+        device: String,
+        /// Bytes needed.
+        needed_bytes: u64,
+        /// Bytes there are.
+        available_bytes: u64,
+    },
+    /// The device is gone; make another backend.
+    #[error("{device} was lost: {reason}")]
+    DeviceLost {
+        /// What was lost.
+        device: String,
+        /// What the driver says.
+        reason: String,
+    },
+    /// No such frame waits to be taken.
+    #[error("frame {} was never submitted, or was taken already", .0.0)]
+    UnknownFrame(FrameId),
+}

@@ -1,0 +1,59 @@
+//! What to draw, decided and checked.
+
+use slabsplat_core::{
+    Compositing, ImageDesc, Shading, SlabGrid, SliceOrder, TransferFunction, View, Volume,
+    VoxelRecord,
+};
+use slabsplat_kernel::{FootprintShape, FootprintTable, SectionTable};
+use std::sync::Arc;
+
+/// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
+#[derive(Clone, Debug)]
+pub struct FramePlan<'a> {
+    /// Where the voxels' values are.
+    pub volume: &'a Volume,
+    /// The voxels to draw, in memory order.
+    pub voxels: &'a [VoxelRecord],
+    /// Their opacity and colour.
+    pub transfer: &'a TransferFunction,
+    /// What light does to that colour.
+    pub shading: Shading,
+    /// View space and pixels.
+    pub view: View,
+    /// Size and background of the picture.
+    pub image: ImageDesc,
+    /// The kernel's radius in index space.
+    pub radius: f64,
+    /// The kernel's ball as the view sees it.
+    pub shape: FootprintShape,
+    /// What a sheet sums, and how that becomes a pixel.
+    pub compositing: Compositing,
+    /// Opacity from which a tile counts as full.
+    pub opacity_cutoff: f32,
+    /// What is splatted, and into which sheets.
+    pub splats: Splats,
+}
+
+/// What is splatted, and into which sheets (SPEC §4).
+#[derive(Clone, Debug)]
+pub enum Splats {
+    /// `image-aligned`: sections, into the slabs that they come from.
+    Sections {
+        /// The slabs.
+        slabs: SlabGrid,
+        /// The sections.
+        table: Arc<SectionTable>,
+    },
+    /// `axis-aligned`: whole footprints, into the grid's slices.
+    Slices {
+        /// The slices.
+        order: SliceOrder,
+        /// The footprint.
+        table: Arc<FootprintTable>,
+    },
+    /// `every-sample`: whole footprints, each a sheet of its own.
+    Voxels {
+        /// The footprint.
+        table: Arc<FootprintTable>,
+    },
+}

@@ -1,0 +1,202 @@
+//! Makes frame plans, and keeps the tables that the next frame can use again.
+
+use crate::{FramePlan, Splats};
+use slabsplat_core::{
+    Method, RenderSettings, Scene, SettingsError, SlabGrid, SliceOrder, TooManySlabs, View, Volume,
+    VoxelRecord,
+};
+use slabsplat_kernel::{
+    FootprintShape, FootprintTable, Kernel, SectionDesc, SectionTable, TableDesc, UnknownKernel,
+    kernel_named,
+};
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a scene cannot be drawn.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlanError {
+    /// There is no such kernel.
+    #[error(transparent)]
+    UnknownKernel(#[from] UnknownKernel),
+    /// A width, count or cut-off cannot be used.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The slabs are too thin for the volume.
+    #[error(transparent)]
+    TooManySlabs(#[from] TooManySlabs),
+}
+
+/// Makes frame plans. Tables of sections cost a millisecond or more, and seldom change
+/// from one frame to the next, so the last ones are kept.
+#[derive(Debug, Default)]
+pub struct Planner {
+    sections: Option<(TableKey, Arc<SectionTable>)>,
+    footprint: Option<(TableKey, Arc<FootprintTable>)>,
+}
+
+/// Everything that the tables are made from.
+#[derive(Clone, Debug, PartialEq)]
+struct TableKey {
+    kappa: f64,
+    settings: RenderSettings,
+}
+
+impl Planner {
+    /// Plans a frame of `scene` that draws `voxels` of `volume`.
+    ///
+    /// # Errors
+    /// If the settings name no kernel, or their numbers cannot be used with this volume.
+    pub fn plan<'a>(
+        &mut self,
+        volume: &'a Volume,
+        voxels: &'a [VoxelRecord],
+        scene: &'a Scene,
+    ) -> Result<FramePlan<'a>, PlanError> {
+        let settings = scene.settings.clone().checked()?;
+        let kernel = kernel_named(&settings.kernel.0)?;
+        let view = View::new(volume.grid(), &scene.camera, &scene.image);
+        let shape = FootprintShape::new(volume.grid(), view.axes());
+        let key = TableKey { kappa: rounded(shape.kappa), settings };
+        let splats = match key.settings.method {
+            Method::ImageAligned => Splats::Sections {
+                slabs: slabs_of(volume, &view, &shape, kernel.radius(), &key.settings)?,
+                table: self.section_table(&*kernel, key),
+            },
+            Method::AxisAligned => Splats::Slices {
+                order: SliceOrder::new(volume.grid(), view.axes().forward),
+                table: self.footprint_table(&*kernel, key),
+            },
+            Method::EverySample => Splats::Voxels { table: self.footprint_table(&*kernel, key) },
+        };
+        Ok(FramePlan {
+            volume,
+            voxels,
+            transfer: &scene.transfer,
+            shading: scene.shading,
+            view,
+            image: scene.image,
+            radius: kernel.radius(),
+            shape,
+            compositing: scene.settings.compositing,
+            opacity_cutoff: scene.settings.opacity_cutoff as f32,
+            splats,
+        })
+    }
+
+    fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
+        keep(&mut self.sections, key, |TableKey { kappa, settings }| {
+            let desc = SectionDesc {
+                kernel,
+                width: settings.slab_width,
+                kappa: *kappa,
+                normalization: settings.normalization,
+                base_width: settings.base_slab_width,
+            };
+            let table = TableDesc {
+                sections: settings.sections,
+                radial_samples: settings.radial_samples,
+                lookup: settings.lookup,
+            };
+            SectionTable::new(&desc, table)
+        })
+    }
+
+    fn footprint_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<FootprintTable> {
+        keep(&mut self.footprint, key, |TableKey { kappa, settings }| {
+            FootprintTable::new(kernel, *kappa, settings.radial_samples)
+        })
+    }
+}
+
+/// A cubic grid has κ = 1 in every view, up to rounding errors, which must not cost a new table.
+fn rounded(kappa: f64) -> f64 {
+    let steps = 1e9;
+    (kappa * steps).round() / steps
+}
+
+/// What `kept` holds, if it was made from `key`; otherwise makes it anew.
+fn keep<T>(
+    kept: &mut Option<(TableKey, Arc<T>)>,
+    key: TableKey,
+    make: impl FnOnce(&TableKey) -> T,
+) -> Arc<T> {
+    match kept {
+        Some((made_from, table)) if *made_from == key => table.clone(),
+        _ => {
+            let table = Arc::new(make(&key));
+            *kept = Some((key, table.clone()));
+            table
+        }
+    }
+}
+
+fn slabs_of(
+    volume: &Volume,
+    view: &View,
+    shape: &FootprintShape,
+    radius: f64,
+    settings: &RenderSettings,
+) -> Result<SlabGrid, TooManySlabs> {
+    let grid = volume.grid();
+    let [near, far] = view.from_index(grid).depth_range(grid);
+    let reach = radius * shape.half_depth;
+    SlabGrid::covering([near - reach, far + reach], settings.slab_width * grid.unit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{
+        Camera, Grid, ImageDesc, KernelName, Projection, Scaling, Shading, TransferFunction,
+    };
+
+    fn volume() -> Volume {
+        let grid = Grid::with_spacing([4, 4, 4], [1.0; 3]).unwrap();
+        Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap()
+    }
+
+    fn scene(settings: RenderSettings) -> Scene {
+        let projection = Projection::Orthographic { view_height: 8.0 };
+        let camera = Camera::new(DVec3::Z * 20.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        Scene {
+            transfer: TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap(),
+            shading: Shading::None,
+            camera,
+            image: ImageDesc { width: 8, height: 8, background: [0.0; 4] },
+            settings,
+        }
+    }
+
+    fn table(planner: &mut Planner, scene: &Scene) -> Arc<SectionTable> {
+        match planner.plan(&volume(), &[], scene).unwrap().splats {
+            Splats::Sections { table, .. } => table,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn planner_keeps_tables_that_did_not_change() {
+        let mut planner = Planner::default();
+        let mut scene = scene(RenderSettings::default());
+        let first = table(&mut planner, &scene);
+        scene.camera = scene.camera.orbited(0.3);
+        let turned = table(&mut planner, &scene);
+        assert!(Arc::ptr_eq(&first, &turned), "the grid is cubic");
+        scene.settings.slab_width = 2.0;
+        assert!(!Arc::ptr_eq(&first, &table(&mut planner, &scene)));
+    }
+
+    #[test]
+    fn planner_refuses_what_cannot_be_drawn() {
+        let check = |settings, expected: &str| {
+            let err = Planner::default().plan(&volume(), &[], &scene(settings)).unwrap_err();
+            assert!(err.to_string().contains(expected), "{err}");
+        };
+        let good = RenderSettings::default();
+        let kernel = KernelName("box".into());
+        check(RenderSettings { kernel, ..good.clone() }, "no kernel \"box\"");
+        check(RenderSettings { slab_width: -1.0, ..good.clone() }, "slab_width");
+        check(RenderSettings { slab_width: 1e-9, ..good }, "sheets");
+    }
+}

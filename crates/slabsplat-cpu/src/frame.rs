@@ -1,0 +1,119 @@
+//! One frame from plan to picture: the stages, in their order.
+
+use crate::composite::{Associated, Composite, Extinction, Separate};
+use crate::raster::Raster;
+use crate::tile::{Scratch, Tile, TileStats};
+use crate::{axis_aligned, every_sample, image_aligned};
+use rayon::prelude::*;
+use slabsplat_backend::{Frame, FramePlan, FrameStats, Splats};
+use slabsplat_core::{Compositing, Image};
+use slabsplat_traverse::{ShadeDesc, TileBuckets, TileGrid, depth_order, project, shade};
+
+/// What a frame needs a voxel, kept from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    colors: Vec<[f32; 4]>,
+    points: Vec<[f32; 3]>,
+}
+
+/// The shaded and projected voxels of a frame, before the image.
+pub(crate) struct Stage<'a> {
+    pub(crate) plan: &'a FramePlan<'a>,
+    /// What a sheet sums, per voxel.
+    pub(crate) colors: &'a [[f32; 4]],
+    /// Right, up, depth from the grid's centre, per voxel.
+    pub(crate) points: &'a [[f32; 3]],
+    pub(crate) raster: Raster,
+    pub(crate) tiles: TileGrid,
+}
+
+/// Pixels along the side of a tile: 32² sums and 32² pixels of 16 bytes fill a first-level cache.
+const TILE_SIDE: usize = 32;
+
+pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
+    let Buffers { colors, points } = buffers;
+    let desc = ShadeDesc {
+        transfer: plan.transfer,
+        shading: &plan.shading,
+        forward: plan.view.axes().forward,
+        compositing: plan.compositing,
+    };
+    shade(&desc, plan.volume, plan.voxels, colors);
+    project(plan.volume.grid(), &plan.view, plan.voxels, points);
+    let stage = Stage {
+        plan,
+        colors,
+        points,
+        raster: Raster::new(plan),
+        tiles: TileGrid::new(plan.view.image_size(), TILE_SIDE),
+    };
+    match plan.compositing {
+        Compositing::Separate => stage.render_with::<Separate>(),
+        Compositing::Associated => stage.render_with::<Associated>(),
+        Compositing::Extinction => stage.render_with::<Extinction>(),
+    }
+}
+
+impl Stage<'_> {
+    fn render_with<C: Composite>(&self) -> Frame {
+        match &self.plan.splats {
+            Splats::Sections { slabs, table } => {
+                let splats = image_aligned::toss(self, slabs);
+                self.render_tiles(&splats, |tile, scratch| {
+                    image_aligned::render_tile::<C>(self, slabs, table, tile, scratch)
+                })
+            }
+            Splats::Slices { order, table } => {
+                let splats = axis_aligned::toss(self);
+                self.render_tiles(&splats, |tile, scratch| {
+                    axis_aligned::render_tile::<C>(self, order, table, tile, scratch)
+                })
+            }
+            Splats::Voxels { table } => {
+                let grid = self.plan.volume.grid();
+                let order = depth_order(grid, &self.plan.view, self.plan.voxels);
+                let splats = every_sample::toss(self, &order);
+                self.render_tiles(&splats, |tile, scratch| {
+                    every_sample::render_tile::<C>(self, &order, table, tile, scratch)
+                })
+            }
+        }
+    }
+
+    /// Renders every tile that has splats, the fullest first, and puts them together.
+    fn render_tiles(
+        &self,
+        splats: &TileBuckets,
+        render_tile: impl Fn(&mut Tile, &mut Scratch) -> TileStats + Sync,
+    ) -> Frame {
+        let load = |&tile_idx: &usize| std::cmp::Reverse(splats.n_on_tile(tile_idx));
+        let mut tile_idxs: Vec<usize> =
+            (0..self.tiles.n_tiles()).filter(|&idx| 0 < splats.n_on_tile(idx)).collect();
+        tile_idxs.sort_by_cached_key(load);
+        let tiles: Vec<(Tile, TileStats)> = tile_idxs
+            .into_par_iter()
+            .with_max_len(1)
+            .map_init(Scratch::default, |scratch, tile_idx| {
+                let mut tile = Tile::new(&self.tiles, tile_idx);
+                scratch.splats.clear();
+                scratch.splats.extend(splats.on_tile(tile_idx));
+                let stats = render_tile(&mut tile, scratch);
+                (tile, stats)
+            })
+            .collect();
+        self.assemble(&tiles)
+    }
+
+    fn assemble(&self, tiles: &[(Tile, TileStats)]) -> Frame {
+        let [width, height] = self.plan.view.image_size();
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        let mut stats = FrameStats { n_voxels: self.points.len() as u64, ..FrameStats::default() };
+        for (tile, tile_stats) in tiles {
+            tile.copy_to(&mut image);
+            stats.n_splats += tile_stats.n_splats;
+            stats.n_full_tiles += u64::from(tile_stats.is_full);
+        }
+        image.lay_over(self.plan.image.background);
+        Frame { image, stats }
+    }
+}

@@ -1,0 +1,89 @@
+//! From view space to pixels: where a splat lies, and the ellipse that it covers.
+
+use slabsplat_backend::FramePlan;
+use slabsplat_core::View;
+use slabsplat_kernel::FootprintShape;
+
+/// Everything about pixels that all splats of a frame share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Raster {
+    view: View,
+    shape: FootprintShape,
+    center: [f32; 2],
+    /// The kernel's radius in index space.
+    pub(crate) radius: f32,
+    /// Half the thickness of a voxel's kernel along the viewing direction.
+    pub(crate) reach: f32,
+    /// Least depth at which anything is drawn.
+    pub(crate) near: f32,
+    /// Index-space length of a ray over one world unit of depth.
+    pub(crate) index_per_depth: f32,
+    /// Whether slab faces cut the rays of a footprint at different offsets.
+    pub(crate) is_tilted: bool,
+}
+
+/// The footprint in pixels, at one depth; y runs downwards.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelShape {
+    /// `ρ² = xx·X² + 2·xy·X·Y + yy·Y²`.
+    pub(crate) xx: f32,
+    pub(crate) xy: f32,
+    pub(crate) yy: f32,
+    /// By how many index units a slab face is cut later, per pixel.
+    pub(crate) tilt: [f32; 2],
+    /// Half the width and height of the ellipse `ρ = 1`.
+    pub(crate) half_extent: [f32; 2],
+    /// Pixels per world unit.
+    pub(crate) scale: f32,
+    /// What weights are multiplied with: 1, or less if the footprint is stretched.
+    pub(crate) gain: f32,
+}
+
+impl Raster {
+    pub(crate) fn new(plan: &FramePlan<'_>) -> Self {
+        let FramePlan { view, shape, radius, .. } = *plan;
+        Self {
+            view,
+            shape,
+            center: view.image_size().map(|side| 0.5 * side as f32),
+            radius: radius as f32,
+            reach: (radius * shape.half_depth) as f32,
+            near: view.near_depth() as f32,
+            index_per_depth: shape.index_per_depth as f32,
+            is_tilted: shape.is_tilted(radius),
+        }
+    }
+
+    /// The footprint at a depth from the grid's centre, which must not lie before `near`.
+    #[inline]
+    pub(crate) fn shape_at(&self, depth: f64) -> PixelShape {
+        let scale = self.view.pixels_per_world(depth);
+        let stretch = self.view.stretch(scale);
+        let pixels = scale * stretch;
+        let [xx, xy, yy] = self.shape.rho_squared.map(|c| (c / (pixels * pixels)) as f32);
+        let [right, up] = self.shape.tilt.map(|c| (c / pixels) as f32);
+        PixelShape {
+            xx,
+            xy: -xy,
+            yy,
+            tilt: [right, -up],
+            half_extent: self.shape.half_extent.map(|c| (c * pixels) as f32),
+            scale: scale as f32,
+            gain: (1.0 / (stretch * stretch)) as f32,
+        }
+    }
+
+    /// Where a point of view space lies, in pixels from the image's upper left corner.
+    #[inline]
+    pub(crate) fn pixel_of(&self, shape: &PixelShape, [right, up, _]: [f32; 3]) -> [f32; 2] {
+        [self.center[0] + right * shape.scale, self.center[1] - up * shape.scale]
+    }
+
+    /// The rectangle of pixels that a whole kernel covers there: its least and its largest corner.
+    #[inline]
+    pub(crate) fn bounds(&self, shape: &PixelShape, point: [f32; 3]) -> [[f32; 2]; 2] {
+        let at = self.pixel_of(shape, point);
+        let half = shape.half_extent.map(|extent| extent * self.radius);
+        [[at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]]]
+    }
+}

@@ -1,0 +1,84 @@
+//! A square of the image, rendered by one thread.
+
+use crate::composite::Composite;
+use crate::sheet::Sheet;
+use slabsplat_core::Image;
+use slabsplat_traverse::{SlabBuckets, TileGrid};
+
+/// The composited pixels of a tile.
+#[derive(Clone, Debug)]
+pub(crate) struct Tile {
+    /// The image pixel in the upper left corner.
+    pub(crate) origin: [usize; 2],
+    pub(crate) side: usize,
+    /// Premultiplied colour and opacity, row by row.
+    pub(crate) pixels: Vec<[f32; 4]>,
+}
+
+/// What a tile took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TileStats {
+    pub(crate) n_splats: u64,
+    pub(crate) is_full: bool,
+}
+
+/// What a thread keeps from tile to tile.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    /// The splats on the tile, in the order of the list.
+    pub(crate) splats: Vec<u32>,
+    pub(crate) buckets: SlabBuckets,
+    pub(crate) sheet: Sheet,
+    /// A section, ready to be splatted.
+    pub(crate) row: Vec<f32>,
+}
+
+impl Tile {
+    pub(crate) fn new(tiles: &TileGrid, tile_idx: usize) -> Self {
+        let side = tiles.side;
+        Self { origin: tiles.origin(tile_idx), side, pixels: vec![[0.0; 4]; side * side] }
+    }
+
+    /// Puts a sheet behind what is already there, and empties it.
+    pub(crate) fn put_behind<C: Composite>(&mut self, sheet: &mut Sheet) {
+        sheet.drain(|pixel_idx, sums| put_behind(&mut self.pixels[pixel_idx], C::resolve(sums)));
+    }
+
+    /// Puts the sums of one pixel behind what is already there.
+    #[inline]
+    pub(crate) fn put_pixel_behind<C: Composite>(
+        &mut self,
+        row: usize,
+        column: usize,
+        sums: [f32; 4],
+    ) {
+        put_behind(&mut self.pixels[row * self.side + column], C::resolve(sums));
+    }
+
+    /// Whether every pixel of the tile is at least that opaque.
+    pub(crate) fn is_full(&self, cutoff: f32) -> bool {
+        self.pixels.iter().all(|pixel| cutoff <= pixel[3])
+    }
+
+    /// Copies the part of the tile that is inside the image.
+    pub(crate) fn copy_to(&self, image: &mut Image) {
+        let [width, height] = [image.width() as usize, image.height() as usize];
+        let [x0, y0] = self.origin;
+        let n_columns = self.side.min(width - x0);
+        let n_rows = self.side.min(height - y0);
+        for row in 0..n_rows {
+            let start = (y0 + row) * width + x0;
+            let from = &self.pixels[row * self.side..][..n_columns];
+            image.pixels_mut()[start..start + n_columns].copy_from_slice(from);
+        }
+    }
+}
+
+/// Front to back: `C ← C + (1 − A)·c`, `A ← A + (1 − A)·a`.
+#[inline]
+fn put_behind(pixel: &mut [f32; 4], behind: [f32; 4]) {
+    let through = 1.0 - pixel[3];
+    for (channel, behind) in pixel.iter_mut().zip(behind) {
+        *channel += through * behind;
+    }
+}
