@@ -2,7 +2,7 @@
 
 use crate::composite::{Associated, Composite, Extinction, Separate};
 use crate::raster::Raster;
-use crate::tile::{Scratch, Tile, TileStats};
+use crate::tile::{Scratch, TILE_SIDE, Tile, TileStats};
 use crate::{axis_aligned, every_sample, image_aligned};
 use rayon::prelude::*;
 use slabsplat_backend::{Frame, FramePlan, FrameStats, Splats};
@@ -26,9 +26,6 @@ pub(crate) struct Stage<'a> {
     pub(crate) raster: Raster,
     pub(crate) tiles: TileGrid,
 }
-
-/// Pixels along the side of a tile: 32² sums and 32² pixels of 16 bytes fill a first-level cache.
-const TILE_SIDE: usize = 32;
 
 pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
     let Buffers { colors, points } = buffers;

@@ -5,6 +5,9 @@ use crate::sheet::Sheet;
 use slabsplat_core::Image;
 use slabsplat_traverse::{SlabBuckets, TileGrid};
 
+/// Pixels along the side of a tile: 32² sums and 32² pixels of 16 bytes fill a first-level cache.
+pub(crate) const TILE_SIDE: usize = 32;
+
 /// The composited pixels of a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct Tile {

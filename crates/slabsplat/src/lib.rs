@@ -1,1 +1,58 @@
-//! Placeholder.
+//! Volume rendering by splatting: a scalar volume goes in, a picture comes out.
+//!
+//! slabsplat implements Mueller & Crawfis, "Eliminating Popping Artifacts in Sheet Buffer-Based
+//! Splatting" (IEEE Visualization '98). Each voxel is a 3D kernel; slabs parallel to the image cut it into
+//! sections; a slab's sections are summed into a sheet, and sheets are composited front to back. So
+//! the picture does not pop when the camera turns. The two methods which that one replaces are here
+//! too ([`Method`]).
+//!
+//! A [`Renderer`] holds a volume and a backend, and makes a [`Frame`] of a [`Scene`]. It keeps what does not
+//! change between frames: the value order, the relevant voxels with their normals, the tables.
+//!
+//! ```
+//! use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, backend_named};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let volume = slabsplat::io::builtin_volume("sphere", Some(16))?;
+//! let automatic = Automatic::new(&volume);
+//! let image = ImageDesc { width: 32, height: 32, ..ImageDesc::default() };
+//! let scene = automatic.scene(image, RenderSettings::default());
+//!
+//! let mut renderer = Renderer::new(volume, backend_named("cpu")?);
+//! let frame = renderer.render(&scene)?;
+//! assert!(0.9 < frame.image.pixel(16, 16)[3], "the middle of the ball is opaque");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Features
+//!
+//! - `cpu` (default): the CPU backend.
+//! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
+//!
+//! # Reading order
+//!
+//! `renderer`, `backends`; `automatic`, `scene_file`; `popping`.
+
+mod backends;
+mod renderer;
+
+mod automatic;
+
+mod popping;
+
+pub use automatic::Automatic;
+pub use backends::{BACKEND_NAMES, UnknownBackend, backend_named};
+pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
+pub use renderer::{RenderError, Renderer};
+
+pub use slabsplat_backend::{
+    Backend, BackendError, Caps, Frame, FrameId, FramePlan, FrameStats, PlanError, Planner,
+};
+pub use slabsplat_core::*;
+pub use slabsplat_kernel::{KERNEL_NAMES, UnknownKernel};
+pub use slabsplat_traverse::ListChange;
+
+/// Volume, scene and picture files, and built-in volumes.
+#[cfg(feature = "files")]
+pub use slabsplat_io as io;

@@ -1,0 +1,260 @@
+//! Sensible defaults for a volume that nobody has described: what is visible, and from where.
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Camera, Grid, ImageDesc, Phong, Projection, RenderSettings, Scene, Shading, TransferFunction,
+    Volume,
+};
+
+/// Defaults that fit one volume.
+#[derive(Clone, Debug)]
+pub struct Automatic {
+    transfer: TransferFunction,
+    grid: Grid,
+}
+
+/// Levels into which values are counted.
+const N_BINS: usize = 512;
+
+/// Share of the largest values that count as one: a few stray voxels must not stretch the ramp.
+const OUTLIERS: f64 = 1e-4;
+
+/// Opacities per unit at the top of the ramp and at the largest value.
+const RAMP_OPACITY: [f64; 2] = [0.6, 0.9];
+
+/// Dark to light, as the eye expects of a lit solid: the same hue order as bone or tissue.
+const COLORS: [[f64; 3]; 3] = [[0.55, 0.25, 0.2], [0.85, 0.55, 0.45], [1.0, 0.93, 0.85]];
+
+/// Vertical field of view of the automatic perspective camera.
+const FOV_Y_RADIANS: f64 = 30.0 * std::f64::consts::PI / 180.0;
+
+/// Voxel steps around the grid that kernels reach into.
+const MARGIN_VOXELS: f64 = 2.0;
+
+impl Automatic {
+    /// Looks at all of the volume's values.
+    pub fn new(volume: &Volume) -> Self {
+        Self { transfer: transfer_of(volume), grid: *volume.grid() }
+    }
+
+    /// A ramp of opacity that begins where Otsu's threshold parts the background from the object
+    /// (N. Otsu, "A threshold selection method from gray-level histograms", IEEE Trans. SMC 9(1),
+    /// 1979) and reaches its height at the object's mean.
+    pub fn transfer(&self) -> &TransferFunction {
+        &self.transfer
+    }
+
+    /// A camera on the world's +x, +y, +z side with z upwards, whose picture the volume fills. `kind`
+    /// says only whether it is orthographic or perspective.
+    pub fn camera(&self, image: &ImageDesc, is_perspective: bool) -> Camera {
+        let target = self.grid.center_in_world();
+        let to_eye = DVec3::new(0.78, 0.50, 0.38).normalize();
+        let radius = self.corners().map(|c| c.distance(target)).fold(0.0, f64::max)
+            + MARGIN_VOXELS * self.grid.unit();
+        let aspect = f64::from(image.width) / f64::from(image.height);
+        let (projection, distance) = if is_perspective {
+            let half_angle = (0.5 * FOV_Y_RADIANS).tan() * aspect.min(1.0);
+            let distance = radius / half_angle.atan().sin();
+            (Projection::Perspective { fov_y_radians: FOV_Y_RADIANS }, distance)
+        } else {
+            let view_height = self.view_height(target, to_eye, aspect);
+            (Projection::Orthographic { view_height }, 3.0 * radius)
+        };
+        Camera::new(target + to_eye * distance, target, DVec3::Z, projection)
+            .expect("the eye is off the z axis and the radius positive")
+    }
+
+    /// The defaults as a whole scene: orthographic, lit by a headlight.
+    pub fn scene(&self, image: ImageDesc, settings: RenderSettings) -> Scene {
+        Scene {
+            transfer: self.transfer.clone(),
+            shading: Shading::Phong(Phong::default()),
+            camera: self.camera(&image, false),
+            image,
+            settings,
+        }
+    }
+
+    /// World height of an orthographic picture that holds the whole grid.
+    fn view_height(&self, target: DVec3, to_eye: DVec3, aspect: f64) -> f64 {
+        let right = (-to_eye).cross(DVec3::Z).normalize();
+        let up = right.cross(-to_eye);
+        let reach = |axis: DVec3| {
+            let farthest = self.corners().map(|c| (c - target).dot(axis).abs()).fold(0.0, f64::max);
+            farthest + MARGIN_VOXELS * self.grid.unit()
+        };
+        2.0 * reach(up).max(reach(right) / aspect)
+    }
+
+    fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let last = self.grid.dims().map(|n| n as f64 - 1.0);
+        (0..8).map(move |corner: usize| {
+            let at = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { last[axis] } else { 0.0 });
+            self.grid.world_from_index().transform_point3(DVec3::from_array(at))
+        })
+    }
+}
+
+fn transfer_of(volume: &Volume) -> TransferFunction {
+    let (opacity, color) = match Histogram::of(volume) {
+        Some(histogram) => histogram.ramp(),
+        // One value everywhere, or none: all of it is visible.
+        None => (vec![(0.0, [RAMP_OPACITY[0]])], vec![(0.0, COLORS[2])]),
+    };
+    TransferFunction::new(opacity, color).expect("the ramp rises from finite value to finite value")
+}
+
+/// How many voxels have which value, without NaN and infinities.
+struct Histogram {
+    min: f64,
+    bin_width: f64,
+    counts: Vec<u64>,
+}
+
+type Points<const N: usize> = Vec<(f64, [f64; N])>;
+
+impl Histogram {
+    /// `None` if fewer than two values differ.
+    fn of(volume: &Volume) -> Option<Self> {
+        let values = || (0..volume.grid().n_voxels()).map(|idx| volume.value(idx));
+        let finite = || values().filter(|v| v.is_finite());
+        let min = finite().fold(f64::INFINITY, f64::min);
+        let max = finite().fold(f64::NEG_INFINITY, f64::max);
+        let bin_width = (max - min) / N_BINS as f64;
+        if !bin_width.is_normal() || bin_width < 0.0 {
+            return None;
+        }
+        let mut counts = vec![0; N_BINS];
+        for value in finite() {
+            counts[(((value - min) / bin_width) as usize).min(N_BINS - 1)] += 1;
+        }
+        Some(Self { min, bin_width, counts })
+    }
+
+    /// Opacity and colour over the values from background to object.
+    fn ramp(&self) -> (Points<1>, Points<3>) {
+        let threshold = self.otsu();
+        let object_mean = self.mean_from(threshold + 1);
+        let foot = self.value(threshold as f64 + 1.0);
+        let top = self.value(self.last_bin() as f64 + 1.0);
+        // A flat object has its mean at the threshold: keep the three points apart.
+        let shoulder = object_mean.clamp(foot + 0.02 * (top - foot), foot + 0.9 * (top - foot));
+        let start = foot - 0.35 * (shoulder - foot);
+        let opacity = vec![(start, [0.0]), (shoulder, [RAMP_OPACITY[0]]), (top, [RAMP_OPACITY[1]])];
+        let color = vec![(start, COLORS[0]), (shoulder, COLORS[1]), (top, COLORS[2])];
+        (opacity, color)
+    }
+
+    /// The value at a place among the bins.
+    fn value(&self, bin: f64) -> f64 {
+        self.min + bin * self.bin_width
+    }
+
+    /// The last bin of the background: the split with the largest variance between its two sides, or
+    /// the middle of such splits if a gap in the values makes many of them equal.
+    fn otsu(&self) -> usize {
+        let total: f64 = self.counts.iter().map(|&c| c as f64).sum();
+        let total_moment: f64 = self.moments().sum();
+        let (mut below, mut moment_below) = (0.0, 0.0);
+        let (mut best, mut first, mut last) = (0.0, 0, 0);
+        for (bin, moment) in self.moments().enumerate().take(N_BINS - 1) {
+            below += self.counts[bin] as f64;
+            moment_below += moment;
+            let above = total - below;
+            let apart = moment_below / below - (total_moment - moment_below) / above;
+            let between = below * above * apart * apart;
+            if best < between {
+                (best, first, last) = (between, bin, bin);
+            } else if best == between {
+                last = bin;
+            }
+        }
+        usize::midpoint(first, last)
+    }
+
+    fn moments(&self) -> impl Iterator<Item = f64> + '_ {
+        self.counts.iter().enumerate().map(|(bin, &count)| bin as f64 * count as f64)
+    }
+
+    fn mean_from(&self, first: usize) -> f64 {
+        let (count, moment) = self
+            .moments()
+            .zip(&self.counts)
+            .skip(first)
+            .fold((0.0, 0.0), |(n, m), (moment, &count)| (n + count as f64, m + moment));
+        self.value(if 0.0 < count { moment / count + 0.5 } else { first as f64 })
+    }
+
+    /// The last bin that matters.
+    fn last_bin(&self) -> usize {
+        let total: u64 = self.counts.iter().sum();
+        let mut allowed = (total as f64 * OUTLIERS) as u64;
+        for (bin, &count) in self.counts.iter().enumerate().rev() {
+            if allowed < count {
+                return bin;
+            }
+            allowed -= count;
+        }
+        N_BINS - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::{Samples, Scaling};
+
+    fn row(samples: Vec<f32>) -> Volume {
+        let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0, 2.0, 3.0]).unwrap();
+        Volume::new(grid, Samples::F32(samples), Scaling::IDENTITY).unwrap()
+    }
+
+    #[test]
+    fn automatic_transfer_parts_object_from_background() {
+        let mut samples: Vec<f32> = (0..800).map(|i| (i % 10) as f32).collect();
+        samples.extend((0..200).map(|i| 100.0 + (i % 20) as f32));
+        samples.extend([f32::NAN, f32::INFINITY]);
+        let transfer = Automatic::new(&row(samples)).transfer().clone();
+        assert_eq!(transfer.opacity(9.0), 0.0, "background");
+        assert!(0.3 < transfer.opacity(110.0), "object");
+        assert!(0.8 < transfer.opacity(119.0), "{transfer:?}");
+    }
+
+    #[test]
+    fn automatic_transfer_shows_what_has_no_contrast() {
+        for samples in [vec![3.0; 4], vec![f32::NAN; 2], vec![f32::INFINITY; 2], vec![0.0, 1e-45]] {
+            let volume = row(samples.clone());
+            let transfer = Automatic::new(&volume).transfer().clone();
+            let last = volume.value(samples.len() - 1);
+            assert!(0.0 < transfer.opacity(last), "{samples:?}");
+        }
+    }
+
+    /// All corners of the grid lie inside the picture, and close to an edge of it.
+    #[test]
+    fn automatic_camera_fits_the_volume() {
+        let grid = Grid::with_spacing([20, 15, 6], [1.0, 1.2, 3.0]).unwrap();
+        let samples = vec![1_u8; grid.n_voxels()];
+        let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+        let automatic = Automatic::new(&volume);
+        for (width, height) in [(100, 100), (200, 50), (50, 200)] {
+            let image = ImageDesc { width, height, background: [0.0; 4] };
+            for is_perspective in [false, true] {
+                let camera = automatic.camera(&image, is_perspective);
+                let view = slabsplat_core::View::new(&automatic.grid, &camera, &image);
+                let from_index = view.from_index(&automatic.grid);
+                let mut farthest: f64 = 0.0;
+                for corner in automatic.corners() {
+                    let in_index = automatic.grid.index_from_world().transform_point3(corner);
+                    let at = from_index.transform(in_index);
+                    let scale = view.pixels_per_world(at.z);
+                    let x = (at.x * scale).abs() / (0.5 * f64::from(width));
+                    let y = (at.y * scale).abs() / (0.5 * f64::from(height));
+                    farthest = farthest.max(x).max(y);
+                }
+                assert!(farthest < 1.0, "{width}x{height} {is_perspective}: {farthest}");
+                assert!(0.6 < farthest, "{width}x{height} {is_perspective}: {farthest}");
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! The popping meter: figures 2 and 6 of the paper as one number.
+//!
+//! The camera turns about its target in equal steps. Between two frames the picture changes; if the
+//! method is sound, by about as much in every step. The *pop ratio* is the largest change over the
+//! median one: near 1 where nothing pops, large where one step changes far more than the others.
+
+use crate::{RenderError, Renderer};
+use slabsplat_core::{Method, Scene};
+use thiserror::Error;
+
+/// A turn of the camera about its target, around its up vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sweep {
+    /// Angle of the first frame from the scene's camera.
+    pub from_degrees: f64,
+    /// Angle that the last frame does not pass.
+    pub to_degrees: f64,
+    /// Angle between two frames.
+    pub step_degrees: f64,
+}
+
+/// The sweep has no steps.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SweepError {
+    /// A number is not finite, or the step is not positive.
+    #[error("a sweep needs finite angles and a positive step, not {0} to {1} in steps of {2}")]
+    BadNumbers(f64, f64, f64),
+    /// Fewer than three frames: no change to compare another with.
+    #[error("a sweep from {0} to {1} degrees in steps of {2} has fewer than 3 frames")]
+    TooShort(f64, f64, f64),
+    /// More frames than anyone waits for.
+    #[error("a sweep from {0} to {1} degrees in steps of {2} has more than 100000 frames")]
+    TooLong(f64, f64, f64),
+}
+
+/// What the meter reads for one method.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoppingReport {
+    /// The method.
+    pub method: Method,
+    /// The change between each two frames: mean absolute difference of premultiplied colour and
+    /// opacity over all pixels.
+    pub changes: Vec<f64>,
+    /// The largest of them.
+    pub largest: f64,
+    /// The median.
+    pub median: f64,
+    /// Largest over median; `None` if the median is 0, as for an empty picture.
+    pub pop_ratio: Option<f64>,
+    /// The two angles between which the largest change happened, from the scene's camera.
+    pub at_degrees: [f64; 2],
+}
+
+const MAX_FRAMES: f64 = 1e5;
+
+impl Sweep {
+    /// The same, if it has at least three frames.
+    ///
+    /// # Errors
+    /// If a number is not finite, the step not positive, or there are too few or too many frames.
+    pub fn checked(self) -> Result<Self, SweepError> {
+        let Self { from_degrees: from, to_degrees: to, step_degrees: step } = self;
+        if [from, to, step].iter().any(|v| !v.is_finite()) || step <= 0.0 {
+            return Err(SweepError::BadNumbers(from, to, step));
+        }
+        let n_frames = (to - from) / step + 1.0;
+        if MAX_FRAMES < n_frames {
+            return Err(SweepError::TooLong(from, to, step));
+        }
+        if self.n_frames() < 3 {
+            return Err(SweepError::TooShort(from, to, step));
+        }
+        Ok(self)
+    }
+
+    /// How many frames there are.
+    pub fn n_frames(&self) -> usize {
+        // The last step may miss the end by a rounding error.
+        let n_steps = (self.to_degrees - self.from_degrees) / self.step_degrees;
+        (n_steps + 1e-9).floor().max(0.0) as usize + 1
+    }
+
+    /// The angle of a frame from the scene's camera.
+    pub fn degrees(&self, frame_idx: usize) -> f64 {
+        self.from_degrees + frame_idx as f64 * self.step_degrees
+    }
+}
+
+/// Turns the camera of `scene` and measures by how much the picture of `method` changes in each step.
+/// `progress` is called after every frame.
+///
+/// # Errors
+/// If the sweep has no steps, or a frame fails.
+pub fn measure_popping(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    method: Method,
+    sweep: Sweep,
+    mut progress: impl FnMut(),
+) -> Result<PoppingReport, RenderError> {
+    let mut scene_at = scene.clone();
+    scene_at.settings.method = method;
+    let mut changes = Vec::with_capacity(sweep.n_frames());
+    let mut before = None;
+    for frame_idx in 0..sweep.n_frames() {
+        scene_at.camera = scene.camera.orbited(sweep.degrees(frame_idx).to_radians());
+        let image = renderer.render(&scene_at)?.image;
+        if let Some(before) = before.replace(image.clone()) {
+            changes.push(image.mean_difference(&before));
+        }
+        progress();
+    }
+    Ok(report(method, sweep, changes))
+}
+
+fn report(method: Method, sweep: Sweep, changes: Vec<f64>) -> PoppingReport {
+    let (step_idx, largest) = changes
+        .iter()
+        .copied()
+        .enumerate()
+        .fold((0, 0.0), |best, step| if best.1 < step.1 { step } else { best });
+    let mut sorted = changes.clone();
+    sorted.sort_by(f64::total_cmp);
+    let middle = |idx: usize| sorted.get(idx).copied().unwrap_or(0.0);
+    let median = 0.5 * (middle(sorted.len() / 2) + middle(sorted.len().saturating_sub(1) / 2));
+    PoppingReport {
+        method,
+        largest,
+        median,
+        pop_ratio: (0.0 < median).then(|| largest / median),
+        at_degrees: [sweep.degrees(step_idx), sweep.degrees(step_idx + 1)],
+        changes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TURN: Sweep = Sweep { from_degrees: 0.0, to_degrees: 90.0, step_degrees: 0.1 };
+
+    #[test]
+    fn popping_sweep_reaches_its_end() {
+        assert_eq!(TURN.checked().unwrap().n_frames(), 901);
+        let short = Sweep { to_degrees: 0.15, ..TURN };
+        assert!(matches!(short.checked(), Err(SweepError::TooShort(..))));
+        let back = Sweep { to_degrees: -9.0, ..TURN };
+        assert!(matches!(back.checked(), Err(SweepError::TooShort(..))));
+        let still = Sweep { step_degrees: 0.0, ..TURN };
+        assert!(matches!(still.checked(), Err(SweepError::BadNumbers(..))));
+        let fine = Sweep { step_degrees: 1e-9, ..TURN };
+        assert!(matches!(fine.checked(), Err(SweepError::TooLong(..))));
+    }
+
+    #[test]
+    fn popping_report_finds_the_step() {
+        let sweep = Sweep { from_degrees: 10.0, to_degrees: 14.0, step_degrees: 1.0 };
+        let read = report(Method::AxisAligned, sweep, vec![0.2, 0.1, 0.8, 0.3]);
+        assert_eq!((read.largest, read.median), (0.8, 0.25));
+        assert_eq!(read.pop_ratio, Some(0.8 / 0.25));
+        assert_eq!(read.at_degrees, [12.0, 13.0]);
+        assert_eq!(report(Method::AxisAligned, sweep, vec![0.0; 3]).pop_ratio, None);
+    }
+}
