@@ -1,1 +1,11 @@
-//! Placeholder.
+//! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that
+//! uses no tables, the scenes of the paper's figures ([`paper_scenes`]), and scenes at random over
+//! every choice a scene can make ([`random_scene`]).
+//!
+//! Nothing here is fast, and nothing here shares code with the renderer under test beyond the types
+//! of `slabsplat-core`. The tests themselves are in `tests/tests/`.
+
+pub mod reference;
+
+pub mod paper_scenes;
+pub mod random_scene;

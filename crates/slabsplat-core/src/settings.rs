@@ -115,7 +115,7 @@ impl Default for RenderSettings {
             normalization: Normalization::None,
             base_slab_width: 0.5,
             sections: 128,
-            radial_samples: 128,
+            radial_samples: 256,
             lookup: Lookup::Linear,
             opacity_cutoff: 1.0 - 1e-5,
         }

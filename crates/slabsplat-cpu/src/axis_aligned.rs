@@ -3,7 +3,7 @@
 
 use crate::composite::Composite;
 use crate::frame::Stage;
-use crate::splat::{Footprint, splat};
+use crate::splat::{Footprint, Sample, splat};
 use crate::tile::{Scratch, Tile, TileStats};
 use slabsplat_core::SliceOrder;
 use slabsplat_kernel::{FootprintTable, lerp_radial};
@@ -45,12 +45,15 @@ pub(crate) fn render_tile<C: Composite>(
             let color = stage.colors[voxel as usize].map(|channel| channel * shape.gain);
             let footprint =
                 Footprint::whole(stage, table, tile, stage.raster.pixel_of(&shape, point));
-            splat(sheet, &shape, &footprint, color, |at| lerp_radial(table.row(), at.position));
-            stats.n_splats += 1;
+            if footprint.is_open(&tile.open, &shape) {
+                let weight = |at: Sample| lerp_radial(table.row(), at.position);
+                splat(sheet, &tile.open, &shape, &footprint, color, weight);
+                stats.n_splats += 1;
+            }
         }
         tile.put_behind::<C>(sheet);
-        if tile.is_full(stage.plan.opacity_cutoff) {
-            stats.is_full = true;
+        stats.is_full = tile.close(stage.plan.opacity_cutoff);
+        if stats.is_full {
             break;
         }
     }
@@ -67,6 +70,7 @@ impl Footprint {
     ) -> Self {
         Self {
             center: [x - tile.origin[0] as f32, y - tile.origin[1] as f32],
+            radius: stage.raster.radius,
             rho_max: stage.raster.radius,
             samples_per_index: table.samples_per_index(),
         }

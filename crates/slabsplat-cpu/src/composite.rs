@@ -2,7 +2,8 @@
 
 /// One of the three compositing models; chosen once a frame.
 pub(crate) trait Composite: Sync {
-    /// Premultiplied colour and opacity of a sheet with these sums.
+    /// Premultiplied colour and opacity of a sheet with these sums. An opacity below 0, which only the
+    /// `paper` normalisation can sum to, counts as 0.
     fn resolve(sums: [f32; 4]) -> [f32; 4];
 }
 
@@ -27,6 +28,9 @@ impl Composite for Separate {
 impl Composite for Associated {
     #[inline]
     fn resolve([r, g, b, a]: [f32; 4]) -> [f32; 4] {
+        if a <= 0.0 {
+            return [0.0; 4];
+        }
         let down = if 1.0 < a { 1.0 / a } else { 1.0 };
         [r * down, g * down, b * down, a.min(1.0)]
     }
@@ -35,6 +39,9 @@ impl Composite for Associated {
 impl Composite for Extinction {
     #[inline]
     fn resolve([r, g, b, tau]: [f32; 4]) -> [f32; 4] {
+        if tau <= 0.0 {
+            return [0.0; 4];
+        }
         let opacity = 1.0 - (-tau).exp();
         // The quotient's limit is 1; below this its two rounding errors would show.
         let mean = if tau < 1e-3 { 1.0 - 0.5 * tau } else { opacity / tau };
@@ -59,6 +66,8 @@ mod tests {
         let half = std::f32::consts::LN_2;
         close(Extinction::resolve([half, 0.5 * half, 0.0, half]), [0.5, 0.25, 0.0, 0.5]);
         close(Extinction::resolve([0.0; 4]), [0.0; 4]);
+        close(Extinction::resolve([0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
+        close(Associated::resolve([0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
     }
 
     /// Two thin sheets of one colour are one thick sheet.

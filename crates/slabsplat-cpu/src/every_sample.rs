@@ -5,11 +5,11 @@ use crate::axis_aligned::touched;
 use crate::composite::Composite;
 use crate::frame::Stage;
 use crate::splat::{Footprint, for_each_run};
-use crate::tile::{Scratch, Tile, TileStats};
+use crate::tile::{Scratch, Tile, TileStats, put_behind};
 use slabsplat_kernel::{FootprintTable, lerp_radial};
 use slabsplat_traverse::TileBuckets;
 
-/// Voxels between two looks at whether the tile is full: a look reads the whole tile.
+/// Voxels between two looks at which pixels are full: a look costs about as much as a voxel.
 const LOOK_EVERY: u64 = 256;
 
 /// Tosses the voxels, in their `order`, onto the tiles that their footprints touch. A splat is a place
@@ -33,16 +33,20 @@ pub(crate) fn render_tile<C: Composite>(
         let shape = stage.raster.shape_at(point[2].into());
         let color = stage.colors[voxel].map(|channel| channel * shape.gain);
         let footprint = Footprint::whole(stage, table, tile, stage.raster.pixel_of(&shape, point));
-        for_each_run(&shape, &footprint, tile.side, |run| {
-            for (offset, column) in run.columns.clone().enumerate() {
-                let weight = lerp_radial(table.row(), run.sample(offset).position);
-                tile.put_pixel_behind::<C>(run.row, column, color.map(|channel| weight * channel));
+        let Tile { open, pixels, side, .. } = tile;
+        for_each_run(open, &shape, &footprint, |run| {
+            let pixels = &mut pixels[run.row * *side..][run.columns.clone()];
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let weight = lerp_radial(table.row(), run.sample(column).position);
+                put_behind(pixel, C::resolve(color.map(|channel| weight * channel)));
             }
         });
         stats.n_splats += 1;
-        if stats.n_splats % LOOK_EVERY == 0 && tile.is_full(stage.plan.opacity_cutoff) {
-            stats.is_full = true;
-            break;
+        if stats.n_splats % LOOK_EVERY == 0 {
+            stats.is_full = tile.close(stage.plan.opacity_cutoff);
+            if stats.is_full {
+                break;
+            }
         }
     }
     stats

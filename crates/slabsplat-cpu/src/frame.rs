@@ -91,7 +91,7 @@ impl Stage<'_> {
             .into_par_iter()
             .with_max_len(1)
             .map_init(Scratch::default, |scratch, tile_idx| {
-                let mut tile = Tile::new(&self.tiles, tile_idx);
+                let mut tile = Tile::new(&self.tiles, tile_idx, self.plan.view.image_size());
                 scratch.splats.clear();
                 scratch.splats.extend(splats.on_tile(tile_idx));
                 let stats = render_tile(&mut tile, scratch);

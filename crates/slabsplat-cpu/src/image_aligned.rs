@@ -7,6 +7,7 @@
 
 use crate::composite::Composite;
 use crate::frame::Stage;
+use crate::open_pixels::OpenPixels;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::splat::{Footprint, splat};
@@ -71,11 +72,11 @@ pub(crate) fn render_tile<C: Composite>(
         let faces = [slabs.front(slab), slabs.front(slab + 1)].map(|face| face as f32);
         let section = SectionSplatter { stage, table, shape, faces, origin: tile.origin };
         for &voxel in buckets.starting_in(slab.saturating_sub(n_slabs_before), slab) {
-            stats.n_splats += u64::from(section.splat(voxel as usize, sheet, row));
+            stats.n_splats += u64::from(section.splat(voxel as usize, &tile.open, sheet, row));
         }
         tile.put_behind::<C>(sheet);
-        if tile.is_full(stage.plan.opacity_cutoff) {
-            stats.is_full = true;
+        stats.is_full = tile.close(stage.plan.opacity_cutoff);
+        if stats.is_full {
             break;
         }
     }
@@ -93,9 +94,10 @@ struct SectionSplatter<'a> {
 }
 
 impl SectionSplatter<'_> {
-    /// Adds a voxel's section to the sheet; false if the slab does not cut its kernel.
+    /// Adds a voxel's section to the sheet; false if the slab does not cut its kernel, or only where all
+    /// pixels are full.
     #[inline]
-    fn splat(&self, voxel: usize, sheet: &mut Sheet, row: &mut [f32]) -> bool {
+    fn splat(&self, voxel: usize, open: &OpenPixels, sheet: &mut Sheet, row: &mut [f32]) -> bool {
         let (raster, point) = (&self.stage.raster, self.stage.points[voxel]);
         let depth = point[2];
         if depth + raster.reach <= self.faces[0] || self.faces[1] <= depth - raster.reach {
@@ -103,23 +105,29 @@ impl SectionSplatter<'_> {
         }
         let [front, back] = self.faces.map(|face| (face - depth) * raster.index_per_depth);
         let [x, y] = raster.pixel_of(&self.shape, point);
-        let mut footprint = Footprint {
+        let footprint = Footprint {
             center: [x - self.origin[0] as f32, y - self.origin[1] as f32],
-            rho_max: raster.radius,
+            radius: raster.radius,
+            rho_max: if raster.is_tilted {
+                raster.radius
+            } else {
+                disc_radius(raster.radius, front, back)
+            },
             samples_per_index: self.table.samples_per_index(),
         };
+        if !footprint.is_open(open, &self.shape) {
+            return false;
+        }
         let color = self.stage.colors[voxel].map(|channel| channel * self.shape.gain);
         if raster.is_tilted {
             let [tilt_x, tilt_y] = self.shape.tilt;
-            let rho_per_sample = 1.0 / self.table.samples_per_index();
-            splat(sheet, &self.shape, &footprint, color, |at| {
+            splat(sheet, open, &self.shape, &footprint, color, |at| {
                 let later = tilt_x * at.dx + tilt_y * at.dy;
-                self.table.sample(at.position * rho_per_sample, front + later, back + later)
+                self.table.sample_at(at.position, front + later, back + later)
             });
         } else {
-            footprint.rho_max = disc_radius(raster.radius, front, back);
             self.table.blend(front, back, row);
-            splat(sheet, &self.shape, &footprint, color, |at| lerp_radial(row, at.position));
+            splat(sheet, open, &self.shape, &footprint, color, |at| lerp_radial(row, at.position));
         }
         true
     }

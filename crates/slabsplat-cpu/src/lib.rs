@@ -8,13 +8,13 @@
 //!    from the eye, *splat* the sections into a sheet of the tile's size and *composite* it.
 //!
 //! A sheet that covers a tile stays in the first-level cache, so the full-screen sheets of the paper
-//! and their traffic vanish. A tile that is full stops. Tiles share nothing: there are no
+//! and their traffic vanish. Pixels that are full take no more, and a tile of them stops. Tiles share nothing: there are no
 //! atomics, and each pixel's sum has one order, whatever the number of threads.
 //!
 //! # Reading order
 //!
 //! `frame`, `raster`, `tile`; `image_aligned`, `axis_aligned`, `every_sample`; `splat`, `sheet`,
-//! `composite`.
+//! `composite`, `open_pixels`.
 //!
 //! ```
 //! use slabsplat_backend::Backend;
@@ -32,6 +32,7 @@ mod every_sample;
 mod image_aligned;
 
 mod composite;
+mod open_pixels;
 mod sheet;
 mod splat;
 

@@ -20,11 +20,6 @@ impl Sheet {
         }
     }
 
-    /// Pixels along the sheet's side.
-    pub(crate) fn side(&self) -> usize {
-        self.side
-    }
-
     /// A run of pixels, to be added to.
     #[inline]
     pub(crate) fn run(&mut self, row: usize, columns: Range<usize>) -> &mut [[f32; 4]] {

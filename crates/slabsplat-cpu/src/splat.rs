@@ -1,18 +1,20 @@
 //! The inner loop: one footprint's weights over the pixels of a tile.
 //!
 //! ```text
-//! for each row of the ellipse ρ ≤ ρ_max inside the tile:
-//!     find the run of pixels inside; for each:
-//!         ρ = √(xx·X² + 2·xy·X·Y + yy·Y²)
-//!         visit pixel with weight(ρ, …)
+//! for each row of the ellipse ρ ≤ ρ_max that has open pixels:
+//!     find the run of open pixels inside; for each:
+//!         half chord = √(R² − xx·X² − 2·xy·X·Y − yy·Y²)
+//!         visit pixel with weight(half chord, …)
 //! ```
 //!
 //! The run of a row is found exactly, so corners of the ellipse's box (a fifth of it) cost nothing, and an
-//! outer section of a ball, whose disc is smaller, costs only that disc. Distances are measured in
+//! outer section of a ball, whose disc is smaller, costs only that disc. Half chords are measured in
 //! samples of the table from the start: the quadratic form is scaled once a footprint.
 
+use crate::open_pixels::OpenPixels;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
+use crate::tile::TILE_SIDE;
 use std::ops::Range;
 
 /// A footprint that is about to be splatted.
@@ -20,7 +22,9 @@ use std::ops::Range;
 pub(crate) struct Footprint {
     /// Its centre, in pixels from the tile's upper left corner.
     pub(crate) center: [f32; 2],
-    /// Its edge, in index units from the centre.
+    /// The kernel's radius in index units.
+    pub(crate) radius: f32,
+    /// Where it ends, in index units from the centre: at the radius, or before it.
     pub(crate) rho_max: f32,
     /// Table samples per index unit.
     pub(crate) samples_per_index: f32,
@@ -34,15 +38,14 @@ pub(crate) struct Run {
     /// The first pixel's place, right of and below the centre.
     dx: f32,
     dy: f32,
-    /// The squared distance in table samples, as a polynomial of `dx`: constant, linear, square.
-    distance: [f32; 3],
-    last: f32,
+    /// The squared half chord in table samples, as a polynomial of `dx`: constant, linear, square.
+    half_chord: [f32; 3],
 }
 
 /// A pixel of a footprint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    /// Distance from the centre in table samples.
+    /// Where in a row of the table its weight is: the half chord in samples.
     pub(crate) position: f32,
     /// Pixels to the right of the centre.
     pub(crate) dx: f32,
@@ -54,12 +57,13 @@ pub(crate) struct Sample {
 #[inline(always)]
 pub(crate) fn splat(
     sheet: &mut Sheet,
+    open: &OpenPixels,
     shape: &PixelShape,
     footprint: &Footprint,
     color: [f32; 4],
     weight: impl Fn(Sample) -> f32,
 ) {
-    for_each_run(shape, footprint, sheet.side(), |run| {
+    for_each_run(open, shape, footprint, |run| {
         let pixels = sheet.run(run.row, run.columns.clone());
         for (column, pixel) in pixels.iter_mut().enumerate() {
             let weight = weight(run.sample(column));
@@ -70,36 +74,51 @@ pub(crate) fn splat(
     });
 }
 
-/// Calls `visit` with the run of every row on which the footprint covers pixels of a tile.
+/// Calls `visit` with the run of every row on which the footprint covers open pixels.
 #[inline(always)]
 pub(crate) fn for_each_run(
+    open: &OpenPixels,
     shape: &PixelShape,
     footprint: &Footprint,
-    side: usize,
     mut visit: impl FnMut(&Run),
 ) {
-    let Footprint { center: [cx, cy], rho_max, samples_per_index } = *footprint;
+    let Footprint { center: [cx, cy], radius, rho_max, samples_per_index } = *footprint;
     let PixelShape { xx, xy, yy, .. } = *shape;
     let half_height = shape.half_extent[1] * rho_max;
     let form = samples_per_index * samples_per_index;
-    for row in pixels_between(cy - half_height, cy + half_height, side) {
+    for row in pixels_between(cy - half_height, cy + half_height, open.rows()) {
         let dy = row as f32 + 0.5 - cy;
         let half_width_squared = (rho_max * rho_max - (yy - xy * xy / xx) * dy * dy) / xx;
         if half_width_squared <= 0.0 {
             continue;
         }
         let (middle, half_width) = (cx - xy / xx * dy, half_width_squared.sqrt());
-        let columns = pixels_between(middle - half_width, middle + half_width, side);
+        let columns = pixels_between(middle - half_width, middle + half_width, open.columns(row));
         if !columns.is_empty() {
             visit(&Run {
                 row,
                 dx: columns.start as f32 + 0.5 - cx,
                 dy,
                 columns,
-                distance: [form * yy * dy * dy, form * 2.0 * xy * dy, form * xx],
-                last: rho_max * samples_per_index,
+                half_chord: [
+                    form * (radius * radius - yy * dy * dy),
+                    form * -2.0 * xy * dy,
+                    form * -xx,
+                ],
             });
         }
+    }
+}
+
+impl Footprint {
+    /// Whether any pixel of it may be open.
+    #[inline]
+    pub(crate) fn is_open(&self, open: &OpenPixels, shape: &PixelShape) -> bool {
+        let between = |axis: usize, within: Range<usize>| {
+            let half = shape.half_extent[axis] * self.rho_max;
+            pixels_between(self.center[axis] - half, self.center[axis] + half, within)
+        };
+        open.meets(&between(0, 0..TILE_SIDE), between(1, open.rows()))
     }
 }
 
@@ -108,19 +127,19 @@ impl Run {
     #[inline(always)]
     pub(crate) fn sample(&self, column: usize) -> Sample {
         let dx = self.dx + column as f32;
-        let [constant, linear, square] = self.distance;
-        let squared = constant + dx * (linear + dx * square);
-        // Rounding may make the square negative at the centre, or reach past the edge.
-        Sample { position: squared.max(0.0).sqrt().min(self.last), dx, dy: self.dy }
+        let [constant, linear, square] = self.half_chord;
+        // Rounding may make the square negative at the edge.
+        let squared = (constant + dx * (linear + dx * square)).max(0.0);
+        Sample { position: squared.sqrt(), dx, dy: self.dy }
     }
 }
 
-/// The pixels of `0..side` that have their centres between two coordinates.
+/// The pixels of `within` that have their centres between two coordinates.
 #[inline]
-fn pixels_between(min: f32, max: f32, side: usize) -> Range<usize> {
-    let limit = side as f32;
-    let first = ceil((min - 0.5).clamp(0.0, limit));
-    let end = (max + 0.5).clamp(0.0, limit) as i32 as usize;
+fn pixels_between(min: f32, max: f32, within: Range<usize>) -> Range<usize> {
+    let [start, end] = [within.start, within.end].map(|pixel| pixel as f32);
+    let first = ceil((min - 0.5).clamp(start, end));
+    let end = (max + 0.5).clamp(start, end) as i32 as usize;
     first..end.max(first)
 }
 
@@ -157,19 +176,24 @@ mod tests {
                 gain: 1.0,
             };
             let center = [0, 1].map(|_| rng.f32() * 30.0 - 5.0);
-            let footprint = Footprint { center, rho_max: 1.9, samples_per_index: 64.0 };
-            let mut distances = vec![None; side * side];
-            for_each_run(&shape, &footprint, side, |run| {
+            let footprint =
+                Footprint { center, radius: 2.0, rho_max: 1.9, samples_per_index: 64.0 };
+            let mut half_chords = vec![None; side * side];
+            for_each_run(&OpenPixels::all([side; 2]), &shape, &footprint, |run| {
                 for (offset, column) in run.columns.clone().enumerate() {
-                    distances[run.row * side + column] = Some(run.sample(offset).position / 64.0);
+                    let half_chord = run.sample(offset).position / 64.0;
+                    half_chords[run.row * side + column] = Some(half_chord);
                 }
             });
-            for (pixel_idx, distance) in distances.iter().enumerate() {
+            for (pixel_idx, half_chord) in half_chords.iter().enumerate() {
                 let dx = (pixel_idx % side) as f32 + 0.5 - center[0];
                 let dy = (pixel_idx / side) as f32 + 0.5 - center[1];
                 let rho = (xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy).max(0.0).sqrt();
-                match distance {
-                    Some(distance) => assert!((distance - rho).abs() < 2e-3, "{distance} {rho}"),
+                match half_chord {
+                    Some(half_chord) => {
+                        let expected = (4.0 - rho * rho).sqrt();
+                        assert!((half_chord - expected).abs() < 1e-3, "{half_chord} {expected}");
+                    }
                     None => assert!(1.899 < rho, "a pixel at {rho} was left out"),
                 }
             }

@@ -61,7 +61,9 @@ impl Hierarchy<'_> {
 fn join(normalization: Normalization, h_f: f64, h_b: f64) -> f64 {
     match normalization {
         Normalization::None => h_f + h_b,
-        Normalization::Paper => (h_f + h_b - (2.0 * h_b * h_f + 0.5 * h_b * h_b * h_f)).max(0.0),
+        // Negative where sections are heavier than the paper's ever are, on a grid whose voxels are
+        // much longer along the ray than `unit`. A sheet's sum then counts as at least 0.
+        Normalization::Paper => h_f + h_b - (2.0 * h_b * h_f + 0.5 * h_b * h_b * h_f),
         Normalization::Product => (h_f * h_f + h_b * h_b - ALPHA * h_b * h_b * h_f).max(0.0).sqrt(),
     }
 }

@@ -1,0 +1,164 @@
+//! Scenes at random: small volumes under every choice that a scene can make.
+//!
+//! They are meant to be ugly: noisy values next to smooth ones, NaN and infinite voxels, slab widths
+//! that fit nothing, eyes inside the volume, volumes shrunk to a few pixels. What is left out is what
+//! no tolerance can hold, because it hangs on the last bit: slices that tie for the method
+//! `axis-aligned`, and transfer functions with steps.
+
+mod camera;
+mod grid;
+mod volume;
+
+use fastrand::Rng;
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Compositing, ImageDesc, KernelName, Light, Method, Normalization, Phong, RenderSettings, Scene,
+    Shading, TransferFunction, Volume,
+};
+
+pub use grid::GridKind;
+
+/// What is not left to chance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneKind {
+    /// What is added and what is composited.
+    pub method: Method,
+    /// `gaussian` or `crawfis-max`.
+    pub kernel: &'static str,
+    /// How sheets become pixels.
+    pub compositing: Compositing,
+    /// How thick sections are darkened.
+    pub normalization: Normalization,
+    /// How depth changes size.
+    pub projection: ProjectionKind,
+    /// How the grid lies in the world.
+    pub grid: GridKind,
+}
+
+/// How depth changes size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProjectionKind {
+    /// It does not.
+    Orthographic,
+    /// Rays leave the eye, which may be inside the volume.
+    Perspective,
+}
+
+/// The kernels of SPEC §2.
+pub const KERNELS: [&str; 2] = ["gaussian", "crawfis-max"];
+
+/// The slab widths drawn from: thinner than the base, between levels, on levels, and wide.
+pub const SLAB_WIDTHS: [f64; 7] = [0.3, 0.5, 0.77, 1.0, 1.6, 2.0, 3.3];
+
+impl SceneKind {
+    /// Every combination. Only `image-aligned` knows normalisation, so the others come with none.
+    pub fn all() -> Vec<Self> {
+        let mut kinds = Vec::new();
+        for &method in Method::ALL {
+            for kernel in KERNELS {
+                for &compositing in Compositing::ALL {
+                    for &normalization in normalizations_of(method) {
+                        for projection in
+                            [ProjectionKind::Orthographic, ProjectionKind::Perspective]
+                        {
+                            kinds.extend(GridKind::ALL.map(|grid| Self {
+                                method,
+                                kernel,
+                                compositing,
+                                normalization,
+                                projection,
+                                grid,
+                            }));
+                        }
+                    }
+                }
+            }
+        }
+        kinds
+    }
+}
+
+fn normalizations_of(method: Method) -> &'static [Normalization] {
+    match method {
+        Method::ImageAligned => Normalization::ALL,
+        Method::AxisAligned | Method::EverySample => &[Normalization::None],
+    }
+}
+
+/// A volume of 5 to 9 voxels a side and a picture of it of 20 to 32 pixels a side.
+pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
+    let grid = grid::random_grid(rng, kind.grid);
+    let (volume, value_range) = volume::random_volume(rng, grid);
+    let image = ImageDesc {
+        width: rng.u32(20..=32),
+        height: rng.u32(20..=32),
+        background: if rng.bool() { [0.0; 4] } else { [0; 4].map(|_| rng.f32()) },
+    };
+    let scene = Scene {
+        transfer: random_transfer(rng, value_range),
+        shading: random_shading(rng),
+        camera: camera::random_camera(rng, &grid, kind.projection, image.height),
+        image,
+        settings: RenderSettings {
+            method: kind.method,
+            kernel: KernelName(kind.kernel.into()),
+            slab_width: SLAB_WIDTHS[rng.usize(..SLAB_WIDTHS.len())],
+            compositing: kind.compositing,
+            normalization: kind.normalization,
+            base_slab_width: [0.5, 0.5, 0.4][rng.usize(..3)],
+            ..RenderSettings::default()
+        },
+    };
+    (volume, scene)
+}
+
+/// A number between `lo` and `hi`.
+fn between(rng: &mut Rng, lo: f64, hi: f64) -> f64 {
+    lo + (hi - lo) * rng.f64()
+}
+
+/// A direction, any as likely as any other.
+fn random_direction(rng: &mut Rng) -> DVec3 {
+    loop {
+        let v = DVec3::from_array([0; 3].map(|_| between(rng, -1.0, 1.0)));
+        if 0.01 < v.length() && v.length() < 1.0 {
+            return v.normalize();
+        }
+    }
+}
+
+fn random_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
+    let positions = |rng: &mut Rng| {
+        let n_points = rng.usize(1..=4);
+        let mut positions: Vec<f64> = (0..n_points).map(|_| between(rng, lo, hi)).collect();
+        positions.sort_by(f64::total_cmp);
+        positions
+    };
+    let densest = [0.1, 0.6, 1.0][rng.usize(..3)];
+    let opacity = |rng: &mut Rng| if rng.u32(..4) == 0 { 0.0 } else { densest * rng.f64() };
+    let mut opacities: Vec<_> = positions(rng).into_iter().map(|x| (x, [opacity(rng)])).collect();
+    // Something is always to be seen, and now and then it is as opaque as can be.
+    let peak = rng.usize(..opacities.len());
+    opacities[peak].1 = [densest];
+    let colors = positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect();
+    TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
+}
+
+fn random_shading(rng: &mut Rng) -> Shading {
+    if rng.u32(..4) == 0 {
+        return Shading::None;
+    }
+    let light = if rng.bool() {
+        Light::Headlight
+    } else {
+        Light::towards(random_direction(rng)).expect("the direction is not zero")
+    };
+    Shading::Phong(Phong {
+        ambient: between(rng, 0.0, 0.4),
+        diffuse: between(rng, 0.2, 1.0),
+        specular: between(rng, 0.0, 0.5),
+        shininess: between(rng, 1.0, 40.0),
+        two_sided: rng.bool(),
+        light,
+    })
+}

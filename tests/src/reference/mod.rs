@@ -1,0 +1,46 @@
+//! The reference: SPEC computed by brute force in 64-bit floats, written to be read.
+//!
+//! There are no tables, tiles or early exits. Every section weight is a numerical integral of the
+//! kernel along the pixel's ray, and the only things left out are those that contribute exactly
+//! nothing: voxels of opacity 0, and kernels that the ray does not meet. So the settings that only
+//! trade accuracy for speed (`sections`, `radial_samples`, `lookup`, `opacity_cutoff`) are ignored.
+//!
+//! Reading order, by SPEC's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
+//! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together.
+
+mod gradient;
+mod hierarchy;
+mod kernel;
+mod quadrature;
+mod section;
+mod shade;
+mod sheet;
+mod view;
+
+mod frame;
+mod image;
+mod row;
+
+pub use gradient::gradient_in_world;
+pub use hierarchy::Hierarchy;
+pub use image::{Difference, ReferenceImage};
+pub use kernel::Kernel;
+pub use quadrature::GaussLegendre;
+pub use section::{Cut, KernelInView};
+pub use shade::shaded_color;
+pub use sheet::{Premultiplied, SheetSums};
+
+use rayon::prelude::*;
+use slabsplat_core::{Scene, Volume};
+
+/// The picture of `scene` with `volume` in it.
+///
+/// # Panics
+/// If the scene names a kernel that SPEC §2 does not list.
+pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
+    let frame = frame::Frame::new(volume, scene);
+    let (width, height) = (scene.image.width, scene.image.height);
+    let rows: Vec<Vec<[f64; 4]>> =
+        (0..height).into_par_iter().map(|y| row::row(&frame, y)).collect();
+    ReferenceImage { width, height, pixels: rows.concat() }
+}

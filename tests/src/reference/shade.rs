@@ -1,0 +1,96 @@
+//! Blinn–Phong as SPEC §6 has it.
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Light, Phong, Shading};
+
+/// The transfer function's `color` under the light, for a surface that faces against `gradient`
+/// (world space) and is seen along `forward`.
+pub fn shaded_color(
+    shading: &Shading,
+    color: [f64; 3],
+    gradient: DVec3,
+    forward: DVec3,
+) -> [f64; 3] {
+    let Shading::Phong(phong) = shading else {
+        return color;
+    };
+    let (diffuse, specular) = match gradient.try_normalize() {
+        None => (0.0, 0.0),
+        Some(uphill) => lamp_terms(phong, -uphill, forward),
+    };
+    color.map(|c| (c * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0))
+}
+
+/// `k_d·n·l` and `k_s·(n·h)^s`.
+fn lamp_terms(phong: &Phong, normal: DVec3, forward: DVec3) -> (f64, f64) {
+    let to_viewer = -forward;
+    let to_light = match phong.light {
+        Light::Headlight => -forward,
+        Light::Direction(to_light) => to_light,
+    };
+    // A light exactly behind the volume has no halfway vector, hence no highlight.
+    let halfway = (to_light + to_viewer).normalize_or_zero();
+    let product = |v: DVec3| {
+        let product = normal.dot(v);
+        if phong.two_sided { product.abs() } else { product.max(0.0) }
+    };
+    let n_dot_l = product(to_light);
+    if n_dot_l <= 0.0 {
+        return (0.0, 0.0);
+    }
+    (phong.diffuse * n_dot_l, phong.specular * product(halfway).powf(phong.shininess))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PHONG: Phong = Phong {
+        ambient: 0.1,
+        diffuse: 0.6,
+        specular: 0.2,
+        shininess: 3.0,
+        two_sided: false,
+        light: Light::Headlight,
+    };
+    const RED: [f64; 3] = [0.5, 0.0, 0.0];
+
+    fn check(phong: Phong, gradient: DVec3, expected: [f64; 3]) {
+        let actual = shaded_color(&Shading::Phong(phong), RED, gradient, DVec3::NEG_Z);
+        let error = (DVec3::from_array(actual) - DVec3::from_array(expected)).length();
+        assert!(error < 1e-12, "{phong:?} {gradient}: {actual:?}");
+    }
+
+    #[test]
+    fn shade_facing_oblique_and_averted() {
+        check(PHONG, DVec3::Z * -5.0, [0.5 * 0.7 + 0.2, 0.2, 0.2]);
+        let oblique = DVec3::new(0.6, 0.0, -0.8);
+        check(PHONG, oblique, [0.5 * (0.1 + 0.48) + 0.2 * 0.512, 0.2 * 0.512, 0.2 * 0.512]);
+        check(PHONG, -oblique, [0.05, 0.0, 0.0]);
+        let two_sided = Phong { two_sided: true, ..PHONG };
+        check(two_sided, -oblique, [0.5 * (0.1 + 0.48) + 0.2 * 0.512, 0.2 * 0.512, 0.2 * 0.512]);
+    }
+
+    #[test]
+    fn shade_zero_gradient_gets_ambient_alone() {
+        check(PHONG, DVec3::ZERO, [0.05, 0.0, 0.0]);
+        check(Phong { shininess: 0.0, ..PHONG }, DVec3::ZERO, [0.05, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn shade_lamp_from_the_side_and_behind() {
+        let side = Phong { light: Light::Direction(DVec3::X), ..PHONG };
+        let half = 0.5_f64.sqrt().powi(3) * 0.2;
+        check(side, DVec3::NEG_X, [0.5 * 0.7 + half, half, half]);
+        check(side, DVec3::NEG_Z, [0.05, 0.0, 0.0]);
+        let behind = Phong { light: Light::Direction(DVec3::NEG_Z), two_sided: true, ..PHONG };
+        check(behind, DVec3::NEG_Z, [0.5 * 0.7, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn shade_is_clamped_and_optional() {
+        let bright = Phong { specular: 9.0, ..PHONG };
+        check(bright, DVec3::NEG_Z, [1.0; 3]);
+        assert_eq!(shaded_color(&Shading::None, RED, DVec3::X, DVec3::X), RED);
+    }
+}

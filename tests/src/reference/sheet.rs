@@ -1,0 +1,139 @@
+//! How a sheet's sums become premultiplied colour, and how sheets are composited (SPEC §3).
+
+use slabsplat_core::Compositing;
+
+/// Greatest opacity of a voxel in `extinction`, which would be infinite at 1.
+const MAX_OPACITY: f64 = 1.0 - 1e-6;
+
+/// What one pixel of a sheet has summed up.
+#[derive(Clone, Copy, Debug)]
+pub struct SheetSums {
+    compositing: Compositing,
+    /// `A`, or `τ` in `extinction`.
+    opacity: f64,
+    /// `C`, or `E` in `extinction`.
+    color: [f64; 3],
+}
+
+/// Premultiplied colour and opacity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Premultiplied {
+    /// Red, green and blue times the opacity.
+    pub color: [f64; 3],
+    /// How much of what lies behind is hidden.
+    pub opacity: f64,
+}
+
+impl SheetSums {
+    /// An empty sheet.
+    pub fn new(compositing: Compositing) -> Self {
+        Self { compositing, opacity: 0.0, color: [0.0; 3] }
+    }
+
+    /// Adds a voxel's section weight `weight`, times its opacity and its shaded colour.
+    pub fn add(&mut self, weight: f64, opacity: f64, color: [f64; 3]) {
+        let (opacity, color_factor) = match self.compositing {
+            Compositing::Separate => (opacity, 1.0),
+            Compositing::Associated => (opacity, opacity),
+            Compositing::Extinction => {
+                let mu = -(1.0 - opacity.min(MAX_OPACITY)).ln();
+                (mu, mu)
+            }
+        };
+        self.opacity += weight * opacity;
+        for (sum, channel) in self.color.iter_mut().zip(color) {
+            *sum += weight * color_factor * channel;
+        }
+    }
+
+    /// The finished sheet.
+    pub fn finish(self) -> Premultiplied {
+        // Sections of the `paper` normalisation may be negative; a sheet cannot be.
+        let a = self.opacity;
+        if a <= 0.0 {
+            return Premultiplied::default();
+        }
+        match self.compositing {
+            Compositing::Separate => {
+                let opacity = a.clamp(0.0, 1.0);
+                Premultiplied { color: self.color.map(|c| opacity * c.clamp(0.0, 1.0)), opacity }
+            }
+            Compositing::Associated => {
+                let factor = if 1.0 < a { 1.0 / a } else { 1.0 };
+                Premultiplied { color: self.color.map(|c| c * factor), opacity: a.min(1.0) }
+            }
+            Compositing::Extinction => {
+                let opacity = -(-a).exp_m1();
+                Premultiplied { color: self.color.map(|c| c * opacity / a), opacity }
+            }
+        }
+    }
+}
+
+impl Premultiplied {
+    /// Lays `behind` under what is there.
+    pub fn lay_over(&mut self, behind: Self) {
+        let through = 1.0 - self.opacity;
+        for (front, back) in self.color.iter_mut().zip(behind.color) {
+            *front += through * back;
+        }
+        self.opacity += through * behind.opacity;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet(compositing: Compositing, splats: &[(f64, f64, f64)]) -> Premultiplied {
+        let mut sums = SheetSums::new(compositing);
+        for &(weight, opacity, gray) in splats {
+            sums.add(weight, opacity, [gray; 3]);
+        }
+        sums.finish()
+    }
+
+    fn check(compositing: Compositing, splats: &[(f64, f64, f64)], color: f64, opacity: f64) {
+        let sheet = sheet(compositing, splats);
+        assert!((sheet.color[1] - color).abs() < 1e-12, "{compositing}: {sheet:?}");
+        assert!((sheet.opacity - opacity).abs() < 1e-12, "{compositing}: {sheet:?}");
+    }
+
+    #[test]
+    fn sheet_colors_by_hand() {
+        let two = [(0.5, 0.4, 1.0), (0.25, 0.8, 0.5)];
+        check(Compositing::Separate, &two, 0.4 * 0.625, 0.4);
+        check(Compositing::Associated, &two, 0.3, 0.4);
+        let (mu, nu) = (-0.5 * 0.6_f64.ln(), -0.25 * 0.2_f64.ln());
+        let opacity = 1.0 - (-mu - nu).exp();
+        check(Compositing::Extinction, &two, (mu + 0.5 * nu) * opacity / (mu + nu), opacity);
+    }
+
+    #[test]
+    fn sheet_is_clamped() {
+        let much = [(3.0, 1.0, 0.8)];
+        check(Compositing::Separate, &much, 1.0, 1.0);
+        check(Compositing::Associated, &much, 0.8, 1.0);
+        let opacity = 1.0 - 1e-18;
+        check(Compositing::Extinction, &much, 0.8 * opacity, opacity);
+        for &compositing in Compositing::ALL {
+            assert_eq!(sheet(compositing, &[]), Premultiplied::default());
+        }
+    }
+
+    /// SPEC §3: in `extinction`, two slabs composited have the opacity of the one that holds both.
+    #[test]
+    fn sheet_extinction_is_additive() {
+        let (front, back) = ((0.3, 0.7, 0.9), (0.6, 0.5, 0.1));
+        let mut composited = sheet(Compositing::Extinction, &[front]);
+        composited.lay_over(sheet(Compositing::Extinction, &[back]));
+        let together = sheet(Compositing::Extinction, &[front, back]);
+        assert!((composited.opacity - together.opacity).abs() < 1e-15);
+        // Of one colour, the colour is additive too.
+        let gray = |(weight, opacity, _): (f64, f64, f64)| (weight, opacity, 0.4);
+        let mut composited = sheet(Compositing::Extinction, &[gray(front)]);
+        composited.lay_over(sheet(Compositing::Extinction, &[gray(back)]));
+        let together = sheet(Compositing::Extinction, &[gray(front), gray(back)]);
+        assert!((composited.color[0] - together.color[0]).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,96 @@
+//! Where things are in view space, and what a pixel covers there (SPEC §§1, 5).
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Camera, ImageDesc, Projection, ViewAxes};
+
+/// A camera with its image.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View {
+    pub(super) axes: ViewAxes,
+    eye: DVec3,
+    projection: Projection,
+    width: u32,
+    height: u32,
+}
+
+impl View {
+    pub(super) fn new(camera: &Camera, image: &ImageDesc) -> Self {
+        Self {
+            axes: camera.axes(),
+            eye: camera.eye(),
+            projection: camera.projection(),
+            width: image.width,
+            height: image.height,
+        }
+    }
+
+    /// Right, up and depth of a point, in world units from the eye.
+    pub(super) fn view_from_world(&self, point_in_world: DVec3) -> DVec3 {
+        let d = point_in_world - self.eye;
+        DVec3::new(d.dot(self.axes.right), d.dot(self.axes.up), d.dot(self.axes.forward))
+    }
+
+    /// World units that a pixel covers at `depth`.
+    pub(super) fn pixel_size(&self, depth: f64) -> f64 {
+        match self.projection {
+            Projection::Orthographic { view_height } => view_height / f64::from(self.height),
+            Projection::Perspective { fov_y_radians } => {
+                2.0 * (0.5 * fov_y_radians).tan() * depth / f64::from(self.height)
+            }
+        }
+    }
+
+    /// Pixels in a row.
+    pub(super) fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Where the rays of column `x` are at `depth`, in world units right of the image's middle.
+    pub(super) fn column_in_view(&self, x: u32, depth: f64) -> f64 {
+        (f64::from(x) + 0.5 - 0.5 * f64::from(self.width)) * self.pixel_size(depth)
+    }
+
+    /// Where the rays of row `y` are at `depth`, in world units above the image's middle.
+    pub(super) fn row_in_view(&self, y: u32, depth: f64) -> f64 {
+        -(f64::from(y) + 0.5 - 0.5 * f64::from(self.height)) * self.pixel_size(depth)
+    }
+
+    /// Nothing nearer is drawn: the eye's plane, or one `unit` before it in a perspective view.
+    pub(super) fn near_depth(&self, unit: f64) -> f64 {
+        match self.projection {
+            Projection::Orthographic { .. } => 0.0,
+            Projection::Perspective { .. } => unit,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view(projection: Projection) -> View {
+        let camera = Camera::new(DVec3::Z * 10.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        View::new(&camera, &ImageDesc { width: 40, height: 20, background: [0.0; 4] })
+    }
+
+    #[test]
+    fn view_pixels_of_both_projections_meet_at_target() {
+        let fov_y_radians = 2.0 * 0.5_f64.atan();
+        let perspective = view(Projection::Perspective { fov_y_radians });
+        let orthographic = view(Projection::Orthographic { view_height: 10.0 });
+        for (x, y) in [(0, 0), (39, 3), (20, 10)] {
+            let right = perspective.column_in_view(x, 10.0) - orthographic.column_in_view(x, 77.0);
+            let up = perspective.row_in_view(y, 10.0) - orthographic.row_in_view(y, 77.0);
+            assert!(right.abs() < 1e-12 && up.abs() < 1e-12, "{right} {up}");
+        }
+        assert_eq!(orthographic.column_in_view(0, 0.0), -9.75);
+        assert_eq!(orthographic.row_in_view(0, 0.0), 4.75, "row 0 is the top");
+    }
+
+    #[test]
+    fn view_depth_is_along_forward() {
+        let view = view(Projection::Orthographic { view_height: 10.0 });
+        let point = view.view_from_world(DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(point, DVec3::new(1.0, 2.0, 7.0));
+    }
+}
