@@ -6,6 +6,7 @@
 //! of `slabsplat-core`. The tests themselves are in `tests/tests/`.
 
 pub mod reference;
+pub mod render;
 
 pub mod paper_scenes;
 pub mod random_scene;

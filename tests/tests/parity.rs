@@ -1,26 +1,12 @@
 //! Every backend against the float64 reference, on scenes at random: the tolerances of SPEC §9.
 
-use slabsplat::{Lookup, Method, RenderSettings, Renderer, backend_named};
-use slabsplat_core::{Image, Scene, Volume};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
-use slabsplat_tests::reference::{self, Difference};
+use slabsplat_tests::reference;
+use slabsplat_tests::render::{BACKENDS, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
-
-/// The paper's own table, read at the nearest section.
-const MAX_DIFFERENCE_NEAREST: f64 = 5e-3;
-
-fn render(volume: &Volume, scene: &Scene) -> Image {
-    let backend = backend_named("cpu").expect("the CPU is always there");
-    let mut renderer = Renderer::new(volume.clone(), backend);
-    renderer.render(scene).expect("random scenes are valid").image
-}
-
-fn compare(volume: &Volume, scene: &Scene) -> Difference {
-    reference::render(volume, scene).compare(&render(volume, scene))
-}
 
 /// Every method × kernel × compositing × normalisation × projection × grid.
 #[test]
@@ -32,8 +18,11 @@ fn parity_on_random_scenes() {
     let mut differences = Vec::new();
     for kind in SceneKind::all() {
         let (volume, scene) = random_scene(&mut rng, &kind);
-        let difference = compare(&volume, &scene);
-        differences.push((difference.max, difference.mean, kind, scene));
+        let expected = reference::render(&volume, &scene);
+        for backend in BACKENDS {
+            let difference = expected.compare(&render(backend, &volume, &scene));
+            differences.push((difference.max, difference.mean, kind, scene.clone()));
+        }
     }
     differences.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (max, mean, kind, scene) in differences.iter().take(5) {

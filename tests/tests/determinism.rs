@@ -1,0 +1,123 @@
+//! The same picture, however it is made: any number of threads, any storage of the voxels, any frame
+//! before it.
+
+use slabsplat::glam::{DAffine3, DMat3, DVec3};
+use slabsplat::{
+    Compositing, Grid, Image, Method, RenderSettings, Renderer, Samples, Scaling, Scene, Volume,
+    backend_named,
+};
+use slabsplat_tests::paper_scenes::{CubeView, cube};
+use slabsplat_tests::random_scene::{SceneKind, random_scene};
+use slabsplat_tests::render::{BACKENDS, render};
+
+/// Sums of 32-bit floats in another order; a pixel sums some hundred sections.
+const REORDERED_SUM: f32 = 2e-5;
+
+fn seeded() -> fastrand::Rng {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    fastrand::Rng::with_seed(seed)
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    let mut rng = seeded();
+    for kind in SceneKind::all().into_iter().step_by(7) {
+        let (volume, scene) = random_scene(&mut rng, &kind);
+        let with_threads = |n: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build();
+            pool.expect("threads can be started").install(|| render("cpu", &volume, &scene))
+        };
+        let one = with_threads(1);
+        for n in [2, 5, 16] {
+            assert!(with_threads(n) == one, "{n} threads: {kind:?}");
+        }
+    }
+}
+
+/// A renderer that drew other scenes before draws the same bits as a fresh one.
+#[test]
+fn frames_before_do_not_change_a_bit() {
+    let mut rng = seeded();
+    for &name in BACKENDS {
+        let (volume, mut scene) = random_scene(&mut rng, &SceneKind::all()[0]);
+        let backend = backend_named(name).expect("the backend is there");
+        let mut renderer = Renderer::new(volume.clone(), backend);
+        for step in 0..12 {
+            let (_, other) = random_scene(&mut rng, &SceneKind::all()[step * 23]);
+            scene.transfer = other.transfer;
+            scene.settings = other.settings;
+            scene.camera = scene.camera.orbited(0.4);
+            let frame = renderer.render(&scene).expect("the scene is valid").image;
+            assert!(frame == render(name, &volume, &scene), "{name}, frame {step}");
+        }
+    }
+}
+
+/// The same voxels at the same places, stored with axes permuted and reversed.
+#[test]
+fn storage_order_does_not_change_the_picture() {
+    let mut rng = seeded();
+    for &method in Method::ALL {
+        for &compositing in Compositing::ALL {
+            // At 45° whole columns of voxels are equally deep.
+            let settings = RenderSettings {
+                method,
+                compositing,
+                slab_width: 0.8,
+                ..RenderSettings::default()
+            };
+            let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
+            let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };
+            let (volume, scene) = cube(&view);
+            for &name in BACKENDS {
+                let image = render(name, &volume, &scene);
+                for _ in 0..3 {
+                    check_restored(name, &mut rng, &volume, &scene, &image);
+                }
+            }
+        }
+    }
+}
+
+fn check_restored(
+    name: &str,
+    rng: &mut fastrand::Rng,
+    volume: &Volume,
+    scene: &Scene,
+    image: &Image,
+) {
+    let mut axes = [0, 1, 2];
+    rng.shuffle(&mut axes);
+    let flips = [rng.bool(), rng.bool(), rng.bool()];
+    let restored = restored(volume, axes, flips);
+    let difference = render(name, &restored, scene).max_difference(image);
+    let method = scene.settings.method;
+    assert!(difference < REORDERED_SUM, "{method}, axes {axes:?}, flips {flips:?}: {difference}");
+}
+
+/// Axis `a` of the result is axis `axes[a]` of `volume`, reversed if `flips[a]`.
+fn restored(volume: &Volume, axes: [usize; 3], flips: [bool; 3]) -> Volume {
+    let old = *volume.grid();
+    let dims = axes.map(|axis| old.dims()[axis]);
+    let old_coords = |new: [usize; 3]| {
+        let mut coords = [0; 3];
+        for a in 0..3 {
+            coords[axes[a]] = if flips[a] { dims[a] - 1 - new[a] } else { new[a] };
+        }
+        coords
+    };
+    let at = |new| {
+        let coords = old_coords(new).map(|c| c as f64);
+        old.world_from_index().transform_point3(DVec3::from_array(coords))
+    };
+    let origin = at([0; 3]);
+    let columns =
+        DMat3::from_cols(at([1, 0, 0]) - origin, at([0, 1, 0]) - origin, at([0, 0, 1]) - origin);
+    let grid = Grid::new(dims, DAffine3::from_mat3_translation(columns, origin))
+        .expect("a permuted grid can be inverted");
+    let samples: Vec<f64> = (0..grid.n_voxels())
+        .map(|idx| volume.value(old.voxel_idx(old_coords(grid.voxel_coords(idx)))))
+        .collect();
+    Volume::new(grid, Samples::F64(samples), Scaling::IDENTITY).expect("one sample a voxel")
+}
