@@ -23,7 +23,7 @@ fn table_quantisation() {
     println!("128 nearest {paper:.1e}, 512 nearest {finer:.1e}, 128 linear {linear:.1e}");
     assert!(paper < 5e-3, "{paper}");
     assert!(finer < 0.4 * paper, "{finer}");
-    assert!(linear < 1e-4, "{linear}");
+    assert!(linear < 2e-4, "{linear}");
 }
 
 /// Leaving out what lies behind full pixels changes no pixel by more than the cut-off allows.

@@ -38,6 +38,8 @@ mod backends;
 mod renderer;
 
 mod automatic;
+#[cfg(feature = "files")]
+mod scene_file;
 
 mod popping;
 
@@ -45,6 +47,8 @@ pub use automatic::Automatic;
 pub use backends::{BACKEND_NAMES, UnknownBackend, backend_named};
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 pub use renderer::{RenderError, Renderer};
+#[cfg(feature = "files")]
+pub use scene_file::{OpenError, OpenScene};
 
 pub use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameId, FramePlan, FrameStats, PlanError, Planner,

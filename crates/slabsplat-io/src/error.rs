@@ -1,0 +1,156 @@
+//! What can go wrong with a file. Every message is one line that says what, where and what to do.
+
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+use slabsplat_core::{GridError, VolumeError};
+
+/// Why a file could not be read or written, or a built-in volume not made.
+#[derive(Debug, Error)]
+pub enum IoError {
+    /// The operating system did not let us read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The operating system did not let us write; nothing is left behind.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file that was to be.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The file is in none of the formats that can be read.
+    #[error(
+        "{} is not a volume file that can be read: expected NRRD (.nrrd, .nhdr), NIfTI (.nii, \
+         .nii.gz, .hdr) or raw with a .json description beside it",
+        path.display()
+    )]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file breaks the rules of its format.
+    #[error("{}: {what}", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// Which rule, and what to do.
+        what: String,
+    },
+    /// The file is sound, but uses a part of its format that is not read here.
+    #[error("{}: {what}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// Which part, and what to do.
+        what: String,
+    },
+    /// The data are shorter (or, in a plain raw file, longer) than the header promises.
+    #[error("{}: needs {needed} bytes of data, has {}: {hint}", path.display(), found.describe())]
+    WrongLength {
+        /// The file that holds the data.
+        path: PathBuf,
+        /// Bytes that the header asks for.
+        needed: u64,
+        /// Bytes that there are.
+        found: Found,
+        /// What to do.
+        hint: &'static str,
+    },
+    /// The grid that the file describes cannot be used.
+    #[error("{}: {source}", path.display())]
+    Grid {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: GridError,
+    },
+    /// The samples that the file holds cannot be used.
+    #[error("{}: {source}", path.display())]
+    Volume {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: VolumeError,
+    },
+    /// There is no such built-in volume.
+    #[error("there is no built-in volume {name:?}: choose one of {}", crate::BUILTIN_NAMES.join(", "))]
+    UnknownBuiltin {
+        /// The name asked for.
+        name: String,
+    },
+    /// A built-in volume cannot be made in that size.
+    #[error("a built-in volume has {min} to {max} voxels a side, not {size}")]
+    BadBuiltinSize {
+        /// The size asked for.
+        size: usize,
+        /// Smallest size.
+        min: usize,
+        /// Largest size.
+        max: usize,
+    },
+    /// A scene file, or a colour map that it names, says something that cannot be.
+    #[error("{}{}: {what}", path.display(), line_suffix(*line))]
+    Scene {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1, where one can be named.
+        line: Option<usize>,
+        /// What is wrong, and what to do.
+        what: String,
+    },
+    /// The name of a picture does not tell its format.
+    #[error("cannot tell the format of {}: name the picture .exr or .png", path.display())]
+    UnknownPicture {
+        /// The file that was to be.
+        path: PathBuf,
+    },
+}
+
+/// How many bytes of data were found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// Just so many.
+    Exactly(u64),
+    /// More than were needed; how many more was not looked at.
+    More,
+}
+
+impl Found {
+    fn describe(self) -> String {
+        match self {
+            Self::Exactly(n_bytes) => n_bytes.to_string(),
+            Self::More => "more".to_owned(),
+        }
+    }
+}
+
+fn line_suffix(line: Option<usize>) -> String {
+    line.map(|line| format!(":{line}")).unwrap_or_default()
+}
+
+impl IoError {
+    pub(crate) fn read(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        |source| Self::Read { path, source }
+    }
+
+    pub(crate) fn write(path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        |source| Self::Write { path, source }
+    }
+
+    pub(crate) fn malformed(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
+        Self::Malformed { path: path.into(), what: what.into() }
+    }
+
+    pub(crate) fn unsupported(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
+        Self::Unsupported { path: path.into(), what: what.into() }
+    }
+}

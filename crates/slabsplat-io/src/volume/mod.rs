@@ -1,0 +1,163 @@
+//! Reading volumes. The content decides the format, the name only where the content says nothing.
+//!
+//! What is read keeps its own sample type. Nothing is allocated on a header's word alone: a plain
+//! file must be long enough first, a packed one could not unpack to more than its length allows,
+//! and memory then grows with what really comes.
+//!
+//! Reading order: [`stream`] (bytes from files), [`buffer`] (bytes to samples), then a format each.
+
+mod buffer;
+mod names;
+mod nifti;
+mod nrrd;
+mod raw;
+mod sidecar;
+mod stream;
+
+use std::path::Path;
+
+use slabsplat_core::glam::DMat3;
+use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
+
+pub use buffer::Endian;
+pub use raw::{RawDesc, read_raw};
+
+use crate::IoError;
+
+/// A volume, and what is worth knowing about where it came from.
+#[derive(Clone, Debug)]
+pub struct LoadedVolume {
+    /// The volume, placed in RAS+ millimetres if the file says where it is.
+    pub volume: Volume,
+    /// What it was read from.
+    pub format: VolumeFormat,
+    /// What the file left open or got wrong, and what was assumed; one line each.
+    pub warnings: Vec<String>,
+}
+
+/// What a volume was read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum VolumeFormat {
+    /// NRRD, with its data attached or in files of their own.
+    Nrrd,
+    /// NIfTI-1, one file or a pair.
+    Nifti1,
+    /// NIfTI-2, one file or a pair.
+    Nifti2,
+    /// Samples without a header.
+    Raw,
+    /// No file: see [`builtin_volume`](crate::builtin_volume).
+    Builtin,
+}
+
+impl VolumeFormat {
+    /// The format's name as it is written in prose.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nrrd => "NRRD",
+            Self::Nifti1 => "NIfTI-1",
+            Self::Nifti2 => "NIfTI-2",
+            Self::Raw => "raw",
+            Self::Builtin => "built-in",
+        }
+    }
+}
+
+/// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`,
+/// either file of a `.hdr`/`.img` pair), or raw described by a `.json` beside it (the path of either).
+///
+/// # Errors
+/// If the file cannot be read, is in no such format, is broken, or holds something other than one
+/// scalar volume.
+pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
+    let start = stream::first_bytes(path)?;
+    if nrrd::is_nrrd(&start) {
+        return nrrd::read(path);
+    }
+    if nifti::is_header(&start) {
+        return nifti::read(path);
+    }
+    match stream::plain_extension(path).as_str() {
+        "json" => sidecar::read(path),
+        "nrrd" | "nhdr" => {
+            Err(IoError::malformed(path, "not an NRRD file: it does not begin with NRRD000"))
+        }
+        "nii" | "hdr" => Err(IoError::malformed(
+            path,
+            "not a NIfTI file: its first bytes are no NIfTI header (Analyze 7.5 is not read)",
+        )),
+        "img" => nifti::read_by_image(path),
+        _ if path.with_extension("json").is_file() => sidecar::read(&path.with_extension("json")),
+        _ => Err(IoError::UnknownFormat { path: path.to_owned() }),
+    }
+}
+
+impl LoadedVolume {
+    /// The same volume with voxels of another size, say where a file gives none or the wrong one.
+    /// The directions of the axes stay; so does the place of the first voxel, but the middle of a
+    /// built-in volume.
+    ///
+    /// # Errors
+    /// If a spacing is zero or not finite.
+    pub fn with_spacing(self, spacing: [f64; 3]) -> Result<Self, GridError> {
+        let grid = respaced(self.volume.grid(), spacing, self.format == VolumeFormat::Builtin)?;
+        let volume = self.volume.with_grid(grid).expect("the grid has as many voxels as before");
+        Ok(Self { volume, ..self })
+    }
+}
+
+fn respaced(grid: &Grid, spacing: [f64; 3], keeps_center: bool) -> Result<Grid, GridError> {
+    let mut world_from_index = grid.world_from_index();
+    let center_in_world = grid.center_in_world();
+    let m = world_from_index.matrix3;
+    world_from_index.matrix3 = DMat3::from_cols(
+        m.x_axis.normalize() * spacing[0],
+        m.y_axis.normalize() * spacing[1],
+        m.z_axis.normalize() * spacing[2],
+    );
+    if keeps_center {
+        world_from_index.translation =
+            center_in_world - world_from_index.matrix3 * grid.center_in_index();
+    }
+    Grid::new(grid.dims(), world_from_index)
+}
+
+/// Puts the parts of a volume together; errors name the file.
+fn assemble(
+    path: &Path,
+    grid: Grid,
+    samples: Samples,
+    scaling: Scaling,
+) -> Result<Volume, IoError> {
+    Volume::new(grid, samples, scaling)
+        .map_err(|source: VolumeError| IoError::Volume { path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::glam::{DAffine3, DVec3};
+
+    #[test]
+    fn respaced_keeps_directions_and_origin() {
+        let turned = DMat3::from_cols(DVec3::Y * 2.0, -DVec3::X, DVec3::new(0.0, 3.0, 3.0));
+        let origin = DVec3::new(5.0, 6.0, 7.0);
+        let grid = Grid::new([3, 4, 5], DAffine3::from_mat3_translation(turned, origin)).unwrap();
+        let respaced = respaced(&grid, [1.0, 1.5, 4.0], false).unwrap();
+        let m = respaced.world_from_index();
+        assert_eq!(m.translation, origin);
+        assert!(m.matrix3.x_axis.abs_diff_eq(DVec3::Y, 1e-12));
+        assert!(m.matrix3.y_axis.abs_diff_eq(DVec3::X * -1.5, 1e-12));
+        assert!((m.matrix3.z_axis.length() - 4.0).abs() < 1e-12);
+        assert!(super::respaced(&grid, [0.0, 1.0, 1.0], false).is_err());
+    }
+
+    #[test]
+    fn respaced_builtin_stays_centered() {
+        let volume = crate::builtin_volume("cube", None).unwrap();
+        let loaded = LoadedVolume { volume, format: VolumeFormat::Builtin, warnings: vec![] };
+        let loaded = loaded.with_spacing([1.0, 1.0, 2.0]).unwrap();
+        assert!(loaded.volume.grid().center_in_world().length() < 1e-12);
+        assert_eq!(loaded.volume.grid().spacing(), [1.0, 1.0, 2.0]);
+    }
+}

@@ -1,0 +1,65 @@
+//! Where the voxels lie, by the three methods of nifti1.h: the affine (`sform`), the rotation
+//! (`qform`), or the spacing alone. NIfTI's world is RAS+, as ours is.
+
+use slabsplat_core::glam::{DAffine3, DMat3, DQuat, DVec3};
+use slabsplat_core::{Grid, GridError};
+
+use super::header::Header;
+
+/// The grid, by the first method that the header offers and that gives one.
+pub(super) fn grid(
+    header: &Header,
+    dims: [usize; 3],
+    warnings: &mut Vec<String>,
+) -> Result<Grid, GridError> {
+    let to_millimetres = DAffine3::from_scale(DVec3::splat(unit_in_millimetres(header)));
+    let in_world = |affine: DAffine3| Grid::new(dims, to_millimetres * affine);
+    for (name, code, affine) in
+        [("sform", header.sform_code, sform(header)), ("qform", header.qform_code, qform(header))]
+    {
+        if 0 < code {
+            match in_world(affine) {
+                Err(GridError::Singular { .. }) => {
+                    warnings.push(format!("the {name} cannot be inverted, and was passed over"));
+                }
+                decided => return decided,
+            }
+        }
+    }
+    in_world(DAffine3::from_scale(spacing(header)))
+}
+
+/// `xyzt_units` of metres or micrometres; everything else is taken as millimetres.
+fn unit_in_millimetres(header: &Header) -> f64 {
+    match header.xyzt_units & 7 {
+        1 => 1e3,
+        3 => 1e-3,
+        _ => 1.0,
+    }
+}
+
+fn sform(header: &Header) -> DAffine3 {
+    let [x, y, z] = header.srow.map(|[x, y, z, _]| DVec3::new(x, y, z));
+    let origin = DVec3::from_array(header.srow.map(|[_, _, _, offset]| offset));
+    DAffine3::from_mat3_translation(DMat3::from_cols(x, y, z).transpose(), origin)
+}
+
+/// The rotation's quaternion lacks its real part, which is what makes its length 1; `pixdim[0]`
+/// says whether the third axis is mirrored.
+fn qform(header: &Header) -> DAffine3 {
+    let imaginary = DVec3::from_array(header.quatern);
+    let real = (1.0 - imaginary.length_squared()).max(0.0).sqrt();
+    // Rounding may leave the imaginary part a little longer than 1.
+    let quaternion = DQuat::from_vec4(imaginary.extend(real)).normalize();
+    let mirror = if header.pixdim[0] < 0.0 { -1.0 } else { 1.0 };
+    let scale = DMat3::from_diagonal(spacing(header) * DVec3::new(1.0, 1.0, mirror));
+    let origin = DVec3::from_array(header.qoffset);
+    DAffine3::from_mat3_translation(DMat3::from_quat(quaternion) * scale, origin)
+}
+
+/// The voxel's sides; 1 where the header has no length.
+fn spacing(header: &Header) -> DVec3 {
+    let [_, x, y, z, ..] = header.pixdim;
+    let side = |length: f64| if length.is_normal() { length.abs() } else { 1.0 };
+    DVec3::new(side(x), side(y), side(z))
+}

@@ -1,0 +1,84 @@
+//! Reads the samples from the file or files that hold them.
+
+use std::path::Path;
+
+use slabsplat_core::{SampleType, Samples};
+
+use super::super::buffer::{Endian, SampleBuffer};
+use super::super::stream::DataStream;
+use super::Encoding;
+use super::ascii;
+use super::files::DataFiles;
+use super::header::Header;
+use crate::IoError;
+
+/// How the samples lie in their files.
+pub(super) struct Layout {
+    pub(super) n_samples: usize,
+    pub(super) sample_type: SampleType,
+    pub(super) encoding: Encoding,
+    pub(super) endian: Endian,
+    /// Lines to pass over first.
+    pub(super) line_skip: u64,
+    /// Bytes to pass over then; unpacked ones, if they are packed. −1: the data are at the end.
+    pub(super) byte_skip: i64,
+}
+
+pub(super) fn read(
+    header: &Header,
+    layout: &Layout,
+    files: &DataFiles,
+    warnings: &mut Vec<String>,
+) -> Result<Samples, IoError> {
+    if layout.byte_skip < 0 && layout.encoding != Encoding::Raw {
+        return Err(header.malformed("a byte skip below 0 is only for the raw encoding"));
+    }
+    // The number of files was checked against the sizes of the axes.
+    let n_samples_each = layout.n_samples / files.len();
+    let mut buffer = SampleBuffer::new(layout.sample_type);
+    for file_idx in 0..files.len() {
+        let (path, offset) = files.get(file_idx);
+        read_file(&path, offset, layout, n_samples_each, &mut buffer, warnings)?;
+    }
+    Ok(buffer.finish(match layout.encoding {
+        Encoding::Raw | Encoding::Gzip => layout.endian,
+        Encoding::Text => Endian::NATIVE,
+    }))
+}
+
+fn read_file(
+    path: &Path,
+    offset: u64,
+    layout: &Layout,
+    n_samples: usize,
+    buffer: &mut SampleBuffer,
+    warnings: &mut Vec<String>,
+) -> Result<(), IoError> {
+    let sample_bytes = layout.sample_type.size_bytes();
+    let mut stream = DataStream::open(path, offset)?;
+    stream.skip_lines(layout.line_skip)?;
+    if layout.encoding == Encoding::Gzip {
+        stream = stream.unpacked();
+    }
+    stream.skip(byte_skip(&stream, layout.byte_skip, n_samples as u64 * sample_bytes as u64))?;
+    match layout.encoding {
+        Encoding::Raw | Encoding::Gzip => stream.fill(buffer, n_samples, sample_bytes)?,
+        Encoding::Text => return ascii::read(path, stream, buffer, n_samples),
+    }
+    // With data counted from the end, whatever comes after them was meant to be there.
+    if 0 <= layout.byte_skip && stream.has_more()? {
+        warnings.push(format!("{} holds more data than were needed", path.display()));
+    }
+    Ok(())
+}
+
+/// The bytes to pass over: −1 puts the data at the very end of the file, −2 one byte earlier.
+fn byte_skip(stream: &DataStream<'_>, byte_skip: i64, needed: u64) -> u64 {
+    match u64::try_from(byte_skip) {
+        Ok(n_bytes) => n_bytes,
+        Err(_) => {
+            let n_after = (byte_skip + 1).unsigned_abs();
+            stream.n_left_at_most().saturating_sub(needed.saturating_add(n_after))
+        }
+    }
+}

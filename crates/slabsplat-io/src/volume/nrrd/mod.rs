@@ -1,0 +1,97 @@
+//! NRRD, "nearly raw raster data": a text header, and data after it or in files of their own.
+//!
+//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip and text encodings; data
+//! attached or detached (one file, a `LIST`, a numbered pattern); `space directions` and `spacings`,
+//! also both at once. Not read: bzip2 and hex, 64-bit integers, several values a voxel.
+//!
+//! Reading order: `header` (lines to fields), `axes` (which three axes are the volume's), `space`
+//! (where they lie), `files` (where the data are), `data` (reading them), `ascii`.
+
+mod ascii;
+mod axes;
+mod data;
+mod files;
+mod header;
+mod space;
+
+use std::path::Path;
+
+use slabsplat_core::{Grid, SampleType, Scaling};
+
+use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
+use crate::IoError;
+use header::Header;
+
+/// How the samples are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Encoding {
+    Raw,
+    Gzip,
+    Text,
+}
+
+/// Whether the file begins as every NRRD does.
+pub(super) fn is_nrrd(start: &[u8]) -> bool {
+    start.starts_with(b"NRRD000")
+}
+
+pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
+    let header = Header::read(path)?;
+    let mut warnings = Vec::new();
+    let axes = axes::find(&header)?;
+    let grid = Grid::new(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
+        .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
+    let sample_type = sample_type(&header)?;
+    let layout = data::Layout {
+        n_samples: grid.n_voxels(),
+        sample_type,
+        encoding: encoding(&header)?,
+        endian: endian(&header, sample_type, &mut warnings)?,
+        line_skip: header.parsed("line skip")?.unwrap_or(0),
+        byte_skip: header.parsed("byte skip")?.unwrap_or(0),
+    };
+    let files = files::find(&header, &axes.file_sizes)?;
+    let samples = data::read(&header, &layout, &files, &mut warnings)?;
+    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
+    Ok(LoadedVolume { volume, format: VolumeFormat::Nrrd, warnings })
+}
+
+fn sample_type(header: &Header) -> Result<SampleType, IoError> {
+    let name = header.needed("type")?;
+    names::sample_type(name).ok_or_else(|| header.unsupported(names::unknown_type(name)))
+}
+
+fn encoding(header: &Header) -> Result<Encoding, IoError> {
+    let name = header.needed("encoding")?;
+    match name.to_lowercase().as_str() {
+        "raw" => Ok(Encoding::Raw),
+        "gz" | "gzip" => Ok(Encoding::Gzip),
+        "txt" | "text" | "ascii" => Ok(Encoding::Text),
+        _ => Err(header.unsupported(format!(
+            "encoding {name:?} is not supported: save the file as raw, gzip or ascii"
+        ))),
+    }
+}
+
+/// The byte order; only numbers of several bytes, not written as text, have one.
+fn endian(
+    header: &Header,
+    sample_type: SampleType,
+    warnings: &mut Vec<String>,
+) -> Result<Endian, IoError> {
+    match header.get("endian").map(str::to_lowercase).as_deref() {
+        Some("little") => Ok(Endian::Little),
+        Some("big") => Ok(Endian::Big),
+        Some(other) => Err(header.malformed(format!("endian is {other:?}, not little or big"))),
+        None => {
+            let matters = 1 < sample_type.size_bytes() && encoding(header)? != Encoding::Text;
+            if matters {
+                warnings.push("the header does not say endian: little was assumed".to_owned());
+            }
+            Ok(Endian::Little)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! Whole NRRD files, written here byte by byte.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use slabsplat_core::Samples;
+
+use crate::{LoadedVolume, read_volume};
+
+const RAW: &str = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\nencoding: raw\nendian: big\n";
+const BIG: [u8; 8] = [0, 1, 0, 2, 0, 3, 255, 255];
+
+fn expected() -> Samples {
+    Samples::I16(vec![1, 2, 3, -1])
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// Writes the files into a folder and reads the first.
+fn read(files: &[(&str, &[u8])]) -> Result<LoadedVolume, String> {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        fs::write(dir.path().join(name), bytes).unwrap();
+    }
+    read_volume(&dir.path().join(files[0].0)).map_err(|e| e.to_string())
+}
+
+fn check(files: &[(&str, &[u8])]) {
+    let loaded = read(files).unwrap();
+    assert_eq!(loaded.volume.samples(), &expected());
+    assert_eq!(loaded.warnings, [""; 0]);
+}
+
+fn check_error(files: &[(&str, &[u8])], expected: &str) {
+    let err = read(files).unwrap_err();
+    assert!(err.contains(expected), "{err} should contain {expected}");
+    assert!(!err.contains('\n'), "{err} should be one line");
+}
+
+fn attached(header: &str, data: &[u8]) -> Vec<u8> {
+    [header.as_bytes(), b"\n", data].concat()
+}
+
+#[test]
+fn nrrd_attached() {
+    check(&[("a.nrrd", &attached(RAW, &BIG))]);
+    let dos = RAW.replace('\n', "\r\n") + "\r";
+    check(&[("a.nrrd", &attached(&dos, &BIG))]);
+    let little = RAW.replace("big", "little");
+    check(&[("a.nrrd", &attached(&little, &[1, 0, 2, 0, 3, 0, 255, 255]))]);
+    check(&[("no-extension", &attached(RAW, &BIG))]);
+}
+
+#[test]
+fn nrrd_encodings() {
+    let gz = RAW.replace("raw", "gzip");
+    check(&[("a.nrrd", &attached(&gz, &gzip(&BIG)))]);
+    let skipping = format!("{gz}byte skip: 3\n");
+    check(&[("a.nrrd", &attached(&skipping, &gzip(&[&[9; 3][..], &BIG].concat())))]);
+    let text = RAW.replace("raw", "ascii");
+    check(&[("a.nrrd", &attached(&text, b"1 2\n3,\t-1\n"))]);
+    check_error(&[("a.nrrd", &attached(&text, b"1 2 3"))], "needs 4 numbers, has 3");
+    check_error(&[("a.nrrd", &attached(&text, b"1 2 3 70000"))], "\"70000\" is not a number");
+    check_error(&[("a.nrrd", &attached(&text, b"1 2 3 x"))], "\"x\" is not a number");
+    for other in ["bzip2", "hex", "rot13"] {
+        let header = RAW.replace("raw", other);
+        check_error(&[("a.nrrd", &attached(&header, &BIG))], "is not supported");
+    }
+}
+
+#[test]
+fn nrrd_detached() {
+    let header = format!("{RAW}data file: b.raw\n");
+    check(&[("a.nhdr", header.as_bytes()), ("b.raw", &BIG)]);
+    let skipping = format!("{RAW}line skip: 2\nbyte skip: 1\ndata file: b.raw\n");
+    let data = [b"one\ntwo\nx", &BIG[..]].concat();
+    check(&[("a.nhdr", skipping.as_bytes()), ("b.raw", &data)]);
+    let at_end = format!("{RAW}byte skip: -1\ndata file: b.raw\n");
+    check(&[("a.nhdr", at_end.as_bytes()), ("b.raw", &data)]);
+    let patterned = format!("{RAW}data file: b%02d 1 2 1 1\n").replace("2 2 1", "2 1 2");
+    check(&[("a.nhdr", patterned.as_bytes()), ("b01", &BIG[..4]), ("b02", &BIG[4..])]);
+    let listed = format!("{RAW}data file: LIST\nx\ny\n").replace("2 2 1", "2 1 2");
+    check(&[("a.nhdr", listed.as_bytes()), ("x", &BIG[..4]), ("y", &BIG[4..])]);
+    check_error(&[("a.nhdr", header.as_bytes())], "cannot read");
+    check_error(&[("a.nhdr", listed.as_bytes()), ("x", &BIG[..4]), ("y", &BIG[..3])], "has 3");
+}
+
+#[test]
+fn nrrd_warns_of_what_it_assumed() {
+    let warnings =
+        |header: &str, data: &[u8]| read(&[("a.nrrd", &attached(header, data))]).unwrap().warnings;
+    assert_eq!(warnings(RAW, &[&BIG[..], &[0]].concat()).len(), 1);
+    assert_eq!(warnings(&RAW.replace("endian: big\n", ""), &BIG).len(), 1);
+    let bytes = RAW.replace("short", "uchar").replace("endian: big\n", "");
+    assert_eq!(warnings(&bytes, &BIG[..4]).len(), 0, "8 bits have no byte order");
+}
+
+#[test]
+fn nrrd_bad_headers_are_named() {
+    let check = |from: &str, to: &str, expected: &str| {
+        let header = RAW.replace(from, to);
+        check_error(&[("a.nrrd", &attached(&header, &BIG))], expected);
+    };
+    check("NRRD0004", "NRRD0007", "NRRD0001 to NRRD0005");
+    check("type: short\n", "", "no field \"type\"");
+    check("short", "int64", "\"int64\" cannot be read");
+    check("encoding: raw\n", "", "no field \"encoding\"");
+    check("big", "middle", "endian");
+    check("2 2 1", "2 2 2", "needs 16 bytes of data, has 8");
+    check("2 2 1", "2 0 1", "empty");
+    check("2 2 1", "99999 99999 99999", "too many voxels");
+    check("2 2 1", "18446744073709551615 2 2", "too many voxels");
+    check("2 2 1", "99999999999999999999 2 2", "sizes should be");
+    check("endian: big", "endian: big\nspacings: 0 1 1", "cannot be inverted");
+    check("endian: big", "endian: big\nspacings: 1 1 inf", "cannot be inverted");
+    check("endian: big", "endian: big\nbyte skip: 1e3", "byte skip");
+    check("encoding: raw", "encoding: gzip\nbyte skip: -1", "only for the raw encoding");
+    check("encoding: raw", "encoding: gzip", "needs 8 bytes of data, has 0");
+    let gzip = RAW.replace("raw", "gzip");
+    check_error(&[("a.nrrd", &attached(&gzip, &[7; 99]))], "invalid gzip header");
+}
+
+#[test]
+fn nrrd_four_axes() {
+    let header = RAW.replace("dimension: 3", "dimension: 4").replace("2 2 1", "1 2 2 1");
+    check(&[("a.nrrd", &attached(&header, &BIG))]);
+    let colors = header.replace("1 2 2 1", "2 2 1 1") + "kinds: 2-color domain domain domain\n";
+    check_error(&[("a.nrrd", &attached(&colors, &BIG))], "axis 0 (kind \"2-color\", 2 long)");
+}
+
+#[test]
+fn nrrd_gone() {
+    let err = read_volume(Path::new("/nonexistent/a.nrrd")).unwrap_err().to_string();
+    assert!(err.starts_with("cannot read /nonexistent/a.nrrd: "), "{err}");
+}

@@ -1,0 +1,238 @@
+//! Bytes from files, plain or packed by gzip. Knows how many there can be before it is asked for
+//! them.
+
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use flate2::bufread::MultiGzDecoder;
+
+use super::buffer::{ReadFailure, SampleBuffer};
+use crate::IoError;
+use crate::error::Found;
+
+/// Deflate cannot pack better than this: 258 bytes in two bits.
+const MAX_GZIP_RATIO: u64 = 1032;
+
+/// Enough of a file to tell what it is: a NIfTI-2 header.
+const N_FIRST_BYTES: usize = 540;
+
+/// A file that is being read from front to back.
+pub(super) struct DataStream<'p> {
+    path: &'p Path,
+    reader: Reader,
+    /// No more bytes than this can come.
+    n_left_at_most: u64,
+}
+
+enum Reader {
+    Plain(BufReader<File>),
+    Gzip(Box<MultiGzDecoder<BufReader<File>>>),
+}
+
+impl<'p> DataStream<'p> {
+    /// The bytes of the file as they are, from `offset`.
+    pub(super) fn open(path: &'p Path, offset: u64) -> Result<Self, IoError> {
+        let mut file = File::open(path).map_err(IoError::read(path))?;
+        let n_bytes = file.metadata().map_err(IoError::read(path))?.len();
+        file.seek(SeekFrom::Start(offset)).map_err(IoError::read(path))?;
+        let n_left_at_most = n_bytes.saturating_sub(offset);
+        Ok(Self { path, reader: Reader::Plain(BufReader::new(file)), n_left_at_most })
+    }
+
+    /// The file's content: unpacked if it begins as a gzip file does.
+    pub(super) fn open_unpacked(path: &'p Path) -> Result<Self, IoError> {
+        let mut stream = Self::open(path, 0)?;
+        let start = stream.peek()?;
+        let is_gzip = start.starts_with(&[0x1f, 0x8b]);
+        Ok(if is_gzip { stream.unpacked() } else { stream })
+    }
+
+    fn peek(&mut self) -> Result<&[u8], IoError> {
+        let buffer = match &mut self.reader {
+            Reader::Plain(reader) => reader.fill_buf(),
+            Reader::Gzip(_) => Ok(&[][..]),
+        };
+        buffer.map_err(IoError::read(self.path))
+    }
+
+    /// What follows, unpacked.
+    pub(super) fn unpacked(self) -> Self {
+        let Reader::Plain(reader) = self.reader else {
+            return self;
+        };
+        let reader = Reader::Gzip(Box::new(MultiGzDecoder::new(reader)));
+        let n_left_at_most = self.n_left_at_most.saturating_mul(MAX_GZIP_RATIO);
+        Self { reader, n_left_at_most, ..self }
+    }
+
+    pub(super) fn n_left_at_most(&self) -> u64 {
+        self.n_left_at_most
+    }
+
+    /// Whether the bytes left are known, not only bounded.
+    pub(super) fn is_plain(&self) -> bool {
+        matches!(self.reader, Reader::Plain(_))
+    }
+
+    /// Passes over `n_bytes`, or to the end if there are fewer.
+    pub(super) fn skip(&mut self, n_bytes: u64) -> Result<(), IoError> {
+        let path = self.path;
+        let n_bytes = n_bytes.min(self.n_left_at_most);
+        let skipped = io::copy(&mut self.by_ref().take(n_bytes), &mut io::sink());
+        skipped.map(drop).map_err(IoError::read(path))
+    }
+
+    /// Passes over `n_lines` lines, or to the end if there are fewer.
+    pub(super) fn skip_lines(&mut self, n_lines: u64) -> Result<(), IoError> {
+        let path = self.path;
+        let mut n_seen = 0;
+        let mut byte = [0];
+        while n_seen < n_lines && self.read(&mut byte).map_err(IoError::read(path))? == 1 {
+            n_seen += u64::from(byte[0] == b'\n');
+        }
+        Ok(())
+    }
+
+    /// Moves `n_samples` into `buffer`.
+    pub(super) fn fill(
+        &mut self,
+        buffer: &mut SampleBuffer,
+        n_samples: usize,
+        sample_bytes: usize,
+    ) -> Result<(), IoError> {
+        let needed = n_samples as u64 * sample_bytes as u64;
+        let found = self.n_left_at_most;
+        if found < needed {
+            return Err(self.too_short(needed, found));
+        }
+        let is_plain = self.is_plain();
+        buffer.append(self, n_samples, is_plain).map_err(|failure| match failure {
+            ReadFailure::TooShort(found) => too_short(self.path, needed, found),
+            ReadFailure::Io(source) => IoError::Read { path: self.path.to_owned(), source },
+        })
+    }
+
+    fn too_short(&self, needed: u64, found: u64) -> IoError {
+        if self.is_plain() {
+            return too_short(self.path, needed, found);
+        }
+        let what = format!(
+            "needs {needed} bytes of data, but is too short to unpack to more than {found}: the \
+             file is cut off, or its header lies"
+        );
+        IoError::malformed(self.path, what)
+    }
+
+    /// Whether anything is left. Of a packed file this also checks the sum at its end.
+    pub(super) fn has_more(&mut self) -> Result<bool, IoError> {
+        let path = self.path;
+        let n_read = self.read(&mut [0]).map_err(IoError::read(path))?;
+        Ok(0 < n_read)
+    }
+}
+
+impl Read for DataStream<'_> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let n_read = match &mut self.reader {
+            Reader::Plain(reader) => reader.read(bytes)?,
+            Reader::Gzip(reader) => reader.read(bytes)?,
+        };
+        self.n_left_at_most = self.n_left_at_most.saturating_sub(n_read as u64);
+        Ok(n_read)
+    }
+}
+
+fn too_short(path: &Path, needed: u64, found: u64) -> IoError {
+    IoError::WrongLength {
+        path: path.to_owned(),
+        needed,
+        found: Found::Exactly(found),
+        hint: "the file is cut off, or its header lies",
+    }
+}
+
+/// The first bytes of the file, unpacked if it is a gzip file; fewer than 540 if it is shorter.
+pub(super) fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Vec::with_capacity(N_FIRST_BYTES);
+    let read = DataStream::open_unpacked(path)?.take(N_FIRST_BYTES as u64).read_to_end(&mut bytes);
+    match read {
+        // A gzip file that breaks off here is reported by whoever reads it to the end.
+        Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => {
+            Err(IoError::Read { path: path.to_owned(), source: e })
+        }
+        _ => Ok(bytes),
+    }
+}
+
+/// The file's extension in lower case, looking through a `.gz`; empty if there is none.
+pub(super) fn plain_extension(path: &Path) -> String {
+    let lower = |p: &Path| p.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match lower(path).unwrap_or_default() {
+        gz if gz == "gz" => lower(&path.with_extension("")).unwrap_or_default(),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::SampleType;
+    use std::io::Write;
+
+    fn gzip(bytes: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        encoder.write_all(bytes).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn stream_unpacks_several_members() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.gz");
+        std::fs::write(&path, [gzip(b"abc"), gzip(b"def")].concat()).unwrap();
+        assert_eq!(first_bytes(&path).unwrap(), b"abcdef");
+        let mut stream = DataStream::open_unpacked(&path).unwrap();
+        stream.skip(2).unwrap();
+        let mut buffer = SampleBuffer::new(SampleType::U8);
+        stream.fill(&mut buffer, 4, 1).unwrap();
+        assert!(!stream.has_more().unwrap());
+    }
+
+    #[test]
+    fn stream_refuses_what_cannot_be() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.gz");
+        std::fs::write(&path, gzip(&[0; 1000])).unwrap();
+        let mut buffer = SampleBuffer::new(SampleType::U8);
+        let mut fill = |n| DataStream::open_unpacked(&path).unwrap().fill(&mut buffer, n, 1);
+        let err = fill(1 << 30).unwrap_err().to_string();
+        assert!(err.contains("too short to unpack"), "{err}");
+        let err = fill(1001).unwrap_err().to_string();
+        assert!(err.contains("needs 1001 bytes of data, has 1000"), "{err}");
+        let err = DataStream::open(&path, 5).unwrap().fill(&mut buffer, 99, 1).unwrap_err();
+        assert!(err.to_string().contains("needs 99 bytes"), "{err}");
+    }
+
+    #[test]
+    fn stream_notices_a_wrong_checksum() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.gz");
+        let mut bytes = gzip(&[7; 100]);
+        let at = bytes.len() - 6;
+        bytes[at] ^= 1;
+        std::fs::write(&path, bytes).unwrap();
+        let mut stream = DataStream::open_unpacked(&path).unwrap();
+        stream.skip(100).unwrap();
+        assert!(stream.has_more().is_err());
+    }
+
+    #[test]
+    fn extension_looks_through_gz() {
+        for (name, expected) in
+            [("a.nii.gz", "nii"), ("A.NII.GZ", "nii"), ("a.hdr", "hdr"), ("a.gz", ""), ("a", "")]
+        {
+            assert_eq!(plain_extension(Path::new(name)), expected);
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The stages before splatting, on a ball of noise in 128³ voxels of which 40 % are relevant.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Camera, Compositing, Grid, ImageDesc, Phong, Projection, Scaling, Shading, TransferFunction,
+    View, Volume,
+};
+use slabsplat_traverse::{
+    RelevantList, ShadeDesc, TileBuckets, TileGrid, ValueOrder, depth_order, project, shade,
+};
+
+const SIDE: usize = 128;
+
+fn noisy_ball() -> Volume {
+    let mut rng = fastrand::Rng::with_seed(1);
+    let grid = Grid::with_spacing([SIDE; 3], [1.0; 3]).expect("the grid is not empty");
+    let center = grid.center_in_index();
+    let samples: Vec<u8> = (0..grid.n_voxels())
+        .map(|idx| {
+            let at = DVec3::from_array(grid.voxel_coords(idx).map(|c| c as f64));
+            let inside = at.distance(center) < 0.46 * SIDE as f64;
+            if inside { rng.u8(100..) } else { rng.u8(..40) }
+        })
+        .collect();
+    Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel")
+}
+
+fn stages(c: &mut Criterion) {
+    let volume = noisy_ball();
+    let grid = volume.grid();
+    let transfer = TransferFunction::new(
+        vec![(90.0, [0.0]), (255.0, [0.8])],
+        vec![(0.0, [0.5; 3]), (255.0, [1.0; 3])],
+    )
+    .expect("the points are sorted");
+    let order = ValueOrder::new(&volume);
+    let mut list = RelevantList::default();
+    list.update(&volume, &order, &transfer.iso_ranges());
+    let records = list.records();
+
+    let target = grid.center_in_world();
+    let projection = Projection::Orthographic { view_height: 1.5 * SIDE as f64 };
+    let eye = target + DVec3::new(300.0, 200.0, 100.0);
+    let camera = Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis");
+    let view = View::new(grid, &camera, &ImageDesc::default());
+
+    let mut group = c.benchmark_group("traverse");
+    group.throughput(Throughput::Elements(grid.n_voxels() as u64));
+    group.bench_function("value_order", |b| b.iter(|| ValueOrder::new(&volume)));
+
+    group.throughput(Throughput::Elements(records.len() as u64));
+    group.bench_function("relevant_list", |b| {
+        b.iter(|| RelevantList::default().update(&volume, &order, &transfer.iso_ranges()));
+    });
+    let desc = ShadeDesc {
+        transfer: &transfer,
+        shading: &Shading::Phong(Phong::default()),
+        forward: view.axes().forward,
+        compositing: Compositing::Extinction,
+    };
+    let mut colors = Vec::new();
+    group.bench_function("shade", |b| b.iter(|| shade(&desc, &volume, records, &mut colors)));
+    let mut points = Vec::new();
+    group.bench_function("project", |b| b.iter(|| project(grid, &view, records, &mut points)));
+    group.bench_function("depth_order", |b| b.iter(|| depth_order(grid, &view, records)));
+
+    let tiles = TileGrid::new(view.image_size(), 16);
+    let rect_of = |splat: usize| {
+        let [right, up, _] = points[splat];
+        let at = [256.0 + 2.6 * right, 256.0 - 2.6 * up];
+        tiles.touched(at.map(|c| c - 5.2), at.map(|c| c + 5.2))
+    };
+    group.bench_function("toss", |b| b.iter(|| TileBuckets::toss(&tiles, points.len(), rect_of)));
+    group.finish();
+}
+
+criterion_group!(benches, stages);
+criterion_main!(benches);
