@@ -48,7 +48,7 @@ pub enum ProjectionKind {
 pub const KERNELS: [&str; 2] = ["gaussian", "crawfis-max"];
 
 /// The slab widths drawn from: thinner than the base, between levels, on levels, and wide.
-pub const SLAB_WIDTHS: [f64; 7] = [0.3, 0.5, 0.77, 1.0, 1.6, 2.0, 3.3];
+pub const SLAB_WIDTHS: [f64; 8] = [0.3, 0.5, 0.77, 1.0, 1.6, 2.0, 3.3, 50.0];
 
 impl SceneKind {
     /// Every combination. Only `image-aligned` knows normalisation, so the others come with none.

@@ -56,6 +56,12 @@ impl SlabGrid {
         (self.first + slab_idx as i64) as f64 * self.thickness
     }
 
+    /// Depths of a slab's faces from the grid's centre.
+    #[inline]
+    pub fn faces(&self, slab_idx: usize) -> [f64; 2] {
+        [self.front(slab_idx), self.front(slab_idx + 1)]
+    }
+
     /// Depth of a slab's middle from the grid's centre.
     #[inline]
     pub fn middle(&self, slab_idx: usize) -> f64 {

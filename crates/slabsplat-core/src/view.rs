@@ -67,6 +67,18 @@ impl View {
         before_eye - self.center_depth
     }
 
+    /// Whether the sections of a slab between two depths from the grid's centre are drawn: in a perspective
+    /// view if its middle, where they are projected, is not before the near depth; in an orthographic
+    /// one if any of it lies behind the eye's plane.
+    #[inline]
+    pub fn draws_slab(&self, [front, back]: [f64; 2]) -> bool {
+        if self.is_perspective() {
+            self.near_depth() <= 0.5 * (front + back)
+        } else {
+            self.near_depth() < back
+        }
+    }
+
     /// Pixels per world unit at a depth from the grid's centre; the depth must not lie before
     /// [`near_depth`](Self::near_depth).
     pub fn pixels_per_world(&self, depth: f64) -> f64 {
@@ -133,6 +145,7 @@ mod tests {
         assert!(corner.abs_diff_eq(DVec3::new(-1.0, -1.0, 4.0), 1e-12), "{corner}");
         assert_eq!(from_index.depth_range(&grid), [-4.0, 4.0]);
         assert_eq!(view.near_depth(), -20.0);
+        assert!(view.draws_slab([-500.0, -19.9]) && !view.draws_slab([-21.0, -20.0]));
         assert_eq!(view.pixels_per_world(0.0), 2.0);
     }
 
@@ -143,6 +156,7 @@ mod tests {
         assert!((view.pixels_per_world(0.0) - 0.5).abs() < 1e-12);
         assert!((view.pixels_per_world(20.0) - 0.25).abs() < 1e-12);
         assert_eq!(view.near_depth(), -19.0);
+        assert!(view.draws_slab([-20.0, -18.0]) && !view.draws_slab([-20.1, -18.1]));
         assert_eq!(view.stretch(0.25), 4.0);
         assert_eq!(view.stretch(3.0), 1.0);
     }

@@ -41,9 +41,8 @@ fn slabs_of(stage: &Stage<'_>, slabs: &SlabGrid, depth: f32) -> [usize; 2] {
     slabs.meeting(f64::from(depth - reach), f64::from(depth + reach))
 }
 
-/// Whether a slab's middle lies behind the near plane.
 fn is_drawn(stage: &Stage<'_>, slabs: &SlabGrid, slab: usize) -> bool {
-    stage.raster.near <= slabs.middle(slab) as f32
+    stage.plan.view.draws_slab(slabs.faces(slab))
 }
 
 /// Splats and composites the tile's sheets, front to back, until the tile is full.
@@ -69,7 +68,7 @@ pub(crate) fn render_tile<C: Composite>(
             continue;
         }
         let shape = stage.raster.shape_at(slabs.middle(slab));
-        let faces = [slabs.front(slab), slabs.front(slab + 1)].map(|face| face as f32);
+        let faces = slabs.faces(slab).map(|face| face as f32);
         let section = SectionSplatter { stage, table, shape, faces, origin: tile.origin };
         for &voxel in buckets.starting_in(slab.saturating_sub(n_slabs_before), slab) {
             stats.n_splats += u64::from(section.splat(voxel as usize, &tile.open, sheet, row));

@@ -76,7 +76,7 @@ impl Frame {
         let slabs = slab_numbers.filter_map(|n| {
             let front = center_depth + n as f64 * world_width;
             let middle = front + 0.5 * world_width;
-            if middle < self.view.near_depth(self.unit) {
+            if !self.view.draws_slab(front, front + world_width, self.unit) {
                 return None;
             }
             let reach = self.kernel.depth_reach + 0.5 * world_width;

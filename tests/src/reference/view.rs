@@ -55,7 +55,16 @@ impl View {
         -(f64::from(y) + 0.5 - 0.5 * f64::from(self.height)) * self.pixel_size(depth)
     }
 
-    /// Nothing nearer is drawn: the eye's plane, or one `unit` before it in a perspective view.
+    /// A perspective slab is projected at its middle, so that is what counts; of an orthographic one, all
+    /// is drawn if any of it is behind the eye's plane.
+    pub(super) fn draws_slab(&self, front: f64, back: f64, unit: f64) -> bool {
+        match self.projection {
+            Projection::Orthographic { .. } => 0.0 < back,
+            Projection::Perspective { .. } => self.near_depth(unit) <= 0.5 * (front + back),
+        }
+    }
+
+    /// No whole footprint nearer is drawn: the eye's plane, or one `unit` before it in a perspective view.
     pub(super) fn near_depth(&self, unit: f64) -> f64 {
         match self.projection {
             Projection::Orthographic { .. } => 0.0,
