@@ -1,2 +1,60 @@
-//! Placeholder.
-fn main() {}
+//! The program `slabsplat`: pictures of volumes, from the command line.
+//!
+//! It parses flags, asks the facade, and prints. Whatever decides a pixel is in the libraries, so that
+//! other programs can do all that this one can.
+//!
+//! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
+//!
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
+//! [`popping`], [`demo`]; [`terminal`] and [`progress`] are what they print with.
+
+mod flags;
+mod input;
+
+mod demo;
+mod info;
+mod popping;
+mod render;
+
+mod meter;
+mod progress;
+mod terminal;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Renders volumes by image-aligned splatting, which does not pop when the camera turns.
+#[derive(Parser)]
+#[command(name = "slabsplat", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Render(Box<render::RenderArgs>),
+    Info(info::InfoArgs),
+    Demo(demo::DemoArgs),
+    Popping(Box<popping::PoppingArgs>),
+}
+
+fn main() -> ExitCode {
+    match run(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::say(format_args!("error: {}", terminal::one_line(&error)));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(command: Command) -> Result<()> {
+    match command {
+        Command::Render(args) => render::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Demo(args) => demo::run(&args),
+        Command::Popping(args) => popping::run(&args),
+    }
+}

@@ -52,14 +52,14 @@ pub enum IoError {
         what: String,
     },
     /// The data are shorter (or, in a plain raw file, longer) than the header promises.
-    #[error("{}: needs {needed} bytes of data, has {}: {hint}", path.display(), found.describe())]
+    #[error("{}: needs {needed} bytes of data, has {found}: {hint}", path.display())]
     WrongLength {
         /// The file that holds the data.
         path: PathBuf,
         /// Bytes that the header asks for.
         needed: u64,
         /// Bytes that there are.
-        found: Found,
+        found: u64,
         /// What to do.
         hint: &'static str,
     },
@@ -95,7 +95,13 @@ pub enum IoError {
         /// Largest size.
         max: usize,
     },
-    /// A scene file, or a colour map that it names, says something that cannot be.
+    /// There is no such transfer function.
+    #[error("there is no preset {name:?}: choose one of {}", crate::PRESET_NAMES.join(", "))]
+    UnknownPreset {
+        /// The name asked for.
+        name: String,
+    },
+    /// A scene file says something that cannot be.
     #[error("{}{}: {what}", path.display(), line_suffix(*line))]
     Scene {
         /// The file.
@@ -111,24 +117,6 @@ pub enum IoError {
         /// The file that was to be.
         path: PathBuf,
     },
-}
-
-/// How many bytes of data were found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Found {
-    /// Just so many.
-    Exactly(u64),
-    /// More than were needed; how many more was not looked at.
-    More,
-}
-
-impl Found {
-    fn describe(self) -> String {
-        match self {
-            Self::Exactly(n_bytes) => n_bytes.to_string(),
-            Self::More => "more".to_owned(),
-        }
-    }
 }
 
 fn line_suffix(line: Option<usize>) -> String {

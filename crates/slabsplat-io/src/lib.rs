@@ -1,45 +1,67 @@
-//! Files in, files out: volumes, scenes and pictures; and volumes made from formulas.
+//! Files in, files out: volumes, scene files and transfer functions are read, pictures written.
 //!
-//! - [`read_volume`] reads NRRD, NIfTI-1 and -2, and raw samples, in their own type, placed in RAS+
-//!   millimetres where the file says where they are.
-//! - [`builtin_volume`] makes one of [`BUILTIN_NAMES`].
-//! - [`read_scene`] reads a scene file; what it leaves out is left to whoever has seen the volume.
-//! - [`write_picture`] writes OpenEXR or PNG, whole or not at all.
+//! The crates that render never see a file; this one never renders. Whatever a file holds, reading it
+//! gives a volume or an [`IoError`] of one line that says what, where and what to do: no panic, and
+//! no memory taken on a header's word alone.
 //!
-//! Files are not trusted: nothing is allocated on a header's word alone, and every complaint is one line
-//! that says what, where and what to do.
+//! # Formats
+//!
+//! | read | by |
+//! | --- | --- |
+//! | NRRD (`.nrrd`, `.nhdr`): raw, gzip, text; data attached, detached, in many files | [`read_volume`] |
+//! | NIfTI-1 and -2 (`.nii`, `.hdr` with `.img`; all maybe `.gz`) | [`read_volume`] |
+//! | raw with a `.json` description beside it | [`read_volume`] |
+//! | raw, described by the caller | [`read_raw`] |
+//! | scene files (TOML) | [`read_scene`] |
+//! | ParaView colour maps (JSON) | [`read_color_map`] |
+//!
+//! | written | by |
+//! | --- | --- |
+//! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
+//! | PNG, 8-bit RGBA, straight | [`write_png`] |
+//!
+//! And without any file: [`builtin_volume`], [`preset_transfer`].
+//!
+//! ```
+//! use slabsplat_io::{read_scene, write_picture};
+//! use slabsplat_core::Image;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let dir = tempfile::tempdir()?;
+//! let path = dir.path().join("scene.toml");
+//! std::fs::write(&path, "[volume]\ngenerate = \"cube\"\n[image]\nwidth = 64\nheight = 48\n")?;
+//!
+//! let scene = read_scene(&path)?;
+//! let loaded = scene.load_volume()?;
+//! assert_eq!(loaded.volume.grid().dims(), [28, 28, 28]);
+//!
+//! let picture = Image::filled(scene.image.width, scene.image.height, [0.0; 4]);
+//! write_picture(&dir.path().join("picture.exr"), &picture)?;
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! # Reading order
 //!
-//! `error`; `volume`, `builtin`; `scene`; `picture`.
-//!
-//! ```
-//! use slabsplat_io::{builtin_volume, write_picture};
-//! use slabsplat_core::Image;
-//!
-//! let volume = builtin_volume("cube", None)?;
-//! assert_eq!(volume.grid().dims(), [28; 3]);
-//!
-//! let err = write_picture("picture.jpg".as_ref(), &Image::filled(2, 2, [1.0; 4])).unwrap_err();
-//! assert_eq!(err.to_string(), "cannot tell the format of picture.jpg: name the picture .exr or .png");
-//! # Ok::<(), slabsplat_io::IoError>(())
-//! ```
+//! `error`; `volume` and its folders; `builtin`; `scene`; `picture`.
 
 mod error;
-mod text;
+
+mod volume;
 
 mod builtin;
-mod volume;
 
 mod scene;
 
 mod picture;
 
+mod text;
+
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
-pub use error::{Found, IoError};
-pub use picture::{PictureFormat, write_exr, write_picture, write_png};
+pub use error::IoError;
+pub use picture::{write_exr, write_picture, write_png};
 pub use scene::{
-    CameraDesc, PRESET_NAMES, ProjectionKind, SceneFile, VolumeSource, preset, read_color_map,
-    read_scene,
+    CameraDesc, PRESET_NAMES, ProjectionKind, SceneFile, VolumeSource, preset_transfer,
+    read_color_map, read_scene,
 };
 pub use volume::{Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume};

@@ -1,52 +1,97 @@
-//! Files that are either whole or not there.
+//! A file that is there as a whole or not at all: written beside its place under another name, then
+//! renamed.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use tempfile::Builder;
+use tempfile::{Builder, NamedTempFile};
 
 use crate::IoError;
 
-/// Writes a file through `fill`, beside its place first and then into it in one step.
+/// Lets `write` fill the file at `path`. If it fails, whatever stood there before still does, and
+/// nothing else is left.
 pub(super) fn write(
     path: &Path,
-    fill: impl FnOnce(&mut BufWriter<&File>) -> io::Result<()>,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<(), IoError> {
-    let try_write = || {
-        let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
-        let mut builder = Builder::new();
-        builder.prefix(".slabsplat-");
-        // A temporary file is for its owner's eyes only; a picture is a file like any other.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(parent.unwrap_or(Path::new(".")))?;
-        let mut writer = BufWriter::new(file.as_file());
-        fill(&mut writer)?;
-        writer.flush()?;
-        drop(writer);
-        file.persist(path)?;
-        Ok(())
-    };
-    try_write().map_err(IoError::write(path))
+    try_write(path, write).map_err(IoError::write(path))
+}
+
+fn try_write(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut file = beside(path)?;
+    let mut writer = BufWriter::new(file.as_file_mut());
+    write(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    file.persist(path).map_err(|e| e.error)?;
+    Ok(())
+}
+
+/// A file in the same folder, since only within one file system is a rename atomic.
+fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut builder = Builder::new();
+    builder.prefix(".slabsplat-").suffix(".part");
+    // Without this the picture would be its owner's alone, as temporary files are.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
+
+    fn names(dir: &Path) -> Vec<String> {
+        let entries = fs::read_dir(dir).unwrap();
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    }
 
     #[test]
-    fn atomic_write_leaves_nothing_behind_when_it_fails() {
+    fn atomic_failure_leaves_what_was_there() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.png");
-        write(&path, |w| w.write_all(b"whole")).unwrap();
-        let err = write(&path, |w| {
-            w.write_all(b"half")?;
+        let fail = |writer: &mut BufWriter<&mut File>| {
+            writer.write_all(&[1; 100_000])?;
             Err(io::Error::other("disk full"))
-        });
-        assert!(err.unwrap_err().to_string().contains("disk full"));
-        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
-        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
-        assert!(write(&dir.path().join("no/b.png"), |_| Ok(())).is_err());
+        };
+        let err = write(&path, fail).unwrap_err().to_string();
+        assert!(err.ends_with("a.png: disk full"), "{err}");
+        assert_eq!(names(dir.path()), [""; 0]);
+
+        fs::write(&path, "old").unwrap();
+        write(&path, fail).unwrap_err();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        write(&path, |writer| writer.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert_eq!(names(dir.path()), ["a.png"]);
+    }
+
+    #[test]
+    fn atomic_needs_a_folder_and_a_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let nothing = |_: &mut BufWriter<&mut File>| Ok(());
+        let err = write(&dir.path().join("b/a.png"), nothing).unwrap_err().to_string();
+        assert!(err.starts_with("cannot write "), "{err}");
+        fs::create_dir(dir.path().join("a.png")).unwrap();
+        write(&dir.path().join("a.png"), nothing).unwrap_err();
+        assert_eq!(names(dir.path()), ["a.png"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn atomic_file_has_usual_permissions() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let mode =
+            |name: &str| fs::metadata(dir.path().join(name)).unwrap().permissions().mode() & 0o777;
+        write(&dir.path().join("ours"), |_| Ok(())).unwrap();
+        fs::write(dir.path().join("usual"), "").unwrap();
+        assert_eq!(mode("ours"), mode("usual"));
     }
 }

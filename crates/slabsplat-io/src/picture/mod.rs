@@ -1,4 +1,4 @@
-//! Writing pictures: OpenEXR for numbers, PNG for eyes.
+//! Writing pictures. What is written appears under its name only when it is complete.
 
 mod atomic;
 mod exr;
@@ -13,38 +13,24 @@ pub use png::write_png;
 
 use crate::IoError;
 
-/// What a picture can be written as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PictureFormat {
-    /// 32-bit floats, premultiplied, just as they were composited.
-    Exr,
-    /// 8 bits, not premultiplied.
-    Png,
-}
-
-impl PictureFormat {
-    /// The format that a file's name ends with.
-    ///
-    /// # Errors
-    /// If it is neither `.exr` nor `.png`.
-    pub fn of(path: &Path) -> Result<Self, IoError> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("exr") => Ok(Self::Exr),
-            Some("png") => Ok(Self::Png),
-            _ => Err(IoError::UnknownPicture { path: path.to_owned() }),
-        }
+/// Writes a picture in the format that the name's extension says: `.exr` or `.png`.
+///
+/// # Errors
+/// If the extension is another, or the file cannot be written.
+pub fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("exr") => write_exr(path, image),
+        Some("png") => write_png(path, image),
+        _ => Err(IoError::UnknownPicture { path: path.to_owned() }),
     }
 }
 
-/// Writes a picture in the format that the file's name ends with. If that fails, the file is as it was.
-///
-/// # Errors
-/// If the name ends neither in `.exr` nor in `.png`, or the file cannot be written.
-pub fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
-    match PictureFormat::of(path)? {
-        PictureFormat::Exr => write_exr(path, image),
-        PictureFormat::Png => write_png(path, image),
+/// What the encoders' errors come down to.
+fn to_io_error(error: image::ImageError) -> std::io::Error {
+    match error {
+        image::ImageError::IoError(error) => error,
+        other => std::io::Error::other(other),
     }
 }
 
@@ -53,11 +39,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn picture_format_is_told_by_the_name() {
-        assert_eq!(PictureFormat::of(Path::new("a.b/c.EXR")).unwrap(), PictureFormat::Exr);
-        assert_eq!(PictureFormat::of(Path::new("c.png")).unwrap(), PictureFormat::Png);
-        for name in ["c.jpg", "c", "png"] {
-            let err = PictureFormat::of(Path::new(name)).unwrap_err().to_string();
+    fn picture_format_by_extension() {
+        let dir = tempfile::tempdir().unwrap();
+        let image = Image::filled(2, 1, [0.5; 4]);
+        for (name, magic) in [("a.PNG", &b"\x89PNG"[..]), ("b.exr", &[0x76, 0x2f, 0x31, 0x01])] {
+            write_picture(&dir.path().join(name), &image).unwrap();
+            assert!(std::fs::read(dir.path().join(name)).unwrap().starts_with(magic), "{name}");
+        }
+        for name in ["a.jpg", "a", "png"] {
+            let err = write_picture(&dir.path().join(name), &image).unwrap_err().to_string();
             assert!(err.contains(".exr or .png"), "{err}");
         }
     }

@@ -1,39 +1,41 @@
-//! A camera of which parts may be missing.
+//! A camera with parts left out, to be filled in once the volume is known.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Camera, CameraError, Projection};
 
-/// Which projection is meant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How depth changes size, without the numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProjectionKind {
-    /// Depth does not change size.
-    #[default]
+    /// It does not.
     Orthographic,
     /// Rays leave the eye.
     Perspective,
 }
 
-/// The parts of a camera that were given.
+/// The parts of a camera that someone has given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraDesc {
-    /// Which projection; orthographic if not given.
+    /// Orthographic or perspective.
     pub projection: Option<ProjectionKind>,
-    /// The eye in world space.
-    pub eye: Option<[f64; 3]>,
-    /// The point looked at.
-    pub target: Option<[f64; 3]>,
-    /// What points upwards.
-    pub up: Option<[f64; 3]>,
-    /// World units that fill the image's height, orthographic only.
+    /// Where the camera is.
+    pub eye: Option<DVec3>,
+    /// What it looks at.
+    pub target: Option<DVec3>,
+    /// What is upwards in the picture.
+    pub up: Option<DVec3>,
+    /// World units from the lower to the upper edge of the picture, if orthographic.
     pub view_height: Option<f64>,
-    /// Vertical angle of view in degrees, perspective only; 30 if not given.
+    /// Degrees between the lower and the upper edge of the picture, if perspective.
     pub fov_y: Option<f64>,
 }
 
-/// The angle of view if none is given, in degrees.
-const DEFAULT_FOV_Y: f64 = 30.0;
+/// The field of view where neither the scene nor the fallback has one.
+const DEFAULT_FOV_Y_DEGREES: f64 = 30.0;
 
 impl ProjectionKind {
+    /// Both of them.
+    pub const ALL: &[Self] = &[Self::Orthographic, Self::Perspective];
+
     /// The name that scene files and flags use.
     pub fn name(self) -> &'static str {
         match self {
@@ -42,46 +44,65 @@ impl ProjectionKind {
         }
     }
 
-    /// The projection of that name.
+    /// The kind of that name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Self::Orthographic, Self::Perspective].into_iter().find(|kind| kind.name() == name)
+        Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 }
 
 impl CameraDesc {
-    /// Whether rays leave the eye.
+    /// Whether a perspective camera is asked for: by name, or by giving only the angle of one.
     pub fn is_perspective(&self) -> bool {
-        self.projection == Some(ProjectionKind::Perspective)
+        match self.projection {
+            Some(kind) => kind == ProjectionKind::Perspective,
+            None => self.fov_y.is_some() && self.view_height.is_none(),
+        }
     }
 
-    /// The camera, with what is missing taken from `fallback`. A target that is given without an eye
-    /// moves the fallback's eye along, so that the direction stays.
+    /// The camera with what is left out taken from `fallback`: a target alone moves the fallback's
+    /// eye along, and a fallback of the other projection lends the size that it shows at the target.
+    /// The fallback's kind counts where nothing given tells the projection.
     ///
     /// # Errors
     /// If the parts do not make a camera.
     pub fn complete(&self, fallback: &Camera) -> Result<Camera, CameraError> {
-        let given = |part: Option<[f64; 3]>| part.map(DVec3::from_array);
-        let target = given(self.target).unwrap_or(fallback.target());
-        let eye = given(self.eye).unwrap_or(target + (fallback.eye() - fallback.target()));
-        let up = given(self.up).unwrap_or(fallback.up());
-        Camera::new(eye, target, up, self.projection_or(fallback.projection()))
+        let target = self.target.unwrap_or(fallback.target());
+        let eye = self.eye.unwrap_or(target + (fallback.eye() - fallback.target()));
+        let projection = self.projection(eye.distance(target), fallback);
+        if let Some(up) = self.up {
+            return Camera::new(eye, target, up, projection);
+        }
+        // A given eye may lie just where the fallback's up points to.
+        let ups = [fallback.up(), fallback.axes().up, DVec3::Z, DVec3::Y];
+        let mut cameras = ups.into_iter().map(|up| Camera::new(eye, target, up, projection));
+        let is_settled = |camera: &Result<_, _>| *camera != Err(CameraError::UpIsForward);
+        cameras.find(is_settled).unwrap_or(Err(CameraError::UpIsForward))
     }
 
-    fn projection_or(&self, fallback: Projection) -> Projection {
-        if self.is_perspective() {
-            let degrees = self.fov_y.unwrap_or(DEFAULT_FOV_Y);
-            return Projection::Perspective { fov_y_radians: degrees.to_radians() };
+    fn projection(&self, distance: f64, fallback: &Camera) -> Projection {
+        let says_nothing =
+            self.projection.is_none() && self.view_height.is_none() && self.fov_y.is_none();
+        let is_perspective = match fallback.projection() {
+            Projection::Perspective { .. } => says_nothing || self.is_perspective(),
+            Projection::Orthographic { .. } => self.is_perspective(),
+        };
+        if is_perspective {
+            let fov_y_radians = self.fov_y.map_or_else(
+                || match fallback.projection() {
+                    Projection::Perspective { fov_y_radians } => fov_y_radians,
+                    Projection::Orthographic { .. } => DEFAULT_FOV_Y_DEGREES.to_radians(),
+                },
+                f64::to_radians,
+            );
+            return Projection::Perspective { fov_y_radians };
         }
-        match (self.view_height, fallback) {
-            (Some(view_height), _) | (None, Projection::Orthographic { view_height }) => {
-                Projection::Orthographic { view_height }
+        let view_height = self.view_height.unwrap_or_else(|| match fallback.projection() {
+            Projection::Orthographic { view_height } => view_height,
+            Projection::Perspective { fov_y_radians } => {
+                2.0 * distance * (fov_y_radians / 2.0).tan()
             }
-            // An orthographic picture as high as the perspective one is a world unit from the eye; no
-            // caller asks for this, as fallbacks are of the kind that is wanted.
-            (None, Projection::Perspective { fov_y_radians }) => {
-                Projection::Orthographic { view_height: 2.0 * (0.5 * fov_y_radians).tan() }
-            }
-        }
+        });
+        Projection::Orthographic { view_height }
     }
 }
 
@@ -89,28 +110,63 @@ impl CameraDesc {
 mod tests {
     use super::*;
 
+    fn fallback(projection: Projection) -> Camera {
+        Camera::new(DVec3::new(0.0, 0.0, 10.0), DVec3::ZERO, DVec3::Y, projection).unwrap()
+    }
+
+    fn orthographic() -> Camera {
+        fallback(Projection::Orthographic { view_height: 4.0 })
+    }
+
+    fn perspective() -> Camera {
+        fallback(Projection::Perspective { fov_y_radians: 0.5 })
+    }
+
     #[test]
-    fn camera_desc_takes_the_rest_from_the_fallback() {
-        let projection = Projection::Orthographic { view_height: 9.0 };
-        let fallback = Camera::new(DVec3::Z * 4.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
-        assert_eq!(CameraDesc::default().complete(&fallback), Ok(fallback));
+    fn camera_without_parts_is_the_fallback() {
+        for camera in [orthographic(), perspective()] {
+            assert_eq!(CameraDesc::default().complete(&camera), Ok(camera));
+        }
+    }
 
-        let moved = CameraDesc { target: Some([1.0, 2.0, 3.0]), ..CameraDesc::default() };
-        let moved = moved.complete(&fallback).unwrap();
-        assert_eq!(moved.eye(), DVec3::new(1.0, 2.0, 7.0));
+    #[test]
+    fn camera_target_moves_the_eye() {
+        let desc = CameraDesc { target: Some(DVec3::X), ..CameraDesc::default() };
+        assert_eq!(desc.complete(&orthographic()).unwrap().eye(), DVec3::new(1.0, 0.0, 10.0));
+    }
 
-        let wide = CameraDesc {
-            projection: Some(ProjectionKind::Perspective),
-            fov_y: Some(90.0),
-            up: Some([1.0, 0.0, 0.0]),
+    #[test]
+    fn camera_projection_by_what_is_given() {
+        let with = |projection, view_height, fov_y| CameraDesc {
+            projection,
+            view_height,
+            fov_y,
             ..CameraDesc::default()
         };
-        let wide = wide.complete(&fallback).unwrap();
-        assert_eq!(wide.up(), DVec3::X);
-        let fov_y_radians = std::f64::consts::FRAC_PI_2;
-        assert_eq!(wide.projection(), Projection::Perspective { fov_y_radians });
+        let check = |desc: CameraDesc, fallback: &Camera, expected: Projection| {
+            assert_eq!(desc.complete(fallback).unwrap().projection(), expected, "{desc:?}");
+        };
+        let angle = 60_f64.to_radians();
+        let by_angle = Projection::Perspective { fov_y_radians: angle };
+        check(with(None, None, Some(60.0)), &orthographic(), by_angle);
+        let by_height = Projection::Orthographic { view_height: 7.0 };
+        check(with(None, Some(7.0), None), &perspective(), by_height);
+        let kind = Some(ProjectionKind::Perspective);
+        check(with(kind, Some(7.0), Some(60.0)), &orthographic(), by_angle);
+        let usual = Projection::Perspective { fov_y_radians: DEFAULT_FOV_Y_DEGREES.to_radians() };
+        check(with(kind, None, None), &orthographic(), usual);
+        let kind = Some(ProjectionKind::Orthographic);
+        let as_seen = Projection::Orthographic { view_height: 20.0 * 0.25_f64.tan() };
+        check(with(kind, None, None), &perspective(), as_seen);
+    }
 
-        let blind = CameraDesc { eye: Some([0.0; 3]), ..CameraDesc::default() };
-        assert_eq!(blind.complete(&fallback), Err(CameraError::NoDirection));
+    #[test]
+    fn camera_finds_another_up() {
+        let above = CameraDesc { eye: Some(DVec3::Y * 9.0), ..CameraDesc::default() };
+        assert_eq!(above.complete(&orthographic()).unwrap().up(), DVec3::Z);
+        let given = CameraDesc { up: Some(DVec3::Y), ..above };
+        assert_eq!(given.complete(&orthographic()), Err(CameraError::UpIsForward));
+        let nowhere = CameraDesc { eye: Some(DVec3::ZERO), ..CameraDesc::default() };
+        assert_eq!(nowhere.complete(&orthographic()), Err(CameraError::NoDirection));
     }
 }

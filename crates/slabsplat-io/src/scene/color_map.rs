@@ -1,6 +1,9 @@
-//! ParaView's colour maps: JSON with `RGBPoints` `[v, r, g, b, …]` and `Points` `[v, opacity, midpoint,
-//! sharpness, …]`, in an array of which the first map is read.
-//! <https://docs.paraview.org/en/latest/ReferenceManual/colorMapping.html>
+//! Transfer functions that ParaView has exported: JSON with `RGBPoints` and `Points`.
+//!
+//! Read: the first map of the file, its colours between the points in RGB whatever `ColorSpace`
+//! says, its opacities with their midpoints. A sharpness counts as a step if it is (nearly) 1, else
+//! as none. Not read: the colour of NaN, which is never drawn here, and indexed colours. ParaView's
+//! opacities are per its own unit distance; here they are per voxel step.
 
 use std::path::Path;
 
@@ -9,70 +12,144 @@ use slabsplat_core::TransferFunction;
 
 use crate::{IoError, text};
 
-/// The keys that are read; a map has many more that do not matter here.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "PascalCase")]
+#[derive(Deserialize)]
 struct ColorMap {
+    /// Value, red, green, blue, value, …
     #[serde(rename = "RGBPoints")]
-    rgb_points: Vec<f64>,
+    rgb_points: Option<Vec<f64>>,
+    /// Value, opacity, midpoint, sharpness, value, …
+    #[serde(rename = "Points")]
     points: Option<Vec<f64>>,
 }
 
-/// Reads a transfer function from a colour map with opacities. Midpoints and sharpnesses are not used: the
-/// function is linear between points.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Maps {
+    Many(Vec<ColorMap>),
+    One(ColorMap),
+}
+
+/// A sharpness from which on a ramp is a step, as ParaView draws it.
+const STEP_SHARPNESS: f64 = 0.99;
+
+/// Reads the first colour map of a ParaView `.json` file. Values stay as they are: export the map
+/// with the range that it is meant for. Without opacities it rises from 0 to 1 over its colours.
 ///
 /// # Errors
-/// If the file cannot be read, is no such map, or has no opacities.
+/// If the file cannot be read, is not such a file, or its points do not make a transfer function.
 pub fn read_color_map(path: &Path) -> Result<TransferFunction, IoError> {
     let malformed = |what: String| IoError::malformed(path, what);
-    let maps: Vec<ColorMap> = serde_json::from_str(&text::read(path)?)
-        .map_err(|err| malformed(format!("not a ParaView colour map: {err}")))?;
-    let map = maps.first().ok_or_else(|| malformed("holds no colour map".to_owned()))?;
-    let points = map.points.as_ref().ok_or_else(|| {
-        malformed("has no opacities (Points): save it with \"Save opacities\" on".to_owned())
+    let maps: Maps = serde_json::from_str(&text::read(path)?).map_err(|e| {
+        // What an untagged enum says of itself helps nobody.
+        match e.classify() {
+            serde_json::error::Category::Data => malformed(NOT_A_MAP.to_owned()),
+            _ => malformed(format!("not JSON: {e}")),
+        }
     })?;
-    if map.rgb_points.len() % 4 != 0 || points.len() % 4 != 0 {
-        return Err(malformed("RGBPoints and Points must come in groups of 4 numbers".to_owned()));
+    let map = match maps {
+        Maps::Many(maps) => maps.into_iter().find(|map| map.rgb_points.is_some()),
+        Maps::One(map) => Some(map),
+    };
+    let (rgb_points, points) = map
+        .and_then(|map| Some((map.rgb_points?, map.points)))
+        .ok_or_else(|| malformed(NOT_A_MAP.to_owned()))?;
+    let color = colors(&rgb_points).map_err(malformed)?;
+    let opacity = match points {
+        Some(points) => opacities(&points).map_err(malformed)?,
+        None => ramp(&color),
+    };
+    TransferFunction::new(opacity, color).map_err(|e| malformed(e.to_string()))
+}
+
+const NOT_A_MAP: &str = "not a ParaView colour map: an object with numbers in RGBPoints is missing";
+
+fn colors(numbers: &[f64]) -> Result<Vec<(f64, [f64; 3])>, String> {
+    let (points, rest) = numbers.as_chunks::<4>();
+    if points.is_empty() || !rest.is_empty() {
+        return Err(format!("RGBPoints has {} numbers, not a multiple of 4", numbers.len()));
     }
-    let color = map.rgb_points.chunks_exact(4).map(|p| (p[0], [p[1], p[2], p[3]])).collect();
-    let opacity = points.chunks_exact(4).map(|p| (p[0], [p[1]])).collect();
-    TransferFunction::new(opacity, color).map_err(|err| malformed(err.to_string()))
+    Ok(points.iter().map(|&[value, r, g, b]| (value, [r, g, b])).collect())
+}
+
+fn opacities(numbers: &[f64]) -> Result<Vec<(f64, [f64; 1])>, String> {
+    let (points, rest) = numbers.as_chunks::<4>();
+    if points.is_empty() || !rest.is_empty() {
+        return Err(format!("Points has {} numbers, not a multiple of 4", numbers.len()));
+    }
+    let mut opacities = Vec::with_capacity(2 * points.len());
+    for (idx, &[value, opacity, midpoint, sharpness]) in points.iter().enumerate() {
+        opacities.push((value, [opacity]));
+        if let Some(&[next, next_opacity, ..]) = points.get(idx + 1) {
+            let middle = value + midpoint * (next - value);
+            // A middle at either end would make a third point there.
+            if !(value < middle && middle < next) {
+                continue;
+            }
+            if STEP_SHARPNESS < sharpness {
+                opacities.extend([(middle, [opacity]), (middle, [next_opacity])]);
+            } else {
+                opacities.push((middle, [(opacity + next_opacity) / 2.0]));
+            }
+        }
+    }
+    Ok(opacities)
+}
+
+/// From nothing at the first colour to everything at the last.
+fn ramp(color: &[(f64, [f64; 3])]) -> Vec<(f64, [f64; 1])> {
+    let ends = [color.first(), color.last()].into_iter().flatten();
+    ends.zip([0.0, 1.0]).map(|(&(value, _), opacity)| (value, [opacity])).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(json: &str) -> Result<TransferFunction, IoError> {
+    fn read(json: &str) -> Result<TransferFunction, String> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("map.json");
         std::fs::write(&path, json).unwrap();
-        read_color_map(&path)
+        read_color_map(&path).map_err(|e| e.to_string())
     }
 
     #[test]
     fn color_map_of_paraview() {
-        let map = read(
-            r#"[{"ColorSpace": "Diverging", "Name": "x",
-                 "Points": [0, 0, 0.5, 0, 10, 1, 0.5, 0],
-                 "RGBPoints": [0, 0.1, 0.2, 0.3, 10, 0.5, 0.6, 0.7]}]"#,
+        let transfer = read(
+            r#"[{"ColorSpace": "RGB", "Name": "x", "NanColor": [1, 1, 0],
+                "Points": [0, 0, 0.5, 0, 10, 0.5, 0.25, 0, 20, 1, 0.5, 1, 30, 0, 0.5, 0],
+                "RGBPoints": [0, 0, 0, 0, 30, 1, 0.5, 0]}]"#,
         )
         .unwrap();
-        assert_eq!(map.opacity(5.0), 0.5);
-        assert_eq!(map.color(10.0), [0.5, 0.6, 0.7]);
+        assert_eq!(transfer.color(15.0), [0.5, 0.25, 0.0]);
+        for (value, opacity) in
+            [(5.0, 0.25), (12.5, 0.75), (20.0, 1.0), (24.9, 1.0), (25.0, 0.0), (99.0, 0.0)]
+        {
+            assert!((transfer.opacity(value) - opacity).abs() < 1e-12, "at {value}");
+        }
+    }
+
+    #[test]
+    fn color_map_without_opacity_is_a_ramp() {
+        let transfer = read(r#"{"RGBPoints": [-2, 0, 0, 0, 2, 1, 1, 1]}"#).unwrap();
+        assert_eq!([-2.0, 0.0, 2.0].map(|v| transfer.opacity(v)), [0.0, 0.5, 1.0]);
     }
 
     #[test]
     fn color_map_errors_are_plain() {
         for (json, expected) in [
-            ("{", "not a ParaView colour map"),
-            ("[]", "no colour map"),
-            (r#"[{"RGBPoints": [0, 1, 1, 1]}]"#, "no opacities"),
-            (r#"[{"RGBPoints": [0, 1, 1], "Points": [0, 1, 0, 0]}]"#, "groups of 4"),
-            (r#"[{"RGBPoints": [0, 9, 1, 1], "Points": [0, 1, 0, 0]}]"#, "outside 0 to 1"),
+            ("", "not JSON"),
+            ("[1, 2", "not JSON"),
+            ("[]", "RGBPoints is missing"),
+            ("{}", "RGBPoints is missing"),
+            (r#"[{"RGBPoints": "red"}]"#, "RGBPoints is missing"),
+            (r#"[{"RGBPoints": [0, 1, 1]}]"#, "RGBPoints has 3 numbers"),
+            (r#"[{"RGBPoints": [0, 1, 1, 1], "Points": [1]}]"#, "Points has 1 numbers"),
+            (r#"[{"RGBPoints": [0, 1, 9, 1]}]"#, "outside 0 to 1"),
+            (r#"[{"RGBPoints": [5, 1, 1, 1, 0, 1, 1, 1]}]"#, "out of order"),
         ] {
-            let err = read(json).unwrap_err().to_string();
-            assert!(err.contains(expected) && !err.contains('\n'), "{err}");
+            let err = read(json).unwrap_err();
+            assert!(err.contains(expected), "{err} should contain {expected}");
+            assert!(!err.contains('\n'), "{err} should be one line");
         }
     }
 }

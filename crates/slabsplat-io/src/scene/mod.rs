@@ -1,126 +1,126 @@
-//! Scene files (SPEC §8): TOML in which everything that decides a pixel can be said.
+//! Scene files (SPEC §8): everything that decides a pixel, as TOML.
 //!
-//! `keys` is the list of keys with their defaults; `classify`, `presets` and `color_map` make the
-//! transfer function; `camera` is a camera of which parts may be missing.
+//! Reading order: this file (what a scene file says), `document` and `choice` (how it spells it),
+//! `sections` (what that means), `camera`, `preset` and `color_map` (transfer functions from
+//! elsewhere), `complaint` (what a file does wrong, and in which line).
+
+mod document;
+
+mod choice;
+mod sections;
 
 mod camera;
-mod classify;
 mod color_map;
-mod keys;
-mod presets;
+mod preset;
+
+mod complaint;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{ImageDesc, Phong, RenderSettings, Shading, TransferFunction};
+use slabsplat_core::{ImageDesc, RenderSettings, Shading, TransferFunction};
 
 pub use camera::{CameraDesc, ProjectionKind};
 pub use color_map::read_color_map;
-pub use presets::{PRESET_NAMES, preset};
+pub use preset::{PRESET_NAMES, preset_transfer};
 
 use crate::{IoError, LoadedVolume, VolumeFormat, builtin_volume, read_volume, text};
+use complaint::{Complaint, from_toml};
+use document::Document;
 
-/// A scene as a file gives it: what is missing is left to whoever has seen the volume.
+/// What a scene file says. What it leaves to the volume is `None`: the transfer function, and the
+/// camera's parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
-    /// Where the volume comes from.
+    /// The volume.
     pub volume: VolumeSource,
-    /// World length of a step along each axis, if the volume's own is not to be used.
+    /// Voxel sides that overrule the volume file's.
     pub spacing: Option<[f64; 3]>,
-    /// Opacity and colour; `None` if the file does not say.
+    /// Which values are visible, and in which colour.
     pub transfer: Option<TransferFunction>,
     /// What light does to them.
     pub shading: Shading,
-    /// Where they are seen from, as far as the file says.
+    /// Where they are seen from.
     pub camera: CameraDesc,
     /// Size and background of the picture.
     pub image: ImageDesc,
     /// How it is made.
     pub settings: RenderSettings,
-    /// The name of the backend.
+    /// The name of the backend that makes it; it is not checked here.
     pub backend: String,
 }
 
 /// Where a volume comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum VolumeSource {
-    /// A file in any format that can be read.
+    /// A file in any format that [`read_volume`] knows.
     File(PathBuf),
     /// One of [`BUILTIN_NAMES`](crate::BUILTIN_NAMES).
     Builtin {
-        /// Its name.
+        /// Which.
         name: String,
-        /// Voxels a side; `None` for the built-in's own size.
+        /// Voxels a side, if not the usual number.
         size: Option<usize>,
     },
 }
 
-/// The backend that a scene asks for if it names none.
-const DEFAULT_BACKEND: &str = "auto";
+/// Reads a scene file. Relative paths in it start from its folder. The volume is not read yet.
+///
+/// # Errors
+/// If the file cannot be read, is not TOML, has a key that is not known, or a value that cannot be.
+/// The message names the key and the line.
+pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
+    let text = text::read(path)?;
+    let in_file = |complaint: Complaint| complaint.in_file(path, &text);
+    let document: Document =
+        toml::from_str(&text).map_err(|error| in_file(from_toml(&error, &text)))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let color_map = document.color_map(folder);
+    let mut scene = document.into_scene(folder).map_err(in_file)?;
+    if let Some(color_map) = color_map {
+        scene.transfer = Some(read_color_map(&color_map)?);
+    }
+    Ok(scene)
+}
 
 impl SceneFile {
-    /// A scene that says nothing but where its volume comes from.
-    pub fn new(volume: VolumeSource) -> Self {
-        Self {
-            volume,
-            spacing: None,
-            transfer: None,
-            shading: Shading::Phong(Phong::default()),
-            camera: CameraDesc::default(),
-            image: ImageDesc::default(),
-            settings: RenderSettings::default(),
-            backend: DEFAULT_BACKEND.to_owned(),
-        }
-    }
-
-    /// Reads or makes the volume, and gives it the scene's spacing.
+    /// Reads or makes the volume, with the scene's spacing if it has one.
     ///
     /// # Errors
-    /// If the volume cannot be read, or the spacing cannot be used.
+    /// As [`read_volume`] and [`builtin_volume`]; or if the spacing cannot be.
     pub fn load_volume(&self) -> Result<LoadedVolume, IoError> {
-        let loaded = match &self.volume {
-            VolumeSource::File(path) => read_volume(path)?,
-            VolumeSource::Builtin { name, size } => LoadedVolume {
+        let loaded = self.volume.load()?;
+        match self.spacing {
+            None => Ok(loaded),
+            Some(spacing) => loaded
+                .with_spacing(spacing)
+                .map_err(|source| IoError::Grid { path: self.volume.path(), source }),
+        }
+    }
+}
+
+impl VolumeSource {
+    /// Reads or makes the volume.
+    ///
+    /// # Errors
+    /// As [`read_volume`] and [`builtin_volume`].
+    pub fn load(&self) -> Result<LoadedVolume, IoError> {
+        match self {
+            Self::File(path) => read_volume(path),
+            Self::Builtin { name, size } => Ok(LoadedVolume {
                 volume: builtin_volume(name, *size)?,
                 format: VolumeFormat::Builtin,
                 warnings: Vec::new(),
-            },
-        };
-        self.respaced(loaded)
+            }),
+        }
     }
 
-    /// Gives a volume the scene's spacing, if it has one.
-    ///
-    /// # Errors
-    /// If the spacing cannot be used.
-    pub fn respaced(&self, loaded: LoadedVolume) -> Result<LoadedVolume, IoError> {
-        let Some(spacing) = self.spacing else { return Ok(loaded) };
-        let path = match &self.volume {
-            VolumeSource::File(path) => path.clone(),
-            VolumeSource::Builtin { name, .. } => PathBuf::from(name),
-        };
-        loaded.with_spacing(spacing).map_err(|source| IoError::Grid { path, source })
+    /// What stands for the volume in a message.
+    fn path(&self) -> PathBuf {
+        match self {
+            Self::File(path) => path.clone(),
+            Self::Builtin { name, .. } => PathBuf::from(name),
+        }
     }
-}
-
-/// Reads a scene file. Paths in it are relative to it.
-///
-/// # Errors
-/// If the file cannot be read, has a key that is not known (the error names key and line), or a value
-/// that cannot be used.
-pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
-    let text = text::read(path)?;
-    let keys: keys::SceneKeys =
-        toml::from_str(&text).map_err(|err| toml_error(path, &text, &err))?;
-    keys.into_scene(path)
-}
-
-fn toml_error(path: &Path, text: &str, err: &toml::de::Error) -> IoError {
-    let line = err.span().map(|span| 1 + text[..span.start].matches('\n').count());
-    // One line, in the words that the documentation uses.
-    let what = err.message().lines().collect::<Vec<_>>().join(" ");
-    let what =
-        what.replace("unknown field", "unknown key").replace("expected f64", "expected a number");
-    IoError::Scene { path: path.to_owned(), line, what }
 }
 
 #[cfg(test)]

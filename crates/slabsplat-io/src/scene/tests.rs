@@ -1,49 +1,50 @@
-//! Scene files: every key, every default, every kind of mistake.
+//! Whole scene files.
+
+use std::fs;
+use std::path::Path;
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Compositing, Light, Lookup, Method, Normalization, Shading};
 
 use super::*;
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Light, Lookup, Method, Normalization};
 
-fn read(text: &str) -> Result<SceneFile, IoError> {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("scene.toml");
-    std::fs::write(&path, text).unwrap();
-    read_scene(&path)
-}
-
-const EVERY_KEY: &str = r#"
+/// Every key, and no value a default.
+const FULL: &str = r#"
 [volume]
-generate = "cube"
-size = 14
-spacing = [1.0, 2.0, 3.0]
+path = "data/head.nrrd"
+spacing = [1, 1.5, 2.0]
 
 [classify]
-opacity = [[0.0, 0.0], [255.0, 0.9]]
-color = [[0.0, 0.1, 0.2, 0.3]]
+opacity = [[0.0, 0.0], [80.0, 0.0], [255.0, 0.9]]
+color = [
+  [0, 0, 0, 0],
+  [255.0, 1.0, 0.9, 0.8],
+]
 
 [shading]
 model = "phong"
 ambient = 0.2
-diffuse = 0.5
-specular = 0.3
-shininess = 9.0
+diffuse = 0.6
+specular = 0.1
+shininess = 10.0
 two_sided = false
-light = [0.0, 2.0, 0.0]
+light = [0.0, 0, 2.0]
 
 [camera]
 projection = "perspective"
-eye = [0.0, 0.0, 400]
+eye = [0.0, 0.0, 400.0]
 target = [1.0, 0.0, 0.0]
 up = [0.0, 1.0, 0.0]
-fov_y = 45.0
+view_height = 256.0
+fov_y = 34.0
 
 [image]
 width = 64
-height = 48
+height = 32
 background = [0.1, 0.2, 0.3, 1.0]
 
 [render]
-method = "axis-aligned"
+method = "every-sample"
 kernel = "crawfis-max"
 slab_width = 2.0
 compositing = "separate"
@@ -53,102 +54,168 @@ sections = 64
 radial_samples = 32
 lookup = "nearest"
 opacity_cutoff = 0.99
-backend = "cpu"
+backend = "auto"
 "#;
 
-#[test]
-fn scene_reads_every_key() {
-    let scene = read(EVERY_KEY).unwrap();
-    assert_eq!(scene.volume, VolumeSource::Builtin { name: "cube".into(), size: Some(14) });
-    assert_eq!(scene.load_volume().unwrap().volume.grid().spacing(), [1.0, 2.0, 3.0]);
-    let transfer = scene.transfer.as_ref().unwrap();
-    assert_eq!((transfer.opacity(255.0), transfer.color(7.0)), (0.9, [0.1, 0.2, 0.3]));
-    let light = Light::Direction(DVec3::Y);
-    let phong = Phong {
-        ambient: 0.2,
-        diffuse: 0.5,
-        specular: 0.3,
-        shininess: 9.0,
-        two_sided: false,
-        light,
-    };
-    assert_eq!(scene.shading, Shading::Phong(phong));
-    let camera = CameraDesc {
-        projection: Some(ProjectionKind::Perspective),
-        eye: Some([0.0, 0.0, 400.0]),
-        target: Some([1.0, 0.0, 0.0]),
-        up: Some([0.0, 1.0, 0.0]),
-        view_height: None,
-        fov_y: Some(45.0),
-    };
-    assert_eq!(scene.camera, camera);
-    let image = ImageDesc { width: 64, height: 48, background: [0.1, 0.2, 0.3, 1.0] };
-    assert_eq!(scene.image, image);
-    let settings = RenderSettings {
-        method: Method::AxisAligned,
-        kernel: slabsplat_core::KernelName("crawfis-max".into()),
-        slab_width: 2.0,
-        compositing: Compositing::Separate,
-        normalization: Normalization::Product,
-        base_slab_width: 0.25,
-        sections: 64,
-        radial_samples: 32,
-        lookup: Lookup::Nearest,
-        opacity_cutoff: 0.99,
-    };
-    assert_eq!(scene.settings, settings);
-    assert_eq!(scene.backend, "cpu");
-}
+const SMALL: &str = "[volume]\ngenerate = \"cube\"\nsize = 8\n";
 
-#[test]
-fn scene_keys_have_defaults() {
-    let scene = read("[volume]\ngenerate = \"sphere\"").unwrap();
-    let source = VolumeSource::Builtin { name: "sphere".into(), size: None };
-    assert_eq!(scene, SceneFile::new(source));
-    let unlit = read("volume = { generate = \"sphere\" }\nshading = { model = \"none\" }").unwrap();
-    assert_eq!(unlit.shading, Shading::None);
-    let preset = "volume = { generate = \"cube\" }\nclassify = { preset = \"ct-bone\" }";
-    assert!(read(preset).unwrap().transfer.is_some());
-}
-
-#[test]
-fn scene_paths_are_relative_to_it() {
+fn read(text: &str) -> Result<SceneFile, String> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("scene.toml");
-    std::fs::write(&path, "[volume]\npath = \"../data/a.nrrd\"").unwrap();
-    let expected = VolumeSource::File(dir.path().join("../data/a.nrrd"));
-    assert_eq!(read_scene(&path).unwrap().volume, expected);
+    fs::write(&path, text).unwrap();
+    let folder = format!("{}/", dir.path().display());
+    read_scene(&path).map_err(|e| e.to_string().replace(&folder, ""))
 }
 
 #[test]
-fn scene_mistakes_are_named() {
-    let check = |text: &str, expected: &[&str]| {
-        let err = read(text).unwrap_err().to_string();
-        assert!(!err.contains('\n'), "{err:?} is one line");
-        for part in expected {
-            assert!(err.contains(part), "{err:?} names {part:?}");
-        }
+fn scene_has_every_key() {
+    let scene = read(FULL).unwrap();
+    let VolumeSource::File(path) = &scene.volume else { panic!("{:?}", scene.volume) };
+    assert!(path.is_absolute() && path.ends_with("data/head.nrrd"), "{}", path.display());
+    assert_eq!(scene.spacing, Some([1.0, 1.5, 2.0]));
+    let transfer = scene.transfer.as_ref().unwrap();
+    assert_eq!(transfer.opacity(255.0), 0.9);
+    assert_eq!(transfer.color(255.0), [1.0, 0.9, 0.8]);
+    let Shading::Phong(phong) = scene.shading else { panic!("{:?}", scene.shading) };
+    assert_eq!([phong.ambient, phong.diffuse, phong.specular], [0.2, 0.6, 0.1]);
+    assert_eq!((phong.shininess, phong.two_sided), (10.0, false));
+    assert_eq!(phong.light, Light::Direction(DVec3::Z));
+    let camera = scene.camera;
+    assert_eq!(camera.projection, Some(ProjectionKind::Perspective));
+    assert_eq!([camera.view_height, camera.fov_y], [Some(256.0), Some(34.0)]);
+    let vectors = [camera.eye, camera.target, camera.up];
+    assert_eq!(vectors, [Some(DVec3::Z * 400.0), Some(DVec3::X), Some(DVec3::Y)]);
+    let background = [0.1, 0.2, 0.3, 1.0];
+    assert_eq!(scene.image, ImageDesc { width: 64, height: 32, background });
+    let settings = &scene.settings;
+    assert_eq!(settings.method, Method::EverySample);
+    assert_eq!(settings.kernel.0, "crawfis-max");
+    assert_eq!(settings.compositing, Compositing::Separate);
+    assert_eq!(settings.normalization, Normalization::Product);
+    assert_eq!(settings.lookup, Lookup::Nearest);
+    assert_eq!([settings.slab_width, settings.base_slab_width], [2.0, 0.25]);
+    assert_eq!([settings.sections, settings.radial_samples], [64, 32]);
+    assert_eq!(settings.opacity_cutoff, 0.99);
+    assert_eq!(scene.backend, "auto");
+}
+
+#[test]
+fn scene_defaults() {
+    let scene = read(SMALL).unwrap();
+    assert_eq!(scene.volume, VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) });
+    assert_eq!(scene.transfer, None);
+    assert_eq!(read(&format!("{SMALL}[classify]")).unwrap().transfer, None);
+    assert_eq!(scene.camera, CameraDesc::default());
+    assert_eq!(scene.image, ImageDesc::default());
+    assert_eq!(scene.settings, RenderSettings::default());
+    assert_eq!(scene.shading, Shading::Phong(slabsplat_core::Phong::default()));
+    assert_eq!(scene.backend, "cpu");
+    let unshaded = read(&format!("{SMALL}[shading]\nmodel = \"none\"")).unwrap();
+    assert_eq!(unshaded.shading, Shading::None);
+}
+
+#[test]
+fn scene_classify_by_preset_or_file() {
+    let preset = read(&format!("{SMALL}[classify]\npreset = \"ct-bone\"")).unwrap();
+    assert_eq!(preset.transfer, Some(preset_transfer("ct-bone").unwrap()));
+    let white = read(&format!("{SMALL}[classify]\nopacity = [[0, 0.5]]")).unwrap();
+    assert_eq!(white.transfer.unwrap().color(3.0), [1.0; 3]);
+
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("map.json"), r#"[{"RGBPoints": [0, 1, 0, 0]}]"#).unwrap();
+    let path = dir.path().join("scene.toml");
+    fs::write(&path, format!("{SMALL}[classify]\nfile = \"map.json\"")).unwrap();
+    assert_eq!(read_scene(&path).unwrap().transfer.unwrap().color(0.0), [1.0, 0.0, 0.0]);
+    fs::remove_file(dir.path().join("map.json")).unwrap();
+    let err = read_scene(&path).unwrap_err().to_string();
+    assert!(err.contains("map.json"), "{err}");
+}
+
+#[test]
+fn scene_unknown_keys_are_named() {
+    let check = |text: &str, expected: &str| assert_eq!(read(text).unwrap_err(), expected);
+    check(
+        &format!("{SMALL}\n[render]\nslabwidth = 1.0\n"),
+        "scene.toml:6: unknown key \"slabwidth\" in [render]; did you mean \"slab_width\"?",
+    );
+    check(
+        &format!("{SMALL}\n[rendr]\nslab_width = 1.0\n"),
+        "scene.toml:5: unknown section [rendr]; did you mean \"render\"?",
+    );
+    check(
+        &format!("{SMALL}\n[image]\nwidth = 3\ngamma = 2.2\n"),
+        "scene.toml:7: unknown key \"gamma\" in [image]; known are width, height, background",
+    );
+    check(
+        "size = 3\n[volume]\ngenerate = \"cube\"",
+        "scene.toml:1: unknown key \"size\"; known are volume, classify, shading, camera, image, \
+         render",
+    );
+}
+
+#[test]
+fn scene_bad_values_name_their_line() {
+    let check = |text: &str, expected: &str| {
+        let err = read(&format!("{SMALL}{text}")).unwrap_err();
+        assert!(err.contains(expected), "{err} should contain {expected}");
+        assert!(!err.contains('\n'), "{err} should be one line");
     };
-    let volume = "[volume]\ngenerate = \"cube\"\n";
-    let with = |rest: &str| format!("{volume}{rest}");
-    check(&with("[render]\nslabwidth = 1.0"), &["scene.toml:4", "unknown key `slabwidth`"]);
-    check(&with("[rendering]\n"), &["scene.toml:3", "unknown key `rendering`"]);
-    check(&with("[render]\nmethod = \"fast\""), &["scene.toml:4", "\"fast\"", "image-aligned"]);
-    check(&with("[render]\nslab_width = -1.0"), &["slab_width", "-1"]);
-    check(&with("[render]\nslab_width = nan"), &["slab_width", "NaN"]);
-    check(&with("[render]\nslab_width = \"wide\""), &["scene.toml:4", "expected a number"]);
-    check(&with("[image]\nwidth = 0"), &["[image]", "0 x 512"]);
-    check(&with("[image]\nwidth = 99999999999"), &["scene.toml:4"]);
-    check(&with("[shading]\nlight = \"sun\""), &["headlight", "sun"]);
-    check(&with("[shading]\nlight = [0, 0, 0]"), &["light"]);
-    check(&with("[shading]\nambient = -1"), &["ambient"]);
-    check(&with("[classify]\nopacity = [[0, 0]]"), &["both opacity and color"]);
-    check(&with("[classify]\npreset = \"fog\""), &["fog", "ct-bone"]);
-    check(&with("[classify]\nfile = \"no.json\""), &["no.json"]);
-    check(&with("[classify]\nopacity = [[0, 2]]\ncolor = [[0, 1, 1, 1]]"), &["opacity", "0 to 1"]);
-    check(&with("[camera]\nprojection = \"fisheye\""), &["fisheye", "perspective"]);
-    check("[volume]\n", &["either path or generate"]);
-    check("[volume]\npath = \"a\"\nsize = 3", &["size goes with generate"]);
-    check("[image]\n", &["volume"]);
-    check("[volume\n", &["scene.toml:1"]);
+    check("[render]\nmethod = \"raycast\"", ":5: \"raycast\" is not a choice here: use one of ima");
+    check("[render]\nslab_width = -1.0", ":5: slab_width must be a positive number");
+    check("[render]\nslab_width = nan", ":5: slab_width");
+    check("[render]\nsections = -3", ":5: invalid value");
+    check("[render]\nsections = 1", ":5: sections must be between 2 and 4096");
+    check("[render]\nopacity_cutoff = 2", ":5: opacity_cutoff");
+    check("[render]\nslab_width = \"wide\"", ":5: invalid type: string \"wide\"");
+    check("[image]\nwidth = 0", ":5: an image of 0 x 512");
+    check("[image]\nbackground = [0, 0, 0]", ":5: invalid length 3");
+    check("[image]\nbackground = [0, 0, 0, 2]", ":5: the background");
+    check("[shading]\nambient = -1", ":5: ambient");
+    check("[shading]\nmodel = \"toon\"", ":5: \"toon\" is not a choice");
+    check("[shading]\nlight = \"sun\"", ":5: \"sun\" is no light");
+    check("[shading]\nlight = [0, 0, 0]", ":5: the light's direction");
+    check("[camera]\nfov_y = 180", ":5: fov_y");
+    check("[camera]\nview_height = 0", ":5: view_height");
+    check("[camera]\neye = [0, inf, 0]", ":5: eye");
+    check("[camera]\nprojection = \"fisheye\"", ":5: \"fisheye\" is not a choice");
+    check("[classify]\nopacity = [[1, 0], [0, 1]]", ":5: point 1 of opacity is out of order");
+    check("[classify]\nopacity = []", ":5: opacity needs at least one point");
+    check("[classify]\ncolor = [[0, 1, 1, 1]]", ":5: color needs opacity");
+    check("[classify]\nopacity = [[0, 1]]\ncolor = [[0, 1, 1, 7]]", ":6: point 0 of color");
+    check("[classify]\npreset = \"gray\"\nfile = \"a\"", ":4: [classify] takes one of");
+    check("[classify]\npreset = \"grey\"", ":5: there is no preset \"grey\"");
+    check("[volume]", ":4: ");
+    check("x = [", ":4: ");
+}
+
+#[test]
+fn scene_volume_is_one_thing() {
+    let check = |text: &str, expected: &str| {
+        let err = read(text).unwrap_err();
+        assert!(err.contains(expected), "{err} should contain {expected}");
+    };
+    check("", "the scene has no [volume]");
+    check("[volume]", ":1: [volume] needs a path");
+    check("[volume]\npath = \"a\"\ngenerate = \"b\"", ":3: [volume] has both");
+    check("[volume]\npath = \"a\"\nsize = 9", ":3: size goes with generate");
+    check("[volume]\ngenerate = \"cube\"\nspacing = [1, 0, 1]", ":3: spacing must be");
+    check("[volume]\ngenerate = \"cube\"\nsize = -1", ":3: invalid value");
+}
+
+#[test]
+fn scene_loads_its_volume() {
+    let loaded = read(&format!("{SMALL}spacing = [1, 2, 3]")).unwrap().load_volume().unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [8; 3]);
+    assert_eq!(loaded.volume.grid().spacing(), [1.0, 2.0, 3.0]);
+    assert_eq!(loaded.format.name(), "built-in");
+    let teapot = read("[volume]\ngenerate = \"teapot\"").unwrap().load_volume().unwrap_err();
+    assert!(teapot.to_string().contains("no built-in volume \"teapot\""), "{teapot}");
+    let gone = read("[volume]\npath = \"gone.nrrd\"").unwrap().load_volume().unwrap_err();
+    assert!(gone.to_string().starts_with("cannot read "), "{gone}");
+}
+
+#[test]
+fn scene_must_be_there() {
+    let err = read_scene(Path::new("/nonexistent/scene.toml")).unwrap_err().to_string();
+    assert!(err.starts_with("cannot read /nonexistent/scene.toml: "), "{err}");
 }

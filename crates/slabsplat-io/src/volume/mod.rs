@@ -4,15 +4,16 @@
 //! file must be long enough first, a packed one could not unpack to more than its length allows,
 //! and memory then grows with what really comes.
 //!
-//! Reading order: [`stream`] (bytes from files), [`buffer`] (bytes to samples), then a format each.
+//! Reading order: `stream` (bytes from files), `buffer` (bytes to samples), then a format each.
 
 mod buffer;
+mod stream;
+
 mod names;
 mod nifti;
 mod nrrd;
 mod raw;
 mod sidecar;
-mod stream;
 
 use std::path::Path;
 

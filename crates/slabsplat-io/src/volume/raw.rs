@@ -8,7 +8,6 @@ use super::buffer::{Endian, SampleBuffer};
 use super::stream::DataStream;
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
-use crate::error::Found;
 
 /// What a raw file holds: the header that it lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +38,6 @@ pub fn read_raw(path: &Path, desc: &RawDesc) -> Result<LoadedVolume, IoError> {
     let found = stream.n_left_at_most();
     if needed != found {
         let hint = "check dims, type and header bytes";
-        let found = Found::Exactly(found);
         return Err(IoError::WrongLength { path: path.to_owned(), needed, found, hint });
     }
     let mut buffer = SampleBuffer::new(desc.sample_type);

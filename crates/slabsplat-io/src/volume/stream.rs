@@ -9,7 +9,6 @@ use flate2::bufread::MultiGzDecoder;
 
 use super::buffer::{ReadFailure, SampleBuffer};
 use crate::IoError;
-use crate::error::Found;
 
 /// Deflate cannot pack better than this: 258 bytes in two bits.
 const MAX_GZIP_RATIO: u64 = 1032;
@@ -147,7 +146,7 @@ fn too_short(path: &Path, needed: u64, found: u64) -> IoError {
     IoError::WrongLength {
         path: path.to_owned(),
         needed,
-        found: Found::Exactly(found),
+        found,
         hint: "the file is cut off, or its header lies",
     }
 }

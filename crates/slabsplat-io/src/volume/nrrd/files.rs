@@ -65,7 +65,9 @@ impl DataFiles {
             Self::Attached(path, offset) => (path.clone(), *offset),
             Self::Given(paths) => (paths[file_idx].clone(), 0),
             Self::Numbered { folder, pattern, first, step, .. } => {
-                (folder.join(pattern.name(first + step * file_idx as i64)), 0)
+                // The result lies between the header's bounds, the product maybe not.
+                let number = first.wrapping_add(step.wrapping_mul(file_idx as i64));
+                (folder.join(pattern.name(number)), 0)
             }
         }
     }
@@ -178,6 +180,9 @@ mod tests {
         assert_eq!(names("a b%03u.raw 4 0 -2", &[2, 2, 3]).unwrap()[2], "a b000.raw");
         assert_eq!(names("s%2d 1 6 1 1", &[2, 2, 3]).unwrap()[0], "s 1");
         assert_eq!(names("s%d 1 2 1 3", &[2, 2, 6]).unwrap().len(), 2);
+        let far = [i64::MIN, i64::MAX, i64::MAX];
+        let far = far.map(|n| n.to_string()).join(" ");
+        assert_eq!(names(&format!("s%d {far}"), &[2, 2, 3]).unwrap()[2], "s9223372036854775806");
         assert_eq!(names("50% 1.raw", &[2, 2, 6]).unwrap(), ["50% 1.raw"]);
     }
 

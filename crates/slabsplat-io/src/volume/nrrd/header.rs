@@ -81,7 +81,10 @@ impl Header {
     fn check_magic(&self, line: &str) -> Result<(), IoError> {
         match line.trim_end().strip_prefix("NRRD000") {
             Some("1" | "2" | "3" | "4" | "5") => Ok(()),
-            _ => Err(self.unsupported("the first line is not NRRD0001 to NRRD0005")),
+            _ => Err(self.unsupported(
+                "the first line is not NRRD0001 to NRRD0005: unpack the file if it is packed as a \
+                 whole",
+            )),
         }
     }
 

@@ -1,0 +1,164 @@
+//! What the demo shows: for each volume a transfer function, a light and a view, picked by eye.
+
+use anyhow::Result;
+use slabsplat::glam::DVec3;
+use slabsplat::{
+    Camera, Compositing, ImageDesc, KernelName, Light, Method, Phong, Projection, RenderSettings,
+    Scene, Shading, Sweep, TransferFunction,
+};
+
+/// Width and height of the demo's pictures.
+pub(super) const SIDE_PIXELS: u32 = 384;
+
+/// How the cube turns for the popping table: through the angle at which the grid's slices change their axis.
+pub(super) const CUBE_TURN: Sweep =
+    Sweep { from_degrees: 40.0, to_degrees: 50.0, step_degrees: 0.5 };
+
+/// Width and height of the pictures that the popping table compares.
+const METER_SIDE_PIXELS: u32 = 128;
+
+/// Opaque: a PNG is mostly looked at on white.
+const BACKGROUND: [f32; 4] = [0.05, 0.06, 0.08, 1.0];
+
+/// Farther from the centre than any voxel.
+const DISTANCE: f64 = 1000.0;
+
+/// A volume and how it looks best.
+pub(super) struct Shot {
+    /// Its built-in name.
+    pub(super) volume: &'static str,
+    /// Value, opacity per voxel step.
+    opacity: &'static [(f64, f64)],
+    /// Value; red, green, blue.
+    color: &'static [(f64, [f64; 3])],
+    /// From the volume's centre towards the eye, x, y, z.
+    to_eye: [f64; 3],
+    /// World units in the height of the picture.
+    view_height: f64,
+    /// Towards the light, in the view's own axes: right, up, towards the eye.
+    light: [f64; 3],
+    /// Ambient, diffuse, specular light; shininess.
+    phong: [f64; 4],
+}
+
+pub(super) const SHOTS: &[Shot] = &[
+    Shot {
+        volume: "cube",
+        opacity: &[(0.0, 0.0), (255.0, 0.97)],
+        color: &[(0.0, [0.95, 0.6, 0.3])],
+        to_eye: [1.0, 1.0, 0.62],
+        view_height: 32.0,
+        light: [0.3, 0.45, 1.0],
+        phong: [0.2, 0.95, 0.1, 20.0],
+    },
+    Shot {
+        volume: "sphere",
+        opacity: &[(0.0, 0.0), (60.0, 0.0), (200.0, 0.9)],
+        color: &[(0.0, [0.4, 0.65, 0.9])],
+        to_eye: [1.0, 0.6, 0.4],
+        view_height: 64.0,
+        light: [-0.45, 0.55, 1.0],
+        phong: [0.18, 0.8, 0.35, 40.0],
+    },
+    Shot {
+        volume: "marschner-lobb",
+        opacity: &[(0.45, 0.0), (0.55, 0.95)],
+        color: &[(0.0, [0.98, 0.85, 0.5])],
+        to_eye: [0.45, -0.75, 0.95],
+        view_height: 70.0,
+        light: [-0.4, 0.4, 1.0],
+        phong: [0.15, 0.9, 0.25, 30.0],
+    },
+    // Translucent skull and brain (255 and 51), and the lobes inside (76): glow rather than surface,
+    // because every edge passes through the lobes' value.
+    Shot {
+        volume: "shepp-logan",
+        opacity: &[
+            (0.0, 0.0),
+            (40.0, 0.007),
+            (60.0, 0.007),
+            (72.0, 0.08),
+            (82.0, 0.08),
+            (95.0, 0.01),
+            (255.0, 0.02),
+        ],
+        color: &[
+            (0.0, [0.35, 0.55, 1.0]),
+            (60.0, [0.35, 0.55, 1.0]),
+            (72.0, [1.0, 0.6, 0.25]),
+            (82.0, [1.0, 0.6, 0.25]),
+            (95.0, [0.7, 0.8, 0.95]),
+            (255.0, [0.8, 0.88, 1.0]),
+        ],
+        to_eye: [0.0, -0.4, 0.9],
+        view_height: 100.0,
+        light: [0.0, 0.3, 1.0],
+        phong: [0.8, 0.3, 0.0, 20.0],
+    },
+    Shot {
+        volume: "neuron",
+        opacity: &[(0.0, 0.0), (15.0, 0.0), (110.0, 0.9)],
+        color: &[(0.0, [0.25, 0.8, 0.5]), (255.0, [0.75, 1.0, 0.65])],
+        to_eye: [0.4, -1.0, 0.1],
+        view_height: 130.0,
+        light: [-0.3, 0.4, 1.0],
+        phong: [0.25, 0.85, 0.2, 20.0],
+    },
+];
+
+impl Shot {
+    /// The scene of this shot by one method.
+    pub(super) fn scene(&self, method: Method) -> Result<Scene> {
+        let opacity = self.opacity.iter().map(|&(value, a)| (value, [a])).collect();
+        let eye = DVec3::from_array(self.to_eye).normalize() * DISTANCE;
+        let projection = Projection::Orthographic { view_height: self.view_height };
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection)?;
+        Ok(Scene {
+            transfer: TransferFunction::new(opacity, self.color.to_vec())?,
+            shading: Shading::Phong(self.phong(&camera)?),
+            camera,
+            image: ImageDesc { width: SIDE_PIXELS, height: SIDE_PIXELS, background: BACKGROUND },
+            settings: RenderSettings { method, ..RenderSettings::default() },
+        })
+    }
+
+    fn phong(&self, camera: &Camera) -> Result<Phong> {
+        let [ambient, diffuse, specular, shininess] = self.phong;
+        let [right, up, towards_eye] = self.light;
+        let axes = camera.axes();
+        let light = axes.right * right + axes.up * up - axes.forward * towards_eye;
+        let light = Light::towards(light)?;
+        Ok(Phong { ambient, diffuse, specular, shininess, two_sided: false, light }.checked()?)
+    }
+}
+
+/// The paper's figures 2 and 6: the cube seen level, one unit of slab, colour and opacity summed
+/// apart, and nothing but diffuse light from the eye.
+pub(super) fn popping_scene() -> Result<Scene> {
+    let eye = DVec3::Z * DISTANCE;
+    let projection = Projection::Orthographic { view_height: 34.0 };
+    let transfer = vec![(0.0, [0.0]), (255.0, [0.5])];
+    let light = Light::Headlight;
+    Ok(Scene {
+        transfer: TransferFunction::new(transfer, vec![(0.0, [1.0; 3])])?,
+        shading: Shading::Phong(Phong {
+            ambient: 0.0,
+            diffuse: 1.0,
+            specular: 0.0,
+            shininess: 1.0,
+            two_sided: false,
+            light,
+        }),
+        camera: Camera::new(eye, DVec3::ZERO, DVec3::Y, projection)?,
+        image: ImageDesc {
+            width: METER_SIDE_PIXELS,
+            height: METER_SIDE_PIXELS,
+            background: [0.0; 4],
+        },
+        settings: RenderSettings {
+            compositing: Compositing::Separate,
+            kernel: KernelName::default(),
+            ..RenderSettings::default()
+        },
+    })
+}

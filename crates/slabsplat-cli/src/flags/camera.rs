@@ -1,0 +1,84 @@
+//! Flags of `[camera]` and `[image]`.
+
+use super::values::{self, Background};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use slabsplat::glam::DVec3;
+use slabsplat::io::{ProjectionKind, SceneFile};
+
+#[derive(Args)]
+#[command(next_help_heading = "Camera and image")]
+pub(super) struct CameraFlags {
+    /// Parallel rays, or rays from the eye
+    #[arg(long)]
+    projection: Option<ProjectionName>,
+
+    /// Where the picture is taken from, in world units
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    eye: Option<DVec3>,
+
+    /// What is looked at
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    target: Option<DVec3>,
+
+    /// What points upwards in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    up: Option<DVec3>,
+
+    /// Orthographic: world units from the lower to the upper edge
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
+    view_height: Option<f64>,
+
+    /// Perspective: degrees from the lower to the upper edge
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    fov_y: Option<f64>,
+
+    /// Pixels in a row
+    #[arg(long, value_name = "PIXELS")]
+    width: Option<u32>,
+
+    /// Rows of pixels
+    #[arg(long, value_name = "PIXELS")]
+    height: Option<u32>,
+
+    /// Colour behind the volume, 0 to 1 each; opaque without A
+    #[arg(
+        long, value_name = "R,G,B,A", value_parser = values::background, allow_hyphen_values = true
+    )]
+    background: Option<Background>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ProjectionName {
+    Orthographic,
+    Perspective,
+}
+
+impl CameraFlags {
+    pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
+        let camera = &mut file.camera;
+        if let Some(name) = self.projection {
+            camera.projection = Some(name.kind());
+        }
+        camera.eye = self.eye.or(camera.eye);
+        camera.target = self.target.or(camera.target);
+        camera.up = self.up.or(camera.up);
+        camera.view_height = self.view_height.or(camera.view_height);
+        camera.fov_y = self.fov_y.or(camera.fov_y);
+        let image = &mut file.image;
+        image.width = self.width.unwrap_or(image.width);
+        image.height = self.height.unwrap_or(image.height);
+        image.background = self.background.map_or(image.background, |Background(color)| color);
+        image.checked()?;
+        Ok(())
+    }
+}
+
+impl ProjectionName {
+    fn kind(self) -> ProjectionKind {
+        match self {
+            Self::Orthographic => ProjectionKind::Orthographic,
+            Self::Perspective => ProjectionKind::Perspective,
+        }
+    }
+}

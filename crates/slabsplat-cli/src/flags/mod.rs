@@ -1,0 +1,55 @@
+//! A flag for every key of a scene file. What a flag says overrides what the file says.
+//!
+//! One struct for one table of the file; each lays its flags over that part of the scene.
+
+mod camera;
+mod look;
+mod raw;
+mod settings;
+pub(crate) mod values;
+
+pub(crate) use raw::RawFlags;
+
+use crate::input;
+use anyhow::Result;
+use clap::Args;
+use slabsplat::OpenScene;
+use std::path::PathBuf;
+
+/// What is drawn, and all flags about how.
+#[derive(Args)]
+pub(crate) struct SceneFlags {
+    /// A scene file (.toml), a volume file, or a built-in volume as builtin:NAME or builtin:NAME:SIZE
+    #[arg(value_name = "INPUT")]
+    input: PathBuf,
+
+    #[command(flatten)]
+    raw: RawFlags,
+
+    #[command(flatten)]
+    look: look::LookFlags,
+
+    #[command(flatten)]
+    camera: camera::CameraFlags,
+
+    #[command(flatten)]
+    settings: settings::SettingsFlags,
+}
+
+impl SceneFlags {
+    /// Reads what is named, and lays the flags over it.
+    pub(crate) fn open(&self) -> Result<OpenScene> {
+        let mut file = input::scene_file(&self.input)?;
+        self.camera.lay_over(&mut file)?;
+        self.settings.lay_over(&mut file)?;
+        self.look.lay_over(&mut file)?;
+        let loaded = input::load(&mut file, &self.raw)?;
+        self.look.lay_points_over(&mut file, &loaded.volume)?;
+        Ok(OpenScene::with_volume(loaded, &file)?)
+    }
+
+    /// The method that a flag names; the scene's does not count.
+    pub(crate) fn method(&self) -> Option<slabsplat::Method> {
+        self.settings.method
+    }
+}

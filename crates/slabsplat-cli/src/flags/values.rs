@@ -1,0 +1,161 @@
+//! Values of flags: vectors, colours, points of a transfer function, names. Their errors are clap's to
+//! print, so they are plain sentences.
+
+use slabsplat::glam::DVec3;
+use slabsplat::{Compositing, Lookup, Method, Normalization, SampleType};
+
+/// Value and opacity, of each point of a transfer function.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OpacityPoints(pub(crate) Vec<(f64, [f64; 1])>);
+
+/// Value and red, green, blue, of each point of a transfer function.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ColorPoints(pub(crate) Vec<(f64, [f64; 3])>);
+
+/// Three numbers, `X,Y,Z`.
+pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
+    numbers(text).map(DVec3::from_array)
+}
+
+/// Three counts, `X,Y,Z`.
+pub(crate) fn dims(text: &str) -> Result<Dims, String> {
+    let parts = split::<3>(text)?;
+    let mut dims = [0; 3];
+    for (n, part) in dims.iter_mut().zip(parts) {
+        *n = part.parse().map_err(|_| format!("{part:?} is not a number of voxels"))?;
+    }
+    Ok(Dims(dims))
+}
+
+/// Voxels along each axis. A type of its own, because clap takes bare arrays for lists of flags.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Dims(pub(crate) [usize; 3]);
+
+/// `R,G,B` or `R,G,B,A`, 0 to 1; opaque if the fourth is left out.
+pub(crate) fn background(text: &str) -> Result<Background, String> {
+    let [r, g, b, a] = match text.matches(',').count() {
+        2 => numbers(text).map(|[r, g, b]: [f64; 3]| [r, g, b, 1.0])?,
+        _ => numbers(text)?,
+    };
+    Ok(Background([r, g, b, a].map(|channel| channel as f32)))
+}
+
+/// Straight red, green, blue, opacity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Background(pub(crate) [f32; 4]);
+
+/// `VALUE:OPACITY,VALUE:OPACITY,..`; semicolons part the points too.
+pub(crate) fn opacity(text: &str) -> Result<OpacityPoints, String> {
+    points(text, &[',', ';']).map(OpacityPoints)
+}
+
+/// `VALUE:R,G,B;VALUE:R,G,B;..`.
+pub(crate) fn color(text: &str) -> Result<ColorPoints, String> {
+    points(text, &[';']).map(ColorPoints)
+}
+
+/// `headlight`, or a direction towards the light, `X,Y,Z`.
+pub(crate) fn light(text: &str) -> Result<slabsplat::Light, String> {
+    if text == "headlight" {
+        return Ok(slabsplat::Light::Headlight);
+    }
+    let direction = vector(text).map_err(|error| format!("{error}, or headlight"))?;
+    slabsplat::Light::towards(direction).map_err(|error| error.to_string())
+}
+
+fn points<const N: usize>(text: &str, separators: &[char]) -> Result<Vec<(f64, [f64; N])>, String> {
+    let point = |part: &str| {
+        let (value, results) =
+            part.split_once(':').ok_or_else(|| format!("{part:?} is no point VALUE:RESULT"))?;
+        Ok((number(value)?, numbers(results)?))
+    };
+    text.split(separators).filter(|part| !part.trim().is_empty()).map(point).collect()
+}
+
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let mut numbers = [0.0; N];
+    for (n, part) in numbers.iter_mut().zip(split::<N>(text)?) {
+        *n = number(part)?;
+    }
+    Ok(numbers)
+}
+
+fn split<const N: usize>(text: &str) -> Result<[&str; N], String> {
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    <[&str; N]>::try_from(parts)
+        .map_err(|parts| format!("expected {N} numbers parted by commas, found {}", parts.len()))
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| format!("{text:?} is not a number"))
+}
+
+/// Makes the parser of a closed set of names.
+macro_rules! one_of {
+    ($(#[$doc:meta])* $name:ident, $ty:ty, $all:expr) => {
+        $(#[$doc])*
+        pub(crate) fn $name(text: &str) -> Result<$ty, String> {
+            <$ty>::from_name(text).ok_or_else(|| {
+                let names = $all.iter().map(|choice| choice.name()).collect::<Vec<_>>();
+                format!("choose one of {}", names.join(", "))
+            })
+        }
+    };
+}
+
+one_of!(
+    /// The name of a method.
+    method, Method, Method::ALL
+);
+one_of!(
+    /// The name of a way to composite.
+    compositing, Compositing, Compositing::ALL
+);
+one_of!(
+    /// The name of a normalisation.
+    normalization, Normalization, Normalization::ALL
+);
+one_of!(
+    /// The name of a way to look a section up.
+    lookup, Lookup, Lookup::ALL
+);
+one_of!(
+    /// The name of a sample type.
+    sample_type, SampleType, SampleType::ALL
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_parse() {
+        assert_eq!(vector("-1, 2.5,3e1"), Ok(DVec3::new(-1.0, 2.5, 30.0)));
+        assert_eq!(dims("4,5,6"), Ok(Dims([4, 5, 6])));
+        assert_eq!(background("0,0.5,1"), Ok(Background([0.0, 0.5, 1.0, 1.0])));
+        assert_eq!(background("0,0.5,1,0"), Ok(Background([0.0, 0.5, 1.0, 0.0])));
+        assert_eq!(
+            opacity("80:0, 255:0.9"),
+            Ok(OpacityPoints(vec![(80.0, [0.0]), (255.0, [0.9])]))
+        );
+        assert_eq!(color("-5:0,0,1;"), Ok(ColorPoints(vec![(-5.0, [0.0, 0.0, 1.0])])));
+        assert_eq!(light("0,-2,0"), Ok(slabsplat::Light::Direction(-DVec3::Y)));
+        assert_eq!(method("axis-aligned"), Ok(Method::AxisAligned));
+    }
+
+    #[test]
+    fn values_say_what_is_wrong() {
+        let check = |error: Result<(), String>, expected: &str| {
+            let error = error.unwrap_err();
+            assert!(error.contains(expected), "{error} should contain {expected}");
+        };
+        check(vector("1,2").map(drop), "expected 3 numbers parted by commas, found 2");
+        check(vector("1,x,3").map(drop), "\"x\" is not a number");
+        check(dims("4,-5,6").map(drop), "\"-5\" is not a number of voxels");
+        check(opacity("80").map(drop), "\"80\" is no point");
+        check(color("0:1,1").map(drop), "expected 3 numbers");
+        check(light("sun").map(drop), "or headlight");
+        check(light("0,0,0").map(drop), "other than zero");
+        check(method("splat").map(drop), "image-aligned, axis-aligned, every-sample");
+    }
+}

@@ -1,0 +1,158 @@
+//! `slabsplat info`: what a volume is.
+
+use crate::flags::RawFlags;
+use crate::progress::Progress;
+use crate::{input, terminal};
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use slabsplat::io::LoadedVolume;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Tell what a volume is: size, place, type, range of values
+#[derive(Args)]
+pub(crate) struct InfoArgs {
+    /// A volume file, a scene file, or a built-in volume as builtin:NAME or builtin:NAME:SIZE
+    #[arg(value_name = "VOLUME")]
+    volume: PathBuf,
+
+    /// Answer in JSON
+    #[arg(long)]
+    json: bool,
+
+    #[command(flatten)]
+    raw: RawFlags,
+}
+
+pub(crate) fn run(args: &InfoArgs) -> Result<()> {
+    let progress = Progress::start("reading", 0);
+    let mut file = input::scene_file(&args.volume)?;
+    let loaded = input::load(&mut file, &args.raw)?;
+    let info = Info::of(&loaded);
+    drop(progress);
+    terminal::warn(&loaded.warnings);
+    let text = if args.json { format!("{:#}\n", info.json()) } else { info.text() };
+    terminal::answer(&text)
+}
+
+struct Info {
+    dims: [usize; 3],
+    spacing: [f64; 3],
+    /// Index to world, by rows.
+    affine: [[f64; 4]; 4],
+    dtype: &'static str,
+    /// `None` for a volume of NaN alone.
+    range: Option<[f64; 2]>,
+    n_voxels: usize,
+    n_nan: usize,
+    format: &'static str,
+}
+
+impl Info {
+    fn of(LoadedVolume { volume, format, .. }: &LoadedVolume) -> Self {
+        let grid = volume.grid();
+        let summary = volume.summary();
+        let to_world = grid.world_from_index();
+        let (m, o) = (to_world.matrix3, to_world.translation);
+        let row = |r: usize| [m.x_axis[r], m.y_axis[r], m.z_axis[r], o[r]];
+        Self {
+            dims: grid.dims(),
+            spacing: grid.spacing(),
+            affine: [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]],
+            dtype: volume.sample_type().name(),
+            range: summary.range,
+            n_voxels: grid.n_voxels(),
+            n_nan: summary.n_nan,
+            format: format.name(),
+        }
+    }
+
+    /// JSON has no infinities, so that `min` and `max` are null where they are not finite.
+    fn json(&self) -> Value {
+        let end = |idx: usize| self.range.map(|range| range[idx]).filter(|end| end.is_finite());
+        json!({
+            "dims": self.dims,
+            "spacing": self.spacing,
+            "affine": self.affine,
+            "dtype": self.dtype,
+            "min": end(0),
+            "max": end(1),
+            "voxels": self.n_voxels,
+            "nan": self.n_nan,
+            "format": self.format,
+        })
+    }
+
+    fn text(&self) -> String {
+        let [nx, ny, nz] = self.dims;
+        let [dx, dy, dz] = self.spacing.map(plain);
+        let range = match self.range {
+            Some([min, max]) => format!("{} to {}", plain(min), plain(max)),
+            None => "every voxel is NaN".to_owned(),
+        };
+        let mut text = String::new();
+        for (key, value) in [
+            ("format", self.format.to_owned()),
+            ("dims", format!("{nx} x {ny} x {nz}")),
+            ("voxels", self.n_voxels.to_string()),
+            ("dtype", self.dtype.to_owned()),
+            ("values", range),
+            ("nan", self.n_nan.to_string()),
+            ("spacing", format!("{dx} x {dy} x {dz}")),
+        ] {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{key:<8} {value}");
+        }
+        text + &self.affine_text()
+    }
+
+    fn affine_text(&self) -> String {
+        let cells = self.affine.map(|row| row.map(plain));
+        let width = cells.iter().flatten().map(String::len).max().unwrap_or(0);
+        let mut text = String::new();
+        for (row_idx, row) in cells.iter().enumerate() {
+            let key = if row_idx == 0 { "affine" } else { "" };
+            let row = row.iter().map(|cell| format!("{cell:>width$}")).collect::<Vec<_>>();
+            let _ = writeln!(text, "{key:<8} {}", row.join("  "));
+        }
+        text
+    }
+}
+
+/// Six digits after the point, without trailing zeros; exponents only where that says nothing.
+fn plain(value: f64) -> String {
+    let is_tiny = value != 0.0 && value.abs() < 1e-4;
+    if is_tiny || (value.is_finite() && 1e12 <= value.abs()) {
+        return format!("{value:e}");
+    }
+    let text = format!("{value:.6}");
+    if !text.contains('.') {
+        return text;
+    }
+    match text.trim_end_matches('0').trim_end_matches('.') {
+        "-0" => "0".to_owned(),
+        trimmed => trimmed.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_numbers() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.5, "1.5"),
+            (-255.0, "-255"),
+            (0.1 + 0.2, "0.3"),
+            (1e-7, "1e-7"),
+            (2e20, "2e20"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(plain(value), expected);
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What a command is to work on: a scene file, a volume file, a raw file, or a built-in volume.
+
+use crate::flags::RawFlags;
+use anyhow::{Result, anyhow, bail};
+use slabsplat::io::{self, CameraDesc, IoError, LoadedVolume, SceneFile, VolumeSource};
+use slabsplat::{ImageDesc, Phong, RenderSettings, Shading};
+use std::path::Path;
+
+/// The scene of `input`. That of a volume is empty: all of it is found from the volume.
+pub(crate) fn scene_file(input: &Path) -> Result<SceneFile> {
+    if let Some(builtin) = input.to_str().and_then(|input| input.strip_prefix("builtin:")) {
+        return Ok(scene_of(builtin_source(builtin)?));
+    }
+    if input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return Ok(io::read_scene(input)?);
+    }
+    Ok(scene_of(VolumeSource::File(input.to_owned())))
+}
+
+/// A scene that leaves everything to the volume and to the defaults.
+fn scene_of(volume: VolumeSource) -> SceneFile {
+    SceneFile {
+        volume,
+        spacing: None,
+        transfer: None,
+        shading: Shading::Phong(Phong::default()),
+        camera: CameraDesc::default(),
+        image: ImageDesc::default(),
+        settings: RenderSettings::default(),
+        backend: "auto".to_owned(),
+    }
+}
+
+/// The volume of `file`, as the flags describe it.
+pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<LoadedVolume> {
+    if let Some(spacing) = flags.spacing {
+        file.spacing = Some(spacing.to_array());
+    }
+    let Some(mut desc) = flags.desc()? else {
+        return file.load_volume().map_err(|error| match error {
+            IoError::UnknownFormat { .. } => {
+                anyhow!("{error}; --dims and --type tell what a raw file holds")
+            }
+            _ => error.into(),
+        });
+    };
+    desc.spacing = file.spacing.unwrap_or(desc.spacing);
+    match &file.volume {
+        VolumeSource::File(path) => Ok(io::read_raw(path, &desc)?),
+        VolumeSource::Builtin { name, .. } => {
+            bail!("{name} is built in, not a raw file: leave out --dims, --type and the like")
+        }
+    }
+}
+
+fn builtin_source(builtin: &str) -> Result<VolumeSource> {
+    let (name, size) = match builtin.split_once(':') {
+        Some((name, size)) => {
+            let size = size.parse().map_err(|_| {
+                anyhow!("builtin:{builtin}: the size must be a number of voxels, not {size:?}")
+            })?;
+            (name, Some(size))
+        }
+        None => (builtin, None),
+    };
+    Ok(VolumeSource::Builtin { name: name.to_owned(), size })
+}

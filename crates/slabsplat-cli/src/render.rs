@@ -1,0 +1,68 @@
+//! `slabsplat render`: one picture.
+
+use crate::flags::SceneFlags;
+use crate::progress::Progress;
+use crate::terminal;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use slabsplat::{OpenScene, Renderer, backend_named, io};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Render a scene or a volume into a picture
+#[derive(Args)]
+pub(crate) struct RenderArgs {
+    /// The picture: .exr (32-bit float, premultiplied) or .png (8 bits)
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    #[command(flatten)]
+    scene: SceneFlags,
+}
+
+pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    check_output(&args.output)?;
+    let started = Instant::now();
+    let progress = Progress::start("reading", 0);
+    let OpenScene { volume, scene, backend, warnings } = args.scene.open()?;
+    progress.suspend(|| terminal::warn(&warnings));
+    progress.stage("sorting voxels");
+    let mut renderer = Renderer::new(volume, backend_named(&backend)?);
+    progress.stage("rendering");
+    let frame = renderer.render(&scene)?;
+    progress.stage("writing");
+    io::write_picture(&args.output, &frame.image)?;
+    drop(progress);
+    terminal::say(format_args!(
+        "{}: {} x {} pixels, {} voxels drawn, {} ms",
+        args.output.display(),
+        frame.image.width(),
+        frame.image.height(),
+        frame.stats.n_voxels,
+        started.elapsed().as_millis(),
+    ));
+    Ok(())
+}
+
+/// What would fail after the work must fail before it.
+fn check_output(path: &Path) -> Result<()> {
+    let is_known =
+        |extension: &OsStr| ["exr", "png"].iter().any(|e| extension.eq_ignore_ascii_case(e));
+    if !path.extension().is_some_and(is_known) {
+        bail!("cannot tell the format of {}: name the picture .exr or .png", path.display());
+    }
+    if path.is_dir() {
+        bail!("cannot write {}: it is a directory", path.display());
+    }
+    let directory = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    let metadata = std::fs::metadata(directory)
+        .with_context(|| format!("cannot write to the directory {}", directory.display()))?;
+    if !metadata.is_dir() {
+        bail!("cannot write {}: {} is not a directory", path.display(), directory.display());
+    }
+    Ok(())
+}

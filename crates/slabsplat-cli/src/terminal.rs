@@ -1,0 +1,63 @@
+//! What goes to stdout and stderr. Nothing here fails because a reader has gone: `| head` is no error.
+
+use anyhow::{Context, Result};
+use std::fmt::Arguments;
+use std::io::{self, ErrorKind, Write};
+
+/// Writes the program's answer to stdout.
+///
+/// # Errors
+/// If stdout cannot be written, other than because nobody reads it.
+pub(crate) fn answer(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    let written = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to stdout")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Tells people something on stderr. If they cannot be told, there is nobody to tell that.
+pub(crate) fn say(line: Arguments<'_>) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// Tells what was assumed about a file.
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        say(format_args!("warning: {}", flattened(warning)));
+    }
+}
+
+/// An error and its causes on one line. Many a message already ends with its cause; it is said once.
+pub(crate) fn one_line(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for cause in error.chain() {
+        let cause = flattened(&cause.to_string());
+        if line.is_empty() {
+            line = cause;
+        } else if !line.contains(&cause) {
+            line = format!("{line}: {cause}");
+        }
+    }
+    line
+}
+
+fn flattened(text: &str) -> String {
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::anyhow;
+
+    #[test]
+    fn error_chain_is_one_line_without_repeats() {
+        let error = anyhow!("no such file").context("cannot read a: no such file").context("b\n c");
+        assert_eq!(one_line(&error), "b c: cannot read a: no such file");
+        assert_eq!(one_line(&anyhow!("inner").context("outer")), "outer: inner");
+    }
+}

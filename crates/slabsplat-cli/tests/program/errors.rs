@@ -1,0 +1,102 @@
+//! Bad input: one plain line on stderr, exit code 1 (2 for usage), nothing half-written.
+
+use crate::{complaint, names_in, slabsplat, text};
+
+#[test]
+fn error_in_scene_names_key_and_line() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = "[volume]\ngenerate = \"cube\"\n[render]\nslab_with = 1.0\n";
+    std::fs::write(dir.path().join("a.toml"), scene).unwrap();
+    let line = complaint(dir.path(), "render a.toml -o a.png");
+    assert!(line.contains("a.toml:4") && line.contains("slab_with"), "{line}");
+    assert_eq!(names_in(dir.path()), ["a.toml"], "nothing is written");
+}
+
+#[test]
+fn errors_say_what_and_where() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("empty.nrrd"), "").unwrap();
+    std::fs::write(dir.path().join("a.raw"), [0; 7]).unwrap();
+    std::fs::write(dir.path().join("text.toml"), "= what = is = this").unwrap();
+    std::fs::create_dir(dir.path().join("dir.png")).unwrap();
+    let files = names_in(dir.path());
+    for (args, expected) in [
+        ("render missing.nrrd -o a.png", "missing.nrrd"),
+        ("render missing.toml -o a.png", "missing.toml"),
+        ("render text.toml -o a.png", "text.toml:1"),
+        ("render empty.nrrd -o a.png", "empty.nrrd"),
+        ("render builtin:teapot -o a.png", "marschner-lobb"),
+        ("render builtin:cube:many -o a.png", "\"many\""),
+        ("render builtin:cube:2000000 -o a.png", "4 to 1024"),
+        ("render builtin:cube -o a.jpg", ".exr or .png"),
+        ("render builtin:cube -o nowhere/a.png", "nowhere"),
+        ("render builtin:cube -o empty.nrrd/a.png", "not a directory"),
+        ("render builtin:cube -o dir.png", "is a directory"),
+        ("render builtin:cube --slab-width 0 -o a.png", "slab_width"),
+        ("render builtin:cube --slab-width NaN -o a.png", "slab_width"),
+        ("render builtin:cube --sections 1 -o a.png", "sections"),
+        ("render builtin:cube --opacity-cutoff -1 -o a.png", "opacity_cutoff"),
+        ("render builtin:cube --opacity 0:2 -o a.png", "point 0 of opacity lies outside 0 to 1"),
+        ("render builtin:cube --opacity 5:0,0:1 -o a.png", "out of order"),
+        ("render builtin:cube --color inf:0,0,0 -o a.png", "not finite"),
+        ("render builtin:cube --ambient -1 -o a.png", "ambient"),
+        ("render builtin:cube --shading none --light 0,0,1 -o a.png", "--light"),
+        ("render builtin:cube --preset ct-fog -o a.png", "ct-bone"),
+        ("render builtin:cube --transfer-file no.json -o a.png", "no.json"),
+        ("render builtin:cube --eye nan,0,0 -o a.png", "eye"),
+        ("render builtin:cube --up 0,0,0 -o a.png", "up vector"),
+        ("render builtin:cube --view-height -3 -o a.png", "view_height"),
+        ("render builtin:cube --projection perspective --fov-y 180 -o a.png", "fov_y"),
+        ("render builtin:cube --width 0 -o a.png", "0 x 512"),
+        ("render builtin:cube --height 4000000000 -o a.png", "4000000000"),
+        ("render builtin:cube --background 0,0,2 -o a.png", "background"),
+        ("render builtin:cube --spacing 0,1,1 -o a.png", "inverted"),
+        ("render builtin:cube --backend cray -o a.png", "\"cray\""),
+        ("render builtin:cube --dims 1,2,3 --type uint8 -o a.png", "built in"),
+        ("info a.raw", "--dims and --type"),
+        ("info a.raw --dims 1,2,3", "--type"),
+        ("info a.raw --dims 1,2,3 --type uint8", "needs 6 bytes of data, has 7"),
+        ("info a.raw --dims 0,2,3 --type uint8", "empty"),
+        ("info a.raw --dims 9999999,9999999,9999999 --type float64", "too many voxels"),
+        ("info .", "error"),
+        ("popping builtin:cube --step 0", "positive step"),
+        ("popping builtin:cube --from 0 --to inf", "finite"),
+        ("popping builtin:cube --to 1", "fewer than 3 frames"),
+        ("demo empty.nrrd", "empty.nrrd"),
+        ("demo empty.nrrd/below", "empty.nrrd"),
+    ] {
+        let line = complaint(dir.path(), args);
+        assert!(line.contains(expected), "{args}: {line}");
+        assert_eq!(names_in(dir.path()), files, "{args} leaves nothing behind");
+    }
+}
+
+#[test]
+fn errors_keep_the_old_picture() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("a.png"), "old").unwrap();
+    complaint(dir.path(), "render missing.nrrd -o a.png");
+    assert_eq!(std::fs::read(dir.path().join("a.png")).unwrap(), b"old");
+}
+
+#[test]
+fn errors_of_usage_exit_with_2() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in [
+        "",
+        "draw",
+        "render builtin:cube",
+        "render -o a.png",
+        "render builtin:cube -o a.png --methods image-aligned",
+        "render builtin:cube -o a.png --method splat",
+        "render builtin:cube -o a.png --eye 1,2",
+        "render builtin:cube -o a.png --kernel box",
+        "render builtin:cube -o a.png --width -1",
+        "render builtin:cube -o a.png --preset ct-bone --transfer-file a.json",
+        "info builtin:cube --type complex64",
+    ] {
+        let output = slabsplat(dir.path(), args);
+        assert_eq!(output.status.code(), Some(2), "{args}: {}", text(&output.stderr));
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{args}");
+    }
+}

@@ -1,0 +1,73 @@
+//! `slabsplat info`.
+
+use crate::{answer, json};
+use serde_json::json as value;
+use std::process::{Command, Stdio};
+
+#[test]
+fn info_json_has_the_agreed_keys() {
+    let dir = tempfile::tempdir().unwrap();
+    let info = json(dir.path(), "info builtin:cube --json");
+    let expected = value!({
+        "dims": [28, 28, 28],
+        "spacing": [1.0, 1.0, 1.0],
+        "affine": [
+            [1.0, 0.0, 0.0, -13.5],
+            [0.0, 1.0, 0.0, -13.5],
+            [0.0, 0.0, 1.0, -13.5],
+            [0.0, 0.0, 0.0, 1.0],
+        ],
+        "dtype": "uint8",
+        "min": 0.0,
+        "max": 255.0,
+        "voxels": 21952,
+        "nan": 0,
+        "format": "built-in",
+    });
+    assert_eq!(info, expected);
+}
+
+#[test]
+fn info_of_numbers_that_json_lacks() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, samples: [f32; 2]| {
+        std::fs::write(dir.path().join(name), samples.map(f32::to_le_bytes).concat()).unwrap();
+    };
+    write("nan.raw", [f32::NAN; 2]);
+    write("inf.raw", [1.0, f32::INFINITY]);
+    let flags = "--dims 2,1,1 --type float32";
+    let nan = json(dir.path(), &format!("info nan.raw {flags} --json"));
+    assert_eq!([&nan["min"], &nan["max"], &nan["nan"]], [&value!(null), &value!(null), &value!(2)]);
+    let inf = json(dir.path(), &format!("info inf.raw {flags} --json"));
+    assert_eq!([&inf["min"], &inf["max"]], [&value!(1.0), &value!(null)]);
+    let text = answer(dir.path(), &format!("info nan.raw {flags}"));
+    assert!(text.contains("every voxel is NaN"), "{text}");
+}
+
+#[test]
+fn info_text_is_aligned() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = answer(dir.path(), "info builtin:marschner-lobb:8 --spacing 1,1,2.5");
+    for line in ["dims     8 x 8 x 8", "dtype    float32", "spacing  1 x 1 x 2.5", "voxels   512"] {
+        assert!(text.lines().any(|found| found == line), "{line} in {text}");
+    }
+    let values = text.lines().map(|line| line.split_at(9));
+    for (key, value) in values {
+        assert!(key.ends_with(' ') && !value.is_empty(), "{key}{value} in {text}");
+    }
+}
+
+/// `slabsplat info .. | head -0`: the reader is gone before anything is written.
+#[test]
+fn info_without_a_reader_is_no_error() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slabsplat"))
+        .args(["info", "builtin:cube"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.stderr.is_empty(), "{}", crate::text(&output.stderr));
+    assert!(output.status.success());
+}

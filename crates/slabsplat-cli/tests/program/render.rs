@@ -1,0 +1,135 @@
+//! `slabsplat render`.
+
+use crate::{answer, names_in, slabsplat, text};
+use std::path::Path;
+
+const SMALL: &str = "--width 24 --height 16";
+
+fn bytes_of(directory: &Path, args: &str) -> Vec<u8> {
+    answer(directory, &format!("render {args}"));
+    let path = directory.join(args.rsplit(' ').next().unwrap_or_default());
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{args}: {error}"))
+}
+
+/// Width and height in the header of a PNG.
+fn png_size(bytes: &[u8]) -> [u32; 2] {
+    assert!(bytes.starts_with(b"\x89PNG\r\n\x1a\n"), "the signature of a PNG");
+    [16, 20].map(|at| u32::from_be_bytes([0, 1, 2, 3].map(|byte| bytes[at + byte])))
+}
+
+#[test]
+fn render_builtin_to_png_and_exr() {
+    let dir = tempfile::tempdir().unwrap();
+    let png = bytes_of(dir.path(), &format!("builtin:cube {SMALL} -o cube.png"));
+    assert_eq!(png_size(&png), [24, 16]);
+    let exr = bytes_of(dir.path(), &format!("builtin:sphere:12 {SMALL} -o ball.EXR"));
+    assert!(exr.starts_with(&[0x76, 0x2f, 0x31, 0x01]), "the signature of an OpenEXR file");
+    assert_eq!(names_in(dir.path()), ["ball.EXR", "cube.png"], "and nothing else is left");
+}
+
+#[test]
+fn render_tells_what_it_did() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = slabsplat(dir.path(), &format!("render builtin:cube {SMALL} -o cube.png"));
+    let line = text(&output.stderr);
+    assert!(line.starts_with("cube.png: 24 x 16 pixels, 4096 voxels drawn, "), "{line}");
+    assert!(line.ends_with(" ms\n") && line.lines().count() == 1, "{line}");
+    assert!(output.stdout.is_empty());
+}
+
+const SCENE: &str = r#"
+[volume]
+generate = "cube"
+[classify]
+opacity = [[0.0, 0.0], [255.0, 0.5]]
+color = [[0.0, 1.0, 0.5, 0.25]]
+[shading]
+model = "phong"
+ambient = 0.2
+[camera]
+eye = [50.0, -30.0, 20.0]
+up = [0.0, 0.0, 1.0]
+view_height = 30.0
+[image]
+width = 24
+height = 16
+background = [0.0, 0.0, 0.5, 1.0]
+[render]
+method = "axis-aligned"
+slab_width = 0.5
+compositing = "separate"
+"#;
+
+/// The flags say all that the file says, so that the pictures must be the same.
+#[test]
+fn render_flags_mean_what_keys_mean() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("cube.toml"), SCENE).unwrap();
+    let by_keys = bytes_of(dir.path(), "cube.toml -o keys.exr");
+    let by_flags = bytes_of(
+        dir.path(),
+        "builtin:cube --opacity 0:0,255:0.5 --color 0:1,0.5,0.25 --shading phong --ambient 0.2 \
+         --eye 50,-30,20 --up 0,0,1 --view-height 30 --width 24 --height 16 --background 0,0,0.5 \
+         --method axis-aligned --slab-width 0.5 --compositing separate -o flags.exr",
+    );
+    assert!(by_keys == by_flags, "keys and flags differ");
+}
+
+/// Each flag overrides the scene: the picture changes, and changes back if it says what the file says.
+#[test]
+fn render_flags_override_keys() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("cube.toml"), SCENE).unwrap();
+    let plain = bytes_of(dir.path(), "cube.toml -o plain.exr");
+    for flags in [
+        "--opacity -5:0,255:0.9",
+        "--color 0:1,1,1",
+        "--preset ct-bone",
+        "--shading none",
+        "--diffuse 0.1",
+        "--light -1,-2,-3",
+        "--projection perspective",
+        "--projection perspective --fov-y 50",
+        "--eye -50,0,0",
+        "--target 0,0,-2",
+        "--up 0,1,0",
+        "--view-height 60",
+        "--width 25",
+        "--height 17",
+        "--background 0,0,0,0",
+        "--method image-aligned",
+        "--kernel crawfis-max",
+        "--compositing associated",
+        "--spacing 1,1,0.5",
+    ] {
+        let changed = bytes_of(dir.path(), &format!("cube.toml {flags} -o changed.exr"));
+        assert!(changed != plain, "{flags} changes nothing");
+    }
+    for flags in ["--slab-width 0.5", "--ambient 0.2", "--two-sided true", "--backend cpu"] {
+        let same = bytes_of(dir.path(), &format!("cube.toml {flags} -o same.exr"));
+        assert!(same == plain, "{flags} is what the scene says or does anyway");
+    }
+}
+
+#[test]
+fn render_settings_of_the_paper() {
+    let dir = tempfile::tempdir().unwrap();
+    let flags = "--slab-width 2 --normalization product --base-slab-width 0.25 --sections 64 \
+                 --radial-samples 32 --lookup nearest --opacity-cutoff 1 --compositing separate";
+    bytes_of(dir.path(), &format!("builtin:cube {SMALL} {flags} -o paper.png"));
+}
+
+#[test]
+fn render_raw_as_described() {
+    let dir = tempfile::tempdir().unwrap();
+    // 4 x 3 x 2 samples of 16 bits, bright, after a header of 5 bytes.
+    let samples = (0..24_u16).flat_map(|v| (1000 * v).to_be_bytes());
+    let bytes: Vec<u8> = [7; 5].into_iter().chain(samples).collect();
+    std::fs::write(dir.path().join("v.raw"), bytes).unwrap();
+    let flags = "--dims 4,3,2 --type uint16 --endian big --header-bytes 5 --spacing 1,1,2";
+    bytes_of(dir.path(), &format!("v.raw {flags} {SMALL} -o raw.png"));
+    let info = crate::json(dir.path(), &format!("info v.raw {flags} --json"));
+    assert_eq!(info["max"], 23000.0);
+    assert_eq!(info["spacing"], serde_json::json!([1.0, 1.0, 2.0]));
+    assert_eq!(info["format"], "raw");
+}

@@ -1,0 +1,224 @@
+//! Real volumes, as their README describes them, and the scenes that show them.
+
+use std::path::PathBuf;
+
+use slabsplat_core::{SampleType, Volume};
+use slabsplat_io::{LoadedVolume, VolumeFormat, VolumeSource, read_scene, read_volume};
+
+/// A line of the README. The mean is given to as many digits as the README has.
+struct Expected {
+    path: &'static str,
+    dims: [usize; 3],
+    sample_type: SampleType,
+    spacing: [f64; 3],
+    range: [f64; 2],
+    mean: f64,
+    mean_digit: f64,
+    format: VolumeFormat,
+}
+
+const VOLUMES: &[Expected] = &[
+    Expected {
+        path: "nifti/mni152_t1_1mm_uint8.nii.gz",
+        dims: [197, 233, 189],
+        sample_type: SampleType::U8,
+        spacing: [1.0; 3],
+        range: [0.0, 255.0],
+        mean: 38.44,
+        mean_digit: 0.01,
+        format: VolumeFormat::Nifti1,
+    },
+    Expected {
+        path: "nifti/mni152_2009c_t1_1mm_int16.nii.gz",
+        dims: [193, 229, 193],
+        sample_type: SampleType::I16,
+        spacing: [1.0; 3],
+        range: [0.0, 1570.0],
+        mean: 167.1,
+        mean_digit: 0.1,
+        format: VolumeFormat::Nifti1,
+    },
+    Expected {
+        path: "nifti/head_t1_mr_uint8_slope.nii.gz",
+        dims: [160, 232, 160],
+        sample_type: SampleType::U8,
+        spacing: [1.0, 0.898437, 0.898437],
+        range: [0.0, 512.0],
+        mean: 111.8,
+        mean_digit: 0.1,
+        format: VolumeFormat::Nifti1,
+    },
+    Expected {
+        path: "nifti/engine_256x256x128_uint8.nii.gz",
+        dims: [256, 256, 128],
+        sample_type: SampleType::U8,
+        spacing: [1.0; 3],
+        range: [0.0, 255.0],
+        mean: 20.69,
+        mean_digit: 0.01,
+        format: VolumeFormat::Nifti1,
+    },
+    Expected {
+        path: "nrrd/embryo_256_uint8.nrrd",
+        dims: [256; 3],
+        sample_type: SampleType::U8,
+        spacing: [1.0; 3],
+        range: [0.0, 197.0],
+        mean: 3.80,
+        mean_digit: 0.01,
+        format: VolumeFormat::Nrrd,
+    },
+    Expected {
+        path: "nrrd/stroke_flair_1mm_uint8.nrrd",
+        dims: [124, 160, 140],
+        sample_type: SampleType::U8,
+        spacing: [1.0; 3],
+        range: [0.0, 255.0],
+        mean: 41.49,
+        mean_digit: 0.01,
+        format: VolumeFormat::Nrrd,
+    },
+    Expected {
+        path: "nrrd/headsq/quarter.nhdr",
+        dims: [64, 64, 93],
+        sample_type: SampleType::I16,
+        spacing: [3.2, 3.2, 1.5],
+        range: [0.0, 3926.0],
+        mean: 507.7,
+        mean_digit: 0.1,
+        format: VolumeFormat::Nrrd,
+    },
+    Expected {
+        path: "nrrd/headsq_64x64x93_int16.nrrd",
+        dims: [64, 64, 93],
+        sample_type: SampleType::I16,
+        spacing: [3.2, 3.2, 1.5],
+        range: [0.0, 3926.0],
+        mean: 507.7,
+        mean_digit: 0.1,
+        format: VolumeFormat::Nrrd,
+    },
+    Expected {
+        path: "nrrd/tooth/tooth.nhdr",
+        dims: [103, 94, 161],
+        sample_type: SampleType::U16,
+        spacing: [1.0; 3],
+        range: [0.0, 1300.0],
+        mean: 526.9,
+        mean_digit: 0.1,
+        format: VolumeFormat::Nrrd,
+    },
+    Expected {
+        path: "raw/ct_thorax_256x256x133_uint8.json",
+        dims: [256, 256, 133],
+        sample_type: SampleType::U8,
+        spacing: [1.40625, 1.40625, 2.5],
+        range: [0.0, 255.0],
+        mean: 7.05,
+        mean_digit: 0.01,
+        format: VolumeFormat::Raw,
+    },
+];
+
+/// A file of the folder `shared` beside the checkout; without the folder, says that the test is
+/// skipped.
+fn shared(path: &str) -> Option<PathBuf> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    if !root.is_dir() {
+        println!("skipped: {} is absent, and with it {path}", root.display());
+        return None;
+    }
+    Some(root.join(path))
+}
+
+fn load(path: &str) -> Option<LoadedVolume> {
+    shared(&format!("data/{path}")).map(|path| read_volume(&path).expect("the file is valid"))
+}
+
+fn mean(volume: &Volume) -> f64 {
+    let n_voxels = volume.grid().n_voxels();
+    (0..n_voxels).map(|voxel_idx| volume.value(voxel_idx)).sum::<f64>() / n_voxels as f64
+}
+
+#[test]
+fn real_volumes_are_as_described() {
+    for expected in VOLUMES {
+        let Some(loaded) = load(expected.path) else {
+            return;
+        };
+        let (path, volume) = (expected.path, &loaded.volume);
+        assert_eq!(volume.grid().dims(), expected.dims, "{path}");
+        assert_eq!(volume.sample_type(), expected.sample_type, "{path}");
+        assert_eq!(loaded.format, expected.format, "{path}");
+        assert_eq!(loaded.warnings, [""; 0], "{path}");
+        for (actual, expected) in volume.grid().spacing().into_iter().zip(expected.spacing) {
+            assert!((actual - expected).abs() < 1e-5, "{path}: spacing {actual}, not {expected}");
+        }
+        let summary = volume.summary();
+        for (actual, expected) in summary.range.unwrap().into_iter().zip(expected.range) {
+            assert!((actual - expected).abs() < 1e-3, "{path}: {actual}, not {expected}");
+        }
+        assert_eq!(summary.n_nan, 0, "{path}");
+        let mean = mean(volume);
+        let off = (mean - expected.mean).abs();
+        assert!(off <= 0.51 * expected.mean_digit, "{path}: mean {mean}, not {}", expected.mean);
+    }
+}
+
+#[test]
+fn real_slices_equal_single_file() {
+    let (Some(slices), Some(single)) =
+        (load("nrrd/headsq/quarter.nhdr"), load("nrrd/headsq_64x64x93_int16.nrrd"))
+    else {
+        return;
+    };
+    assert!(slices.volume.samples() == single.volume.samples(), "the voxels differ");
+    assert_eq!(slices.volume.grid(), single.volume.grid());
+}
+
+#[test]
+fn real_raw_is_found_by_its_data_too() {
+    let Some(loaded) = load("raw/ct_thorax_256x256x133_uint8.raw") else {
+        return;
+    };
+    assert_eq!(loaded.volume.grid().dims(), [256, 256, 133]);
+}
+
+/// The file's first direction is (−0.99, 0.05, −0.10) in LPS, so x and y change sign.
+#[test]
+fn real_lps_becomes_ras() {
+    let Some(loaded) = load("nrrd/stroke_flair_1mm_uint8.nrrd") else {
+        return;
+    };
+    let affine = loaded.volume.grid().world_from_index();
+    let x = affine.matrix3.x_axis;
+    assert!((x.x - 0.993_592).abs() < 1e-6 && (x.y + 0.049_705).abs() < 1e-6, "{x}");
+    assert!((x.z + 0.101_510).abs() < 1e-6, "{x}");
+    let origin = affine.translation;
+    assert!((origin.x + 64.898_239).abs() < 1e-6 && (origin.z + 27.925_539).abs() < 1e-6);
+}
+
+#[test]
+fn real_scenes_parse() {
+    for name in ["brain", "brain-haze", "embryo-perspective"] {
+        let Some(path) = shared(&format!("scenes/{name}.toml")) else {
+            return;
+        };
+        let scene = read_scene(&path).unwrap();
+        let VolumeSource::File(volume) = &scene.volume else { panic!("{name} has a file") };
+        assert!(volume.is_file(), "{}", volume.display());
+        assert!(scene.transfer.is_some(), "{name}");
+        assert_eq!(scene.camera.is_perspective(), name == "embryo-perspective");
+    }
+}
+
+#[test]
+fn real_files_of_other_formats_are_refused() {
+    for path in ["data/mha/fuel.mha", "data/tiff/neuron_409x415x119_uint8.tif", "data/README.md"] {
+        let Some(path) = shared(path) else {
+            return;
+        };
+        let err = read_volume(&path).unwrap_err().to_string();
+        assert!(err.contains("is not a volume file that can be read"), "{err}");
+    }
+}

@@ -1,0 +1,95 @@
+//! Small valid files of every format, to be spoilt.
+
+use std::io::Write;
+
+/// Packs bytes as gzip does.
+pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).expect("memory can be written");
+    encoder.finish().expect("memory can be written")
+}
+
+/// An NRRD header of 4 × 3 × 2 voxels of 16 bits, without its last empty line.
+pub(crate) fn nrrd_header(encoding: &str) -> String {
+    format!(
+        "NRRD0005\n# small\ntype: short\ndimension: 3\nspace: left-posterior-superior\n\
+         sizes: 4 3 2\nspace directions: (1,0,0) (0,1.5,0) (0,0.5,2)\n\
+         kinds: domain domain domain\nendian: little\nencoding: {encoding}\n\
+         space origin: (-1,2,3)\nkey:=value\n"
+    )
+}
+
+/// The 48 bytes of 24 voxels of 16 bits.
+pub(crate) fn voxels() -> Vec<u8> {
+    (0..24_i16).flat_map(|n| (n * 100).to_le_bytes()).collect()
+}
+
+/// NIfTI-1, little endian, 4 × 3 × 2 voxels of 16 bits, with a slope and a qform.
+pub(crate) fn nifti1() -> Vec<u8> {
+    let mut bytes = vec![0; 352];
+    let mut put = |offset: usize, field: &[u8]| {
+        bytes[offset..offset + field.len()].copy_from_slice(field);
+    };
+    put(0, &348_i32.to_le_bytes());
+    for (idx, size) in [3_i16, 4, 3, 2, 1, 1, 1, 1].into_iter().enumerate() {
+        put(40 + 2 * idx, &size.to_le_bytes());
+        put(76 + 4 * idx, &1.0_f32.to_le_bytes());
+    }
+    put(70, &4_i16.to_le_bytes());
+    put(108, &352.0_f32.to_le_bytes());
+    put(112, &0.5_f32.to_le_bytes());
+    put(252, &1_i16.to_le_bytes());
+    put(344, b"n+1\0");
+    [bytes, voxels()].concat()
+}
+
+/// NIfTI-2, big endian, otherwise the same but for the voxels' byte order.
+pub(crate) fn nifti2() -> Vec<u8> {
+    let mut bytes = vec![0; 544];
+    let mut put = |offset: usize, field: &[u8]| {
+        bytes[offset..offset + field.len()].copy_from_slice(field);
+    };
+    put(0, &540_i32.to_be_bytes());
+    put(4, b"n+2\0\r\n\x1a\n");
+    put(12, &4_i16.to_be_bytes());
+    for (idx, size) in [3_i64, 4, 3, 2, 1, 1, 1, 1].into_iter().enumerate() {
+        put(16 + 8 * idx, &size.to_be_bytes());
+        put(104 + 8 * idx, &1.0_f64.to_be_bytes());
+    }
+    put(168, &544_i64.to_be_bytes());
+    [bytes, voxels()].concat()
+}
+
+/// A scene with most keys.
+pub(crate) const SCENE: &str = r#"
+[volume]
+generate = "cube"
+size = 12
+spacing = [1.0, 1.0, 1.5]
+[classify]
+opacity = [[0.0, 0.0], [80.0, 0.0], [255.0, 0.9]]
+color = [[0.0, 0.0, 0.0, 0.0], [255.0, 1.0, 0.9, 0.8]]
+[shading]
+model = "phong"
+shininess = 20.0
+light = [0.0, 1.0, 1.0]
+[camera]
+projection = "perspective"
+eye = [0.0, 0.0, 400.0]
+fov_y = 30.0
+[image]
+width = 64
+background = [0.0, 0.0, 0.0, 0.0]
+[render]
+method = "image-aligned"
+slab_width = 1.0
+sections = 128
+"#;
+
+/// A ParaView colour map.
+pub(crate) const COLOR_MAP: &str = r#"[{"Name": "x", "Points": [0, 0, 0.5, 0, 255, 1, 0.5, 0],
+    "RGBPoints": [0, 0, 0, 0, 128, 1, 0.5, 0, 255, 1, 1, 1]}]"#;
+
+/// The description of a raw file of 4 × 3 × 2 voxels.
+pub(crate) const SIDECAR: &str = r#"{"file": "a.raw", "dims": [4, 3, 2], "type": "int16",
+    "endian": "little", "header_bytes": 0, "spacing": [1, 1, 2.5], "origin": [0, 0, -3]}"#;
