@@ -28,7 +28,7 @@ pub struct FramePlan<'a> {
     pub shape: FootprintShape,
     /// What a sheet sums, and how that becomes a pixel.
     pub compositing: Compositing,
-    /// Opacity from which a tile counts as full.
+    /// Opacity from which a pixel counts as full.
     pub opacity_cutoff: f32,
     /// What is splatted, and into which sheets.
     pub splats: Splats,

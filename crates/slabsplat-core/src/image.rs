@@ -24,8 +24,11 @@ pub struct Image {
 /// Why a picture cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ImageError {
-    /// A side is 0 or too long.
-    #[error("an image of {width} x {height} pixels cannot be made: sides are 1 to 32768")]
+    /// A side is 0 or too long, or there are too many pixels.
+    #[error(
+        "an image of {width} x {height} pixels cannot be made: sides are 1 to {MAX_SIDE}, and there \
+         are at most {MAX_PIXELS} pixels"
+    )]
     BadSize {
         /// Pixels in a row.
         width: u32,
@@ -40,6 +43,9 @@ pub enum ImageError {
 /// Longest side of a picture in pixels.
 const MAX_SIDE: u32 = 32768;
 
+/// Most pixels of a picture: 2 GiB, of which rendering and writing take some copies.
+const MAX_PIXELS: usize = 1 << 27;
+
 impl Default for ImageDesc {
     fn default() -> Self {
         Self { width: 512, height: 512, background: [0.0; 4] }
@@ -50,10 +56,11 @@ impl ImageDesc {
     /// The same, if such a picture can be made.
     ///
     /// # Errors
-    /// If a side is 0 or over 32768, or a background channel is outside 0 … 1.
+    /// If a side is 0 or over 32768, there are more than 2²⁷ pixels, or a background channel is outside 0 … 1.
     pub fn checked(self) -> Result<Self, ImageError> {
         let Self { width, height, background } = self;
-        if [width, height].iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
+        let is_side = |side: u32| (1..=MAX_SIDE).contains(&side);
+        if !is_side(width) || !is_side(height) || MAX_PIXELS < self.n_pixels() {
             return Err(ImageError::BadSize { width, height });
         }
         if background.iter().any(|c| !(0.0..=1.0).contains(c)) {
@@ -163,6 +170,10 @@ mod tests {
     fn image_desc_rejects_bad_sizes() {
         assert!(ImageDesc::default().checked().is_ok());
         assert!(ImageDesc { width: 0, ..ImageDesc::default() }.checked().is_err());
+        assert!(
+            ImageDesc { width: 32768, height: 32768, ..ImageDesc::default() }.checked().is_err()
+        );
+        assert!(ImageDesc { width: 32768, height: 4096, ..ImageDesc::default() }.checked().is_ok());
         assert!(ImageDesc { height: 1 << 20, ..ImageDesc::default() }.checked().is_err());
         assert!(
             ImageDesc { background: [0.0, 2.0, 0.0, 0.0], ..ImageDesc::default() }

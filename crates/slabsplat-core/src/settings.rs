@@ -70,8 +70,8 @@ pub struct RenderSettings {
     pub radial_samples: u32,
     /// How a section is looked up.
     pub lookup: Lookup,
-    /// Opacity from which a tile counts as full, at most 1. What lies behind is left out, which
-    /// changes a pixel by at most `1 − opacity_cutoff`; 1 draws everything.
+    /// Opacity from which a pixel counts as full, at most 1. What lies behind is left out, which
+    /// changes the pixel by at most `1 − opacity_cutoff`; 1 draws everything.
     pub opacity_cutoff: f64,
 }
 
@@ -94,10 +94,29 @@ pub enum SettingsError {
         /// What was given.
         value: u32,
     },
+    /// The slab hierarchy would have too many levels or too many sections.
+    #[error(
+        "normalization {normalization} needs slab_width of at most {MAX_NORMALIZED_WIDTH} and \
+         base_slab_width of at least {MIN_BASE_WIDTH}, not {slab_width} and {base_slab_width}"
+    )]
+    BadHierarchy {
+        /// What was asked for.
+        normalization: Normalization,
+        /// The slab width given.
+        slab_width: f64,
+        /// The base given.
+        base_slab_width: f64,
+    },
     /// The cut-off is not an opacity.
     #[error("opacity_cutoff must be above 0 and at most 1, not {0}")]
     BadCutoff(f64),
 }
+
+/// A normalised table grows with the slab width, unlike a plain one: this takes a second to make.
+const MAX_NORMALIZED_WIDTH: f64 = 128.0;
+
+/// A section is joined from all the base sections within the kernel: 128 of this width.
+const MIN_BASE_WIDTH: f64 = 1.0 / 32.0;
 
 impl Default for KernelName {
     fn default() -> Self {
@@ -140,6 +159,12 @@ impl RenderSettings {
             if !(2..=4096).contains(&value) {
                 return Err(SettingsError::BadCount { name, value });
             }
+        }
+        let Self { normalization, slab_width, base_slab_width, .. } = self;
+        let is_normalized = normalization != Normalization::None && base_slab_width < slab_width;
+        if is_normalized && (MAX_NORMALIZED_WIDTH < slab_width || base_slab_width < MIN_BASE_WIDTH)
+        {
+            return Err(SettingsError::BadHierarchy { normalization, slab_width, base_slab_width });
         }
         if !(0.0 < self.opacity_cutoff && self.opacity_cutoff <= 1.0) {
             return Err(SettingsError::BadCutoff(self.opacity_cutoff));
@@ -204,6 +229,8 @@ mod tests {
     fn settings_reject_bad_numbers() {
         let good = RenderSettings::default();
         assert!(good.clone().checked().is_ok());
+        let plain = RenderSettings { slab_width: 1e9, base_slab_width: 1e-9, ..good.clone() };
+        assert!(plain.checked().is_ok(), "only a hierarchy has limits");
         for bad in [
             RenderSettings { slab_width: 0.0, ..good.clone() },
             RenderSettings { slab_width: f64::NAN, ..good.clone() },
@@ -211,6 +238,12 @@ mod tests {
             RenderSettings { sections: 1, ..good.clone() },
             RenderSettings { radial_samples: 1 << 20, ..good.clone() },
             RenderSettings { opacity_cutoff: 1.5, ..good.clone() },
+            RenderSettings { normalization: Normalization::Paper, slab_width: 1e9, ..good.clone() },
+            RenderSettings {
+                normalization: Normalization::Product,
+                base_slab_width: 1e-9,
+                ..good.clone()
+            },
         ] {
             assert!(bad.clone().checked().is_err(), "{bad:?}");
         }

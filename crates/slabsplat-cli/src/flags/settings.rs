@@ -45,7 +45,7 @@ pub(super) struct SettingsFlags {
     #[arg(long, value_parser = values::lookup)]
     lookup: Option<Lookup>,
 
-    /// Opacity from which a tile counts as full; 1 draws everything
+    /// Opacity from which a pixel counts as full; 1 draws everything
     #[arg(long, value_name = "OPACITY", allow_hyphen_values = true)]
     opacity_cutoff: Option<f64>,
 

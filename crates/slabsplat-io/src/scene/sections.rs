@@ -186,6 +186,7 @@ impl RenderSection {
         settings.checked().map_err(|error| {
             let key = match error {
                 SettingsError::BadWidth { name, .. } | SettingsError::BadCount { name, .. } => name,
+                SettingsError::BadHierarchy { .. } => "normalization",
                 SettingsError::BadCutoff(_) => "opacity_cutoff",
             };
             Complaint::at("render", key, error.to_string())
