@@ -177,7 +177,7 @@ fn image_eye_inside() {
     let colors = vec![(1.0, [0.1, 0.3, 0.5]), (2.0, [0.9, 0.9, 0.8])];
     scene.transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.9])], colors)
         .expect("the points are sorted");
-    (scene.image.width, scene.image.height) = (44, 44);
+    (scene.image.width, scene.image.height) = (42, 42);
     check("eye-inside", &volume, &scene);
 }
 
