@@ -11,10 +11,15 @@ pub(crate) fn scene_file(input: &Path) -> Result<SceneFile> {
     if let Some(builtin) = input.to_str().and_then(|input| input.strip_prefix("builtin:")) {
         return Ok(scene_of(builtin_source(builtin)?));
     }
-    if input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+    if is_scene(input) {
         return Ok(io::read_scene(input)?);
     }
     Ok(scene_of(VolumeSource::File(input.to_owned())))
+}
+
+/// Whether `input` names a scene file.
+pub(crate) fn is_scene(input: &Path) -> bool {
+    input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
 /// A scene that leaves everything to the volume and to the defaults.

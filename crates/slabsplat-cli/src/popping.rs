@@ -42,10 +42,11 @@ pub(crate) fn run(args: &PoppingArgs) -> Result<()> {
     let OpenScene { volume, scene, backend, warnings } = args.scene.open()?;
     progress.suspend(|| terminal::warn(&warnings));
     progress.stage("sorting voxels");
-    let mut renderer = Renderer::new(volume, backend_named(&backend)?);
+    let backend = args.scene.in_scene(|| Ok(backend_named(&backend)?))?;
+    let mut renderer = Renderer::new(volume, backend);
     drop(progress);
     let methods = args.scene.method().map_or(Method::ALL.to_vec(), |method| vec![method]);
-    let reports = meter::measure(&mut renderer, &scene, &methods, sweep)?;
+    let reports = args.scene.in_scene(|| meter::measure(&mut renderer, &scene, &methods, sweep))?;
     let text = if args.json {
         format!("{:#}\n", json_of(sweep, &reports))
     } else {

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{OpenScene, Renderer, backend_named, io};
+use slabsplat::{OpenScene, Renderer, Volume, backend_named, io};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -28,12 +28,16 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let OpenScene { volume, scene, backend, warnings } = args.scene.open()?;
     progress.suspend(|| terminal::warn(&warnings));
     progress.stage("sorting voxels");
-    let mut renderer = Renderer::new(volume, backend_named(&backend)?);
+    let backend = args.scene.in_scene(|| Ok(backend_named(&backend)?))?;
+    let mut renderer = Renderer::new(volume, backend);
     progress.stage("rendering");
-    let frame = renderer.render(&scene)?;
+    let frame = args.scene.in_scene(|| Ok(renderer.render(&scene)?))?;
     progress.stage("writing");
     io::write_picture(&args.output, &frame.image)?;
     drop(progress);
+    if frame.stats.n_voxels == 0 {
+        terminal::warn(&[nothing_visible(renderer.volume())]);
+    }
     terminal::say(format_args!(
         "{}: {} x {} pixels, {} voxels drawn, {} ms",
         args.output.display(),
@@ -43,6 +47,16 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         started.elapsed().as_millis(),
     ));
     Ok(())
+}
+
+/// An empty picture is seldom what was meant.
+fn nothing_visible(volume: &Volume) -> String {
+    match volume.summary().range {
+        Some([min, max]) => {
+            format!("nothing is visible: the opacity of all values, {min} to {max}, is 0")
+        }
+        None => "nothing is visible: all voxels are NaN".to_owned(),
+    }
 }
 
 /// What would fail after the work must fail before it.

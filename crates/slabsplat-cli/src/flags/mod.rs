@@ -11,7 +11,7 @@ pub(crate) mod values;
 pub(crate) use raw::RawFlags;
 
 use crate::input;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use slabsplat::OpenScene;
 use std::path::PathBuf;
@@ -43,9 +43,20 @@ impl SceneFlags {
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file)?;
         self.look.lay_over(&mut file)?;
-        let loaded = input::load(&mut file, &self.raw)?;
-        self.look.lay_points_over(&mut file, &loaded.volume)?;
-        Ok(OpenScene::with_volume(loaded, &file)?)
+        self.in_scene(|| {
+            let loaded = input::load(&mut file, &self.raw)?;
+            self.look.lay_points_over(&mut file, &loaded.volume)?;
+            Ok(OpenScene::with_volume(loaded, &file)?)
+        })
+    }
+
+    /// Names the scene file in errors that only show when its values are used.
+    pub(crate) fn in_scene<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
+        let result = work();
+        if input::is_scene(&self.input) {
+            return result.with_context(|| self.input.display().to_string());
+        }
+        result
     }
 
     /// The method that a flag names; the scene's does not count.

@@ -11,7 +11,7 @@ use slabsplat::io::{Endian, RawDesc};
 #[command(next_help_heading = "Volume")]
 pub(crate) struct RawFlags {
     /// Size of a voxel, instead of what the file says
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::spacing, allow_hyphen_values = true)]
     pub(crate) spacing: Option<DVec3>,
 
     /// Raw file: voxels along each axis, the fastest first

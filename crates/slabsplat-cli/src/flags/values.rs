@@ -17,6 +17,15 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     numbers(text).map(DVec3::from_array)
 }
 
+/// Three lengths, `X,Y,Z`.
+pub(crate) fn spacing(text: &str) -> Result<DVec3, String> {
+    let spacing = vector(text)?;
+    if spacing.is_finite() && 0.0 < spacing.min_element() {
+        return Ok(spacing);
+    }
+    Err("a spacing is three positive numbers".to_owned())
+}
+
 /// Three counts, `X,Y,Z`.
 pub(crate) fn dims(text: &str) -> Result<Dims, String> {
     let parts = split::<3>(text)?;

@@ -12,6 +12,23 @@ fn error_in_scene_names_key_and_line() {
     assert_eq!(names_in(dir.path()), ["a.toml"], "nothing is written");
 }
 
+/// What is only found out when the scene is drawn names the scene, too.
+#[test]
+fn error_of_a_scene_names_it() {
+    let dir = tempfile::tempdir().unwrap();
+    for (rest, expected) in [
+        ("[render]\nkernel = \"box\"", "no kernel"),
+        ("[render]\nbackend = \"cray\"", "no backend"),
+        ("[render]\nslab_width = 1e-9", "sheets"),
+        ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]", "same point"),
+    ] {
+        let scene = format!("[volume]\ngenerate = \"cube\"\n{rest}\n");
+        std::fs::write(dir.path().join("a.toml"), scene).unwrap();
+        let line = complaint(dir.path(), "render a.toml -o a.png");
+        assert!(line.contains("a.toml: ") && line.contains(expected), "{line}");
+    }
+}
+
 #[test]
 fn errors_say_what_and_where() {
     let dir = tempfile::tempdir().unwrap();
@@ -50,7 +67,6 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --width 0 -o a.png", "0 x 512"),
         ("render builtin:cube --height 4000000000 -o a.png", "4000000000"),
         ("render builtin:cube --background 0,0,2 -o a.png", "background"),
-        ("render builtin:cube --spacing 0,1,1 -o a.png", "inverted"),
         ("render builtin:cube --backend cray -o a.png", "\"cray\""),
         ("render builtin:cube --dims 1,2,3 --type uint8 -o a.png", "built in"),
         ("info a.raw", "--dims and --type"),
@@ -94,6 +110,8 @@ fn errors_of_usage_exit_with_2() {
         "render builtin:cube -o a.png --width -1",
         "render builtin:cube -o a.png --preset ct-bone --transfer-file a.json",
         "info builtin:cube --type complex64",
+        "render builtin:cube --spacing 0,1,1 -o a.png",
+        "render builtin:cube --spacing -1,1,1 -o a.png",
     ] {
         let output = slabsplat(dir.path(), args);
         assert_eq!(output.status.code(), Some(2), "{args}: {}", text(&output.stderr));

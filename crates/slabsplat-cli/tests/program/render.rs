@@ -133,3 +133,12 @@ fn render_raw_as_described() {
     assert_eq!(info["spacing"], serde_json::json!([1.0, 1.0, 2.0]));
     assert_eq!(info["format"], "raw");
 }
+
+#[test]
+fn render_of_nothing_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = slabsplat(dir.path(), "render builtin:cube --opacity 300:0,400:1 -o a.png");
+    let told = text(&output.stderr);
+    assert!(output.status.success() && told.contains("nothing is visible"), "{told}");
+    assert!(told.contains("0 to 255"), "{told}");
+}

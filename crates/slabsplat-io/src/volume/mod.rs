@@ -85,7 +85,8 @@ pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
         }
         "nii" | "hdr" => Err(IoError::malformed(
             path,
-            "not a NIfTI file: its first bytes are no NIfTI header (Analyze 7.5 is not read)",
+            "not a NIfTI file, or cut off: it does not begin with a whole NIfTI header (Analyze 7.5 is not \
+             read)",
         )),
         "img" => nifti::read_by_image(path),
         _ if path.with_extension("json").is_file() => sidecar::read(&path.with_extension("json")),
