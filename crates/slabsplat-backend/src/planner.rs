@@ -2,8 +2,8 @@
 
 use crate::{FramePlan, Splats};
 use slabsplat_core::{
-    Method, RenderSettings, Scene, SettingsError, SlabGrid, SliceOrder, TooManySlabs, View, Volume,
-    VoxelRecord,
+    ImageError, Method, RenderSettings, Scene, SettingsError, Shading, ShadingError, SlabGrid,
+    SliceOrder, TooManySlabs, View, Volume, VoxelRecord,
 };
 use slabsplat_kernel::{
     FootprintShape, FootprintTable, Kernel, SectionDesc, SectionTable, TableDesc, UnknownKernel,
@@ -21,6 +21,12 @@ pub enum PlanError {
     /// A width, count or cut-off cannot be used.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// There is no such picture.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// A coefficient of the shading cannot be used.
+    #[error(transparent)]
+    Shading(#[from] ShadingError),
     /// The slabs are too thin for the volume.
     #[error(transparent)]
     TooManySlabs(#[from] TooManySlabs),
@@ -53,9 +59,14 @@ impl Planner {
         scene: &'a Scene,
     ) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
+        scene.image.checked()?;
+        if let Shading::Phong(phong) = scene.shading {
+            phong.checked()?;
+        }
         let kernel = kernel_named(&settings.kernel.0)?;
         let view = View::new(volume.grid(), &scene.camera, &scene.image);
         let shape = FootprintShape::new(volume.grid(), view.axes());
+        settings.check_hierarchy(shape.kappa)?;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let splats = match key.settings.method {
             Method::ImageAligned => Splats::Sections {
@@ -110,8 +121,9 @@ impl Planner {
 
 /// A cubic grid has κ = 1 in every view, up to rounding errors, which must not cost a new table.
 fn rounded(kappa: f64) -> f64 {
-    let steps = 1e9;
-    (kappa * steps).round() / steps
+    let dropped_bits = 22;
+    let up = kappa.to_bits() + (1 << (dropped_bits - 1));
+    f64::from_bits(up & !((1 << dropped_bits) - 1))
 }
 
 /// What `kept` holds, if it was made from `key`; otherwise makes it anew.
@@ -148,7 +160,7 @@ mod tests {
     use super::*;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, KernelName, Projection, Scaling, Shading, TransferFunction,
+        Camera, Grid, ImageDesc, KernelName, Projection, Scaling, TransferFunction,
     };
 
     fn volume() -> Volume {
@@ -188,6 +200,16 @@ mod tests {
     }
 
     #[test]
+    fn planner_rounds_kappa_by_its_size() {
+        for kappa in [1.0, 1.0_f64.next_down(), 1.0_f64.next_up()] {
+            assert_eq!(rounded(kappa), 1.0);
+        }
+        for kappa in [1e-10, 0.3, 7.7e6] {
+            assert!((rounded(kappa) / kappa - 1.0).abs() < 1e-9, "{kappa}");
+        }
+    }
+
+    #[test]
     fn planner_refuses_what_cannot_be_drawn() {
         let check = |settings, expected: &str| {
             let err = Planner::default().plan(&volume(), &[], &scene(settings)).unwrap_err();
@@ -196,6 +218,10 @@ mod tests {
         let good = RenderSettings::default();
         let kernel = KernelName("box".into());
         check(RenderSettings { kernel, ..good.clone() }, "no kernel \"box\"");
+        let mut huge = scene(good.clone());
+        (huge.image.width, huge.image.height) = (u32::MAX, u32::MAX);
+        let err = Planner::default().plan(&volume(), &[], &huge).unwrap_err();
+        assert!(matches!(err, PlanError::Image(_)), "{err}");
         check(RenderSettings { slab_width: -1.0, ..good.clone() }, "slab_width");
         check(RenderSettings { slab_width: 1e-9, ..good }, "sheets");
     }

@@ -22,8 +22,13 @@ pub enum GridError {
     /// More voxels than a 32-bit index can name.
     #[error("the grid has too many voxels: {0:?} is more than 4294967295 in all")]
     TooLarge([usize; 3]),
-    /// The matrix has entries that are not finite, or its columns lie (almost) in one plane.
-    #[error("the grid's matrix cannot be inverted: columns {x}, {y}, {z}")]
+    /// A column has a length below 10⁻¹² or above 10¹², the columns lie (almost) in one plane, or the
+    /// origin is more than 10¹⁰ steps away.
+    #[error(
+        "the grid's place cannot be used: its voxel steps, {:e}, {:e} and {:e} long, are too short, too \
+         long, in one plane, or too far from the origin",
+        x.length(), y.length(), z.length()
+    )]
     Singular {
         /// World step along the first axis.
         x: DVec3,
@@ -37,14 +42,18 @@ pub enum GridError {
 /// Smallest volume of the parallelepiped that the normalised columns may span.
 const MIN_SKEW: f64 = 1e-6;
 
-/// Coordinates beyond this lose single voxels to rounding, in 64 bits too.
-const MAX_COORDINATE: f64 = 1e12;
+/// Voxel steps from the world's origin from which on places between voxels are lost to rounding.
+const MAX_STEPS_FROM_ORIGIN: f64 = 1e10;
+
+/// Lengths of a voxel step whose squares and quotients still fit 32-bit floats, with room to spare.
+const STEP_LENGTHS: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
 
 impl Grid {
     /// A grid of `dims` voxels whose voxel `(i, j, k)` sits at `world_from_index · (i, j, k)`.
     ///
     /// # Errors
-    /// If an axis is empty, there are more than 2³²−1 voxels, or the map is not invertible.
+    /// If an axis is empty, there are more than 2³²−1 voxels, or the map cannot be inverted within the
+    /// precision of 64 bits.
     pub fn new(dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, GridError> {
         if dims.contains(&0) {
             return Err(GridError::Empty(dims));
@@ -54,7 +63,7 @@ impl Grid {
             return Err(GridError::TooLarge(dims));
         }
         let m = world_from_index.matrix3;
-        if !is_invertible(m) || !is_reachable(world_from_index.translation) {
+        if !is_invertible(m) || !is_reachable(world_from_index) {
             return Err(GridError::Singular { x: m.x_axis, y: m.y_axis, z: m.z_axis });
         }
         Ok(Self { dims, world_from_index })
@@ -132,15 +141,17 @@ impl Grid {
     }
 }
 
-fn is_reachable(point: DVec3) -> bool {
-    point.is_finite() && point.abs().max_element() < MAX_COORDINATE
+fn is_reachable(world_from_index: DAffine3) -> bool {
+    let m = world_from_index.matrix3;
+    let shortest = m.x_axis.length().min(m.y_axis.length()).min(m.z_axis.length());
+    let origin = world_from_index.translation;
+    origin.is_finite() && origin.length() < MAX_STEPS_FROM_ORIGIN * shortest
 }
 
 fn is_invertible(m: DMat3) -> bool {
-    let volume_of_box = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-    let lengths_are_sane = volume_of_box.is_normal()
-        && [m.x_axis, m.y_axis, m.z_axis].iter().all(|c| c.length() < MAX_COORDINATE);
-    lengths_are_sane && MIN_SKEW < m.determinant().abs() / volume_of_box
+    let lengths = [m.x_axis, m.y_axis, m.z_axis].map(DVec3::length);
+    lengths.iter().all(|length| STEP_LENGTHS.contains(length))
+        && MIN_SKEW < m.determinant().abs() / lengths.iter().product::<f64>()
 }
 
 #[cfg(test)]

@@ -78,8 +78,8 @@ pub struct RenderSettings {
 /// Why settings cannot be used.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SettingsError {
-    /// A width is not a positive finite number.
-    #[error("{name} must be a positive number, not {value}")]
+    /// A width is not a positive number of at most 10¹².
+    #[error("{name} must be a number above 0 and at most 1e12, not {value:e}")]
     BadWidth {
         /// Which width.
         name: &'static str,
@@ -111,6 +111,9 @@ pub enum SettingsError {
     #[error("opacity_cutoff must be above 0 and at most 1, not {0}")]
     BadCutoff(f64),
 }
+
+/// Widest slab: much thicker than any volume, and far from infinite.
+const MAX_WIDTH: f64 = 1e12;
 
 /// A normalised table grows with the slab width, unlike a plain one: this takes a second to make.
 const MAX_NORMALIZED_WIDTH: f64 = 128.0;
@@ -150,7 +153,7 @@ impl RenderSettings {
         for (name, value) in
             [("slab_width", self.slab_width), ("base_slab_width", self.base_slab_width)]
         {
-            if !value.is_normal() || value < 0.0 {
+            if !value.is_normal() || !(0.0..=MAX_WIDTH).contains(&value) {
                 return Err(SettingsError::BadWidth { name, value });
             }
         }
@@ -160,16 +163,26 @@ impl RenderSettings {
                 return Err(SettingsError::BadCount { name, value });
             }
         }
-        let Self { normalization, slab_width, base_slab_width, .. } = self;
-        let is_normalized = normalization != Normalization::None && base_slab_width < slab_width;
-        if is_normalized && (MAX_NORMALIZED_WIDTH < slab_width || base_slab_width < MIN_BASE_WIDTH)
-        {
-            return Err(SettingsError::BadHierarchy { normalization, slab_width, base_slab_width });
-        }
+        self.check_hierarchy(1.0)?;
         if !(0.0 < self.opacity_cutoff && self.opacity_cutoff <= 1.0) {
             return Err(SettingsError::BadCutoff(self.opacity_cutoff));
         }
         Ok(self)
+    }
+
+    /// Whether the slab hierarchy can be made for rays that are `kappa` index steps long over one `unit`
+    /// of depth, 1 on a cubic grid.
+    ///
+    /// # Errors
+    /// If it would have too many levels or too many sections.
+    pub fn check_hierarchy(&self, kappa: f64) -> Result<(), SettingsError> {
+        let Self { normalization, slab_width, base_slab_width, .. } = *self;
+        let is_normalized = normalization != Normalization::None && base_slab_width < slab_width;
+        let is_too_wide = MAX_NORMALIZED_WIDTH < slab_width.max(slab_width * kappa);
+        if is_normalized && (is_too_wide || base_slab_width < MIN_BASE_WIDTH) {
+            return Err(SettingsError::BadHierarchy { normalization, slab_width, base_slab_width });
+        }
+        Ok(())
     }
 }
 
@@ -234,6 +247,7 @@ mod tests {
         for bad in [
             RenderSettings { slab_width: 0.0, ..good.clone() },
             RenderSettings { slab_width: f64::NAN, ..good.clone() },
+            RenderSettings { slab_width: 1e308, ..good.clone() },
             RenderSettings { base_slab_width: -1.0, ..good.clone() },
             RenderSettings { sections: 1, ..good.clone() },
             RenderSettings { radial_samples: 1 << 20, ..good.clone() },

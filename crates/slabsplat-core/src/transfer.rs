@@ -116,7 +116,8 @@ impl<const N: usize> PiecewiseLinear<N> {
         let Some(&(x1, y1)) = self.points.get(n_left) else {
             return y0;
         };
-        let t = (value - x0) / (x1 - x0);
+        // Halved, or the distance of two points at opposite ends of the numbers would be infinite.
+        let t = (0.5 * value - 0.5 * x0) / (0.5 * x1 - 0.5 * x0);
         std::array::from_fn(|channel| y0[channel] + (y1[channel] - y0[channel]) * t)
     }
 }
@@ -216,6 +217,12 @@ mod tests {
         ] {
             assert!((t.opacity(value) - expected).abs() < 1e-15, "{value}");
         }
+    }
+
+    #[test]
+    fn transfer_spans_all_numbers() {
+        let t = transfer(&[(-1.7e308, 0.0), (1.7e308, 1.0)]);
+        assert_eq!((t.opacity(0.0), t.opacity(1.7e308)), (0.5, 1.0));
     }
 
     #[test]

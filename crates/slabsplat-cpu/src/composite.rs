@@ -42,9 +42,10 @@ impl Composite for Extinction {
         if tau <= 0.0 {
             return [0.0; 4];
         }
-        let opacity = 1.0 - (-tau).exp();
-        // The quotient's limit is 1; below this its two rounding errors would show.
-        let mean = if tau < 1e-3 { 1.0 - 0.5 * tau } else { opacity / tau };
+        // Not 1 − e^(−τ), which rounds to steps of 6·10⁻⁸: a hundred thousand thin sheets would all be
+        // off to the same side.
+        let opacity = -(-tau).exp_m1();
+        let mean = opacity / tau;
         [r * mean, g * mean, b * mean, opacity]
     }
 }
@@ -68,6 +69,17 @@ mod tests {
         close(Extinction::resolve([0.0; 4]), [0.0; 4]);
         close(Extinction::resolve([0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
         close(Associated::resolve([0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
+    }
+
+    /// A faint volume in ever so many sheets is as opaque as in one.
+    #[test]
+    fn composite_extinction_keeps_faint_sheets() {
+        let n_sheets = 100_000;
+        let (whole, mut through) = (0.01_f32, 1.0_f64);
+        let [.., opacity] = Extinction::resolve([0.0, 0.0, 0.0, whole / n_sheets as f32]);
+        (0..n_sheets).for_each(|_| through *= 1.0 - f64::from(opacity));
+        let [.., expected] = Extinction::resolve([0.0, 0.0, 0.0, whole]);
+        assert!((1.0 - through - f64::from(expected)).abs() < 1e-8, "{through}");
     }
 
     /// Two thin sheets of one colour are one thick sheet.

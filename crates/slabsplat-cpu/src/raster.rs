@@ -25,10 +25,11 @@ pub(crate) struct Raster {
 /// The footprint in pixels, at one depth; y runs downwards.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelShape {
-    /// `ρ² = xx·X² + 2·xy·X·Y + yy·Y²`.
-    pub(crate) xx: f32,
-    pub(crate) xy: f32,
-    pub(crate) yy: f32,
+    /// `ρ² = across·(X + lean·Y)² + along·Y²`: the quadratic form with its square completed in 64 bits,
+    /// since `yy − xy²/xx` loses all its digits where a kernel is long and thin.
+    pub(crate) across: f32,
+    pub(crate) lean: f32,
+    pub(crate) along: f32,
     /// By how many index units a slab face is cut later, per pixel.
     pub(crate) tilt: [f32; 2],
     /// Half the width and height of the ellipse `ρ = 1`.
@@ -60,12 +61,12 @@ impl Raster {
         let scale = self.view.pixels_per_world(depth);
         let stretch = self.view.stretch(scale);
         let pixels = scale * stretch;
-        let [xx, xy, yy] = self.shape.rho_squared.map(|c| (c / (pixels * pixels)) as f32);
+        let [xx, xy, yy] = self.shape.rho_squared;
         let [right, up] = self.shape.tilt.map(|c| (c / pixels) as f32);
         PixelShape {
-            xx,
-            xy: -xy,
-            yy,
+            across: (xx / (pixels * pixels)) as f32,
+            lean: (-xy / xx) as f32,
+            along: ((yy - xy * xy / xx) / (pixels * pixels)) as f32,
             tilt: [right, -up],
             half_extent: self.shape.half_extent.map(|c| (c * pixels) as f32),
             scale: scale as f32,

@@ -3,7 +3,7 @@
 //! ```text
 //! for each row of the ellipse ρ ≤ ρ_max that has open pixels:
 //!     find the run of open pixels inside; for each:
-//!         half chord = √(R² − xx·X² − 2·xy·X·Y − yy·Y²)
+//!         half chord = √(R² − along·Y² − across·(X + lean·Y)²)
 //!         visit pixel with weight(half chord, …)
 //! ```
 //!
@@ -38,8 +38,10 @@ pub(crate) struct Run {
     /// The first pixel's place, right of and below the centre.
     dx: f32,
     dy: f32,
-    /// The squared half chord in table samples, as a polynomial of `dx`: constant, linear, square.
-    half_chord: [f32; 3],
+    /// `lean·Y`.
+    shift: f32,
+    /// The squared half chord in table samples: `[0] − [1]·(dx + shift)²`.
+    half_chord: [f32; 2],
 }
 
 /// A pixel of a footprint.
@@ -83,16 +85,17 @@ pub(crate) fn for_each_run(
     mut visit: impl FnMut(&Run),
 ) {
     let Footprint { center: [cx, cy], radius, rho_max, samples_per_index } = *footprint;
-    let PixelShape { xx, xy, yy, .. } = *shape;
+    let PixelShape { across, lean, along, .. } = *shape;
     let half_height = shape.half_extent[1] * rho_max;
     let form = samples_per_index * samples_per_index;
     for row in pixels_between(cy - half_height, cy + half_height, open.rows()) {
         let dy = row as f32 + 0.5 - cy;
-        let half_width_squared = (rho_max * rho_max - (yy - xy * xy / xx) * dy * dy) / xx;
+        let half_width_squared = (rho_max * rho_max - along * dy * dy) / across;
         if half_width_squared <= 0.0 {
             continue;
         }
-        let (middle, half_width) = (cx - xy / xx * dy, half_width_squared.sqrt());
+        let shift = lean * dy;
+        let (middle, half_width) = (cx - shift, half_width_squared.sqrt());
         let columns = pixels_between(middle - half_width, middle + half_width, open.columns(row));
         if !columns.is_empty() {
             visit(&Run {
@@ -100,11 +103,8 @@ pub(crate) fn for_each_run(
                 dx: columns.start as f32 + 0.5 - cx,
                 dy,
                 columns,
-                half_chord: [
-                    form * (radius * radius - yy * dy * dy),
-                    form * -2.0 * xy * dy,
-                    form * -xx,
-                ],
+                shift,
+                half_chord: [form * (radius * radius - along * dy * dy), form * across],
             });
         }
     }
@@ -127,9 +127,10 @@ impl Run {
     #[inline(always)]
     pub(crate) fn sample(&self, column: usize) -> Sample {
         let dx = self.dx + column as f32;
-        let [constant, linear, square] = self.half_chord;
+        let [constant, square] = self.half_chord;
+        let from_middle = dx + self.shift;
         // Rounding may make the square negative at the edge.
-        let squared = (constant + dx * (linear + dx * square)).max(0.0);
+        let squared = (constant - square * from_middle * from_middle).max(0.0);
         Sample { position: squared.sqrt(), dx, dy: self.dy }
     }
 }
@@ -167,9 +168,9 @@ mod tests {
             let xy = (rng.f32() * 1.8 - 0.9) * (xx * yy).sqrt();
             let determinant = xx * yy - xy * xy;
             let shape = PixelShape {
-                xx,
-                xy,
-                yy,
+                across: xx,
+                lean: xy / xx,
+                along: determinant / xx,
                 tilt: [0.0; 2],
                 half_extent: [(yy / determinant).sqrt(), (xx / determinant).sqrt()],
                 scale: 1.0,

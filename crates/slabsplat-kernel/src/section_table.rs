@@ -50,10 +50,13 @@ impl SectionTable {
     /// Samples the sections of `desc`; some `sections × radial_samples` exact integrals.
     pub fn new(desc: &SectionDesc<'_>, table: TableDesc) -> Self {
         let radius = desc.kernel.radius();
-        let mirrored = desc.normalization == Normalization::None;
-        let row_spacing = row_spacing(desc, table.sections);
+        let mirrored = desc.normalization == Normalization::None || desc.width <= desc.base_width;
+        // A plain slab wider than the kernel cuts just what one as wide as it does.
+        let width = if mirrored { desc.width.min(2.0 * radius / desc.kappa) } else { desc.width };
+        let desc = &SectionDesc { width, ..*desc };
+        let row_spacing = row_spacing(desc, table);
         let deepest = if mirrored {
-            (radius + 0.5 * desc.width_in_index()).min(2.0 * radius)
+            radius + 0.5 * desc.width_in_index()
         } else {
             2.0 * radius + desc.width_in_index()
         };
@@ -182,12 +185,21 @@ pub fn lerp_radial(row: &[f32], position: f32) -> f32 {
     row[idx] + t * (row[idx + 1] - row[idx])
 }
 
-/// Distance between rows in index space: the paper's, but never coarser than it is for a slab as
-/// wide as the kernel, or thick slabs would be read from ever fewer rows.
-fn row_spacing(desc: &SectionDesc<'_>, sections: u32) -> f64 {
+/// Distance between rows in index space: the paper's, but never coarser than it is for a slab as wide as
+/// the kernel, or thick slabs would be read from ever fewer rows. Rows that are interpolated are
+/// never further apart than a quarter of a slab either, as far as there can be that many.
+fn row_spacing(desc: &SectionDesc<'_>, table: TableDesc) -> f64 {
     let kernel_extent = 2.0 * desc.kernel.radius();
-    (kernel_extent + desc.width_in_index().min(kernel_extent)) / f64::from(sections)
+    let width = desc.width_in_index().min(kernel_extent);
+    let spacing = (kernel_extent + width) / f64::from(table.sections);
+    match table.lookup {
+        Lookup::Nearest => spacing,
+        Lookup::Linear => spacing.min((0.25 * width).max(kernel_extent / MAX_ROWS)),
+    }
 }
+
+/// Rows of a table, unless more are asked for: 4 MiB.
+const MAX_ROWS: f64 = 4096.0;
 
 pub(crate) fn row_len(radial_samples: u32) -> usize {
     radial_samples as usize + 2
@@ -318,6 +330,26 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A slab of 10¹² steps cuts what one of 4 does, and one no wider than the base is plain.
+    #[test]
+    fn section_table_of_extreme_widths() {
+        let wide = SectionTable::new(&desc("gaussian", 1e12, Normalization::None), DEFAULT);
+        assert!(wide.n_rows() <= 130);
+        let half = wide.sample(0.5, 0.0, 1e12);
+        let exact = desc("gaussian", 9.0, Normalization::None).weight(0.5, 0.0);
+        assert!((f64::from(half) - exact).abs() < 1e-4, "{half} {exact}");
+        let based =
+            SectionDesc { base_width: 1e9, ..desc("gaussian", 1e9, Normalization::Product) };
+        assert!(SectionTable::new(&based, DEFAULT).n_rows() <= 130);
+    }
+
+    /// Also where a slab is thinner than the paper's rows are apart.
+    #[test]
+    fn section_table_of_thin_slabs() {
+        let (worst, _) = errors(&desc("gaussian", 0.04, Normalization::None), DEFAULT);
+        assert!(worst < 1.2e-5, "{worst}");
     }
 
     #[test]

@@ -94,7 +94,9 @@ impl TileBuckets {
         rect_of: impl Fn(usize) -> Option<TileRect> + Sync,
     ) -> Self {
         // Many chunks to balance the load, but not so many that their starts outweigh the splats.
-        let chunk_len = (n_splats / 64).max(1 << 14).max(4 * tiles.n_tiles());
+        // A chunk's tosses are counted in 32 bits, even if every splat falls on every tile.
+        let countable = (u32::MAX as usize / tiles.n_tiles()).max(1);
+        let chunk_len = (n_splats / 64).max(1 << 14).max(4 * tiles.n_tiles()).min(countable);
         let chunks = (0..n_splats.div_ceil(chunk_len))
             .into_par_iter()
             .map(|chunk_idx| {

@@ -44,24 +44,9 @@ impl Automatic {
         &self.transfer
     }
 
-    /// A camera on the world's +x, +y, +z side with z upwards, whose picture the volume fills. `kind`
-    /// says only whether it is orthographic or perspective.
+    /// A camera on the world's +x, +y, +z side with z upwards, whose picture the volume fills.
     pub fn camera(&self, image: &ImageDesc, is_perspective: bool) -> Camera {
-        let target = self.grid.center_in_world();
-        let to_eye = DVec3::new(0.78, 0.50, 0.38).normalize();
-        let radius = self.corners().map(|c| c.distance(target)).fold(0.0, f64::max)
-            + MARGIN_VOXELS * self.grid.unit();
-        let aspect = f64::from(image.width) / f64::from(image.height);
-        let (projection, distance) = if is_perspective {
-            let half_angle = (0.5 * FOV_Y_RADIANS).tan() * aspect.min(1.0);
-            let distance = radius / half_angle.atan().sin();
-            (Projection::Perspective { fov_y_radians: FOV_Y_RADIANS }, distance)
-        } else {
-            let view_height = self.view_height(target, to_eye, aspect);
-            (Projection::Orthographic { view_height }, 3.0 * radius)
-        };
-        Camera::new(target + to_eye * distance, target, DVec3::Z, projection)
-            .expect("the eye is off the z axis and the radius positive")
+        fitting_camera(&self.grid, image, is_perspective)
     }
 
     /// The defaults as a whole scene: orthographic, lit by a headlight.
@@ -74,33 +59,52 @@ impl Automatic {
             settings,
         }
     }
+}
 
-    /// World height of an orthographic picture that holds the whole grid.
-    fn view_height(&self, target: DVec3, to_eye: DVec3, aspect: f64) -> f64 {
-        let right = (-to_eye).cross(DVec3::Z).normalize();
-        let up = right.cross(-to_eye);
-        let reach = |axis: DVec3| {
-            let farthest = self.corners().map(|c| (c - target).dot(axis).abs()).fold(0.0, f64::max);
-            farthest + MARGIN_VOXELS * self.grid.unit()
-        };
-        2.0 * reach(up).max(reach(right) / aspect)
-    }
+/// A camera on the world's +x, +y, +z side with z upwards, whose picture the grid fills.
+pub(crate) fn fitting_camera(grid: &Grid, image: &ImageDesc, is_perspective: bool) -> Camera {
+    let target = grid.center_in_world();
+    let to_eye = DVec3::new(0.78, 0.50, 0.38).normalize();
+    let radius =
+        corners(grid).map(|c| c.distance(target)).fold(0.0, f64::max) + MARGIN_VOXELS * grid.unit();
+    let aspect = f64::from(image.width) / f64::from(image.height);
+    let (projection, distance) = if is_perspective {
+        let half_angle = (0.5 * FOV_Y_RADIANS).tan() * aspect.min(1.0);
+        let distance = radius / half_angle.atan().sin();
+        (Projection::Perspective { fov_y_radians: FOV_Y_RADIANS }, distance)
+    } else {
+        let view_height = fitting_height(grid, to_eye, aspect);
+        (Projection::Orthographic { view_height }, 3.0 * radius)
+    };
+    Camera::new(target + to_eye * distance, target, DVec3::Z, projection)
+        .expect("the eye is off the z axis, and a grid is not too far from the origin to tell")
+}
 
-    fn corners(&self) -> impl Iterator<Item = DVec3> + '_ {
-        let last = self.grid.dims().map(|n| n as f64 - 1.0);
-        (0..8).map(move |corner: usize| {
-            let at = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { last[axis] } else { 0.0 });
-            self.grid.world_from_index().transform_point3(DVec3::from_array(at))
-        })
-    }
+/// World height of an orthographic picture that holds the whole grid.
+fn fitting_height(grid: &Grid, to_eye: DVec3, aspect: f64) -> f64 {
+    let target = grid.center_in_world();
+    let right = (-to_eye).cross(DVec3::Z).normalize();
+    let up = right.cross(-to_eye);
+    let reach = |axis: DVec3| {
+        let farthest = corners(grid).map(|c| (c - target).dot(axis).abs()).fold(0.0, f64::max);
+        farthest + MARGIN_VOXELS * grid.unit()
+    };
+    2.0 * reach(up).max(reach(right) / aspect)
+}
+
+fn corners(grid: &Grid) -> impl Iterator<Item = DVec3> + '_ {
+    let last = grid.dims().map(|n| n as f64 - 1.0);
+    (0..8).map(move |corner: usize| {
+        let at = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { last[axis] } else { 0.0 });
+        grid.world_from_index().transform_point3(DVec3::from_array(at))
+    })
 }
 
 fn transfer_of(volume: &Volume) -> TransferFunction {
-    let (opacity, color) = match Histogram::of(volume) {
-        Some(histogram) => histogram.ramp(),
-        // One value everywhere, or none: all of it is visible.
-        None => (vec![(0.0, [RAMP_OPACITY[0]])], vec![(0.0, COLORS[2])]),
-    };
+    // Without two values that can be told apart, all is visible.
+    let flat = || (vec![(0.0, [RAMP_OPACITY[0]])], vec![(0.0, COLORS[2])]);
+    let ramp = Histogram::of(volume).and_then(|histogram| histogram.ramp());
+    let (opacity, color) = ramp.unwrap_or_else(flat);
     TransferFunction::new(opacity, color).expect("the ramp rises from finite value to finite value")
 }
 
@@ -131,18 +135,23 @@ impl Histogram {
         Some(Self { min, bin_width, counts })
     }
 
-    /// Opacity and colour over the values from background to object.
-    fn ramp(&self) -> (Points<1>, Points<3>) {
+    /// Opacity and colour over the values from background to object; `None` if these are so close that
+    /// no number lies between them.
+    fn ramp(&self) -> Option<(Points<1>, Points<3>)> {
         let threshold = self.otsu();
         let object_mean = self.mean_from(threshold + 1);
         let foot = self.value(threshold as f64 + 1.0);
-        let top = self.value(self.last_bin() as f64 + 1.0);
+        // The object may be smaller than what counts as outliers.
+        let top = self.value(self.last_bin().max(threshold + 1) as f64 + 1.0);
         // A flat object has its mean at the threshold: keep the three points apart.
         let shoulder = object_mean.clamp(foot + 0.02 * (top - foot), foot + 0.9 * (top - foot));
         let start = foot - 0.35 * (shoulder - foot);
+        if shoulder <= start || top <= shoulder {
+            return None;
+        }
         let opacity = vec![(start, [0.0]), (shoulder, [RAMP_OPACITY[0]]), (top, [RAMP_OPACITY[1]])];
         let color = vec![(start, COLORS[0]), (shoulder, COLORS[1]), (top, COLORS[2])];
-        (opacity, color)
+        Some((opacity, color))
     }
 
     /// The value at a place among the bins.
@@ -230,6 +239,22 @@ mod tests {
         }
     }
 
+    #[test]
+    fn automatic_transfer_finds_a_single_voxel() {
+        let mut samples = vec![0.0; 40_000];
+        samples[77] = 255.0;
+        let transfer = Automatic::new(&row(samples)).transfer().clone();
+        assert!(transfer.opacity(0.0) == 0.0 && 0.5 < transfer.opacity(255.0), "{transfer:?}");
+    }
+
+    #[test]
+    fn automatic_transfer_of_neighbouring_numbers() {
+        let grid = Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
+        let samples = vec![1.0_f64.next_up(), 1.0_f64.next_up().next_up()];
+        let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+        assert!(0.0 < Automatic::new(&volume).transfer().opacity(1.0));
+    }
+
     /// All corners of the grid lie inside the picture, and close to an edge of it.
     #[test]
     fn automatic_camera_fits_the_volume() {
@@ -244,7 +269,7 @@ mod tests {
                 let view = slabsplat_core::View::new(&automatic.grid, &camera, &image);
                 let from_index = view.from_index(&automatic.grid);
                 let mut farthest: f64 = 0.0;
-                for corner in automatic.corners() {
+                for corner in corners(&automatic.grid) {
                     let in_index = automatic.grid.index_from_world().transform_point3(corner);
                     let at = from_index.transform(in_index);
                     let scale = view.pixels_per_world(at.z);

@@ -1,6 +1,7 @@
 //! A scene file and the volume that it names, with everything left out filled in.
 
 use crate::Automatic;
+use crate::automatic::fitting_camera;
 use slabsplat_core::{CameraError, Scene, Volume};
 use slabsplat_io::{IoError, LoadedVolume, SceneFile};
 use thiserror::Error;
@@ -44,10 +45,10 @@ impl OpenScene {
     /// If the camera makes no sense.
     pub fn with_volume(loaded: LoadedVolume, file: &SceneFile) -> Result<Self, OpenError> {
         let LoadedVolume { volume, warnings, .. } = loaded;
-        let automatic = Automatic::new(&volume);
-        let fallback = automatic.camera(&file.image, file.camera.is_perspective());
+        let fallback = fitting_camera(volume.grid(), &file.image, file.camera.is_perspective());
+        let automatic = || Automatic::new(&volume).transfer().clone();
         let scene = Scene {
-            transfer: file.transfer.clone().unwrap_or_else(|| automatic.transfer().clone()),
+            transfer: file.transfer.clone().unwrap_or_else(automatic),
             shading: file.shading,
             camera: file.camera.complete(&fallback)?,
             image: file.image,
