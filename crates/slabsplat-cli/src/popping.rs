@@ -7,7 +7,7 @@ use crate::terminal;
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::{Method, OpenScene, PoppingReport, Renderer, Sweep, backend_named};
+use slabsplat::{Method, PoppingReport, Sweep};
 
 /// Turn the camera in equal steps and measure by how much the picture changes in each
 ///
@@ -39,11 +39,7 @@ pub(crate) fn run(args: &PoppingArgs) -> Result<()> {
     let PoppingArgs { from, to, step, .. } = *args;
     let sweep = Sweep { from_degrees: from, to_degrees: to, step_degrees: step }.checked()?;
     let progress = Progress::start("reading", 0);
-    let OpenScene { volume, scene, backend, warnings } = args.scene.open()?;
-    progress.suspend(|| terminal::warn(&warnings));
-    progress.stage("sorting voxels");
-    let backend = args.scene.in_scene(|| Ok(backend_named(&backend)?))?;
-    let mut renderer = Renderer::new(volume, backend);
+    let (mut renderer, scene) = args.scene.renderer(&progress)?;
     drop(progress);
     let methods = args.scene.method().map_or(Method::ALL.to_vec(), |method| vec![method]);
     let reports = args.scene.in_scene(|| meter::measure(&mut renderer, &scene, &methods, sweep))?;

@@ -11,9 +11,11 @@ pub(crate) mod values;
 pub(crate) use raw::RawFlags;
 
 use crate::input;
+use crate::progress::Progress;
+use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
-use slabsplat::OpenScene;
+use slabsplat::{OpenScene, Renderer, Scene, backend_named};
 use std::path::PathBuf;
 
 /// What is drawn, and all flags about how.
@@ -38,7 +40,7 @@ pub(crate) struct SceneFlags {
 
 impl SceneFlags {
     /// Reads what is named, and lays the flags over it.
-    pub(crate) fn open(&self) -> Result<OpenScene> {
+    fn open(&self) -> Result<OpenScene> {
         let mut file = input::scene_file(&self.input)?;
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file)?;
@@ -48,6 +50,15 @@ impl SceneFlags {
             self.look.lay_points_over(&mut file, &loaded.volume)?;
             Ok(OpenScene::with_volume(loaded, &file)?)
         })
+    }
+
+    /// Reads what is named, and makes it ready to be rendered.
+    pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
+        let OpenScene { volume, scene, backend, warnings } = self.open()?;
+        progress.suspend(|| terminal::warn(&warnings));
+        progress.stage("sorting voxels");
+        let backend = self.in_scene(|| Ok(backend_named(&backend)?))?;
+        Ok((Renderer::new(volume, backend), scene))
     }
 
     /// Names the scene file in errors that only show when its values are used.
