@@ -25,8 +25,8 @@ pub enum GridError {
     /// A column has a length below 10⁻¹² or above 10¹², the columns lie (almost) in one plane, or the
     /// origin is more than 10¹⁰ steps away.
     #[error(
-        "the grid's place cannot be used: its voxel steps, {:e}, {:e} and {:e} long, are too short, too \
-         long, in one plane, or too far from the origin",
+        "the grid's matrix cannot be inverted: its voxel steps, {:?}, {:?} and {:?} long, are too short, \
+         too long, in one plane, or too far from the origin",
         x.length(), y.length(), z.length()
     )]
     Singular {

@@ -79,7 +79,7 @@ pub struct RenderSettings {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SettingsError {
     /// A width is not a positive number of at most 10¹².
-    #[error("{name} must be a number above 0 and at most 1e12, not {value:e}")]
+    #[error("{name} must be a positive number of at most 1e12, not {value:?}")]
     BadWidth {
         /// Which width.
         name: &'static str,
