@@ -7,8 +7,9 @@ use crate::{Backend, BackendError, Frame, FrameId, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Camera, Compositing, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene,
-    Shading, TransferFunction, Volume, VoxelRecord,
+    Shading, TransferFunction, Volume,
 };
+use std::sync::Arc;
 use std::task::Poll;
 
 /// Runs all checks on `backend`.
@@ -28,7 +29,8 @@ fn empty_plan_gives_background(backend: &mut dyn Backend) {
     for &method in Method::ALL {
         let mut scene = scene(method, Compositing::Extinction);
         scene.image.background = [1.0, 0.5, 0.0, 0.5];
-        let frame = render(backend, &volume([1, 1, 1]), &[], &scene);
+        scene.transfer = transfer(0.0);
+        let frame = render(backend, &volume([1, 1, 1]), &scene);
         let is_background = |&pixel: &[f32; 4]| pixel == [0.5, 0.25, 0.0, 0.5];
         assert!(frame.image.pixels().iter().all(is_background), "{method}");
         assert_eq!(frame.stats, FrameStats::default(), "{method}");
@@ -40,7 +42,7 @@ fn one_voxel_is_a_round_spot(backend: &mut dyn Backend) {
         for &compositing in Compositing::ALL {
             let scene = scene(method, compositing);
             let volume = volume([1, 1, 1]);
-            let image = render(backend, &volume, &records(1), &scene).image;
+            let image = render(backend, &volume, &scene).image;
             let side = image.width();
             assert!(0.01 < image.pixel(side / 2, side / 2)[3], "{method} {compositing}");
             assert_eq!(image.pixel(0, 0), [0.0; 4], "beyond the kernel's radius");
@@ -67,7 +69,7 @@ fn opaque_voxel_hides_the_one_behind(backend: &mut dyn Backend) {
             vec![(0.0, [1.0, 0.0, 0.0]), (1.0, [0.0, 1.0, 0.0])],
         )
         .expect("the points are sorted");
-        let image = render(backend, &volume([1, 1, 9]), &records(9), &scene).image;
+        let image = render(backend, &volume([1, 1, 9]), &scene).image;
         let [red, green, ..] = image.pixel(image.width() / 2, image.height() / 2);
         assert!(10.0 * red < green, "{method}: red {red}, green {green}");
     }
@@ -77,15 +79,17 @@ fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
     for &method in Method::ALL {
         let scene = scene(method, Compositing::Separate);
         let volume = volume([5, 4, 3]);
-        let first = render(backend, &volume, &records(60), &scene);
-        assert_eq!(render(backend, &volume, &records(60), &scene), first, "{method}");
+        let first = render(backend, &volume, &scene);
+        let second = render(backend, &volume, &scene);
+        assert!(second.image == first.image, "{method}");
+        assert_eq!(second.stats, first.stats, "{method}");
     }
 }
 
 fn frames_can_be_taken_once(backend: &mut dyn Backend) {
-    let (volume, records) = (volume([2, 1, 1]), records(2));
+    let volume = volume([2, 1, 1]);
     let scene = scene(Method::ImageAligned, Compositing::Associated);
-    let plan = Planner::default().plan(&volume, &records, &scene).expect("the scene is valid");
+    let plan = Planner::default().plan(&volume, &scene).expect("the scene is valid");
     let frames = [0, 1].map(|_| backend.submit(&plan).expect("a tiny frame fits"));
     assert_ne!(frames[0], frames[1], "frames have names of their own");
     for frame in frames {
@@ -100,13 +104,8 @@ fn unknown_frame_is_an_error(backend: &mut dyn Backend) {
 }
 
 /// Plans and renders a frame.
-fn render(
-    backend: &mut dyn Backend,
-    volume: &Volume,
-    records: &[VoxelRecord],
-    scene: &Scene,
-) -> Frame {
-    let plan = Planner::default().plan(volume, records, scene).expect("the scene is valid");
+fn render(backend: &mut dyn Backend, volume: &Arc<Volume>, scene: &Scene) -> Frame {
+    let plan = Planner::default().plan(volume, scene).expect("the scene is valid");
     let frame = backend.submit(&plan).expect("a tiny frame fits");
     wait(backend, frame)
 }
@@ -121,18 +120,19 @@ fn wait(backend: &mut dyn Backend, frame: FrameId) -> Frame {
 }
 
 /// Voxels of value 0, but for one: the one at the far end of z has value 1.
-fn volume(dims: [usize; 3]) -> Volume {
+fn volume(dims: [usize; 3]) -> Arc<Volume> {
     let grid = Grid::with_spacing(dims, [1.0; 3]).expect("the spacing is positive");
     let mut samples = vec![0_u8; grid.n_voxels()];
     if 1 < samples.len() {
         samples[grid.n_voxels() - 1] = 1;
     }
-    Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("there is a sample for every voxel")
+    let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY);
+    Arc::new(volume.expect("there is a sample for every voxel"))
 }
 
-fn records(n_voxels: u32) -> Vec<VoxelRecord> {
-    let record = |voxel_idx| VoxelRecord { voxel_idx, normal_in_world: [0.0; 3] };
-    (0..n_voxels).map(record).collect()
+fn transfer(opacity: f64) -> TransferFunction {
+    TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [0.9, 0.6, 0.3])])
+        .expect("the points are finite")
 }
 
 /// Looks down z at voxel (0, 0, ·), 6 pixels a voxel, everything visible.
@@ -141,8 +141,7 @@ fn scene(method: Method, compositing: Compositing) -> Scene {
     let camera = Camera::new(DVec3::Z * 50.0, DVec3::ZERO, DVec3::Y, projection)
         .expect("the camera looks down z");
     Scene {
-        transfer: TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [0.9, 0.6, 0.3])])
-            .expect("the points are finite"),
+        transfer: transfer(0.5),
         shading: Shading::None,
         camera,
         image: ImageDesc { width: 36, height: 36, background: [0.0; 4] },

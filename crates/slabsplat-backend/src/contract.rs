@@ -41,27 +41,57 @@ pub struct FrameId(pub u64);
 pub struct Frame {
     /// The picture, background included.
     pub image: Image,
-    /// What it took.
+    /// What was drawn.
     pub stats: FrameStats,
+    /// What it cost.
+    pub cost: FrameCost,
 }
 
-/// What a frame took. Counts are exact and the same in every run.
+/// What a frame drew. Counts are exact and the same in every run on one backend; another may cut the
+/// image into other tiles, and find other splats hidden.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameStats {
-    /// Voxels that the plan named.
+    /// Voxels that were relevant.
     pub n_voxels: u64,
     /// Sections or whole footprints that were splatted, once for every tile that they touch.
     pub n_splats: u64,
+    /// Those that were not, since all pixels that they could touch on a tile were full.
+    pub n_culled: u64,
+    /// Tiles that any splat touches.
+    pub n_tiles: u64,
     /// Tiles that were full before their last sheet.
     pub n_full_tiles: u64,
+}
+
+/// What a frame cost; differs from run to run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameCost {
+    /// The stages, in their order, and how long each took where the frame was executed. Empty if the
+    /// device cannot tell.
+    pub stages: Vec<StageTime>,
+    /// Bytes that the backend holds between frames, on its device, beside the volume of the plan.
+    pub resident_bytes: u64,
+}
+
+/// How long a stage took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageTime {
+    /// Its name.
+    pub name: &'static str,
+    /// Milliseconds.
+    pub ms: f64,
 }
 
 /// Why a frame failed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum BackendError {
     /// The frame needs more memory than there is.
-    #[error("the frame needs {needed_bytes} bytes on {device}, which has {available_bytes}")]
+    #[error(
+        "the frame needs {needed_bytes} bytes for {what} on {device}, which has {available_bytes}"
+    )]
     OutOfMemory {
+        /// What the memory is for.
+        what: &'static str,
         /// What was asked.
         device: String,
         /// Bytes needed.

@@ -1,16 +1,19 @@
 //! The contract between slabsplat and what executes its frames.
 //!
 //! Everything that decides a pixel is decided before a backend sees it, in a [`FramePlan`]: which
-//! voxels, which tables, matrices, slabs, colours. A [`Backend`] executes the plan. Two backends given
+//! values, which tables, matrices, slabs, colours. A [`Backend`] executes the plan. Two backends given
 //! one plan give one picture.
 //!
 //! # The contract
 //!
 //! - **Who validates.** The plan is valid by construction. A backend does not check it again, and
 //!   does not look for a better one.
-//! - **What is decided here, and what there.** The backend projects, tosses and splats. It never
-//!   reads a file, never drops a voxel that the plan names (unless it lies behind the plan's opacity
-//!   cut-off), never changes a method that it finds slow.
+//! - **What is decided here, and what there.** The plan says by ranges of values which voxels are drawn.
+//!   The backend finds them, shades, projects, tosses and splats. It never reads a file, never drops a
+//!   relevant voxel (unless it lies behind the plan's opacity cut-off), never changes a method that it
+//!   finds slow.
+//! - **What is kept.** A backend may keep whatever it made of a volume, a transfer function or a table for
+//!   the next plan that holds the same; it holds one volume at a time.
 //! - **Portability.** Pixels of two backends differ by at most 10⁻³ in every channel.
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
@@ -36,6 +39,6 @@ mod planner;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 
-pub use contract::{Backend, BackendError, Caps, Frame, FrameId, FrameStats};
+pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
 pub use plan::{FramePlan, Splats};
 pub use planner::{PlanError, Planner};

@@ -1,8 +1,7 @@
 //! What to draw, decided and checked.
 
 use slabsplat_core::{
-    Compositing, ImageDesc, Shading, SlabGrid, SliceOrder, TransferFunction, View, Volume,
-    VoxelRecord,
+    Compositing, ImageDesc, IsoRange, Shading, SlabGrid, SliceOrder, TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{FootprintShape, FootprintTable, SectionTable};
 use std::sync::Arc;
@@ -10,10 +9,11 @@ use std::sync::Arc;
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
 #[derive(Clone, Debug)]
 pub struct FramePlan<'a> {
-    /// Where the voxels' values are.
-    pub volume: &'a Volume,
-    /// The voxels to draw, in memory order.
-    pub voxels: &'a [VoxelRecord],
+    /// Whose voxels are drawn. A volume never changes, so that a backend may keep what it made of it
+    /// for as long as plans hold the same one ([`Arc::ptr_eq`]).
+    pub volume: &'a Arc<Volume>,
+    /// Which voxels are drawn: those with values within these ranges, which are disjoint and rise.
+    pub relevant: Vec<IsoRange>,
     /// Their opacity and colour.
     pub transfer: &'a TransferFunction,
     /// What light does to that colour.

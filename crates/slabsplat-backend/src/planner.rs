@@ -3,7 +3,7 @@
 use crate::{FramePlan, Splats};
 use slabsplat_core::{
     ImageError, Method, RenderSettings, Scene, SettingsError, Shading, ShadingError, SlabGrid,
-    SliceOrder, TooManySlabs, View, Volume, VoxelRecord,
+    SliceOrder, TooManySlabs, View, Volume,
 };
 use slabsplat_kernel::{
     FootprintShape, FootprintTable, Kernel, SectionDesc, SectionTable, TableDesc, UnknownKernel,
@@ -48,14 +48,13 @@ struct TableKey {
 }
 
 impl Planner {
-    /// Plans a frame of `scene` that draws `voxels` of `volume`.
+    /// Plans a frame of `scene` that draws the voxels of `volume` whose opacity is above 0.
     ///
     /// # Errors
     /// If the settings name no kernel, or their numbers cannot be used with this volume.
     pub fn plan<'a>(
         &mut self,
-        volume: &'a Volume,
-        voxels: &'a [VoxelRecord],
+        volume: &'a Arc<Volume>,
         scene: &'a Scene,
     ) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
@@ -81,7 +80,7 @@ impl Planner {
         };
         Ok(FramePlan {
             volume,
-            voxels,
+            relevant: scene.transfer.iso_ranges(),
             transfer: &scene.transfer,
             shading: scene.shading,
             view,
@@ -163,9 +162,9 @@ mod tests {
         Camera, Grid, ImageDesc, KernelName, Projection, Scaling, TransferFunction,
     };
 
-    fn volume() -> Volume {
+    fn volume() -> Arc<Volume> {
         let grid = Grid::with_spacing([4, 4, 4], [1.0; 3]).unwrap();
-        Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap()
+        Arc::new(Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap())
     }
 
     fn scene(settings: RenderSettings) -> Scene {
@@ -181,7 +180,7 @@ mod tests {
     }
 
     fn table(planner: &mut Planner, scene: &Scene) -> Arc<SectionTable> {
-        match planner.plan(&volume(), &[], scene).unwrap().splats {
+        match planner.plan(&volume(), scene).unwrap().splats {
             Splats::Sections { table, .. } => table,
             other => panic!("{other:?}"),
         }
@@ -212,7 +211,7 @@ mod tests {
     #[test]
     fn planner_refuses_what_cannot_be_drawn() {
         let check = |settings, expected: &str| {
-            let err = Planner::default().plan(&volume(), &[], &scene(settings)).unwrap_err();
+            let err = Planner::default().plan(&volume(), &scene(settings)).unwrap_err();
             assert!(err.to_string().contains(expected), "{err}");
         };
         let good = RenderSettings::default();
@@ -220,7 +219,7 @@ mod tests {
         check(RenderSettings { kernel, ..good.clone() }, "no kernel \"box\"");
         let mut huge = scene(good.clone());
         (huge.image.width, huge.image.height) = (u32::MAX, u32::MAX);
-        let err = Planner::default().plan(&volume(), &[], &huge).unwrap_err();
+        let err = Planner::default().plan(&volume(), &huge).unwrap_err();
         assert!(matches!(err, PlanError::Image(_)), "{err}");
         check(RenderSettings { slab_width: -1.0, ..good.clone() }, "slab_width");
         check(RenderSettings { slab_width: 1e-9, ..good }, "sheets");

@@ -16,7 +16,7 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`, `transfer`, `shading`, `settings`, `scene`; `view`,
-//! `slabs`, `slices`; `voxel`, `image`.
+//! `slabs`, `slices`; `image`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -43,7 +43,6 @@ mod slices;
 mod view;
 
 mod image;
-mod voxel;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use grid::{Grid, GridError};
@@ -59,6 +58,5 @@ pub use slices::SliceOrder;
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
 pub use view::{View, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
-pub use voxel::VoxelRecord;
 
 pub use glam;

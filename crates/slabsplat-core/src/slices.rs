@@ -1,6 +1,6 @@
 //! The traditional sheets: slices of the grid along one axis (paper §3.1), which is what pops.
 
-use crate::{Grid, VoxelRecord};
+use crate::Grid;
 use glam::DVec3;
 
 /// Which slices of the grid are sheets, and in which order.
@@ -30,8 +30,8 @@ impl SliceOrder {
 
     /// The place of a voxel's slice among the sheets, front to back.
     #[inline]
-    pub fn sheet_of(&self, grid: &Grid, record: &VoxelRecord) -> usize {
-        let slice = grid.voxel_coords(record.voxel_idx as usize)[self.axis];
+    pub fn sheet_of(&self, grid: &Grid, voxel_idx: usize) -> usize {
+        let slice = grid.voxel_coords(voxel_idx)[self.axis];
         if self.is_reversed { self.n_slices - 1 - slice } else { slice }
     }
 }
@@ -50,7 +50,6 @@ mod tests {
         };
         assert_eq!(order(44.9), SliceOrder { axis: 2, is_reversed: false, n_slices: 5 });
         assert_eq!(order(45.1), SliceOrder { axis: 0, is_reversed: true, n_slices: 3 });
-        let record = VoxelRecord { voxel_idx: 0, normal_in_world: [0.0; 3] };
-        assert_eq!(order(45.1).sheet_of(&grid, &record), 2);
+        assert_eq!(order(45.1).sheet_of(&grid, 0), 2);
     }
 }

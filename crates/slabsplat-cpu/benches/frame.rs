@@ -9,7 +9,7 @@ use slabsplat_core::{
     TransferFunction, Volume,
 };
 use slabsplat_cpu::CpuBackend;
-use slabsplat_traverse::{RelevantList, ValueOrder};
+use std::sync::Arc;
 
 const SIDE: usize = 96;
 
@@ -43,9 +43,7 @@ fn scene(opacity: f64, method: Method) -> Scene {
 }
 
 fn frame(c: &mut Criterion) {
-    let volume = ball();
-    let order = ValueOrder::new(&volume);
-    let mut list = RelevantList::default();
+    let volume = Arc::new(ball());
     let mut backend = CpuBackend::new();
     let mut planner = Planner::default();
     let mut group = c.benchmark_group("frame");
@@ -53,11 +51,10 @@ fn frame(c: &mut Criterion) {
     for (name, opacity) in [("opaque", 0.8), ("haze", 0.02)] {
         for &method in Method::ALL {
             let mut scene = scene(opacity, method);
-            list.update(&volume, &order, &scene.transfer.iso_ranges());
             group.bench_function(format!("{name}/{method}"), |b| {
                 b.iter(|| {
                     scene.camera = scene.camera.orbited(0.01);
-                    let plan = planner.plan(&volume, list.records(), &scene).expect("it is valid");
+                    let plan = planner.plan(&volume, &scene).expect("it is valid");
                     let frame = backend.submit(&plan).expect("the CPU has no limits");
                     backend.poll_image(frame).expect("the frame was submitted")
                 });

@@ -34,8 +34,8 @@ pub(crate) fn render_tile<C: Composite>(
 ) -> TileStats {
     let Scratch { splats, buckets, sheet, .. } = scratch;
     let mut stats = TileStats::default();
-    let (grid, voxels) = (stage.plan.volume.grid(), stage.plan.voxels);
-    buckets.toss(splats, |voxel| order.sheet_of(grid, &voxels[voxel as usize]));
+    let (grid, voxels) = (stage.plan.volume.grid(), stage.voxels);
+    buckets.toss(splats, |voxel| order.sheet_of(grid, voxels[voxel as usize].voxel_idx as usize));
     let Some([first, last]) = buckets.slab_range() else { return stats };
     sheet.resize(tile.side);
     for slice in first..=last {
@@ -49,11 +49,14 @@ pub(crate) fn render_tile<C: Composite>(
                 let weight = |at: Sample| lerp_radial(table.row(), at.position);
                 splat(sheet, &tile.open, &shape, &footprint, color, weight);
                 stats.n_splats += 1;
+            } else {
+                stats.n_culled += 1;
             }
         }
         tile.put_behind::<C>(sheet);
         stats.is_full = tile.close(stage.plan.opacity_cutoff);
         if stats.is_full {
+            stats.n_culled += buckets.starting_in(slice + 1, last).len() as u64;
             break;
         }
     }

@@ -45,6 +45,7 @@ pub(crate) fn render_tile<C: Composite>(
         if stats.n_splats % LOOK_EVERY == 0 {
             stats.is_full = tile.close(stage.plan.opacity_cutoff);
             if stats.is_full {
+                stats.n_culled = scratch.splats.len() as u64 - stats.n_splats;
                 break;
             }
         }

@@ -2,16 +2,21 @@
 
 use crate::composite::{Associated, Composite, Extinction, Separate};
 use crate::raster::Raster;
+use crate::relevant::Relevant;
+use crate::stopwatch::Stopwatch;
 use crate::tile::{Scratch, TILE_SIDE, Tile, TileStats};
 use crate::{axis_aligned, every_sample, image_aligned};
 use rayon::prelude::*;
-use slabsplat_backend::{Frame, FramePlan, FrameStats, Splats};
+use slabsplat_backend::{Frame, FrameCost, FramePlan, FrameStats, Splats};
 use slabsplat_core::{Compositing, Image};
-use slabsplat_traverse::{ShadeDesc, TileBuckets, TileGrid, depth_order, project, shade};
+use slabsplat_traverse::{
+    ShadeDesc, TileBuckets, TileGrid, VoxelRecord, depth_order, project, shade,
+};
 
-/// What a frame needs a voxel, kept from frame to frame.
+/// What is kept from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
+    relevant: Relevant,
     colors: Vec<[f32; 4]>,
     points: Vec<[f32; 3]>,
 }
@@ -19,6 +24,7 @@ pub(crate) struct Buffers {
 /// The shaded and projected voxels of a frame, before the image.
 pub(crate) struct Stage<'a> {
     pub(crate) plan: &'a FramePlan<'a>,
+    pub(crate) voxels: &'a [VoxelRecord],
     /// What a sheet sums, per voxel.
     pub(crate) colors: &'a [[f32; 4]],
     /// Right, up, depth from the grid's centre, per voxel.
@@ -28,53 +34,77 @@ pub(crate) struct Stage<'a> {
 }
 
 pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
-    let Buffers { colors, points } = buffers;
+    let Buffers { relevant, colors, points } = buffers;
+    let mut watch = Stopwatch::start();
+    let voxels = relevant.voxels(plan.volume, &plan.relevant);
+    watch.done("list");
     let desc = ShadeDesc {
         transfer: plan.transfer,
         shading: &plan.shading,
         forward: plan.view.axes().forward,
         compositing: plan.compositing,
     };
-    shade(&desc, plan.volume, plan.voxels, colors);
-    project(plan.volume.grid(), &plan.view, plan.voxels, points);
+    shade(&desc, plan.volume, voxels, colors);
+    watch.done("shade");
+    project(plan.volume.grid(), &plan.view, voxels, points);
+    watch.done("project");
     let stage = Stage {
         plan,
+        voxels,
         colors,
         points,
         raster: Raster::new(plan),
         tiles: TileGrid::new(plan.view.image_size(), TILE_SIDE),
     };
-    match plan.compositing {
-        Compositing::Separate => stage.render_with::<Separate>(),
-        Compositing::Associated => stage.render_with::<Associated>(),
-        Compositing::Extinction => stage.render_with::<Extinction>(),
+    let (image, stats) = match plan.compositing {
+        Compositing::Separate => stage.render_with::<Separate>(&mut watch),
+        Compositing::Associated => stage.render_with::<Associated>(&mut watch),
+        Compositing::Extinction => stage.render_with::<Extinction>(&mut watch),
+    };
+    let cost = FrameCost { stages: watch.stages(), resident_bytes: buffers.resident_bytes() };
+    Frame { image, stats, cost }
+}
+
+impl Buffers {
+    fn resident_bytes(&self) -> u64 {
+        let Self { relevant, colors, points } = self;
+        let bytes = relevant.resident_bytes()
+            + colors.capacity() * size_of::<[f32; 4]>()
+            + points.capacity() * size_of::<[f32; 3]>();
+        bytes as u64
     }
 }
 
 impl Stage<'_> {
-    fn render_with<C: Composite>(&self) -> Frame {
-        match &self.plan.splats {
+    fn render_with<C: Composite>(&self, watch: &mut Stopwatch) -> (Image, FrameStats) {
+        let drawn = match &self.plan.splats {
             Splats::Sections { slabs, table } => {
                 let splats = image_aligned::toss(self, slabs);
+                watch.done("toss");
                 self.render_tiles(&splats, |tile, scratch| {
                     image_aligned::render_tile::<C>(self, slabs, table, tile, scratch)
                 })
             }
             Splats::Slices { order, table } => {
                 let splats = axis_aligned::toss(self);
+                watch.done("toss");
                 self.render_tiles(&splats, |tile, scratch| {
                     axis_aligned::render_tile::<C>(self, order, table, tile, scratch)
                 })
             }
             Splats::Voxels { table } => {
                 let grid = self.plan.volume.grid();
-                let order = depth_order(grid, &self.plan.view, self.plan.voxels);
+                let order = depth_order(grid, &self.plan.view, self.voxels);
+                watch.done("sort");
                 let splats = every_sample::toss(self, &order);
+                watch.done("toss");
                 self.render_tiles(&splats, |tile, scratch| {
                     every_sample::render_tile::<C>(self, &order, table, tile, scratch)
                 })
             }
-        }
+        };
+        watch.done("splat");
+        drawn
     }
 
     /// Renders every tile that has splats, the fullest first, and puts them together.
@@ -82,7 +112,7 @@ impl Stage<'_> {
         &self,
         splats: &TileBuckets,
         render_tile: impl Fn(&mut Tile, &mut Scratch) -> TileStats + Sync,
-    ) -> Frame {
+    ) -> (Image, FrameStats) {
         let load = |&tile_idx: &usize| std::cmp::Reverse(splats.n_on_tile(tile_idx));
         let mut tile_idxs: Vec<usize> =
             (0..self.tiles.n_tiles()).filter(|&idx| 0 < splats.n_on_tile(idx)).collect();
@@ -101,16 +131,21 @@ impl Stage<'_> {
         self.assemble(&tiles)
     }
 
-    fn assemble(&self, tiles: &[(Tile, TileStats)]) -> Frame {
+    fn assemble(&self, tiles: &[(Tile, TileStats)]) -> (Image, FrameStats) {
         let [width, height] = self.plan.view.image_size();
         let mut image = Image::filled(width, height, [0.0; 4]);
-        let mut stats = FrameStats { n_voxels: self.points.len() as u64, ..FrameStats::default() };
+        let mut stats = FrameStats {
+            n_voxels: self.points.len() as u64,
+            n_tiles: tiles.len() as u64,
+            ..FrameStats::default()
+        };
         for (tile, tile_stats) in tiles {
             tile.copy_to(&mut image);
             stats.n_splats += tile_stats.n_splats;
+            stats.n_culled += tile_stats.n_culled;
             stats.n_full_tiles += u64::from(tile_stats.is_full);
         }
         image.lay_over(self.plan.image.background);
-        Frame { image, stats }
+        (image, stats)
     }
 }

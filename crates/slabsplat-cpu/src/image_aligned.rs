@@ -71,15 +71,39 @@ pub(crate) fn render_tile<C: Composite>(
         let faces = slabs.faces(slab).map(|face| face as f32);
         let section = SectionSplatter { stage, table, shape, faces, origin: tile.origin };
         for &voxel in buckets.starting_in(slab.saturating_sub(n_slabs_before), slab) {
-            stats.n_splats += u64::from(section.splat(voxel as usize, &tile.open, sheet, row));
+            match section.splat(voxel as usize, &tile.open, sheet, row) {
+                Splatted::Yes => stats.n_splats += 1,
+                Splatted::Hidden => stats.n_culled += 1,
+                Splatted::NotCut => {}
+            }
         }
         tile.put_behind::<C>(sheet);
         stats.is_full = tile.close(stage.plan.opacity_cutoff);
         if stats.is_full {
+            let hidden = buckets.starting_in(slab.saturating_sub(n_slabs_before), last);
+            stats.n_culled += n_sections_behind(stage, slabs, slab, hidden);
             break;
         }
     }
     stats
+}
+
+/// How many sections the voxels have in the slabs behind one.
+fn n_sections_behind(stage: &Stage<'_>, slabs: &SlabGrid, slab: usize, voxels: &[u32]) -> u64 {
+    let n_behind = |&voxel: &u32| {
+        let [first, last] = slabs_of(stage, slabs, stage.points[voxel as usize][2]);
+        (last + 1).saturating_sub(first.max(slab + 1)) as u64
+    };
+    voxels.iter().map(n_behind).sum()
+}
+
+/// What became of a section.
+enum Splatted {
+    Yes,
+    /// All pixels that it could touch are full.
+    Hidden,
+    /// The slab does not cut the voxel's kernel.
+    NotCut,
 }
 
 /// Splats the sections that one slab cuts.
@@ -93,14 +117,19 @@ struct SectionSplatter<'a> {
 }
 
 impl SectionSplatter<'_> {
-    /// Adds a voxel's section to the sheet; false if the slab does not cut its kernel, or only where all
-    /// pixels are full.
+    /// Adds a voxel's section to the sheet.
     #[inline]
-    fn splat(&self, voxel: usize, open: &OpenPixels, sheet: &mut Sheet, row: &mut [f32]) -> bool {
+    fn splat(
+        &self,
+        voxel: usize,
+        open: &OpenPixels,
+        sheet: &mut Sheet,
+        row: &mut [f32],
+    ) -> Splatted {
         let (raster, point) = (&self.stage.raster, self.stage.points[voxel]);
         let depth = point[2];
         if depth + raster.reach <= self.faces[0] || self.faces[1] <= depth - raster.reach {
-            return false;
+            return Splatted::NotCut;
         }
         let [front, back] = self.faces.map(|face| (face - depth) * raster.index_per_depth);
         let [x, y] = raster.pixel_of(&self.shape, point);
@@ -115,7 +144,7 @@ impl SectionSplatter<'_> {
             samples_per_index: self.table.samples_per_index(),
         };
         if !footprint.is_open(open, &self.shape) {
-            return false;
+            return Splatted::Hidden;
         }
         let color = self.stage.colors[voxel].map(|channel| channel * self.shape.gain);
         if raster.is_tilted {
@@ -128,7 +157,7 @@ impl SectionSplatter<'_> {
             self.table.blend(front, back, row);
             splat(sheet, open, &self.shape, &footprint, color, |at| lerp_radial(row, at.position));
         }
-        true
+        Splatted::Yes
     }
 }
 

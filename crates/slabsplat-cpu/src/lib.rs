@@ -2,7 +2,8 @@
 //!
 //! # How a frame is made
 //!
-//! 1. *Shade* and *project* every voxel of the plan, in parallel (`slabsplat-traverse`).
+//! 1. Find the relevant voxels, if they are not those of the last plan; *shade* and *project* each, in
+//!    parallel (`slabsplat-traverse`).
 //! 2. *Toss* the voxels onto square tiles of the image.
 //! 3. For every tile, in parallel and the fullest first: toss its voxels by slab, and then, slab by slab
 //!    from the eye, *splat* the sections into a sheet of the tile's size and *composite* it.
@@ -13,7 +14,7 @@
 //!
 //! # Reading order
 //!
-//! `frame`, `raster`, `tile`; `image_aligned`, `axis_aligned`, `every_sample`; `splat`, `sheet`,
+//! `frame`, `relevant`, `raster`, `tile`, `stopwatch`; `image_aligned`, `axis_aligned`, `every_sample`; `splat`, `sheet`,
 //! `composite`, `open_pixels`.
 //!
 //! ```
@@ -25,6 +26,8 @@
 
 mod frame;
 mod raster;
+mod relevant;
+mod stopwatch;
 mod tile;
 
 mod axis_aligned;

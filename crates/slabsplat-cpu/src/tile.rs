@@ -26,6 +26,8 @@ pub(crate) struct Tile {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct TileStats {
     pub(crate) n_splats: u64,
+    /// Splats that could touch no open pixel.
+    pub(crate) n_culled: u64,
     pub(crate) is_full: bool,
 }
 

@@ -5,9 +5,10 @@
 //! So depths are rounded to a grid that is coarser than the rounding errors, and equals are sorted
 //! by their place in the picture: the result does not depend on how voxels are stored.
 
+use crate::VoxelRecord;
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Grid, View, VoxelRecord};
+use slabsplat_core::{Grid, View};
 
 /// Steps of the rounding grid per `unit`.
 const STEPS_PER_UNIT: f64 = (1 << 20) as f64;

@@ -2,6 +2,7 @@
 //!
 //! The way of the data through this crate is its reading order:
 //!
+//! - `voxel`: what is kept of a voxel;
 //! - `value_order`: all voxels sorted by value, once a volume;
 //! - `gradient`: the normal of a voxel;
 //! - `relevant_list`: `L_r`, the voxels whose opacity is above 0, kept up to date by difference;
@@ -30,6 +31,7 @@
 mod gradient;
 mod relevant_list;
 mod value_order;
+mod voxel;
 
 mod project;
 mod shade;
@@ -44,3 +46,4 @@ pub use relevant_list::{ListChange, RelevantList};
 pub use shade::{ShadeDesc, shade};
 pub use toss::{SlabBuckets, TileBuckets, TileGrid, TileRect};
 pub use value_order::ValueOrder;
+pub use voxel::VoxelRecord;

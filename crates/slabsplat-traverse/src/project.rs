@@ -1,8 +1,9 @@
 //! Voxels to view space. What follows, the scale of the slab and the pixel, depends on the slab.
 
+use crate::VoxelRecord;
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Grid, View, VoxelRecord};
+use slabsplat_core::{Grid, View};
 
 /// Writes where each voxel is in view space, `[right, up, depth]` in world units; depth counts from the
 /// grid's centre. The sum is made in 64 bits and rounded once.

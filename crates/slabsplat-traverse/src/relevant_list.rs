@@ -5,9 +5,9 @@
 //! toss run through caches instead of around them. A changed range still only touches the runs at its
 //! ends: those voxels are found in the value order, sorted, and merged in or out.
 
-use crate::{Normals, ValueOrder};
+use crate::{Normals, ValueOrder, VoxelRecord};
 use rayon::prelude::*;
-use slabsplat_core::{IsoRange, Volume, VoxelRecord};
+use slabsplat_core::{IsoRange, Volume};
 use std::ops::Range;
 
 /// The voxels with an opacity above 0, in memory order.

@@ -3,9 +3,10 @@
 //! What comes out is what a sheet sums (SPEC §3): the voxel's colour and opacity in the form that the
 //! compositing wants, so that splatting is the same four multiply-adds for all three.
 
+use crate::VoxelRecord;
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Light, Phong, Shading, TransferFunction, Volume, VoxelRecord};
+use slabsplat_core::{Compositing, Light, Phong, Shading, TransferFunction, Volume};
 
 /// Everything that a voxel's colour depends on, but for the voxel.
 #[derive(Clone, Copy, Debug)]

@@ -51,11 +51,11 @@ pub use renderer::{RenderError, Renderer};
 pub use scene_file::{OpenError, OpenScene};
 
 pub use slabsplat_backend::{
-    Backend, BackendError, Caps, Frame, FrameId, FramePlan, FrameStats, PlanError, Planner,
+    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, PlanError,
+    Planner, StageTime,
 };
 pub use slabsplat_core::*;
 pub use slabsplat_kernel::{KERNEL_NAMES, UnknownKernel};
-pub use slabsplat_traverse::ListChange;
 
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]

@@ -1,18 +1,14 @@
 //! A volume and what is kept of it between frames.
 
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
-use slabsplat_core::{IsoRange, Scene, Volume};
-use slabsplat_traverse::{ListChange, RelevantList, ValueOrder};
+use slabsplat_core::{Scene, Volume};
+use std::sync::Arc;
 use std::task::Poll;
 use thiserror::Error;
 
 /// Renders a volume, again and again.
 pub struct Renderer {
-    volume: Volume,
-    order: ValueOrder,
-    list: RelevantList,
-    /// What `list` was last made for.
-    ranges: Vec<IsoRange>,
+    volume: Arc<Volume>,
     planner: Planner,
     backend: Box<dyn Backend>,
 }
@@ -29,17 +25,10 @@ pub enum RenderError {
 }
 
 impl Renderer {
-    /// Sorts the volume's voxels by value, which is done once.
-    pub fn new(volume: Volume, backend: Box<dyn Backend>) -> Self {
-        let order = ValueOrder::new(&volume);
-        Self {
-            volume,
-            order,
-            list: RelevantList::default(),
-            ranges: Vec::new(),
-            planner: Planner::default(),
-            backend,
-        }
+    /// A renderer of `volume`. What is done once a volume, such as sorting its voxels by value, is
+    /// done with the first frame.
+    pub fn new(volume: impl Into<Arc<Volume>>, backend: Box<dyn Backend>) -> Self {
+        Self { volume: volume.into(), planner: Planner::default(), backend }
     }
 
     /// The volume.
@@ -71,8 +60,7 @@ impl Renderer {
     /// # Errors
     /// If the scene cannot be drawn, or the backend fails.
     pub fn submit(&mut self, scene: &Scene) -> Result<FrameId, RenderError> {
-        self.update_list(scene);
-        let plan = self.planner.plan(&self.volume, self.list.records(), scene)?;
+        let plan = self.planner.plan(&self.volume, scene)?;
         Ok(self.backend.submit(&plan)?)
     }
 
@@ -82,17 +70,5 @@ impl Renderer {
     /// If the frame failed, or there is no such frame.
     pub fn poll(&mut self, frame: FrameId) -> Result<Poll<Frame>, RenderError> {
         Ok(self.backend.poll_image(frame)?)
-    }
-
-    /// Makes the relevant voxels those of the scene's transfer function, by difference from what they
-    /// were, and tells how many changed. Rendering does this by itself.
-    pub fn update_list(&mut self, scene: &Scene) -> ListChange {
-        let ranges = scene.transfer.iso_ranges();
-        if ranges == self.ranges {
-            return ListChange::default();
-        }
-        let change = self.list.update(&self.volume, &self.order, &ranges);
-        self.ranges = ranges;
-        change
     }
 }

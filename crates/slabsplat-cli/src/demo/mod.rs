@@ -46,7 +46,7 @@ fn draw(shot: &Shot, directory: &Path) -> Result<()> {
     let mut lines = String::new();
     for scene in scenes {
         let started = Instant::now();
-        let Frame { image, stats } = renderer.render(&scene)?;
+        let Frame { image, stats, .. } = renderer.render(&scene)?;
         let ms = started.elapsed().as_millis();
         let name = format!("{}-{}.png", shot.volume, scene.settings.method);
         io::write_picture(&directory.join(&name), &image)?;
