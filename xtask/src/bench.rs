@@ -1,8 +1,9 @@
-//! `cargo xtask bench`: the benchmarks of all crates that have some.
+//! `cargo xtask bench`: the benchmarks of all crates that have some, or those on one kind of processor.
 //!
 //! `cargo bench --workspace` would also start every crate's unit tests as benchmarks, and those stop at the first
 //! option that is meant for criterion, such as `--save-baseline`.
 //! So packages and benchmarks are named one by one.
+//! A benchmark that needs a GPU is called `gpu`, in whichever crate it is.
 
 use std::ffi::OsString;
 
@@ -11,20 +12,41 @@ use anyhow::{Result, ensure};
 use crate::process::{cargo, run as run_command};
 use crate::workspace::{self, Package};
 
-pub(crate) fn run(args: &[OsString]) -> Result<()> {
+const GPU_BENCH: &str = "gpu";
+
+/// The processor that is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Processor {
+    Any,
+    Cpu,
+    Gpu,
+}
+
+impl Processor {
+    fn runs(self, bench: &str) -> bool {
+        match self {
+            Self::Any => true,
+            Self::Cpu => bench != GPU_BENCH,
+            Self::Gpu => bench == GPU_BENCH,
+        }
+    }
+}
+
+pub(crate) fn run(processor: Processor, args: &[OsString]) -> Result<()> {
     let root = workspace::root();
-    let selection = selection(&workspace::packages(root)?);
-    ensure!(!selection.is_empty(), "no crate of this workspace has a benchmark");
+    let selection = selection(&workspace::packages(root)?, processor);
+    ensure!(!selection.is_empty(), "no crate of this workspace has such a benchmark");
     run_command(cargo(root).arg("bench").args(selection).args(args))
 }
 
-fn selection(packages: &[Package]) -> Vec<String> {
+fn selection(packages: &[Package], processor: Processor) -> Vec<String> {
     let mut args = Vec::new();
-    for package in packages.iter().filter(|package| !package.benches.is_empty()) {
-        args.extend(["--package".to_owned(), package.name.clone()]);
-        for bench in &package.benches {
-            args.extend(["--bench".to_owned(), bench.clone()]);
+    for package in packages {
+        let mut benches = package.benches.iter().filter(|bench| processor.runs(bench)).peekable();
+        if benches.peek().is_some() {
+            args.extend(["--package".to_owned(), package.name.clone()]);
         }
+        args.extend(benches.flat_map(|bench| ["--bench".to_owned(), bench.clone()]));
     }
     args
 }
@@ -33,12 +55,31 @@ fn selection(packages: &[Package]) -> Vec<String> {
 mod tests {
     use super::*;
 
+    fn check(processor: Processor, expected: &str) {
+        let with = |name: &str, benches: &[&str]| {
+            let benches = benches.iter().map(ToString::to_string).collect();
+            Package { benches, ..Package::named(name) }
+        };
+        let packages = [
+            Package::named("core"),
+            with("kernel", &["section", "table"]),
+            with("tests", &["frame", "gpu"]),
+            with("wgpu", &["gpu"]),
+        ];
+        assert_eq!(selection(&packages, processor).join(" "), expected, "{processor:?}");
+    }
+
     #[test]
     fn selection_names_benches_only() {
-        let mut kernel = Package::named("slabsplat-kernel");
-        kernel.benches = vec!["section".to_owned(), "table".to_owned()];
-        let packages = [Package::named("slabsplat-core"), kernel];
-        let expected = ["--package", "slabsplat-kernel", "--bench", "section", "--bench", "table"];
-        assert_eq!(selection(&packages), expected, "only the crate with benchmarks is named");
+        let kernel = "--package kernel --bench section --bench table";
+        let tests = "--package tests --bench frame --bench gpu";
+        check(Processor::Any, &format!("{kernel} {tests} --package wgpu --bench gpu"));
+    }
+
+    #[test]
+    fn selection_of_one_processor() {
+        let kernel = "--package kernel --bench section --bench table";
+        check(Processor::Cpu, &format!("{kernel} --package tests --bench frame"));
+        check(Processor::Gpu, "--package tests --bench gpu --package wgpu --bench gpu");
     }
 }

@@ -20,22 +20,28 @@ mod dependencies;
 mod tidy;
 
 mod process;
+mod vulkan;
 mod workspace;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use bench::Processor;
+
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  lint           rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
-  test [ARGS]    set up what the tests need, then `cargo test ARGS`, of all packages unless some are named
-  bench [ARGS]   `cargo bench ARGS` on every benchmark of the workspace
-  ci             lint, test, and each feature of each crate built alone
-  help           print this
+  lint                     rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
+  test [ARGS]              set up what the tests need, then `cargo test ARGS`, of all packages unless some are named
+  bench [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
+  ci                       lint, test, and each crate and each feature of it built alone
+  help                     print this
 
 A filter for the benchmarks, or another option of theirs, follows `--`:
-  cargo xtask bench -- toss --save-baseline before
+  cargo xtask bench cpu -- toss --save-baseline before
+
+Tests that need a GPU, or a driver that does without one, are skipped where there is none;
+with SLABSPLAT_REQUIRE_GPU in the environment they fail.
 ";
 
 fn main() -> ExitCode {
@@ -60,7 +66,7 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Vec<OsString>),
-    Bench(Vec<OsString>),
+    Bench(Processor, Vec<OsString>),
     Ci,
     Help,
 }
@@ -69,7 +75,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(args) => test::run(args),
-        Task::Bench(args) => bench::run(args),
+        Task::Bench(processor, args) => bench::run(*processor, args),
         Task::Ci => ci::run(),
         Task::Help => {
             print!("{USAGE}");
@@ -83,7 +89,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let rest: Vec<OsString> = args.collect();
     let task = match command.to_str() {
         Some("test") => return Ok(Task::Test(rest)),
-        Some("bench") => return Ok(Task::Bench(rest)),
+        Some("bench") => return Ok(bench(rest)),
         Some("lint") => Task::Lint,
         Some("ci") => Task::Ci,
         Some("help" | "--help" | "-h") => Task::Help,
@@ -95,6 +101,17 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
             Err(format!("`{}` takes no arguments, found `{}`", command.display(), arg.display()))
         }
     }
+}
+
+/// The first word, if it is a processor; a filter of that name stands after `--`.
+fn bench(mut args: Vec<OsString>) -> Task {
+    let processor = match args.first().and_then(|arg| arg.to_str()) {
+        Some("cpu") => Processor::Cpu,
+        Some("gpu") => Processor::Gpu,
+        _ => return Task::Bench(Processor::Any, args),
+    };
+    args.remove(0);
+    Task::Bench(processor, args)
 }
 
 #[cfg(test)]
@@ -112,7 +129,19 @@ mod tests {
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
         check(&["test", "-p", "xtask"], Ok(Task::Test(vec!["-p".into(), "xtask".into()])));
-        check(&["bench", "--", "toss"], Ok(Task::Bench(vec!["--".into(), "toss".into()])));
+    }
+
+    #[test]
+    fn parse_bench_processor() {
+        let check = |args: &[&str], processor: Processor, rest: &[&str]| {
+            let rest = rest.iter().map(OsString::from).collect();
+            check(args, Ok(Task::Bench(processor, rest)));
+        };
+        check(&["bench"], Processor::Any, &[]);
+        check(&["bench", "--", "toss"], Processor::Any, &["--", "toss"]);
+        check(&["bench", "cpu"], Processor::Cpu, &[]);
+        check(&["bench", "gpu", "--", "sort"], Processor::Gpu, &["--", "sort"]);
+        check(&["bench", "--", "gpu"], Processor::Any, &["--", "gpu"]);
     }
 
     #[test]

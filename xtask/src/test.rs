@@ -1,16 +1,17 @@
 //! `cargo xtask test`: the tests of all crates, on a machine that has only Rust.
 //!
 //! What the tests need beside that is installed here, before they start; a step that finds its work done does nothing.
-//! So far cargo fetches all of it, and there is no such step.
+//! Cargo fetches most of it; the one step beside is [`vulkan`], a driver for the tests of the GPU backends.
 
 use std::ffi::OsString;
 
 use anyhow::Result;
 
 use crate::process::{cargo, run as run_command};
-use crate::workspace;
+use crate::{vulkan, workspace};
 
 pub(crate) fn run(args: &[OsString]) -> Result<()> {
+    vulkan::set_up()?;
     let mut test = cargo(workspace::root());
     test.arg("test");
     // Cargo takes both without complaint, and then tests all packages.

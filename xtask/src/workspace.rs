@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
 use crate::process::{cargo, output};
@@ -21,8 +21,15 @@ pub(crate) struct Package {
 pub(crate) struct Dependency {
     /// As the registry or the workspace knows it, however the manifest renames it.
     pub(crate) name: String,
-    /// Whether only tests, examples and benchmarks see it.
-    pub(crate) is_dev: bool,
+    pub(crate) kind: DependencyKind,
+}
+
+/// Who sees a dependency: the library or program, its tests, examples and benchmarks, or its build script.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum DependencyKind {
+    Normal,
+    Dev,
+    Build,
 }
 
 /// The directory of the workspace's manifest.
@@ -63,7 +70,13 @@ fn parse_package(package: &Value) -> Result<Package> {
 }
 
 fn parse_dependency(dependency: &Value) -> Result<Dependency> {
-    Ok(Dependency { name: string(dependency, "name")?, is_dev: dependency["kind"] == "dev" })
+    let kind = match dependency["kind"].as_str() {
+        None => DependencyKind::Normal,
+        Some("dev") => DependencyKind::Dev,
+        Some("build") => DependencyKind::Build,
+        Some(other) => bail!("there is no kind of dependency `{other}`"),
+    };
+    Ok(Dependency { name: string(dependency, "name")?, kind })
 }
 
 fn array<'a>(value: &'a Value, key: &str) -> Result<&'a Vec<Value>> {
@@ -80,13 +93,20 @@ impl Package {
         Self { name: name.to_owned(), dependencies: vec![], features: vec![], benches: vec![] }
     }
 
-    pub(crate) fn with(mut self, dependency: &str) -> Self {
-        self.dependencies.push(Dependency { name: dependency.to_owned(), is_dev: false });
-        self
+    pub(crate) fn with(self, dependency: &str) -> Self {
+        self.with_kind(dependency, DependencyKind::Normal)
     }
 
-    pub(crate) fn with_dev(mut self, dependency: &str) -> Self {
-        self.dependencies.push(Dependency { name: dependency.to_owned(), is_dev: true });
+    pub(crate) fn with_dev(self, dependency: &str) -> Self {
+        self.with_kind(dependency, DependencyKind::Dev)
+    }
+
+    pub(crate) fn with_build(self, dependency: &str) -> Self {
+        self.with_kind(dependency, DependencyKind::Build)
+    }
+
+    fn with_kind(mut self, dependency: &str, kind: DependencyKind) -> Self {
+        self.dependencies.push(Dependency { name: dependency.to_owned(), kind });
         self
     }
 }
@@ -113,9 +133,14 @@ mod tests {
         assert_eq!(package.name, "a", "name");
         assert_eq!(package.features, ["default", "simd"], "features");
         assert_eq!(package.benches, ["toss"], "benches, without the library");
-        let dev: Vec<(&str, bool)> =
-            package.dependencies.iter().map(|d| (d.name.as_str(), d.is_dev)).collect();
-        assert_eq!(dev, [("glam", false), ("fastrand", true), ("naga", false)], "dependencies");
+        let kinds: Vec<(&str, DependencyKind)> =
+            package.dependencies.iter().map(|d| (d.name.as_str(), d.kind)).collect();
+        let expected = [
+            ("glam", DependencyKind::Normal),
+            ("fastrand", DependencyKind::Dev),
+            ("naga", DependencyKind::Build),
+        ];
+        assert_eq!(kinds, expected, "dependencies");
     }
 
     #[test]

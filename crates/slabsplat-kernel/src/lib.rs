@@ -54,4 +54,4 @@ pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;
 pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
 pub use section::SectionDesc;
-pub use section_table::{SectionTable, TableDesc, lerp_radial};
+pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};

@@ -37,13 +37,17 @@ pub struct SectionTable {
     weights: Vec<f32>,
 }
 
-/// Where along the rows an offset lies.
+/// Where along the rows of a table an offset lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct RowMap {
-    radius: f32,
-    rows_per_index: f32,
-    last_row: f32,
-    mirrored: bool,
+pub struct RowMap {
+    /// The kernel's radius in index units.
+    pub radius: f32,
+    /// Rows per index unit that the slab reaches into the kernel.
+    pub rows_per_index: f32,
+    /// The last row, with the fraction at which the kernel ends.
+    pub last_row: f32,
+    /// Whether the reach is measured from the nearer end, or always from the front.
+    pub mirrored: bool,
 }
 
 impl SectionTable {
@@ -136,6 +140,16 @@ impl SectionTable {
     /// Samples in a row per index unit of half chord.
     pub fn samples_per_index(&self) -> f32 {
         self.samples_per_index
+    }
+
+    /// Which row an offset reads.
+    pub fn rows(&self) -> RowMap {
+        self.rows
+    }
+
+    /// How an offset between two rows is read.
+    pub fn lookup(&self) -> Lookup {
+        self.lookup
     }
 
     /// The row at or below an offset, and how far it is to the next one, 0 … 1.

@@ -1,4 +1,4 @@
-//! Rules for where things lie: what is at the top, how crates are set up, how large pictures and data may be.
+//! Rules for where things lie: what is at the top, and how large pictures and data may be.
 
 use std::collections::BTreeSet;
 
@@ -47,32 +47,6 @@ pub(super) fn top_level(files: &[File]) -> Vec<Finding> {
         .collect()
 }
 
-/// Whoever knows a crate's name knows its directory.
-pub(super) fn crate_name(file: &File) -> Vec<Finding> {
-    let parts: Vec<&str> = file.path.split('/').collect();
-    let (["crates", directory, "Cargo.toml"], Some(text)) = (parts.as_slice(), &file.text) else {
-        return Vec::new();
-    };
-    let name = value(text, "package", "name").unwrap_or("\"\"");
-    if name == format!("\"{directory}\"") {
-        return Vec::new();
-    }
-    vec![file.finding(format!("the crate is called {name}, its directory \"{directory}\""))]
-}
-
-/// Lints are set once, for all.
-pub(super) fn inherited_lints(file: &File) -> Vec<Finding> {
-    let Some(text) = file.text_if("toml").filter(|_| file.path.ends_with("Cargo.toml")) else {
-        return Vec::new();
-    };
-    let is_package = value(text, "package", "name").is_some();
-    let inherits = value(text, "lints", "workspace") == Some("true");
-    if !is_package || inherits {
-        return Vec::new();
-    }
-    vec![file.finding("must inherit the lints: `[lints]`, then `workspace = true`")]
-}
-
 /// A clone is forever as large as its largest version, and a small picture shows one matter.
 pub(super) fn binary_size(file: &File) -> Vec<Finding> {
     if file.text.is_some() {
@@ -98,19 +72,8 @@ pub(super) fn binary_size(file: &File) -> Vec<Finding> {
     vec![file.finding(format!("{n_bytes} bytes, a {kind} has at most {max_kib} KiB"))]
 }
 
-/// What a manifest sets `key` to in `[section]`, as it stands there.
-fn value<'a>(manifest: &'a str, section: &str, key: &str) -> Option<&'a str> {
-    let header = format!("[{section}]");
-    let lines = manifest.lines().map(str::trim).skip_while(|line| *line != header).skip(1);
-    lines
-        .take_while(|line| !line.starts_with('['))
-        .filter_map(|line| line.split_once('='))
-        .find_map(|(name, value)| (name.trim() == key).then_some(value.trim()))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{NONE, lines_found};
     use super::*;
 
     #[test]
@@ -120,27 +83,6 @@ mod tests {
         let found = top_level(&files);
         let found: Vec<&str> = found.iter().map(|finding| finding.path.as_str()).collect();
         assert_eq!(found, ["notes.txt", "scratch"], "a file and a directory");
-    }
-
-    #[test]
-    fn crate_name_is_directory() {
-        let manifest = "[package]\nname = \"slabsplat-core\"\n";
-        let check = |path: &str| lines_found(crate_name, path, manifest);
-        assert_eq!(check("crates/slabsplat-core/Cargo.toml"), NONE, "the same");
-        assert_eq!(check("crates/core/Cargo.toml"), [0], "another");
-        assert_eq!(check("tests/Cargo.toml"), NONE, "not under crates");
-    }
-
-    #[test]
-    fn inherited_lints_missing() {
-        let check = |rest: &str| {
-            let manifest = format!("[package]\nname = \"a\"\n{rest}");
-            lines_found(inherited_lints, "crates/a/Cargo.toml", &manifest)
-        };
-        assert_eq!(check("[lints]\nworkspace = true\n"), NONE, "inherited");
-        assert_eq!(check("[lints.rust]\nunsafe_code = \"deny\"\n"), [0], "set anew");
-        assert_eq!(check("[dependencies]\nworkspace = true\n"), [0], "in another section");
-        assert_eq!(lines_found(inherited_lints, "Cargo.toml", "[workspace]\n"), NONE, "no package");
     }
 
     #[test]

@@ -8,9 +8,11 @@
 
 mod collect;
 mod layout;
+mod manifest;
 mod markdown;
 mod rust;
 mod rust_text;
+mod shader;
 mod text;
 
 use std::fmt;
@@ -42,15 +44,17 @@ const FILE_RULES: &[FileRule] = &[
     text::trailing_whitespace,
     text::carriage_return,
     text::final_newline,
+    text::tab,
     text::bare_todo,
     rust::header,
-    rust::tab,
     rust::unfinished_macro,
     rust::ignored_test,
     rust::silenced_lint,
     markdown::one_sentence_a_line,
-    layout::crate_name,
-    layout::inherited_lints,
+    shader::header,
+    shader::long_line,
+    shader::shared_entry_point,
+    manifest::crate_name,
     layout::binary_size,
 ];
 
@@ -61,6 +65,7 @@ pub(crate) fn check(root: &Path) -> Result<Vec<Finding>> {
 
 fn findings(files: &[File]) -> Vec<Finding> {
     let mut findings = layout::top_level(files);
+    findings.extend(manifest::lints(files));
     for file in files {
         findings.extend(FILE_RULES.iter().flat_map(|rule| rule(file)));
     }

@@ -20,15 +20,6 @@ pub(super) fn header(file: &File) -> Vec<Finding> {
     }
 }
 
-pub(super) fn tab(file: &File) -> Vec<Finding> {
-    let Some(text) = file.text_if("rs") else { return Vec::new() };
-    file.bad_lines(
-        text,
-        |line| line.contains('\t'),
-        "tab: indent with spaces, write `\\t` in strings",
-    )
-}
-
 pub(super) fn unfinished_macro(file: &File) -> Vec<Finding> {
     let Some(text) = file.text_if("rs") else { return Vec::new() };
     let is_bad = |line: &str| {
@@ -115,11 +106,6 @@ mod tests {
         assert_eq!(lines_found(header, "a.rs", "// A\n"), [1], "a plain comment");
         assert_eq!(lines_found(header, "a.rs", ""), [1], "an empty file");
         assert_eq!(lines_found(header, "a.wgsl", "// A\n"), NONE, "no Rust");
-    }
-
-    #[test]
-    fn tab_anywhere() {
-        assert_eq!(lines_found(tab, "a.rs", "a\n\tb\n\"\t\"\n"), [2, 3], "two lines");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Rules for every text file.
+//! Rules for every text file; one is for sources only.
 
 use super::rust_text::split;
 use super::{File, Finding};
@@ -38,6 +38,13 @@ pub(super) fn final_newline(file: &File) -> Vec<Finding> {
         }
         _ => Vec::new(),
     }
+}
+
+/// Rust and shaders look alike in every editor; other formats may need their tabs.
+pub(super) fn tab(file: &File) -> Vec<Finding> {
+    let Some(text) = file.text_if("rs").or(file.text_if("wgsl")) else { return Vec::new() };
+    let message = "tab: indent with spaces, write `\\t` in strings";
+    file.bad_lines(text, |line| line.contains('\t'), message)
 }
 
 /// Work left over names the issue in which it will be done; quoted in backticks it is only talked about.
@@ -127,6 +134,13 @@ mod tests {
     fn carriage_return_once() {
         assert_eq!(lines_found(carriage_return, "a.md", "a\nb\r\nc\r\n"), [2], "the first line");
         assert_eq!(lines_found(carriage_return, "a.nhdr", "a\r\n"), NONE, "a data file");
+    }
+
+    #[test]
+    fn tab_anywhere() {
+        assert_eq!(lines_found(tab, "a.rs", "a\n\tb\n\"\t\"\n"), [2, 3], "two lines");
+        assert_eq!(lines_found(tab, "a.wgsl", "a\n\tb\n"), [2], "a shader");
+        assert_eq!(lines_found(tab, "Makefile", "\ta\n"), NONE, "another format");
     }
 
     #[test]

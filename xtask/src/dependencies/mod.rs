@@ -1,136 +1,13 @@
 //! Dependency rules: who may use whom, and which crates of others stay where.
 //!
-//! The rules are the three tables below; the code only compares manifests with them.
+//! The rules are the three tables in [`tables`]; the code here only compares manifests with them.
 //! Layers hold because this fails when they do not: a backend that could see a file reader would one day call it.
 //! Dev-dependencies are free, as tests may compare with anything, but for the crates on top, which would close a circle.
 
-use crate::workspace::Package;
+mod tables;
 
-/// A crate of the workspace, and the crates of the workspace that it may use.
-struct Layer {
-    name: &'static str,
-    may_use: &'static [&'static str],
-    why: &'static str,
-}
-
-const LAYERS: &[Layer] = &[
-    Layer { name: "slabsplat-core", may_use: &[], why: "all others stand on it" },
-    Layer {
-        name: "slabsplat-kernel",
-        may_use: &["slabsplat-core"],
-        why: "kernels and their tables know nothing of volumes on disk, of order, or of who draws",
-    },
-    Layer {
-        name: "slabsplat-io",
-        may_use: &["slabsplat-core"],
-        why: "readers and writers make and take core's types, and never render",
-    },
-    Layer {
-        name: "slabsplat-traverse",
-        may_use: &["slabsplat-core", "slabsplat-kernel"],
-        why: "the order of voxels must not depend on who draws them",
-    },
-    Layer {
-        name: "slabsplat-backend",
-        may_use: &["slabsplat-core", "slabsplat-kernel"],
-        why: "the contract knows no backend, no file and no traversal",
-    },
-    Layer {
-        name: "slabsplat-cpu",
-        may_use: &["slabsplat-core", "slabsplat-kernel", "slabsplat-traverse", "slabsplat-backend"],
-        why: "a backend executes a plan: it reads no file and sees no other backend",
-    },
-    Layer {
-        name: "slabsplat",
-        may_use: &[
-            "slabsplat-core",
-            "slabsplat-kernel",
-            "slabsplat-io",
-            "slabsplat-traverse",
-            "slabsplat-backend",
-            "slabsplat-cpu",
-        ],
-        why: "the facade joins the libraries, and programs stand on top of it",
-    },
-    Layer {
-        name: "slabsplat-cli",
-        may_use: &["slabsplat"],
-        why: "what the program can do, any downstream crate must be able to do",
-    },
-    Layer {
-        name: "slabsplat-tests",
-        may_use: &[
-            "slabsplat-core",
-            "slabsplat-kernel",
-            "slabsplat-io",
-            "slabsplat-traverse",
-            "slabsplat-backend",
-            "slabsplat-cpu",
-            "slabsplat",
-            "slabsplat-cli",
-        ],
-        why: "tests look everywhere but into the tooling",
-    },
-    Layer { name: "xtask", may_use: &[], why: "lint must run while the renderer does not build" },
-];
-
-/// Crates that even a dev-dependency reaches only from above.
-const TOP: &[&str] = &["slabsplat", "slabsplat-cli"];
-
-/// The only crates of others that a crate may use.
-struct Closed {
-    name: &'static str,
-    externals: &'static [&'static str],
-    why: &'static str,
-}
-
-const CLOSED: &[Closed] = &[
-    Closed {
-        name: "slabsplat-core",
-        externals: &["bytemuck", "glam", "thiserror"],
-        why: "what core uses, everybody compiles, on wasm32 too",
-    },
-    Closed {
-        name: "slabsplat-kernel",
-        externals: &["bytemuck", "glam", "libm", "thiserror"],
-        why: "tables must be the same bits on every machine, so it takes its functions from libm",
-    },
-];
-
-/// A crate of others, and who may use it.
-struct External {
-    name: &'static str,
-    users: Users,
-    why: &'static str,
-}
-
-enum Users {
-    Only(&'static [&'static str]),
-    AllBut(&'static [&'static str]),
-}
-
-const EXTERNALS: &[External] = &[
-    External {
-        name: "rayon",
-        users: Users::AllBut(&["slabsplat-core", "slabsplat-kernel", "slabsplat-backend"]),
-        why: "threads belong to those who execute, and these must build where there are none",
-    },
-    External { name: "image", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "serde", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "toml", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
-    External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
-    External {
-        name: "anyhow",
-        users: Users::Only(&["slabsplat-cli", "slabsplat-tests", "xtask"]),
-        why: "a library's errors are an enum that the caller can act on",
-    },
-];
-
-const CODECS: &str = "file formats stay in one crate";
-const TERMINAL: &str = "only the program talks to a terminal";
+use crate::workspace::{Dependency, DependencyKind, Package};
+use tables::{CLOSED, EXTERNALS, LAYERS, Layer, TOP, Users};
 
 /// All violations, one line each.
 pub(crate) fn check(packages: &[Package]) -> Vec<String> {
@@ -146,12 +23,12 @@ fn unknown_crates(package: &Package) -> Vec<String> {
         return Vec::new();
     }
     let name = &package.name;
-    vec![format!("`{name}` has no place among the layers: add it to the table in {}", file!())]
+    vec![format!("`{name}` has no place among the layers: add it to the table in {}", tables::FILE)]
 }
 
 fn broken_layers(package: &Package) -> Vec<String> {
     let Some(layer) = layer(&package.name) else { return Vec::new() };
-    used(package)
+    names_used(package)
         .filter(|name| is_ours(name) && !layer.may_use.contains(name))
         .map(|name| {
             let allowed = listed(layer.may_use);
@@ -162,7 +39,7 @@ fn broken_layers(package: &Package) -> Vec<String> {
 
 fn circles(package: &Package) -> Vec<String> {
     let Some(layer) = layer(&package.name) else { return Vec::new() };
-    let dev = package.dependencies.iter().filter(|dependency| dependency.is_dev);
+    let dev = package.dependencies.iter().filter(|d| d.kind == DependencyKind::Dev);
     dev.map(|dependency| dependency.name.as_str())
         .filter(|name| TOP.contains(name) && !layer.may_use.contains(name))
         .map(|name| {
@@ -176,7 +53,7 @@ fn open_closed(package: &Package) -> Vec<String> {
     let Some(closed) = CLOSED.iter().find(|closed| closed.name == package.name) else {
         return Vec::new();
     };
-    used(package)
+    names_used(package)
         .filter(|name| !is_ours(name) && !closed.externals.contains(name))
         .map(|name| {
             let allowed = listed(closed.externals);
@@ -188,13 +65,24 @@ fn open_closed(package: &Package) -> Vec<String> {
 
 fn misplaced_externals(package: &Package) -> Vec<String> {
     used(package)
-        .filter_map(|name| EXTERNALS.iter().find(|external| external.name == name))
-        .filter(|external| !external.users.include(&package.name))
-        .map(|external| {
+        .filter_map(|dependency| {
+            let external = EXTERNALS.iter().find(|external| external.name == dependency.name)?;
+            Some((external, user(package, dependency)))
+        })
+        .filter(|(external, user)| !external.users.include(user))
+        .map(|(external, user)| {
             let why = format!("{}, because {}", external.users.described(), external.why);
-            forbidden(package, external.name, &why)
+            format!("`{user}` must not depend on `{}`: {why}", external.name)
         })
         .collect()
+}
+
+/// Who uses the dependency, as the tables call it.
+fn user(package: &Package, dependency: &Dependency) -> String {
+    match dependency.kind {
+        DependencyKind::Build => format!("{}/build.rs", package.name),
+        DependencyKind::Normal | DependencyKind::Dev => package.name.clone(),
+    }
 }
 
 impl Users {
@@ -213,9 +101,13 @@ impl Users {
     }
 }
 
-/// What the package's own code is built with.
-fn used(package: &Package) -> impl Iterator<Item = &str> {
-    package.dependencies.iter().filter(|dependency| !dependency.is_dev).map(|d| d.name.as_str())
+/// What the package is built with; its tests may use more.
+fn used(package: &Package) -> impl Iterator<Item = &Dependency> {
+    package.dependencies.iter().filter(|dependency| dependency.kind != DependencyKind::Dev)
+}
+
+fn names_used(package: &Package) -> impl Iterator<Item = &str> {
+    used(package).map(|dependency| dependency.name.as_str())
 }
 
 fn layer(name: &str) -> Option<&'static Layer> {
@@ -280,6 +172,11 @@ mod tests {
             Package::named("slabsplat-core").with("slabsplat-new").with("xtask"),
             &[expected, other],
         );
+        let expected = "`slabsplat-wgpu` must not depend on `slabsplat-ash`: it may use \
+             `slabsplat-gpu`, `slabsplat-shaders`, because it executes";
+        check_one(Package::named("slabsplat-wgpu").with("slabsplat-ash"), &[expected]);
+        let expected = "`slabsplat-shaders` must not depend on `slabsplat-core`: it may use none";
+        check_one(Package::named("slabsplat-shaders").with_build("slabsplat-core"), &[expected]);
         let expected = "`slabsplat-cli` must not depend on `slabsplat-io`: it may use `slabsplat`";
         check_one(Package::named("slabsplat-cli").with("slabsplat-io"), &[expected]);
     }
@@ -311,5 +208,32 @@ mod tests {
         check_one(Package::named("slabsplat-io").with("anyhow"), &[expected]);
         let expected = "`slabsplat-io` must not depend on `indicatif`: it belongs to";
         check_one(Package::named("slabsplat-io").with("indicatif"), &[expected]);
+    }
+    #[test]
+    fn externals_of_build_scripts() {
+        check_one(Package::named("slabsplat-shaders").with_build("naga").with_build("anyhow"), &[]);
+        let expected = "`slabsplat-shaders` must not depend on `naga`: it belongs to \
+             `slabsplat-shaders/build.rs` only";
+        check_one(Package::named("slabsplat-shaders").with("naga"), &[expected]);
+        let expected = "`slabsplat-wgpu/build.rs` must not depend on `naga`: it belongs to";
+        check_one(Package::named("slabsplat-wgpu").with_build("naga"), &[expected]);
+        let expected = "`slabsplat-wgpu/build.rs` must not depend on `wgpu`: it belongs to";
+        check_one(Package::named("slabsplat-wgpu").with_build("wgpu"), &[expected]);
+    }
+
+    /// A row that names a crate wrongly would forbid or allow nothing.
+    #[test]
+    fn tables_name_crates_of_this_workspace() {
+        let packages = workspace::packages(workspace::root()).unwrap();
+        let rows = LAYERS.iter().flat_map(|layer| layer.may_use.iter().chain([&layer.name]));
+        let users = EXTERNALS.iter().flat_map(|external| match external.users {
+            Users::Only(users) => users,
+            Users::AllBut(others) => others,
+        });
+        let closed = CLOSED.iter().map(|closed| &closed.name);
+        for name in rows.chain(users).chain(closed).chain(TOP) {
+            let name = name.trim_end_matches("/build.rs");
+            assert!(packages.iter().any(|package| package.name == name), "`{name}` is a member");
+        }
     }
 }

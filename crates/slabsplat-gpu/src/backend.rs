@@ -1,0 +1,176 @@
+//! The backend contract on any device: jobs go out as work, and come back as frames.
+//!
+//! How many splats a frame tosses is known only when the device has counted them. A frame is submitted with
+//! room for as many as are likely, or as the last frames had. If that was too few, the counts that
+//! come back say so, the room is made, and the job goes out again, before any later frame is handed out.
+
+use crate::frame_passes::FrameMemory;
+use crate::job::{Job, KnownVolume};
+use crate::memory::{Memory, backend_error};
+use crate::params::Counts;
+use crate::voxel_list::VoxelList;
+use crate::{Device, Done, Work, WorkId};
+use slabsplat_backend::{
+    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, StageTime,
+};
+use slabsplat_core::Image;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::task::Poll;
+
+/// Renders on a device.
+#[derive(Debug)]
+pub struct GpuBackend<D> {
+    caps: Caps,
+    device: D,
+    memory: Memory,
+    known: Option<Arc<KnownVolume>>,
+    list: VoxelList,
+    frame: FrameMemory,
+    n_submitted: u64,
+    /// In the order of submission.
+    under_way: VecDeque<UnderWay>,
+    done: Vec<(FrameId, Result<Frame, BackendError>)>,
+}
+
+/// A job whose work was submitted.
+#[derive(Debug)]
+struct UnderWay {
+    frame: FrameId,
+    job: Job,
+    work: WorkId,
+    /// Splats that there was room for.
+    max_splats: u64,
+}
+
+impl<D: Device> GpuBackend<D> {
+    /// A backend called `name` (as flags and scene files say it) on `device`.
+    pub fn new(name: &'static str, device: D) -> Self {
+        let info = device.info();
+        Self {
+            caps: Caps { name, device: info.name.clone() },
+            memory: Memory::default(),
+            known: None,
+            list: VoxelList::new(info),
+            frame: FrameMemory::new(info),
+            n_submitted: 0,
+            under_way: VecDeque::new(),
+            done: Vec::new(),
+            device,
+        }
+    }
+
+    /// What executes the frames.
+    pub fn device(&self) -> &D {
+        &self.device
+    }
+
+    fn known(&mut self, plan: &FramePlan<'_>) -> Arc<KnownVolume> {
+        match &self.known {
+            Some(known) if Arc::ptr_eq(&known.volume, plan.volume) => known.clone(),
+            _ => {
+                self.known = None;
+                self.known.insert(Arc::new(KnownVolume::new(plan.volume.clone()))).clone()
+            }
+        }
+    }
+
+    /// Sends a job out.
+    fn begin(&mut self, job: &Job) -> Result<WorkId, BackendError> {
+        let begun = self.try_begin(job);
+        if begun.is_err() {
+            self.list.forget(&mut self.memory, &mut self.device);
+            self.frame.forget();
+        }
+        begun
+    }
+
+    fn try_begin(&mut self, job: &Job) -> Result<WorkId, BackendError> {
+        let Self { device, memory, list, frame, .. } = self;
+        let mut writes = Vec::new();
+        frame.grow_constant(memory, device)?;
+        let counts = frame.counts.all();
+        let mut passes = list.passes((memory, device), job, counts, &mut writes)?;
+        frame.prepare((memory, device), job, &mut writes)?;
+        passes.extend(frame.passes((memory, device), job, &list.records, &mut writes)?);
+        let reads = frame.reads(job, device.info());
+        let work = Work { writes, passes: passes.into(), reads };
+        device.submit(&work).map_err(|error| backend_error(device, "a frame's transfers", &error))
+    }
+
+    /// Moves what is done from the front of `under_way` to `done`.
+    fn collect(&mut self) {
+        while let Some(mut first) = self.under_way.pop_front() {
+            match self.finish(&mut first) {
+                Ok(Poll::Pending) => return self.under_way.push_front(first),
+                Ok(Poll::Ready(frame)) => self.done.push((first.frame, Ok(frame))),
+                Err(error) => self.done.push((first.frame, Err(error))),
+            }
+        }
+    }
+
+    /// The frame of a job, unless its work is not done, or has to be done again.
+    fn finish(&mut self, job: &mut UnderWay) -> Result<Poll<Frame>, BackendError> {
+        let done = match self.device.poll(job.work) {
+            Ok(Poll::Ready(done)) => done,
+            Ok(Poll::Pending) => return Ok(Poll::Pending),
+            Err(error) => return Err(backend_error(&self.device, "a frame", &error)),
+        };
+        let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0]);
+        if u64::from(counts.n_tossed) <= job.max_splats {
+            return Ok(Poll::Ready(self.frame_of(&job.job, &done, &counts)));
+        }
+        let Self { device, memory, frame, .. } = self;
+        frame.make_room_for(memory, device, counts.n_tossed.into())?;
+        job.max_splats = frame.max_splats;
+        job.work = self.begin(&job.job)?;
+        Ok(Poll::Pending)
+    }
+
+    fn frame_of(&self, job: &Job, done: &Done, counts: &Counts) -> Frame {
+        let [width, height] = job.frame.image_size;
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        let mut rest: &mut [u8] = bytemuck::cast_slice_mut(image.pixels_mut());
+        for band in &done.reads[1..] {
+            let (pixels, below) = rest.split_at_mut(band.len());
+            pixels.copy_from_slice(band);
+            rest = below;
+        }
+        let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
+        let stats = FrameStats {
+            n_voxels: counts.n_voxels.into(),
+            n_splats: wide(counts.n_splatted),
+            n_culled: wide(counts.n_culled),
+            n_tiles: counts.n_tiles.into(),
+            n_full_tiles: counts.n_full_tiles.into(),
+        };
+        let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime { name, ms }).collect();
+        let cost = FrameCost { stages, resident_bytes: self.memory.resident_bytes() };
+        Frame { image, stats, cost }
+    }
+}
+
+impl<D: Device> Backend for GpuBackend<D> {
+    fn caps(&self) -> &Caps {
+        &self.caps
+    }
+
+    fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
+        let job = Job::new(plan, self.known(plan), self.list.records.most());
+        let work = self.begin(&job)?;
+        let frame = FrameId(self.n_submitted);
+        self.n_submitted += 1;
+        let max_splats = self.frame.max_splats;
+        self.under_way.push_back(UnderWay { frame, job, work, max_splats });
+        Ok(frame)
+    }
+
+    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
+        self.collect();
+        if let Some(place) = self.done.iter().position(|(done, _)| *done == frame) {
+            return self.done.swap_remove(place).1.map(Poll::Ready);
+        }
+        let is_under_way = self.under_way.iter().any(|job| job.frame == frame);
+        if is_under_way { Ok(Poll::Pending) } else { Err(BackendError::UnknownFrame(frame)) }
+    }
+}

@@ -1,0 +1,140 @@
+//! A plan as the shaders read it. Everything is worked out in 64 bits and then rounded once; lengths are in
+//! `unit`s, so that no scale of a world is too large or too small for 32 bits.
+
+use crate::classification::compositing_code;
+use crate::params::{Frame, TILE_SIDE, flag};
+use slabsplat_backend::{FramePlan, Splats};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Light, Lookup, Phong, Shading, SlabGrid, SliceOrder};
+
+/// Quads in a row of the plan's table.
+pub(crate) fn frame_params(plan: &FramePlan<'_>, row_len: u32) -> Frame {
+    let mut frame = Frame {
+        opacity_cutoff: plan.opacity_cutoff,
+        compositing: compositing_code(plan.compositing),
+        background: plan.image.background,
+        row_len,
+        ..bytemuck::Zeroable::zeroed()
+    };
+    put_view(plan, &mut frame);
+    put_footprint(plan, &mut frame);
+    put_sheets(plan, &mut frame);
+    if let Shading::Phong(phong) = plan.shading {
+        put_light(&phong, plan.view.axes().forward, &mut frame);
+    }
+    frame
+}
+
+fn put_view(plan: &FramePlan<'_>, frame: &mut Frame) {
+    let (grid, view) = (plan.volume.grid(), &plan.view);
+    let unit = grid.unit();
+    let from_index = view.from_index(grid);
+    let row = |axis: usize| {
+        let in_units = from_index.matrix.row(axis) / unit;
+        in_units.extend(from_index.center_in_view[axis] / unit).as_vec4().to_array()
+    };
+    [frame.right, frame.up, frame.depth] = [0, 1, 2].map(row);
+    frame.center_in_index = from_index.center_in_index.as_vec3().to_array();
+    frame.dims = grid.dims().map(|n| n as u32);
+    frame.image_size = view.image_size();
+    frame.n_tiles = view.image_size().map(|side| side.div_ceil(TILE_SIDE));
+    frame.image_center = view.image_size().map(|side| 0.5 * side as f32);
+    frame.is_perspective = flag(view.is_perspective());
+    let near = view.near_depth();
+    // A unit before the near depth is the eye, where there is one.
+    let eye_to_near = if view.is_perspective() { unit } else { 0.0 };
+    frame.eye_distance = ((eye_to_near - near) / unit) as f32;
+    frame.near = (near / unit) as f32;
+    frame.pixels_per_unit = (view.pixels_per_world(near) * unit) as f32;
+}
+
+fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
+    let (shape, unit) = (&plan.shape, plan.volume.grid().unit());
+    frame.radius = plan.radius as f32;
+    frame.reach = (plan.radius * shape.half_depth / unit) as f32;
+    frame.index_per_depth = (shape.index_per_depth * unit) as f32;
+    frame.is_tilted = flag(shape.is_tilted(plan.radius));
+    // The square is completed here: `yy − xy²/xx` loses all its digits where a kernel is long and thin.
+    let [xx, xy, yy] = shape.rho_squared.map(|c| c * unit * unit);
+    frame.across = xx as f32;
+    frame.lean = (-xy / xx) as f32;
+    frame.along = (yy - xy * xy / xx) as f32;
+    let [right, up] = shape.tilt.map(|c| (c * unit) as f32);
+    frame.tilt = [right, -up];
+    frame.half_extent = shape.half_extent.map(|c| (c / unit) as f32);
+}
+
+fn put_sheets(plan: &FramePlan<'_>, frame: &mut Frame) {
+    frame.method = method_code(&plan.splats);
+    match &plan.splats {
+        Splats::Sections { slabs, table } => {
+            put_slabs(plan, slabs, frame);
+            let rows = table.rows();
+            frame.samples_per_index = table.samples_per_index();
+            frame.rows_per_index = rows.rows_per_index;
+            frame.last_row = rows.last_row;
+            frame.is_mirrored = flag(rows.mirrored);
+            frame.is_nearest = flag(table.lookup() == Lookup::Nearest);
+        }
+        Splats::Slices { order, table } => {
+            put_slices(order, frame);
+            frame.samples_per_index = table.samples_per_index();
+        }
+        Splats::Voxels { table } => {
+            frame.n_sheets = 1;
+            frame.samples_per_index = table.samples_per_index();
+        }
+    }
+}
+
+/// The number by which the shaders know the method.
+fn method_code(splats: &Splats) -> u32 {
+    match splats {
+        Splats::Sections { .. } => 0,
+        Splats::Slices { .. } => 1,
+        Splats::Voxels { .. } => 2,
+    }
+}
+
+fn put_slabs(plan: &FramePlan<'_>, slabs: &SlabGrid, frame: &mut Frame) {
+    let reach = plan.radius * plan.shape.half_depth;
+    frame.n_sheets = slabs.n_slabs() as u32;
+    frame.slab_thickness = (slabs.thickness() / plan.volume.grid().unit()) as f32;
+    frame.first_slab = (slabs.front(0) / slabs.thickness()).round() as i32;
+    frame.n_slabs_before = (2.0 * reach / slabs.thickness()).ceil() as u32;
+    frame.first_drawn = first_drawn(plan, slabs);
+}
+
+/// Slabs are drawn from one on.
+fn first_drawn(plan: &FramePlan<'_>, slabs: &SlabGrid) -> u32 {
+    let (mut lo, mut hi) = (0, slabs.n_slabs());
+    while lo < hi {
+        let middle = lo.midpoint(hi);
+        if plan.view.draws_slab(slabs.faces(middle)) {
+            hi = middle;
+        } else {
+            lo = middle + 1;
+        }
+    }
+    lo as u32
+}
+
+fn put_slices(order: &SliceOrder, frame: &mut Frame) {
+    frame.n_sheets = order.n_slices as u32;
+    frame.slice_axis = order.axis as u32 + if order.is_reversed { 4 } else { 0 };
+}
+
+/// A light and a viewer, both infinitely far away.
+fn put_light(phong: &Phong, forward: DVec3, frame: &mut Frame) {
+    let to_light = match phong.light {
+        Light::Headlight => -forward,
+        Light::Direction(direction) => direction,
+    };
+    frame.is_lit = 1;
+    frame.is_two_sided = flag(phong.two_sided);
+    frame.to_light = to_light.as_vec3().to_array();
+    frame.halfway = (to_light - forward).normalize_or_zero().as_vec3().to_array();
+    let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
+    [frame.ambient, frame.diffuse, frame.specular, frame.shininess] =
+        coefficients.map(|c| c as f32);
+}

@@ -1,0 +1,58 @@
+//! A frame on a GPU, as data: which buffers, which shaders, in which order, how many workgroups. It is written
+//! down once, here, and executed by whatever implements [`Device`]; with a device, [`GpuBackend`] is a
+//! backend like any other.
+//!
+//! # How a frame is made
+//!
+//! 1. *Classify*, if volume or transfer function changed: the device finds the relevant voxels among the
+//!    samples that it holds, with their normals and colours. A new transfer function sends its points
+//!    (32 bytes each), a new volume its samples.
+//! 2. *Project*: every relevant voxel is shaded and projected. A new camera sends 288 bytes, and
+//!    32 for each pass.
+//! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
+//! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
+//!    keeps the order from front to back within each.
+//! 5. *Splat*: a workgroup renders a tile, sheet by sheet, in registers, and stops when all pixels are full.
+//!
+//! Sorts and sums are stable and take no part in races, so a frame gives the same bits every time.
+//! Classification compares samples as the integers that they are, and positions of the transfer function
+//! have 48 bits; everything after that is in 32-bit floats, in `unit`s of the grid.
+//!
+//! # What a third device would have to write
+//!
+//! The five functions of [`Device`]: make and destroy buffers, begin work, hand bytes back. Shaders come as WGSL
+//! and as SPIR-V (`slabsplat-shaders`), passes as a list of shader, buffer slices and workgroup counts.
+//!
+//! # Reading order
+//!
+//! `device`; `frame_passes` and `voxel_list`, which are the frame, with `pass_list`, `sums`, `chunks` and
+//! `memory` below them; `backend` and `job`; `params`, `frame_params`, `depth_params`,
+//! `classification`, `number`, `samples` and `section_table`, which say a plan in the shaders' terms.
+//! The stages themselves are in `shaders/`.
+
+mod device;
+
+mod classification;
+mod depth_params;
+mod frame_params;
+mod number;
+mod params;
+mod samples;
+mod section_table;
+
+mod chunks;
+mod memory;
+mod pass_list;
+mod sums;
+
+mod frame_passes;
+mod job;
+mod voxel_list;
+
+mod backend;
+
+pub use backend::GpuBackend;
+pub use device::{
+    BufferId, Device, DeviceError, DeviceInfo, DeviceKind, Done, OpenOptions, Pass, Slice,
+    Unavailable, Work, WorkId, Write,
+};

@@ -1,0 +1,258 @@
+//! The structs that shaders read, as Rust has them. A test compares their layouts with what naga says of
+//! the shaders' own.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A flag in a struct that a shader reads.
+pub(crate) fn flag(is_set: bool) -> u32 {
+    u32::from(is_set)
+}
+
+/// `shaders/shared/frame.wgsl` says what each member means.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Frame {
+    pub(crate) right: [f32; 4],
+    pub(crate) up: [f32; 4],
+    pub(crate) depth: [f32; 4],
+    pub(crate) center_in_index: [f32; 3],
+    pub(crate) pixels_per_unit: f32,
+    pub(crate) dims: [u32; 3],
+    pub(crate) is_perspective: u32,
+    pub(crate) image_size: [u32; 2],
+    pub(crate) n_tiles: [u32; 2],
+    pub(crate) image_center: [f32; 2],
+    pub(crate) eye_distance: f32,
+    pub(crate) near: f32,
+    pub(crate) radius: f32,
+    pub(crate) reach: f32,
+    pub(crate) index_per_depth: f32,
+    pub(crate) is_tilted: u32,
+    pub(crate) across: f32,
+    pub(crate) lean: f32,
+    pub(crate) along: f32,
+    pub(crate) opacity_cutoff: f32,
+    pub(crate) tilt: [f32; 2],
+    pub(crate) half_extent: [f32; 2],
+    pub(crate) method: u32,
+    pub(crate) compositing: u32,
+    pub(crate) n_sheets: u32,
+    pub(crate) first_drawn: u32,
+    pub(crate) slab_thickness: f32,
+    pub(crate) first_slab: i32,
+    pub(crate) n_slabs_before: u32,
+    pub(crate) slice_axis: u32,
+    pub(crate) samples_per_index: f32,
+    pub(crate) rows_per_index: f32,
+    pub(crate) last_row: f32,
+    pub(crate) row_len: u32,
+    pub(crate) is_mirrored: u32,
+    pub(crate) is_nearest: u32,
+    pub(crate) is_lit: u32,
+    pub(crate) is_two_sided: u32,
+    pub(crate) to_light: [f32; 3],
+    pub(crate) ambient: f32,
+    pub(crate) halfway: [f32; 3],
+    pub(crate) diffuse: f32,
+    pub(crate) specular: f32,
+    pub(crate) shininess: f32,
+    pub(crate) padding: [f32; 2],
+    pub(crate) background: [f32; 4],
+}
+
+/// `shaders/shared/sample.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct VolumeParams {
+    pub(crate) gradient_x: [f32; 4],
+    pub(crate) gradient_y: [f32; 4],
+    pub(crate) gradient_z: [f32; 4],
+    pub(crate) dims: [u32; 3],
+    pub(crate) sample_type: u32,
+    pub(crate) number_scale: f32,
+    pub(crate) n_ranges: u32,
+    pub(crate) n_opacities: u32,
+    pub(crate) n_colors: u32,
+    pub(crate) is_falling: u32,
+    pub(crate) compositing: u32,
+    pub(crate) exponent: i32,
+    pub(crate) padding: u32,
+}
+
+/// `shaders/depth_key.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct DepthParams {
+    pub(crate) low: [[u32; 4]; 3],
+    pub(crate) high: [[u32; 4]; 3],
+    pub(crate) dims: [u32; 3],
+    pub(crate) fraction_bits: u32,
+    pub(crate) bias: [u32; 2],
+    pub(crate) padding: [u32; 2],
+}
+
+/// `shaders/shared/step.wgsl`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Step {
+    pub(crate) first: u32,
+    pub(crate) n_elements: u32,
+    pub(crate) count_slot: u32,
+    pub(crate) chunk_bits: u32,
+    pub(crate) shift: u32,
+    pub(crate) n_blocks: u32,
+    pub(crate) first_block: u32,
+    pub(crate) first_sample: u32,
+}
+
+/// No slot of the counts.
+pub(crate) const NO_COUNT: u32 = u32::MAX;
+
+/// `shaders/shared/step.wgsl`, `COUNT_*`: what a frame counts, as it is read back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Counts {
+    pub(crate) n_voxels: u32,
+    /// Splats on tiles that there are, whether there is room for them or not.
+    pub(crate) n_tossed: u32,
+    pub(crate) n_splatted: [u32; 2],
+    pub(crate) n_culled: [u32; 2],
+    pub(crate) n_tiles: u32,
+    pub(crate) n_full_tiles: u32,
+}
+
+/// Slots of [`Counts`].
+pub(crate) const COUNT_VOXELS: u32 = 0;
+pub(crate) const COUNT_SPLATS: u32 = 1;
+
+/// Bytes of `shaders/shared/record.wgsl` and `splat.wgsl`.
+pub(crate) const RECORD_BYTES: u64 = 32;
+pub(crate) const SPLAT_BYTES: u64 = 32;
+/// Bytes of `shaders/shared/tile_work.wgsl`.
+pub(crate) const TILE_WORK_BYTES: u64 = 20;
+
+/// `shaders/shared/tile.wgsl`: pixels along the side of a tile.
+pub(crate) const TILE_SIDE: u32 = 8;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_shaders::{STRUCTS, StructLayout};
+    use std::mem::offset_of;
+
+    fn layout(name: &str) -> &'static StructLayout {
+        STRUCTS.iter().find(|layout| layout.name == name).expect("a shader declares it")
+    }
+
+    /// Compares a struct with the shaders' one of the same name, member by member.
+    macro_rules! check {
+        ($name:ident { $($member:ident),* $(,)? }) => {{
+            let layout = layout(stringify!($name));
+            assert_eq!(size_of::<$name>(), layout.size as usize, stringify!($name));
+            let members = [$((stringify!($member), offset_of!($name, $member))),*];
+            let expected: Vec<_> =
+                layout.members.iter().map(|m| (m.name, m.offset as usize)).collect();
+            assert_eq!(members.as_slice(), expected, stringify!($name));
+        }};
+    }
+
+    #[test]
+    fn layouts_are_the_shaders() {
+        check!(Frame {
+            right,
+            up,
+            depth,
+            center_in_index,
+            pixels_per_unit,
+            dims,
+            is_perspective,
+            image_size,
+            n_tiles,
+            image_center,
+            eye_distance,
+            near,
+            radius,
+            reach,
+            index_per_depth,
+            is_tilted,
+            across,
+            lean,
+            along,
+            opacity_cutoff,
+            tilt,
+            half_extent,
+            method,
+            compositing,
+            n_sheets,
+            first_drawn,
+            slab_thickness,
+            first_slab,
+            n_slabs_before,
+            slice_axis,
+            samples_per_index,
+            rows_per_index,
+            last_row,
+            row_len,
+            is_mirrored,
+            is_nearest,
+            is_lit,
+            is_two_sided,
+            to_light,
+            ambient,
+            halfway,
+            diffuse,
+            specular,
+            shininess,
+            padding,
+            background,
+        });
+        check!(VolumeParams {
+            gradient_x,
+            gradient_y,
+            gradient_z,
+            dims,
+            sample_type,
+            number_scale,
+            n_ranges,
+            n_opacities,
+            n_colors,
+            is_falling,
+            compositing,
+            exponent,
+            padding,
+        });
+        check!(DepthParams { low, high, dims, fraction_bits, bias, padding });
+        check!(Step {
+            first,
+            n_elements,
+            count_slot,
+            chunk_bits,
+            shift,
+            n_blocks,
+            first_block,
+            first_sample,
+        });
+    }
+
+    #[test]
+    fn sizes_are_the_shaders() {
+        assert_eq!(u64::from(layout("Record").size), RECORD_BYTES);
+        assert_eq!(u64::from(layout("Splat").size), SPLAT_BYTES);
+        assert_eq!(u64::from(layout("TileWork").size), TILE_WORK_BYTES);
+    }
+
+    /// Constants have no layout to reflect, so their declarations are looked for.
+    #[test]
+    fn constants_are_the_shaders() {
+        let source: String = slabsplat_shaders::ALL.iter().map(|shader| shader.wgsl).collect();
+        let declares = |line: String| assert!(source.contains(&line), "{line}");
+        declares(format!("const TILE_SIDE: u32 = {TILE_SIDE}u;"));
+        declares(format!("const COUNT_VOXELS: u32 = {COUNT_VOXELS}u;"));
+        declares(format!("const COUNT_SPLATS: u32 = {COUNT_SPLATS}u;"));
+        let slot = |offset: usize| offset / size_of::<u32>();
+        declares(format!("COUNT_SPLATTED: u32 = {}u", slot(offset_of!(Counts, n_splatted))));
+        declares(format!("COUNT_CULLED: u32 = {}u", slot(offset_of!(Counts, n_culled))));
+        declares(format!("COUNT_TILES: u32 = {}u", slot(offset_of!(Counts, n_tiles))));
+        declares(format!("COUNT_FULL_TILES: u32 = {}u", slot(offset_of!(Counts, n_full_tiles))));
+    }
+}

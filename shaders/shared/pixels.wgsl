@@ -1,0 +1,19 @@
+// From view space to pixels (SPEC §5).
+
+// Pixels per unit at a depth.
+fn scale_at(depth: f32) -> f32 {
+    if frame.is_perspective == 1u {
+        return frame.pixels_per_unit / (depth + frame.eye_distance);
+    }
+    return frame.pixels_per_unit;
+}
+
+// By how much footprints are widened where a pixel covers more than a unit.
+fn stretch_of(scale: f32) -> f32 {
+    return max(1.0 / scale, 1.0);
+}
+
+// Where a point lies in the picture.
+fn pixel_of(center: vec3<f32>, scale: f32) -> vec2<f32> {
+    return frame.image_center + vec2(center.x, -center.y) * scale;
+}

@@ -1,0 +1,10 @@
+// A voxel that was shaded and projected, ready to be splatted.
+
+struct Splat {
+    // Right, up and depth.
+    center: vec3<f32>,
+    // The first slab that its kernel meets, or its slice; every-sample has no sheets.
+    sheet: u32,
+    // What a sheet sums (SPEC §3).
+    color: vec4<f32>,
+}

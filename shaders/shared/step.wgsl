@@ -1,0 +1,37 @@
+// What one dispatch is told beside the frame: which part of the work it does. A dispatch covers a number
+// of elements that the host knows; how many of them there really are, only the device may know.
+
+struct Step {
+    // The first element of the dispatch.
+    first: u32,
+    // How many elements there can be at most.
+    n_elements: u32,
+    // Where `counts` says how many there are; `NO_COUNT` if there are as many as there can be.
+    count_slot: u32,
+    // Elements are kept in up to four buffers of 2^chunk_bits each.
+    chunk_bits: u32,
+    // Sorting: the lowest bit of the digit.
+    shift: u32,
+    // Sorting: the number of blocks. Tossing: how many splats there is room for.
+    n_blocks: u32,
+    // The first block of the dispatch among those of all dispatches.
+    first_block: u32,
+    // The first sample that the bound part of the volume holds.
+    first_sample: u32,
+}
+
+const NO_COUNT: u32 = 0xffffffffu;
+
+// Slots of `counts`.
+const COUNT_VOXELS: u32 = 0u;
+const COUNT_SPLATS: u32 = 1u;
+// Two words each, the low one first.
+const COUNT_SPLATTED: u32 = 2u;
+const COUNT_CULLED: u32 = 4u;
+const COUNT_TILES: u32 = 6u;
+const COUNT_FULL_TILES: u32 = 7u;
+
+// The number of a workgroup in a dispatch that is wider than one dimension allows.
+fn linear_group(group: vec3<u32>, n_groups: vec3<u32>) -> u32 {
+    return group.y * n_groups.x + group.x;
+}

@@ -1,0 +1,35 @@
+// Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row.
+//
+// Rows run over the half chord √(R² − ρ²), and stand at equal steps of how deep the slab reaches into the
+// kernel. An element holds all four values that are interpolated between: two neighbours of a row, and
+// the same two of the next row. So a look-up is one load.
+//
+// Whoever includes this declares `table`.
+
+// A row of the table, and how far it is to the next.
+struct Row {
+    first_element: u32,
+    t: f32,
+}
+
+// The row of the section between the faces `front` and `back`, in index units behind the voxel.
+fn row_at(front: f32, back: f32) -> Row {
+    let from_front = back + frame.radius;
+    let reach = select(from_front, min(from_front, frame.radius - front), frame.is_mirrored == 1u);
+    let position = clamp(reach * frame.rows_per_index, 0.0, frame.last_row);
+    if frame.is_nearest == 1u {
+        return Row(u32(position + 0.5) * frame.row_len, 0.0);
+    }
+    let row = floor(position);
+    return Row(u32(row) * frame.row_len, position - row);
+}
+
+// The weight at `rho_squared`, which is less than the radius squared.
+fn weight_at(row: Row, rho_squared: f32) -> f32 {
+    let half_chord = sqrt(max(frame.radius * frame.radius - rho_squared, 0.0));
+    let position = half_chord * frame.samples_per_index;
+    let sample = min(floor(position), f32(frame.row_len - 1u));
+    let near = table[row.first_element + u32(sample)];
+    let along = mix(near.xz, near.yw, position - sample);
+    return mix(along.x, along.y, row.t);
+}

@@ -1,0 +1,322 @@
+// Splatting and compositing: a workgroup renders a tile, a thread a pixel, sheet by sheet from the eye. The
+// pixel's sheet and the composited pixel stay in registers.
+//
+//   for each sheet that any of the tile's splats reaches into, until all pixels are full:
+//       for each batch of 64 splats from the first that still reaches into it:
+//           every thread stages one splat: where it lies in this sheet, and its row of the table
+//           every thread adds all staged splats to its pixel
+//       put the sheet behind the pixel
+//
+// The tile's splats are sorted by the sheet in which they begin. So those that a sheet needs are a run
+// of the list, which moves along it with the sheets. `every-sample` has no sheets: there, all splats of the
+// list form one run, and each is put behind the pixel by itself.
+
+//#include "shared/step.wgsl"
+//#include "shared/frame.wgsl"
+//#include "shared/splat.wgsl"
+//#include "shared/pixels.wgsl"
+//#include "shared/slabs.wgsl"
+//#include "shared/table.wgsl"
+//#include "shared/tile.wgsl"
+//#include "shared/tile_work.wgsl"
+//#include "shared/compositing.wgsl"
+//#include "shared/extinction.wgsl"
+//#include "shared/resolve.wgsl"
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+// The tiles `first .. first + n_elements`; the first pixel that is bound is that of row `first_sample`.
+@group(0) @binding(1) var<uniform> step: Step;
+@group(0) @binding(2) var<storage, read> tossed_voxels: array<u32>;
+@group(0) @binding(3) var<storage, read> table: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read_write> tiles: array<TileWork>;
+@group(0) @binding(5) var<storage, read_write> pixels: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read> splats_0: array<Splat>;
+@group(0) @binding(7) var<storage, read> splats_1: array<Splat>;
+@group(0) @binding(8) var<storage, read> splats_2: array<Splat>;
+@group(0) @binding(9) var<storage, read> splats_3: array<Splat>;
+
+const BATCH: u32 = 64u;
+const NO_SHEET: u32 = 0xffffffffu;
+
+// A splat as all pixels of the tile need it.
+struct Footprint {
+    color: vec4<f32>,
+    // In pixels from the image's upper left corner.
+    center: vec2<f32>,
+    // ρ² at which it ends; negative if it is not to be seen.
+    rho_squared_max: f32,
+    row_t: f32,
+    // The quadratic form in pixels.
+    across: f32,
+    along: f32,
+    // Tilted sections: the slab's faces, in index units behind the voxel, and what a pixel adds to them.
+    front: f32,
+    back: f32,
+    tilt: vec2<f32>,
+    row: u32,
+    // The sheet in which the splat begins.
+    sheet: u32,
+}
+
+// What a batch holds of the run that the sheet needs.
+struct Batch {
+    // Splats that no longer reach into the sheet.
+    n_dead: u32,
+    // The place behind the last splat that begins at or before the sheet.
+    end: u32,
+    // The sheet in which the splat at that place begins.
+    next_sheet: u32,
+    // Whether any pixel can still change.
+    is_open: u32,
+}
+
+var<workgroup> staged: array<Footprint, BATCH>;
+var<workgroup> batch: Batch;
+var<workgroup> work: TileWork;
+var<workgroup> n_splatted: atomic<u32>;
+var<workgroup> n_culled: atomic<u32>;
+
+@compute @workgroup_size(8, 8)
+fn splat(
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) n_groups: vec3<u32>,
+) {
+    let place = linear_group(group, n_groups);
+    if step.n_elements <= place {
+        return;
+    }
+    let tile = step.first + place;
+    if thread == 0u {
+        work = tiles[tile];
+        atomicStore(&n_splatted, 0u);
+        atomicStore(&n_culled, 0u);
+    }
+    let todo = workgroupUniformLoad(&work);
+    let at = vec2(tile % frame.n_tiles.x, tile / frame.n_tiles.x) * TILE_SIDE + local.xy;
+    let is_inside = all(at < frame.image_size);
+    let pixel = composite(todo, thread, at, is_inside);
+    if is_inside {
+        let place = (at.y - step.first_sample) * frame.image_size.x + at.x;
+        pixels[place] = over_background(pixel);
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        tiles[tile].n_splatted = atomicLoad(&n_splatted);
+        tiles[tile].n_culled = atomicLoad(&n_culled);
+        tiles[tile].is_full = 1u - batch.is_open;
+    }
+}
+
+fn over_background(pixel: vec4<f32>) -> vec4<f32> {
+    let straight = frame.background;
+    let background = vec4(straight.rgb * straight.a, straight.a);
+    return pixel + (1.0 - pixel.a) * background;
+}
+
+// The tile's sheets, front to back.
+fn composite(todo: TileWork, thread: u32, at: vec2<u32>, is_inside: bool) -> vec4<f32> {
+    var pixel = vec4(0.0);
+    var is_open = is_inside;
+    if thread == 0u {
+        batch.is_open = 1u;
+    }
+    // The run that the sheet needs begins here.
+    var begin = todo.begin;
+    var sheet = first_sheet(todo);
+    var n_staged = 0u;
+    while begin < todo.end && sheet < frame.n_sheets {
+        var sums = vec4(0.0);
+        var n_alive = 0u;
+        // The place of the batch.
+        var first = begin;
+        var next_sheet = NO_SHEET;
+        loop {
+            workgroupBarrier();
+            let is_staged = stage(first + thread, todo.end, sheet, thread);
+            if thread == 0u {
+                batch.is_open = 0u;
+            }
+            workgroupBarrier();
+            find_run(sheet, thread, is_open);
+            let now = workgroupUniformLoad(&batch);
+            if now.is_open == 0u {
+                cull(first, todo.end, sheet, thread);
+                atomicAdd(&n_splatted, n_staged);
+                return pixel;
+            }
+            n_staged += is_staged;
+            if is_open {
+                for (var i = now.n_dead; i < now.end; i++) {
+                    let splat = weighted(i, vec2<f32>(at) + 0.5);
+                    if frame.method == METHOD_VOXELS {
+                        pixel += (1.0 - pixel.a) * resolve(splat);
+                    } else {
+                        sums += splat;
+                    }
+                }
+            }
+            if 0u < now.n_dead {
+                begin = first + now.n_dead;
+            }
+            if frame.method == METHOD_VOXELS {
+                is_open = is_inside && pixel.a < frame.opacity_cutoff;
+                begin = first + now.end;
+            }
+            n_alive += now.end - now.n_dead;
+            first += BATCH;
+            next_sheet = now.next_sheet;
+            if now.end < BATCH || todo.end <= first {
+                break;
+            }
+        }
+        pixel += (1.0 - pixel.a) * resolve(sums);
+        is_open = is_inside && pixel.a < frame.opacity_cutoff;
+        sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
+    }
+    atomicAdd(&n_splatted, n_staged);
+    return pixel;
+}
+
+// The sheet of the tile's first splat.
+fn first_sheet(todo: TileWork) -> u32 {
+    if todo.end <= todo.begin {
+        return NO_SHEET;
+    }
+    return splat_at(tossed_voxels[todo.begin]).sheet;
+}
+
+fn splat_at(voxel: u32) -> Splat {
+    let local = voxel & ((1u << step.chunk_bits) - 1u);
+    switch voxel >> step.chunk_bits {
+        case 0u: { return splats_0[local]; }
+        case 1u: { return splats_1[local]; }
+        case 2u: { return splats_2[local]; }
+        default: { return splats_3[local]; }
+    }
+}
+
+// Stages the splat at a place of the list; 1 if the sheet holds it.
+fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
+    staged[thread].sheet = NO_SHEET;
+    staged[thread].rho_squared_max = -1.0;
+    if end <= place {
+        return 0u;
+    }
+    let splat = splat_at(tossed_voxels[place]);
+    staged[thread].sheet = splat.sheet;
+    if sheet < splat.sheet {
+        return 0u;
+    }
+    if frame.method == METHOD_SECTIONS {
+        return stage_section(splat, sheet, thread);
+    }
+    if frame.method == METHOD_SLICES && splat.sheet < sheet {
+        return 0u;
+    }
+    stage_shape(splat, splat.center.z, thread);
+    staged[thread].rho_squared_max = frame.radius * frame.radius;
+    staged[thread].row = 0u;
+    staged[thread].row_t = 0.0;
+    return 1u;
+}
+
+fn stage_section(splat: Splat, slab: u32, thread: u32) -> u32 {
+    let faces = vec2(front_of(slab), front_of(slab + 1u));
+    let depth = splat.center.z;
+    if depth + frame.reach <= faces.x || faces.y <= depth - frame.reach {
+        return 0u;
+    }
+    stage_shape(splat, middle_of(slab), thread);
+    let from_voxel = (faces - depth) * frame.index_per_depth;
+    staged[thread].front = from_voxel.x;
+    staged[thread].back = from_voxel.y;
+    let row = row_at(from_voxel.x, from_voxel.y);
+    staged[thread].row = row.first_element;
+    staged[thread].row_t = row.t;
+    // The disc in which the slab cuts the ball.
+    var nearest = 0.0;
+    if frame.is_tilted == 0u {
+        nearest = max(max(from_voxel.x, -from_voxel.y), 0.0);
+    }
+    staged[thread].rho_squared_max = frame.radius * frame.radius - nearest * nearest;
+    return 1u;
+}
+
+// What depends on the depth at which a splat is projected.
+fn stage_shape(splat: Splat, depth: f32, thread: u32) {
+    let scale = scale_at(depth);
+    let stretch = stretch_of(scale);
+    let pixels = scale * stretch;
+    staged[thread].center = pixel_of(splat.center, scale);
+    staged[thread].across = frame.across / (pixels * pixels);
+    staged[thread].along = frame.along / (pixels * pixels);
+    staged[thread].tilt = frame.tilt / pixels;
+    staged[thread].color = splat.color / (stretch * stretch);
+}
+
+// Finds what the batch holds of the sheet's run: sheets rise within it, so the ends of the run are where they
+// pass two limits.
+fn find_run(sheet: u32, thread: u32, is_open: bool) {
+    let first_alive = sheet - min(sheet, frame.n_slabs_before);
+    let own = staged[thread].sheet;
+    // Before the first splat there is nothing, as if it had begun long ago.
+    var before_is_dead = true;
+    var before_has_begun = true;
+    if 0u < thread {
+        let before = staged[thread - 1u].sheet;
+        before_is_dead = before < first_alive;
+        before_has_begun = before <= sheet;
+    }
+    if first_alive <= own && before_is_dead {
+        batch.n_dead = thread;
+    }
+    if sheet < own && before_has_begun {
+        batch.end = thread;
+        batch.next_sheet = own;
+    }
+    if thread == BATCH - 1u {
+        if own < first_alive {
+            batch.n_dead = BATCH;
+        }
+        if own <= sheet {
+            batch.end = BATCH;
+            batch.next_sheet = NO_SHEET;
+        }
+    }
+    if is_open {
+        batch.is_open = 1u;
+    }
+}
+
+// The staged splat at a pixel's centre.
+fn weighted(i: u32, at: vec2<f32>) -> vec4<f32> {
+    let d = at - staged[i].center;
+    let x = d.x + frame.lean * d.y;
+    let rho_squared = staged[i].across * x * x + staged[i].along * d.y * d.y;
+    if staged[i].rho_squared_max <= rho_squared {
+        return vec4(0.0);
+    }
+    var row = Row(staged[i].row, staged[i].row_t);
+    if frame.is_tilted == 1u && frame.method == METHOD_SECTIONS {
+        let later = dot(staged[i].tilt, d);
+        row = row_at(staged[i].front + later, staged[i].back + later);
+    }
+    return staged[i].color * weight_at(row, rho_squared);
+}
+
+// Counts what is left from a place of the list on, now that all pixels are full.
+fn cull(first: u32, end: u32, sheet: u32, thread: u32) {
+    var n = 0u;
+    for (var place = first + thread; place < end; place += BATCH) {
+        if frame.method == METHOD_SECTIONS {
+            let slabs = slabs_of(splat_at(tossed_voxels[place]).center.z);
+            let next = max(max(slabs.x, frame.first_drawn), sheet);
+            n += max(slabs.y + 1u, next) - next;
+        } else {
+            n += 1u;
+        }
+    }
+    atomicAdd(&n_culled, n);
+}

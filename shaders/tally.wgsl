@@ -1,0 +1,48 @@
+// Sums up what the tiles report. One workgroup; each number of splats takes two words.
+
+//#include "shared/step.wgsl"
+//#include "shared/tile_work.wgsl"
+
+@group(0) @binding(0) var<uniform> step: Step;
+@group(0) @binding(1) var<storage, read> tiles: array<TileWork>;
+@group(0) @binding(2) var<storage, read_write> counts: array<u32>;
+
+// Splatted: low and high word; culled: low and high word.
+var<workgroup> n_splats: array<vec4<u32>, 256>;
+// Tiles with splats, full tiles.
+var<workgroup> n_tiles: array<vec2<u32>, 256>;
+
+fn add(sum: vec2<u32>, n: vec2<u32>) -> vec2<u32> {
+    let low = sum.x + n.x;
+    return vec2(low, sum.y + n.y + select(0u, 1u, low < sum.x));
+}
+
+@compute @workgroup_size(256)
+fn tally(@builtin(local_invocation_index) thread: u32) {
+    var splatted = vec2(0u);
+    var culled = vec2(0u);
+    var n = vec2(0u);
+    for (var i = thread; i < step.n_elements; i += 256u) {
+        let tile = tiles[i];
+        splatted = add(splatted, vec2(tile.n_splatted, 0u));
+        culled = add(culled, vec2(tile.n_culled, 0u));
+        n += vec2(select(0u, 1u, tile.begin < tile.end), tile.is_full);
+    }
+    n_splats[thread] = vec4(splatted, culled);
+    n_tiles[thread] = n;
+    workgroupBarrier();
+    if thread != 0u {
+        return;
+    }
+    for (var i = 1u; i < 256u; i++) {
+        splatted = add(splatted, n_splats[i].xy);
+        culled = add(culled, n_splats[i].zw);
+        n += n_tiles[i];
+    }
+    counts[COUNT_SPLATTED] = splatted.x;
+    counts[COUNT_SPLATTED + 1u] = splatted.y;
+    counts[COUNT_CULLED] = culled.x;
+    counts[COUNT_CULLED + 1u] = culled.y;
+    counts[COUNT_TILES] = n.x;
+    counts[COUNT_FULL_TILES] = n.y;
+}

@@ -1,0 +1,186 @@
+//! The dependency rules themselves: who may use whom, and which crates of others stay where.
+//!
+//! A crate of the workspace has a row in [`LAYERS`]; most rows need no more.
+//! The build script of a crate counts as a user of its own, called `crate/build.rs`, where crates of others are
+//! concerned: it runs on the machine that builds, and what it uses is not in the library.
+
+/// Where to add a row.
+pub(super) const FILE: &str = file!();
+
+/// A crate of the workspace, and the crates of the workspace that it may use.
+pub(super) struct Layer {
+    pub(super) name: &'static str,
+    pub(super) may_use: &'static [&'static str],
+    pub(super) why: &'static str,
+}
+
+pub(super) const LAYERS: &[Layer] = &[
+    Layer { name: "slabsplat-core", may_use: &[], why: "all others stand on it" },
+    Layer {
+        name: "slabsplat-kernel",
+        may_use: &["slabsplat-core"],
+        why: "kernels and their tables know nothing of volumes on disk, of order, or of who draws",
+    },
+    Layer {
+        name: "slabsplat-io",
+        may_use: &["slabsplat-core"],
+        why: "readers and writers make and take core's types, and never render",
+    },
+    Layer {
+        name: "slabsplat-traverse",
+        may_use: &["slabsplat-core", "slabsplat-kernel"],
+        why: "the order of voxels must not depend on who draws them",
+    },
+    Layer {
+        name: "slabsplat-backend",
+        may_use: &["slabsplat-core", "slabsplat-kernel"],
+        why: "the contract knows no backend, no file and no traversal",
+    },
+    Layer {
+        name: "slabsplat-cpu",
+        may_use: &["slabsplat-core", "slabsplat-kernel", "slabsplat-traverse", "slabsplat-backend"],
+        why: "a backend executes a plan: it reads no file and sees no other backend",
+    },
+    Layer {
+        name: "slabsplat-shaders",
+        may_use: &[],
+        why: "a shader is told all by its bindings, and its layouts are compared from above",
+    },
+    Layer {
+        name: "slabsplat-gpu",
+        may_use: &["slabsplat-core", "slabsplat-kernel", "slabsplat-backend", "slabsplat-shaders"],
+        why: "a frame is data: it knows neither who executes it nor how a CPU would",
+    },
+    Layer { name: "slabsplat-wgpu", may_use: EXECUTOR, why: EXECUTES },
+    Layer { name: "slabsplat-ash", may_use: EXECUTOR, why: EXECUTES },
+    Layer {
+        name: "slabsplat",
+        may_use: &[
+            "slabsplat-core",
+            "slabsplat-kernel",
+            "slabsplat-io",
+            "slabsplat-traverse",
+            "slabsplat-backend",
+            "slabsplat-cpu",
+            "slabsplat-gpu",
+            "slabsplat-wgpu",
+            "slabsplat-ash",
+        ],
+        why: "the facade joins the libraries, and programs stand on top of it",
+    },
+    Layer {
+        name: "slabsplat-cli",
+        may_use: &["slabsplat"],
+        why: "what the program can do, any downstream crate must be able to do",
+    },
+    Layer {
+        name: "slabsplat-tests",
+        may_use: &[
+            "slabsplat-core",
+            "slabsplat-kernel",
+            "slabsplat-io",
+            "slabsplat-traverse",
+            "slabsplat-backend",
+            "slabsplat-cpu",
+            "slabsplat-shaders",
+            "slabsplat-gpu",
+            "slabsplat-wgpu",
+            "slabsplat-ash",
+            "slabsplat",
+            "slabsplat-cli",
+        ],
+        why: "tests look everywhere but into the tooling",
+    },
+    Layer { name: "xtask", may_use: &[], why: "lint must run while the renderer does not build" },
+];
+
+const EXECUTOR: &[&str] = &["slabsplat-gpu", "slabsplat-shaders"];
+const EXECUTES: &str = "it executes frames that are data, and sees no plan and no other executor";
+
+/// Crates that even a dev-dependency reaches only from above.
+pub(super) const TOP: &[&str] = &["slabsplat", "slabsplat-cli"];
+
+/// The only crates of others that a crate may use.
+pub(super) struct Closed {
+    pub(super) name: &'static str,
+    pub(super) externals: &'static [&'static str],
+    pub(super) why: &'static str,
+}
+
+pub(super) const CLOSED: &[Closed] = &[
+    Closed {
+        name: "slabsplat-core",
+        externals: &["bytemuck", "glam", "thiserror"],
+        why: "what core uses, everybody compiles, on wasm32 too",
+    },
+    Closed {
+        name: "slabsplat-kernel",
+        externals: &["bytemuck", "glam", "libm", "thiserror"],
+        why: "tables must be the same bits on every machine, so it takes its functions from libm",
+    },
+];
+
+/// A crate of others, and who may use it.
+pub(super) struct External {
+    pub(super) name: &'static str,
+    pub(super) users: Users,
+    pub(super) why: &'static str,
+}
+
+pub(super) enum Users {
+    Only(&'static [&'static str]),
+    AllBut(&'static [&'static str]),
+}
+
+pub(super) const EXTERNALS: &[External] = &[
+    External {
+        name: "rayon",
+        users: Users::AllBut(&[
+            "slabsplat-core",
+            "slabsplat-kernel",
+            "slabsplat-backend",
+            "slabsplat-shaders",
+            "slabsplat-gpu",
+            "slabsplat-wgpu",
+        ]),
+        why: "threads belong to those who execute on the CPU, and these must build where there are none",
+    },
+    External {
+        name: "naga",
+        users: Users::Only(&["slabsplat-shaders/build.rs"]),
+        why: "shaders are compiled when slabsplat is, and no program carries a second compiler",
+    },
+    External {
+        name: "wgpu",
+        users: Users::Only(&["slabsplat-wgpu"]),
+        why: "whoever wants another interface must not compile this one",
+    },
+    External {
+        name: "pollster",
+        users: Users::Only(&["slabsplat-wgpu"]),
+        why: "only wgpu hands out futures, and they end where they come from",
+    },
+    External { name: "ash", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
+    External { name: "gpu-allocator", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
+    External { name: "image", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "serde", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "toml", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
+    External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
+    External {
+        name: "anyhow",
+        users: Users::Only(&[
+            "slabsplat-cli",
+            "slabsplat-shaders/build.rs",
+            "slabsplat-tests",
+            "xtask",
+        ]),
+        why: "a library's errors are an enum that the caller can act on",
+    },
+];
+
+const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
+const CODECS: &str = "file formats stay in one crate";
+const TERMINAL: &str = "only the program talks to a terminal";
