@@ -1,0 +1,77 @@
+//! Bind groups, kept as long as their buffers are there: most passes bind what they bound a frame ago.
+
+use crate::buffers::Buffers;
+use crate::pipelines::Pipeline;
+use slabsplat_gpu::{BufferId, Pass, Slice};
+use std::collections::HashMap;
+
+/// More than any frame has, so that only a caller whose slices never repeat gets there.
+const MOST: usize = 4096;
+
+/// All bind groups, by shader and by what is bound.
+#[derive(Debug, Default)]
+pub(crate) struct BindGroups {
+    // Two maps, not one with a pair as its key, so that a slice of slices finds its group.
+    by_shader: HashMap<&'static str, HashMap<Vec<Slice>, wgpu::BindGroup>>,
+    n_kept: usize,
+}
+
+impl BindGroups {
+    /// The bind group of a pass.
+    pub(crate) fn get(
+        &mut self,
+        device: &wgpu::Device,
+        buffers: &Buffers,
+        pipeline: &Pipeline,
+        pass: &Pass,
+    ) -> wgpu::BindGroup {
+        let of_shader = self.by_shader.get(pass.shader.name);
+        if let Some(kept) = of_shader.and_then(|groups| groups.get(pass.bindings.as_slice())) {
+            return kept.clone();
+        }
+        if self.n_kept == MOST {
+            self.by_shader.clear();
+            self.n_kept = 0;
+        }
+        let made = make(device, buffers, pipeline, pass);
+        let of_shader = self.by_shader.entry(pass.shader.name).or_default();
+        of_shader.insert(pass.bindings.clone(), made.clone());
+        self.n_kept += 1;
+        made
+    }
+
+    /// Drops what binds the buffer.
+    pub(crate) fn forget(&mut self, buffer: BufferId) {
+        for groups in self.by_shader.values_mut() {
+            groups.retain(|bindings, _| bindings.iter().all(|slice| slice.buffer != buffer));
+        }
+        self.n_kept = self.by_shader.values().map(HashMap::len).sum();
+    }
+
+    #[cfg(test)]
+    pub(crate) fn n_kept(&self) -> usize {
+        self.n_kept
+    }
+}
+
+fn make(
+    device: &wgpu::Device,
+    buffers: &Buffers,
+    pipeline: &Pipeline,
+    pass: &Pass,
+) -> wgpu::BindGroup {
+    let entry = |(binding, slice): (u32, &Slice)| wgpu::BindGroupEntry {
+        binding,
+        resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: buffers.get(slice.buffer),
+            offset: slice.offset,
+            size: wgpu::BufferSize::new(slice.size),
+        }),
+    };
+    let entries: Vec<_> = (0..).zip(&pass.bindings).map(entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(pass.shader.name),
+        layout: &pipeline.layout,
+        entries: &entries,
+    })
+}

@@ -1,0 +1,120 @@
+//! Executes slabsplat's GPU frames on wgpu: Vulkan natively, and what else wgpu is built with.
+//!
+//! # How work is executed
+//!
+//! 1. What the work needs is made, or taken from what earlier work left: pipelines, bind groups, a buffer
+//!    to read back through, queries for the time. If there is no memory for it, nothing has begun yet.
+//! 2. The writes go to wgpu's queue, long ones in pieces.
+//! 3. The passes are recorded, one compute pass a stage with a timestamp at either end; then the copies
+//!    to the read-back buffer. All of it is submitted as one command buffer.
+//! 4. The read-back buffer is mapped. [`poll`](Device::poll) looks whether wgpu has called back, copies the
+//!    bytes out, and puts the buffer and the queries where the next work finds them.
+//!
+//! So frames that resemble each other make no new objects of wgpu's, but for its own staging memory.
+//! No call waits for the work that it is about, except that writes of many megabytes wait until their first
+//! pieces are copied. Nothing panics if the device fails: wgpu's errors are noted where they arise, and
+//! every later call returns [`DeviceError::Lost`].
+//!
+//! # Reading order
+//!
+//! `open`, `ready`; `gpu`, `faults`; `buffers`, `pipelines`, `bind_groups`; `submission`, `upload`,
+//! `encode`; `timer`, `read_back`, `in_flight`.
+//!
+//! ```
+//! use slabsplat_gpu::{Device, OpenOptions};
+//!
+//! match slabsplat_wgpu::open(&OpenOptions::default()) {
+//!     Ok(mut device) => {
+//!         println!("{:?}", device.info());
+//!         let buffer = device.create_buffer("example", 1024)?;
+//!         device.destroy_buffer(buffer);
+//!     }
+//!     Err(unavailable) => println!("no device: {unavailable}"),
+//! }
+//! # Ok::<(), slabsplat_gpu::DeviceError>(())
+//! ```
+
+mod open;
+mod ready;
+
+mod faults;
+mod gpu;
+
+mod bind_groups;
+mod buffers;
+mod pipelines;
+
+mod encode;
+mod submission;
+mod upload;
+
+mod in_flight;
+mod read_back;
+mod timer;
+
+#[cfg(test)]
+mod tests;
+
+pub use open::{devices, open, open_async};
+
+use slabsplat_gpu::{BufferId, Device, DeviceError, DeviceInfo, Done, Work, WorkId};
+use std::task::Poll;
+
+/// A device that wgpu opened.
+///
+/// # Panics
+/// If the caller names a buffer or work that is not there: one that was destroyed or taken already, or
+/// comes from another device.
+#[derive(Debug)]
+pub struct WgpuDevice {
+    gpu: gpu::Gpu,
+    buffers: buffers::Buffers,
+    pipelines: pipelines::Pipelines,
+    bind_groups: bind_groups::BindGroups,
+    uploads: upload::Uploads,
+    timers: timer::Timers,
+    read_backs: read_back::ReadBacks,
+    in_flight: in_flight::InFlight,
+}
+
+impl WgpuDevice {
+    fn new(gpu: gpu::Gpu) -> Self {
+        Self {
+            gpu,
+            buffers: buffers::Buffers::default(),
+            pipelines: pipelines::Pipelines::default(),
+            bind_groups: bind_groups::BindGroups::default(),
+            uploads: upload::Uploads::default(),
+            timers: timer::Timers::default(),
+            read_backs: read_back::ReadBacks::default(),
+            in_flight: in_flight::InFlight::default(),
+        }
+    }
+}
+
+impl Device for WgpuDevice {
+    fn info(&self) -> &DeviceInfo {
+        &self.gpu.info
+    }
+
+    fn create_buffer(&mut self, label: &'static str, size: u64) -> Result<BufferId, DeviceError> {
+        self.gpu.look_around()?;
+        self.buffers.create(&self.gpu, label, size)
+    }
+
+    fn destroy_buffer(&mut self, buffer: BufferId) {
+        // A bind group keeps the memory of what it names.
+        self.bind_groups.forget(buffer);
+        self.buffers.destroy(buffer);
+    }
+
+    fn submit(&mut self, work: &Work<'_>) -> Result<WorkId, DeviceError> {
+        self.gpu.look_around()?;
+        self.execute(work)
+    }
+
+    fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError> {
+        self.gpu.look_around()?;
+        self.collect(work)
+    }
+}

@@ -1,0 +1,109 @@
+//! Buffers that the device copies to and the program reads from. They are used again when they have
+//! been read.
+
+use crate::buffers;
+use crate::gpu::Gpu;
+use slabsplat_gpu::DeviceError;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// Sizes are rounded up to this, so that one buffer serves frames of about one size.
+const GRAIN_BYTES: u64 = 64 << 10;
+
+/// Buffers that are kept: as many as there can be works in flight, and some that wait to be taken.
+const MOST_FREE: usize = 8;
+
+/// Read-back buffers that no work uses.
+#[derive(Debug, Default)]
+pub(crate) struct ReadBacks {
+    free: Vec<ReadBack>,
+}
+
+/// A buffer to read back through.
+#[derive(Debug)]
+pub(crate) struct ReadBack {
+    pub(crate) buffer: wgpu::Buffer,
+}
+
+impl ReadBacks {
+    /// A buffer for so many bytes, if there are any.
+    pub(crate) fn take(
+        &mut self,
+        gpu: &Gpu,
+        n_bytes: u64,
+    ) -> Result<Option<ReadBack>, DeviceError> {
+        if n_bytes == 0 {
+            return Ok(None);
+        }
+        let size =
+            n_bytes.next_multiple_of(GRAIN_BYTES).min(gpu.info.max_buffer_bytes.max(n_bytes));
+        // Not one that is much larger: mapping may cost by size, and large ones are wanted elsewhere.
+        let fits = |free: &ReadBack| (size..=4 * size).contains(&free.buffer.size());
+        if let Some(found) = self.free.iter().position(fits) {
+            return Ok(Some(self.free.swap_remove(found)));
+        }
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let buffer = buffers::make(gpu, "read back", size, usage)?;
+        Ok(Some(ReadBack { buffer }))
+    }
+
+    /// Takes back a buffer that has been read.
+    pub(crate) fn give_back(&mut self, read_back: ReadBack) {
+        read_back.buffer.unmap();
+        if self.free.len() == MOST_FREE {
+            // The oldest goes: it may be of a size that nobody asks for any more.
+            self.free.remove(0);
+        }
+        self.free.push(read_back);
+    }
+
+    #[cfg(test)]
+    pub(crate) fn n_free(&self) -> usize {
+        self.free.len()
+    }
+}
+
+impl ReadBack {
+    /// Signals when the submissions so far are executed and the bytes are here.
+    pub(crate) fn map(&self, n_bytes: u64, signal: &Signal) {
+        let signal = signal.clone();
+        let slice = self.buffer.slice(..n_bytes);
+        slice.map_async(wgpu::MapMode::Read, move |mapped| signal.set(mapped.is_ok()));
+    }
+
+    /// The bytes, once the signal is there; none if it tells of a failure.
+    pub(crate) fn bytes(&self, n_bytes: u64, signal: &Signal) -> Option<wgpu::BufferView> {
+        if !signal.is_good() {
+            return None;
+        }
+        self.buffer.slice(..n_bytes).get_mapped_range().ok()
+    }
+}
+
+/// Whether wgpu has called back: it may do so on any thread, whenever it is polled.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Signal(Arc<AtomicU8>);
+
+const PENDING: u8 = 0;
+const GOOD: u8 = 1;
+const BAD: u8 = 2;
+
+impl Signal {
+    /// Signals when the submissions so far are executed.
+    pub(crate) fn when_done(&self, queue: &wgpu::Queue) {
+        let signal = self.clone();
+        queue.on_submitted_work_done(move || signal.set(true));
+    }
+
+    pub(crate) fn is_pending(&self) -> bool {
+        self.0.load(Ordering::Acquire) == PENDING
+    }
+
+    fn is_good(&self) -> bool {
+        self.0.load(Ordering::Acquire) == GOOD
+    }
+
+    fn set(&self, is_good: bool) {
+        self.0.store(if is_good { GOOD } else { BAD }, Ordering::Release);
+    }
+}

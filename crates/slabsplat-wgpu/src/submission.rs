@@ -1,0 +1,85 @@
+//! From work to a submission, and from a finished submission to what it brought.
+
+use crate::WgpuDevice;
+use crate::encode::{self, Prepared};
+use crate::in_flight::Flight;
+use crate::read_back::Signal;
+use slabsplat_gpu::{DeviceError, Done, Work, WorkId};
+use std::task::Poll;
+
+impl WgpuDevice {
+    /// Begins work.
+    pub(crate) fn execute(&mut self, work: &Work<'_>) -> Result<WorkId, DeviceError> {
+        self.in_flight.make_room(&self.gpu);
+        // All that may find no memory comes before the first write, so that the buffers are then untouched.
+        let prepared = self.prepare(work)?;
+        for write in &work.writes {
+            self.uploads.write(&self.gpu, self.buffers.get(write.buffer), write);
+        }
+        let commands = encode::record(&self.gpu.device, &self.buffers, work, &prepared);
+        let submission = self.gpu.queue.submit([commands]);
+        self.uploads.submitted();
+        let signal = Signal::default();
+        match &prepared.read_back {
+            Some(read_back) => read_back.map(prepared.n_read_bytes, &signal),
+            None => signal.when_done(&self.gpu.queue),
+        }
+        self.gpu
+            .faults
+            .check_made(work.writes.iter().map(|write| write.bytes.len() as u64).sum())?;
+        let flight = Flight {
+            signal,
+            read_back: prepared.read_back,
+            n_read_bytes: prepared.n_read_bytes,
+            read_sizes: work.reads.iter().map(|slice| slice.size).collect(),
+            timer: prepared.timer,
+            stages: prepared.stages,
+        };
+        Ok(self.in_flight.add(flight, submission))
+    }
+
+    fn prepare(&mut self, work: &Work<'_>) -> Result<Prepared, DeviceError> {
+        let mut dispatches = Vec::with_capacity(work.passes.len());
+        for pass in work.passes.iter() {
+            let pipeline = self.pipelines.get(&self.gpu.device, pass.shader);
+            let group = self.bind_groups.get(&self.gpu.device, &self.buffers, pipeline, pass);
+            dispatches.push((pipeline.pipeline.clone(), group));
+        }
+        let stages = encode::stages(&work.passes);
+        let timer = self.timers.take(&self.gpu, stages.len());
+        let n_times = if timer.is_some() { stages.len() } else { 0 };
+        let n_read_bytes = work.reads.iter().map(|slice| slice.size).sum::<u64>()
+            + encode::BYTES_OF_STAGE * n_times as u64;
+        let read_back = self.read_backs.take(&self.gpu, n_read_bytes)?;
+        self.gpu.faults.check_made(n_read_bytes)?;
+        Ok(Prepared { dispatches, stages, timer, read_back, n_read_bytes })
+    }
+
+    /// What work has brought, if it is done.
+    pub(crate) fn collect(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError> {
+        if self.in_flight.is_pending(work) {
+            return Ok(Poll::Pending);
+        }
+        let flight = self.in_flight.take(work);
+        let mut done = Done::default();
+        if let Some(read_back) = flight.read_back {
+            let Some(bytes) = read_back.bytes(flight.n_read_bytes, &flight.signal) else {
+                return Err(self.gpu.faults.lose("what it computed cannot be read"));
+            };
+            let mut rest = &bytes[..];
+            for size in flight.read_sizes {
+                let (read, after) = rest.split_at(usize::try_from(size).unwrap_or(usize::MAX));
+                done.reads.push(read.to_vec());
+                rest = after;
+            }
+            if let Some(timer) = flight.timer {
+                let period_ns = self.gpu.queue.get_timestamp_period();
+                done.stage_ms = encode::stage_ms(&flight.stages, rest, period_ns);
+                self.timers.give_back(timer);
+            }
+            drop(bytes);
+            self.read_backs.give_back(read_back);
+        }
+        Ok(Poll::Ready(done))
+    }
+}
