@@ -104,7 +104,9 @@ pub(crate) fn backend_error<D: Device>(
 ) -> BackendError {
     match error {
         // The device does not say how much it had left, only that it was less.
-        DeviceError::OutOfMemory { bytes } => too_large(device, what, *bytes, bytes - 1),
+        DeviceError::OutOfMemory { bytes } => {
+            too_large(device, what, *bytes, bytes.saturating_sub(1))
+        }
         DeviceError::Lost { reason } => {
             BackendError::DeviceLost { device: device.info().name.clone(), reason: reason.clone() }
         }
