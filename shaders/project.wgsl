@@ -18,7 +18,7 @@
 @group(0) @binding(4) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(5) var<storage, read_write> order: array<u32>;
 @group(0) @binding(6) var<storage, read_write> rects: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read> counts: array<u32>;
+@group(0) @binding(7) var<storage, read_write> counts: array<u32>;
 
 @compute @workgroup_size(256)
 fn project(
@@ -28,6 +28,9 @@ fn project(
 ) {
     let local = linear_group(group, n_groups) * 256u + thread;
     let voxel = step.first + local;
+    if voxel == 0u {
+        counts[COUNT_FAULTS] = 0u;
+    }
     if step.n_elements <= local || counts[COUNT_VOXELS] <= voxel {
         return;
     }

@@ -10,6 +10,9 @@
 // The tile's splats are sorted by the sheet in which they begin. So those that a sheet needs are a run
 // of the list, which moves along it with the sheets. `every-sample` has no sheets: there, all splats of the
 // list form one run, and each is put behind the pixel by itself.
+//
+// A tile that has visited many splats pauses after a sheet, and the next dispatch goes on with it: systems
+// reset devices that do not answer for seconds.
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
@@ -36,7 +39,6 @@
 @group(0) @binding(9) var<storage, read> splats_3: array<Splat>;
 
 const BATCH: u32 = 64u;
-const NO_SHEET: u32 = 0xffffffffu;
 
 // A splat as all pixels of the tile need it.
 struct Footprint {
@@ -75,6 +77,8 @@ var<workgroup> batch: Batch;
 var<workgroup> work: TileWork;
 var<workgroup> n_splatted: atomic<u32>;
 var<workgroup> n_culled: atomic<u32>;
+// Whether any thread's loops ended before they were through.
+var<workgroup> is_faulty: atomic<u32>;
 
 @compute @workgroup_size(8, 8)
 fn splat(
@@ -92,20 +96,33 @@ fn splat(
         work = tiles[tile];
         atomicStore(&n_splatted, 0u);
         atomicStore(&n_culled, 0u);
+        atomicStore(&is_faulty, 0u);
     }
     let todo = workgroupUniformLoad(&work);
+    let is_paused = todo.state == STATE_PAUSED;
+    if !is_paused && todo.state != STATE_UNTOUCHED {
+        return;
+    }
     let at = vec2(tile % frame.n_tiles.x, tile / frame.n_tiles.x) * TILE_SIDE + local.xy;
     let is_inside = all(at < frame.image_size);
-    let pixel = composite(todo, thread, at, is_inside);
+    let pixel_idx = (at.y - step.first_sample) * frame.image_size.x + at.x;
+    var pixel = vec4(0.0);
+    if is_inside && is_paused {
+        pixel = pixels[pixel_idx];
+    }
+    let done = composite(todo, pixel, thread, at, is_inside);
     if is_inside {
-        let place = (at.y - step.first_sample) * frame.image_size.x + at.x;
-        pixels[place] = over_background(pixel);
+        pixels[pixel_idx] = done.pixel;
+        if done.state != STATE_PAUSED {
+            pixels[pixel_idx] = over_background(done.pixel);
+        }
     }
     workgroupBarrier();
-    if thread == 0u {
-        tiles[tile].n_splatted = atomicLoad(&n_splatted);
-        tiles[tile].n_culled = atomicLoad(&n_culled);
-        tiles[tile].is_full = 1u - batch.is_open;
+    if thread == 0u && todo.begin < todo.end {
+        let n_before = todo.n_splatted + atomicLoad(&n_splatted);
+        let n_behind = atomicLoad(&n_culled);
+        let state = select(done.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
+        tiles[tile] = TileWork(done.begin, todo.end, done.sheet, n_before, n_behind, state);
     }
 }
 
@@ -115,23 +132,41 @@ fn over_background(pixel: vec4<f32>) -> vec4<f32> {
     return pixel + (1.0 - pixel.a) * background;
 }
 
+// What became of a pixel's tile, which is the same for all pixels, and of the pixel.
+struct Composited {
+    pixel: vec4<f32>,
+    begin: u32,
+    sheet: u32,
+    state: u32,
+}
+
 // The tile's sheets, front to back.
-fn composite(todo: TileWork, thread: u32, at: vec2<u32>, is_inside: bool) -> vec4<f32> {
-    var pixel = vec4(0.0);
-    var is_open = is_inside;
-    if thread == 0u {
-        batch.is_open = 1u;
-    }
+fn composite(
+    todo: TileWork,
+    pixel_before: vec4<f32>,
+    thread: u32,
+    at: vec2<u32>,
+    is_inside: bool,
+) -> Composited {
+    var pixel = pixel_before;
+    var is_open = is_inside && pixel.a < frame.opacity_cutoff;
     // The run that the sheet needs begins here.
     var begin = todo.begin;
     var sheet = first_sheet(todo);
     var n_staged = 0u;
+    var n_visits = 0u;
+    var is_whole = true;
     while begin < todo.end && sheet < frame.n_sheets {
+        if frame.max_visits < n_visits {
+            atomicAdd(&n_splatted, n_staged);
+            return Composited(pixel, begin, sheet, STATE_PAUSED);
+        }
         var sums = vec4(0.0);
         var n_alive = 0u;
         // The place of the batch.
         var first = begin;
         var next_sheet = NO_SHEET;
+        var is_last = false;
         loop {
             workgroupBarrier();
             let is_staged = stage(first + thread, todo.end, sheet, thread);
@@ -144,18 +179,21 @@ fn composite(todo: TileWork, thread: u32, at: vec2<u32>, is_inside: bool) -> vec
             if now.is_open == 0u {
                 cull(first, todo.end, sheet, thread);
                 atomicAdd(&n_splatted, n_staged);
-                return pixel;
+                return Composited(pixel, first, sheet, STATE_FULL);
             }
             n_staged += is_staged;
             if is_open {
-                for (var i = now.n_dead; i < now.end; i++) {
+                var i = now.n_dead;
+                while i < now.end {
                     let splat = weighted(i, vec2<f32>(at) + 0.5);
                     if frame.method == METHOD_VOXELS {
                         pixel += (1.0 - pixel.a) * resolve(splat);
                     } else {
                         sums += splat;
                     }
+                    i++;
                 }
+                is_whole = is_whole && now.end <= i;
             }
             if 0u < now.n_dead {
                 begin = first + now.n_dead;
@@ -167,22 +205,31 @@ fn composite(todo: TileWork, thread: u32, at: vec2<u32>, is_inside: bool) -> vec
             n_alive += now.end - now.n_dead;
             first += BATCH;
             next_sheet = now.next_sheet;
-            if now.end < BATCH || todo.end <= first {
+            is_last = now.end < BATCH || todo.end <= first
+                || (frame.method == METHOD_VOXELS && frame.max_visits < n_visits + n_alive);
+            if is_last {
                 break;
             }
         }
+        is_whole = is_whole && is_last;
         pixel += (1.0 - pixel.a) * resolve(sums);
         is_open = is_inside && pixel.a < frame.opacity_cutoff;
-        sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
+        n_visits += n_alive + 1u;
+        if frame.method != METHOD_VOXELS {
+            sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
+        }
+    }
+    if !is_whole || (begin < todo.end && sheet < frame.n_sheets) {
+        atomicStore(&is_faulty, 1u);
     }
     atomicAdd(&n_splatted, n_staged);
-    return pixel;
+    return Composited(pixel, begin, sheet, STATE_DONE);
 }
 
-// The sheet of the tile's first splat.
+// The sheet at which the tile begins, or goes on.
 fn first_sheet(todo: TileWork) -> u32 {
-    if todo.end <= todo.begin {
-        return NO_SHEET;
+    if todo.state == STATE_PAUSED || todo.end <= todo.begin {
+        return todo.sheet;
     }
     return splat_at(tossed_voxels[todo.begin]).sheet;
 }

@@ -9,8 +9,8 @@
 
 // Splatted: low and high word; culled: low and high word.
 var<workgroup> n_splats: array<vec4<u32>, 256>;
-// Tiles with splats, full tiles.
-var<workgroup> n_tiles: array<vec2<u32>, 256>;
+// Tiles with splats, full tiles, paused tiles, faulty tiles.
+var<workgroup> n_tiles: array<vec4<u32>, 256>;
 
 fn add(sum: vec2<u32>, n: vec2<u32>) -> vec2<u32> {
     let low = sum.x + n.x;
@@ -21,12 +21,17 @@ fn add(sum: vec2<u32>, n: vec2<u32>) -> vec2<u32> {
 fn tally(@builtin(local_invocation_index) thread: u32) {
     var splatted = vec2(0u);
     var culled = vec2(0u);
-    var n = vec2(0u);
+    var n = vec4(0u);
     for (var i = thread; i < step.n_elements; i += 256u) {
         let tile = tiles[i];
         splatted = add(splatted, vec2(tile.n_splatted, 0u));
         culled = add(culled, vec2(tile.n_culled, 0u));
-        n += vec2(select(0u, 1u, tile.begin < tile.end), tile.is_full);
+        n += vec4<u32>(vec4(
+            tile.state != STATE_UNTOUCHED,
+            tile.state == STATE_FULL,
+            tile.state == STATE_PAUSED,
+            tile.state == STATE_FAULTY,
+        ));
     }
     n_splats[thread] = vec4(splatted, culled);
     n_tiles[thread] = n;
@@ -45,4 +50,6 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
     counts[COUNT_CULLED + 1u] = culled.y;
     counts[COUNT_TILES] = n.x;
     counts[COUNT_FULL_TILES] = n.y;
+    counts[COUNT_PAUSED_TILES] = n.z;
+    counts[COUNT_FAULTS] = max(counts[COUNT_FAULTS], n.w);
 }

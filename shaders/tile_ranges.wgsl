@@ -16,7 +16,9 @@ fn tile_ranges(
 ) {
     let tile = linear_group(group, n_groups) * 256u + thread;
     if tile < step.n_elements {
-        tiles[tile] = TileWork(first_not_before(tile), first_not_before(tile + 1u), 0u, 0u, 0u);
+        let begin = first_not_before(tile);
+        let end = first_not_before(tile + 1u);
+        tiles[tile] = TileWork(begin, end, NO_SHEET, 0u, 0u, STATE_UNTOUCHED);
     }
 }
 

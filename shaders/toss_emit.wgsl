@@ -16,7 +16,7 @@
 @group(0) @binding(5) var<storage, read> totals: array<u32>;
 @group(0) @binding(6) var<storage, read_write> tossed_tiles: array<u32>;
 @group(0) @binding(7) var<storage, read_write> tossed_voxels: array<u32>;
-@group(0) @binding(8) var<storage, read> counts: array<u32>;
+@group(0) @binding(8) var<storage, read_write> counts: array<u32>;
 
 @compute @workgroup_size(256)
 fn toss_emit(
@@ -39,6 +39,9 @@ fn toss_emit(
     var place = saturating_sum(before_block, before);
     for (var i = start; i < end; i++) {
         place = emit(order[i], place);
+    }
+    if place != saturating_sum(saturating_sum(before_block, before), n) {
+        counts[COUNT_FAULTS] = 1u;
     }
 }
 

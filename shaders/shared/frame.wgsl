@@ -69,7 +69,9 @@ struct Frame {
     diffuse: f32,
     specular: f32,
     shininess: f32,
-    padding: vec2<f32>,
+    // Splats after which a tile pauses, so that no dispatch takes too long.
+    max_visits: u32,
+    padding: u32,
 
     // Straight colour and opacity.
     background: vec4<f32>,

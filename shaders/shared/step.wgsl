@@ -30,6 +30,10 @@ const COUNT_SPLATTED: u32 = 2u;
 const COUNT_CULLED: u32 = 4u;
 const COUNT_TILES: u32 = 6u;
 const COUNT_FULL_TILES: u32 = 7u;
+// Tiles that need another round.
+const COUNT_PAUSED_TILES: u32 = 8u;
+// Whether a driver cut a loop short: some stop all loops after 65535 turns.
+const COUNT_FAULTS: u32 = 9u;
 
 // The number of a workgroup in a dispatch that is wider than one dimension allows.
 fn linear_group(group: vec3<u32>, n_groups: vec3<u32>) -> u32 {

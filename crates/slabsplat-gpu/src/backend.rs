@@ -2,14 +2,16 @@
 //!
 //! How many splats a frame tosses is known only when the device has counted them. A frame is submitted with
 //! room for as many as are likely, or as the last frames had. If that was too few, the counts that
-//! come back say so, the room is made, and the job goes out again, before any later frame is handed out.
+//! come back say so, the room is made, and the job goes out again, before any later frame is handed out. So
+//! it is with tiles that have more splats than a dispatch should take on: the job goes out again with more
+//! rounds of splatting.
 
-use crate::frame_passes::FrameMemory;
+use crate::frame_memory::FrameMemory;
 use crate::job::{Job, KnownVolume};
 use crate::memory::{Memory, backend_error};
 use crate::params::Counts;
 use crate::voxel_list::VoxelList;
-use crate::{Device, Done, Work, WorkId};
+use crate::{Device, DeviceKind, Done, Work, WorkId};
 use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, StageTime,
 };
@@ -41,6 +43,8 @@ struct UnderWay {
     work: WorkId,
     /// Splats that there was room for.
     max_splats: u64,
+    /// How often each tile was gone on with.
+    n_rounds: u32,
 }
 
 impl<D: Device> GpuBackend<D> {
@@ -117,14 +121,28 @@ impl<D: Device> GpuBackend<D> {
             Err(error) => return Err(backend_error(&self.device, "a frame", &error)),
         };
         let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0]);
-        if u64::from(counts.n_tossed) <= job.max_splats {
+        if counts.n_faults != 0 {
+            return Err(self.driver_fault());
+        }
+        let has_room = u64::from(counts.n_tossed) <= job.max_splats;
+        if has_room && counts.n_paused_tiles == 0 {
             return Ok(Poll::Ready(self.frame_of(&job.job, &done, &counts)));
         }
         let Self { device, memory, frame, .. } = self;
-        frame.make_room_for(memory, device, counts.n_tossed.into())?;
-        job.max_splats = frame.max_splats;
+        if has_room {
+            frame.n_rounds = frame.n_rounds.max(2 * job.n_rounds);
+        } else {
+            frame.make_room_for(memory, device, counts.n_tossed.into())?;
+        }
+        (job.max_splats, job.n_rounds) = (frame.max_splats, frame.n_rounds);
         job.work = self.begin(&job.job)?;
         Ok(Poll::Pending)
+    }
+
+    fn driver_fault(&self) -> BackendError {
+        let reason = "its driver ended a loop before it was through, as Mesa's software driver does \
+                      before version 23; use a newer one, or the CPU backend";
+        BackendError::DeviceLost { device: self.caps.device.clone(), reason: reason.to_owned() }
     }
 
     fn frame_of(&self, job: &Job, done: &Done, counts: &Counts) -> Frame {
@@ -150,18 +168,28 @@ impl<D: Device> GpuBackend<D> {
     }
 }
 
+/// Splats after which a tile pauses: some tenths of a second at most. Mesa's software driver, before version
+/// 23, silently ends all loops of a thread after 65535 turns.
+fn max_visits(kind: DeviceKind) -> u32 {
+    match kind {
+        DeviceKind::Software => 1 << 14,
+        _ => 1 << 20,
+    }
+}
+
 impl<D: Device> Backend for GpuBackend<D> {
     fn caps(&self) -> &Caps {
         &self.caps
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
-        let job = Job::new(plan, self.known(plan), self.list.records.most());
+        let mut job = Job::new(plan, self.known(plan), self.list.records.most());
+        job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
         let frame = FrameId(self.n_submitted);
         self.n_submitted += 1;
-        let max_splats = self.frame.max_splats;
-        self.under_way.push_back(UnderWay { frame, job, work, max_splats });
+        let FrameMemory { max_splats, n_rounds, .. } = self.frame;
+        self.under_way.push_back(UnderWay { frame, job, work, max_splats, n_rounds });
         Ok(frame)
     }
 

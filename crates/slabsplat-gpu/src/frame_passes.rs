@@ -1,169 +1,17 @@
-//! A frame as data: the buffers that it uses, and the passes that make the picture of them.
+//! A frame as data: the passes that make a picture of the relevant voxels.
 
 use crate::chunks::Chunks;
-use crate::job::{Job, Table};
-use crate::memory::{Buffer, Memory, too_large};
-use crate::params::{
-    COUNT_SPLATS, COUNT_VOXELS, Counts, DepthParams, Frame, SPLAT_BYTES, Step, TILE_SIDE,
-    TILE_WORK_BYTES,
-};
-use crate::pass_list::{PassList, StepBuffer, n_groups};
-use crate::sums::{BLOCK, Sorter, Sums, bits_for};
-use crate::{Device, DeviceInfo, Pass, Slice, Write};
+use crate::frame_memory::{FrameMemory, bands};
+use crate::job::Job;
+use crate::memory::{Buffer, Memory};
+use crate::params::{COUNT_SPLATS, COUNT_VOXELS, Step, TILE_SIDE};
+use crate::pass_list::{PassList, n_groups};
+use crate::sums::{BLOCK, bits_for};
+use crate::{Device, DeviceInfo, Pass, Write};
 use slabsplat_backend::BackendError;
 use slabsplat_shaders::{DEPTH_KEY, PROJECT, SPLAT, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
 
-/// Everything that a frame uses beside the list of relevant voxels.
-#[derive(Debug)]
-pub(crate) struct FrameMemory {
-    frame: Buffer,
-    depth: Buffer,
-    steps: StepBuffer,
-    pub(crate) counts: Buffer,
-    table: Buffer,
-    table_of: Option<Table>,
-    splats: Chunks,
-    rects: Buffer,
-    /// The voxels, front to back.
-    voxels: Sorter,
-    tossed: Sums,
-    /// The splats by tile.
-    tiles: Sorter,
-    /// How many splats there is room for.
-    pub(crate) max_splats: u64,
-    work: Buffer,
-    /// The picture, in bands of whole tiles.
-    bands: Vec<Buffer>,
-}
-
-/// Rows of the picture in one buffer.
-#[derive(Clone, Copy, Debug)]
-struct Band {
-    first_row: u32,
-    n_rows: u32,
-}
-
-/// Bytes of a pixel.
-const PIXEL_BYTES: u64 = 16;
-
 impl FrameMemory {
-    pub(crate) fn new(info: &DeviceInfo) -> Self {
-        Self {
-            frame: Buffer::new("frame parameters"),
-            depth: Buffer::new("depth parameters"),
-            steps: StepBuffer::new(),
-            counts: Buffer::new("counts"),
-            table: Buffer::new("section table"),
-            table_of: None,
-            splats: Chunks::new("projected voxels", SPLAT_BYTES, info),
-            rects: Buffer::new("tiles touched by voxels"),
-            voxels: Sorter::new(["voxel keys", "voxel order"]),
-            tossed: Sums::new("tossed counts", "tossed totals"),
-            tiles: Sorter::new(["tiles of splats", "voxels of splats"]),
-            max_splats: 0,
-            work: Buffer::new("tiles"),
-            bands: Vec::new(),
-        }
-    }
-
-    /// Makes the buffers that every frame has, whatever it shows.
-    pub(crate) fn grow_constant<D: Device>(
-        &mut self,
-        memory: &mut Memory,
-        device: &mut D,
-    ) -> Result<(), BackendError> {
-        memory.grow(device, &mut self.frame, size_of::<Frame>() as u64)?;
-        memory.grow(device, &mut self.depth, size_of::<DepthParams>() as u64)?;
-        memory.grow(device, &mut self.counts, size_of::<Counts>() as u64)
-    }
-
-    /// Sees to it that the job's buffers are large enough, and writes what is new.
-    pub(crate) fn prepare<'a, D: Device>(
-        &mut self,
-        (memory, device): (&mut Memory, &mut D),
-        job: &'a Job,
-        writes: &mut Vec<Write<'a>>,
-    ) -> Result<(), BackendError> {
-        let n_voxels = job.max_voxels;
-        self.splats.grow(memory, device, n_voxels)?;
-        check_binding(device, "tiles touched by voxels", 8 * n_voxels)?;
-        memory.grow(device, &mut self.rects, 8 * n_voxels)?;
-        self.voxels.grow(memory, device, n_voxels)?;
-        self.tossed.grow(memory, device, u64::from(n_groups(n_voxels, BLOCK)))?;
-        self.make_room(memory, device, job.expected_splats())?;
-        memory.grow(device, &mut self.work, TILE_WORK_BYTES * u64::from(job.n_tiles()))?;
-        let bands = bands(&job.frame, device.info());
-        self.bands.resize_with(self.bands.len().max(bands.len()), || Buffer::new("pixels"));
-        for (band, buffer) in bands.iter().zip(&mut self.bands) {
-            memory.grow(device, buffer, band.n_bytes(&job.frame))?;
-        }
-        self.write_table(memory, device, job, writes)?;
-        let mut write = |buffer: &Buffer, bytes: &'a [u8]| {
-            writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
-        };
-        write(&self.frame, bytemuck::bytes_of(&job.frame));
-        if let Some(sort) = &job.depth_sort {
-            write(&self.depth, bytemuck::bytes_of(&sort.params));
-        }
-        Ok(())
-    }
-
-    /// Sees to it that `n_splats` can be tossed, or, if that is only a guess, as many as can be bound.
-    fn make_room<D: Device>(
-        &mut self,
-        memory: &mut Memory,
-        device: &mut D,
-        n_splats: u64,
-    ) -> Result<(), BackendError> {
-        let n_splats = n_splats.clamp(u64::from(BLOCK), max_splats(device.info()));
-        if n_splats <= self.max_splats {
-            return Ok(());
-        }
-        self.max_splats = 0;
-        self.tiles.free(memory, device);
-        self.tiles.grow(memory, device, n_splats)?;
-        self.max_splats = n_splats;
-        Ok(())
-    }
-
-    /// Makes room for a number of splats that a frame was found to have.
-    pub(crate) fn make_room_for<D: Device>(
-        &mut self,
-        memory: &mut Memory,
-        device: &mut D,
-        n_splats: u64,
-    ) -> Result<(), BackendError> {
-        check_binding(device, "splats on tiles", 4 * n_splats)?;
-        self.make_room(memory, device, n_splats + n_splats / 4)
-    }
-
-    fn write_table<'a, D: Device>(
-        &mut self,
-        memory: &mut Memory,
-        device: &mut D,
-        job: &Job,
-        writes: &mut Vec<Write<'a>>,
-    ) -> Result<(), BackendError> {
-        if self.table_of.as_ref().is_some_and(|table| table.is(&job.table)) {
-            return Ok(());
-        }
-        self.table_of = None;
-        let (quads, _) = job.table.quads();
-        let bytes: &[u8] = bytemuck::cast_slice(&quads);
-        check_binding(device, "section table", bytes.len() as u64)?;
-        memory.grow(device, &mut self.table, bytes.len() as u64)?;
-        let buffer = self.table.all().buffer;
-        writes.push(Write { buffer, offset: 0, bytes: bytes.to_vec().into() });
-        self.table_of = Some(job.table.clone());
-        Ok(())
-    }
-
-    /// What was promised did not happen: the next job begins anew.
-    pub(crate) fn forget(&mut self) {
-        self.table_of = None;
-        self.steps.forget();
-    }
-
     /// The stages of a frame, from relevant voxels to pixels.
     pub(crate) fn passes<D: Device>(
         &mut self,
@@ -252,7 +100,9 @@ impl FrameMemory {
 
     fn push_splat(&self, job: &Job, info: &DeviceInfo, passes: &mut PassList) {
         let frame = &job.frame;
-        for (band, pixels) in bands(frame, info).iter().zip(&self.bands) {
+        let bands = bands(frame, info);
+        let rounds = (0..self.n_rounds).flat_map(|_| bands.iter().zip(&self.bands));
+        for (band, pixels) in rounds {
             let tile_rows = band.n_rows.div_ceil(TILE_SIDE);
             let n_tiles = tile_rows * frame.n_tiles[0];
             let step = Step {
@@ -270,44 +120,4 @@ impl FrameMemory {
         let step = Step { n_elements: job.n_tiles(), ..Step::default() };
         passes.push(&TALLY, &[self.work.all(), self.counts.all()], step, 1);
     }
-
-    /// What is read back: the counts, then the picture from the top.
-    pub(crate) fn reads(&self, job: &Job, info: &DeviceInfo) -> Vec<Slice> {
-        let counts = self.counts.all();
-        let bands = bands(&job.frame, info);
-        let band = |(band, buffer): (&Band, &Buffer)| Slice {
-            size: band.n_bytes(&job.frame),
-            ..buffer.all()
-        };
-        std::iter::once(counts).chain(bands.iter().zip(&self.bands).map(band)).collect()
-    }
-}
-
-impl Band {
-    fn n_bytes(&self, frame: &Frame) -> u64 {
-        u64::from(self.n_rows) * u64::from(frame.image_size[0]) * PIXEL_BYTES
-    }
-}
-
-/// The bands of a picture: as many rows of tiles as can be bound.
-fn bands(frame: &Frame, info: &DeviceInfo) -> Vec<Band> {
-    let [width, height] = frame.image_size;
-    let most = info.max_binding_bytes.min(info.max_buffer_bytes);
-    let tile_row_bytes = u64::from(width) * u64::from(TILE_SIDE) * PIXEL_BYTES;
-    let n_tile_rows = (most / tile_row_bytes).clamp(1, u64::from(height.div_ceil(TILE_SIDE)));
-    let n_rows = n_tile_rows as u32 * TILE_SIDE;
-    let band = |first_row: u32| Band { first_row, n_rows: n_rows.min(height - first_row) };
-    (0..height).step_by(n_rows as usize).map(band).collect()
-}
-
-/// Splats that can be bound, a word each.
-fn max_splats(info: &DeviceInfo) -> u64 {
-    let words = info.max_binding_bytes.min(info.max_buffer_bytes) / 4;
-    // They are counted in 32 bits, and a sum of all ones says that there are too many.
-    words.min(u64::from(u32::MAX - 1))
-}
-
-fn check_binding<D: Device>(device: &D, what: &'static str, size: u64) -> Result<(), BackendError> {
-    let most = device.info().max_binding_bytes.min(device.info().max_buffer_bytes);
-    if size <= most { Ok(()) } else { Err(too_large(device, what, size, most)) }
 }

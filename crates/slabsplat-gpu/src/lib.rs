@@ -25,7 +25,7 @@
 //!
 //! # Reading order
 //!
-//! `device`; `frame_passes` and `voxel_list`, which are the frame, with `pass_list`, `sums`, `chunks` and
+//! `device`; `voxel_list`, `frame_passes` and `frame_memory`, which are the frame, with `pass_list`, `sums`, `chunks` and
 //! `memory` below them; `backend` and `job`; `params`, `frame_params`, `depth_params`,
 //! `classification`, `number`, `samples` and `section_table`, which say a plan in the shaders' terms.
 //! The stages themselves are in `shaders/`.
@@ -45,6 +45,7 @@ mod memory;
 mod pass_list;
 mod sums;
 
+mod frame_memory;
 mod frame_passes;
 mod job;
 mod voxel_list;

@@ -56,7 +56,8 @@ pub(crate) struct Frame {
     pub(crate) diffuse: f32,
     pub(crate) specular: f32,
     pub(crate) shininess: f32,
-    pub(crate) padding: [f32; 2],
+    pub(crate) max_visits: u32,
+    pub(crate) padding: u32,
     pub(crate) background: [f32; 4],
 }
 
@@ -119,6 +120,10 @@ pub(crate) struct Counts {
     pub(crate) n_culled: [u32; 2],
     pub(crate) n_tiles: u32,
     pub(crate) n_full_tiles: u32,
+    /// Tiles that need another round.
+    pub(crate) n_paused_tiles: u32,
+    /// Not 0 if the driver cut a loop short.
+    pub(crate) n_faults: u32,
 }
 
 /// Slots of [`Counts`].
@@ -129,7 +134,7 @@ pub(crate) const COUNT_SPLATS: u32 = 1;
 pub(crate) const RECORD_BYTES: u64 = 32;
 pub(crate) const SPLAT_BYTES: u64 = 32;
 /// Bytes of `shaders/shared/tile_work.wgsl`.
-pub(crate) const TILE_WORK_BYTES: u64 = 20;
+pub(crate) const TILE_WORK_BYTES: u64 = 24;
 
 /// `shaders/shared/tile.wgsl`: pixels along the side of a tile.
 pub(crate) const TILE_SIDE: u32 = 8;
@@ -203,6 +208,7 @@ mod tests {
             diffuse,
             specular,
             shininess,
+            max_visits,
             padding,
             background,
         });
@@ -254,5 +260,10 @@ mod tests {
         declares(format!("COUNT_CULLED: u32 = {}u", slot(offset_of!(Counts, n_culled))));
         declares(format!("COUNT_TILES: u32 = {}u", slot(offset_of!(Counts, n_tiles))));
         declares(format!("COUNT_FULL_TILES: u32 = {}u", slot(offset_of!(Counts, n_full_tiles))));
+        declares(format!(
+            "COUNT_PAUSED_TILES: u32 = {}u",
+            slot(offset_of!(Counts, n_paused_tiles))
+        ));
+        declares(format!("COUNT_FAULTS: u32 = {}u", slot(offset_of!(Counts, n_faults))));
     }
 }
