@@ -1,16 +1,157 @@
 //! A picture by a backend of the project, for tests that judge it.
+//!
+//! The GPU backends are opened with the validation of their graphics interface on, where it is installed,
+//! and a test that makes it speak fails: a driver may forgive what the next one does not.
 
-use slabsplat::{Image, Renderer, Scene, Volume, backend_named};
+use slabsplat::{Backend, Grid, Image, Renderer, Scaling, Scene, Volume, backend_named};
+use slabsplat_gpu::{Device, GpuBackend, OpenOptions, Unavailable};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::sync::{LazyLock, Mutex, MutexGuard, Once, PoisonError};
 
-/// The names of the backends that every test runs on.
-pub const BACKENDS: &[&str] = &["cpu"];
+/// Set to anything, it makes the want of a device for the GPU backends a failure.
+const REQUIRE_GPU: &str = "SLABSPLAT_REQUIRE_GPU";
+
+/// The names of the backends that every test runs on: `cpu`, and those on a GPU that this machine has
+/// something for, be it a driver that plays one. What is left out is said on stderr.
+///
+/// # Panics
+/// If something is left out, and the environment says that it must not be.
+pub fn backends() -> &'static [&'static str] {
+    static NAMES: LazyLock<Vec<&str>> = LazyLock::new(|| {
+        let opened = RENDERERS.iter().filter(|(name, opened)| is_there(name, opened));
+        std::iter::once("cpu").chain(opened.map(|(name, _)| *name)).collect()
+    });
+    if std::env::var_os(REQUIRE_GPU).is_some() {
+        for (name, opened) in &*RENDERERS {
+            let reason = opened.as_ref().err();
+            assert!(reason.is_none(), "{REQUIRE_GPU} is set, but there is no {name}: {reason:?}");
+        }
+    }
+    &NAMES
+}
 
 /// Renders a frame.
 ///
 /// # Panics
-/// If there is no such backend, or the scene is not valid.
+/// If there is no such backend, the scene is not valid, or the validation of a graphics interface has
+/// found fault with anything so far.
 pub fn render(backend: &str, volume: &Volume, scene: &Scene) -> Image {
-    let backend = backend_named(backend).expect("tests only name backends that there are");
-    let mut renderer = Renderer::new(volume.clone(), backend);
+    if backend == "cpu" {
+        return image(&mut Renderer::new(volume.clone(), open(backend)), scene);
+    }
+    let opened = RENDERERS.get(backend).expect("tests only name backends that there are");
+    let renderer = opened.as_ref().expect("tests only name backends that have opened");
+    // A test that failed in here has broken its own picture only.
+    let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
+    renderer.set_volume(volume.clone());
+    let image = image(&mut renderer, scene);
+    let messages = validation_messages();
+    assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+    image
+}
+
+/// A backend of its own, which has drawn nothing yet.
+///
+/// # Panics
+/// If there is no such backend.
+pub fn open(backend: &str) -> Box<dyn Backend> {
+    let Some((name, open)) = GPUS.iter().find(|(name, _)| *name == backend) else {
+        return backend_named(backend).expect("tests only name backends that there are");
+    };
+    Box::new(GpuBackend::new(name, open().expect("tests only name backends that have opened")))
+}
+
+/// What the validation of the graphics interfaces has said in this process.
+pub fn validation_messages() -> Vec<String> {
+    messages().clone()
+}
+
+/// The devices of the GPU backends that there are, newly opened.
+///
+/// # Panics
+/// If one has opened before and does not now.
+pub fn devices() -> Vec<(&'static str, Box<dyn Device>)> {
+    let is_there = |(name, _): &&(&str, Open)| backends().contains(name);
+    let opened = |(name, open): &(&'static str, Open)| (*name, open().expect("it opened before"));
+    GPUS.iter().filter(is_there).map(opened).collect()
+}
+
+type Open = fn() -> Result<Box<dyn Device>, Unavailable>;
+
+const GPUS: [(&str, Open); 2] =
+    [("wgpu", || watched(slabsplat_wgpu::open)), ("ash", || watched(slabsplat_ash::open))];
+
+/// One for each GPU backend and for all tests, since opening takes longer than a small frame.
+static RENDERERS: LazyLock<BTreeMap<&str, Opened>> = LazyLock::new(|| {
+    let shared = |name, device| {
+        Mutex::new(Renderer::new(one_voxel(), Box::new(GpuBackend::new(name, device))))
+    };
+    GPUS.iter().map(|(name, open)| (*name, open().map(|device| shared(name, device)))).collect()
+});
+
+/// Or why there is none.
+type Opened = Result<Mutex<Renderer>, Unavailable>;
+
+fn is_there(name: &str, opened: &Opened) -> bool {
+    if let Err(reason) = opened {
+        // Not a print macro: those are silent in tests that pass. If nobody reads it, no test is worse.
+        let _ = writeln!(std::io::stderr(), "skipped: no tests of {name}: {reason}");
+    }
+    opened.is_ok()
+}
+
+/// Opens a device with the validation of its interface on.
+fn watched<D: Device + 'static>(
+    open: fn(&OpenOptions) -> Result<D, Unavailable>,
+) -> Result<Box<dyn Device>, Unavailable> {
+    static LISTENING: Once = Once::new();
+    LISTENING.call_once(listen_to_wgpu);
+    Ok(Box::new(open(&OpenOptions { validation: Some(record) })?))
+}
+
+fn image(renderer: &mut Renderer, scene: &Scene) -> Image {
     renderer.render(scene).expect("scenes of tests are valid").image
+}
+
+fn one_voxel() -> Volume {
+    let grid = Grid::with_spacing([1; 3], [1.0; 3]).expect("the grid is not empty");
+    Volume::new(grid, vec![0_u8].into(), Scaling::IDENTITY).expect("one sample, one voxel")
+}
+
+fn messages() -> MutexGuard<'static, Vec<String>> {
+    static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    MESSAGES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn record(message: &str) {
+    messages().push(message.to_owned());
+}
+
+/// Older layers do not know WGSL as a language that shaders come from.
+const FALSE_ALARMS: &[&str] = &["Invalid source language operand: 10"];
+
+/// wgpu hands on what Vulkan's validation says as warnings and errors of its lowest layer.
+struct WgpuLog;
+
+fn listen_to_wgpu() {
+    log::set_logger(&WgpuLog).expect("nobody else in the tests listens");
+    log::set_max_level(log::LevelFilter::Warn);
+}
+
+impl log::Log for WgpuLog {
+    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+        metadata.level() <= log::Level::Warn && metadata.target().starts_with("wgpu_hal")
+    }
+
+    fn log(&self, line: &log::Record<'_>) {
+        let text = line.args().to_string();
+        // The loader speaks here, too, of drivers that do not suit it.
+        let is_ours = self.enabled(line.metadata()) && text.starts_with("VALIDATION");
+        if is_ours && !FALSE_ALARMS.iter().any(|alarm| text.contains(alarm)) {
+            record(&text);
+        }
+    }
+
+    fn flush(&self) {}
 }

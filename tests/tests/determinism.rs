@@ -4,11 +4,10 @@
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
     Compositing, Grid, Image, Method, RenderSettings, Renderer, Samples, Scaling, Scene, Volume,
-    backend_named,
 };
 use slabsplat_tests::paper_scenes::{CubeView, cube};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
-use slabsplat_tests::render::{BACKENDS, render};
+use slabsplat_tests::render::{backends, open, render};
 
 /// Sums of 32-bit floats in another order; a pixel sums some hundred sections.
 const REORDERED_SUM: f32 = 2e-5;
@@ -35,14 +34,13 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
-/// A renderer that drew other scenes before draws the same bits as a fresh one.
+/// A renderer that drew other scenes before draws the same bits as a fresh one, or one with another past.
 #[test]
 fn frames_before_do_not_change_a_bit() {
     let mut rng = seeded();
-    for &name in BACKENDS {
+    for &name in backends() {
         let (volume, mut scene) = random_scene(&mut rng, &SceneKind::all()[0]);
-        let backend = backend_named(name).expect("the backend is there");
-        let mut renderer = Renderer::new(volume.clone(), backend);
+        let mut renderer = Renderer::new(volume.clone(), open(name));
         for step in 0..12 {
             let (_, other) = random_scene(&mut rng, &SceneKind::all()[step * 23]);
             scene.transfer = other.transfer;
@@ -70,7 +68,7 @@ fn storage_order_does_not_change_the_picture() {
             let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
             let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };
             let (volume, scene) = cube(&view);
-            for &name in BACKENDS {
+            for &name in backends() {
                 let image = render(name, &volume, &scene);
                 for _ in 0..3 {
                     check_restored(name, &mut rng, &volume, &scene, &image);

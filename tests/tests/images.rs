@@ -10,7 +10,7 @@ use slabsplat::{
     Camera, Compositing, Grid, Image, ImageDesc, Light, Method, Phong, Projection, RenderSettings,
     Scene, Shading, TransferFunction, Volume, io,
 };
-use slabsplat_tests::render::{BACKENDS, render};
+use slabsplat_tests::render::{backends, render};
 use std::path::{Path, PathBuf};
 
 /// What an 8-bit channel may differ: backends agree to 10⁻³, which may tip a rounding.
@@ -21,7 +21,7 @@ const SIDE: u32 = 64;
 fn check(name: &str, volume: &Volume, scene: &Scene) {
     let expected_path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("images/{name}.png"));
     let wanted = std::env::var("SPLAT_TEST_UPDATE").unwrap_or_default();
-    for backend in BACKENDS {
+    for backend in backends() {
         let actual = render(backend, volume, scene);
         if wanted == name || wanted == "all" {
             io::write_png(&expected_path, &actual).expect("tests/images can be written");
@@ -194,7 +194,7 @@ fn image_of_nothing_is_background() {
     let volume = builtin("cube", 28);
     let mut scene = scene([40.0, 0.0, 0.0], parallel(30.0), &[(0.0, 0.0)]);
     scene.image.background = [0.2, 0.4, 0.6, 1.0];
-    for backend in BACKENDS {
+    for backend in backends() {
         let expected = Image::filled(SIDE, SIDE, [0.2, 0.4, 0.6, 1.0]);
         assert!(render(backend, &volume, &scene).max_difference(&expected) < 1e-6, "{backend}");
     }

@@ -9,7 +9,7 @@ use slabsplat_tests::paper_scenes::{
     CubeView, cube, face_means, face_profile, paper_settings, single_voxel,
 };
 use slabsplat_tests::reference;
-use slabsplat_tests::render::{BACKENDS, render};
+use slabsplat_tests::render::{backends, render};
 
 /// The red channel of a picture, by column and row, and what made it.
 struct Picture {
@@ -21,7 +21,7 @@ struct Picture {
 fn pictures((volume, scene): &(Volume, Scene)) -> Vec<Picture> {
     let image = reference::render(volume, scene);
     let by_reference = Picture { by: "reference", red: Box::new(move |x, y| image.pixel(x, y)[0]) };
-    let by_backends = BACKENDS.iter().map(|by| {
+    let by_backends = backends().iter().map(|by| {
         let image = render(by, volume, scene);
         Picture { by, red: Box::new(move |x, y| image.pixel(x, y)[0].into()) }
     });
@@ -155,7 +155,7 @@ const BRIGHTNESS: [BrightnessRow; 5] = [
 #[test]
 fn lit_face_brightness() {
     for row in &BRIGHTNESS {
-        for by in 0..=BACKENDS.len() {
+        for by in 0..=backends().len() {
             row.check(by);
         }
     }

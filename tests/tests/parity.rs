@@ -7,7 +7,7 @@ use slabsplat::{
 };
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference;
-use slabsplat_tests::render::{BACKENDS, render};
+use slabsplat_tests::render::{backends, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -24,7 +24,7 @@ fn parity_on_random_scenes() {
     for kind in SceneKind::all() {
         let (volume, scene) = random_scene(&mut rng, &kind);
         let expected = reference::render(&volume, &scene);
-        for backend in BACKENDS {
+        for backend in backends() {
             let difference = expected.compare(&render(backend, &volume, &scene));
             differences.push((difference.max, difference.mean, kind, scene.clone()));
         }
@@ -47,7 +47,7 @@ fn parity_on_needles() {
         for &method in Method::ALL {
             let (volume, scene) = needles(ratio, method);
             let expected = reference::render(&volume, &scene);
-            for backend in BACKENDS {
+            for backend in backends() {
                 let difference = expected.compare(&render(backend, &volume, &scene));
                 println!("{ratio} {method} by {backend}: {:.1e}", difference.max);
                 assert!(difference.max < MAX_DIFFERENCE, "{ratio} {method}: {}", difference.max);

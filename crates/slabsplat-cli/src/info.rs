@@ -31,7 +31,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<()> {
     let loaded = input::load(&mut file, &args.raw)?;
     let info = Info::of(&loaded);
     drop(progress);
-    terminal::warn(&loaded.warnings);
+    terminal::warn_all(&loaded.warnings);
     let text = if args.json { format!("{:#}\n", info.json()) } else { info.text() };
     terminal::answer(&text)
 }

@@ -6,18 +6,21 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`popping`], [`demo`]; [`terminal`] and [`progress`] are what they print with.
+//! [`popping`], [`demo`], [`backends`]; [`terminal`], [`progress`] and [`columns`] are what they print with.
 
 mod flags;
 mod input;
 
+mod backends;
 mod demo;
 mod info;
 mod popping;
 mod render;
 
+mod columns;
 mod meter;
 mod progress;
+mod stats;
 mod terminal;
 
 use anyhow::Result;
@@ -38,6 +41,7 @@ enum Command {
     Info(info::InfoArgs),
     Demo(demo::DemoArgs),
     Popping(Box<popping::PoppingArgs>),
+    Backends(backends::BackendsArgs),
 }
 
 fn main() -> ExitCode {
@@ -56,5 +60,6 @@ fn run(command: Command) -> Result<()> {
         Command::Info(args) => info::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Popping(args) => popping::run(&args),
+        Command::Backends(args) => backends::run(&args),
     }
 }

@@ -3,6 +3,7 @@
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -12,7 +13,24 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two pictures of the spinner.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A bar that is wiped away when dropped.
+/// The bar that is there, if any: a warning may come from anywhere while it is.
+static CURRENT: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Prints without a bar in the way.
+pub(crate) fn suspended<T>(print: impl FnOnce() -> T) -> T {
+    let bar = current().clone();
+    match bar {
+        Some(bar) => bar.suspend(print),
+        None => print(),
+    }
+}
+
+fn current() -> MutexGuard<'static, Option<ProgressBar>> {
+    // A bar is whole at any time, whoever panicked.
+    CURRENT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A bar that is wiped away when dropped. There is one at a time.
 pub(crate) struct Progress {
     bar: ProgressBar,
     /// Dropped first, which tells the watcher to end.
@@ -26,6 +44,7 @@ impl Progress {
         let bar = ProgressBar::with_draw_target(Some(n_steps as u64), ProgressDrawTarget::hidden());
         bar.set_style(style(n_steps));
         bar.set_message(what);
+        *current() = Some(bar.clone());
         let (done, watcher) = watch(&bar);
         Self { bar, done, watcher }
     }
@@ -33,11 +52,6 @@ impl Progress {
     /// What is being done now.
     pub(crate) fn stage(&self, what: &'static str) {
         self.bar.set_message(what);
-    }
-
-    /// Prints without the bar in the way.
-    pub(crate) fn suspend(&self, print: impl FnOnce()) {
-        self.bar.suspend(print);
     }
 
     /// One step is done.
@@ -54,6 +68,7 @@ impl Drop for Progress {
             let _ = watcher.join();
         }
         self.bar.finish_and_clear();
+        *current() = None;
     }
 }
 

@@ -2,10 +2,10 @@
 
 use crate::flags::SceneFlags;
 use crate::progress::Progress;
-use crate::terminal;
+use crate::{stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{Volume, io};
+use slabsplat::{Caps, Volume, io};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -16,6 +16,10 @@ pub(crate) struct RenderArgs {
     /// The picture: .exr (32-bit float, premultiplied) or .png (8 bits)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+
+    /// Tell on stderr what the frame cost: each stage, what was splatted, memory
+    #[arg(long)]
+    stats: bool,
 
     #[command(flatten)]
     scene: SceneFlags,
@@ -32,17 +36,29 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     io::write_picture(&args.output, &frame.image)?;
     drop(progress);
     if frame.stats.n_voxels == 0 {
-        terminal::warn(&[nothing_visible(renderer.volume())]);
+        terminal::warn(&nothing_visible(renderer.volume()));
     }
     terminal::say(format_args!(
-        "{}: {} x {} pixels, {} voxels drawn, {} ms",
+        "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
         args.output.display(),
         frame.image.width(),
         frame.image.height(),
         frame.stats.n_voxels,
         started.elapsed().as_millis(),
+        by_which(renderer.caps()),
     ));
+    if args.stats {
+        terminal::say(format_args!("{}", stats::text(&frame, renderer.caps())));
+    }
     Ok(())
+}
+
+/// The CPU goes without saying.
+fn by_which(caps: &Caps) -> String {
+    match caps.name {
+        "cpu" => String::new(),
+        _ => format!(", {}", stats::executor(caps)),
+    }
 }
 
 /// An empty picture is seldom what was meant.

@@ -1,5 +1,6 @@
 //! What goes to stdout and stderr. Nothing here fails because a reader has gone: `| head` is no error.
 
+use crate::progress;
 use anyhow::{Context, Result};
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -21,14 +22,17 @@ pub(crate) fn answer(text: &str) -> Result<()> {
 
 /// Tells people something on stderr. If they cannot be told, there is nobody to tell that.
 pub(crate) fn say(line: Arguments<'_>) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = progress::suspended(|| writeln!(io::stderr().lock(), "{line}"));
 }
 
 /// Tells what was assumed about a file.
-pub(crate) fn warn(warnings: &[String]) {
-    for warning in warnings {
-        say(format_args!("warning: {}", flattened(warning)));
-    }
+pub(crate) fn warn_all(warnings: &[String]) {
+    warnings.iter().for_each(|warning| warn(warning));
+}
+
+/// Tells of something that is not as it should be, and does not stop the work.
+pub(crate) fn warn(warning: &str) {
+    say(format_args!("warning: {}", flattened(warning)));
 }
 
 /// An error and its causes on one line. Many a message already ends with its cause; it is said once.

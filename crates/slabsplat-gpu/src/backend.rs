@@ -84,7 +84,7 @@ impl<D: Device> GpuBackend<D> {
         let begun = self.try_begin(job);
         if begun.is_err() {
             self.list.forget(&mut self.memory, &mut self.device);
-            self.frame.forget();
+            self.frame.forget(&mut self.memory, &mut self.device);
         }
         begun
     }
@@ -122,7 +122,9 @@ impl<D: Device> GpuBackend<D> {
         };
         let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0]);
         if counts.n_faults != 0 {
-            return Err(self.driver_fault());
+            let reason = "it ends loops before they are through, as Mesa's software driver does before \
+                          version 23";
+            return Err(self.driver_fault(reason));
         }
         let has_room = u64::from(counts.n_tossed) <= job.max_splats;
         if has_room && counts.n_paused_tiles == 0 {
@@ -130,6 +132,9 @@ impl<D: Device> GpuBackend<D> {
         }
         let Self { device, memory, frame, .. } = self;
         if has_room {
+            if MAX_ROUNDS <= job.n_rounds {
+                return Err(self.driver_fault("a tile has more splats than it can take on"));
+            }
             frame.n_rounds = frame.n_rounds.max(2 * job.n_rounds);
         } else {
             frame.make_room_for(memory, device, counts.n_tossed.into())?;
@@ -139,10 +144,9 @@ impl<D: Device> GpuBackend<D> {
         Ok(Poll::Pending)
     }
 
-    fn driver_fault(&self) -> BackendError {
-        let reason = "its driver ended a loop before it was through, as Mesa's software driver does \
-                      before version 23; use a newer one, or the CPU backend";
-        BackendError::DeviceLost { device: self.caps.device.clone(), reason: reason.to_owned() }
+    fn driver_fault(&self, reason: &str) -> BackendError {
+        let reason = format!("its driver cannot make this frame: {reason}");
+        BackendError::DeviceLost { device: self.caps.device.clone(), reason }
     }
 
     fn frame_of(&self, job: &Job, done: &Done, counts: &Counts) -> Frame {
@@ -167,6 +171,9 @@ impl<D: Device> GpuBackend<D> {
         Frame { image, stats, cost }
     }
 }
+
+/// Rounds of splatting in one frame. On a device that is none but a program, 16 million splats a tile.
+const MAX_ROUNDS: u32 = 1 << 10;
 
 /// Splats after which a tile pauses: some tenths of a second at most. Mesa's software driver, before version
 /// 23, silently ends all loops of a thread after 65535 turns.

@@ -52,6 +52,10 @@ impl Chunks {
         Ok(())
     }
 
+    pub(crate) fn buffers(&mut self) -> impl Iterator<Item = &mut Buffer> {
+        self.buffers.iter_mut()
+    }
+
     /// The chunks that hold any of `n` elements: number of the first element, number of elements, buffer.
     pub(crate) fn filled(&self, n: u64) -> impl Iterator<Item = (u64, u64, Slice)> + '_ {
         (0..N_CHUNKS)

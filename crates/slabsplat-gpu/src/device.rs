@@ -176,3 +176,25 @@ pub struct Unavailable {
     /// One sentence, lower case, without a full stop.
     pub reason: String,
 }
+
+impl<D: Device + ?Sized> Device for Box<D> {
+    fn info(&self) -> &DeviceInfo {
+        (**self).info()
+    }
+
+    fn create_buffer(&mut self, label: &'static str, size: u64) -> Result<BufferId, DeviceError> {
+        (**self).create_buffer(label, size)
+    }
+
+    fn destroy_buffer(&mut self, buffer: BufferId) {
+        (**self).destroy_buffer(buffer);
+    }
+
+    fn submit(&mut self, work: &Work<'_>) -> Result<WorkId, DeviceError> {
+        (**self).submit(work)
+    }
+
+    fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError> {
+        (**self).poll(work)
+    }
+}

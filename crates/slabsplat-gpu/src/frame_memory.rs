@@ -119,7 +119,7 @@ impl FrameMemory {
             return Ok(());
         }
         self.max_splats = 0;
-        self.tiles.free(memory, device);
+        memory.free_all(device, self.tiles.buffers());
         self.tiles.grow(memory, device, n_splats)?;
         self.max_splats = n_splats;
         Ok(())
@@ -157,10 +157,23 @@ impl FrameMemory {
         Ok(())
     }
 
-    /// What was promised did not happen: the next job begins anew.
-    pub(crate) fn forget(&mut self) {
+    /// Gives everything back. What was promised did not happen, so the next job begins anew.
+    pub(crate) fn forget<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {
         self.table_of = None;
-        self.steps.forget();
+        self.max_splats = 0;
+        memory.free_all(device, self.splats.buffers().chain(self.tossed.buffers()));
+        memory.free_all(device, self.voxels.buffers().chain(self.tiles.buffers()));
+        memory.free_all(device, self.bands.iter_mut());
+        let others = [
+            &mut self.frame,
+            &mut self.depth,
+            self.steps.emptied(),
+            &mut self.counts,
+            &mut self.table,
+            &mut self.rects,
+            &mut self.work,
+        ];
+        memory.free_all(device, others.into_iter());
     }
 
     /// What is read back: the counts, then the picture from the top.

@@ -71,6 +71,14 @@ impl Memory {
         }
     }
 
+    pub(crate) fn free_all<'b, D: Device>(
+        &mut self,
+        device: &mut D,
+        buffers: impl Iterator<Item = &'b mut Buffer>,
+    ) {
+        buffers.for_each(|buffer| self.free(device, buffer));
+    }
+
     /// Asks for no more than the device has, as far as it tells: drivers may accept, and then swap.
     fn check<D: Device>(
         &self,

@@ -10,7 +10,7 @@ use slabsplat_shaders::{Binding, Shader};
 const STEP_STRIDE: u64 = 256;
 
 /// Steps that there is room for.
-const MAX_STEPS: u64 = 4096;
+const MAX_STEPS: u64 = 2048;
 
 /// Workgroups along one dimension that every device can start.
 const MAX_GROUPS: u32 = 65535;
@@ -108,9 +108,10 @@ impl StepBuffer {
         list.passes
     }
 
-    /// What was promised did not happen.
-    pub(crate) fn forget(&mut self) {
+    /// The buffer, to be freed: nothing is in it then.
+    pub(crate) fn emptied(&mut self) -> &mut Buffer {
         self.written.clear();
+        &mut self.buffer
     }
 }
 

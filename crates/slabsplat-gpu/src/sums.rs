@@ -36,6 +36,10 @@ impl Sums {
         memory.grow(device, &mut self.totals, 4 * u64::from(n_groups(n_elements, BLOCK)))
     }
 
+    pub(crate) fn buffers(&mut self) -> impl Iterator<Item = &mut Buffer> {
+        [&mut self.elements, &mut self.totals].into_iter()
+    }
+
     /// Makes the first `n_elements` their exclusive prefix sums; the sum of all goes to a slot of the counts.
     /// An element's sum is then its own plus the total of its block.
     pub(crate) fn scan(&self, passes: &mut PassList, counts: Slice, n_elements: u64, slot: u32) {
@@ -76,10 +80,8 @@ impl Sorter {
         self.digits.grow(memory, device, N_DIGITS * n_blocks)
     }
 
-    pub(crate) fn free<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {
-        for buffer in self.sides.iter_mut().flatten() {
-            memory.free(device, buffer);
-        }
+    pub(crate) fn buffers(&mut self) -> impl Iterator<Item = &mut Buffer> {
+        self.sides.iter_mut().flatten().chain(self.digits.buffers())
     }
 
     /// Begins a new list, always on the same side, so that a frame's passes are those of the last.

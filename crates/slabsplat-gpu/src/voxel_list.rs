@@ -83,11 +83,13 @@ impl VoxelList {
         Ok(self.steps.finish(passes, writes))
     }
 
-    /// What was promised did not happen: the next job begins anew.
+    /// Gives everything back. What was promised did not happen, so the next job begins anew.
     pub(crate) fn forget<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {
         self.made_for = None;
-        self.steps.forget();
         self.forget_volume(memory, device);
+        memory.free_all(device, self.records.buffers().chain(self.sums.buffers()));
+        let others = [&mut self.params, &mut self.transfer, self.steps.emptied()];
+        memory.free_all(device, others.into_iter());
     }
 
     fn forget_volume<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {

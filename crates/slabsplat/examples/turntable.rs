@@ -1,6 +1,6 @@
 //! A series of frames around a volume, as for a film: `cargo run --release -p slabsplat --example turntable [DIR]`.
 
-use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, backend_named, io};
+use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, io};
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let volume = io::builtin_volume("neuron", None)?;
     let image = ImageDesc { width: 256, height: 256, background: [0.05, 0.05, 0.07, 1.0] };
     let mut scene = Automatic::new(&volume).scene(image, RenderSettings::default());
-    let mut renderer = Renderer::new(volume, backend_named("auto")?);
+    let mut renderer = Renderer::open(volume, "auto", |note| eprintln!("{note}"))?;
 
     let step_radians = std::f64::consts::TAU / f64::from(N_FRAMES);
     for frame_idx in 0..N_FRAMES {

@@ -10,7 +10,7 @@
 //! change between frames: the value order, the relevant voxels with their normals, the tables.
 //!
 //! ```
-//! use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, backend_named};
+//! use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let volume = slabsplat::io::builtin_volume("sphere", Some(16))?;
@@ -18,7 +18,7 @@
 //! let image = ImageDesc { width: 32, height: 32, ..ImageDesc::default() };
 //! let scene = automatic.scene(image, RenderSettings::default());
 //!
-//! let mut renderer = Renderer::new(volume, backend_named("cpu")?);
+//! let mut renderer = Renderer::open(volume, "auto", |note| eprintln!("{note}"))?;
 //! let frame = renderer.render(&scene)?;
 //! assert!(0.9 < frame.image.pixel(16, 16)[3], "the middle of the ball is opaque");
 //! # Ok(())
@@ -28,6 +28,8 @@
 //! # Features
 //!
 //! - `cpu` (default): the CPU backend.
+//! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where there
+//!   is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
 //!
 //! # Reading order
@@ -44,7 +46,10 @@ mod scene_file;
 mod popping;
 
 pub use automatic::Automatic;
-pub use backends::{BACKEND_NAMES, UnknownBackend, backend_named};
+pub use backends::{
+    BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
+    found_backends,
+};
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 pub use renderer::{RenderError, Renderer};
 #[cfg(feature = "files")]

@@ -1,5 +1,6 @@
 //! A volume and what is kept of it between frames.
 
+use crate::{Choice, NoBackend, choose_backend};
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
 use slabsplat_core::{Scene, Volume};
 use std::sync::Arc;
@@ -11,7 +12,10 @@ pub struct Renderer {
     volume: Arc<Volume>,
     planner: Planner,
     backend: Box<dyn Backend>,
+    fallback: Option<Fallback>,
 }
+
+type Fallback = Box<dyn FnOnce(&BackendError) -> Box<dyn Backend> + Send>;
 
 /// Why a frame could not be made.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -28,7 +32,38 @@ impl Renderer {
     /// A renderer of `volume`. What is done once a volume, such as sorting its voxels by value, is
     /// done with the first frame.
     pub fn new(volume: impl Into<Arc<Volume>>, backend: Box<dyn Backend>) -> Self {
-        Self { volume: volume.into(), planner: Planner::default(), backend }
+        Self { volume: volume.into(), planner: Planner::default(), backend, fallback: None }
+    }
+
+    /// A renderer of `volume` on the backend called `name`. With `auto`, the CPU goes on where a graphics
+    /// card fails; `tell` is given a sentence for people whenever one could not be used.
+    ///
+    /// # Errors
+    /// If this build has no such backend, or this machine nothing that it runs on.
+    pub fn open(
+        volume: impl Into<Arc<Volume>>,
+        name: &str,
+        mut tell: impl FnMut(&str) + Send + 'static,
+    ) -> Result<Self, NoBackend> {
+        let Choice { backend, notes, fallback } = choose_backend(name)?;
+        notes.iter().for_each(|note| tell(note));
+        let renderer = Self::new(volume, backend);
+        let Some(make) = fallback else { return Ok(renderer) };
+        Ok(renderer.with_fallback(move |error| {
+            let backend = make();
+            tell(&format!("{error}; going on with the backend \"{}\"", backend.caps().name));
+            backend
+        }))
+    }
+
+    /// The same, but for [`render`](Self::render): where its backend runs out of memory or is lost,
+    /// `fallback` makes another, once, which draws that frame and all that follow. Frames that were
+    /// submitted before and not taken are gone with the backend.
+    pub fn with_fallback(
+        self,
+        fallback: impl FnOnce(&BackendError) -> Box<dyn Backend> + Send + 'static,
+    ) -> Self {
+        Self { fallback: Some(Box::new(fallback)), ..self }
     }
 
     /// The volume.
@@ -41,11 +76,28 @@ impl Renderer {
         self.backend.caps()
     }
 
+    /// Goes on with another volume, on the same backend: opening one may take longer than a frame.
+    pub fn set_volume(&mut self, volume: impl Into<Arc<Volume>>) {
+        self.volume = volume.into();
+    }
+
     /// Renders a frame and waits for it.
     ///
     /// # Errors
-    /// If the scene cannot be drawn, or the backend fails.
+    /// If the scene cannot be drawn, or the backend fails and there is no fallback.
     pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        let result = self.render_once(scene);
+        if let Err(RenderError::Backend(error)) = &result
+            && would_pass_elsewhere(error)
+            && let Some(fallback) = self.fallback.take()
+        {
+            self.backend = fallback(error);
+            return self.render_once(scene);
+        }
+        result
+    }
+
+    fn render_once(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
         let frame = self.submit(scene)?;
         loop {
             match self.poll(frame)? {
@@ -70,5 +122,138 @@ impl Renderer {
     /// If the frame failed, or there is no such frame.
     pub fn poll(&mut self, frame: FrameId) -> Result<Poll<Frame>, RenderError> {
         Ok(self.backend.poll_image(frame)?)
+    }
+}
+
+/// Whether the frame failed because of the device, not because of who asked for it.
+fn would_pass_elsewhere(error: &BackendError) -> bool {
+    match error {
+        BackendError::OutOfMemory { .. } | BackendError::DeviceLost { .. } => true,
+        BackendError::UnknownFrame(_) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Automatic;
+    use slabsplat_core::{Grid, Image, ImageDesc, KernelName, RenderSettings, Scaling};
+    use std::sync::Mutex;
+
+    /// Draws pictures of one colour, until it fails with `error` where `fails_in` says.
+    struct Fake {
+        caps: Caps,
+        color: f32,
+        n_good: u64,
+        fails_in: Call,
+        error: BackendError,
+        n_submitted: u64,
+    }
+
+    #[derive(PartialEq)]
+    enum Call {
+        Submit,
+        Poll,
+    }
+
+    impl Backend for Fake {
+        fn caps(&self) -> &Caps {
+            &self.caps
+        }
+
+        fn submit(
+            &mut self,
+            _: &slabsplat_backend::FramePlan<'_>,
+        ) -> Result<FrameId, BackendError> {
+            let frame = FrameId(self.n_submitted);
+            if self.n_good <= frame.0 && self.fails_in == Call::Submit {
+                return Err(self.error.clone());
+            }
+            self.n_submitted += 1;
+            Ok(frame)
+        }
+
+        fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
+            if self.n_good <= frame.0 {
+                return Err(self.error.clone());
+            }
+            let (image, stats, cost) = (
+                Image::filled(2, 2, [self.color; 4]),
+                slabsplat_backend::FrameStats::default(),
+                slabsplat_backend::FrameCost::default(),
+            );
+            Ok(Poll::Ready(Frame { image, stats, cost }))
+        }
+    }
+
+    fn fake(color: f32, n_good: u64, fails_in: Call, error: BackendError) -> Box<dyn Backend> {
+        let caps = Caps { name: "fake", device: "Fake 3000".to_owned() };
+        Box::new(Fake { caps, color, n_good, fails_in, error, n_submitted: 0 })
+    }
+
+    fn lost() -> BackendError {
+        BackendError::DeviceLost { device: "Fake 3000".to_owned(), reason: "it fell".to_owned() }
+    }
+
+    fn out_of_memory() -> BackendError {
+        BackendError::OutOfMemory {
+            what: "tiles",
+            device: "Fake 3000".to_owned(),
+            needed_bytes: 8,
+            available_bytes: 4,
+        }
+    }
+
+    fn volume_and_scene() -> (Volume, Scene) {
+        let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
+        let image = ImageDesc { width: 2, height: 2, background: [0.0; 4] };
+        let scene = Automatic::new(&volume).scene(image, RenderSettings::default());
+        (volume, scene)
+    }
+
+    /// Renders three frames, the second of which fails, and gives their colours and what was told.
+    fn colors(fails_in: Call, error: BackendError) -> ([f32; 3], Vec<String>) {
+        let (volume, scene) = volume_and_scene();
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let teller = told.clone();
+        let mut renderer =
+            Renderer::new(volume, fake(0.25, 1, fails_in, error)).with_fallback(move |error| {
+                teller.lock().unwrap().push(error.to_string());
+                fake(0.75, 9, Call::Submit, lost())
+            });
+        let colors = [(); 3].map(|()| renderer.render(&scene).unwrap().image.pixel(0, 0)[0]);
+        let told = told.lock().unwrap().clone();
+        (colors, told)
+    }
+
+    #[test]
+    fn fallback_draws_the_frame_again_and_all_after() {
+        for error in [lost(), out_of_memory()] {
+            for fails_in in [Call::Submit, Call::Poll] {
+                let (colors, told) = colors(fails_in, error.clone());
+                assert_eq!(colors, [0.25, 0.75, 0.75], "{error}");
+                assert_eq!(told, [error.to_string()], "told once");
+            }
+        }
+    }
+
+    #[test]
+    fn fallback_is_not_for_what_fails_everywhere() {
+        let (volume, scene) = volume_and_scene();
+        let unknown = BackendError::UnknownFrame(FrameId(0));
+        let backend = fake(0.25, 0, Call::Poll, unknown.clone());
+        let mut renderer = Renderer::new(volume, backend).with_fallback(|error| panic!("{error}"));
+        assert_eq!(renderer.render(&scene), Err(RenderError::Backend(unknown)));
+        let mut odd = scene.clone();
+        odd.settings.kernel = KernelName("box".into());
+        assert!(matches!(renderer.render(&odd), Err(RenderError::Plan(_))));
+    }
+
+    #[test]
+    fn failure_without_fallback_is_an_error() {
+        let (volume, scene) = volume_and_scene();
+        let mut renderer = Renderer::new(volume, fake(0.25, 0, Call::Submit, lost()));
+        assert_eq!(renderer.render(&scene), Err(RenderError::Backend(lost())));
     }
 }

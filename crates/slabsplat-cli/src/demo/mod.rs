@@ -4,11 +4,11 @@
 mod shots;
 
 use crate::progress::Progress;
-use crate::{meter, terminal};
+use crate::{meter, stats, terminal};
 use anyhow::{Context, Result};
 use clap::Args;
 use shots::{CUBE_TURN, SHOTS, Shot};
-use slabsplat::{Frame, Method, Renderer, backend_named, io};
+use slabsplat::{Frame, Method, Renderer, Volume, io};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,25 +24,30 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
     let directory = &args.directory;
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory {}", directory.display()))?;
+    let mut renderer = Renderer::open(cube()?, "auto", terminal::warn)?;
     let side = shots::SIDE_PIXELS;
     terminal::answer(&format!(
-        "Pictures of {side} x {side} pixels in {}:\n\n",
-        directory.display()
+        "Pictures of {side} x {side} pixels in {}, by {}:\n\n",
+        directory.display(),
+        stats::executor(renderer.caps()),
     ))?;
     terminal::answer("picture                             voxels drawn      ms\n")?;
     for shot in SHOTS {
-        draw(shot, directory)?;
+        draw(shot, directory, &mut renderer)?;
     }
-    measure()
+    measure(&mut renderer)
+}
+
+fn cube() -> Result<Volume> {
+    Ok(io::builtin_volume("cube", None)?)
 }
 
 /// One volume by all methods. The voxels are sorted once.
-fn draw(shot: &Shot, directory: &Path) -> Result<()> {
+fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
     let progress = Progress::start("rendering", 0);
-    let volume = io::builtin_volume(shot.volume, None)?;
+    renderer.set_volume(io::builtin_volume(shot.volume, None)?);
     let scenes = Method::ALL.iter().map(|&method| shot.scene(method));
     let scenes = scenes.collect::<Result<Vec<_>>>()?;
-    let mut renderer = Renderer::new(volume, backend_named("auto")?);
     let mut lines = String::new();
     for scene in scenes {
         let started = Instant::now();
@@ -56,10 +61,10 @@ fn draw(shot: &Shot, directory: &Path) -> Result<()> {
     terminal::answer(&lines)
 }
 
-fn measure() -> Result<()> {
+fn measure(renderer: &mut Renderer) -> Result<()> {
     let scene = shots::popping_scene()?;
-    let mut renderer = Renderer::new(io::builtin_volume("cube", None)?, backend_named("auto")?);
-    let reports = meter::measure(&mut renderer, &scene, Method::ALL, CUBE_TURN)?;
+    renderer.set_volume(cube()?);
+    let reports = meter::measure(renderer, &scene, Method::ALL, CUBE_TURN)?;
     terminal::answer(&format!(
         "\nThe cube turns from {} to {} degrees in steps of {}. By how much does the picture change in a \
          step?\nThe pop ratio is the largest change over the median: near 1, nothing pops.\n\n{}",

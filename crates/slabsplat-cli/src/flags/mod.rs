@@ -15,7 +15,7 @@ use crate::progress::Progress;
 use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
-use slabsplat::{OpenScene, Renderer, Scene, backend_named};
+use slabsplat::{OpenScene, Renderer, Scene};
 use std::path::PathBuf;
 
 /// What is drawn, and all flags about how.
@@ -55,10 +55,10 @@ impl SceneFlags {
     /// Reads what is named, and makes it ready to be rendered.
     pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
         let OpenScene { volume, scene, backend, warnings } = self.open()?;
-        progress.suspend(|| terminal::warn(&warnings));
-        progress.stage("sorting voxels");
-        let backend = self.in_scene(|| Ok(backend_named(&backend)?))?;
-        Ok((Renderer::new(volume, backend), scene))
+        terminal::warn_all(&warnings);
+        progress.stage("starting the backend");
+        let renderer = self.in_scene(|| Ok(Renderer::open(volume, &backend, terminal::warn)?))?;
+        Ok((renderer, scene))
     }
 
     /// Names the scene file in errors that only show when its values are used.

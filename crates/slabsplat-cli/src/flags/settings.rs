@@ -4,7 +4,9 @@ use super::values;
 use anyhow::Result;
 use clap::Args;
 use slabsplat::io::SceneFile;
-use slabsplat::{Compositing, KERNEL_NAMES, KernelName, Lookup, Method, Normalization};
+use slabsplat::{
+    BACKEND_NAMES, Compositing, KERNEL_NAMES, KernelName, Lookup, Method, Normalization,
+};
 
 #[derive(Args)]
 #[command(next_help_heading = "Rendering")]
@@ -49,9 +51,14 @@ pub(super) struct SettingsFlags {
     #[arg(long, value_name = "OPACITY", allow_hyphen_values = true)]
     opacity_cutoff: Option<f64>,
 
-    /// What executes the frame: cpu, or auto for the fastest that there is
-    #[arg(long, value_name = "NAME")]
+    // Not clap's to check: a scene may name a backend, too, and is told the same.
+    #[arg(long, value_name = "NAME", help = backend_help())]
     backend: Option<String>,
+}
+
+fn backend_help() -> String {
+    let names = BACKEND_NAMES.join(", ");
+    format!("What executes the frame: {names}; auto is the fastest that there is")
 }
 
 impl SettingsFlags {

@@ -75,6 +75,7 @@ fn errors_say_what_and_where() {
         ("info a.raw --dims 0,2,3 --type uint8", "empty"),
         ("info a.raw --dims 9999999,9999999,9999999 --type float64", "too many voxels"),
         ("info .", "error"),
+        ("popping builtin:cube --backend cray", "\"cray\""),
         ("popping builtin:cube --step 0", "positive step"),
         ("popping builtin:cube --from 0 --to inf", "finite"),
         ("popping builtin:cube --to 1", "fewer than 3 frames"),

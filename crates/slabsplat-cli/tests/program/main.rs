@@ -1,5 +1,6 @@
 //! The built program, run as a user runs it: what it prints, what it writes, and how it ends.
 
+mod backends;
 mod demo;
 mod errors;
 mod info;
@@ -14,6 +15,8 @@ fn slabsplat(directory: &Path, args: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_slabsplat"))
         .args(args.split_whitespace())
         .current_dir(directory)
+        // Where it is not set, as in a container, Mesa's drivers complain of that on stderr.
+        .env("XDG_RUNTIME_DIR", directory)
         .stdin(Stdio::null())
         .output()
         .expect("the program starts")

@@ -1,6 +1,6 @@
 //! `slabsplat render`.
 
-use crate::{answer, names_in, slabsplat, text};
+use crate::{answer, complaint, names_in, slabsplat, text};
 use std::path::Path;
 
 const SMALL: &str = "--width 24 --height 16";
@@ -30,11 +30,68 @@ fn render_builtin_to_png_and_exr() {
 #[test]
 fn render_tells_what_it_did() {
     let dir = tempfile::tempdir().unwrap();
-    let output = slabsplat(dir.path(), &format!("render builtin:cube {SMALL} -o cube.png"));
+    let args = format!("render builtin:cube {SMALL} --backend cpu -o cube.png");
+    let output = slabsplat(dir.path(), &args);
     let line = text(&output.stderr);
     assert!(line.starts_with("cube.png: 24 x 16 pixels, 4096 voxels drawn, "), "{line}");
     assert!(line.ends_with(" ms\n") && line.lines().count() == 1, "{line}");
     assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn render_stats_of_the_cpu() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = format!("render builtin:cube {SMALL} --backend cpu --stats -o cube.png");
+    let output = slabsplat(dir.path(), &args);
+    let told = text(&output.stderr);
+    assert!(output.status.success() && output.stdout.is_empty(), "{told}");
+    let (picture, stats) = told.split_once('\n').unwrap();
+    assert!(picture.starts_with("cube.png: 24 x 16 pixels"), "{told}");
+    let value = |key: &str| {
+        let line = stats.lines().find(|line| line.starts_with(&format!("{key} ")));
+        line.unwrap_or_else(|| panic!("{key} in {told}"))[key.len()..].trim()
+    };
+    for stage in ["list", "shade", "project", "toss", "splat"] {
+        assert!(value(stage).ends_with(" ms"), "{told}");
+    }
+    assert_eq!(value("voxels"), "4096");
+    for count in ["splatted", "culled", "tiles", "full tiles"] {
+        assert!(value(count).parse::<u64>().is_ok(), "{count} in {told}");
+    }
+    assert!(value("resident").ends_with(" bytes)"), "{told}");
+    assert!(value("backend").starts_with("cpu on "), "{told}");
+}
+
+/// A backend on a GPU draws and says so, or says why it cannot.
+#[test]
+fn render_by_each_backend() {
+    let dir = tempfile::tempdir().unwrap();
+    let found = crate::json(dir.path(), "backends --json");
+    for backend in found["backends"].as_array().unwrap() {
+        let name = backend["name"].as_str().unwrap();
+        let args = format!("render builtin:cube {SMALL} --backend {name} -o {name}.png");
+        if let Some(reason) = backend["unavailable"].as_str() {
+            let line = complaint(dir.path(), &args);
+            assert!(line.contains(&format!("\"{name}\" is not available: {reason}")), "{line}");
+            continue;
+        }
+        let output = slabsplat(dir.path(), &args);
+        let told = text(&output.stderr);
+        assert!(output.status.success() && told.contains("4096 voxels drawn"), "{told}");
+        assert_eq!(told.contains(&format!(" ms, {name} on ")), name != "cpu", "{told}");
+    }
+}
+
+/// The scene's backend is taken, unless a flag names another.
+#[test]
+fn render_backend_of_the_scene() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("cray.toml"), format!("{SCENE}backend = \"cray\"\n")).unwrap();
+    std::fs::write(dir.path().join("auto.toml"), format!("{SCENE}backend = \"auto\"\n")).unwrap();
+    assert!(complaint(dir.path(), "render cray.toml -o a.png").contains("\"cray\""));
+    assert!(complaint(dir.path(), "render auto.toml --backend cray -o a.png").contains("cray"));
+    bytes_of(dir.path(), "cray.toml --backend cpu -o cpu.png");
+    bytes_of(dir.path(), "auto.toml -o auto.png");
 }
 
 const SCENE: &str = r#"
@@ -60,7 +117,7 @@ slab_width = 0.5
 compositing = "separate"
 "#;
 
-/// The flags say all that the file says, so that the pictures must be the same.
+/// The flags say all that the file says or leaves to its defaults, so that the pictures must be the same.
 #[test]
 fn render_flags_mean_what_keys_mean() {
     let dir = tempfile::tempdir().unwrap();
@@ -70,7 +127,7 @@ fn render_flags_mean_what_keys_mean() {
         dir.path(),
         "builtin:cube --opacity 0:0,255:0.5 --color 0:1,0.5,0.25 --shading phong --ambient 0.2 \
          --eye 50,-30,20 --up 0,0,1 --view-height 30 --width 24 --height 16 --background 0,0,0.5 \
-         --method axis-aligned --slab-width 0.5 --compositing separate -o flags.exr",
+         --method axis-aligned --slab-width 0.5 --compositing separate --backend cpu -o flags.exr",
     );
     assert!(by_keys == by_flags, "keys and flags differ");
 }

@@ -1,0 +1,58 @@
+//! The backends on graphics cards, as `auto` sees them: something to open, or to pass over.
+
+use super::{FoundDevice, NoBackend};
+use slabsplat_backend::Backend;
+
+/// A graphics interface.
+pub(super) struct Gpu {
+    /// The name of the backend.
+    pub(super) name: &'static str,
+    /// What it could open, the best first, or why there is nothing.
+    pub(super) devices: fn() -> Result<Vec<FoundDevice>, String>,
+    /// Opens the best.
+    pub(super) open: fn() -> Result<Opened, String>,
+}
+
+/// A backend on a device.
+pub(super) struct Opened {
+    pub(super) backend: Box<dyn Backend>,
+    /// Whether it is faster than the CPU backend.
+    pub(super) is_fast: bool,
+}
+
+/// Those of this build, in the order in which `auto` tries them.
+pub(super) const GPUS: &[Gpu] = &[
+    #[cfg(feature = "ash")]
+    super::interfaces::ASH,
+    #[cfg(feature = "wgpu")]
+    super::interfaces::WGPU,
+];
+
+impl Gpu {
+    /// The backend on any device.
+    pub(super) fn open_named(&self) -> Result<Box<dyn Backend>, NoBackend> {
+        let unavailable = |reason| NoBackend::Unavailable { name: self.name, reason };
+        (self.open)().map(|opened| opened.backend).map_err(unavailable)
+    }
+
+    /// The backend on a device that beats the CPU; `None` if there is none.
+    ///
+    /// # Errors
+    /// If there is one but it cannot be opened, with a sentence about it.
+    pub(super) fn open_if_fast(&self) -> Result<Option<Box<dyn Backend>>, String> {
+        // Opening comes first: where it succeeds, which is where time counts, listing the devices would
+        // only start the driver twice.
+        let reason = match (self.open)() {
+            Ok(opened) => return Ok(opened.is_fast.then_some(opened.backend)),
+            Err(reason) => reason,
+        };
+        let found = (self.devices)().unwrap_or_default();
+        match found.iter().find(|device| device.is_fast) {
+            Some(device) => Err(format!(
+                "the backend \"{}\" could not open {}: {reason}",
+                self.name, device.name
+            )),
+            None => Ok(None),
+        }
+    }
+}

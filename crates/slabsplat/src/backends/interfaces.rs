@@ -1,0 +1,59 @@
+//! The graphics interfaces of this build: how their devices are listed and opened.
+
+use super::FoundDevice;
+use super::gpu::{Gpu, Opened};
+use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend, OpenOptions, Unavailable};
+
+#[cfg(feature = "ash")]
+pub(super) const ASH: Gpu = Gpu {
+    name: "ash",
+    devices: || found(slabsplat_ash::devices()),
+    open: || opened("ash", slabsplat_ash::open(&OpenOptions::default())),
+};
+
+#[cfg(feature = "wgpu")]
+pub(super) const WGPU: Gpu = Gpu {
+    name: "wgpu",
+    devices: || found(slabsplat_wgpu::devices()),
+    open: || opened("wgpu", slabsplat_wgpu::open(&OpenOptions::default())),
+};
+
+fn opened<D: Device + 'static>(
+    name: &'static str,
+    device: Result<D, Unavailable>,
+) -> Result<Opened, String> {
+    let device = device.map_err(|unavailable| unavailable.reason)?;
+    let is_fast = is_fast(device.info().kind);
+    Ok(Opened { backend: Box::new(GpuBackend::new(name, device)), is_fast })
+}
+
+fn found(devices: Result<Vec<DeviceInfo>, Unavailable>) -> Result<Vec<FoundDevice>, String> {
+    let devices = devices.map_err(|unavailable| unavailable.reason)?;
+    Ok(devices.into_iter().map(found_device).collect())
+}
+
+fn found_device(info: DeviceInfo) -> FoundDevice {
+    FoundDevice {
+        name: info.name,
+        driver: Some(info.driver),
+        kind: kind_name(info.kind),
+        is_fast: is_fast(info.kind),
+        max_binding_bytes: Some(info.max_binding_bytes),
+        memory_bytes: info.memory_bytes,
+        is_timed: info.has_timestamps,
+    }
+}
+
+fn is_fast(kind: DeviceKind) -> bool {
+    kind < DeviceKind::Software
+}
+
+fn kind_name(kind: DeviceKind) -> &'static str {
+    match kind {
+        DeviceKind::Discrete => "discrete",
+        DeviceKind::Integrated => "integrated",
+        DeviceKind::Virtual => "virtual",
+        DeviceKind::Other => "other",
+        DeviceKind::Software => "software",
+    }
+}

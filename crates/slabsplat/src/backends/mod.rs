@@ -1,0 +1,139 @@
+//! Which backends there are, and which one is taken.
+
+mod gpu;
+
+mod found;
+#[cfg(any(feature = "ash", feature = "wgpu"))]
+mod interfaces;
+
+#[cfg(test)]
+mod tests;
+
+pub use found::{FoundBackend, FoundDevice, found_backends};
+
+use gpu::{GPUS, Gpu};
+use slabsplat_backend::Backend;
+use thiserror::Error;
+
+/// The names that scene files and flags use. `auto` takes the fastest that there is.
+pub const BACKEND_NAMES: &[&str] = &[
+    "auto",
+    #[cfg(feature = "cpu")]
+    "cpu",
+    #[cfg(feature = "wgpu")]
+    "wgpu",
+    #[cfg(feature = "ash")]
+    "ash",
+];
+
+/// Those of a build with all features.
+const ALL_NAMES: &[&str] = &["auto", "cpu", "wgpu", "ash"];
+
+type MakeBackend = fn() -> Box<dyn Backend>;
+
+#[cfg(feature = "cpu")]
+const CPU: Option<MakeBackend> = Some(|| Box::new(slabsplat_cpu::CpuBackend::new()));
+#[cfg(not(feature = "cpu"))]
+const CPU: Option<MakeBackend> = None;
+
+/// Why there is no backend of a name.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum NoBackend {
+    /// No backend is called so.
+    #[error("there is no backend \"{name}\" in this build; there are {}", BACKEND_NAMES.join(", "))]
+    Unknown {
+        /// The name asked for.
+        name: String,
+    },
+    /// slabsplat was built without it.
+    #[error(
+        "there is no backend \"{name}\" in this build, which lacks the feature \"{name}\"; there are {}",
+        BACKEND_NAMES.join(", ")
+    )]
+    NotBuilt {
+        /// The name asked for, and the feature that brings it.
+        name: &'static str,
+    },
+    /// This machine has nothing that it runs on.
+    #[error("the backend \"{name}\" is not available: {reason}")]
+    Unavailable {
+        /// The name asked for.
+        name: &'static str,
+        /// What is missing, or what failed.
+        reason: String,
+    },
+}
+
+/// A backend, and how it came to be that one.
+pub struct Choice {
+    /// The backend.
+    pub backend: Box<dyn Backend>,
+    /// Which better ones should have worked and did not, and why; sentences for people.
+    pub notes: Vec<String>,
+    /// What makes another backend, should the device of this one fail. Only `auto` goes on with
+    /// another: who names a backend wants that one or none.
+    pub fallback: Option<fn() -> Box<dyn Backend>>,
+}
+
+/// Opens the backend called `name`.
+///
+/// `auto` takes the first graphics card that opens, by `ash` and then by `wgpu`; otherwise the CPU,
+/// which beats a driver that plays a graphics card on it.
+///
+/// # Errors
+/// If this build has no such backend, or this machine nothing that it runs on.
+pub fn choose_backend(name: &str) -> Result<Choice, NoBackend> {
+    choose_among(GPUS, name)
+}
+
+/// Opens the backend called `name`, and says nothing of others; with `auto`, [`choose_backend`] tells
+/// more.
+///
+/// # Errors
+/// If this build has no such backend, or this machine nothing that it runs on.
+pub fn backend_named(name: &str) -> Result<Box<dyn Backend>, NoBackend> {
+    choose_backend(name).map(|choice| choice.backend)
+}
+
+fn choose_among(gpus: &[Gpu], name: &str) -> Result<Choice, NoBackend> {
+    if name == "auto" {
+        return automatic(gpus);
+    }
+    let backend = match gpus.iter().find(|gpu| gpu.name == name) {
+        Some(gpu) => gpu.open_named()?,
+        None => CPU.filter(|_| name == "cpu").ok_or_else(|| missing(name))?(),
+    };
+    Ok(Choice { backend, notes: Vec::new(), fallback: None })
+}
+
+fn automatic(gpus: &[Gpu]) -> Result<Choice, NoBackend> {
+    let mut notes = Vec::new();
+    for gpu in gpus {
+        match gpu.open_if_fast() {
+            Ok(Some(backend)) => return Ok(Choice { backend, notes, fallback: CPU }),
+            Ok(None) => {}
+            Err(note) => notes.push(note),
+        }
+    }
+    // A slow device is better than none, in a build without the CPU backend.
+    let last = || gpus.iter().find_map(|gpu| gpu.open_named().ok());
+    match CPU.map(|make| make()).or_else(last) {
+        Some(backend) => Ok(Choice { backend, notes, fallback: None }),
+        None => Err(nothing_for_auto(gpus)),
+    }
+}
+
+fn nothing_for_auto(gpus: &[Gpu]) -> NoBackend {
+    let reasons = gpus.iter().filter_map(|gpu| gpu.open_named().err());
+    let reasons: Vec<String> = reasons.map(|reason| reason.to_string()).collect();
+    let reason =
+        if reasons.is_empty() { "this build has none".to_owned() } else { reasons.join("; ") };
+    NoBackend::Unavailable { name: "auto", reason }
+}
+
+fn missing(name: &str) -> NoBackend {
+    match ALL_NAMES.iter().find(|known| **known == name) {
+        Some(name) => NoBackend::NotBuilt { name },
+        None => NoBackend::Unknown { name: name.to_owned() },
+    }
+}

@@ -1,0 +1,125 @@
+//! Choices among graphics cards that are not there.
+
+use super::gpu::Opened;
+use super::*;
+use slabsplat_backend::{BackendError, Caps, Frame, FrameId, FramePlan};
+use std::task::Poll;
+
+/// A backend that has a name and nothing else.
+struct Named(Caps);
+
+impl Backend for Named {
+    fn caps(&self) -> &Caps {
+        &self.0
+    }
+
+    fn submit(&mut self, _: &FramePlan<'_>) -> Result<FrameId, BackendError> {
+        Ok(FrameId(0))
+    }
+
+    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
+        Err(BackendError::UnknownFrame(frame))
+    }
+}
+
+fn opened(name: &'static str, is_fast: bool) -> Result<Opened, String> {
+    let caps = Caps { name, device: "Fake 3000".to_owned() };
+    Ok(Opened { backend: Box::new(Named(caps)), is_fast })
+}
+
+fn listed(is_fast: bool) -> Result<Vec<FoundDevice>, String> {
+    Ok(vec![FoundDevice {
+        name: "Fake 3000".to_owned(),
+        driver: None,
+        kind: "other",
+        is_fast,
+        max_binding_bytes: None,
+        memory_bytes: None,
+        is_timed: false,
+    }])
+}
+
+const CARD: Gpu = Gpu { name: "card", devices: || listed(true), open: || opened("card", true) };
+const PLAYED: Gpu =
+    Gpu { name: "played", devices: || listed(false), open: || opened("played", false) };
+const BROKEN: Gpu =
+    Gpu { name: "broken", devices: || listed(true), open: || Err("it sparks".to_owned()) };
+const NOTHING: Gpu = Gpu {
+    name: "nothing",
+    devices: || Err("there is no driver".to_owned()),
+    open: || Err("there is no driver".to_owned()),
+};
+
+/// Which backend is chosen, and the notes.
+fn choice(gpus: &[Gpu], name: &str) -> Result<(&'static str, Vec<String>), NoBackend> {
+    choose_among(gpus, name).map(|choice| (choice.backend.caps().name, choice.notes))
+}
+
+#[test]
+fn auto_takes_the_first_card() {
+    let check = |gpus: &[Gpu], expected| {
+        assert_eq!(choice(gpus, "auto"), Ok((expected, Vec::new())));
+    };
+    check(&[CARD, NOTHING], "card");
+    check(&[NOTHING, CARD], "card");
+    check(&[PLAYED, CARD], "card");
+}
+
+#[test]
+#[cfg(feature = "cpu")]
+fn auto_takes_the_cpu_rather_than_software() {
+    assert_eq!(choice(&[PLAYED, NOTHING], "auto"), Ok(("cpu", Vec::new())));
+    assert_eq!(choice(&[], "auto"), Ok(("cpu", Vec::new())));
+}
+
+#[test]
+fn auto_tells_what_it_could_not_open() {
+    let (name, notes) = choice(&[NOTHING, BROKEN, CARD], "auto").unwrap();
+    assert_eq!(name, "card");
+    assert_eq!(notes, ["the backend \"broken\" could not open Fake 3000: it sparks"]);
+}
+
+#[test]
+#[cfg(feature = "cpu")]
+fn auto_alone_goes_on_elsewhere() {
+    let fallback = |gpus: &[Gpu], name| choose_among(gpus, name).unwrap().fallback;
+    let make = fallback(&[CARD], "auto").unwrap();
+    assert_eq!(make().caps().name, "cpu");
+    assert!(fallback(&[CARD], "card").is_none(), "who names a backend wants that one");
+    assert!(fallback(&[], "auto").is_none(), "the CPU has nothing to fall back on");
+}
+
+#[test]
+#[cfg(not(feature = "cpu"))]
+fn auto_without_the_cpu() {
+    assert_eq!(choice(&[NOTHING, PLAYED], "auto"), Ok(("played", Vec::new())));
+    let error = |gpus: &[Gpu]| choice(gpus, "auto").unwrap_err().to_string();
+    assert!(error(&[]).contains("this build has none"));
+    assert!(error(&[NOTHING]).contains("\"nothing\" is not available: there is no driver"));
+}
+
+#[test]
+fn named_takes_what_is_named() {
+    assert_eq!(choice(&[CARD, PLAYED], "played"), Ok(("played", Vec::new())));
+    let error = choice(&[CARD, BROKEN], "broken").unwrap_err();
+    assert_eq!(error.to_string(), "the backend \"broken\" is not available: it sparks");
+}
+
+#[test]
+fn names_of_this_build() {
+    let error = backend_named("cray").err().unwrap().to_string();
+    assert!(error.starts_with("there is no backend \"cray\" in this build; there are"), "{error}");
+    for &name in ALL_NAMES {
+        let lacks = matches!(backend_named(name), Err(NoBackend::NotBuilt { .. }));
+        assert_eq!(lacks, !BACKEND_NAMES.contains(&name), "{name}");
+    }
+}
+
+#[test]
+fn found_backends_are_those_of_this_build() {
+    let mut found: Vec<&str> = found_backends().iter().map(|backend| backend.name).collect();
+    let mut expected: Vec<&str> = BACKEND_NAMES.iter().copied().filter(|n| *n != "auto").collect();
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+}

@@ -1,0 +1,319 @@
+//! What only backends on a GPU can get wrong: limits, memory, loss, and what moves when little changes. Each test
+//! runs on every graphics interface that this machine has a driver for.
+
+use slabsplat::glam::DVec3;
+use slabsplat::{
+    Backend, BackendError, Camera, Compositing, Frame, FrameId, Grid, ImageDesc, Lookup, Method,
+    Phong, Planner, Projection, RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
+};
+use slabsplat_gpu::{DeviceInfo, GpuBackend};
+use slabsplat_tests::render::{devices, open, validation_messages};
+use slabsplat_tests::spy_device::{Orders, SpyDevice, locked};
+use std::sync::{Arc, Mutex};
+use std::task::Poll;
+
+/// What two backends may differ by.
+const PARITY: f32 = 1e-3;
+
+/// A ball of waves in 64-bit floats.
+fn volume(dims: [usize; 3]) -> Arc<Volume> {
+    let grid = Grid::with_spacing(dims, [1.0, 1.2, 0.9]).expect("the spacing is positive");
+    let center = grid.center_in_index();
+    let value = |voxel_idx: usize| {
+        let at = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
+        let r = at.distance(center) / center.length();
+        (1.0 - r) * (0.7 + 0.3 * (at.x * 0.7 + at.y * 0.3).sin() * (0.5 * at.z).cos())
+    };
+    let samples: Vec<f64> = (0..grid.n_voxels()).map(value).collect();
+    Arc::new(Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel"))
+}
+
+/// The whole of `volume`, on an image of that many columns.
+fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
+    let target = volume.grid().center_in_world();
+    let size = volume.grid().dims().into_iter().max().expect("there are three") as f64;
+    let projection = Projection::Orthographic { view_height: 1.4 * size };
+    let eye = target + DVec3::new(3.0, 2.0, -2.5) * size;
+    Scene {
+        transfer: transfer(0.3),
+        shading: Shading::Phong(Phong::default()),
+        camera: Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward"),
+        image: ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] },
+        settings: RenderSettings {
+            method,
+            compositing: Compositing::Extinction,
+            radial_samples: 64,
+            ..RenderSettings::default()
+        },
+    }
+}
+
+fn transfer(opacity: f64) -> TransferFunction {
+    let opacities = vec![(0.1, [0.0]), (0.8, [opacity])];
+    let colors = vec![(0.0, [1.0, 0.3, 0.1]), (1.0, [0.2, 0.9, 1.0])];
+    TransferFunction::new(opacities, colors).expect("the points are sorted")
+}
+
+fn submit(
+    backend: &mut dyn Backend,
+    volume: &Arc<Volume>,
+    scene: &Scene,
+) -> Result<FrameId, BackendError> {
+    backend.submit(&Planner::default().plan(volume, scene).expect("the scene is valid"))
+}
+
+fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendError> {
+    loop {
+        if let Poll::Ready(frame) = backend.poll_image(frame)? {
+            let messages = validation_messages();
+            assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+            return Ok(frame);
+        }
+        std::thread::yield_now();
+    }
+}
+
+fn render(
+    backend: &mut dyn Backend,
+    volume: &Arc<Volume>,
+    scene: &Scene,
+) -> Result<Frame, BackendError> {
+    let frame = submit(backend, volume, scene)?;
+    take(backend, frame)
+}
+
+/// Runs a test on every device, with limits as `change` leaves them.
+fn on_devices(
+    change: impl Fn(&mut DeviceInfo),
+    test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
+) {
+    for (name, device) in devices() {
+        let spy = SpyDevice::new(device, &change);
+        let orders = spy.orders();
+        test(name, &mut GpuBackend::new(name, spy), &orders);
+    }
+}
+
+fn as_it_is(_: &mut DeviceInfo) {}
+
+/// Lists in four chunks, samples in pieces, pictures in bands: the bits are those of one piece.
+#[test]
+fn small_bindings_give_the_same_bits() {
+    let cases = [
+        ("a list in chunks, samples in pieces", volume([44, 40, 36]), 40, 512 << 10),
+        ("a picture in bands", volume([9, 8, 7]), 200, 128 << 10),
+    ];
+    for (what, volume, width, max_bytes) in cases {
+        for &method in Method::ALL {
+            let mut scene = scene(&volume, width, method);
+            scene.settings.sections = 16;
+            scene.settings.lookup = Lookup::Nearest;
+            let expected =
+                render(&mut *open("cpu"), &volume, &scene).expect("the CPU has no limits");
+            let pictures = Mutex::new(Vec::new());
+            for limit in [u64::MAX, max_bytes] {
+                let change = |info: &mut DeviceInfo| {
+                    info.max_binding_bytes = info.max_binding_bytes.min(limit);
+                };
+                on_devices(change, |name, backend, _| {
+                    let frame = render(backend, &volume, &scene);
+                    let frame = frame.unwrap_or_else(|e| panic!("{name}, {what}, {method}: {e}"));
+                    let difference = frame.image.max_difference(&expected.image);
+                    assert!(difference < PARITY, "{name}, {what}, {method}: {difference}");
+                    pictures.lock().expect("no test failed").push((name.to_owned(), frame));
+                });
+            }
+            let pictures = pictures.into_inner().expect("no test failed");
+            let n_devices = pictures.len() / 2;
+            for ((name, whole), (_, cut)) in pictures.iter().zip(&pictures[n_devices..]) {
+                assert!(whole.image == cut.image, "{name}, {what}, {method}");
+                assert_eq!(whole.stats, cut.stats, "{name}, {what}, {method}");
+            }
+        }
+    }
+}
+
+/// What does not fit is an error that says how much it needs and has, and the backend goes on.
+#[test]
+fn what_does_not_fit_is_an_error() {
+    let (large, small) = (volume([40, 36, 30]), volume([5, 4, 3]));
+    let check = |change: fn(&mut DeviceInfo), what: &str| {
+        on_devices(change, |name, backend, _| {
+            let scene_of = |volume: &Arc<Volume>| {
+                let mut scene = scene(volume, 24, Method::ImageAligned);
+                scene.settings.sections = 16;
+                scene.settings.radial_samples = 16;
+                scene.settings.lookup = Lookup::Nearest;
+                scene
+            };
+            let error = render(backend, &large, &scene_of(&large)).expect_err("it is too large");
+            let BackendError::OutOfMemory { needed_bytes, available_bytes, .. } = &error else {
+                panic!("{name}, {what}: {error}");
+            };
+            assert!(available_bytes < needed_bytes, "{name}, {what}: {error}");
+            assert!(error.to_string().contains(what), "{name}: {error}");
+            let frame = render(backend, &small, &scene_of(&small));
+            assert!(frame.is_ok(), "{name}, {what}: {frame:?}");
+        });
+    };
+    check(|info| info.max_binding_bytes = 30_000, "samples");
+    check(|info| info.max_binding_bytes = 64 << 10, "relevant voxels");
+    check(|info| info.memory_bytes = Some(4 << 20), "on");
+}
+
+/// Memory may run out at any buffer. The frame is lost, and the next one is right.
+#[test]
+fn out_of_memory_is_survived() {
+    let volume = volume([9, 8, 7]);
+    let scene = scene(&volume, 24, Method::ImageAligned);
+    on_devices(as_it_is, |name, backend, _| {
+        let expected = render(backend, &volume, &scene).expect("a tiny frame fits").image;
+        let n_failures = Mutex::new(0);
+        for n_buffers in 0..60 {
+            on_devices(as_it_is, |other, backend, orders| {
+                if other != name {
+                    return;
+                }
+                locked(orders).buffers_left = Some(n_buffers);
+                if let Err(error) = render(backend, &volume, &scene) {
+                    assert!(matches!(error, BackendError::OutOfMemory { .. }), "{name}: {error}");
+                    *n_failures.lock().expect("no test failed") += 1;
+                }
+                let frame = render(backend, &volume, &scene).expect("there is memory again");
+                assert!(frame.image == expected, "{name}, after {n_buffers} buffers");
+            });
+        }
+        let n_failures = n_failures.into_inner().expect("no test failed");
+        assert!(20 < n_failures && n_failures < 60, "{name}: {n_failures} failures");
+    });
+}
+
+/// Of every frame that was under way, and of all that come after.
+#[test]
+fn lost_device_is_an_error() {
+    let volume = volume([5, 4, 3]);
+    let scene = scene(&volume, 24, Method::ImageAligned);
+    on_devices(as_it_is, |name, backend, orders| {
+        let frame = submit(backend, &volume, &scene).expect("a tiny frame fits");
+        locked(orders).lost = Some("it fell off the bus");
+        let is_lost = |error: &BackendError| matches!(error, BackendError::DeviceLost { .. });
+        let error = take(backend, frame).expect_err("the device is lost");
+        assert!(
+            is_lost(&error) && error.to_string().contains("fell off the bus"),
+            "{name}: {error}"
+        );
+        assert_eq!(take(backend, frame), Err(BackendError::UnknownFrame(frame)), "{name}");
+        let error = submit(backend, &volume, &scene).expect_err("the device is lost");
+        assert!(is_lost(&error), "{name}: {error}");
+    });
+}
+
+/// A camera moves its own few hundred bytes, a transfer function a few more, and nobody the samples.
+#[test]
+fn little_moves_when_little_changes() {
+    let volume = volume([20, 20, 20]);
+    on_devices(as_it_is, |name, backend, orders| {
+        let mut scene = scene(&volume, 32, Method::ImageAligned);
+        let mut planner = Planner::default();
+        let mut n_written = |scene: &Scene| {
+            locked(orders).bytes_written = 0;
+            let plan = planner.plan(&volume, scene).expect("the scene is valid");
+            let frame = backend.submit(&plan).expect("a small frame fits");
+            take(backend, frame).expect("the device is there");
+            locked(orders).bytes_written
+        };
+        let first = n_written(&scene);
+        assert!(8 * volume.grid().n_voxels() <= first, "{name}: {first} bytes at first");
+        let again = n_written(&scene);
+        scene.shading = Shading::None;
+        let relit = n_written(&scene);
+        scene.transfer = transfer(0.2);
+        let reclassified = n_written(&scene);
+        println!("{name}: again {again}, relit {relit}, reclassified {reclassified} bytes");
+        assert!(again <= 512 && relit <= 512 && reclassified <= 1024, "{name}");
+    });
+}
+
+/// On a cubic grid a turned camera changes nothing but itself.
+#[test]
+fn camera_moves_a_few_hundred_bytes() {
+    let grid = Grid::with_spacing([12; 3], [1.0; 3]).expect("the spacing is positive");
+    let samples: Vec<f64> = (0..grid.n_voxels()).map(|i| (i % 7) as f64 / 7.0).collect();
+    let cubic = Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel");
+    let volume = Arc::new(cubic);
+    on_devices(as_it_is, |name, backend, orders| {
+        let mut scene = scene(&volume, 32, Method::ImageAligned);
+        let mut planner = Planner::default();
+        for turn in 0..6 {
+            locked(orders).bytes_written = 0;
+            let plan = planner.plan(&volume, &scene).expect("the scene is valid");
+            let frame = backend.submit(&plan).expect("a small frame fits");
+            take(backend, frame).expect("the device is there");
+            let n_bytes = locked(orders).bytes_written;
+            // A turn may change how many bits tell the slabs apart, and so a few passes.
+            assert!(turn == 0 || n_bytes <= 1024, "{name}, turn {turn}: {n_bytes} bytes");
+            scene.camera = scene.camera.orbited(0.05);
+        }
+    });
+}
+
+/// An eye inside the volume: far more splats than expected, for which room is made afterwards.
+#[test]
+fn close_ups_find_room() {
+    let volume = volume([30, 30, 30]);
+    let mut scene = scene(&volume, 400, Method::EverySample);
+    let target = volume.grid().center_in_world();
+    let projection = Projection::Perspective { fov_y_radians: 1.9 };
+    let eye = target + DVec3::new(3.0, 0.5, 0.2);
+    scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
+    let expected = render(&mut *open("cpu"), &volume, &scene).expect("the CPU has no limits").image;
+    on_devices(as_it_is, |name, backend, orders| {
+        let frame = render(backend, &volume, &scene).expect("it fits");
+        let difference = frame.image.max_difference(&expected);
+        assert!(difference < PARITY, "{name}: {difference}");
+        assert!(1 < locked(orders).n_submitted, "{name}: there was room at once");
+        locked(orders).n_submitted = 0;
+        let again = render(backend, &volume, &scene).expect("it fits");
+        assert!(again.image == frame.image, "{name}");
+        assert_eq!(locked(orders).n_submitted, 1, "{name}: the room is kept");
+    });
+}
+
+/// More splats on a tile than a dispatch takes on. Mesa's software driver ended loops early here, and
+/// rows of pixels were missing.
+#[test]
+fn crowded_tiles_pause() {
+    let volume = volume([40, 40, 40]);
+    for &method in Method::ALL {
+        let mut scene = scene(&volume, 12, method);
+        scene.transfer = transfer(1e-4);
+        let expected = render(&mut *open("cpu"), &volume, &scene).expect("the CPU has no limits");
+        on_devices(as_it_is, |name, backend, orders| {
+            let frame = render(backend, &volume, &scene).expect("it fits");
+            let difference = frame.image.max_difference(&expected.image);
+            assert!(difference < PARITY, "{name}, {method}: {difference}");
+            assert!(1 < locked(orders).n_submitted, "{name}, {method}: one round was enough");
+        });
+    }
+}
+
+/// Several frames under way, of two volumes, taken in another order than submitted.
+#[test]
+fn frames_under_way_keep_apart() {
+    let volumes = [volume([12, 10, 9]), volume([9, 13, 8])];
+    let frames: Vec<_> = (0..5)
+        .map(|i| (&volumes[i % 2], scene(&volumes[i % 2], 20 + 6 * i as u32, Method::ALL[i % 3])))
+        .collect();
+    on_devices(as_it_is, |name, backend, _| {
+        let ids: Vec<FrameId> = frames
+            .iter()
+            .map(|(volume, scene)| submit(backend, volume, scene).expect("it fits"))
+            .collect();
+        for (i, (volume, scene)) in frames.iter().enumerate().rev() {
+            let image = take(backend, ids[i]).expect("the device is there").image;
+            let expected = render(&mut *open("cpu"), volume, scene).expect("it fits").image;
+            let difference = image.max_difference(&expected);
+            assert!(difference < PARITY, "{name}, frame {i}: {difference}");
+        }
+    });
+}
