@@ -13,6 +13,9 @@ use slabsplat_tests::render::{backends, render};
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
 
+/// What a pixel may differ from that of the CPU backend.
+const FROM_CPU: f32 = 1e-3;
+
 /// Every method × kernel × compositing × normalisation × projection × grid.
 #[test]
 fn parity_on_random_scenes() {
@@ -21,14 +24,21 @@ fn parity_on_random_scenes() {
     println!("SLABSPLAT_SEED={seed}");
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut differences = Vec::new();
+    let mut farthest_from_cpu = 0.0_f32;
     for kind in SceneKind::all() {
         let (volume, scene) = random_scene(&mut rng, &kind);
         let expected = reference::render(&volume, &scene);
+        let by_cpu = render("cpu", &volume, &scene);
         for backend in backends() {
-            let difference = expected.compare(&render(backend, &volume, &scene));
+            let image = render(backend, &volume, &scene);
+            let from_cpu = image.max_difference(&by_cpu);
+            assert!(from_cpu < FROM_CPU, "{backend} is off the CPU by {from_cpu}: {kind:?}");
+            farthest_from_cpu = farthest_from_cpu.max(from_cpu);
+            let difference = expected.compare(&image);
             differences.push((difference.max, difference.mean, kind, scene.clone()));
         }
     }
+    println!("{:?}: largest difference from the CPU {farthest_from_cpu:.1e}", backends());
     differences.sort_by(|a, b| b.0.total_cmp(&a.0));
     for (max, mean, kind, scene) in differences.iter().take(5) {
         println!("{max:.1e} (mean {mean:.1e}) {kind:?} w {}", scene.settings.slab_width);
