@@ -201,14 +201,17 @@ pub fn lerp_radial(row: &[f32], position: f32) -> f32 {
 
 /// Distance between rows in index space: the paper's, but never coarser than it is for a slab as wide as
 /// the kernel, or thick slabs would be read from ever fewer rows. Rows that are interpolated are
-/// never further apart than a quarter of a slab either, as far as there can be that many.
+/// never further apart than for the thinnest of slabs, nor than a quarter of a slab, as far as there can
+/// be that many: with the paper's, slabs as wide as the kernel miss by four times as much as thin ones.
 fn row_spacing(desc: &SectionDesc<'_>, table: TableDesc) -> f64 {
     let kernel_extent = 2.0 * desc.kernel.radius();
     let width = desc.width_in_index().min(kernel_extent);
-    let spacing = (kernel_extent + width) / f64::from(table.sections);
+    let sections = f64::from(table.sections);
     match table.lookup {
-        Lookup::Nearest => spacing,
-        Lookup::Linear => spacing.min((0.25 * width).max(kernel_extent / MAX_ROWS)),
+        Lookup::Nearest => (kernel_extent + width) / sections,
+        Lookup::Linear => {
+            (kernel_extent / sections).min((0.25 * width).max(kernel_extent / MAX_ROWS))
+        }
     }
 }
 

@@ -53,10 +53,10 @@ async fn adapters(options: &OpenOptions) -> Result<Vec<wgpu::Adapter>, Unavailab
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         // Not OpenGL: its compute shaders are not as able everywhere.
         backends: wgpu::Backends::PRIMARY,
-        // Not `DEBUG`: it puts the shaders' sources into their SPIR-V, where some versions of Vulkan's
-        // validation layer stumble over them.
+        // Without `DEBUG` nobody hears what the validation says. It also puts the shaders' sources into
+        // their SPIR-V, which some versions of Vulkan's validation layer complain of.
         flags: match options.validation {
-            Some(_) => wgpu::InstanceFlags::VALIDATION,
+            Some(_) => wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG,
             None => wgpu::InstanceFlags::empty(),
         },
         ..wgpu::InstanceDescriptor::new_without_display_handle()
