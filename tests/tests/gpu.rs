@@ -4,7 +4,8 @@
 use slabsplat::glam::DVec3;
 use slabsplat::{
     Backend, BackendError, Camera, Compositing, Frame, FrameId, Grid, ImageDesc, Lookup, Method,
-    Phong, Planner, Projection, RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
+    Phong, Planner, Projection, RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction,
+    Volume,
 };
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use slabsplat_tests::render::{devices, open, validation_messages};
@@ -316,4 +317,72 @@ fn frames_under_way_keep_apart() {
             assert!(difference < PARITY, "{name}, frame {i}: {difference}");
         }
     });
+}
+
+/// Samples of every type, with extremes, and transfer functions with steps right at samples' values: the
+/// same voxels are relevant, in the same colours.
+#[test]
+fn every_sample_type_is_classified_alike() {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let cases: Vec<(Arc<Volume>, Scene)> = (0..48).map(|i| typed_case(&mut rng, i)).collect();
+    on_devices(as_it_is, |name, backend, _| {
+        for (volume, scene) in &cases {
+            let expected = render(&mut *open("cpu"), volume, scene).expect("it fits");
+            let frame = render(backend, volume, scene).expect("it fits");
+            let what = format!("{name}, {:?}, {:?}", volume.sample_type(), volume.scaling());
+            assert_eq!(
+                frame.stats.n_voxels, expected.stats.n_voxels,
+                "{what}: {:?}",
+                scene.transfer
+            );
+            let difference = frame.image.max_difference(&expected.image);
+            assert!(difference < PARITY, "{what}: {difference}, {:?}", scene.transfer);
+        }
+    });
+}
+
+fn typed_case(rng: &mut fastrand::Rng, number: usize) -> (Arc<Volume>, Scene) {
+    let grid = Grid::with_spacing([6, 5, 4], [1.0, 1.3, 0.8]).expect("the spacing is positive");
+    let n = grid.n_voxels();
+    let wide = |rng: &mut fastrand::Rng| {
+        let special = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, 1e-300, -3e250];
+        match rng.usize(..30) {
+            place if place < special.len() => special[place],
+            _ => 1e5 + rng.f64(),
+        }
+    };
+    let samples: Samples = match number % 8 {
+        0 => (0..n).map(|_| rng.u8(..)).collect::<Vec<_>>().into(),
+        1 => (0..n).map(|_| rng.i8(..)).collect::<Vec<_>>().into(),
+        2 => (0..n).map(|_| rng.u16(60_000..)).collect::<Vec<_>>().into(),
+        3 => (0..n).map(|_| rng.i16(..-30_000)).collect::<Vec<_>>().into(),
+        4 => (0..n).map(|_| rng.u32(u32::MAX - 50..)).collect::<Vec<_>>().into(),
+        5 => (0..n).map(|_| rng.i32(i32::MIN..i32::MIN + 50)).collect::<Vec<_>>().into(),
+        6 => (0..n).map(|_| wide(rng) as f32).collect::<Vec<_>>().into(),
+        _ => (0..n).map(|_| wide(rng)).collect::<Vec<_>>().into(),
+    };
+    let scaling = [
+        Scaling::IDENTITY,
+        Scaling { slope: 0.1, intercept: -7.3 },
+        Scaling { slope: -0.3, intercept: 1e3 },
+    ][number / 8 % 3];
+    let volume = Volume::new(grid, samples, scaling).expect("one sample a voxel");
+    let values: Vec<f64> = (0..n).map(|i| volume.value(i)).filter(|v| v.abs() < 1e12).collect();
+    // Two steps, up and down again, at values that voxels have, and a ramp to a third.
+    let mut at = [0; 3].map(|_| values[rng.usize(..values.len())]);
+    at.sort_by(f64::total_cmp);
+    let mut opacities = vec![(at[0], [0.0]), (at[0], [0.9])];
+    if at[0] < at[1] {
+        opacities.extend([(at[1], [0.5]), (at[1], [0.0])]);
+    }
+    if at[1] < at[2] {
+        opacities.push((at[2], [0.3]));
+    }
+    let volume = Arc::new(volume);
+    let mut scene = scene(&volume, 30, Method::ALL[number % 3]);
+    let colors = vec![(at[0] - 1e-3, [1.0, 0.0, 0.2]), (at[2] + 1e-3, [0.1, 1.0, 0.4])];
+    scene.transfer = TransferFunction::new(opacities, colors).expect("the points are sorted");
+    (volume, scene)
 }
