@@ -117,5 +117,6 @@ impl Job {
     }
 }
 
-/// A larger footprint mostly lies outside of the picture.
-const MOST_TILES_EXPECTED: f32 = 16.0;
+/// Of voxels with larger footprints most are outside of the picture. A guess must not cost more memory than a
+/// frame needs; if it was too small, the counts tell.
+const MOST_TILES_EXPECTED: f32 = 4.0;
