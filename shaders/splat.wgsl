@@ -45,7 +45,7 @@ struct Footprint {
     color: vec4<f32>,
     // In pixels from the image's upper left corner.
     center: vec2<f32>,
-    // ρ² at which it ends; negative if it is not to be seen.
+    // ρ² at which it ends; negative if it is not to be seen, and the rest is not set then.
     rho_squared_max: f32,
     row_t: f32,
     // The quadratic form in pixels.
@@ -339,6 +339,10 @@ fn find_run(sheet: u32, thread: u32, is_open: bool) {
 
 // The staged splat at a pixel's centre.
 fn weighted(i: u32, at: vec2<f32>) -> vec4<f32> {
+    // Nothing else of a splat that is not to be seen was staged.
+    if staged[i].rho_squared_max <= 0.0 {
+        return vec4(0.0);
+    }
     let d = at - staged[i].center;
     let x = d.x + frame.lean * d.y;
     let rho_squared = staged[i].across * x * x + staged[i].along * d.y * d.y;

@@ -14,7 +14,7 @@ struct VolumeParams {
     // Voxels along x, y, z.
     dims: vec3<u32>,
     sample_type: u32,
-    // Floating-point samples are multiplied by this, which brings the largest near 1.
+    // Floating-point samples are multiplied by this, which brings those that matter near 1.
     number_scale: f32,
     // Iso-ranges, opacity points and colour points in `transfer`, in this order.
     n_ranges: u32,
@@ -108,7 +108,8 @@ fn number_of(bits: vec2<u32>) -> vec2<f32> {
             return vec2(f32(bits.x & 0xffffff00u), f32(bits.x & 0xffu));
         }
         case SAMPLE_F32: {
-            return vec2(bitcast<f32>(bits.x) * volume.number_scale, 0.0);
+            let number = bitcast<f32>(bits.x) * volume.number_scale;
+            return vec2(clamp(number, -BEYOND_ALL, BEYOND_ALL), 0.0);
         }
         case SAMPLE_F64: {
             return number_of_f64(bits);
@@ -125,15 +126,32 @@ fn number_of(bits: vec2<u32>) -> vec2<f32> {
 
 // 52 bits of mantissa, of which the first float takes 23 and the second 29.
 fn number_of_f64(bits: vec2<u32>) -> vec2<f32> {
-    let exponent = i32((bits.x >> 20u) & 0x7ffu) - 1023 - volume.exponent;
+    let field = i32((bits.x >> 20u) & 0x7ffu);
+    if field == 0 {
+        return number_of_denormal(bits);
+    }
+    let exponent = field - 1023 - volume.exponent;
     if exponent < -120 {
         return vec2(0.0);
     }
     let sign = bits.x & 0x80000000u;
+    if 126 < exponent {
+        return vec2(select(BEYOND_ALL, -BEYOND_ALL, sign != 0u), 0.0);
+    }
     let mantissa = ((bits.x & 0xfffffu) << 3u) | (bits.y >> 29u);
     let power = u32(exponent + 127) << 23u;
     let high = bitcast<f32>(sign | power | mantissa);
     let unit = bitcast<f32>(sign | power);
     let low = f32(bits.y & 0x1fffffffu) * unit * 2.220446e-16;
     return vec2(high, low);
+}
+
+// Below 2^-1022, which is not 0 beside numbers of that size only.
+fn number_of_denormal(bits: vec2<u32>) -> vec2<f32> {
+    if -1022 < volume.exponent {
+        return vec2(0.0);
+    }
+    let sign = select(1.0, -1.0, (bits.x >> 31u) == 1u);
+    let high = f32(bits.x & 0xfffffu) * 9.536743e-7;
+    return sign * vec2(high, f32(bits.y) * 2.220446e-16);
 }

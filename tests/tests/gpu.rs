@@ -10,7 +10,7 @@ use slabsplat::{
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use slabsplat_tests::render::{devices, open, validation_messages};
 use slabsplat_tests::spy_device::{Orders, SpyDevice, locked};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
 
 /// What two backends may differ by.
@@ -97,9 +97,17 @@ fn on_devices(
 
 fn as_it_is(_: &mut DeviceInfo) {}
 
+/// To be held by a test, so that one is run at a time: together they would open dozens of devices at once, which
+/// Mesa's software driver has been seen to crash under.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Lists in four chunks, samples in pieces, pictures in bands: the bits are those of one piece.
 #[test]
 fn small_bindings_give_the_same_bits() {
+    let _alone = alone();
     let cases = [
         ("a list in chunks, samples in pieces", volume([44, 40, 36]), 40, 512 << 10),
         ("a picture in bands", volume([9, 8, 7]), 200, 128 << 10),
@@ -137,6 +145,7 @@ fn small_bindings_give_the_same_bits() {
 /// What does not fit is an error that says how much it needs and has, and the backend goes on.
 #[test]
 fn what_does_not_fit_is_an_error() {
+    let _alone = alone();
     let (large, small) = (volume([40, 36, 30]), volume([5, 4, 3]));
     let check = |change: fn(&mut DeviceInfo), what: &str| {
         on_devices(change, |name, backend, _| {
@@ -165,6 +174,7 @@ fn what_does_not_fit_is_an_error() {
 /// Memory may run out at any buffer. The frame is lost, and the next one is right.
 #[test]
 fn out_of_memory_is_survived() {
+    let _alone = alone();
     let volume = volume([9, 8, 7]);
     let scene = scene(&volume, 24, Method::ImageAligned);
     on_devices(as_it_is, |name, backend, _| {
@@ -192,6 +202,7 @@ fn out_of_memory_is_survived() {
 /// Of every frame that was under way, and of all that come after.
 #[test]
 fn lost_device_is_an_error() {
+    let _alone = alone();
     let volume = volume([5, 4, 3]);
     let scene = scene(&volume, 24, Method::ImageAligned);
     on_devices(as_it_is, |name, backend, orders| {
@@ -212,6 +223,7 @@ fn lost_device_is_an_error() {
 /// A camera moves its own few hundred bytes, a transfer function a few more, and nobody the samples.
 #[test]
 fn little_moves_when_little_changes() {
+    let _alone = alone();
     let volume = volume([20, 20, 20]);
     on_devices(as_it_is, |name, backend, orders| {
         let mut scene = scene(&volume, 32, Method::ImageAligned);
@@ -238,6 +250,7 @@ fn little_moves_when_little_changes() {
 /// On a cubic grid a turned camera changes nothing but itself.
 #[test]
 fn camera_moves_a_few_hundred_bytes() {
+    let _alone = alone();
     let grid = Grid::with_spacing([12; 3], [1.0; 3]).expect("the spacing is positive");
     let samples: Vec<f64> = (0..grid.n_voxels()).map(|i| (i % 7) as f64 / 7.0).collect();
     let cubic = Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel");
@@ -261,6 +274,7 @@ fn camera_moves_a_few_hundred_bytes() {
 /// An eye inside the volume: far more splats than expected, for which room is made afterwards.
 #[test]
 fn close_ups_find_room() {
+    let _alone = alone();
     let volume = volume([30, 30, 30]);
     let mut scene = scene(&volume, 400, Method::EverySample);
     let target = volume.grid().center_in_world();
@@ -284,6 +298,7 @@ fn close_ups_find_room() {
 /// rows of pixels were missing.
 #[test]
 fn crowded_tiles_pause() {
+    let _alone = alone();
     let volume = volume([40, 40, 40]);
     for &method in Method::ALL {
         let mut scene = scene(&volume, 12, method);
@@ -298,9 +313,57 @@ fn crowded_tiles_pause() {
     }
 }
 
+/// A picture in so many bands that there is no room for as many rounds as a tile needs.
+#[test]
+fn too_crowded_tiles_are_an_error() {
+    let _alone = alone();
+    let volume = volume([25, 25, 25]);
+    let mut scene = scene(&volume, 568, Method::ImageAligned);
+    scene.transfer = transfer(1e-4);
+    scene.settings.slab_width = 0.1;
+    scene.settings.sections = 16;
+    scene.settings.radial_samples = 16;
+    scene.settings.lookup = Lookup::Nearest;
+    let target = volume.grid().center_in_world();
+    let projection = Projection::Orthographic { view_height: 5e3 };
+    let eye = target + DVec3::new(90.0, 60.0, -75.0);
+    scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
+    let small = |info: &mut DeviceInfo| info.max_binding_bytes = 128 << 10;
+    on_devices(small, |name, backend, _| {
+        let error = render(backend, &volume, &scene).expect_err("the tile is too crowded");
+        assert!(matches!(error, BackendError::Unable { .. }), "{name}: {error}");
+        let mut easy = scene.clone();
+        easy.settings.slab_width = 4.0;
+        assert!(render(backend, &volume, &easy).is_ok(), "{name}: the next one is done");
+    });
+}
+
+/// 64-bit samples that 32-bit floats could not hold.
+#[test]
+fn samples_of_any_magnitude() {
+    let _alone = alone();
+    let grid = Grid::with_spacing([3; 3], [1.0; 3]).expect("the spacing is positive");
+    for magnitude in [1e300, 1e100, 1e40, 1.0, 1e-40, 1e-100, 1e-300, 1e-310] {
+        let samples: Vec<f64> = (0..27).map(|i| magnitude * f64::from(i) / 26.0).collect();
+        let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY);
+        let volume = Arc::new(volume.expect("one sample a voxel"));
+        let mut scene = scene(&volume, 20, Method::ImageAligned);
+        let opacities = vec![(0.0, [0.0]), (magnitude, [0.7])];
+        let colors = vec![(0.0, [1.0, 0.0, 0.0]), (magnitude, [0.0, 1.0, 0.0])];
+        scene.transfer = TransferFunction::new(opacities, colors).expect("the points are sorted");
+        let expected = render(&mut *open("cpu"), &volume, &scene).expect("it fits").image;
+        on_devices(as_it_is, |name, backend, _| {
+            let image = render(backend, &volume, &scene).expect("it fits").image;
+            let difference = image.max_difference(&expected);
+            assert!(difference < PARITY, "{name}, {magnitude:e}: {difference}");
+        });
+    }
+}
+
 /// Several frames under way, of two volumes, taken in another order than submitted.
 #[test]
 fn frames_under_way_keep_apart() {
+    let _alone = alone();
     let volumes = [volume([12, 10, 9]), volume([9, 13, 8])];
     let frames: Vec<_> = (0..5)
         .map(|i| (&volumes[i % 2], scene(&volumes[i % 2], 20 + 6 * i as u32, Method::ALL[i % 3])))
@@ -323,6 +386,7 @@ fn frames_under_way_keep_apart() {
 /// same voxels are relevant, in the same colours.
 #[test]
 fn every_sample_type_is_classified_alike() {
+    let _alone = alone();
     let seed = fastrand::u64(..);
     println!("seed {seed}");
     let mut rng = fastrand::Rng::with_seed(seed);

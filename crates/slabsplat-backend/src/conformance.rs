@@ -21,6 +21,7 @@ pub fn check(backend: &mut dyn Backend) {
     one_voxel_is_a_round_spot(backend);
     opaque_voxel_hides_the_one_behind(backend);
     same_plan_gives_same_bits(backend);
+    volumes_take_turns(backend);
     frames_can_be_taken_once(backend);
     unknown_frame_is_an_error(backend);
 }
@@ -83,6 +84,21 @@ fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
         let second = render(backend, &volume, &scene);
         assert!(second.image == first.image, "{method}");
         assert_eq!(second.stats, first.stats, "{method}");
+    }
+}
+
+/// What is kept of one volume or transfer function must not show in the next frame.
+fn volumes_take_turns(backend: &mut dyn Backend) {
+    for &method in Method::ALL {
+        let plain = scene(method, Compositing::Extinction);
+        let faint = Scene { transfer: transfer(0.1), ..plain.clone() };
+        let [long, wide] = [volume([1, 1, 9]), volume([5, 4, 3])];
+        let turns = [(&long, &plain), (&wide, &plain), (&wide, &faint), (&long, &faint)];
+        let first = turns.map(|(volume, scene)| render(backend, volume, scene).image);
+        for (turn, (volume, scene)) in turns.iter().enumerate().rev() {
+            let again = render(backend, volume, scene).image;
+            assert!(again == first[turn], "{method}, turn {turn}");
+        }
     }
 }
 

@@ -69,7 +69,8 @@ pub struct FrameCost {
     /// The stages, in their order, and how long each took where the frame was executed. Empty if the
     /// device cannot tell.
     pub stages: Vec<StageTime>,
-    /// Bytes that the backend holds between frames, on its device, beside the volume of the plan.
+    /// Bytes that the backend holds between frames, on its device, beside the volume of the plan; a copy of
+    /// the volume on another device counts.
     pub resident_bytes: u64,
 }
 
@@ -105,6 +106,14 @@ pub enum BackendError {
         /// What was lost.
         device: String,
         /// What the driver says.
+        reason: String,
+    },
+    /// The device is there, and this frame is more than it can do.
+    #[error("{device} cannot make this frame: {reason}")]
+    Unable {
+        /// What was asked.
+        device: String,
+        /// Why not.
         reason: String,
     },
     /// No such frame waits to be taken.

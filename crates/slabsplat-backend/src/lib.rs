@@ -14,7 +14,8 @@
 //!   finds slow.
 //! - **What is kept.** A backend may keep whatever it made of a volume, a transfer function or a table for
 //!   the next plan that holds the same; it holds one volume at a time.
-//! - **Portability.** Pixels of two backends differ by at most 10⁻³ in every channel.
+//! - **Portability.** Pixels of two backends differ by at most 10⁻³ in every channel, or by what the plan's
+//!   opacity cut-off leaves of 1, where that is more.
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never

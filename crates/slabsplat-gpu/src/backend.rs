@@ -7,6 +7,7 @@
 //! rounds of splatting.
 
 use crate::frame_memory::FrameMemory;
+use crate::frame_passes::max_rounds;
 use crate::job::{Job, KnownVolume};
 use crate::memory::{Memory, backend_error};
 use crate::params::Counts;
@@ -122,9 +123,9 @@ impl<D: Device> GpuBackend<D> {
         };
         let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0]);
         if counts.n_faults != 0 {
-            let reason = "it ends loops before they are through, as Mesa's software driver does before \
+            let reason = "its driver ends loops before they are through, as Mesa's software driver does before \
                           version 23";
-            return Err(self.driver_fault(reason));
+            return Err(self.unable(reason));
         }
         let has_room = u64::from(counts.n_tossed) <= job.max_splats;
         if has_room && counts.n_paused_tiles == 0 {
@@ -132,8 +133,8 @@ impl<D: Device> GpuBackend<D> {
         }
         let Self { device, memory, frame, .. } = self;
         if has_room {
-            if MAX_ROUNDS <= job.n_rounds {
-                return Err(self.driver_fault("a tile has more splats than it can take on"));
+            if max_rounds(done.reads.len() - 1) <= job.n_rounds {
+                return Err(self.unable("a tile has more splats than it can take on"));
             }
             frame.n_rounds = frame.n_rounds.max(2 * job.n_rounds);
         } else {
@@ -144,9 +145,8 @@ impl<D: Device> GpuBackend<D> {
         Ok(Poll::Pending)
     }
 
-    fn driver_fault(&self, reason: &str) -> BackendError {
-        let reason = format!("its driver cannot make this frame: {reason}");
-        BackendError::DeviceLost { device: self.caps.device.clone(), reason }
+    fn unable(&self, reason: &str) -> BackendError {
+        BackendError::Unable { device: self.caps.device.clone(), reason: reason.to_owned() }
     }
 
     fn frame_of(&self, job: &Job, done: &Done, counts: &Counts) -> Frame {
@@ -171,9 +171,6 @@ impl<D: Device> GpuBackend<D> {
         Frame { image, stats, cost }
     }
 }
-
-/// Rounds of splatting in one frame. On a device that is none but a program, 16 million splats a tile.
-const MAX_ROUNDS: u32 = 1 << 10;
 
 /// Splats after which a tile pauses: some tenths of a second at most. Mesa's software driver, before version
 /// 23, silently ends all loops of a thread after 65535 turns.

@@ -20,7 +20,10 @@ pub(crate) struct Classification {
 }
 
 impl Classification {
-    pub(crate) fn new(plan: &FramePlan<'_>, numbers: &Numbers) -> Self {
+    pub(crate) fn new(plan: &FramePlan<'_>, numbers: Numbers) -> Self {
+        let opacities = plan.transfer.opacity_points().points().iter().map(|point| point.0);
+        let colors = plan.transfer.color_points().points().iter().map(|point| point.0);
+        let numbers = &numbers.scaled_for(opacities.chain(colors));
         let key_ranges = key_ranges(&plan.relevant, numbers);
         let mut transfer: Vec<Element> = key_ranges
             .iter()

@@ -37,7 +37,7 @@ pub trait Device: Send {
     /// If the device was lost.
     ///
     /// # Panics
-    /// If there is no such work, or it was taken: that is the caller's bug.
+    /// It may, if there is no such work or it was taken: that is the caller's bug.
     fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError>;
 }
 

@@ -90,7 +90,9 @@ impl FrameMemory {
         self.voxels.grow(memory, device, n_voxels)?;
         self.tossed.grow(memory, device, u64::from(n_groups(n_voxels, BLOCK)))?;
         self.make_room(memory, device, job.expected_splats())?;
-        memory.grow(device, &mut self.work, TILE_WORK_BYTES * u64::from(job.n_tiles()))?;
+        let work_bytes = TILE_WORK_BYTES * u64::from(job.n_tiles());
+        check_binding(device, "tiles", work_bytes)?;
+        memory.grow(device, &mut self.work, work_bytes)?;
         let bands = bands(&job.frame, device.info());
         self.bands.resize_with(self.bands.len().max(bands.len()), || Buffer::new("pixels"));
         for (band, buffer) in bands.iter().zip(&mut self.bands) {
@@ -161,6 +163,7 @@ impl FrameMemory {
     pub(crate) fn forget<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {
         self.table_of = None;
         self.max_splats = 0;
+        self.n_rounds = 1;
         memory.free_all(device, self.splats.buffers().chain(self.tossed.buffers()));
         memory.free_all(device, self.voxels.buffers().chain(self.tiles.buffers()));
         memory.free_all(device, self.bands.iter_mut());

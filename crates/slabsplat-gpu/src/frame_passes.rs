@@ -5,11 +5,17 @@ use crate::frame_memory::{FrameMemory, bands};
 use crate::job::Job;
 use crate::memory::{Buffer, Memory};
 use crate::params::{COUNT_SPLATS, COUNT_VOXELS, Step, TILE_SIDE};
-use crate::pass_list::{PassList, n_groups};
+use crate::pass_list::{MAX_STEPS, PassList, n_groups};
 use crate::sums::{BLOCK, bits_for};
 use crate::{Device, DeviceInfo, Pass, Write};
 use slabsplat_backend::BackendError;
 use slabsplat_shaders::{DEPTH_KEY, PROJECT, SPLAT, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
+
+/// Rounds of splatting that a list has room for beside all other passes. On a device that is none but a
+/// program, that is 16 million splats a tile.
+pub(crate) fn max_rounds(n_bands: usize) -> u32 {
+    (MAX_STEPS / 2 / n_bands as u64) as u32
+}
 
 impl FrameMemory {
     /// The stages of a frame, from relevant voxels to pixels.
@@ -101,7 +107,8 @@ impl FrameMemory {
     fn push_splat(&self, job: &Job, info: &DeviceInfo, passes: &mut PassList) {
         let frame = &job.frame;
         let bands = bands(frame, info);
-        let rounds = (0..self.n_rounds).flat_map(|_| bands.iter().zip(&self.bands));
+        let n_rounds = self.n_rounds.min(max_rounds(bands.len()));
+        let rounds = (0..n_rounds).flat_map(|_| bands.iter().zip(&self.bands));
         for (band, pixels) in rounds {
             let tile_rows = band.n_rows.div_ceil(TILE_SIDE);
             let n_tiles = tile_rows * frame.n_tiles[0];

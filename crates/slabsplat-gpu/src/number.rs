@@ -5,14 +5,14 @@
 //! exact for every type, and positions into positions among the samples' own numbers, where 8- and 16-bit
 //! integers and 32-bit floats need no rounding.
 
-use slabsplat_core::{IsoRange, SampleType, Scaling, Volume, with_samples};
+use slabsplat_core::{IsoRange, SampleType, Scaling, Volume};
 
 /// How the samples of a volume sort, and what they stand for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Numbers {
     sample_type: SampleType,
     scaling: Scaling,
-    /// Floating-point samples are brought near 1 by this power of two.
+    /// Floating-point samples are divided by this power of two.
     exponent: i32,
 }
 
@@ -21,12 +21,27 @@ const FURTHEST: f64 = 1e30;
 
 impl Numbers {
     pub(crate) fn new(volume: &Volume) -> Self {
-        let sample_type = volume.sample_type();
-        let exponent = match sample_type {
-            SampleType::F32 | SampleType::F64 => exponent_of(largest_finite(volume)),
+        Self { sample_type: volume.sample_type(), scaling: volume.scaling(), exponent: 0 }
+    }
+
+    /// The same, with floating-point samples scaled so that those among which `values` lie are near 1. Others
+    /// may be too large for a float, and then lie beyond all values, or too small, and are 0 beside them.
+    pub(crate) fn scaled_for(self, values: impl Iterator<Item = f64>) -> Self {
+        let exponent =
+            exponent_of(values.map(|value| self.inverse(value).abs()).fold(0.0, f64::max));
+        // What the powers are multiplied with stays finite, and for 32 bits they are floats themselves.
+        let exponent = match self.sample_type {
+            SampleType::F32 => exponent.clamp(-100, 100),
+            SampleType::F64 => exponent.clamp(-1022, 1022),
             _ => 0,
         };
-        Self { sample_type, scaling: volume.scaling(), exponent }
+        Self { exponent, ..self }
+    }
+
+    /// The sample that would have a value, be there such a sample or not.
+    fn inverse(&self, value: f64) -> f64 {
+        let sample = (value - self.scaling.intercept) / self.scaling.slope;
+        sample.clamp(-f64::MAX, f64::MAX)
     }
 
     /// The number by which the shaders know the type.
@@ -62,7 +77,7 @@ impl Numbers {
     pub(crate) fn position(&self, value: f64) -> f64 {
         let [least, largest] = self.keys();
         let after = self.first_key(|v| if self.is_falling() { v <= value } else { value <= v });
-        let exact = (value - self.scaling.intercept) / self.scaling.slope;
+        let exact = self.inverse(value);
         let mut position = exact;
         if after <= largest && self.value(after) == value {
             position = self.number(after);
@@ -159,19 +174,9 @@ pub(crate) fn split(number: f64) -> [f32; 2] {
     [high, (number - f64::from(high)) as f32]
 }
 
-fn largest_finite(volume: &Volume) -> f64 {
-    with_samples!(volume.samples(), |samples| {
-        let numbers = samples.iter().map(|&s| slabsplat_core::Sample::to_f64(s).abs());
-        numbers.filter(|n| n.is_finite()).fold(0.0, f64::max)
-    })
-}
-
-/// The power of two at or below a number, within what a float can hold twice over.
+/// The power of two at or below a number; 0 for 0.
 fn exponent_of(number: f64) -> i32 {
-    if number == 0.0 {
-        return 0;
-    }
-    (number.log2().floor() as i32).clamp(-100, 100)
+    if number == 0.0 { 0 } else { number.log2().floor() as i32 }
 }
 
 #[cfg(test)]
@@ -246,7 +251,7 @@ mod tests {
 
     #[test]
     fn positions_of_floats_are_scaled() {
-        let numbers = numbers(vec![3e30_f32, f32::INFINITY].into(), 2.0, 0.0);
+        let numbers = numbers(vec![1.0_f32].into(), 2.0, 0.0).scaled_for([6e30, -1e3].into_iter());
         assert_eq!(numbers.exponent(), 100);
         assert_eq!(numbers.position(2.0 * 2_f64.powi(100)), 1.0);
         assert_eq!(split(1.0 + 2_f64.powi(-30)), [1.0, 2_f32.powi(-30)]);

@@ -10,7 +10,7 @@ use slabsplat_shaders::{Binding, Shader};
 const STEP_STRIDE: u64 = 256;
 
 /// Steps that there is room for.
-const MAX_STEPS: u64 = 2048;
+pub(crate) const MAX_STEPS: u64 = 2048;
 
 /// Workgroups along one dimension that every device can start.
 const MAX_GROUPS: u32 = 65535;

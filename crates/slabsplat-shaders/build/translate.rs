@@ -29,7 +29,7 @@ fn options(module: &naga::Module) -> spv::Options<'static> {
         flags: spv::WriterFlags::empty(),
         fake_missing_bindings: false,
         binding_map: bindings.map(|at| (at, in_place(at))).collect(),
-        // Every array that is read is written before, and to clear it first costs more than to use it.
+        // The shaders read nothing that they did not write, and to clear it first costs more than to use it.
         zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,
         force_loop_bounding: false,
         use_storage_input_output_16: false,

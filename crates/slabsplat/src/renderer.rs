@@ -128,7 +128,9 @@ impl Renderer {
 /// Whether the frame failed because of the device, not because of who asked for it.
 fn would_pass_elsewhere(error: &BackendError) -> bool {
     match error {
-        BackendError::OutOfMemory { .. } | BackendError::DeviceLost { .. } => true,
+        BackendError::OutOfMemory { .. }
+        | BackendError::DeviceLost { .. }
+        | BackendError::Unable { .. } => true,
         BackendError::UnknownFrame(_) => false,
     }
 }

@@ -1,6 +1,6 @@
 //! `slabsplat backends`.
 
-use crate::{answer, json};
+use crate::{answer, json, names_in, program, text};
 
 #[test]
 fn backends_text_lists_the_cpu() {
@@ -25,4 +25,26 @@ fn backends_json_says_of_each_what_it_has_or_why_not() {
     let names: Vec<_> = backends.iter().map(|backend| backend["name"].as_str().unwrap()).collect();
     assert_eq!(names.last(), Some(&"cpu"), "in the order in which auto tries them");
     assert!(names.contains(&answer["auto"]["backend"].as_str().unwrap()), "{answer}");
+}
+
+/// As on a machine that has no graphics driver: what asks for one fails in one line, and `auto` draws.
+#[test]
+fn backends_without_a_driver() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |args: &str| {
+        let mut command = program(dir.path(), args);
+        command.env("VK_DRIVER_FILES", "/nowhere.json").env("VK_ICD_FILENAMES", "/nowhere.json");
+        command.output().unwrap()
+    };
+    let listed = text(&run("backends").stdout);
+    for name in ["ash", "wgpu"] {
+        assert!(listed.contains(&format!("{name} is not available: ")), "{listed}");
+        let output = run(&format!("render builtin:cube:9 -o {name}.png --backend {name}"));
+        let stderr = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        let expected = format!("error: the backend \"{name}\" is not available: ");
+        assert!(stderr.starts_with(&expected) && stderr.lines().count() == 1, "{stderr}");
+    }
+    assert!(run("render builtin:cube:9 -o auto.png --backend auto").status.success());
+    assert_eq!(names_in(dir.path()), ["auto.png"]);
 }

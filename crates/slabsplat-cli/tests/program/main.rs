@@ -10,16 +10,21 @@ mod render;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-/// Runs the program in `directory` with `args`, parted by blanks.
-fn slabsplat(directory: &Path, args: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_slabsplat"))
+/// The program, to be run in `directory` with `args`, parted by blanks.
+fn program(directory: &Path, args: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slabsplat"));
+    command
         .args(args.split_whitespace())
         .current_dir(directory)
         // Where it is not set, as in a container, Mesa's drivers complain of that on stderr.
         .env("XDG_RUNTIME_DIR", directory)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
+        .stdin(Stdio::null());
+    command
+}
+
+/// Runs the program.
+fn slabsplat(directory: &Path, args: &str) -> Output {
+    program(directory, args).output().expect("the program starts")
 }
 
 /// Runs the program where it must succeed, and gives what it prints.
