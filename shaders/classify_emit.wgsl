@@ -8,6 +8,7 @@
 //#include "shared/transfer.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/extinction.wgsl"
+//#include "shared/coords.wgsl"
 //#include "shared/gradient.wgsl"
 //#include "shared/record.wgsl"
 

@@ -6,6 +6,7 @@
 // summation, and the list is sorted by one word after the other, the least important first.
 
 //#include "shared/step.wgsl"
+//#include "shared/coords.wgsl"
 //#include "shared/record.wgsl"
 
 struct DepthParams {
@@ -44,8 +45,7 @@ fn depth_key(
         return;
     }
     let voxel_idx = voxel_idx_of(order[place]);
-    let row = voxel_idx / params.dims.x;
-    let coords = vec3(voxel_idx - row * params.dims.x, row % params.dims.y, row / params.dims.y);
+    let coords = coords_of(voxel_idx, params.dims);
     let axis = step.shift & 3u;
     var sum = params.bias;
     for (var i = 0u; i < 3u; i++) {

@@ -3,6 +3,7 @@
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
+//#include "shared/coords.wgsl"
 //#include "shared/record.wgsl"
 //#include "shared/splat.wgsl"
 //#include "shared/pixels.wgsl"
@@ -43,13 +44,8 @@ fn project(
     rects[voxel] = rect_of(center, sheet);
 }
 
-fn coords_of(voxel_idx: u32) -> vec3<u32> {
-    let row = voxel_idx / frame.dims.x;
-    return vec3(voxel_idx - row * frame.dims.x, row % frame.dims.y, row / frame.dims.y);
-}
-
 fn in_view(voxel_idx: u32) -> vec3<f32> {
-    let from_center = vec3<f32>(coords_of(voxel_idx)) - frame.center_in_index;
+    let from_center = vec3<f32>(coords_of(voxel_idx, frame.dims)) - frame.center_in_index;
     return vec3(
         dot(frame.right.xyz, from_center) + frame.right.w,
         dot(frame.up.xyz, from_center) + frame.up.w,
@@ -63,7 +59,7 @@ fn sheet_of(voxel_idx: u32, depth: f32) -> u32 {
             return max(slabs_of(depth).x, frame.first_drawn);
         }
         case METHOD_SLICES: {
-            let slice = coords_of(voxel_idx)[frame.slice_axis & 3u];
+            let slice = coords_of(voxel_idx, frame.dims)[frame.slice_axis & 3u];
             return select(slice, frame.n_sheets - 1u - slice, 4u <= frame.slice_axis);
         }
         default: {

@@ -36,13 +36,10 @@ fn derivative(sample_idx: u32, here: vec2<u32>, coord: u32, n: u32, stride: u32)
 fn normal_at(voxel_idx: u32, here: vec2<u32>) -> vec3<f32> {
     let nx = volume.dims.x;
     let plane = nx * volume.dims.y;
-    let k = voxel_idx / plane;
-    let in_plane = voxel_idx - k * plane;
-    let j = in_plane / nx;
-    let i = in_plane - j * nx;
-    let dx = derivative(voxel_idx, here, i, nx, 1u);
-    let dy = derivative(voxel_idx, here, j, volume.dims.y, nx);
-    let dz = derivative(voxel_idx, here, k, volume.dims.z, plane);
+    let coords = coords_of(voxel_idx, volume.dims);
+    let dx = derivative(voxel_idx, here, coords.x, nx, 1u);
+    let dy = derivative(voxel_idx, here, coords.y, volume.dims.y, nx);
+    let dz = derivative(voxel_idx, here, coords.z, volume.dims.z, plane);
     if dx.y * dy.y * dz.y == 0.0 {
         return vec3(0.0);
     }

@@ -149,7 +149,7 @@ impl FrameMemory {
             return Ok(());
         }
         self.table_of = None;
-        let (quads, _) = job.table.quads();
+        let quads = job.table.quads();
         let bytes: &[u8] = bytemuck::cast_slice(&quads);
         check_binding(device, "section table", bytes.len() as u64)?;
         memory.grow(device, &mut self.table, bytes.len() as u64)?;

@@ -7,7 +7,7 @@ use slabsplat_backend::{FramePlan, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Light, Lookup, Phong, Shading, SlabGrid, SliceOrder};
 
-/// Quads in a row of the plan's table.
+/// What the shaders read of `plan`, whose table has `row_len` quads in a row.
 pub(crate) fn frame_params(plan: &FramePlan<'_>, row_len: u32) -> Frame {
     let mut frame = Frame {
         opacity_cutoff: plan.opacity_cutoff,

@@ -59,7 +59,7 @@ impl Table {
         }
     }
 
-    pub(crate) fn quads(&self) -> (Vec<Quad>, u32) {
+    pub(crate) fn quads(&self) -> Vec<Quad> {
         match self {
             Self::Sections(table) => section_quads(table),
             Self::Footprint(table) => footprint_quads(table),

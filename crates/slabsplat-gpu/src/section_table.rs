@@ -5,20 +5,17 @@ use slabsplat_kernel::{FootprintTable, SectionTable};
 /// Two neighbours in a row, and the same two in the next row.
 pub(crate) type Quad = [f32; 4];
 
-/// The quads of a table of sections, and how many a row has. The last row stands for its own next one: it
+/// The quads of a table of sections. The last row stands for its own next one: it
 /// is only read where nothing of the next is taken.
-pub(crate) fn section_quads(table: &SectionTable) -> (Vec<Quad>, u32) {
+pub(crate) fn section_quads(table: &SectionTable) -> Vec<Quad> {
     let rows: Vec<&[f32]> = table.weights().chunks_exact(table.row_len()).collect();
     let next = |row: usize| rows[(row + 1).min(rows.len() - 1)];
-    let quads = rows.iter().enumerate().flat_map(|(i, row)| row_quads(row, next(i)));
-    (quads.collect(), table.row_len() as u32 - 1)
+    rows.iter().enumerate().flat_map(|(i, row)| row_quads(row, next(i))).collect()
 }
 
-/// The quads of a whole footprint, and how many there are.
-pub(crate) fn footprint_quads(table: &FootprintTable) -> (Vec<Quad>, u32) {
-    let quads: Vec<Quad> = row_quads(table.row(), table.row()).collect();
-    let n_quads = quads.len() as u32;
-    (quads, n_quads)
+/// The quads of a whole footprint.
+pub(crate) fn footprint_quads(table: &FootprintTable) -> Vec<Quad> {
+    row_quads(table.row(), table.row()).collect()
 }
 
 fn row_quads<'a>(row: &'a [f32], next: &'a [f32]) -> impl Iterator<Item = Quad> + 'a {
