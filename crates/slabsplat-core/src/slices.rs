@@ -30,8 +30,8 @@ impl SliceOrder {
 
     /// The place of a voxel's slice among the sheets, front to back.
     #[inline]
-    pub fn sheet_of(&self, grid: &Grid, voxel_idx: usize) -> usize {
-        let slice = grid.voxel_coords(voxel_idx)[self.axis];
+    pub fn sheet_of(&self, voxel_coords: [usize; 3]) -> usize {
+        let slice = voxel_coords[self.axis];
         if self.is_reversed { self.n_slices - 1 - slice } else { slice }
     }
 }
@@ -50,6 +50,6 @@ mod tests {
         };
         assert_eq!(order(44.9), SliceOrder { axis: 2, is_reversed: false, n_slices: 5 });
         assert_eq!(order(45.1), SliceOrder { axis: 0, is_reversed: true, n_slices: 3 });
-        assert_eq!(order(45.1).sheet_of(&grid, 0), 2);
+        assert_eq!(order(45.1).sheet_of([0, 0, 0]), 2);
     }
 }

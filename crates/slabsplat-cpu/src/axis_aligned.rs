@@ -24,18 +24,28 @@ pub(crate) fn touched(stage: &Stage<'_>, voxel: usize) -> Option<TileRect> {
     stage.tiles.touched(min, max)
 }
 
+/// The sheet of every voxel, by its place in the list.
+pub(crate) fn sheets(stage: &Stage<'_>, order: &SliceOrder) -> Vec<u32> {
+    let mut sheets = vec![0; stage.voxels.len()];
+    stage.voxels.fill_by_brick(&mut sheets, |brick, records, sheets| {
+        for (sheet, &record) in sheets.iter_mut().zip(records) {
+            *sheet = order.sheet_of(stage.voxels.voxel_coords(brick, record)) as u32;
+        }
+    });
+    sheets
+}
+
 /// Splats and composites the tile's slices, front to back, until the tile is full.
 pub(crate) fn render_tile<C: Composite>(
     stage: &Stage<'_>,
-    order: &SliceOrder,
+    sheets: &[u32],
     table: &FootprintTable,
     tile: &mut Tile,
     scratch: &mut Scratch,
 ) -> TileStats {
     let Scratch { splats, buckets, sheet, .. } = scratch;
     let mut stats = TileStats::default();
-    let (grid, voxels) = (stage.plan.volume.grid(), stage.voxels);
-    buckets.toss(splats, |voxel| order.sheet_of(grid, voxels[voxel as usize].voxel_idx as usize));
+    buckets.toss(splats, |voxel| sheets[voxel as usize] as usize);
     let Some([first, last]) = buckets.slab_range() else { return stats };
     sheet.resize(tile.side);
     for slice in first..=last {

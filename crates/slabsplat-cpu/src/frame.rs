@@ -10,13 +10,14 @@ use rayon::prelude::*;
 use slabsplat_backend::{Frame, FrameCost, FramePlan, FrameStats, Splats};
 use slabsplat_core::{Compositing, Image};
 use slabsplat_traverse::{
-    ShadeDesc, TileBuckets, TileGrid, VoxelRecord, depth_order, project, shade,
+    BrickView, Classification, RelevantList, Shader, TileBuckets, TileGrid, depth_order,
 };
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     relevant: Relevant,
+    classification: Option<Classification>,
     colors: Vec<[f32; 4]>,
     points: Vec<[f32; 3]>,
 }
@@ -24,7 +25,7 @@ pub(crate) struct Buffers {
 /// The shaded and projected voxels of a frame, before the image.
 pub(crate) struct Stage<'a> {
     pub(crate) plan: &'a FramePlan<'a>,
-    pub(crate) voxels: &'a [VoxelRecord],
+    pub(crate) voxels: &'a RelevantList,
     /// What a sheet sums, per voxel.
     pub(crate) colors: &'a [[f32; 4]],
     /// Right, up, depth from the grid's centre, per voxel.
@@ -34,19 +35,20 @@ pub(crate) struct Stage<'a> {
 }
 
 pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
-    let Buffers { relevant, colors, points } = buffers;
+    let Buffers { relevant, classification, colors, points } = buffers;
     let mut watch = Stopwatch::start();
     let voxels = relevant.voxels(plan.volume, &plan.relevant);
     watch.done("list");
-    let desc = ShadeDesc {
-        transfer: plan.transfer,
-        shading: &plan.shading,
-        forward: plan.view.axes().forward,
-        compositing: plan.compositing,
-    };
-    shade(&desc, plan.volume, voxels, colors);
+    let (transfer, compositing, volume) = (plan.transfer, plan.compositing, plan.volume);
+    if !classification.as_ref().is_some_and(|c| c.is_of(transfer, compositing, volume)) {
+        *classification = None;
+    }
+    let classification =
+        classification.get_or_insert_with(|| Classification::new(transfer, compositing, volume));
+    let forward = plan.view.axes().forward;
+    Shader::new(classification, volume, &plan.shading, forward).shade(voxels, colors);
     watch.done("shade");
-    project(plan.volume.grid(), &plan.view, voxels, points);
+    BrickView::new(volume.grid(), &plan.view).project(voxels, points);
     watch.done("project");
     let stage = Stage {
         plan,
@@ -67,8 +69,9 @@ pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
 
 impl Buffers {
     fn resident_bytes(&self) -> u64 {
-        let Self { relevant, colors, points } = self;
+        let Self { relevant, classification, colors, points } = self;
         let bytes = relevant.resident_bytes()
+            + classification.as_ref().map_or(0, Classification::resident_bytes)
             + colors.capacity() * size_of::<[f32; 4]>()
             + points.capacity() * size_of::<[f32; 3]>();
         bytes as u64
@@ -87,9 +90,10 @@ impl Stage<'_> {
             }
             Splats::Slices { order, table } => {
                 let splats = axis_aligned::toss(self);
+                let sheets = axis_aligned::sheets(self, order);
                 watch.done("toss");
                 self.render_tiles(&splats, |tile, scratch| {
-                    axis_aligned::render_tile::<C>(self, order, table, tile, scratch)
+                    axis_aligned::render_tile::<C>(self, &sheets, table, tile, scratch)
                 })
             }
             Splats::Voxels { table } => {

@@ -1,7 +1,7 @@
 //! The relevant voxels of the last plan, kept for the next one.
 
 use slabsplat_core::{IsoRange, Volume};
-use slabsplat_traverse::{RelevantList, ValueOrder, VoxelRecord};
+use slabsplat_traverse::{BrickRanges, RelevantList};
 use std::sync::Arc;
 
 /// What is kept between frames; nothing before the first.
@@ -13,39 +13,34 @@ pub(crate) struct Relevant {
 #[derive(Debug)]
 struct OfVolume {
     volume: Arc<Volume>,
-    order: ValueOrder,
+    brick_ranges: BrickRanges,
     list: RelevantList,
-    /// What `list` was last made for.
-    ranges: Vec<IsoRange>,
 }
 
 impl Relevant {
-    /// The voxels of `volume` with values in `ranges`. A new volume is sorted by value; new ranges change
-    /// the list by their difference from the last ones.
-    pub(crate) fn voxels(&mut self, volume: &Arc<Volume>, ranges: &[IsoRange]) -> &[VoxelRecord] {
+    /// The voxels of `volume` with values in `ranges`. The bricks of a new volume are
+    /// looked through; new ranges change the list by their difference from the last ones.
+    pub(crate) fn voxels(&mut self, volume: &Arc<Volume>, ranges: &[IsoRange]) -> &RelevantList {
         if !self.of.as_ref().is_some_and(|of| Arc::ptr_eq(&of.volume, volume)) {
             // Dropped first: two volumes' lists need not fit at a time.
             self.of = None;
         }
         let of = self.of.get_or_insert_with(|| OfVolume::new(volume.clone()));
-        if of.ranges != ranges {
-            of.list.update(&of.volume, &of.order, ranges);
-            of.ranges = ranges.to_vec();
+        if of.list.ranges() != ranges {
+            of.list.update(&of.volume, &of.brick_ranges, ranges);
         }
-        of.list.records()
+        &of.list
     }
 
     /// Bytes held beside the volume.
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.of
-            .as_ref()
-            .map_or(0, |of| size_of_val(of.order.voxel_idxs()) + size_of_val(of.list.records()))
+        self.of.as_ref().map_or(0, |of| of.brick_ranges.resident_bytes() + of.list.resident_bytes())
     }
 }
 
 impl OfVolume {
     fn new(volume: Arc<Volume>) -> Self {
-        let order = ValueOrder::new(&volume);
-        Self { volume, order, list: RelevantList::default(), ranges: Vec::new() }
+        let brick_ranges = BrickRanges::new(&volume);
+        Self { volume, brick_ranges, list: RelevantList::default() }
     }
 }

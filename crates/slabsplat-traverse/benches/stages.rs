@@ -7,7 +7,8 @@ use slabsplat_core::{
     View, Volume,
 };
 use slabsplat_traverse::{
-    RelevantList, ShadeDesc, TileBuckets, TileGrid, ValueOrder, depth_order, project, shade,
+    BrickRanges, BrickView, Classification, RelevantList, Shader, TileBuckets, TileGrid,
+    depth_order,
 };
 
 const SIDE: usize = 128;
@@ -34,10 +35,9 @@ fn stages(c: &mut Criterion) {
         vec![(0.0, [0.5; 3]), (255.0, [1.0; 3])],
     )
     .expect("the points are sorted");
-    let order = ValueOrder::new(&volume);
+    let brick_ranges = BrickRanges::new(&volume);
     let mut list = RelevantList::default();
-    list.update(&volume, &order, &transfer.iso_ranges());
-    let records = list.records();
+    list.update(&volume, &brick_ranges, &transfer.iso_ranges());
 
     let target = grid.center_in_world();
     let projection = Projection::Orthographic { view_height: 1.5 * SIDE as f64 };
@@ -47,23 +47,31 @@ fn stages(c: &mut Criterion) {
 
     let mut group = c.benchmark_group("traverse");
     group.throughput(Throughput::Elements(grid.n_voxels() as u64));
-    group.bench_function("value_order", |b| b.iter(|| ValueOrder::new(&volume)));
+    group.bench_function("brick_ranges", |b| b.iter(|| BrickRanges::new(&volume)));
 
-    group.throughput(Throughput::Elements(records.len() as u64));
+    group.throughput(Throughput::Elements(list.len() as u64));
     group.bench_function("relevant_list", |b| {
-        b.iter(|| RelevantList::default().update(&volume, &order, &transfer.iso_ranges()));
+        b.iter(|| RelevantList::default().update(&volume, &brick_ranges, &transfer.iso_ranges()));
     });
-    let desc = ShadeDesc {
-        transfer: &transfer,
-        shading: &Shading::Phong(Phong::default()),
-        forward: view.axes().forward,
-        compositing: Compositing::Extinction,
-    };
+    let mut narrower = transfer.iso_ranges();
+    narrower[0].lo += 10.0;
+    group.bench_function("relevant_list_update", |b| {
+        let mut list = list.clone();
+        b.iter(|| {
+            list.update(&volume, &brick_ranges, &narrower);
+            list.update(&volume, &brick_ranges, &transfer.iso_ranges())
+        });
+    });
+    let classification = Classification::new(&transfer, Compositing::Extinction, &volume);
+    let shading = Shading::Phong(Phong::default());
+    let shader = Shader::new(&classification, &volume, &shading, view.axes().forward);
     let mut colors = Vec::new();
-    group.bench_function("shade", |b| b.iter(|| shade(&desc, &volume, records, &mut colors)));
+    group.bench_function("shade", |b| b.iter(|| shader.shade(&list, &mut colors)));
     let mut points = Vec::new();
-    group.bench_function("project", |b| b.iter(|| project(grid, &view, records, &mut points)));
-    group.bench_function("depth_order", |b| b.iter(|| depth_order(grid, &view, records)));
+    group.bench_function("project", |b| {
+        b.iter(|| BrickView::new(grid, &view).project(&list, &mut points));
+    });
+    group.bench_function("depth_order", |b| b.iter(|| depth_order(grid, &view, &list)));
 
     let tiles = TileGrid::new(view.image_size(), 16);
     let rect_of = |splat: usize| {

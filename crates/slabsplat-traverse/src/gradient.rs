@@ -1,95 +1,272 @@
-//! Surface normals from central differences (SPEC §6).
+//! Surface normals from central differences (SPEC §6), a row of a brick at a time.
+//!
+//! ```text
+//! for each of 8 voxels along x
+//!     d  = differences along x, y and z     0.5·(after − before), one-sided at borders and beside NaN
+//!     g  = −A⁻ᵀ d, divided by a power of two near its length
+//!     n  = g/|g|, or 0 if g is 0 or not finite
+//! ```
+//!
+//! 1. There are no branches on voxels: where a neighbour is missing (which is NaN, for types that have it),
+//!    the voxel itself stands in for it, and the difference counts whole instead of half.
+//! 2. Samples are read as they are; a slope only tells which way up is, an intercept nothing.
+//! 3. Samples of 8 and 16 bits take 32-bit floats, in which their differences are exact. All others, and
+//!    sheared grids, in which parts of `A⁻ᵀ d` cancel, take 64 bits up to the division, after which 32 do:
+//!    normals are kept to 2.7·10⁻⁵.
+//! 4. The division keeps squares of faint or steep gradients from leaving the range of 32-bit floats.
+//!
+//! The price: all 8 voxels are computed where some are asked for.
 
-use slabsplat_core::glam::{DMat3, DVec3};
-use slabsplat_core::{Sample, Scaling, Volume, with_samples};
+use crate::NORMAL_STEPS;
+use crate::bricks::BRICK_SIDE;
+use crate::order::Ordered;
+use slabsplat_core::glam::DMat3;
+use slabsplat_core::{Sample, Volume};
+use std::array::from_fn;
+use std::ops::{Add, Mul, Sub};
 
-/// Finds the normals of a volume's voxels.
-///
-/// Differences are central, one-sided where a neighbour is outside the grid or NaN, and 0 where both
-/// are. The gradient goes to world space by `A⁻ᵀ`. Where it is zero, or infinite because a
-/// neighbour is, there is no surface to speak of and the normal is zero.
+/// The normals of a row, component by component, in [`NORMAL_STEPS`].
+pub(crate) type RowNormals = [[i16; BRICK_SIDE]; 3];
+
+/// Finds normals, in arithmetic of type `F`.
 #[derive(Clone, Copy, Debug)]
-pub struct Normals<'a> {
-    volume: &'a Volume,
-    world_gradient_from_index: DMat3,
+pub(crate) struct Normals<'a, T, F> {
+    samples: &'a [T],
+    dims: [usize; 3],
+    /// `−A⁻ᵀ`, divided by so much that sums of its products cannot overflow; row by row.
+    matrix: [[F; 3]; 3],
 }
 
-impl<'a> Normals<'a> {
-    /// The normals of `volume`.
-    pub fn new(volume: &'a Volume) -> Self {
-        let index_from_world = volume.grid().index_from_world().matrix3;
-        Self { volume, world_gradient_from_index: index_from_world.transpose() }
+/// Whether 32 bits are enough for normals of `volume`.
+pub(crate) fn is_narrow(volume: &Volume) -> bool {
+    let m = volume.grid().world_from_index().matrix3;
+    let skew = m.determinant().abs() / (m.x_axis.length() * m.y_axis.length() * m.z_axis.length());
+    volume.sample_type().size_bytes() <= 2 && MIN_SKEW < skew
+}
+
+/// Volume of the parallelepiped of normalised columns below which errors of 10⁻⁷ could grow to 10⁻⁶.
+const MIN_SKEW: f64 = 0.1;
+
+impl<'a, T: Ordered, F: Real> Normals<'a, T, F> {
+    /// The normals of `volume`, whose samples are `samples`.
+    pub(crate) fn new(volume: &Volume, samples: &'a [T]) -> Self {
+        let world_gradient_from_index = volume.grid().index_from_world().matrix3.transpose();
+        let m: DMat3 = world_gradient_from_index * -volume.scaling().slope.signum();
+        let largest = m.to_cols_array().into_iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let matrix = [0, 1, 2].map(|row| (m.row(row) / (32.0 * largest)).to_array().map(F::of));
+        Self { samples, dims: volume.grid().dims(), matrix }
     }
 
-    /// `−∇v/|∇v|` in world space, or zero.
-    pub fn at(&self, voxel_idx: usize) -> DVec3 {
-        let dims = self.volume.grid().dims();
-        let coords = self.volume.grid().voxel_coords(voxel_idx);
-        let scaling = self.volume.scaling();
-        let in_index = with_samples!(self.volume.samples(), |s| {
-            gradient(s, scaling, dims, coords, voxel_idx)
+    /// The normals of the 8 voxels from `coords` along x. Where the grid ends before, the rest is
+    /// anything.
+    #[inline]
+    pub(crate) fn of_row(&self, coords: [usize; 3]) -> RowNormals {
+        let [n_x, n_y, _] = self.dims;
+        let [x, y, z] = coords;
+        let start = (z * n_y + y) * n_x + x;
+        let is_inside = 0 < x && x + BRICK_SIDE < n_x;
+        let row = |start: usize| {
+            if is_inside { *window(self.samples, start) } else { self.window_at_end(start) }
+        };
+        let here = row(start);
+        let ([before, after], factors) = if is_inside {
+            let neighbors = [start - 1, start + 1].map(|at| *window(self.samples, at));
+            (neighbors, [F::of(0.5); BRICK_SIDE])
+        } else {
+            self.neighbors_along_x(x, start)
+        };
+        let along_x = differences(&before, &here, &after, &factors);
+        let [along_y, along_z] = [1, 2].map(|axis| {
+            let stride = if axis == 1 { n_x } else { n_x * n_y };
+            let [has_before, has_after] = [0 < coords[axis], coords[axis] + 1 < self.dims[axis]];
+            let missing = || here.map(T::missing_neighbor);
+            let before = if has_before { row(start - stride) } else { missing() };
+            let after = if has_after { row(start + stride) } else { missing() };
+            let factor = F::of(if has_before && has_after { 0.5 } else { 1.0 });
+            differences(&before, &here, &after, &[factor; BRICK_SIDE])
         });
-        let in_world = self.world_gradient_from_index * in_index;
-        // Scaled before the length is taken: squares of tiny differences would underflow.
-        let largest = in_world.abs().max_element();
-        let normal = -(in_world / largest).normalize_or_zero();
-        if normal.is_finite() { normal } else { DVec3::ZERO }
+        quantised(&self.matrix, &[along_x, along_y, along_z])
+    }
+
+    /// Eight samples, fewer at the end of the volume.
+    #[cold]
+    fn window_at_end(&self, start: usize) -> [T; BRICK_SIDE] {
+        let last = self.samples.len() - 1;
+        from_fn(|offset| self.samples[last.min(start + offset)])
+    }
+
+    #[cold]
+    fn neighbors_along_x(&self, x: usize, start: usize) -> ([[T; BRICK_SIDE]; 2], [F; BRICK_SIDE]) {
+        let last = self.dims[0] - 1;
+        let x_at = |offset: usize| last.min(x + offset);
+        let sample_at = |x_there: usize| self.samples[start - x + x_there];
+        let before = |x: usize| match x {
+            0 => sample_at(0).missing_neighbor(),
+            _ => sample_at(x - 1),
+        };
+        let after = |x: usize| match x {
+            _ if x == last => sample_at(last).missing_neighbor(),
+            _ => sample_at(x + 1),
+        };
+        let factor = |x: usize| F::of(if 0 < x && x < last { 0.5 } else { 1.0 });
+        let neighbors =
+            [from_fn(|offset| before(x_at(offset))), from_fn(|offset| after(x_at(offset)))];
+        (neighbors, from_fn(|offset| factor(x_at(offset))))
     }
 }
 
-fn gradient<T: Sample>(
-    samples: &[T],
-    scaling: Scaling,
-    [nx, ny, nz]: [usize; 3],
-    [i, j, k]: [usize; 3],
-    voxel_idx: usize,
-) -> DVec3 {
-    let value = |idx: usize| scaling.apply(samples[idx].to_f64());
-    let here = value(voxel_idx);
-    let along = |coord: usize, n: usize, stride: usize| {
-        let before = (0 < coord).then(|| value(voxel_idx - stride)).filter(|v| !v.is_nan());
-        let after = (coord + 1 < n).then(|| value(voxel_idx + stride)).filter(|v| !v.is_nan());
-        match (before, after) {
-            (Some(before), Some(after)) => 0.5 * (after - before),
-            (None, Some(after)) => after - here,
-            (Some(before), None) => here - before,
-            (None, None) => 0.0,
+#[inline]
+fn window<T>(samples: &[T], start: usize) -> &[T; BRICK_SIDE] {
+    samples[start..].first_chunk().expect("rows inside of the grid are whole")
+}
+
+/// `factors` are 0.5 where both neighbours are there.
+#[inline]
+#[expect(clippy::eq_op, reason = "a sample that differs from itself is NaN, whatever its type")]
+fn differences<T: Sample, F: Real>(
+    before: &[T; BRICK_SIDE],
+    here: &[T; BRICK_SIDE],
+    after: &[T; BRICK_SIDE],
+    factors: &[F; BRICK_SIDE],
+) -> [F; BRICK_SIDE] {
+    from_fn(|x| {
+        let (no_before, no_after) = (before[x] != before[x], after[x] != after[x]);
+        // Where both are missing the difference is 0, even if the voxel itself is infinite.
+        let stand_in = if no_before & no_after { T::zeroed() } else { here[x] };
+        let before = if no_before { stand_in } else { before[x] };
+        let after = if no_after { stand_in } else { after[x] };
+        let factor = if no_before | no_after { F::of(1.0) } else { factors[x] };
+        (F::of_sample(after) - F::of_sample(before)) * factor
+    })
+}
+
+#[inline]
+fn quantised<F: Real>(matrix: &[[F; 3]; 3], d: &[[F; BRICK_SIDE]; 3]) -> RowNormals {
+    let mut normals = [[0; BRICK_SIDE]; 3];
+    let mut scaled = [[0.0_f32; BRICK_SIDE]; 3];
+    for x in 0..BRICK_SIDE {
+        let gradient = matrix.map(|row| row[0] * d[0][x] + row[1] * d[1][x] + row[2] * d[2][x]);
+        let components = F::scaled(gradient);
+        for axis in 0..3 {
+            scaled[axis][x] = components[axis];
         }
-    };
-    DVec3::new(along(i, nx, 1), along(j, ny, nx), along(k, nz, nx * ny))
+    }
+    for x in 0..BRICK_SIDE {
+        let [a, b, c] = [scaled[0][x], scaled[1][x], scaled[2][x]];
+        let squared = a * a + b * b + c * c;
+        let steps = if 0.0 < squared { NORMAL_STEPS / squared.sqrt() } else { 0.0 };
+        for axis in 0..3 {
+            normals[axis][x] = rounded(scaled[axis][x] * steps);
+        }
+    }
+    normals
+}
+
+/// The nearest integer to a number of a size of at most 2¹⁵. Adding 1.5·2²³ leaves it in the low bits of the
+/// sum; `round` would be a call into libm, for want of an instruction among the x86-64 that we can
+/// count on.
+#[inline]
+fn rounded(number: f32) -> i16 {
+    (number + 12_582_912.0).to_bits() as i16
+}
+
+/// The arithmetic of gradients: 32-bit or 64-bit floats.
+pub(crate) trait Real:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    fn of(number: f64) -> Self;
+
+    fn of_sample<T: Sample>(sample: T) -> Self;
+
+    /// The vector divided by a power of two near the sum of its components' sizes, so that they are at
+    /// most 2; zero if it is zero or not finite.
+    fn scaled(vector: [Self; 3]) -> [f32; 3];
+}
+
+impl Real for f32 {
+    #[inline]
+    fn of(number: f64) -> Self {
+        number as Self
+    }
+
+    #[inline]
+    fn of_sample<T: Sample>(sample: T) -> Self {
+        sample.to_f64() as Self
+    }
+
+    #[inline]
+    fn scaled(vector: [Self; 3]) -> [f32; 3] {
+        const EXPONENT: u32 = 0x7f80_0000;
+        let size = vector[0].abs() + vector[1].abs() + vector[2].abs();
+        let factor = Self::from_bits((254_u32 << 23).wrapping_sub(size.to_bits() & EXPONENT));
+        let factor = if size < Self::INFINITY { factor } else { 0.0 };
+        vector.map(|component| component * factor)
+    }
+}
+
+impl Real for f64 {
+    #[inline]
+    fn of(number: f64) -> Self {
+        number
+    }
+
+    #[inline]
+    fn of_sample<T: Sample>(sample: T) -> Self {
+        sample.to_f64()
+    }
+
+    #[inline]
+    fn scaled(vector: [Self; 3]) -> [f32; 3] {
+        const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+        let size = vector[0].abs() + vector[1].abs() + vector[2].abs();
+        let factor = Self::from_bits((2046_u64 << 52).wrapping_sub(size.to_bits() & EXPONENT));
+        let is_finite = size < Self::INFINITY;
+        vector.map(|component| if is_finite { (component * factor) as f32 } else { 0.0 })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::glam::DAffine3;
-    use slabsplat_core::{Grid, Samples};
+    use crate::VoxelRecord;
+    use crate::naive_normals::naive_normal;
+    use crate::tests::{random_volume, seeded};
+    use slabsplat_core::glam::{DAffine3, DVec3};
+    use slabsplat_core::{Grid, Samples, Scaling, with_samples};
 
-    fn sheared(dims: [usize; 3]) -> Grid {
-        let columns = DMat3::from_cols(
-            DVec3::new(1.0, 0.2, 0.0),
-            DVec3::new(0.0, -1.5, 0.3),
-            DVec3::new(0.4, 0.0, 2.0),
-        );
-        Grid::new(dims, DAffine3::from_mat3(columns)).unwrap()
+    /// The normal of every voxel, by way of rows.
+    fn normals(volume: &Volume) -> Vec<DVec3> {
+        let grid = volume.grid();
+        let normal = |voxel_idx: usize| {
+            let [x, y, z] = grid.voxel_coords(voxel_idx);
+            let row_at = [x - x % BRICK_SIDE, y, z];
+            let row = with_samples!(volume.samples(), |s| if is_narrow(volume) {
+                Normals::<_, f32>::new(volume, s).of_row(row_at)
+            } else {
+                Normals::<_, f64>::new(volume, s).of_row(row_at)
+            });
+            let normal = row.map(|component| component[x % BRICK_SIDE]);
+            DVec3::from(VoxelRecord { place: 0, normal }.normal_in_world().map(f64::from))
+        };
+        (0..grid.n_voxels()).map(normal).collect()
     }
 
-    /// A linear field in world space has the same normal at every voxel, borders too.
+    /// Half a step in each component.
+    const MAX_ERROR: f64 = 2.7e-5;
+
     #[test]
-    fn normal_of_linear_field() {
-        let slope = DVec3::new(0.3, -1.0, 0.5);
-        let grid = sheared([4, 3, 5]);
-        let field = |idx: usize| {
-            let [i, j, k] = grid.voxel_coords(idx).map(|c| c as f64);
-            grid.world_from_index().transform_point3(DVec3::new(i, j, k)).dot(slope)
-        };
-        let samples: Vec<f64> = (0..grid.n_voxels()).map(field).collect();
-        for sign in [1.0, -1.0] {
-            let scaling = Scaling { slope: sign * 3.0, intercept: 1.0 };
-            let volume = Volume::new(grid, samples.clone().into(), scaling).unwrap();
-            for voxel_idx in 0..grid.n_voxels() {
-                let normal = Normals::new(&volume).at(voxel_idx);
-                assert!(normal.abs_diff_eq(-slope.normalize() * sign, 1e-12), "{normal}");
+    fn normals_are_those_of_the_definition() {
+        let mut rng = seeded();
+        for _ in 0..100 {
+            let volume = random_volume(&mut rng);
+            for (voxel_idx, normal) in normals(&volume).into_iter().enumerate() {
+                // A voxel without a value has no normal either, and is never asked.
+                if volume.value(voxel_idx).is_nan() {
+                    continue;
+                }
+                let expected = naive_normal(&volume, voxel_idx);
+                let difference = normal.distance(expected);
+                assert!(difference < MAX_ERROR, "{normal} {expected} {voxel_idx} {volume:?}");
             }
         }
     }
@@ -99,13 +276,40 @@ mod tests {
         let row = |samples: Vec<f32>| {
             let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();
             let volume = Volume::new(grid, Samples::F32(samples), Scaling::IDENTITY).unwrap();
-            Normals::new(&volume).at(1)
+            normals(&volume)[1]
         };
-        assert_eq!(row(vec![f32::NAN, 1.0, 3.0]), -DVec3::X);
-        assert_eq!(row(vec![9.0, 1.0, f32::NAN]), DVec3::X);
-        assert_eq!(row(vec![f32::NAN, 1.0, f32::NAN]), DVec3::ZERO);
-        assert_eq!(row(vec![4.0, 1.0, 4.0]), DVec3::ZERO);
-        assert_eq!(row(vec![0.0, 1.0, f32::INFINITY]), DVec3::ZERO);
-        assert_eq!(row(vec![0.0, 0.0, 1e-38]), -DVec3::X, "a faint gradient is still one");
+        let check = |samples, expected: DVec3| assert!(row(samples).distance(expected) < 1e-6);
+        check(vec![f32::NAN, 1.0, 3.0], -DVec3::X);
+        check(vec![9.0, 1.0, f32::NAN], DVec3::X);
+        check(vec![f32::NAN, 1.0, f32::NAN], DVec3::ZERO);
+        check(vec![4.0, 1.0, 4.0], DVec3::ZERO);
+        check(vec![0.0, 1.0, f32::INFINITY], DVec3::ZERO);
+        check(vec![f32::NEG_INFINITY, 1.0, f32::INFINITY], DVec3::ZERO);
+        check(vec![0.0, 0.0, 1e-38], -DVec3::X);
+        check(vec![0.0, 0.0, f32::from_bits(1)], -DVec3::X);
+        check(vec![-3e38, 0.0, 3e38], -DVec3::X);
+    }
+
+    /// Steps as unequal, and columns as close to one plane, as a grid allows.
+    #[test]
+    fn normal_on_extreme_grids() {
+        let check = |matrix: DMat3| {
+            let grid = Grid::new([3; 3], DAffine3::from_mat3(matrix)).unwrap();
+            for gradient in [[1, 0, 0], [0, 1, 0], [0, 0, 1], [3, 2, 1]] {
+                let value = |idx: usize| {
+                    let coords = grid.voxel_coords(idx);
+                    (0..3).map(|axis| coords[axis] as u8 * gradient[axis]).sum::<u8>()
+                };
+                let samples: Vec<u8> = (0..27).map(value).collect();
+                let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+                let (normal, expected) = (normals(&volume)[13], naive_normal(&volume, 13));
+                assert!(normal.distance(expected) < MAX_ERROR, "{normal} {expected} {matrix}");
+            }
+        };
+        check(DMat3::from_diagonal(DVec3::new(1e-11, 1.0, 1e11)));
+        check(DMat3::from_diagonal(DVec3::new(-1e11, 1e-11, 1e11)));
+        let sheared = |by: f64| DMat3::from_cols(DVec3::X, DVec3::new(1.0, by, 0.0), DVec3::Z);
+        check(sheared(1e-5));
+        check(sheared(0.2));
     }
 }

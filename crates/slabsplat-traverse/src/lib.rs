@@ -2,12 +2,15 @@
 //!
 //! The way of the data through this crate is its reading order:
 //!
-//! - `voxel`: what is kept of a voxel;
-//! - `value_order`: all voxels sorted by value, once a volume;
-//! - `gradient`: the normal of a voxel;
-//! - `relevant_list`: `L_r`, the voxels whose opacity is above 0, kept up to date by difference;
-//! - `shade`: classification and Blinn–Phong, once a voxel and frame;
-//! - `project`: index space to view space;
+//! - `bricks`, `voxel`: how the volume is cut up, and what is kept of a voxel;
+//! - `order`: iso-ranges of values as ranges of samples;
+//! - `brick_ranges`: the least and the largest value of every brick, once a volume;
+//! - `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
+//! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, kept up to date by
+//!   difference;
+//! - `classification`: samples to colour and opacity, once a transfer function;
+//! - `lamp`, `shade`: Blinn–Phong, once a voxel and frame;
+//! - `project`: index space to view space, voxels and whole bricks;
 //! - `depth_order`: what `every-sample` composites by (`axis-aligned` goes by slices, in core);
 //! - `toss`: buckets instead of a sort (§7), by image tile and then by slab.
 //!
@@ -16,34 +19,49 @@
 //!
 //! ```
 //! use slabsplat_core::{Grid, IsoRange, Samples, Scaling, Volume};
-//! use slabsplat_traverse::{RelevantList, ValueOrder};
+//! use slabsplat_traverse::{BrickRanges, RelevantList};
 //!
 //! let grid = Grid::with_spacing([4, 1, 1], [1.0; 3])?;
 //! let volume = Volume::new(grid, Samples::U8(vec![9, 3, 7, 5]), Scaling::IDENTITY)?;
-//! let order = ValueOrder::new(&volume);
+//! let brick_ranges = BrickRanges::new(&volume);
 //! let mut list = RelevantList::default();
-//! list.update(&volume, &order, &[IsoRange { lo: 5.0, hi: 8.0 }]);
-//! let voxels: Vec<u32> = list.records().iter().map(|r| r.voxel_idx).collect();
-//! assert_eq!(voxels, [2, 3]);
+//! list.update(&volume, &brick_ranges, &[IsoRange { lo: 5.0, hi: 8.0 }]);
+//! let brick = &list.bricks()[0];
+//! let xs = list.voxels_of(brick).iter().map(|&record| list.voxel_coords(brick, record)[0]);
+//! assert_eq!(xs.collect::<Vec<_>>(), [2, 3]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod gradient;
-mod relevant_list;
-mod value_order;
+mod bricks;
 mod voxel;
 
+mod order;
+
+mod brick_ranges;
+mod gradient;
+mod membership;
+mod relevant_list;
+mod relevant_update;
+
+mod classification;
+mod lamp;
 mod project;
 mod shade;
 
 mod depth_order;
 mod toss;
 
+#[cfg(test)]
+mod naive_normals;
+#[cfg(test)]
+mod tests;
+
+pub use brick_ranges::BrickRanges;
+pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
+pub use classification::Classification;
 pub use depth_order::depth_order;
-pub use gradient::Normals;
-pub use project::project;
+pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
-pub use shade::{ShadeDesc, shade};
+pub use shade::Shader;
 pub use toss::{SlabBuckets, TileBuckets, TileGrid, TileRect};
-pub use value_order::ValueOrder;
-pub use voxel::VoxelRecord;
+pub use voxel::{NORMAL_STEPS, VoxelRecord};

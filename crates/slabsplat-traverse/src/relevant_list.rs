@@ -1,21 +1,22 @@
 //! `L_r`, the list of relevant voxels, and its update by difference (paper §4).
 //!
-//! The paper keeps the list in the order of values, where an iso-range is one run. Ours is kept in
-//! memory order: neighbours in the list are then neighbours in space, and gradients, shading and the
-//! toss run through caches instead of around them. A changed range still only touches the runs at its
-//! ends: those voxels are found in the value order, sorted, and merged in or out.
+//! The paper keeps the list in the order of values, where an iso-range is one run. Ours is kept brick by
+//! brick, in memory order: neighbours in the list are then neighbours in space, so that gradients, shading
+//! and the toss run through caches instead of around them, and a brick can be culled whole. A changed
+//! range only touches bricks that hold values at its ends (`relevant_update.rs`).
 
-use crate::{Normals, ValueOrder, VoxelRecord};
+use crate::relevant_update::update;
+use crate::{Brick, BrickGrid, BrickRanges, VoxelRecord};
 use rayon::prelude::*;
-use slabsplat_core::{IsoRange, Volume};
-use std::ops::Range;
+use slabsplat_core::{IsoRange, Volume, with_samples};
 
-/// The voxels with an opacity above 0, in memory order.
-#[derive(Clone, Debug, Default)]
+/// The voxels with an opacity above 0, by brick; bricks, and voxels within a brick, in memory order.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RelevantList {
-    records: Vec<VoxelRecord>,
-    /// The runs of the value order that the records come from, rising and disjoint.
-    runs: Vec<Range<usize>>,
+    pub(crate) grid: BrickGrid,
+    pub(crate) bricks: Vec<Brick>,
+    pub(crate) records: Vec<VoxelRecord>,
+    pub(crate) ranges: Vec<IsoRange>,
 }
 
 /// How many voxels an update touched.
@@ -28,159 +29,195 @@ pub struct ListChange {
 }
 
 impl RelevantList {
-    /// The relevant voxels, in memory order.
+    /// The bricks that hold relevant voxels, in memory order.
+    pub fn bricks(&self) -> &[Brick] {
+        &self.bricks
+    }
+
+    /// The voxels of one of the [`bricks`](Self::bricks), in memory order.
+    #[inline]
+    pub fn voxels_of(&self, brick: &Brick) -> &[VoxelRecord] {
+        &self.records[brick.voxels()]
+    }
+
+    /// All relevant voxels, brick by brick.
     pub fn records(&self) -> &[VoxelRecord] {
         &self.records
     }
 
-    /// Makes the list that of `ranges` (disjoint, rising), and tells what changed. `volume` and `order`
-    /// must be those of every earlier update.
+    /// How many voxels are relevant.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// Whether none is.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+
+    /// The iso-ranges that the list is of.
+    pub fn ranges(&self) -> &[IsoRange] {
+        &self.ranges
+    }
+
+    /// How the volume is cut into bricks.
+    pub fn grid(&self) -> &BrickGrid {
+        &self.grid
+    }
+
+    /// The coordinates of a voxel of one of the [`bricks`](Self::bricks).
+    #[inline]
+    pub fn voxel_coords(&self, brick: &Brick, record: VoxelRecord) -> [usize; 3] {
+        self.grid.voxel_coords(brick, record)
+    }
+
+    /// The place in memory of a voxel of one of the [`bricks`](Self::bricks), x fastest.
+    #[inline]
+    pub fn voxel_idx(&self, brick: &Brick, record: VoxelRecord) -> usize {
+        self.grid.voxel_idx(self.grid.voxel_coords(brick, record))
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        self.bricks.capacity() * size_of::<Brick>()
+            + self.records.capacity() * size_of::<VoxelRecord>()
+    }
+
+    /// Makes the list that of `ranges` (disjoint, rising), and tells what changed. `volume` and
+    /// `brick_ranges` must be those of every earlier update.
     pub fn update(
         &mut self,
         volume: &Volume,
-        order: &ValueOrder,
+        brick_ranges: &BrickRanges,
         ranges: &[IsoRange],
     ) -> ListChange {
-        let runs: Vec<Range<usize>> = ranges
-            .iter()
-            .map(|&range| order.within(volume, range))
-            .filter(|run| !run.is_empty())
-            .collect();
-        let dropped = voxels_in(order, &difference(&self.runs, &runs));
-        let added = voxels_in(order, &difference(&runs, &self.runs));
-        if !dropped.is_empty() {
-            self.remove(&dropped);
-        }
-        if !added.is_empty() {
-            self.insert(&records_of(volume, &added));
-        }
-        self.runs = runs;
-        ListChange { n_added: added.len(), n_dropped: dropped.len() }
+        self.grid = BrickGrid::new(volume.grid());
+        with_samples!(volume.samples(), |s| update(self, volume, s, brick_ranges, ranges))
     }
 
-    fn remove(&mut self, dropped: &[u32]) {
-        let mut dropped = dropped.iter().peekable();
-        self.records.retain(|record| dropped.next_if(|&&d| d == record.voxel_idx).is_none());
-    }
-
-    fn insert(&mut self, added: &[VoxelRecord]) {
-        if self.records.is_empty() {
-            self.records.extend_from_slice(added);
-            return;
+    /// Fills `results`, one a voxel, in parallel: `fill` is called for each brick with its voxels and their
+    /// part of the results.
+    pub fn fill_by_brick<T: Send>(
+        &self,
+        results: &mut [T],
+        fill: impl Fn(&Brick, &[VoxelRecord], &mut [T]) + Sync,
+    ) {
+        let mut rest = results;
+        let mut tasks = Vec::with_capacity(self.bricks.len() / BRICKS_PER_TASK + 1);
+        for bricks in self.bricks.chunks(BRICKS_PER_TASK) {
+            let n_voxels = bricks.iter().map(|brick| usize::from(brick.n_voxels)).sum();
+            let (part, others) = rest.split_at_mut(n_voxels);
+            tasks.push((bricks, part));
+            rest = others;
         }
-        // From the back, so that every record moves at most once and nothing is copied aside.
-        let mut n_old = self.records.len();
-        let mut n_new = added.len();
-        self.records.resize(n_old + n_new, VoxelRecord { voxel_idx: 0, normal_in_world: [0.0; 3] });
-        while 0 < n_new {
-            let old_is_later =
-                0 < n_old && added[n_new - 1].voxel_idx < self.records[n_old - 1].voxel_idx;
-            let place = n_old + n_new - 1;
-            self.records[place] = if old_is_later {
-                n_old -= 1;
-                self.records[n_old]
-            } else {
-                n_new -= 1;
-                added[n_new]
-            };
-        }
+        tasks.into_par_iter().for_each(|(bricks, mut rest)| {
+            for brick in bricks {
+                let (part, others) = rest.split_at_mut(brick.n_voxels.into());
+                fill(brick, self.voxels_of(brick), part);
+                rest = others;
+            }
+        });
     }
 }
 
-/// The parts of the runs `a` that no run of `b` covers; both are rising and disjoint.
-fn difference(a: &[Range<usize>], b: &[Range<usize>]) -> Vec<Range<usize>> {
-    let mut parts = Vec::new();
-    for run in a {
-        let mut start = run.start;
-        for hole in b.iter().filter(|hole| hole.start < run.end && run.start < hole.end) {
-            parts.push(start..hole.start.max(start));
-            start = hole.end.min(run.end);
-        }
-        parts.push(start..run.end);
-    }
-    parts.retain(|part| !part.is_empty());
-    parts
-}
-
-fn voxels_in(order: &ValueOrder, runs: &[Range<usize>]) -> Vec<u32> {
-    let all = order.voxel_idxs();
-    let mut voxels: Vec<u32> =
-        runs.iter().flat_map(|run| all[run.clone()].iter().copied()).collect();
-    voxels.par_sort_unstable();
-    voxels
-}
-
-fn records_of(volume: &Volume, voxels: &[u32]) -> Vec<VoxelRecord> {
-    let normals = Normals::new(volume);
-    let record = |&voxel_idx: &u32| VoxelRecord {
-        voxel_idx,
-        normal_in_world: normals.at(voxel_idx as usize).as_vec3().to_array(),
-    };
-    voxels.par_iter().with_min_len(1 << 12).map(record).collect()
-}
+/// Some thousand voxels a task.
+const BRICKS_PER_TASK: usize = 32;
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::{Grid, Scaling};
+    use crate::naive_normals::naive_normal;
+    use crate::tests::{random_ranges, random_volume, seeded};
+    use slabsplat_core::glam::DVec3;
 
-    fn random_volume(rng: &mut fastrand::Rng) -> Volume {
-        let grid = Grid::with_spacing([9, 8, 7], [1.0, 1.5, 0.7]).unwrap();
-        let samples: Vec<u8> = (0..grid.n_voxels()).map(|_| rng.u8(0..40)).collect();
-        Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap()
-    }
-
-    fn random_ranges(rng: &mut fastrand::Rng) -> Vec<IsoRange> {
-        let mut ends: Vec<u8> = (0..2 * rng.usize(0..4)).map(|_| rng.u8(0..45)).collect();
-        ends.sort_unstable();
-        ends.dedup();
-        ends.chunks_exact(2).map(|e| IsoRange { lo: e[0].into(), hi: e[1].into() }).collect()
-    }
-
-    fn relevant(volume: &Volume, ranges: &[IsoRange]) -> Vec<u32> {
+    fn relevant(volume: &Volume, ranges: &[IsoRange]) -> Vec<usize> {
         let inside = |v: f64| ranges.iter().any(|r| r.lo <= v && v <= r.hi);
-        let n = volume.grid().n_voxels() as u32;
-        (0..n).filter(|&idx| inside(volume.value(idx as usize))).collect()
+        let n = volume.grid().n_voxels();
+        (0..n).filter(|&idx| inside(volume.value(idx))).collect()
+    }
+
+    fn listed(list: &RelevantList) -> Vec<(usize, VoxelRecord)> {
+        let with_idx = |brick: &Brick| {
+            let brick = *brick;
+            list.voxels_of(&brick).iter().map(move |&r| (list.voxel_idx(&brick, r), r))
+        };
+        list.bricks().iter().flat_map(with_idx).collect()
     }
 
     /// The updated list is the list from scratch, and an update touches just what changed.
     #[test]
     fn relevant_list_update_is_a_difference() {
-        let seed = fastrand::u64(..);
-        println!("seed {seed}");
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let volume = random_volume(&mut rng);
-        let order = ValueOrder::new(&volume);
-        let mut list = RelevantList::default();
-        let mut before: Vec<u32> = Vec::new();
-        for _ in 0..200 {
-            let ranges = random_ranges(&mut rng);
-            let change = list.update(&volume, &order, &ranges);
-            let after = relevant(&volume, &ranges);
-            let listed: Vec<u32> = list.records().iter().map(|r| r.voxel_idx).collect();
-            assert_eq!(listed, after, "{ranges:?}");
+        let mut rng = seeded();
+        for _ in 0..40 {
+            let volume = random_volume(&mut rng);
+            let brick_ranges = BrickRanges::new(&volume);
+            let mut list = RelevantList::default();
+            let mut before: Vec<usize> = Vec::new();
+            for _ in 0..12 {
+                let ranges = random_ranges(&mut rng, &volume);
+                let change = list.update(&volume, &brick_ranges, &ranges);
+                let after = relevant(&volume, &ranges);
+                let mut actual: Vec<usize> = listed(&list).iter().map(|(idx, _)| *idx).collect();
+                actual.sort_unstable();
+                assert_eq!(actual, after, "{ranges:?} {:?}", volume.grid());
 
-            let mut fresh = RelevantList::default();
-            fresh.update(&volume, &order, &ranges);
-            assert_eq!(fresh.records(), list.records(), "normals too");
+                let mut fresh = RelevantList::default();
+                fresh.update(&volume, &brick_ranges, &ranges);
+                assert_eq!(fresh, list, "order and normals too");
 
-            let n_added = after.iter().filter(|v| before.binary_search(v).is_err()).count();
-            let n_dropped = before.iter().filter(|v| after.binary_search(v).is_err()).count();
-            assert_eq!(change, ListChange { n_added, n_dropped });
-            before = after;
+                let n_added = after.iter().filter(|v| before.binary_search(v).is_err()).count();
+                let n_dropped = before.iter().filter(|v| after.binary_search(v).is_err()).count();
+                assert_eq!(change, ListChange { n_added, n_dropped });
+                before = after;
+            }
         }
     }
 
     #[test]
-    #[expect(clippy::single_range_in_vec_init, reason = "a list of one run is meant")]
-    fn difference_of_runs() {
-        let check = |a: &[Range<usize>], b: &[Range<usize>], expected: &[Range<usize>]| {
-            assert_eq!(difference(a, b), expected, "{a:?} − {b:?}");
+    fn relevant_list_is_in_memory_order_of_bricks() {
+        let mut rng = seeded();
+        for _ in 0..20 {
+            let volume = random_volume(&mut rng);
+            let mut list = RelevantList::default();
+            let ranges = random_ranges(&mut rng, &volume);
+            list.update(&volume, &BrickRanges::new(&volume), &ranges);
+            assert!(list.bricks().windows(2).all(|b| b[0].brick_idx < b[1].brick_idx));
+            for brick in list.bricks() {
+                let voxels = list.voxels_of(brick);
+                assert!(!voxels.is_empty());
+                assert!(voxels.windows(2).all(|v| v[0].place < v[1].place));
+            }
+            assert_eq!(list.bricks().last().map_or(0, |b| b.voxels().end), list.len());
+        }
+    }
+
+    #[test]
+    fn relevant_list_holds_normals() {
+        let mut rng = seeded();
+        let volume = random_volume(&mut rng);
+        let mut list = RelevantList::default();
+        let all = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+        list.update(&volume, &BrickRanges::new(&volume), &[all]);
+        for (voxel_idx, record) in listed(&list) {
+            let normal = DVec3::from(record.normal_in_world().map(f64::from));
+            assert!(normal.distance(naive_normal(&volume, voxel_idx)) < 2.7e-5);
+        }
+    }
+
+    #[test]
+    fn relevant_list_does_not_depend_on_threads() {
+        let mut rng = seeded();
+        let volume = random_volume(&mut rng);
+        let ranges = random_ranges(&mut rng, &volume);
+        let with_threads = |n_threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            pool.install(|| {
+                let mut list = RelevantList::default();
+                list.update(&volume, &BrickRanges::new(&volume), &ranges);
+                list
+            })
         };
-        check(&[0..9], &[], &[0..9]);
-        check(&[0..9], &[0..9], &[]);
-        check(&[0..9], &[2..3, 5..12], &[0..2, 3..5]);
-        check(&[2..4, 6..8], &[3..7], &[2..3, 7..8]);
-        check(&[4..6], &[0..3, 7..9], &[4..6]);
+        let one = with_threads(1);
+        assert!([2, 7].map(with_threads).iter().all(|list| *list == one));
     }
 }

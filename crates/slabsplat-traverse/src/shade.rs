@@ -1,128 +1,110 @@
-//! Classification and Blinn–Phong shading (SPEC §6), once a voxel and frame.
+//! Shading (SPEC §6), once a voxel and frame.
 //!
 //! What comes out is what a sheet sums (SPEC §3): the voxel's colour and opacity in the form that the
 //! compositing wants, so that splatting is the same four multiply-adds for all three.
+//!
+//! Voxels go eight at a time through arithmetic of 32 bits. That costs some 10⁻⁶ of a colour, and less
+//! than `shininess` · 2·10⁻⁷ of a highlight, which is less than the keeping of normals in 16 bits does.
 
-use crate::VoxelRecord;
-use rayon::prelude::*;
+use crate::lamp::{Lamp, Light8};
+use crate::order::Ordered;
+use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Light, Phong, Shading, TransferFunction, Volume};
+use slabsplat_core::{Compositing, Shading, Volume, with_samples};
 
-/// Everything that a voxel's colour depends on, but for the voxel.
+/// Everything that a voxel's colour depends on in one frame, but for the voxel.
 #[derive(Clone, Copy, Debug)]
-pub struct ShadeDesc<'a> {
-    /// Values to opacity and colour.
-    pub transfer: &'a TransferFunction,
-    /// Colour to shaded colour.
-    pub shading: &'a Shading,
-    /// The viewing direction, of length 1; the viewer is at `−forward`.
-    pub forward: DVec3,
-    /// What a sheet sums.
-    pub compositing: Compositing,
+pub struct Shader<'a> {
+    classification: &'a Classification,
+    volume: &'a Volume,
+    grid: BrickGrid,
+    lamp: Option<Lamp>,
 }
 
-/// Opacity from which `extinction` is cut off: its logarithm would be infinite at 1.
-const MAX_OPACITY: f64 = 1.0 - 1e-6;
-
-/// Writes red, green, blue and opacity of `records` into `colors`, as the compositing sums them:
-/// `(c, α)` for `separate`, `(αc, α)` for `associated`, `(μc, μ)` with `μ = −ln(1 − α)` for
-/// `extinction`.
-pub fn shade(
-    desc: &ShadeDesc<'_>,
-    volume: &Volume,
-    records: &[VoxelRecord],
-    colors: &mut Vec<[f32; 4]>,
-) {
-    let lamp = match desc.shading {
-        Shading::None => None,
-        Shading::Phong(phong) => Some(Lamp::new(*phong, desc.forward)),
-    };
-    records
-        .par_iter()
-        .with_min_len(1 << 12)
-        .map(|record| {
-            let value = volume.value(record.voxel_idx as usize);
-            let base = DVec3::from_array(desc.transfer.color(value));
-            let color = lamp.map_or(base, |lamp| lamp.light_up(base, record.normal_in_world));
-            splat_color(desc.compositing, color, desc.transfer.opacity(value))
-        })
-        .collect_into_vec(colors);
-}
-
-fn splat_color(compositing: Compositing, color: DVec3, opacity: f64) -> [f32; 4] {
-    let weighted = |weight: f64| (color * weight).extend(weight);
-    let summed = match compositing {
-        Compositing::Separate => color.extend(opacity),
-        Compositing::Associated => weighted(opacity),
-        Compositing::Extinction => weighted(-(-opacity.min(MAX_OPACITY)).ln_1p()),
-    };
-    summed.as_vec4().to_array()
-}
-
-/// A light and a viewer, both infinitely far away.
-#[derive(Clone, Copy, Debug)]
-struct Lamp {
-    phong: Phong,
-    to_light: DVec3,
-    /// `h = (l + v)/|l + v|`; zero if the light shines straight at the viewer.
-    halfway: DVec3,
-}
-
-impl Lamp {
-    fn new(phong: Phong, forward: DVec3) -> Self {
-        let to_light = match phong.light {
-            Light::Headlight => -forward,
-            Light::Direction(direction) => direction,
+impl<'a> Shader<'a> {
+    /// Lights `volume`, which is the one classified. `forward` is the viewing direction, of length 1; the
+    /// viewer is at `−forward`.
+    pub fn new(
+        classification: &'a Classification,
+        volume: &'a Volume,
+        shading: &Shading,
+        forward: DVec3,
+    ) -> Self {
+        let lamp = match shading {
+            Shading::None => None,
+            Shading::Phong(phong) => Some(Lamp::new(phong, forward)),
         };
-        Self { phong, to_light, halfway: (to_light - forward).normalize_or_zero() }
+        Self { classification, volume, grid: BrickGrid::new(volume.grid()), lamp }
     }
 
-    /// `c·(k_a + k_d·n·l) + k_s·(n·h)^s`, clamped.
-    fn light_up(&self, color: DVec3, normal: [f32; 3]) -> DVec3 {
-        let Phong { ambient, diffuse, specular, shininess, two_sided, .. } = self.phong;
-        let normal = DVec3::from_array(normal.map(f64::from));
-        if normal == DVec3::ZERO {
-            return (color * ambient).min(DVec3::ONE);
+    /// Writes red, green, blue and opacity of all voxels of `list` into `colors`, in parallel.
+    pub fn shade(&self, list: &RelevantList, colors: &mut Vec<[f32; 4]>) {
+        colors.resize(list.len(), [0.0; 4]);
+        list.fill_by_brick(colors, |brick, records, colors| {
+            self.shade_brick(brick, records, colors);
+        });
+    }
+
+    /// Writes red, green, blue and opacity of voxels of one brick into `colors`, as the compositing sums
+    /// them: `(c, α)` for `separate`, `(αc, α)` for `associated`, `(μc, μ)` with `μ = −ln(1 − α)`
+    /// for `extinction`. There are as many `records` as `colors`.
+    pub fn shade_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
+        with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
+        let is_weighted = self.classification.compositing() != Compositing::Separate;
+        match (&self.lamp, is_weighted) {
+            (Some(lamp), true) => light_up(lamp, records, colors, |weight| weight),
+            (Some(lamp), false) => light_up(lamp, records, colors, |_| 1.0),
+            (None, true) => {
+                for [r, g, b, weight] in colors {
+                    [r, g, b].into_iter().for_each(|channel| *channel *= *weight);
+                }
+            }
+            (None, false) => {}
         }
-        let facing = |direction: DVec3| {
-            let product = normal.dot(direction);
-            if two_sided { product.abs() } else { product.max(0.0) }
-        };
-        let n_l = facing(self.to_light);
-        let highlight =
-            if 0.0 < n_l { specular * facing(self.halfway).powf(shininess) } else { 0.0 };
-        (color * (ambient + diffuse * n_l) + highlight).clamp(DVec3::ZERO, DVec3::ONE)
+    }
+
+    fn classify<T: Ordered>(
+        &self,
+        samples: &[T],
+        brick: &Brick,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
+        let [n_x, n_y, _] = self.grid.dims();
+        let start = self.grid.voxel_idx(self.grid.origin(brick.brick_idx));
+        for (color, record) in colors.iter_mut().zip(records) {
+            let [x, y, z] = record.coords_in_brick();
+            *color = self.classification.of(samples[start + (z * n_y + y) * n_x + x]);
+        }
+    }
+}
+
+/// Lights classified `colors`, and weights them by what `factor_of` makes of their weights.
+#[inline]
+fn light_up(
+    lamp: &Lamp,
+    records: &[VoxelRecord],
+    colors: &mut [[f32; 4]],
+    factor_of: impl Fn(f32) -> f32,
+) {
+    for (records, colors) in records.chunks(8).zip(colors.chunks_mut(8)) {
+        let Light8 { scattered, mirrored } = lamp.on(records);
+        for (x, [r, g, b, weight]) in colors.iter_mut().enumerate() {
+            let factor = factor_of(*weight);
+            for channel in [r, g, b] {
+                let lit = *channel * scattered[x] + mirrored[x];
+                *channel = if lit < 1.0 { lit } else { 1.0 } * factor;
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::{Grid, Scaling};
-
-    fn lit(phong: Phong, normal: DVec3) -> DVec3 {
-        let lamp = Lamp::new(phong, -DVec3::Z);
-        lamp.light_up(DVec3::new(1.0, 0.5, 0.0), normal.as_vec3().to_array())
-    }
-
-    #[test]
-    fn shade_phong_terms() {
-        let phong =
-            Phong { ambient: 0.1, diffuse: 0.6, specular: 0.3, shininess: 8.0, ..Phong::default() };
-        let close = |a: DVec3, b: [f64; 3]| assert!(a.abs_diff_eq(DVec3::from(b), 1e-6), "{a}");
-        close(lit(phong, DVec3::Z), [1.0, 0.65, 0.3]);
-        close(lit(phong, -DVec3::Z), [1.0, 0.65, 0.3]);
-        close(lit(phong, DVec3::ZERO), [0.1, 0.05, 0.0]);
-        let one_sided = Phong { two_sided: false, ..phong };
-        close(lit(one_sided, -DVec3::Z), [0.1, 0.05, 0.0]);
-        let slanted = DVec3::new(0.6, 0.0, 0.8);
-        let highlight = 0.3 * 0.8_f64.powi(8);
-        close(lit(phong, slanted), [0.58 + highlight, 0.29 + highlight, highlight]);
-        let from_right = Phong { light: Light::towards(DVec3::X).unwrap(), ..one_sided };
-        let halfway = (1.4_f64 / 2.0_f64.sqrt()).powi(8) * 0.3;
-        close(lit(from_right, slanted), [0.46 + halfway, 0.23 + halfway, halfway]);
-        close(lit(from_right, DVec3::Z), [0.1, 0.05, 0.0]);
-    }
+    use crate::tests::{random_ranges, random_volume, seeded};
+    use crate::{BrickRanges, RelevantList};
+    use slabsplat_core::{Grid, Light, Phong, Scaling, TransferFunction};
 
     #[test]
     fn shade_sums_what_the_compositing_wants() {
@@ -132,15 +114,11 @@ mod tests {
         let check = |opacity: f64, compositing, expected: [f64; 4]| {
             let transfer =
                 TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, color)]).unwrap();
-            let desc = ShadeDesc {
-                transfer: &transfer,
-                shading: &Shading::None,
-                forward: DVec3::Z,
-                compositing,
-            };
-            let records = [VoxelRecord { voxel_idx: 0, normal_in_world: [0.0; 3] }];
-            let mut colors = Vec::new();
-            shade(&desc, &volume, &records, &mut colors);
+            let classification = Classification::new(&transfer, compositing, &volume);
+            let shader = Shader::new(&classification, &volume, &Shading::None, DVec3::Z);
+            let mut colors = [[0.0; 4]];
+            let brick = Brick { brick_idx: 0, first: 0, n_voxels: 1 };
+            shader.shade_brick(&brick, &[VoxelRecord::default()], &mut colors);
             for (actual, expected) in colors[0].iter().zip(expected) {
                 assert!((f64::from(*actual) - expected).abs() < 1e-6, "{colors:?}");
             }
@@ -152,4 +130,85 @@ mod tests {
         let most = -(1e-6_f64).ln();
         check(1.0, Compositing::Extinction, [0.2 * most, 0.4 * most, 0.8 * most, most]);
     }
+
+    /// SPEC §6 word by word, in 64 bits, for a normal of length 1 or 0.
+    fn naive_phong(phong: &Phong, color: DVec3, normal: DVec3, forward: DVec3) -> DVec3 {
+        let to_light = match phong.light {
+            Light::Headlight => -forward,
+            Light::Direction(direction) => direction,
+        };
+        let halfway = (to_light - forward).normalize_or_zero();
+        let product = |direction: DVec3| {
+            let product = normal.dot(direction);
+            if phong.two_sided { product.abs() } else { product.max(0.0) }
+        };
+        let mirrored = if 0.0 < product(to_light) {
+            phong.specular * product(halfway).powf(phong.shininess)
+        } else {
+            0.0
+        };
+        let lit = color * (phong.ambient + phong.diffuse * product(to_light)) + mirrored;
+        lit.clamp(DVec3::ZERO, DVec3::ONE)
+    }
+
+    fn random_phong(rng: &mut fastrand::Rng) -> Phong {
+        let direction = DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5);
+        Phong {
+            ambient: rng.f64(),
+            diffuse: rng.f64(),
+            specular: rng.f64(),
+            shininess: [0.0, 1.0, 20.0, 7.5, 100.0][rng.usize(0..5)],
+            two_sided: rng.bool(),
+            light: if rng.bool() { Light::Headlight } else { Light::towards(direction).unwrap() },
+        }
+    }
+
+    /// Of a weighted colour; opacities stay far from 1, so that weights stay below 2. A highlight of
+    /// shininess 100 has an error of 2·10⁻⁵, all others far less.
+    const MAX_ERROR: f64 = 3e-5;
+
+    #[test]
+    fn shade_is_the_definition() {
+        let mut rng = seeded();
+        for _ in 0..200 {
+            let volume = random_volume(&mut rng);
+            let mut point = |_| std::array::from_fn(|_| 0.8 * rng.f64());
+            let [a, b] = [0, 1].map(&mut point);
+            let opacity = vec![(-20.0, [0.1]), (200.0, [0.8])];
+            let transfer = TransferFunction::new(opacity, vec![(0.0, a), (90.0, b)]).unwrap();
+            let compositing = Compositing::ALL[rng.usize(0..Compositing::ALL.len())];
+            let phong = random_phong(&mut rng);
+            let forward = DVec3::new(rng.f64() - 0.5, rng.f64(), 0.3).normalize();
+            let mut list = RelevantList::default();
+            let ranges = random_ranges(&mut rng, &volume);
+            list.update(&volume, &BrickRanges::new(&volume), &ranges);
+
+            let classification = Classification::new(&transfer, compositing, &volume);
+            let shading = Shading::Phong(phong);
+            let mut colors = Vec::new();
+            Shader::new(&classification, &volume, &shading, forward).shade(&list, &mut colors);
+
+            for brick in list.bricks() {
+                for (&record, &actual) in list.voxels_of(brick).iter().zip(&colors[brick.voxels()])
+                {
+                    let value = volume.value(list.voxel_idx(brick, record));
+                    let color = DVec3::from(transfer.color(value));
+                    let normal = DVec3::from(record.normal.map(f64::from)).normalize_or_zero();
+                    let lit = naive_phong(&phong, color, normal, forward);
+                    let opacity = transfer.opacity(value);
+                    let expected = match compositing {
+                        Compositing::Separate => lit.extend(opacity),
+                        Compositing::Associated => (lit * opacity).extend(opacity),
+                        Compositing::Extinction => {
+                            let mu = -(-opacity).ln_1p();
+                            (lit * mu).extend(mu)
+                        }
+                    };
+                    let difference = expected - DVec4::from(actual.map(f64::from));
+                    assert!(difference.abs().max_element() < MAX_ERROR, "{difference} {phong:?}");
+                }
+            }
+        }
+    }
+    use slabsplat_core::glam::DVec4;
 }

@@ -7,7 +7,7 @@
 //! too ([`Method`]).
 //!
 //! A [`Renderer`] holds a volume and a backend, and makes a [`Frame`] of a [`Scene`]. It keeps what does not
-//! change between frames: the value order, the relevant voxels with their normals, the tables.
+//! change between frames: the values of bricks, the relevant voxels with their normals, the tables.
 //!
 //! ```
 //! use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer};
