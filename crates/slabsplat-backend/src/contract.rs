@@ -53,6 +53,9 @@ pub struct Frame {
 pub struct FrameStats {
     /// Voxels that were relevant.
     pub n_voxels: u64,
+    /// Those of them that were left out before anything was done with them, since all that they could touch was full
+    /// or outside of the image. A backend that does not cull voxels has none.
+    pub n_hidden: u64,
     /// Sections or whole footprints that were splatted, once for every tile that they touch.
     pub n_splats: u64,
     /// Those that were not, since all pixels that they could touch on a tile were full.

@@ -1,58 +1,122 @@
-//! How a sheet's sums become premultiplied colour and opacity (SPEC §3).
+//! How a sheet's sums become premultiplied colour and opacity (SPEC §3), and how that goes behind what a pixel
+//! holds already.
+//!
+//! In two of the three models a sheet's pixel is its sums times one factor: `(1 − e^(−τ))/τ` in `extinction`,
+//! `min(1, 1/A)` in `associated`. So `C ← C + (1 − A)·c` is one multiply-add for all four channels, and only the
+//! factors need the pixels' opacities side by side.
 
-/// One of the three compositing models; chosen once a frame.
-pub(crate) trait Composite: Sync {
-    /// Premultiplied colour and opacity of a sheet with these sums. An opacity below 0, which only the
-    /// `paper` normalisation can sum to, counts as 0.
-    fn resolve(sums: [f32; 4]) -> [f32; 4];
+use crate::quad::{QUAD, Quad};
+use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
+use slabsplat_core::Compositing;
+
+/// Pixels that are composited at once.
+pub(crate) const OCTET: usize = 8;
+
+/// Puts eight sums behind eight pixels, empties the sums, and tells the least opacity of the eight.
+#[inline(always)]
+pub(crate) fn put_behind<S: Simd>(
+    simd: S,
+    compositing: Compositing,
+    pixels: &mut [Quad; 2],
+    sums: &mut [Quad; 2],
+) -> f32 {
+    let behind = std::mem::take(sums);
+    if compositing == Compositing::Separate {
+        return put_product_behind(pixels, &behind);
+    }
+    let weight = opacities(simd, &behind);
+    let factor = match compositing {
+        Compositing::Extinction => mean_transparency(simd, weight),
+        _ => f32x8::splat(simd, 1.0).min(f32x8::splat(simd, 1.0) / weight),
+    };
+    // A sum below 0, which only the `paper` normalisation can have, counts as 0.
+    let zero = f32x8::splat(simd, 0.0);
+    let factor = weight.simd_gt(zero).select(factor, zero);
+    let opacity = opacities(simd, pixels);
+    let factor = factor * (f32x8::splat(simd, 1.0) - opacity);
+    let mut factors = [0.0; OCTET];
+    factor.store_slice(&mut factors);
+    for ((pixels, behind), factors) in
+        pixels.iter_mut().zip(&behind).zip(factors.as_chunks::<QUAD>().0)
+    {
+        let behind = behind.0.simd_into(simd);
+        pixels.add_weighted(simd, *factors, behind);
+    }
+    factor.mul_add(weight, opacity).reduce_min()
 }
 
 /// `A·C` and `A`, both sums clamped (eqs. 4–7).
-pub(crate) struct Separate;
-
-/// `C·min(1, 1/A)` and `min(A, 1)` (eq. 2).
-pub(crate) struct Associated;
-
-/// `E·(1 − e^(−τ))/τ` and `1 − e^(−τ)`.
-pub(crate) struct Extinction;
-
-impl Composite for Separate {
-    #[inline]
-    fn resolve([r, g, b, a]: [f32; 4]) -> [f32; 4] {
-        let opacity = a.clamp(0.0, 1.0);
-        let [r, g, b] = [r, g, b].map(|c| opacity * c.clamp(0.0, 1.0));
-        [r, g, b, opacity]
+#[inline(always)]
+fn put_product_behind(pixels: &mut [Quad; 2], behind: &[Quad; 2]) -> f32 {
+    let mut least = f32::INFINITY;
+    for (pixels, behind) in pixels.iter_mut().zip(behind) {
+        for idx in 0..QUAD {
+            let opacity = behind.opacity(idx).clamp(0.0, 1.0);
+            let factor = opacity * (1.0 - pixels.opacity(idx));
+            let [r, g, b, a] = &mut pixels.0[4 * idx..][..4] else { unreachable!("four channels") };
+            for (channel, sum) in [r, g, b].into_iter().zip(behind.pixel(idx)) {
+                *channel += factor * sum.clamp(0.0, 1.0);
+            }
+            *a += factor;
+            least = least.min(*a);
+        }
     }
+    least
 }
 
-impl Composite for Associated {
-    #[inline]
-    fn resolve([r, g, b, a]: [f32; 4]) -> [f32; 4] {
-        if a <= 0.0 {
-            return [0.0; 4];
-        }
-        let down = if 1.0 < a { 1.0 / a } else { 1.0 };
-        [r * down, g * down, b * down, a.min(1.0)]
-    }
+#[inline(always)]
+fn opacities<S: Simd>(simd: S, [left, right]: &[Quad; 2]) -> f32x8<S> {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|idx| left.opacity(idx));
+    let [e, f, g, h] = [0, 1, 2, 3].map(|idx| right.opacity(idx));
+    [a, b, c, d, e, f, g, h].simd_into(simd)
 }
 
-impl Composite for Extinction {
-    #[inline]
-    fn resolve([r, g, b, tau]: [f32; 4]) -> [f32; 4] {
-        if tau <= 0.0 {
-            return [0.0; 4];
-        }
-        // Not 1 − e^(−τ), which rounds to steps of 6·10⁻⁸: a hundred thousand thin sheets would all be
-        // off to the same side.
-        let opacity = -(-tau).exp_m1();
-        let mean = opacity / tau;
-        [r * mean, g * mean, b * mean, opacity]
-    }
+/// `(1 − e^(−τ))/τ` for `τ > 0`, to some 2·10⁻⁷ of itself.
+///
+/// `τ = n·ln 2 + r`, so that `1 − e^(−τ) = (1 − 2⁻ⁿ) + 2⁻ⁿ·(1 − e^(−r))`, where the last is a series in `r` and nothing
+/// cancels: thin sheets by the hundred thousand would else all be off to the same side.
+#[inline(always)]
+fn mean_transparency<S: Simd>(simd: S, tau: f32x8<S>) -> f32x8<S> {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    // Beyond, 1 − e^(−τ) is 1 in 32 bits.
+    let bounded = tau.min(splat(80.0));
+    let n = (bounded * std::f32::consts::LOG2_E).round_ties_even();
+    // ln 2 in two parts, of which n·the first is exact.
+    let r = n.mul_add(splat(-0.693_359_4), bounded);
+    let r = n.mul_add(splat(2.121_944_4e-4), r);
+    // 1 − e^(−r) = r·(1 − r/2 + r²/6 − …) for |r| ≤ ½ ln 2.
+    let series = [1.0, -1.0 / 2.0, 1.0 / 6.0, -1.0 / 24.0, 1.0 / 120.0, -1.0 / 720.0, 1.0 / 5040.0];
+    let sum = series.iter().rev().fold(splat(0.0), |sum, term| sum.mul_add(r, splat(*term)));
+    // 2⁻ⁿ by its bits.
+    let exponent: i32x8<S> = (splat(127.0) - n).to_int();
+    let power: f32x8<S> = (exponent << 23).bitcast();
+    let opacity = (sum * r).mul_add(power, splat(1.0) - power);
+    opacity / tau
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    /// A sheet of those sums, behind nothing.
+    fn resolved(compositing: Compositing, sums: [f32; 4]) -> [f32; 4] {
+        behind(compositing, [0.0; 4], sums)
+    }
+
+    fn behind(compositing: Compositing, pixel: [f32; 4], sums: [f32; 4]) -> [f32; 4] {
+        let quad = |pixel: [f32; 4]| Quad(std::array::from_fn(|idx| pixel[idx % 4]));
+        let (mut pixels, mut sums) = ([quad(pixel); 2], [quad(sums); 2]);
+        let level = Level::new();
+        let least =
+            dispatch!(level, simd => put_behind(simd, compositing, &mut pixels, &mut sums));
+        assert!((least - pixels[1].opacity(3)).abs() < 1e-6);
+        assert_eq!(sums[0].0, [0.0; 16]);
+        for idx in 0..4 {
+            assert_eq!(pixels[0].pixel(idx), pixels[1].pixel(3));
+        }
+        pixels[0].pixel(0)
+    }
 
     fn close(a: [f32; 4], b: [f32; 4]) {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6), "{a:?} {b:?}");
@@ -60,15 +124,29 @@ mod tests {
 
     #[test]
     fn composite_resolves_sums() {
-        close(Separate::resolve([0.5, 2.0, 0.0, 0.5]), [0.25, 0.5, 0.0, 0.5]);
-        close(Separate::resolve([0.5, 0.5, 0.5, 2.0]), [0.5, 0.5, 0.5, 1.0]);
-        close(Associated::resolve([0.3, 0.2, 0.1, 0.5]), [0.3, 0.2, 0.1, 0.5]);
-        close(Associated::resolve([1.0, 2.0, 0.0, 2.0]), [0.5, 1.0, 0.0, 1.0]);
+        use Compositing::{Associated, Extinction, Separate};
+        close(resolved(Separate, [0.5, 2.0, 0.0, 0.5]), [0.25, 0.5, 0.0, 0.5]);
+        close(resolved(Separate, [0.5, 0.5, 0.5, 2.0]), [0.5, 0.5, 0.5, 1.0]);
+        close(resolved(Associated, [0.3, 0.2, 0.1, 0.5]), [0.3, 0.2, 0.1, 0.5]);
+        close(resolved(Associated, [1.0, 2.0, 0.0, 2.0]), [0.5, 1.0, 0.0, 1.0]);
         let half = std::f32::consts::LN_2;
-        close(Extinction::resolve([half, 0.5 * half, 0.0, half]), [0.5, 0.25, 0.0, 0.5]);
-        close(Extinction::resolve([0.0; 4]), [0.0; 4]);
-        close(Extinction::resolve([0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
-        close(Associated::resolve([0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
+        close(resolved(Extinction, [half, 0.5 * half, 0.0, half]), [0.5, 0.25, 0.0, 0.5]);
+        close(resolved(Extinction, [0.0; 4]), [0.0; 4]);
+        close(resolved(Extinction, [0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
+        close(resolved(Associated, [0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
+        for compositing in [Separate, Associated] {
+            close(behind(compositing, [0.1, 0.2, 0.0, 0.5], [1.0, 0.0, 0.0, 1.0]), [0.6, 0.2, 0.0, 1.0]);
+        }
+    }
+
+    #[test]
+    fn composite_opacity_is_right_for_every_tau() {
+        for step in 0..4000 {
+            let tau = 1e-6 * 1.005_f32.powi(step);
+            let [.., opacity] = resolved(Compositing::Extinction, [0.0, 0.0, 0.0, tau]);
+            let exact = -(-f64::from(tau)).exp_m1();
+            assert!((f64::from(opacity) / exact - 1.0).abs() < 3e-7, "{tau}: {opacity} {exact}");
+        }
     }
 
     /// A faint volume in ever so many sheets is as opaque as in one.
@@ -76,21 +154,19 @@ mod tests {
     fn composite_extinction_keeps_faint_sheets() {
         let n_sheets = 100_000;
         let (whole, mut through) = (0.01_f32, 1.0_f64);
-        let [.., opacity] = Extinction::resolve([0.0, 0.0, 0.0, whole / n_sheets as f32]);
-        (0..n_sheets).for_each(|_| through *= 1.0 - f64::from(opacity));
-        let [.., expected] = Extinction::resolve([0.0, 0.0, 0.0, whole]);
-        assert!((1.0 - through - f64::from(expected)).abs() < 1e-8, "{through}");
+        let sheet = |tau: f32| resolved(Compositing::Extinction, [0.0, 0.0, 0.0, tau])[3];
+        (0..n_sheets).for_each(|_| through *= 1.0 - f64::from(sheet(whole / n_sheets as f32)));
+        assert!((1.0 - through - f64::from(sheet(whole))).abs() < 1e-8, "{through}");
     }
 
     /// Two thin sheets of one colour are one thick sheet.
     #[test]
     fn composite_extinction_is_additive() {
         for (front, back) in [(0.1_f32, 0.3_f32), (1e-4, 2e-3), (5e-4, 5e-4), (3.0, 0.01)] {
-            let sheet = |tau: f32| Extinction::resolve([0.7 * tau, 0.2 * tau, tau, tau]);
-            let (near, far) = (sheet(front), sheet(back));
-            let through = 1.0 - near[3];
-            let joined = std::array::from_fn(|c| near[c] + through * far[c]);
-            close(joined, sheet(front + back));
+            let sums = |tau: f32| [0.7 * tau, 0.2 * tau, tau, tau];
+            let near = resolved(Compositing::Extinction, sums(front));
+            let joined = behind(Compositing::Extinction, near, sums(back));
+            close(joined, resolved(Compositing::Extinction, sums(front + back)));
         }
     }
 }

@@ -1,155 +1,154 @@
 //! One frame from plan to picture: the stages, in their order.
 
-use crate::composite::{Associated, Composite, Extinction, Separate};
+use crate::image_aligned;
+use crate::polynomials::Polynomials;
 use crate::raster::Raster;
 use crate::relevant::Relevant;
 use crate::stopwatch::Stopwatch;
-use crate::tile::{Scratch, TILE_SIDE, Tile, TileStats};
-use crate::{axis_aligned, every_sample, image_aligned};
-use rayon::prelude::*;
-use slabsplat_backend::{Frame, FrameCost, FramePlan, FrameStats, Splats};
-use slabsplat_core::{Compositing, Image};
-use slabsplat_traverse::{
-    BrickView, Classification, RelevantList, Shader, TileBuckets, TileGrid, depth_order,
-};
+use crate::tiles::Tiles;
+use crate::voxel::Voxel;
+use crate::whole::{self, Whole};
+use crate::workspace::Workspaces;
+use crate::{axis_aligned, every_sample};
+use fearless_simd::Level;
+use slabsplat_backend::{Frame, FrameCost, FramePlan, Splats};
+use slabsplat_core::SliceOrder;
+use slabsplat_traverse::{BrickView, Classification, RelevantList, Shader, depth_order};
 
-/// What is kept from frame to frame.
+/// What is kept from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     relevant: Relevant,
     classification: Option<Classification>,
-    colors: Vec<[f32; 4]>,
-    points: Vec<[f32; 3]>,
+    polynomials: Polynomials,
+    tiles: Option<Tiles>,
+    workspaces: Workspaces,
+    image_aligned: image_aligned::Buffers,
+    /// All relevant voxels, for the traditional methods.
+    voxels: Vec<Voxel>,
 }
 
-/// The shaded and projected voxels of a frame, before the image.
+/// What the stages of a frame share.
 pub(crate) struct Stage<'a> {
     pub(crate) plan: &'a FramePlan<'a>,
-    pub(crate) voxels: &'a RelevantList,
-    /// What a sheet sums, per voxel.
-    pub(crate) colors: &'a [[f32; 4]],
-    /// Right, up, depth from the grid's centre, per voxel.
-    pub(crate) points: &'a [[f32; 3]],
+    pub(crate) level: Level,
     pub(crate) raster: Raster,
-    pub(crate) tiles: TileGrid,
+    pub(crate) list: &'a RelevantList,
+    pub(crate) bricks: BrickView,
+    pub(crate) shader: Shader<'a>,
 }
 
-pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
-    let Buffers { relevant, classification, colors, points } = buffers;
+/// Renders with the instructions of `level`.
+pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) -> Frame {
     let mut watch = Stopwatch::start();
-    let voxels = relevant.voxels(plan.volume, &plan.relevant);
-    watch.done("list");
-    let (transfer, compositing, volume) = (plan.transfer, plan.compositing, plan.volume);
-    if !classification.as_ref().is_some_and(|c| c.is_of(transfer, compositing, volume)) {
-        *classification = None;
-    }
-    let classification =
-        classification.get_or_insert_with(|| Classification::new(transfer, compositing, volume));
-    let forward = plan.view.axes().forward;
-    Shader::new(classification, volume, &plan.shading, forward).shade(voxels, colors);
-    watch.done("shade");
-    BrickView::new(volume.grid(), &plan.view).project(voxels, points);
-    watch.done("project");
+    let Buffers { relevant, classification, polynomials, tiles, workspaces, .. } = buffers;
+    let list = relevant.voxels(plan.volume, &plan.relevant);
     let stage = Stage {
         plan,
-        voxels,
-        colors,
-        points,
+        level,
         raster: Raster::new(plan),
-        tiles: TileGrid::new(plan.view.image_size(), TILE_SIDE),
+        list,
+        bricks: BrickView::new(plan.volume.grid(), &plan.view),
+        shader: Shader::new(
+            classified(classification, plan),
+            plan.volume,
+            &plan.shading,
+            plan.view.axes().forward,
+        ),
     };
-    let (image, stats) = match plan.compositing {
-        Compositing::Separate => stage.render_with::<Separate>(&mut watch),
-        Compositing::Associated => stage.render_with::<Associated>(&mut watch),
-        Compositing::Extinction => stage.render_with::<Extinction>(&mut watch),
-    };
+    let tiles = Tiles::cleared(tiles, plan.view.image_size());
+    watch.done("list");
+    let mut n_hidden = 0;
+    match &plan.splats {
+        Splats::Sections { slabs, table } => {
+            let polynomials = polynomials.of_sections(table);
+            let job = image_aligned::Job { stage: &stage, slabs, table, polynomials };
+            let buffers = &mut buffers.image_aligned;
+            n_hidden = image_aligned::render(&job, tiles, buffers, workspaces, &mut watch);
+        }
+        Splats::Slices { order, table } => {
+            let whole = Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
+            stage.render_slices(order, &whole, &mut buffers.voxels, tiles, workspaces, &mut watch);
+        }
+        Splats::Voxels { table } => {
+            let whole = Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
+            stage.render_voxels(&whole, &mut buffers.voxels, tiles, workspaces, &mut watch);
+        }
+    }
+    let mut stats = tiles.stats();
+    (stats.n_voxels, stats.n_hidden) = (list.len() as u64, n_hidden);
+    let mut image = tiles.image();
+    image.lay_over(plan.image.background);
+    watch.done("image");
     let cost = FrameCost { stages: watch.stages(), resident_bytes: buffers.resident_bytes() };
     Frame { image, stats, cost }
 }
 
-impl Buffers {
-    fn resident_bytes(&self) -> u64 {
-        let Self { relevant, classification, colors, points } = self;
-        let bytes = relevant.resident_bytes()
-            + classification.as_ref().map_or(0, Classification::resident_bytes)
-            + colors.capacity() * size_of::<[f32; 4]>()
-            + points.capacity() * size_of::<[f32; 3]>();
-        bytes as u64
+/// What `kept` holds, if it is of the plan's transfer function, compositing and volume.
+fn classified<'a>(
+    kept: &'a mut Option<Classification>,
+    plan: &FramePlan<'_>,
+) -> &'a Classification {
+    let FramePlan { transfer, compositing, volume, .. } = *plan;
+    if !kept.as_ref().is_some_and(|c| c.is_of(transfer, compositing, volume)) {
+        *kept = None;
     }
+    kept.get_or_insert_with(|| Classification::new(transfer, compositing, volume))
 }
 
 impl Stage<'_> {
-    fn render_with<C: Composite>(&self, watch: &mut Stopwatch) -> (Image, FrameStats) {
-        let drawn = match &self.plan.splats {
-            Splats::Sections { slabs, table } => {
-                let splats = image_aligned::toss(self, slabs);
-                watch.done("toss");
-                self.render_tiles(&splats, |tile, scratch| {
-                    image_aligned::render_tile::<C>(self, slabs, table, tile, scratch)
-                })
-            }
-            Splats::Slices { order, table } => {
-                let splats = axis_aligned::toss(self);
-                let sheets = axis_aligned::sheets(self, order);
-                watch.done("toss");
-                self.render_tiles(&splats, |tile, scratch| {
-                    axis_aligned::render_tile::<C>(self, &sheets, table, tile, scratch)
-                })
-            }
-            Splats::Voxels { table } => {
-                let grid = self.plan.volume.grid();
-                let order = depth_order(grid, &self.plan.view, self.voxels);
-                watch.done("sort");
-                let splats = every_sample::toss(self, &order);
-                watch.done("toss");
-                self.render_tiles(&splats, |tile, scratch| {
-                    every_sample::render_tile::<C>(self, &order, table, tile, scratch)
-                })
-            }
-        };
-        watch.done("splat");
-        drawn
-    }
-
-    /// Renders every tile that has splats, the fullest first, and puts them together.
-    fn render_tiles(
+    fn render_slices(
         &self,
-        splats: &TileBuckets,
-        render_tile: impl Fn(&mut Tile, &mut Scratch) -> TileStats + Sync,
-    ) -> (Image, FrameStats) {
-        let load = |&tile_idx: &usize| std::cmp::Reverse(splats.n_on_tile(tile_idx));
-        let mut tile_idxs: Vec<usize> =
-            (0..self.tiles.n_tiles()).filter(|&idx| 0 < splats.n_on_tile(idx)).collect();
-        tile_idxs.sort_by_cached_key(load);
-        let tiles: Vec<(Tile, TileStats)> = tile_idxs
-            .into_par_iter()
-            .with_max_len(1)
-            .map_init(Scratch::default, |scratch, tile_idx| {
-                let mut tile = Tile::new(&self.tiles, tile_idx, self.plan.view.image_size());
-                scratch.splats.clear();
-                scratch.splats.extend(splats.on_tile(tile_idx));
-                let stats = render_tile(&mut tile, scratch);
-                (tile, stats)
-            })
-            .collect();
-        self.assemble(&tiles)
+        order: &SliceOrder,
+        whole: &Whole<'_>,
+        voxels: &mut Vec<Voxel>,
+        tiles: &mut Tiles,
+        workspaces: &mut Workspaces,
+        watch: &mut Stopwatch,
+    ) {
+        let sheet_of = |coords| order.sheet_of(coords);
+        whole::voxels(self.list, &self.bricks, &self.shader, sheet_of, voxels);
+        watch.done("shade");
+        let splats = whole::toss(&self.raster, &tiles.grid, voxels.len(), |splat| &voxels[splat]);
+        watch.done("toss");
+        tiles.for_each(workspaces, |tile_idx, tile, workspace| {
+            let here = splats.on_tile(tile_idx).map(|splat| &voxels[splat]);
+            axis_aligned::render_tile(self, whole, here, tile, workspace);
+        });
+        watch.done("splat");
     }
 
-    fn assemble(&self, tiles: &[(Tile, TileStats)]) -> (Image, FrameStats) {
-        let [width, height] = self.plan.view.image_size();
-        let mut image = Image::filled(width, height, [0.0; 4]);
-        let mut stats = FrameStats {
-            n_voxels: self.points.len() as u64,
-            n_tiles: tiles.len() as u64,
-            ..FrameStats::default()
-        };
-        for (tile, tile_stats) in tiles {
-            tile.copy_to(&mut image);
-            stats.n_splats += tile_stats.n_splats;
-            stats.n_culled += tile_stats.n_culled;
-            stats.n_full_tiles += u64::from(tile_stats.is_full);
-        }
-        image.lay_over(self.plan.image.background);
-        (image, stats)
+    fn render_voxels(
+        &self,
+        whole: &Whole<'_>,
+        voxels: &mut Vec<Voxel>,
+        tiles: &mut Tiles,
+        workspaces: &mut Workspaces,
+        watch: &mut Stopwatch,
+    ) {
+        whole::voxels(self.list, &self.bricks, &self.shader, |_| 0, voxels);
+        watch.done("shade");
+        let order = depth_order(self.plan.volume.grid(), &self.plan.view, self.list);
+        watch.done("sort");
+        let voxel = |splat: usize| &voxels[order[splat] as usize];
+        let splats = whole::toss(&self.raster, &tiles.grid, order.len(), voxel);
+        watch.done("toss");
+        tiles.for_each(workspaces, |tile_idx, tile, workspace| {
+            let here = splats.on_tile(tile_idx).map(voxel);
+            every_sample::render_tile(self, whole, here, tile, &mut workspace.sheet);
+        });
+        watch.done("splat");
+    }
+}
+
+impl Buffers {
+    fn resident_bytes(&self) -> u64 {
+        let bytes = self.relevant.resident_bytes()
+            + self.classification.as_ref().map_or(0, Classification::resident_bytes)
+            + self.tiles.as_ref().map_or(0, Tiles::resident_bytes)
+            + self.workspaces.resident_bytes()
+            + self.image_aligned.resident_bytes()
+            + self.voxels.capacity() * size_of::<Voxel>();
+        bytes as u64
     }
 }

@@ -25,20 +25,29 @@
 //! ```
 
 mod frame;
+mod polynomials;
 mod raster;
 mod relevant;
 mod stopwatch;
-mod tile;
+mod voxel;
 
 mod axis_aligned;
 mod every_sample;
 mod image_aligned;
+mod whole;
 
+mod blocks;
+mod by_sheet;
 mod composite;
-mod open_pixels;
+mod quad;
 mod sheet;
 mod splat;
+mod tile;
+mod tiles;
+mod weights;
+mod workspace;
 
+use fearless_simd::Level;
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, FramePlan};
 use std::collections::VecDeque;
 use std::task::Poll;
@@ -47,6 +56,7 @@ use std::task::Poll;
 #[derive(Debug)]
 pub struct CpuBackend {
     caps: Caps,
+    level: Level,
     buffers: frame::Buffers,
     n_submitted: u64,
     done: VecDeque<(FrameId, Frame)>,
@@ -60,6 +70,7 @@ impl CpuBackend {
                 name: "cpu",
                 device: format!("{} CPU threads", rayon::current_num_threads()),
             },
+            level: Level::new(),
             buffers: frame::Buffers::default(),
             n_submitted: 0,
             done: VecDeque::new(),
@@ -81,7 +92,7 @@ impl Backend for CpuBackend {
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
         let frame = FrameId(self.n_submitted);
         self.n_submitted += 1;
-        self.done.push_back((frame, frame::render(plan, &mut self.buffers)));
+        self.done.push_back((frame, frame::render(plan, self.level, &mut self.buffers)));
         Ok(frame)
     }
 

@@ -20,13 +20,16 @@ pub(crate) struct Raster {
     pub(crate) index_per_depth: f32,
     /// Whether slab faces cut the rays of a footprint at different offsets.
     pub(crate) is_tilted: bool,
+    /// Whether the axes of footprints are not those of the image.
+    pub(crate) leans: bool,
 }
 
 /// The footprint in pixels, at one depth; y runs downwards.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PixelShape {
-    /// `ρ² = across·(X + lean·Y)² + along·Y²`: the quadratic form with its square completed in 64 bits,
-    /// since `yy − xy²/xx` loses all its digits where a kernel is long and thin.
+    /// `2·(ρ/R)² = across·(X + lean·Y)² + along·Y²`, 0 at the centre and 2 at the kernel's edge: the quadratic
+    /// form with its square completed in 64 bits, since `yy − xy²/xx` loses all its digits where a kernel
+    /// is long and thin.
     pub(crate) across: f32,
     pub(crate) lean: f32,
     pub(crate) along: f32,
@@ -43,6 +46,7 @@ pub(crate) struct PixelShape {
 impl Raster {
     pub(crate) fn new(plan: &FramePlan<'_>) -> Self {
         let FramePlan { view, shape, radius, .. } = *plan;
+        let [xx, xy, yy] = shape.rho_squared;
         Self {
             view,
             shape,
@@ -52,6 +56,8 @@ impl Raster {
             near: view.near_depth() as f32,
             index_per_depth: shape.index_per_depth as f32,
             is_tilted: shape.is_tilted(radius),
+            // A cubic grid has upright circles, up to rounding errors.
+            leans: 1e-9 * (xx * yy).sqrt() < xy.abs(),
         }
     }
 
@@ -63,10 +69,12 @@ impl Raster {
         let pixels = scale * stretch;
         let [xx, xy, yy] = self.shape.rho_squared;
         let [right, up] = self.shape.tilt.map(|c| (c / pixels) as f32);
+        let radius_in_pixels = f64::from(self.radius) * pixels;
+        let form = 2.0 / (radius_in_pixels * radius_in_pixels);
         PixelShape {
-            across: (xx / (pixels * pixels)) as f32,
+            across: (form * xx) as f32,
             lean: (-xy / xx) as f32,
-            along: ((yy - xy * xy / xx) / (pixels * pixels)) as f32,
+            along: (form * (yy - xy * xy / xx)) as f32,
             tilt: [right, -up],
             half_extent: self.shape.half_extent.map(|c| (c * pixels) as f32),
             scale: scale as f32,

@@ -14,10 +14,14 @@ impl Stopwatch {
         Self { last: Instant::now(), stages: Vec::new() }
     }
 
-    /// The stage that began with the last call, or at the start, is done.
+    /// The stage that began with the last call, or at the start, is done. One that comes again goes on.
     pub(crate) fn done(&mut self, name: &'static str) {
         let now = Instant::now();
-        self.stages.push(StageTime { name, ms: (now - self.last).as_secs_f64() * 1e3 });
+        let ms = (now - self.last).as_secs_f64() * 1e3;
+        match self.stages.iter_mut().find(|stage| stage.name == name) {
+            Some(stage) => stage.ms += ms,
+            None => self.stages.push(StageTime { name, ms }),
+        }
         self.last = now;
     }
 

@@ -160,6 +160,7 @@ impl<D: Device> GpuBackend<D> {
         }
         let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
         let stats = FrameStats {
+            n_hidden: 0,
             n_voxels: counts.n_voxels.into(),
             n_splats: wide(counts.n_splatted),
             n_culled: wide(counts.n_culled),

@@ -11,8 +11,8 @@
 //!
 //! # Reading order
 //!
-//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `section_table`, `footprint_table`;
-//! `footprint_shape`.
+//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `section_table`, `footprint_table`,
+//! `radial_polynomials`; `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -44,6 +44,7 @@ mod hierarchy;
 mod section;
 
 mod footprint_table;
+mod radial_polynomials;
 mod section_table;
 
 mod footprint_shape;
@@ -53,5 +54,6 @@ pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;
 pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
+pub use radial_polynomials::{MAX_COEFFICIENTS, RadialPolynomials};
 pub use section::SectionDesc;
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};

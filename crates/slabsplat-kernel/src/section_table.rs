@@ -106,22 +106,6 @@ impl SectionTable {
         near + t * (lerp_radial(self.row(row_idx + 1), position) - near)
     }
 
-    /// Writes the section between two faces to `row`, of [`row_len`](Self::row_len) values, to be read by
-    /// [`lerp_radial`].
-    #[inline]
-    pub fn blend(&self, front: f32, back: f32, row: &mut [f32]) {
-        let (row_idx, t) = self.row_at(front, back);
-        let near = self.row(row_idx);
-        if t == 0.0 {
-            row.copy_from_slice(near);
-            return;
-        }
-        let far = self.row(row_idx + 1);
-        for ((out, near), far) in row.iter_mut().zip(near).zip(far) {
-            *out = near + t * (far - near);
-        }
-    }
-
     /// Values in a row.
     pub fn row_len(&self) -> usize {
         self.row_len
@@ -152,9 +136,10 @@ impl SectionTable {
         self.lookup
     }
 
-    /// The row at or below an offset, and how far it is to the next one, 0 … 1.
+    /// The row at or below the section between two faces, and how far it is to the next one, 0 … 1. Where that is
+    /// 0 there need not be a next one.
     #[inline]
-    fn row_at(&self, front: f32, back: f32) -> (usize, f32) {
+    pub fn row_at(&self, front: f32, back: f32) -> (usize, f32) {
         let position = self.rows.position(front, back);
         match self.lookup {
             Lookup::Nearest => ((position + 0.5) as usize, 0.0),
@@ -329,24 +314,6 @@ mod tests {
         let normalized = SectionTable::new(&desc("gaussian", 1.0, Normalization::Product), PAPER);
         assert_eq!(normalized.n_rows(), 129);
         assert_eq!(plain.sample(0.4, -1.2, -0.2), plain.sample(0.4, 0.2, 1.2));
-    }
-
-    #[test]
-    fn section_table_row_is_what_sample_reads() {
-        for lookup in [Lookup::Nearest, Lookup::Linear] {
-            let table = TableDesc { sections: 33, radial_samples: 20, lookup };
-            let table = SectionTable::new(&desc("crawfis-max", 0.7, Normalization::None), table);
-            let mut row = vec![0.0; table.row_len()];
-            for front in [-9.0_f32, -1.7, -0.4, 0.0, 1.1, 9.0] {
-                table.blend(front, front + 0.7, &mut row);
-                for rho in [0.0_f32, 0.33, 1.2, 1.5] {
-                    let half_chord = half_chord_f32(table.rows.radius, rho);
-                    let read = lerp_radial(&row, half_chord * table.samples_per_index());
-                    let direct = table.sample(rho, front, front + 0.7);
-                    assert!((read - direct).abs() < 1e-7, "{front} {rho}: {read} {direct}");
-                }
-            }
-        }
     }
 
     /// A slab of 10¹² steps cuts what one of 4 does, and one no wider than the base is plain.

@@ -1,0 +1,171 @@
+//! Voxels into tiles, a range of depth at a time: cull, project, shade, toss.
+//!
+//! Bricks are taken in the order of the first slab that any of their kernels meets. A brick that lies behind full
+//! blocks is not looked at, nor is a voxel: neither is projected, shaded or tossed (the culling of Mueller et al.
+//! 1999). All buffers are as large as one range needs, and are used again.
+
+use crate::image_aligned::occlusion::Occlusion;
+use crate::frame::Stage;
+use crate::image_aligned::Slabs;
+use crate::voxel::Voxel;
+use rayon::prelude::*;
+use slabsplat_traverse::{
+    Brick, BrickBounds, TileGrid, TileRect, TileToss, VoxelRecord,
+};
+
+/// Bricks that one task takes in. It depends on nothing, or the order of sums would.
+const BRICKS_PER_TASK: usize = 32;
+
+/// The voxels of a range, by tile.
+#[derive(Debug, Default)]
+pub(crate) struct Intake {
+    tasks: Vec<Task>,
+    n_tasks: usize,
+}
+
+#[derive(Debug, Default)]
+struct Task {
+    voxels: Vec<Voxel>,
+    rects: Vec<TileRect>,
+    toss: TileToss,
+    n_hidden: u64,
+    /// Of one brick.
+    points: Vec<[f32; 3]>,
+    records: Vec<VoxelRecord>,
+    colors: Vec<[f32; 4]>,
+}
+
+impl Intake {
+    /// Takes in the voxels of `bricks`, whose second numbers are their places in the list; returns how many were left
+    /// out, as nothing of them is to be seen.
+    pub(crate) fn take(
+        &mut self,
+        stage: &Stage<'_>,
+        slabs: &Slabs<'_>,
+        tiles: &TileGrid,
+        occlusion: &Occlusion,
+        bricks: &[(u32, u32)],
+    ) -> u64 {
+        self.n_tasks = bricks.len().div_ceil(BRICKS_PER_TASK);
+        if self.tasks.len() < self.n_tasks {
+            self.tasks.resize_with(self.n_tasks, Task::default);
+        }
+        let tasks = self.tasks[..self.n_tasks].par_iter_mut();
+        let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
+        work.map(|(task, bricks)| {
+            task.clear();
+            for &(_, place) in bricks {
+                let brick = &stage.list.bricks()[place as usize];
+                task.take_brick(stage, slabs, tiles, occlusion, brick);
+            }
+            task.toss.toss(tiles, &task.rects);
+            task.n_hidden
+        })
+        .sum()
+    }
+
+    /// The voxels on a tile, in the order of the list.
+    pub(crate) fn on_tile(&self, tile_idx: usize) -> impl Iterator<Item = &Voxel> + Clone {
+        self.tasks[..self.n_tasks].iter().flat_map(move |task| {
+            task.toss.on_tile(tile_idx).iter().map(|&voxel| &task.voxels[voxel as usize])
+        })
+    }
+
+    pub(crate) fn resident_bytes(&self) -> usize {
+        self.tasks.iter().map(Task::resident_bytes).sum()
+    }
+}
+
+impl Task {
+    fn clear(&mut self) {
+        self.voxels.clear();
+        self.rects.clear();
+        self.n_hidden = 0;
+    }
+
+    fn take_brick(
+        &mut self,
+        stage: &Stage<'_>,
+        slabs: &Slabs<'_>,
+        tiles: &TileGrid,
+        occlusion: &Occlusion,
+        brick: &Brick,
+    ) {
+        let records = stage.list.voxels_of(brick);
+        let is_hidden = slabs
+            .bounds_of_brick(&stage.bricks.bounds(brick))
+            .is_none_or(|[min, max]| occlusion.hides(min, max));
+        if is_hidden {
+            self.n_hidden += records.len() as u64;
+            return;
+        }
+        self.points.resize(records.len(), [0.0; 3]);
+        stage.bricks.project_brick(brick, records, &mut self.points);
+        self.records.clear();
+        let first = self.voxels.len();
+        for (record, &point) in records.iter().zip(&self.points) {
+            let Some([min, max]) = slabs.bounds_of_voxel(point) else { continue };
+            if occlusion.hides(min, max) {
+                continue;
+            }
+            let Some(rect) = tiles.touched(min, max) else { continue };
+            self.rects.push(rect);
+            self.records.push(*record);
+            self.voxels.push(Voxel { point, ..Voxel::default() });
+        }
+        self.n_hidden += (records.len() - self.records.len()) as u64;
+        self.colors.resize(self.records.len(), [0.0; 4]);
+        stage.shader.shade_brick(brick, &self.records, &mut self.colors);
+        for (voxel, &color) in self.voxels[first..].iter_mut().zip(&self.colors) {
+            voxel.color = color;
+        }
+    }
+
+    fn resident_bytes(&self) -> usize {
+        self.voxels.capacity() * size_of::<Voxel>()
+            + self.rects.capacity() * size_of::<TileRect>()
+            + self.toss.resident_bytes()
+    }
+}
+
+impl Slabs<'_> {
+    /// The pixels that sections of a brick's voxels may touch: the least and the largest corner; `None` if none of
+    /// them is drawn.
+    fn bounds_of_brick(&self, bounds: &BrickBounds) -> Option<[[f32; 2]; 2]> {
+        let BrickBounds { center, half_extents } = *bounds;
+        let ends = [center[2] - half_extents[2], center[2] + half_extents[2]];
+        let first = self.meeting(ends[0])[0].max(self.first_drawn);
+        let last = self.meeting(ends[1])[1];
+        if last < first {
+            return None;
+        }
+        let corner = |sign: f32| [0, 1, 2].map(|axis| center[axis] + sign * half_extents[axis]);
+        let shapes = [first, last].map(|slab| self.shape(slab));
+        let all = shapes.iter().flat_map(|shape| {
+            [corner(-1.0), corner(1.0)].map(|point| self.raster.bounds(shape, point))
+        });
+        all.reduce(|[min, max], [a, b]| {
+            [[0, 1].map(|axis| a[axis].min(min[axis])), [0, 1].map(|axis| b[axis].max(max[axis]))]
+        })
+    }
+
+    /// The pixels that a voxel's sections may touch. Their place and size change monotonically with their slabs'
+    /// depth, so that the first and the last one bound all of them.
+    #[inline]
+    fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {
+        let [first, last] = self.meeting(point[2]);
+        let first = first.max(self.first_drawn);
+        if last < first {
+            return None;
+        }
+        let near = self.raster.bounds(&self.shape(first), point);
+        if !self.view.is_perspective() {
+            return Some(near);
+        }
+        let far = self.raster.bounds(&self.shape(last), point);
+        Some([
+            [0, 1].map(|axis| near[0][axis].min(far[0][axis])),
+            [0, 1].map(|axis| near[1][axis].max(far[1][axis])),
+        ])
+    }
+}

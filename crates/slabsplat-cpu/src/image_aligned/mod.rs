@@ -1,0 +1,157 @@
+//! The paper's method (§3.2): kernel sections summed in slabs parallel to the image, slab by slab from
+//! the eye.
+//!
+//! The depth of the volume is gone through in *ranges* of slabs, front to back. For each, the bricks whose first section
+//! lies in it are *taken in* (`intake.rs`), but for what lies behind full parts of the image; then every tile
+//! *advances* to the end of the range (`advance.rs`). So what is hidden is never looked at, buffers hold
+//! one range instead of the volume, and what they hold is still in the caches when the tiles read it.
+//!
+//! A voxel waits with its tile in the bucket of the first slab that its kernel meets. A slab takes its sections from
+//! that bucket and from those of the few slabs before it, as far as a kernel reaches; so the work is
+//! linear in sections, and a voxel is stored once a tile instead of once a section.
+//!
+//! Reading order: `slab_shapes`, `occlusion`, `intake`, `sections`, `advance`.
+
+mod advance;
+mod intake;
+mod occlusion;
+mod sections;
+mod slab_shapes;
+
+use crate::frame::Stage;
+use crate::raster::{PixelShape, Raster};
+use crate::stopwatch::Stopwatch;
+use crate::tiles::Tiles;
+use crate::workspace::Workspaces;
+use intake::Intake;
+use occlusion::Occlusion;
+use rayon::prelude::*;
+use slab_shapes::SlabShapes;
+use slabsplat_core::{SlabGrid, View};
+use slabsplat_kernel::{RadialPolynomials, SectionTable};
+use slabsplat_traverse::Brick;
+
+/// How thick a range of slabs is, in voxel steps: about as thick as a brick is deep. Thinner, and most bricks would wait
+/// for several ranges; thicker, and more is taken in that turns out to be hidden.
+const RANGE_THICKNESS: f64 = 10.0;
+
+/// What is kept from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    shapes: SlabShapes,
+    intake: Intake,
+    /// The range in which each brick is taken in, and its place in the list; sorted.
+    bricks: Vec<(u32, u32)>,
+}
+
+/// The slabs of a frame and what they cut.
+pub(crate) struct Slabs<'a> {
+    grid: &'a SlabGrid,
+    view: View,
+    raster: &'a Raster,
+    table: &'a SectionTable,
+    polynomials: &'a RadialPolynomials,
+    shapes: &'a SlabShapes,
+    /// The first slab whose sections are drawn.
+    first_drawn: usize,
+    /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
+    /// thick meets up to ⌈k⌉ + 1 of them.
+    n_before: usize,
+}
+
+/// What is drawn, and how.
+pub(crate) struct Job<'a> {
+    pub(crate) stage: &'a Stage<'a>,
+    pub(crate) slabs: &'a SlabGrid,
+    pub(crate) table: &'a SectionTable,
+    pub(crate) polynomials: &'a RadialPolynomials,
+}
+
+/// Renders into empty tiles; returns how many voxels were never tossed, being hidden.
+pub(crate) fn render(
+    job: &Job<'_>,
+    tiles: &mut Tiles,
+    buffers: &mut Buffers,
+    workspaces: &mut Workspaces,
+    watch: &mut Stopwatch,
+) -> u64 {
+    let Buffers { shapes, intake, bricks } = buffers;
+    let stage = job.stage;
+    shapes.update(&stage.raster, &stage.plan.view, job.slabs);
+    let slabs = Slabs::new(job, shapes);
+    let slabs_per_range = slabs.per_range(stage.plan.volume.grid().unit());
+    sort_bricks(stage, &slabs, slabs_per_range, bricks);
+    watch.done("bricks");
+    let mut occlusion = Occlusion::new(stage.plan.view.image_size());
+    let (mut n_hidden, mut rest) = (0, bricks.as_slice());
+    while let Some(&(range, _)) = rest.first() {
+        let (here, behind) = rest.split_at(rest.partition_point(|brick| brick.0 == range));
+        n_hidden += intake.take(stage, &slabs, &tiles.grid, &occlusion, here);
+        watch.done("intake");
+        // The last range goes on until no voxel is left that was taken in.
+        let end = behind.first().map_or(slabs.grid.n_slabs(), |next| next.0 as usize * slabs_per_range);
+        advance::to(end, stage, &slabs, tiles, intake, workspaces);
+        tiles.tiles.iter().for_each(|tile| occlusion.note(tile));
+        watch.done("splat");
+        rest = behind;
+    }
+    n_hidden
+}
+
+/// Sorts the bricks by the range of slabs in which their first section lies, and then by memory order.
+fn sort_bricks(
+    stage: &Stage<'_>,
+    slabs: &Slabs<'_>,
+    slabs_per_range: usize,
+    bricks: &mut Vec<(u32, u32)>,
+) {
+    let range_of = |brick: &Brick| {
+        let bounds = stage.bricks.bounds(brick);
+        slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0] / slabs_per_range
+    };
+    let listed = stage.list.bricks().par_iter().enumerate();
+    listed.map(|(idx, brick)| (range_of(brick) as u32, idx as u32)).collect_into_vec(bricks);
+    bricks.par_sort_unstable();
+}
+
+impl Buffers {
+    pub(crate) fn resident_bytes(&self) -> usize {
+        self.intake.resident_bytes()
+            + self.bricks.capacity() * size_of::<(u32, u32)>()
+    }
+}
+
+impl<'a> Slabs<'a> {
+    fn new(job: &'a Job<'_>, shapes: &'a SlabShapes) -> Self {
+        let Job { stage, slabs: grid, table, polynomials } = *job;
+        let (raster, view) = (&stage.raster, stage.plan.view);
+        let thickness = f64::from(2.0 * raster.reach) / grid.thickness();
+        let mut slabs = 0..grid.n_slabs();
+        Self {
+            grid,
+            view,
+            raster,
+            table,
+            polynomials,
+            shapes,
+            first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
+            n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
+        }
+    }
+
+    fn per_range(&self, unit: f64) -> usize {
+        ((RANGE_THICKNESS * unit / self.grid.thickness()) as usize).clamp(1, self.grid.n_slabs())
+    }
+
+    /// The first and the last slab that the kernel of a voxel at that depth meets.
+    #[inline]
+    fn meeting(&self, depth: f32) -> [usize; 2] {
+        let reach = self.raster.reach;
+        self.grid.meeting(f64::from(depth - reach), f64::from(depth + reach))
+    }
+
+    #[inline]
+    fn shape(&self, slab: usize) -> PixelShape {
+        self.shapes.of(self.raster, self.grid, slab)
+    }
+}

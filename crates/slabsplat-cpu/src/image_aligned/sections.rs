@@ -1,0 +1,157 @@
+//! The sections that a slab cuts out of kernels (paper §3.2), prepared and splatted.
+//!
+//! What a section needs before its pixels can be visited (where it lies, how far its disc reaches, which rows of the
+//! table it blends) takes a square root and a chain of other steps. They are taken for some dozens of voxels at a time,
+//! so that they run side by side, and the inner loop finds everything ready.
+
+use crate::blocks::Blocks;
+use crate::image_aligned::Slabs;
+use crate::raster::PixelShape;
+use crate::sheet::Sheet;
+use crate::splat::{Footprint, PixelBox, splat};
+use crate::tile::{TILE_SIDE, Tile};
+use crate::voxel::Voxel;
+use crate::weights::{Polynomial, Tilted};
+use fearless_simd::Simd;
+use slabsplat_kernel::MAX_COEFFICIENTS;
+
+/// Voxels whose sections are prepared at a time.
+const N_PREPARED: usize = 32;
+
+/// A slab in front of a tile.
+pub(crate) struct SlabCut<'a> {
+    pub(crate) slabs: &'a Slabs<'a>,
+    /// The footprint of its sections.
+    pub(crate) shape: PixelShape,
+    /// Depths of the slab's faces.
+    pub(crate) faces: [f32; 2],
+}
+
+/// A section that is about to be splatted.
+#[derive(Clone, Copy, Debug, Default)]
+struct Section {
+    footprint: Footprint,
+    /// Index units from the voxel to the slab's faces.
+    faces: [f32; 2],
+    /// Where its disc ends, `2·(ρ/R)² − 1`.
+    edge: f32,
+    coefficients: [f32; MAX_COEFFICIENTS],
+}
+
+/// What became of a section.
+enum Prepared {
+    Section(Section),
+    /// All pixels that it could touch are full.
+    Hidden,
+    /// The slab does not cut the voxel's kernel, or not on this tile.
+    NotCut,
+}
+
+impl SlabCut<'_> {
+    /// Adds the voxels' sections to the sheet.
+    #[inline(always)]
+    pub(crate) fn splat<S: Simd>(
+        &self,
+        simd: S,
+        voxels: &[Voxel],
+        tile: &mut Tile,
+        sheet: &mut Sheet,
+    ) {
+        let mut sections = [Section::default(); N_PREPARED];
+        for voxels in voxels.chunks(N_PREPARED) {
+            let mut n_sections = 0;
+            for voxel in voxels {
+                match self.prepare(voxel, tile) {
+                    Prepared::Section(section) => {
+                        sheet.touched.add(Blocks::meeting(&section.footprint.pixels));
+                        sections[n_sections] = section;
+                        n_sections += 1;
+                    }
+                    Prepared::Hidden => tile.stats.n_culled += 1,
+                    Prepared::NotCut => {}
+                }
+            }
+            tile.stats.n_splats += n_sections as u64;
+            self.splat_prepared(simd, &sections[..n_sections], sheet);
+        }
+    }
+
+    #[inline(always)]
+    fn prepare(&self, voxel: &Voxel, tile: &Tile) -> Prepared {
+        let Slabs { raster, table, polynomials, .. } = self.slabs;
+        let depth = voxel.point[2];
+        let [front, back] = self.faces.map(|face| (face - depth) * raster.index_per_depth);
+        // The disc in which a slab between two faces cuts a ball.
+        let nearest = front.max(-back).max(0.0);
+        let radius = raster.radius;
+        let disc_squared = radius * radius - nearest * nearest;
+        if disc_squared <= 0.0 {
+            return Prepared::NotCut;
+        }
+        let rho_max = if raster.is_tilted { radius } else { disc_squared.sqrt() };
+        let [x, y] = raster.pixel_of(&self.shape, voxel.point);
+        let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
+        let half = self.shape.half_extent.map(|extent| extent * rho_max);
+        let Some(pixels) = PixelBox::within_tile(center, half) else { return Prepared::NotCut };
+        if !tile.open.meets(Blocks::meeting(&pixels)) {
+            return Prepared::Hidden;
+        }
+        let color = voxel.color.map(|channel| channel * self.shape.gain);
+        let (row, t) = table.row_at(front, back);
+        Prepared::Section(Section {
+            footprint: Footprint { center, pixels, color },
+            faces: [front, back],
+            edge: 2.0 * disc_squared / (radius * radius) - 1.0,
+            coefficients: polynomials.blend(row, t),
+        })
+    }
+
+    #[inline(always)]
+    fn splat_prepared<S: Simd>(&self, simd: S, sections: &[Section], sheet: &mut Sheet) {
+        let Slabs { raster, polynomials, .. } = self.slabs;
+        match (raster.is_tilted, polynomials.n_coefficients(), raster.leans) {
+            (true, ..) => {
+                for section in sections {
+                    let tilted = Tilted {
+                        table: self.slabs.table,
+                        radius: raster.radius,
+                        faces: section.faces,
+                    };
+                    splat(simd, sheet, &self.shape, &section.footprint, &tilted);
+                }
+            }
+            (false, 8, false) => self.splat_polynomials::<S, 8, false>(simd, sections, sheet),
+            (false, 8, true) => self.splat_polynomials::<S, 8, true>(simd, sections, sheet),
+            (false, _, false) => self.splat_polynomials::<S, 12, false>(simd, sections, sheet),
+            (false, _, true) => self.splat_polynomials::<S, 12, true>(simd, sections, sheet),
+        }
+    }
+
+    #[inline(always)]
+    fn splat_polynomials<S: Simd, const N: usize, const LEANS: bool>(
+        &self,
+        simd: S,
+        sections: &[Section],
+        sheet: &mut Sheet,
+    ) {
+        for section in sections {
+            let polynomial = Polynomial::<N, LEANS> {
+                coefficients: &section.coefficients,
+                edge: section.edge,
+            };
+            splat(simd, sheet, &self.shape, &section.footprint, &polynomial);
+        }
+    }
+}
+
+impl PixelBox {
+    /// The pixels of a tile that have their centres within `half` of `center`; `None` if there are none.
+    #[inline(always)]
+    pub(crate) fn within_tile(center: [f32; 2], half: [f32; 2]) -> Option<Self> {
+        // Casts round towards zero, saturate, and turn NaN into 0.
+        let pixel = |at: f32| (at + 0.5).max(0.0).min(TILE_SIDE as f32) as i32 as u8;
+        let min = [0, 1].map(|axis| pixel(center[axis] - half[axis]));
+        let end = [0, 1].map(|axis| pixel(center[axis] + half[axis]));
+        (min[0] < end[0] && min[1] < end[1]).then_some(Self { min, end })
+    }
+}

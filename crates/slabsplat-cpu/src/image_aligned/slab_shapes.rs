@@ -1,0 +1,37 @@
+//! The footprint of every slab: sections are projected at their slab's middle depth (paper §3.2, end).
+
+use crate::raster::{PixelShape, Raster};
+use slabsplat_core::{SlabGrid, View};
+
+/// What a frame's slabs look like; made once a frame.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SlabShapes {
+    /// One for each slab, or a single one if they are all alike; none if there are too many.
+    shapes: Vec<PixelShape>,
+}
+
+/// Most slabs whose shapes are kept: half a megabyte.
+const MAX_KEPT: usize = 1 << 13;
+
+impl SlabShapes {
+    /// Makes them those of a frame.
+    pub(crate) fn update(&mut self, raster: &Raster, view: &View, slabs: &SlabGrid) {
+        let n_shapes = match slabs.n_slabs() {
+            n_slabs if !view.is_perspective() => n_slabs.min(1),
+            n_slabs if n_slabs <= MAX_KEPT => n_slabs,
+            _ => 0,
+        };
+        self.shapes.clear();
+        self.shapes.extend((0..n_shapes).map(|slab| raster.shape_at(slabs.middle(slab))));
+    }
+
+    /// The footprint of a slab; of no meaning for one that is not drawn.
+    #[inline]
+    pub(crate) fn of(&self, raster: &Raster, slabs: &SlabGrid, slab: usize) -> PixelShape {
+        match self.shapes.as_slice() {
+            [only] => *only,
+            [] => raster.shape_at(slabs.middle(slab)),
+            shapes => shapes[slab],
+        }
+    }
+}

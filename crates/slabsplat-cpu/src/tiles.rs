@@ -1,0 +1,77 @@
+//! The image as tiles, kept from frame to frame.
+
+use crate::tile::{TILE_SIDE, Tile};
+use crate::workspace::{Workspace, Workspaces};
+use rayon::prelude::*;
+use slabsplat_backend::FrameStats;
+use slabsplat_core::Image;
+use slabsplat_traverse::TileGrid;
+use std::sync::{Mutex, PoisonError};
+
+/// All tiles of an image, row by row.
+#[derive(Debug)]
+pub(crate) struct Tiles {
+    pub(crate) grid: TileGrid,
+    pub(crate) tiles: Vec<Tile>,
+    image_size: [u32; 2],
+}
+
+impl Tiles {
+    /// What `kept` holds, made empty, if it is of that size; new tiles otherwise.
+    pub(crate) fn cleared(kept: &mut Option<Self>, image_size: [u32; 2]) -> &mut Self {
+        if kept.as_ref().is_some_and(|tiles| tiles.image_size != image_size) {
+            *kept = None;
+        }
+        let tiles = kept.get_or_insert_with(|| Self::new(image_size));
+        tiles.tiles.par_iter_mut().for_each(Tile::clear);
+        tiles
+    }
+
+    fn new(image_size: [u32; 2]) -> Self {
+        let grid = TileGrid::new(image_size, TILE_SIDE);
+        let tile = |tile_idx| Tile::new(grid.origin(tile_idx), image_size);
+        Self { grid, tiles: (0..grid.n_tiles()).map(tile).collect(), image_size }
+    }
+
+    /// Calls `work` with every tile, in parallel.
+    pub(crate) fn for_each(
+        &mut self,
+        workspaces: &mut Workspaces,
+        work: impl Fn(usize, &mut Tile, &mut Workspace) + Sync,
+    ) {
+        workspaces.0.resize_with(rayon::current_num_threads(), Mutex::default);
+        let tiles = self.tiles.par_iter_mut().enumerate().with_max_len(1);
+        tiles.for_each(|(tile_idx, tile)| {
+            let thread = rayon::current_thread_index().unwrap_or(0);
+            let workspace = workspaces.0[thread].lock();
+            work(tile_idx, tile, &mut workspace.unwrap_or_else(PoisonError::into_inner));
+        });
+    }
+
+    /// The picture, without background.
+    pub(crate) fn image(&self) -> Image {
+        let [width, height] = self.image_size;
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        self.tiles.iter().for_each(|tile| tile.copy_to(&mut image));
+        image
+    }
+
+    /// What was drawn, but for what does not concern tiles.
+    pub(crate) fn stats(&self) -> FrameStats {
+        let mut stats = FrameStats::default();
+        for tile in &self.tiles {
+            stats.n_splats += tile.stats.n_splats;
+            stats.n_culled += tile.stats.n_culled;
+            stats.n_tiles += u64::from(tile.stats.is_touched);
+            stats.n_full_tiles += u64::from(tile.is_full());
+        }
+        stats
+    }
+
+    pub(crate) fn resident_bytes(&self) -> usize {
+        let bytes = |tile: &Tile| {
+            size_of_val(&*tile.pixels) + size_of_val(tile.pending.as_slice()) + size_of::<Tile>()
+        };
+        self.tiles.iter().map(bytes).sum()
+    }
+}

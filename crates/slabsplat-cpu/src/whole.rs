@@ -1,0 +1,105 @@
+//! What the two traditional methods share: whole footprints, and all relevant voxels at once.
+
+use crate::blocks::Blocks;
+use crate::raster::{PixelShape, Raster};
+use crate::sheet::Sheet;
+use crate::splat::{Footprint, PixelBox, splat};
+use crate::tile::Tile;
+use crate::voxel::Voxel;
+use crate::weights::Polynomial;
+use fearless_simd::Simd;
+use slabsplat_kernel::RadialPolynomials;
+use slabsplat_traverse::{BrickView, RelevantList, Shader, TileBuckets, TileGrid, TileRect};
+
+/// Shades and projects all relevant voxels; `sheet_of` tells the sheet of a voxel by its coordinates.
+pub(crate) fn voxels(
+    list: &RelevantList,
+    bricks: &BrickView,
+    shader: &Shader<'_>,
+    sheet_of: impl Fn([usize; 3]) -> usize + Sync,
+    voxels: &mut Vec<Voxel>,
+) {
+    voxels.resize(list.len(), Voxel::default());
+    list.fill_by_brick(voxels, |brick, records, voxels| {
+        let mut points = vec![[0.0; 3]; records.len()];
+        bricks.project_brick(brick, records, &mut points);
+        let mut colors = vec![[0.0; 4]; records.len()];
+        shader.shade_brick(brick, records, &mut colors);
+        let shaded = points.into_iter().zip(colors);
+        for ((voxel, &record), (point, color)) in voxels.iter_mut().zip(records).zip(shaded) {
+            let sheet = sheet_of(list.voxel_coords(brick, record)) as u32;
+            *voxel = Voxel { point, sheet, color };
+        }
+    });
+}
+
+/// Tosses `n_splats` voxels onto the tiles that their footprints touch, in the order in which `voxel` gives them.
+pub(crate) fn toss<'a>(
+    raster: &Raster,
+    tiles: &TileGrid,
+    n_splats: usize,
+    voxel: impl Fn(usize) -> &'a Voxel + Sync,
+) -> TileBuckets {
+    TileBuckets::toss(tiles, n_splats, |splat| {
+        let point = voxel(splat).point;
+        if point[2] < raster.near {
+            return TileRect::EMPTY;
+        }
+        let [min, max] = raster.bounds(&raster.shape_at(point[2].into()), point);
+        tiles.touched(min, max).unwrap_or(TileRect::EMPTY)
+    })
+}
+
+/// Splats whole footprints.
+pub(crate) struct Whole<'a> {
+    pub(crate) raster: &'a Raster,
+    pub(crate) polynomials: &'a RadialPolynomials,
+}
+
+impl Whole<'_> {
+    /// Adds a voxel's footprint to the sheet; returns the pixels that it may touch, if any of them is open.
+    #[inline(always)]
+    pub(crate) fn splat<S: Simd>(
+        &self,
+        simd: S,
+        voxel: &Voxel,
+        tile: &mut Tile,
+        sheet: &mut Sheet,
+    ) -> Option<PixelBox> {
+        let Self { raster, .. } = *self;
+        let shape = raster.shape_at(voxel.point[2].into());
+        let [x, y] = raster.pixel_of(&shape, voxel.point);
+        let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
+        let half = shape.half_extent.map(|extent| extent * raster.radius);
+        let pixels = PixelBox::within_tile(center, half)?;
+        let blocks = Blocks::meeting(&pixels);
+        if !tile.open.meets(blocks) {
+            tile.stats.n_culled += 1;
+            return None;
+        }
+        tile.stats.n_splats += 1;
+        sheet.touched.add(blocks);
+        let color = voxel.color.map(|channel| channel * shape.gain);
+        let footprint = Footprint { center, pixels, color };
+        match (self.polynomials.n_coefficients(), raster.leans) {
+            (8, false) => self.splat_polynomial::<S, 8, false>(simd, &shape, &footprint, sheet),
+            (8, true) => self.splat_polynomial::<S, 8, true>(simd, &shape, &footprint, sheet),
+            (_, false) => self.splat_polynomial::<S, 12, false>(simd, &shape, &footprint, sheet),
+            (_, true) => self.splat_polynomial::<S, 12, true>(simd, &shape, &footprint, sheet),
+        }
+        Some(pixels)
+    }
+
+    #[inline(always)]
+    fn splat_polynomial<S: Simd, const N: usize, const LEANS: bool>(
+        &self,
+        simd: S,
+        shape: &PixelShape,
+        footprint: &Footprint,
+        sheet: &mut Sheet,
+    ) {
+        let coefficients = self.polynomials.row(0);
+        let polynomial = Polynomial::<N, LEANS> { coefficients, edge: 1.0 };
+        splat(simd, sheet, shape, footprint, &polynomial);
+    }
+}
