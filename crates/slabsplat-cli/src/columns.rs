@@ -19,6 +19,13 @@ pub(crate) fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
     text
 }
 
+/// A line for each key and value.
+pub(crate) fn pairs(rows: impl IntoIterator<Item = (&'static str, String)>) -> String {
+    let rows: Vec<[String; 2]> =
+        rows.into_iter().map(|(key, value)| [key.to_owned(), value]).collect();
+    aligned(&rows)
+}
+
 /// Bytes with three digits or more, in the largest unit that leaves one before the point.
 pub(crate) fn bytes(n_bytes: u64) -> String {
     const UNITS: [&str; 4] = ["KiB", "MiB", "GiB", "TiB"];

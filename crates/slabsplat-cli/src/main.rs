@@ -6,12 +6,14 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`popping`], [`demo`], [`backends`]; [`terminal`], [`progress`] and [`columns`] are what they print with.
+//! [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`]
+//! are what they print with.
 
 mod flags;
 mod input;
 
 mod backends;
+mod bench;
 mod demo;
 mod info;
 mod popping;
@@ -41,6 +43,7 @@ enum Command {
     Info(info::InfoArgs),
     Demo(demo::DemoArgs),
     Popping(Box<popping::PoppingArgs>),
+    Bench(Box<bench::BenchArgs>),
     Backends(backends::BackendsArgs),
 }
 
@@ -60,6 +63,7 @@ fn run(command: Command) -> Result<()> {
         Command::Info(args) => info::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Popping(args) => popping::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Backends(args) => backends::run(&args),
     }
 }

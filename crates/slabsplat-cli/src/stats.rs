@@ -1,17 +1,19 @@
-//! What a frame drew and cost, as `render --stats` tells it.
+//! What a frame drew and cost, as `render --stats` and `bench` tell it.
 
 use crate::columns;
-use slabsplat::{Caps, Frame, FrameCost, FrameStats, StageTime};
+use slabsplat::{Caps, Frame, FrameCost, FrameStats};
+
+/// What a number is, and the number.
+type Row = (&'static str, String);
 
 /// One line for each number, aligned, without a line break at the end.
 pub(crate) fn text(frame: &Frame, caps: &Caps) -> String {
     let Frame { stats, cost, .. } = frame;
-    let mut rows = stage_rows(&cost.stages);
-    rows.extend(count_rows(stats));
+    let mut rows = stage_rows(cost.stages.iter().map(|stage| (stage.name, stage.ms)));
+    rows.extend(splat_rows(stats));
+    rows.extend([count("tiles", stats.n_tiles), count("full tiles", stats.n_full_tiles)]);
     rows.extend([("resident", resident(cost)), ("backend", executor(caps))]);
-    let rows: Vec<[String; 2]> =
-        rows.into_iter().map(|(key, value)| [key.to_owned(), value]).collect();
-    columns::aligned(&rows).trim_end().to_owned()
+    columns::pairs(rows).trim_end().to_owned()
 }
 
 /// What executed a frame: `ash on NVIDIA H100`.
@@ -19,26 +21,35 @@ pub(crate) fn executor(caps: &Caps) -> String {
     format!("{} on {}", caps.name, caps.device)
 }
 
-fn stage_rows(stages: &[StageTime]) -> Vec<(&'static str, String)> {
-    if stages.is_empty() {
+/// A row for each stage and its milliseconds, or one that says why there are none.
+pub(crate) fn stage_rows(stages: impl Iterator<Item = (&'static str, f64)>) -> Vec<Row> {
+    let rows: Vec<Row> = stages.map(|(name, ms)| (name, milliseconds(ms))).collect();
+    if rows.is_empty() {
         return vec![("stages", "not timed: the device has no timestamps".to_owned())];
     }
-    stages.iter().map(|stage| (stage.name, format!("{:10.3} ms", stage.ms))).collect()
+    rows
 }
 
-fn count_rows(stats: &FrameStats) -> [(&'static str, String); 5] {
-    let FrameStats { n_voxels, n_splats, n_culled, n_tiles, n_full_tiles } = *stats;
+/// Rows of what was splatted.
+pub(crate) fn splat_rows(stats: &FrameStats) -> [Row; 3] {
     [
-        ("voxels", n_voxels),
-        ("splatted", n_splats),
-        ("culled", n_culled),
-        ("tiles", n_tiles),
-        ("full tiles", n_full_tiles),
+        count("voxels", stats.n_voxels),
+        count("splatted", stats.n_splats),
+        count("culled", stats.n_culled),
     ]
-    .map(|(key, count)| (key, format!("{count:>10}")))
 }
 
-fn resident(cost: &FrameCost) -> String {
+fn count(key: &'static str, count: u64) -> Row {
+    (key, format!("{count:>10}"))
+}
+
+/// A time, aligned with counts.
+pub(crate) fn milliseconds(ms: f64) -> String {
+    format!("{ms:10.3} ms")
+}
+
+/// The bytes that the backend keeps.
+pub(crate) fn resident(cost: &FrameCost) -> String {
     let exact = cost.resident_bytes;
     match columns::bytes(exact) {
         rounded if rounded.ends_with("bytes") => rounded,
@@ -49,7 +60,7 @@ fn resident(cost: &FrameCost) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat::Image;
+    use slabsplat::{Image, StageTime};
 
     fn frame(stages: Vec<StageTime>) -> Frame {
         Frame {

@@ -16,7 +16,7 @@ use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
 use slabsplat::{OpenScene, Renderer, Scene};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
 #[derive(Args)]
@@ -68,6 +68,11 @@ impl SceneFlags {
             return result.with_context(|| self.input.display().to_string());
         }
         result
+    }
+
+    /// What is drawn, as it was named.
+    pub(crate) fn input(&self) -> &Path {
+        &self.input
     }
 
     /// The method that a flag names; the scene's does not count.

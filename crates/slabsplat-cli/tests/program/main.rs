@@ -1,6 +1,7 @@
 //! The built program, run as a user runs it: what it prints, what it writes, and how it ends.
 
 mod backends;
+mod bench;
 mod demo;
 mod errors;
 mod info;
