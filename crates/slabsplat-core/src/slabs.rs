@@ -71,11 +71,18 @@ impl SlabGrid {
     /// The first and the last slab that meet the depths `near < far`.
     #[inline]
     pub fn meeting(&self, near: f64, far: f64) -> [usize; 2] {
-        let at = |n: f64| (n as i64 - self.first).clamp(0, self.n_slabs as i64 - 1) as usize;
-        let first = at((near / self.thickness).floor());
-        let last = at((far / self.thickness).ceil() - 1.0);
+        let at = |n: i64| (n - self.first).clamp(0, self.n_slabs as i64 - 1) as usize;
+        let first = at(floor(near / self.thickness));
+        let last = at(-floor(-far / self.thickness) - 1);
         [first, last.max(first)]
     }
+}
+
+/// Rounds down. `f64::floor` is a call where the baseline instruction set lacks it.
+#[inline]
+fn floor(value: f64) -> i64 {
+    let towards_zero = value as i64;
+    towards_zero - i64::from(value < towards_zero as f64)
 }
 
 #[cfg(test)]

@@ -27,12 +27,12 @@ impl Blocks {
     /// The blocks that a box of pixels meets, which must not be empty.
     #[inline(always)]
     pub(crate) fn meeting(pixels: &PixelBox) -> Self {
-        let block = |pixel: u8| usize::from(pixel) / BLOCK_SIDE;
-        let bits = |axis: usize, spread: [u16; BLOCKS_ACROSS + 1]| {
-            spread[block(pixels.end[axis] - 1) + 1] - spread[block(pixels.min[axis])]
-        };
-        // A bit for every column, times a bit for the first block of every row.
-        Self(bits(0, [0, 0x1, 0x3, 0x7, 0xf]) * bits(1, [0, 0x1, 0x11, 0x111, 0x1111]))
+        let block = |pixel: u8| u32::from(pixel) / BLOCK_SIDE as u32;
+        let [first, last] = [pixels.min, pixels.end.map(|end| end - 1)].map(|p| p.map(block));
+        let columns = (2 << last[0]) - (1 << first[0]);
+        // A bit for the first block of every row.
+        let rows = ((16_u32 << (4 * last[1])) - (1 << (4 * first[1]))) & 0x1111;
+        Self((rows * columns) as u16)
     }
 
     #[inline(always)]

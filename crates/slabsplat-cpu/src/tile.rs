@@ -36,8 +36,6 @@ pub(crate) struct TileStats {
     pub(crate) n_splats: u64,
     /// Splats that could touch no open pixel.
     pub(crate) n_culled: u64,
-    /// Whether any splat touched the tile.
-    pub(crate) is_touched: bool,
 }
 
 impl Tile {

@@ -62,7 +62,7 @@ impl Tiles {
         for tile in &self.tiles {
             stats.n_splats += tile.stats.n_splats;
             stats.n_culled += tile.stats.n_culled;
-            stats.n_tiles += u64::from(tile.stats.is_touched);
+            stats.n_tiles += u64::from(0 < tile.stats.n_splats);
             stats.n_full_tiles += u64::from(tile.is_full());
         }
         stats

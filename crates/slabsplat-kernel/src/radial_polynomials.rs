@@ -70,12 +70,15 @@ impl RadialPolynomials {
         &self.rows[row_idx]
     }
 
-    /// The coefficients a part `t` of the way from a row to the next, which there must be unless `t` is 0.
-    #[inline]
-    pub fn blend(&self, row_idx: usize, t: f32) -> [f32; MAX_COEFFICIENTS] {
+    /// Writes the coefficients a part `t` of the way from a row to the next, which there must be unless `t`
+    /// is 0.
+    #[inline(always)]
+    pub fn blend(&self, row_idx: usize, t: f32, coefficients: &mut [f32; MAX_COEFFICIENTS]) {
         let near = &self.rows[row_idx];
         let far = &self.rows[(row_idx + 1).min(self.rows.len() - 1)];
-        std::array::from_fn(|k| near[k] + t * (far[k] - near[k]))
+        for ((coefficient, near), far) in coefficients.iter_mut().zip(near).zip(far) {
+            *coefficient = near + t * (far - near);
+        }
     }
 
     /// The weight that a row has at `x`.

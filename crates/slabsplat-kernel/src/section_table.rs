@@ -138,7 +138,7 @@ impl SectionTable {
 
     /// The row at or below the section between two faces, and how far it is to the next one, 0 … 1. Where that is
     /// 0 there need not be a next one.
-    #[inline]
+    #[inline(always)]
     pub fn row_at(&self, front: f32, back: f32) -> (usize, f32) {
         let position = self.rows.position(front, back);
         match self.lookup {
@@ -158,7 +158,7 @@ impl SectionTable {
 
 impl RowMap {
     /// Rows from the first, with a fraction.
-    #[inline]
+    #[inline(always)]
     fn position(self, front: f32, back: f32) -> f32 {
         let from_front = back + self.radius;
         let reach = if self.mirrored { from_front.min(self.radius - front) } else { from_front };

@@ -73,8 +73,8 @@ impl TileGrid {
         let mut rect = TileRect { min: [0; 2], max: [0; 2] };
         for axis in 0..2 {
             // Pixel p has its centre at p + ½. Casts saturate, and turn NaN into 0.
-            let first = (min[axis] - 0.5).ceil().max(0.0) as usize;
-            let end = (max[axis] + 0.5).floor().max(0.0) as usize;
+            let first = ceil((min[axis] - 0.5).max(0.0));
+            let end = (max[axis] + 0.5).max(0.0) as usize;
             let end = end.min(n_tiles[axis] * self.side);
             if end <= first {
                 return None;
@@ -157,6 +157,13 @@ impl TileBuckets {
             run.on_tile(tile_idx).iter().map(move |&splat| first + splat as usize)
         })
     }
+}
+
+/// Rounds up what is not negative. `f32::ceil` is a call where the baseline instruction set lacks it.
+#[inline]
+fn ceil(value: f32) -> usize {
+    let down = value as usize;
+    down + usize::from((down as f32) < value)
 }
 
 /// Turns counts into the places where buckets start; `counts[0]` is 0.
