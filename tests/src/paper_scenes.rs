@@ -48,6 +48,7 @@ pub fn paper_settings() -> RenderSettings {
         compositing: Compositing::Separate,
         normalization: Normalization::None,
         opacity_cutoff: 1.0,
+        tolerance: 0.0,
         ..RenderSettings::default()
     }
 }

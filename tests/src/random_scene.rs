@@ -106,6 +106,9 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
             compositing: kind.compositing,
             normalization: kind.normalization,
             base_slab_width: [0.5, 0.5, 0.4][rng.usize(..3)],
+            // What is measured is the rest.
+            opacity_cutoff: 1.0 - 1e-5,
+            tolerance: 0.0,
             ..RenderSettings::default()
         },
     };

@@ -75,7 +75,12 @@ fn needles(ratio: f64, method: Method) -> (Volume, Scene) {
     let target = steps * DVec3::new(1.0, 1.0, 2.8);
     let eye = target + 5.0 * ratio * DVec3::new(-0.6, 0.5, -0.4);
     let projection = Projection::Orthographic { view_height: 8.0 };
-    let settings = RenderSettings { method, ..RenderSettings::default() };
+    let settings = RenderSettings {
+        method,
+        opacity_cutoff: 1.0 - 1e-5,
+        tolerance: 0.0,
+        ..RenderSettings::default()
+    };
     let scene = Scene {
         transfer: TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0, 0.8, 0.5])])
             .expect("the points are finite"),

@@ -73,6 +73,10 @@ pub struct RenderSettings {
     /// Opacity from which a pixel counts as full, at most 1. What lies behind is left out, which
     /// changes the pixel by at most `1 − opacity_cutoff`; 1 draws everything.
     pub opacity_cutoff: f64,
+    /// How far any premultiplied channel of a pixel may be from what all sections would give, at least
+    /// 0 and below 1; 0 draws them all. Only `image-aligned` slabs of `extinction` without
+    /// normalisation make use of it: what others show depends on every single section.
+    pub tolerance: f64,
 }
 
 /// Why settings cannot be used.
@@ -110,6 +114,9 @@ pub enum SettingsError {
     /// The cut-off is not an opacity.
     #[error("opacity_cutoff must be above 0 and at most 1, not {0}")]
     BadCutoff(f64),
+    /// The tolerance is no difference between two colours.
+    #[error("tolerance must be at least 0 and below 1, not {0}")]
+    BadTolerance(f64),
 }
 
 /// Widest slab: much thicker than any volume, and far from infinite.
@@ -139,7 +146,8 @@ impl Default for RenderSettings {
             sections: 128,
             radial_samples: 256,
             lookup: Lookup::Linear,
-            opacity_cutoff: 1.0 - 1e-5,
+            opacity_cutoff: 1.0 - 5e-4,
+            tolerance: 2e-3,
         }
     }
 }
@@ -148,7 +156,8 @@ impl RenderSettings {
     /// The same, if the numbers can be used.
     ///
     /// # Errors
-    /// If a width is not positive, a table too small or too large, or the cut-off no opacity.
+    /// If a width is not positive, a table too small or too large, the cut-off no opacity, or the
+    /// tolerance not between 0 and 1.
     pub fn checked(self) -> Result<Self, SettingsError> {
         for (name, value) in
             [("slab_width", self.slab_width), ("base_slab_width", self.base_slab_width)]
@@ -166,6 +175,9 @@ impl RenderSettings {
         self.check_hierarchy(1.0)?;
         if !(0.0 < self.opacity_cutoff && self.opacity_cutoff <= 1.0) {
             return Err(SettingsError::BadCutoff(self.opacity_cutoff));
+        }
+        if !(0.0..1.0).contains(&self.tolerance) {
+            return Err(SettingsError::BadTolerance(self.tolerance));
         }
         Ok(self)
     }
@@ -252,6 +264,9 @@ mod tests {
             RenderSettings { sections: 1, ..good.clone() },
             RenderSettings { radial_samples: 1 << 20, ..good.clone() },
             RenderSettings { opacity_cutoff: 1.5, ..good.clone() },
+            RenderSettings { tolerance: -1e-9, ..good.clone() },
+            RenderSettings { tolerance: 1.0, ..good.clone() },
+            RenderSettings { tolerance: f64::NAN, ..good.clone() },
             RenderSettings { normalization: Normalization::Paper, slab_width: 1e9, ..good.clone() },
             RenderSettings {
                 normalization: Normalization::Product,

@@ -11,8 +11,8 @@
 //!
 //! # Reading order
 //!
-//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `section_table`, `footprint_table`,
-//! `radial_polynomials`; `footprint_shape`.
+//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`, `section_levels`; `section_table`,
+//! `footprint_table`, `radial_polynomials`; `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -42,6 +42,7 @@ mod gaussian;
 
 mod hierarchy;
 mod section;
+mod section_levels;
 
 mod footprint_table;
 mod radial_polynomials;
@@ -56,4 +57,5 @@ pub use gaussian::Gaussian;
 pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
 pub use radial_polynomials::{MAX_COEFFICIENTS, RadialPolynomials};
 pub use section::SectionDesc;
+pub use section_levels::{LevelView, SectionLevels};
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};

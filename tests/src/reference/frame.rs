@@ -1,7 +1,8 @@
 //! What is drawn in which sheet, by each of the three methods (SPEC §4, `docs/algorithm.md`).
 
+use super::sheet::MAX_OPACITY;
 use super::view::View;
-use super::{Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, shaded_color};
+use super::{Cut, Hierarchy, Kernel, KernelInView, fold, gradient_in_world, shaded_color};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Grid, Method, Scene, Volume};
 
@@ -27,16 +28,32 @@ pub(super) struct Voxel {
 
 /// Voxels whose sections are added up before they are composited.
 pub(super) struct Sheet {
-    /// Indices into [`Frame::voxels`].
-    pub(super) voxel_indices: Vec<usize>,
+    pub(super) splats: Vec<SheetSplat>,
+    /// Where rays meet its footprints; `None` where each is met at its voxel's own depth.
+    pub(super) plane_depth: Option<f64>,
+}
+
+/// What a sheet has of a voxel.
+#[derive(Clone, Copy)]
+pub(super) struct SheetSplat {
+    /// Index into [`Frame::voxels`].
+    pub(super) voxel_idx: usize,
     pub(super) cut: Cut,
 }
 
 /// Depths that differ by less than this many `unit`s count as equal in `every-sample`.
 const DEPTH_STEP: f64 = 1.0 / (1 << 20) as f64;
 
+impl Voxel {
+    /// `μ`.
+    pub(super) fn extinction(&self) -> f64 {
+        -(1.0 - self.opacity.min(MAX_OPACITY)).ln()
+    }
+}
+
 impl Frame {
-    pub(super) fn new(volume: &Volume, scene: &Scene) -> Self {
+    /// The exact picture, or what `tolerance` makes of it.
+    pub(super) fn new(volume: &Volume, scene: &Scene, tolerance: f64) -> Self {
         let (grid, settings) = (volume.grid(), &scene.settings);
         let view = View::new(&scene.camera, &scene.image);
         let hierarchy = Hierarchy {
@@ -54,6 +71,9 @@ impl Frame {
             sheets: Vec::new(),
         };
         frame.sheets = match settings.method {
+            Method::ImageAligned if fold::applies(settings, tolerance) => {
+                fold::folded_slabs(&frame, grid, settings, tolerance)
+            }
             Method::ImageAligned => frame.slabs(grid, settings.slab_width),
             Method::AxisAligned => frame.slices(grid),
             Method::EverySample => frame.single_voxels(grid),
@@ -81,8 +101,10 @@ impl Frame {
             }
             let reach = self.kernel.depth_reach + 0.5 * world_width;
             let meets = |&i: &usize| (self.voxels[i].center_in_view.z - middle).abs() <= reach;
-            let voxel_indices = (0..self.voxels.len()).filter(meets).collect();
-            Some(Sheet { voxel_indices, cut: Cut::Slab { front, width } })
+            let cut = Cut::Slab { front, width };
+            let voxels = (0..self.voxels.len()).filter(meets);
+            let splats = voxels.map(|voxel_idx| SheetSplat { voxel_idx, cut }).collect();
+            Some(Sheet { splats, plane_depth: Some(middle) })
         });
         slabs.collect()
     }
@@ -105,10 +127,7 @@ impl Frame {
         let in_slice = |slice: usize| {
             self.drawn_whole().filter(|&i| self.voxels[i].coords[axis] == slice).collect()
         };
-        slice_numbers
-            .into_iter()
-            .map(|slice| Sheet { voxel_indices: in_slice(slice), cut: Cut::Whole })
-            .collect()
+        slice_numbers.into_iter().map(|slice| whole_footprints(in_slice(slice))).collect()
     }
 
     /// Voxels by depth; those at one depth from the bottom to the top and from left to right.
@@ -121,7 +140,7 @@ impl Frame {
         };
         let mut order: Vec<usize> = self.drawn_whole().collect();
         order.sort_by_key(|&i| rounded(i));
-        order.into_iter().map(|i| Sheet { voxel_indices: vec![i], cut: Cut::Whole }).collect()
+        order.into_iter().map(|i| whole_footprints(vec![i])).collect()
     }
 
     /// The voxels that are not before the near depth.
@@ -129,6 +148,11 @@ impl Frame {
         let near_depth = self.view.near_depth(self.unit);
         (0..self.voxels.len()).filter(move |&i| near_depth <= self.voxels[i].center_in_view.z)
     }
+}
+
+fn whole_footprints(voxel_indices: Vec<usize>) -> Sheet {
+    let splat = |voxel_idx| SheetSplat { voxel_idx, cut: Cut::Whole };
+    Sheet { splats: voxel_indices.into_iter().map(splat).collect(), plane_depth: None }
 }
 
 fn visible_voxels(volume: &Volume, scene: &Scene, view: &View) -> Vec<Voxel> {

@@ -3,10 +3,12 @@
 //! There are no tables, tiles or early exits. Every section weight is a numerical integral of the
 //! kernel along the pixel's ray, and the only things left out are those that contribute exactly
 //! nothing: voxels of opacity 0, and kernels that the ray does not meet. So the settings that only
-//! trade accuracy for speed (`sections`, `radial_samples`, `lookup`, `opacity_cutoff`) are ignored.
+//! trade accuracy for speed (`sections`, `radial_samples`, `lookup`, `opacity_cutoff`) are ignored,
+//! and so is `tolerance`, but for [`render_within_tolerance`].
 //!
 //! Reading order, by SPEC's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
-//! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together.
+//! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together;
+//! `fold` (§7) is what a tolerance changes.
 
 mod gradient;
 mod hierarchy;
@@ -17,10 +19,12 @@ mod shade;
 mod sheet;
 mod view;
 
+mod fold;
 mod frame;
 mod image;
 mod row;
 
+pub use fold::fraction_beyond;
 pub use gradient::gradient_in_world;
 pub use hierarchy::Hierarchy;
 pub use image::{Difference, ReferenceImage};
@@ -38,9 +42,21 @@ use slabsplat_core::{Scene, Volume};
 /// # Panics
 /// If the scene names a kernel that SPEC §2 does not list.
 pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
-    let frame = frame::Frame::new(volume, scene);
+    picture(&frame::Frame::new(volume, scene, 0.0), scene)
+}
+
+/// The same, with sections folded as far as `settings.tolerance` allows (`docs/algorithm.md`,
+/// "Sections by opacity").
+///
+/// # Panics
+/// As [`render`].
+pub fn render_within_tolerance(volume: &Volume, scene: &Scene) -> ReferenceImage {
+    picture(&frame::Frame::new(volume, scene, scene.settings.tolerance), scene)
+}
+
+fn picture(frame: &frame::Frame, scene: &Scene) -> ReferenceImage {
     let (width, height) = (scene.image.width, scene.image.height);
     let rows: Vec<Vec<[f64; 4]>> =
-        (0..height).into_par_iter().map(|y| row::row(&frame, y)).collect();
+        (0..height).into_par_iter().map(|y| row::row(frame, y)).collect();
     ReferenceImage { width, height, pixels: rows.concat() }
 }

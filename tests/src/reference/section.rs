@@ -57,6 +57,11 @@ impl KernelInView {
         }
     }
 
+    /// The kernel in index space.
+    pub(super) fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
     /// What a voxel at depth `center_depth` weighs at the ray that passes `offset` world units to the
     /// right of and above it.
     pub fn weight(&self, cut: Cut, offset: [f64; 2], center_depth: f64) -> f64 {

@@ -3,7 +3,7 @@
 use slabsplat_core::Compositing;
 
 /// Greatest opacity of a voxel in `extinction`, which would be infinite at 1.
-const MAX_OPACITY: f64 = 1.0 - 1e-6;
+pub(super) const MAX_OPACITY: f64 = 1.0 - 1e-6;
 
 /// What one pixel of a sheet has summed up.
 #[derive(Clone, Copy, Debug)]

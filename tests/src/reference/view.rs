@@ -55,6 +55,16 @@ impl View {
         -(f64::from(y) + 0.5 - 0.5 * f64::from(self.height)) * self.pixel_size(depth)
     }
 
+    /// How far the ray of the image's corner moves sideways per step in depth.
+    pub(super) fn steepest_ray(&self) -> f64 {
+        match self.projection {
+            Projection::Orthographic { .. } => 0.0,
+            Projection::Perspective { .. } => {
+                0.5 * self.pixel_size(1.0) * f64::from(self.width).hypot(f64::from(self.height))
+            }
+        }
+    }
+
     /// A perspective slab is projected at its middle, so that is what counts; of an orthographic one, all
     /// is drawn if any of it is behind the eye's plane.
     pub(super) fn draws_slab(&self, front: f64, back: f64, unit: f64) -> bool {

@@ -51,6 +51,10 @@ pub(super) struct SettingsFlags {
     #[arg(long, value_name = "OPACITY", allow_hyphen_values = true)]
     opacity_cutoff: Option<f64>,
 
+    /// How far a pixel may be from what all sections would give; 0 draws them all
+    #[arg(long, value_name = "DIFFERENCE", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+
     // Not clap's to check: a scene may name a backend, too, and is told the same.
     #[arg(long, value_name = "NAME", help = backend_help())]
     backend: Option<String>,
@@ -76,6 +80,7 @@ impl SettingsFlags {
             radial_samples: self.radial_samples.unwrap_or(was.radial_samples),
             lookup: self.lookup.unwrap_or(was.lookup),
             opacity_cutoff: self.opacity_cutoff.unwrap_or(was.opacity_cutoff),
+            tolerance: self.tolerance.unwrap_or(was.tolerance),
         }
         .checked()?;
         if let Some(backend) = &self.backend {

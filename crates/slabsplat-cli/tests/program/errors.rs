@@ -53,6 +53,7 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --slab-width NaN -o a.png", "slab_width"),
         ("render builtin:cube --sections 1 -o a.png", "sections"),
         ("render builtin:cube --opacity-cutoff -1 -o a.png", "opacity_cutoff"),
+        ("render builtin:cube --tolerance -1 -o a.png", "tolerance"),
         ("render builtin:cube --opacity 0:2 -o a.png", "point 0 of opacity lies outside 0 to 1"),
         ("render builtin:cube --opacity 5:0,0:1 -o a.png", "out of order"),
         ("render builtin:cube --color inf:0,0,0 -o a.png", "not finite"),

@@ -11,10 +11,11 @@ use crate::tiles::Tiles;
 use crate::voxel::Voxel;
 use crate::workspace::{Workspace, Workspaces};
 use fearless_simd::{Simd, dispatch};
+use std::ops::Range;
 
-/// Takes all tiles to the slab before `end`, in parallel.
-pub(crate) fn to(
-    end: usize,
+/// Takes all tiles through a range of slabs, in parallel.
+pub(crate) fn through(
+    range: Range<usize>,
     stage: &Stage<'_>,
     slabs: &Slabs<'_>,
     tiles: &mut Tiles,
@@ -28,8 +29,8 @@ pub(crate) fn to(
         let Workspace { voxels, sheet } = workspace;
         let waiting = tile.pending.iter().chain(intake.on_tile(tile_idx));
         voxels.sort(waiting, |voxel| slabs.meeting(voxel.point[2])[0]);
-        dispatch!(stage.level, simd => advance(simd, stage, slabs, end, tile, voxels, sheet));
-        tile.keep_waiting(voxels.starting_in(end.saturating_sub(slabs.n_before)..usize::MAX));
+        dispatch!(stage.level, simd => advance(simd, stage, slabs, &range, tile, voxels, sheet));
+        tile.keep_waiting(voxels.starting_in(range.end.saturating_sub(slabs.n_before)..usize::MAX));
     });
 }
 
@@ -38,14 +39,14 @@ fn advance<S: Simd>(
     simd: S,
     stage: &Stage<'_>,
     slabs: &Slabs<'_>,
-    end: usize,
+    range: &Range<usize>,
     tile: &mut Tile,
     voxels: &BySheet,
     sheet: &mut Sheet,
 ) {
     let starts = voxels.sheets();
-    let first = starts.start.max(slabs.first_drawn);
-    for slab in first..end.min(starts.end + slabs.n_before) {
+    let first = starts.start.max(range.start).max(slabs.first_drawn);
+    for slab in first..range.end.min(starts.end + slabs.n_before) {
         let cut = SlabCut {
             slabs,
             shape: slabs.shape(slab),

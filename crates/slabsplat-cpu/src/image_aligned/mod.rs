@@ -83,17 +83,17 @@ pub(crate) fn render(
     sort_bricks(stage, &slabs, slabs_per_range, bricks);
     watch.done("bricks");
     let mut occlusion = Occlusion::new(stage.plan.view.image_size());
-    let (mut n_hidden, mut rest) = (0, bricks.as_slice());
+    let (mut n_hidden, mut start, mut rest) = (0, 0, bricks.as_slice());
     while let Some(&(range, _)) = rest.first() {
         let (here, behind) = rest.split_at(rest.partition_point(|brick| brick.0 == range));
         n_hidden += intake.take(stage, &slabs, &tiles.grid, &occlusion, here);
         watch.done("intake");
         // The last range goes on until no voxel is left that was taken in.
         let end = behind.first().map_or(slabs.grid.n_slabs(), |next| next.0 as usize * slabs_per_range);
-        advance::to(end, stage, &slabs, tiles, intake, workspaces);
+        advance::through(start..end, stage, &slabs, tiles, intake, workspaces);
         tiles.tiles.iter().for_each(|tile| occlusion.note(tile));
         watch.done("splat");
-        rest = behind;
+        (start, rest) = (end, behind);
     }
     n_hidden
 }

@@ -98,6 +98,7 @@ pub(super) struct RenderSection {
     #[serde(deserialize_with = "choice")]
     pub(super) lookup: Lookup,
     pub(super) opacity_cutoff: f64,
+    pub(super) tolerance: f64,
     pub(super) backend: String,
 }
 
@@ -130,6 +131,7 @@ impl Default for RenderSection {
             radial_samples: settings.radial_samples,
             lookup: settings.lookup,
             opacity_cutoff: settings.opacity_cutoff,
+            tolerance: settings.tolerance,
             backend: "cpu".to_owned(),
         }
     }

@@ -182,12 +182,14 @@ impl RenderSection {
             radial_samples: self.radial_samples,
             lookup: self.lookup,
             opacity_cutoff: self.opacity_cutoff,
+            tolerance: self.tolerance,
         };
         settings.checked().map_err(|error| {
             let key = match error {
                 SettingsError::BadWidth { name, .. } | SettingsError::BadCount { name, .. } => name,
                 SettingsError::BadHierarchy { .. } => "normalization",
                 SettingsError::BadCutoff(_) => "opacity_cutoff",
+                SettingsError::BadTolerance(_) => "tolerance",
             };
             Complaint::at("render", key, error.to_string())
         })

@@ -54,6 +54,7 @@ sections = 64
 radial_samples = 32
 lookup = "nearest"
 opacity_cutoff = 0.99
+tolerance = 0.004
 backend = "auto"
 "#;
 
@@ -96,6 +97,7 @@ fn scene_has_every_key() {
     assert_eq!([settings.slab_width, settings.base_slab_width], [2.0, 0.25]);
     assert_eq!([settings.sections, settings.radial_samples], [64, 32]);
     assert_eq!(settings.opacity_cutoff, 0.99);
+    assert_eq!(settings.tolerance, 0.004);
     assert_eq!(scene.backend, "auto");
 }
 
@@ -166,6 +168,7 @@ fn scene_bad_values_name_their_line() {
     check("[render]\nsections = -3", ":5: invalid value");
     check("[render]\nsections = 1", ":5: sections must be between 2 and 4096");
     check("[render]\nopacity_cutoff = 2", ":5: opacity_cutoff");
+    check("[render]\ntolerance = 1", ":5: tolerance");
     check("[render]\nslab_width = \"wide\"", ":5: invalid type: string \"wide\"");
     check("[image]\nwidth = 0", ":5: an image of 0 x 512");
     check("[image]\nbackground = [0, 0, 0]", ":5: invalid length 3");

@@ -1,0 +1,129 @@
+//! What a tolerance may change: the reference with sections folded against the reference with all of them
+//! (`docs/algorithm.md`, "Sections by opacity").
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Camera, Compositing, Grid, ImageDesc, Method, Normalization, Projection, RenderSettings,
+    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+};
+use slabsplat_tests::random_scene::{SceneKind, random_scene};
+use slabsplat_tests::reference::{render, render_within_tolerance};
+
+const TOLERANCES: [f64; 3] = [1e-4, 1e-3, 1e-2];
+
+/// The largest difference over all tolerances, as a share of the tolerance.
+fn worst_share(volume: &Volume, scene: &Scene) -> f64 {
+    let exact = render(volume, scene);
+    let share = |tolerance: f64| {
+        let settings = RenderSettings { tolerance, ..scene.settings.clone() };
+        let scene = Scene { settings, ..scene.clone() };
+        exact.compare_reference(&render_within_tolerance(volume, &scene)).max / tolerance
+    };
+    TOLERANCES.into_iter().map(share).fold(0.0, f64::max)
+}
+
+fn black_to_white(alpha: f64) -> TransferFunction {
+    TransferFunction::new(vec![(0.0, [alpha])], vec![(0.0, [0.0; 3]), (1.0, [1.0; 3])])
+        .expect("the points rise")
+}
+
+#[test]
+fn tolerance_on_random_scenes() {
+    let seed = std::env::var("SLABSPLAT_SEED").ok().and_then(|s| s.parse().ok());
+    let seed = seed.unwrap_or_else(|| fastrand::u64(..));
+    println!("SLABSPLAT_SEED={seed}");
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut worst = 0.0_f64;
+    let folds = |kind: &SceneKind| {
+        kind.method == Method::ImageAligned
+            && kind.compositing == Compositing::Extinction
+            && kind.normalization == Normalization::None
+    };
+    for kind in SceneKind::all().iter().filter(|kind| folds(kind)) {
+        let (volume, mut scene) = random_scene(&mut rng, kind);
+        (scene.image.width, scene.image.height) = (14, 14);
+        scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
+        if rng.bool() {
+            // A haze of colours as far apart as can be.
+            scene.shading = Shading::None;
+            scene.transfer = black_to_white(0.01 + 0.1 * rng.f64());
+        }
+        let share = worst_share(&volume, &scene);
+        assert!(share <= 1.0, "{share} of the tolerance: {kind:?} {:?}", scene.settings);
+        worst = worst.max(share);
+    }
+    println!("at most {worst:.2} of the tolerance");
+    assert!(0.01 < worst, "nothing was folded");
+}
+
+/// Black and white layers across the view, in step with the slabs: errors of all faces add up.
+#[test]
+fn tolerance_on_alternating_layers() {
+    let mut worst = 0.0_f64;
+    for (spacing, period) in [(1.0, 1), (1.0, 2), (2.0, 1)] {
+        let grid = Grid::with_spacing([3, 3, 24], [1.0, 1.0, spacing]).expect("no axis is empty");
+        let value = |i: usize| (grid.voxel_coords(i)[2] / period % 2) as f64;
+        let samples = Samples::F64((0..grid.n_voxels()).map(value).collect());
+        let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+        for (slab_width, alpha) in
+            [0.5, 1.0, 2.0].iter().flat_map(|&w| [0.02, 0.1, 0.7].map(|alpha| (w, alpha)))
+        {
+            let target = grid.center_in_world();
+            let projection = Projection::Orthographic { view_height: 1.0 };
+            let camera = Camera::new(target - 90.0 * DVec3::Z, target, DVec3::Y, projection);
+            let scene = Scene {
+                transfer: black_to_white(alpha),
+                shading: Shading::None,
+                camera: camera.expect("up is not forward"),
+                image: ImageDesc { width: 2, height: 2, background: [0.0; 4] },
+                settings: RenderSettings { slab_width, ..RenderSettings::default() },
+            };
+            worst = worst.max(worst_share(&volume, &scene));
+        }
+    }
+    println!("at most {worst:.2} of the tolerance");
+    assert!(0.1 < worst && worst <= 1.0, "{worst} of the tolerance");
+}
+
+/// A block in perspective, seen along its edges by slabs out of step with it: what is folded moves
+/// sideways.
+#[test]
+fn tolerance_on_edges_in_perspective() {
+    let mut worst = 0.0_f64;
+    for (slab_width, alpha) in
+        [0.6, 1.3, 2.0].iter().flat_map(|&w| [0.02, 0.2, 0.9].map(|alpha| (w, alpha)))
+    {
+        let grid = Grid::with_spacing([6, 6, 16], [1.0; 3]).expect("no axis is empty");
+        let samples = Samples::F64(vec![1.0; grid.n_voxels()]);
+        let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+        let target = grid.center_in_world() + 2.0 * DVec3::X;
+        let projection = Projection::Perspective { fov_y_radians: 0.9 };
+        let camera = Camera::new(target - 16.0 * DVec3::Z, target, DVec3::Y, projection);
+        let scene = Scene {
+            transfer: black_to_white(alpha),
+            shading: Shading::None,
+            camera: camera.expect("up is not forward"),
+            image: ImageDesc { width: 18, height: 18, background: [0.0; 4] },
+            settings: RenderSettings { slab_width, ..RenderSettings::default() },
+        };
+        worst = worst.max(worst_share(&volume, &scene));
+    }
+    println!("at most {worst:.2} of the tolerance");
+    assert!(worst <= 1.0, "{worst} of the tolerance");
+}
+
+/// What shows the slab width by definition is left alone, to the last bit.
+#[test]
+fn tolerance_spares_other_compositing() {
+    let mut rng = fastrand::Rng::with_seed(3);
+    for kind in SceneKind::all() {
+        if kind.compositing == Compositing::Extinction && kind.normalization == Normalization::None
+        {
+            continue;
+        }
+        let (volume, mut scene) = random_scene(&mut rng, &kind);
+        (scene.image.width, scene.image.height) = (4, 4);
+        scene.settings.tolerance = 0.5;
+        assert_eq!(render(&volume, &scene), render_within_tolerance(&volume, &scene), "{kind:?}");
+    }
+}
