@@ -41,5 +41,5 @@ mod planner;
 pub mod conformance;
 
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
-pub use plan::{FramePlan, Splats};
+pub use plan::{FewerSections, FramePlan, Splats};
 pub use planner::{PlanError, Planner};

@@ -3,7 +3,7 @@
 use slabsplat_core::{
     Compositing, ImageDesc, IsoRange, Shading, SlabGrid, SliceOrder, TransferFunction, View, Volume,
 };
-use slabsplat_kernel::{FootprintShape, FootprintTable, SectionTable};
+use slabsplat_kernel::{FootprintShape, FootprintTable, SectionLevels, SectionTable};
 use std::sync::Arc;
 
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
@@ -34,6 +34,18 @@ pub struct FramePlan<'a> {
     pub splats: Splats,
 }
 
+/// A permission, which a backend need not make use of: what lies beyond the faces that a voxel's level spares is
+/// folded onto its first and its last section (`docs/algorithm.md`, "Sections by opacity").
+#[derive(Clone, Debug)]
+pub struct FewerSections {
+    /// Which faces cut a voxel's kernel, by its extinction.
+    pub levels: SectionLevels,
+    /// Folded sections: a slab as wide as the kernel cuts all that lies before or behind a face.
+    pub table: Arc<SectionTable>,
+    /// By how much any channel of a pixel may differ for it.
+    pub tolerance: f64,
+}
+
 /// What is splatted, and into which sheets (SPEC §4).
 #[derive(Clone, Debug)]
 pub enum Splats {
@@ -43,6 +55,8 @@ pub enum Splats {
         slabs: SlabGrid,
         /// The sections.
         table: Arc<SectionTable>,
+        /// How few of them a backend may splat for a voxel, and the sections that it needs for that.
+        fewer: Option<FewerSections>,
     },
     /// `axis-aligned`: whole footprints, into the grid's slices.
     Slices {

@@ -1,13 +1,13 @@
 //! Makes frame plans, and keeps the tables that the next frame can use again.
 
-use crate::{FramePlan, Splats};
+use crate::{FewerSections, FramePlan, Splats};
 use slabsplat_core::{
     ImageError, Method, RenderSettings, Scene, SettingsError, Shading, ShadingError, SlabGrid,
     SliceOrder, TooManySlabs, View, Volume,
 };
 use slabsplat_kernel::{
-    FootprintShape, FootprintTable, Kernel, SectionDesc, SectionTable, TableDesc, UnknownKernel,
-    kernel_named,
+    FootprintShape, FootprintTable, Kernel, LevelView, SectionDesc, SectionLevels, SectionTable,
+    TableDesc, UnknownKernel, kernel_named,
 };
 use std::sync::Arc;
 use thiserror::Error;
@@ -37,6 +37,7 @@ pub enum PlanError {
 #[derive(Debug, Default)]
 pub struct Planner {
     sections: Option<(TableKey, Arc<SectionTable>)>,
+    folded: Option<(TableKey, Arc<SectionTable>)>,
     footprint: Option<(TableKey, Arc<FootprintTable>)>,
 }
 
@@ -45,6 +46,26 @@ pub struct Planner {
 struct TableKey {
     kappa: f64,
     settings: RenderSettings,
+}
+
+impl TableKey {
+    /// The sections by slabs of that width.
+    fn sections_of(&self, kernel: &dyn Kernel, width: f64) -> SectionTable {
+        let Self { kappa, ref settings } = *self;
+        let desc = SectionDesc {
+            kernel,
+            width,
+            kappa,
+            normalization: settings.normalization,
+            base_width: settings.base_slab_width,
+        };
+        let table = TableDesc {
+            sections: settings.sections,
+            radial_samples: settings.radial_samples,
+            lookup: settings.lookup,
+        };
+        SectionTable::new(&desc, table)
+    }
 }
 
 impl Planner {
@@ -70,6 +91,7 @@ impl Planner {
         let splats = match key.settings.method {
             Method::ImageAligned => Splats::Sections {
                 slabs: slabs_of(volume, &view, &shape, kernel.radius(), &key.settings)?,
+                fewer: self.fewer_sections(&*kernel, &key, &view, &shape, volume.grid().unit()),
                 table: self.section_table(&*kernel, key),
             },
             Method::AxisAligned => Splats::Slices {
@@ -93,22 +115,29 @@ impl Planner {
         })
     }
 
+    fn fewer_sections(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+        view: &View,
+        shape: &FootprintShape,
+        unit: f64,
+    ) -> Option<FewerSections> {
+        let tolerance = key.settings.tolerance;
+        let layer_depth = shape.half_depth / unit;
+        let view = LevelView { layer_depth, steepest_ray: view.steepest_ray() };
+        let levels = SectionLevels::new(&key.settings, kernel, view);
+        if levels.are_all_last() {
+            return None;
+        }
+        let table = keep(&mut self.folded, key.clone(), |key| {
+            key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa)
+        });
+        Some(FewerSections { levels, table, tolerance })
+    }
+
     fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
-        keep(&mut self.sections, key, |TableKey { kappa, settings }| {
-            let desc = SectionDesc {
-                kernel,
-                width: settings.slab_width,
-                kappa: *kappa,
-                normalization: settings.normalization,
-                base_width: settings.base_slab_width,
-            };
-            let table = TableDesc {
-                sections: settings.sections,
-                radial_samples: settings.radial_samples,
-                lookup: settings.lookup,
-            };
-            SectionTable::new(&desc, table)
-        })
+        keep(&mut self.sections, key, |key| key.sections_of(kernel, key.settings.slab_width))
     }
 
     fn footprint_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<FootprintTable> {

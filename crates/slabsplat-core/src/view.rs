@@ -91,6 +91,17 @@ impl View {
         }
     }
 
+    /// How far the ray of the image's corner, which no other ray exceeds, moves sideways per step in depth.
+    pub fn steepest_ray(&self) -> f64 {
+        let [width, height] = self.image_size.map(f64::from);
+        match self.projection {
+            Projection::Orthographic { .. } => 0.0,
+            Projection::Perspective { fov_y_radians } => {
+                (0.5 * fov_y_radians).tan() * (width / height).hypot(1.0)
+            }
+        }
+    }
+
     /// By how much footprints are widened where a pixel covers more than a voxel step (SPEC §5).
     pub fn stretch(&self, pixels_per_world: f64) -> f64 {
         (1.0 / (pixels_per_world * self.unit)).max(1.0)
@@ -159,5 +170,6 @@ mod tests {
         assert!(view.draws_slab([-20.0, -18.0]) && !view.draws_slab([-20.1, -18.1]));
         assert_eq!(view.stretch(0.25), 4.0);
         assert_eq!(view.stretch(3.0), 1.0);
+        assert!((view.steepest_ray() - 5.0_f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -17,7 +17,7 @@ pub(crate) fn render_tile<'a>(
     tile: &mut Tile,
     workspace: &mut Workspace,
 ) {
-    workspace.voxels.sort(voxels, |voxel| voxel.sheet as usize);
+    workspace.voxels[0].sort(voxels, |voxel| voxel.sheets as usize);
     dispatch!(stage.level, simd => render_slices(simd, stage, whole, tile, workspace));
 }
 
@@ -27,9 +27,9 @@ fn render_slices<S: Simd>(
     stage: &Stage<'_>,
     whole: &Whole<'_>,
     tile: &mut Tile,
-    Workspace { voxels, sheet }: &mut Workspace,
+    Workspace { voxels, sheet, .. }: &mut Workspace,
 ) {
-    let voxels: &BySheet = voxels;
+    let voxels: &BySheet = &voxels[0];
     let slices = voxels.sheets();
     for slice in slices.clone() {
         for voxel in voxels.starting_in(slice..slice + 1) {

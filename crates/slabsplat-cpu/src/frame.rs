@@ -60,9 +60,12 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     watch.done("list");
     let mut n_hidden = 0;
     match &plan.splats {
-        Splats::Sections { slabs, table } => {
-            let polynomials = polynomials.of_sections(table);
-            let job = image_aligned::Job { stage: &stage, slabs, table, polynomials };
+        Splats::Sections { slabs, table, fewer } => {
+            let (polynomials, folded) = polynomials.of_sections(table, fewer.as_ref());
+            let fewer = fewer.as_ref().zip(folded).map(|(fewer, polynomials)| {
+                image_aligned::Fewer { levels: &fewer.levels, table: &fewer.table, polynomials }
+            });
+            let job = image_aligned::Job { stage: &stage, slabs, table, polynomials, fewer };
             let buffers = &mut buffers.image_aligned;
             n_hidden = image_aligned::render(&job, tiles, buffers, workspaces, &mut watch);
         }

@@ -1,33 +1,51 @@
 //! The polynomials of the last plan's tables, kept for the next one.
 
+use slabsplat_backend::FewerSections;
 use slabsplat_kernel::{FootprintTable, RadialPolynomials, SectionTable};
 use std::sync::Arc;
 
 /// What is kept between frames; nothing before the first.
 #[derive(Debug, Default)]
 pub(crate) struct Polynomials {
-    sections: Option<(Arc<SectionTable>, RadialPolynomials)>,
-    footprint: Option<(Arc<FootprintTable>, RadialPolynomials)>,
+    sections: Kept<SectionTable>,
+    folded: Kept<SectionTable>,
+    footprint: Kept<FootprintTable>,
 }
 
+/// What polynomials were made of: a table, and the error that was allowed.
+type Kept<T> = Option<(Arc<T>, f64, RadialPolynomials)>;
+
+/// The part of a tolerance that polynomials may use up.
+const SHARE_OF_TOLERANCE: f64 = 0.01;
+
 impl Polynomials {
-    pub(crate) fn of_sections(&mut self, table: &Arc<SectionTable>) -> &RadialPolynomials {
-        keep(&mut self.sections, table, RadialPolynomials::of_sections)
+    /// Those of a plan's sections, and of its folded ones.
+    pub(crate) fn of_sections(
+        &mut self,
+        table: &Arc<SectionTable>,
+        fewer: Option<&FewerSections>,
+    ) -> (&RadialPolynomials, Option<&RadialPolynomials>) {
+        let max_error = fewer.map_or(0.0, |fewer| SHARE_OF_TOLERANCE * fewer.tolerance);
+        let make = RadialPolynomials::of_sections;
+        let sections = keep(&mut self.sections, table, max_error, make);
+        (sections, fewer.map(|fewer| keep(&mut self.folded, &fewer.table, max_error, make)))
     }
 
     pub(crate) fn of_footprint(&mut self, table: &Arc<FootprintTable>) -> &RadialPolynomials {
-        keep(&mut self.footprint, table, RadialPolynomials::of_footprint)
+        keep(&mut self.footprint, table, 0.0, RadialPolynomials::of_footprint)
     }
 }
 
-/// What `kept` holds, if it was made of that table; otherwise makes it anew.
+/// What `kept` holds, if it was made of that; otherwise makes it anew.
 fn keep<'a, T>(
-    kept: &'a mut Option<(Arc<T>, RadialPolynomials)>,
+    kept: &'a mut Kept<T>,
     table: &Arc<T>,
-    make: impl FnOnce(&T) -> RadialPolynomials,
+    max_error: f64,
+    make: impl FnOnce(&T, f64) -> RadialPolynomials,
 ) -> &'a RadialPolynomials {
-    if !kept.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, table)) {
+    let same = |(of, error, _): &(Arc<T>, f64, _)| Arc::ptr_eq(of, table) && *error == max_error;
+    if !kept.as_ref().is_some_and(same) {
         *kept = None;
     }
-    &kept.get_or_insert_with(|| (table.clone(), make(table))).1
+    &kept.get_or_insert_with(|| (table.clone(), max_error, make(table, max_error))).2
 }

@@ -6,8 +6,9 @@
 pub(crate) struct Voxel {
     /// Right, up, and depth from the grid's centre.
     pub(crate) point: [f32; 3],
-    /// The sheet that it goes to first, in methods that know before.
-    pub(crate) sheet: u32,
+    /// Which sheets it goes to: its slice in `axis-aligned`, its [`Span`](crate::image_aligned::Span) in
+    /// `image-aligned`.
+    pub(crate) sheets: u32,
     /// What a sheet sums, at weight 1.
     pub(crate) color: [f32; 4],
 }

@@ -27,8 +27,8 @@ pub(crate) fn voxels(
         shader.shade_brick(brick, records, &mut colors);
         let shaded = points.into_iter().zip(colors);
         for ((voxel, &record), (point, color)) in voxels.iter_mut().zip(records).zip(shaded) {
-            let sheet = sheet_of(list.voxel_coords(brick, record)) as u32;
-            *voxel = Voxel { point, sheet, color };
+            let sheets = sheet_of(list.voxel_coords(brick, record)) as u32;
+            *voxel = Voxel { point, sheets, color };
         }
     });
 }

@@ -1,15 +1,27 @@
 //! What a thread works with, kept from tile to tile and from frame to frame.
 
 use crate::by_sheet::BySheet;
+use crate::image_aligned::N_CLASSES;
 use crate::sheet::Sheet;
+use crate::voxel::Voxel;
 use std::sync::Mutex;
 
 /// What a thread needs for a tile.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
-    pub(crate) voxels: BySheet,
+    /// Voxels of a tile, as they come.
+    pub(crate) arrived: Vec<Voxel>,
+    /// The same by class and first sheet.
+    pub(crate) voxels: [BySheet; N_CLASSES],
     /// Empty between tiles.
     pub(crate) sheet: Sheet,
+}
+
+impl Workspace {
+    fn resident_bytes(&self) -> usize {
+        let sorted: usize = self.voxels.iter().map(BySheet::resident_bytes).sum();
+        sorted + self.arrived.capacity() * size_of::<Voxel>()
+    }
 }
 
 /// One for every thread, so that no lock is ever waited for.
@@ -19,7 +31,7 @@ pub(crate) struct Workspaces(pub(crate) Vec<Mutex<Workspace>>);
 impl Workspaces {
     pub(crate) fn resident_bytes(&self) -> usize {
         let bytes = |workspace: &Mutex<Workspace>| {
-            workspace.lock().map_or(0, |workspace| workspace.voxels.resident_bytes())
+            workspace.lock().map_or(0, |workspace| Workspace::resident_bytes(&workspace))
         };
         self.0.iter().map(bytes).sum()
     }

@@ -67,7 +67,7 @@ fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
 fn put_sheets(plan: &FramePlan<'_>, frame: &mut Frame) {
     frame.method = method_code(&plan.splats);
     match &plan.splats {
-        Splats::Sections { slabs, table } => {
+        Splats::Sections { slabs, table, .. } => {
             put_slabs(plan, slabs, frame);
             let rows = table.rows();
             frame.samples_per_index = table.samples_per_index();

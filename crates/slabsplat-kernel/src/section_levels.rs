@@ -23,6 +23,8 @@ use std::f64::consts::PI;
 pub struct SectionLevels {
     /// Never falling; infinite for the last level.
     max_extinctions: [f32; N_LEVELS],
+    /// The same for slabs 2, 4, … times as thick, into which whole kernels go; falling.
+    max_in_thick: [f32; MAX_DOUBLINGS],
 }
 
 /// How a view sees the grid, as far as levels go.
@@ -36,6 +38,9 @@ pub struct LevelView {
 
 /// Level 0 is a whole kernel, and the last level all sections.
 const N_LEVELS: usize = SectionLevels::LAST as usize + 1;
+
+/// Slabs may grow to 2⁴ times their width.
+const MAX_DOUBLINGS: usize = 4;
 
 /// No pixel sees more layers of voxels than this folded over one face: kernels reach two steps.
 const LAYERS_PER_FACE: f64 = 2.0;
@@ -59,13 +64,32 @@ impl SectionLevels {
             let is_too_steep = budget <= 0.0 || allowed < view.steepest_ray;
             *max_extinction = if is_too_steep { f32::NEG_INFINITY } else { allowed as f32 };
         }
-        Self { max_extinctions }
+        let max_in_thick = std::array::from_fn(|n| {
+            // A layer goes as far as from a face of the thick slab to its middle, and the kernels with it.
+            let layers = 0.5 * settings.slab_width * f64::from(2_u32 << n) + view.layer_depth;
+            let is_allowed = 0.0 < budget && view.steepest_ray == 0.0;
+            if is_allowed { (LAYERS_PER_FACE * budget / layers) as f32 } else { f32::NEG_INFINITY }
+        });
+        Self { max_extinctions, max_in_thick }
+    }
+
+    /// By how many doublings the slab may be thicker into which a voxel of extinction `mu` is splatted whole, 1 … 4;
+    /// `None` if it may not.
+    #[inline]
+    pub fn thick_slab(&self, mu: f32) -> Option<u32> {
+        let n_doublings = self.max_in_thick.partition_point(|&max| mu <= max);
+        (0 < n_doublings).then_some(n_doublings as u32)
     }
 
     /// The level of a voxel of extinction `mu`, from 0 (splatted whole) to [`Self::LAST`].
     #[inline]
     pub fn level(&self, mu: f32) -> u8 {
         self.max_extinctions.partition_point(|&max| max < mu).min(N_LEVELS - 1) as u8
+    }
+
+    /// For every doubling of the slab width the greatest extinction of voxels that go whole into such slabs.
+    pub fn max_in_thick(&self) -> &[f32] {
+        &self.max_in_thick
     }
 
     /// A face cuts a kernel if less than this share of the kernel's reach in depth lies between the

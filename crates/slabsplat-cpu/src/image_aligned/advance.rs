@@ -5,6 +5,7 @@ use crate::frame::Stage;
 use crate::image_aligned::intake::Intake;
 use crate::image_aligned::sections::SlabCut;
 use crate::image_aligned::Slabs;
+use crate::image_aligned::span::{N_CLASSES, Span};
 use crate::sheet::Sheet;
 use crate::tile::Tile;
 use crate::tiles::Tiles;
@@ -26,11 +27,17 @@ pub(crate) fn through(
         if tile.is_full() {
             return;
         }
-        let Workspace { voxels, sheet } = workspace;
-        let waiting = tile.pending.iter().chain(intake.on_tile(tile_idx));
-        voxels.sort(waiting, |voxel| slabs.meeting(voxel.point[2])[0]);
+        let Workspace { arrived, voxels, sheet } = workspace;
+        arrived.clear();
+        arrived.extend(tile.pending.iter().chain(intake.on_tile(tile_idx)));
+        for (class, voxels) in voxels.iter_mut().enumerate() {
+            let of_class = |voxel: &&Voxel| Span::from_bits(voxel.sheets).class() == class;
+            voxels.sort(arrived.iter().filter(of_class), |voxel| {
+                Span::from_bits(voxel.sheets).first()
+            });
+        }
         dispatch!(stage.level, simd => advance(simd, stage, slabs, &range, tile, voxels, sheet));
-        tile.keep_waiting(voxels.starting_in(range.end.saturating_sub(slabs.n_before)..usize::MAX));
+        tile.keep_waiting(slabs, voxels, range.end);
     });
 }
 
@@ -41,19 +48,18 @@ fn advance<S: Simd>(
     slabs: &Slabs<'_>,
     range: &Range<usize>,
     tile: &mut Tile,
-    voxels: &BySheet,
+    voxels: &[BySheet; N_CLASSES],
     sheet: &mut Sheet,
 ) {
-    let starts = voxels.sheets();
+    let starts = voxels.iter().map(BySheet::sheets).filter(|starts| !starts.is_empty());
+    let Some(starts) = starts.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
     let first = starts.start.max(range.start).max(slabs.first_drawn);
     for slab in first..range.end.min(starts.end + slabs.n_before) {
-        let cut = SlabCut {
-            slabs,
-            shape: slabs.shape(slab),
-            faces: slabs.grid.faces(slab).map(|face| face as f32),
-        };
-        let met = voxels.starting_in(slab.saturating_sub(slabs.n_before)..slab + 1);
-        cut.splat(simd, met, tile, sheet);
+        let cut = SlabCut::new(slabs, slab);
+        for (class, voxels) in voxels.iter().enumerate() {
+            let first = slab.saturating_sub(slabs.n_before(class));
+            cut.splat(simd, voxels.starting_in(first..slab + 1), tile, sheet);
+        }
         tile.put_behind(simd, stage.plan.compositing, sheet, stage.plan.opacity_cutoff);
         if tile.is_full() {
             break;
@@ -62,11 +68,15 @@ fn advance<S: Simd>(
 }
 
 impl Tile {
-    /// Keeps voxels for the next range, unless nothing of them will be seen.
-    fn keep_waiting(&mut self, voxels: &[Voxel]) {
+    /// Keeps the voxels that are drawn at `slab` or behind it, unless nothing of them will be seen.
+    fn keep_waiting(&mut self, slabs: &Slabs<'_>, voxels: &[BySheet; N_CLASSES], slab: usize) {
         self.pending.clear();
-        if !self.is_full() {
-            self.pending.extend_from_slice(voxels);
+        if self.is_full() {
+            return;
+        }
+        for (class, voxels) in voxels.iter().enumerate() {
+            let first = slab.saturating_sub(slabs.n_before(class));
+            self.pending.extend_from_slice(voxels.starting_in(first..usize::MAX));
         }
     }
 }

@@ -118,6 +118,7 @@ impl Task {
         stage.shader.shade_brick(brick, &self.records, &mut self.colors);
         for (voxel, &color) in self.voxels[first..].iter_mut().zip(&self.colors) {
             voxel.color = color;
+            voxel.sheets = slabs.span(voxel.point[2], color[3]).bits();
         }
     }
 

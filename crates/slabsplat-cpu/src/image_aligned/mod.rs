@@ -10,13 +10,14 @@
 //! that bucket and from those of the few slabs before it, as far as a kernel reaches; so the work is
 //! linear in sections, and a voxel is stored once a tile instead of once a section.
 //!
-//! Reading order: `slab_shapes`, `occlusion`, `intake`, `sections`, `advance`.
+//! Reading order: `slab_shapes`, `span`, `occlusion`, `intake`, `sections`, `advance`.
 
 mod advance;
 mod intake;
 mod occlusion;
 mod sections;
 mod slab_shapes;
+mod span;
 
 use crate::frame::Stage;
 use crate::raster::{PixelShape, Raster};
@@ -28,8 +29,10 @@ use occlusion::Occlusion;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
 use slabsplat_core::{SlabGrid, View};
-use slabsplat_kernel::{RadialPolynomials, SectionTable};
+use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionTable};
 use slabsplat_traverse::Brick;
+
+pub(crate) use span::{N_CLASSES, Span};
 
 /// How thick a range of slabs is, in voxel steps: about as thick as a brick is deep. Thinner, and most bricks would wait
 /// for several ranges; thicker, and more is taken in that turns out to be hidden.
@@ -51,7 +54,10 @@ pub(crate) struct Slabs<'a> {
     raster: &'a Raster,
     table: &'a SectionTable,
     polynomials: &'a RadialPolynomials,
+    fewer: Option<Fewer<'a>>,
     shapes: &'a SlabShapes,
+    /// Half the thickness of a kernel along a ray, in index units: its radius, or more if slabs are tilted.
+    reach_in_index: f32,
     /// The first slab whose sections are drawn.
     first_drawn: usize,
     /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
@@ -63,6 +69,15 @@ pub(crate) struct Slabs<'a> {
 pub(crate) struct Job<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) slabs: &'a SlabGrid,
+    pub(crate) table: &'a SectionTable,
+    pub(crate) polynomials: &'a RadialPolynomials,
+    pub(crate) fewer: Option<Fewer<'a>>,
+}
+
+/// What is needed to draw fewer sections than there are.
+#[derive(Clone, Copy)]
+pub(crate) struct Fewer<'a> {
+    pub(crate) levels: &'a SectionLevels,
     pub(crate) table: &'a SectionTable,
     pub(crate) polynomials: &'a RadialPolynomials,
 }
@@ -123,7 +138,7 @@ impl Buffers {
 
 impl<'a> Slabs<'a> {
     fn new(job: &'a Job<'_>, shapes: &'a SlabShapes) -> Self {
-        let Job { stage, slabs: grid, table, polynomials } = *job;
+        let Job { stage, slabs: grid, table, polynomials, fewer } = *job;
         let (raster, view) = (&stage.raster, stage.plan.view);
         let thickness = f64::from(2.0 * raster.reach) / grid.thickness();
         let mut slabs = 0..grid.n_slabs();
@@ -133,10 +148,27 @@ impl<'a> Slabs<'a> {
             raster,
             table,
             polynomials,
+            fewer,
             shapes,
+            reach_in_index: raster.reach * raster.index_per_depth,
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
         }
+    }
+
+    /// The sections of slabs, or of all that lies before or behind a face.
+    #[inline(always)]
+    fn tables(&self, is_folded: bool) -> (&'a SectionTable, &'a RadialPolynomials) {
+        match self.fewer {
+            Some(fewer) if is_folded => (fewer.table, fewer.polynomials),
+            _ => (self.table, self.polynomials),
+        }
+    }
+
+    /// Coefficients of the longest polynomial.
+    fn n_coefficients(&self) -> usize {
+        let folded = self.fewer.map_or(0, |fewer| fewer.polynomials.n_coefficients());
+        self.polynomials.n_coefficients().max(folded)
     }
 
     fn per_range(&self, unit: f64) -> usize {

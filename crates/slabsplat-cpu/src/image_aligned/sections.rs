@@ -5,7 +5,7 @@
 //! so that they run side by side, and the inner loop finds everything ready.
 
 use crate::blocks::Blocks;
-use crate::image_aligned::Slabs;
+use crate::image_aligned::{Slabs, Span};
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::splat::{Footprint, PixelBox, splat};
@@ -18,13 +18,14 @@ use slabsplat_kernel::MAX_COEFFICIENTS;
 /// Voxels whose sections are prepared at a time.
 const N_PREPARED: usize = 32;
 
-/// A slab in front of a tile.
+/// A slab, about to be splatted.
 pub(crate) struct SlabCut<'a> {
-    pub(crate) slabs: &'a Slabs<'a>,
+    slabs: &'a Slabs<'a>,
+    slab: usize,
     /// The footprint of its sections.
-    pub(crate) shape: PixelShape,
-    /// Depths of the slab's faces.
-    pub(crate) faces: [f32; 2],
+    shape: PixelShape,
+    /// Depths of its faces.
+    faces: [f32; 2],
 }
 
 /// A section that is about to be splatted.
@@ -33,6 +34,8 @@ struct Section {
     footprint: Footprint,
     /// Index units from the voxel to the slab's faces.
     faces: [f32; 2],
+    /// Whether it holds what lies beyond one of the faces, too.
+    is_folded: bool,
     /// Where its disc ends, `2·(ρ/R)² − 1`.
     edge: f32,
     coefficients: [f32; MAX_COEFFICIENTS],
@@ -47,7 +50,12 @@ enum Prepared {
     NotCut,
 }
 
-impl SlabCut<'_> {
+impl<'a> SlabCut<'a> {
+    pub(crate) fn new(slabs: &'a Slabs<'a>, slab: usize) -> Self {
+        let faces = slabs.grid.faces(slab).map(|face| face as f32);
+        Self { slabs, slab, shape: slabs.shape(slab), faces }
+    }
+
     /// Adds the voxels' sections to the sheet.
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(
@@ -80,16 +88,17 @@ impl SlabCut<'_> {
         sheet: &mut Sheet,
         section: &mut Section,
     ) -> Prepared {
-        let Slabs { raster, table, polynomials, .. } = self.slabs;
-        let depth = voxel.point[2];
-        let [front, back] = self.faces.map(|face| (face - depth) * raster.index_per_depth);
-        // The disc in which a slab between two faces cuts a ball.
+        let raster = self.slabs.raster;
+        let Some(([front, back], is_folded)) = self.faces_of(voxel) else {
+            return Prepared::NotCut;
+        };
+        // The disc in which a slab between two faces cuts a ball; a tilted slab may cut it elsewhere.
         let nearest = front.max(-back).max(0.0);
-        let radius = raster.radius;
-        let disc_squared = radius * radius - nearest * nearest;
-        if disc_squared <= 0.0 {
+        if self.slabs.reach_in_index <= nearest {
             return Prepared::NotCut;
         }
+        let radius = raster.radius;
+        let disc_squared = radius * radius - nearest * nearest;
         let rho_max = if raster.is_tilted { radius } else { disc_squared.sqrt() };
         let [x, y] = raster.pixel_of(&self.shape, voxel.point);
         let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
@@ -101,22 +110,44 @@ impl SlabCut<'_> {
         }
         sheet.touched.add(blocks);
         let color = voxel.color.map(|channel| channel * self.shape.gain);
+        let (table, polynomials) = self.slabs.tables(is_folded);
         let (row, t) = table.row_at(front, back);
         section.footprint = Footprint { center, pixels, color };
         section.faces = [front, back];
+        section.is_folded = is_folded;
         section.edge = 2.0 * disc_squared / (radius * radius) - 1.0;
         polynomials.blend(row, t, &mut section.coefficients);
         Prepared::Yes
     }
 
+    /// Index units from the voxel to the faces that cut it, and whether others were spared; `None` if it is not drawn
+    /// in this slab.
+    #[inline(always)]
+    fn faces_of(&self, voxel: &Voxel) -> Option<([f32; 2], bool)> {
+        let raster = self.slabs.raster;
+        let [front, back] =
+            self.faces.map(|face| (face - voxel.point[2]) * raster.index_per_depth);
+        let span = Span::from_bits(voxel.sheets);
+        let Some(n_more) = span.folded() else { return Some(([front, back], false)) };
+        let place = self.slab.wrapping_sub(span.first());
+        if n_more < place {
+            return None;
+        }
+        let far = 2.0 * self.slabs.reach_in_index;
+        let (is_first, is_last) = (place == 0, place == n_more);
+        let front = if is_first { -far } else { front };
+        let back = if is_last { far } else { back };
+        Some(([front, back], is_first || is_last))
+    }
+
     #[inline(always)]
     fn splat_prepared<S: Simd>(&self, simd: S, sections: &[Section], sheet: &mut Sheet) {
-        let Slabs { raster, polynomials, .. } = self.slabs;
-        match (raster.is_tilted, polynomials.n_coefficients(), raster.leans) {
+        let raster = self.slabs.raster;
+        match (raster.is_tilted, self.slabs.n_coefficients(), raster.leans) {
             (true, ..) => {
                 for section in sections {
                     let tilted = Tilted {
-                        table: self.slabs.table,
+                        table: self.slabs.tables(section.is_folded).0,
                         radius: raster.radius,
                         faces: section.faces,
                     };
