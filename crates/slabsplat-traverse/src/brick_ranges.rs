@@ -2,8 +2,8 @@
 //!
 //! The paper sorts all voxels by value and finds an iso-range by binary search (§4). That takes 4 bytes a
 //! voxel, 4 GiB for 1024³, and lists voxels in an order in which neighbours in the list are far apart in
-//! memory. Here a brick whose values miss an iso-range is skipped, and so is one in which a change of
-//! ranges changes nothing; only the others are looked at. That takes 16 bytes a brick, 1/32 byte a voxel,
+//! memory. Here a brick whose values miss an iso-range is skipped, and so is one for whose values a change
+//! of ranges changes nothing; only the others are looked at. That takes 16 bytes a brick, 1/32 byte a voxel,
 //! and one pass over the volume instead of a sort.
 
 use crate::order::Ordered;

@@ -60,37 +60,56 @@ impl<'a, T: Ordered, F: Real> Normals<'a, T, F> {
     /// The normals of the 8 voxels from `coords` along x. Where the grid ends before, the rest is
     /// anything.
     #[inline]
-    pub(crate) fn of_row(&self, coords: [usize; 3]) -> RowNormals {
-        let [n_x, n_y, _] = self.dims;
-        let [x, y, z] = coords;
+    pub(crate) fn of_row(&self, [x, y, z]: [usize; 3]) -> RowNormals {
+        let [n_x, n_y, n_z] = self.dims;
         let start = (z * n_y + y) * n_x + x;
-        let is_inside = 0 < x && x + BRICK_SIDE < n_x;
-        let row = |start: usize| {
-            if is_inside { *window(self.samples, start) } else { self.window_at_end(start) }
-        };
-        let here = row(start);
-        let ([before, after], factors) = if is_inside {
-            let neighbors = [start - 1, start + 1].map(|at| *window(self.samples, at));
-            (neighbors, [F::of(0.5); BRICK_SIDE])
-        } else {
-            self.neighbors_along_x(x, start)
-        };
-        let along_x = differences(&before, &here, &after, &factors);
-        let [along_y, along_z] = [1, 2].map(|axis| {
-            let stride = if axis == 1 { n_x } else { n_x * n_y };
-            let [has_before, has_after] = [0 < coords[axis], coords[axis] + 1 < self.dims[axis]];
-            let missing = || here.map(T::missing_neighbor);
-            let before = if has_before { row(start - stride) } else { missing() };
-            let after = if has_after { row(start + stride) } else { missing() };
-            let factor = F::of(if has_before && has_after { 0.5 } else { 1.0 });
-            differences(&before, &here, &after, &[factor; BRICK_SIDE])
-        });
-        quantised(&self.matrix, &[along_x, along_y, along_z])
+        let here = self.row(start);
+        let differences = [
+            self.along_x(&here, x, start),
+            self.along(&here, start, n_x, [0 < y, y + 1 < n_y]),
+            self.along(&here, start, n_x * n_y, [0 < z, z + 1 < n_z]),
+        ];
+        quantised(&self.matrix, &differences)
     }
 
-    /// Eight samples, fewer at the end of the volume.
+    #[inline]
+    fn along_x(&self, here: &[T; BRICK_SIDE], x: usize, start: usize) -> [F; BRICK_SIDE] {
+        if 0 < x && x + BRICK_SIDE < self.dims[0] {
+            let [before, after] = [self.row(start - 1), self.row(start + 1)];
+            differences(&before, here, &after, &[F::of(0.5); BRICK_SIDE])
+        } else {
+            let ([before, after], factors) = self.neighbors_along_x(x, start);
+            differences(&before, here, &after, &factors)
+        }
+    }
+
+    /// Along y or z, in which all eight have neighbours or none.
+    #[inline]
+    fn along(
+        &self,
+        here: &[T; BRICK_SIDE],
+        start: usize,
+        stride: usize,
+        [has_before, has_after]: [bool; 2],
+    ) -> [F; BRICK_SIDE] {
+        let missing = || here.map(T::missing_neighbor);
+        let before = if has_before { self.row(start - stride) } else { missing() };
+        let after = if has_after { self.row(start + stride) } else { missing() };
+        let factor = F::of(if has_before && has_after { 0.5 } else { 1.0 });
+        differences(&before, here, &after, &[factor; BRICK_SIDE])
+    }
+
+    /// Eight samples, whether they are of one row or not; fewer at the end of the volume.
+    #[inline]
+    fn row(&self, start: usize) -> [T; BRICK_SIDE] {
+        match self.samples[start..].first_chunk() {
+            Some(samples) => *samples,
+            None => self.row_at_end(start),
+        }
+    }
+
     #[cold]
-    fn window_at_end(&self, start: usize) -> [T; BRICK_SIDE] {
+    fn row_at_end(&self, start: usize) -> [T; BRICK_SIDE] {
         let last = self.samples.len() - 1;
         from_fn(|offset| self.samples[last.min(start + offset)])
     }
@@ -115,11 +134,6 @@ impl<'a, T: Ordered, F: Real> Normals<'a, T, F> {
     }
 }
 
-#[inline]
-fn window<T>(samples: &[T], start: usize) -> &[T; BRICK_SIDE] {
-    samples[start..].first_chunk().expect("rows inside of the grid are whole")
-}
-
 /// `factors` are 0.5 where both neighbours are there.
 #[inline]
 #[expect(clippy::eq_op, reason = "a sample that differs from itself is NaN, whatever its type")]
@@ -129,35 +143,35 @@ fn differences<T: Sample, F: Real>(
     after: &[T; BRICK_SIDE],
     factors: &[F; BRICK_SIDE],
 ) -> [F; BRICK_SIDE] {
-    from_fn(|x| {
+    let mut differences = [F::of(0.0); BRICK_SIDE];
+    for x in 0..BRICK_SIDE {
         let (no_before, no_after) = (before[x] != before[x], after[x] != after[x]);
         // Where both are missing the difference is 0, even if the voxel itself is infinite.
         let stand_in = if no_before & no_after { T::zeroed() } else { here[x] };
         let before = if no_before { stand_in } else { before[x] };
         let after = if no_after { stand_in } else { after[x] };
         let factor = if no_before | no_after { F::of(1.0) } else { factors[x] };
-        (F::of_sample(after) - F::of_sample(before)) * factor
-    })
+        differences[x] = (F::of_sample(after) - F::of_sample(before)) * factor;
+    }
+    differences
 }
 
 #[inline]
 fn quantised<F: Real>(matrix: &[[F; 3]; 3], d: &[[F; BRICK_SIDE]; 3]) -> RowNormals {
-    let mut normals = [[0; BRICK_SIDE]; 3];
     let mut scaled = [[0.0_f32; BRICK_SIDE]; 3];
     for x in 0..BRICK_SIDE {
-        let gradient = matrix.map(|row| row[0] * d[0][x] + row[1] * d[1][x] + row[2] * d[2][x]);
-        let components = F::scaled(gradient);
-        for axis in 0..3 {
-            scaled[axis][x] = components[axis];
-        }
+        let along = |row: &[F; 3]| row[0] * d[0][x] + row[1] * d[1][x] + row[2] * d[2][x];
+        let [a, b, c] = F::scaled([along(&matrix[0]), along(&matrix[1]), along(&matrix[2])]);
+        (scaled[0][x], scaled[1][x], scaled[2][x]) = (a, b, c);
     }
+    let mut normals = [[0; BRICK_SIDE]; 3];
     for x in 0..BRICK_SIDE {
         let [a, b, c] = [scaled[0][x], scaled[1][x], scaled[2][x]];
         let squared = a * a + b * b + c * c;
         let steps = if 0.0 < squared { NORMAL_STEPS / squared.sqrt() } else { 0.0 };
-        for axis in 0..3 {
-            normals[axis][x] = rounded(scaled[axis][x] * steps);
-        }
+        normals[0][x] = rounded(a * steps);
+        normals[1][x] = rounded(b * steps);
+        normals[2][x] = rounded(c * steps);
     }
     normals
 }
@@ -200,7 +214,7 @@ impl Real for f32 {
         let size = vector[0].abs() + vector[1].abs() + vector[2].abs();
         let factor = Self::from_bits((254_u32 << 23).wrapping_sub(size.to_bits() & EXPONENT));
         let factor = if size < Self::INFINITY { factor } else { 0.0 };
-        vector.map(|component| component * factor)
+        [vector[0] * factor, vector[1] * factor, vector[2] * factor]
     }
 }
 
@@ -220,8 +234,9 @@ impl Real for f64 {
         const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
         let size = vector[0].abs() + vector[1].abs() + vector[2].abs();
         let factor = Self::from_bits((2046_u64 << 52).wrapping_sub(size.to_bits() & EXPONENT));
-        let is_finite = size < Self::INFINITY;
-        vector.map(|component| if is_finite { (component * factor) as f32 } else { 0.0 })
+        let component =
+            |number: Self| if size < Self::INFINITY { (number * factor) as f32 } else { 0.0 };
+        [component(vector[0]), component(vector[1]), component(vector[2])]
     }
 }
 

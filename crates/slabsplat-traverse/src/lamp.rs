@@ -11,6 +11,8 @@ pub(crate) struct Lamp {
     diffuse: f32,
     specular: f32,
     shininess: Power,
+    /// Products from which there are highlights.
+    least_facing: f32,
     two_sided: bool,
     to_light: [f32; 3],
     /// `h = (l + v)/|l + v|`; zero if the light shines straight at the viewer.
@@ -34,6 +36,10 @@ enum Power {
 /// Every squaring doubles the relative error, which begins as 10⁻⁷.
 const MAX_WHOLE_POWER: f64 = 256.0;
 
+/// Highlights below this are none. Powers far below it would pass through subnormal numbers, with which
+/// processors are slow.
+const LEAST_HIGHLIGHT: f64 = 1e-9;
+
 impl Lamp {
     /// `forward` is the viewing direction.
     pub(crate) fn new(phong: &Phong, forward: DVec3) -> Self {
@@ -52,61 +58,97 @@ impl Lamp {
             } else {
                 Power::Real(shininess as f32)
             },
+            least_facing: if 0.0 < shininess {
+                LEAST_HIGHLIGHT.powf(1.0 / shininess) as f32
+            } else {
+                0.0
+            },
             two_sided: phong.two_sided,
             to_light: to_light.as_vec3().to_array(),
             halfway: (to_light - forward).normalize_or_zero().as_vec3().to_array(),
         }
     }
 
-    /// The light on the first eight of `records`; of no meaning beyond their end. A normal of zero gets the
-    /// ambient term alone, as its products are zero.
+    /// The light on eight voxels. A normal of zero gets the ambient term alone, as its products are zero.
     #[inline]
-    pub(crate) fn on(&self, records: &[VoxelRecord]) -> Light8 {
+    pub(crate) fn on(&self, records: &[VoxelRecord; 8]) -> Light8 {
         let mut normals = [[0.0; 8]; 3];
-        for (x, record) in records.iter().take(8).enumerate() {
+        for (x, record) in records.iter().enumerate() {
             for (components, steps) in normals.iter_mut().zip(record.normal) {
                 components[x] = f32::from(steps) * (1.0 / NORMAL_STEPS);
             }
         }
-        let n_l = self.facing(&normals, self.to_light);
-        let highlights = self.shininess.of(self.facing(&normals, self.halfway));
-        let highlight = |x: usize| if 0.0 < n_l[x] { highlights[x] } else { 0.0 };
-        Light8 {
-            scattered: n_l.map(|n_l| self.ambient + self.diffuse * n_l),
-            mirrored: std::array::from_fn(|x| self.specular * highlight(x)),
+        let to_length_1 = to_length_1(&normals);
+        let n_l = self.facing(&normals, &to_length_1, self.to_light);
+        let mut n_h = self.facing(&normals, &to_length_1, self.halfway);
+        for n_h in &mut n_h {
+            *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
         }
+        let highlights = self.shininess.of(&n_h);
+        let mut light = Light8 { scattered: [0.0; 8], mirrored: [0.0; 8] };
+        for x in 0..8 {
+            light.scattered[x] = self.ambient + self.diffuse * n_l[x];
+            light.mirrored[x] = if 0.0 < n_l[x] { self.specular * highlights[x] } else { 0.0 };
+        }
+        light
     }
 
     /// Products of normals and a direction, 0 … 1.
     #[inline]
-    fn facing(&self, [x, y, z]: &[[f32; 8]; 3], direction: [f32; 3]) -> [f32; 8] {
-        std::array::from_fn(|i| {
-            let [x, y, z] = [x[i], y[i], z[i]];
-            // Normals are kept to some 10⁻⁵; as in `VoxelRecord::normal_in_world`.
-            let to_length_1 = 1.5 - 0.5 * (x * x + y * y + z * z);
-            let product = (x * direction[0] + y * direction[1] + z * direction[2]) * to_length_1;
-            let product = if self.two_sided { product.abs() } else { product };
-            let product = if 0.0 < product { product } else { 0.0 };
-            if product < 1.0 { product } else { 1.0 }
-        })
+    fn facing(
+        &self,
+        [x, y, z]: &[[f32; 8]; 3],
+        to_length_1: &[f32; 8],
+        direction: [f32; 3],
+    ) -> [f32; 8] {
+        // The sign of products is dropped, or negative ones are made 0, by one maximum.
+        let flipped = if self.two_sided { -1.0 } else { 0.0 };
+        let mut products = [0.0; 8];
+        for i in 0..8 {
+            let product = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+            let product = product * to_length_1[i];
+            let product = if flipped * product < product { product } else { flipped * product };
+            products[i] = if product < 1.0 { product } else { 1.0 };
+        }
+        products
     }
+}
+
+/// What brings normals to length 1, as in [`VoxelRecord::normal_in_world`].
+#[inline]
+fn to_length_1([x, y, z]: &[[f32; 8]; 3]) -> [f32; 8] {
+    let mut factors = [0.0; 8];
+    for i in 0..8 {
+        factors[i] = 1.5 - 0.5 * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+    }
+    factors
 }
 
 impl Power {
     #[inline]
-    fn of(self, bases: [f32; 8]) -> [f32; 8] {
+    fn of(self, bases: &[f32; 8]) -> [f32; 8] {
         let mut left = match self {
             Self::Whole(exponent) => exponent,
             Self::Real(exponent) => return bases.map(|base| base.powf(exponent)),
         };
-        let (mut squares, mut result) = (bases, [1.0; 8]);
-        while left != 0 {
+        let (mut squares, mut result) = (*bases, [1.0; 8]);
+        loop {
             if left & 1 == 1 {
-                result = std::array::from_fn(|i| result[i] * squares[i]);
+                multiply(&mut result, &squares);
             }
-            squares = squares.map(|square| square * square);
             left >>= 1;
+            if left == 0 {
+                return result;
+            }
+            let square = squares;
+            multiply(&mut squares, &square);
         }
-        result
+    }
+}
+
+#[inline]
+fn multiply(numbers: &mut [f32; 8], by: &[f32; 8]) {
+    for (number, by) in numbers.iter_mut().zip(by) {
+        *number *= by;
     }
 }

@@ -76,6 +76,9 @@ fn short_row_mask<T: Ordered>(row: &[T], ranges: &[[T; 2]]) -> u8 {
 }
 
 impl BrickMask {
+    /// All voxels.
+    pub(crate) const ALL: Self = Self { rows: [u8::MAX; N_ROWS] };
+
     /// The voxels of the records.
     pub(crate) fn of_records(records: &[VoxelRecord]) -> Self {
         let mut rows = [0; N_ROWS];
@@ -86,12 +89,11 @@ impl BrickMask {
         Self { rows }
     }
 
-    pub(crate) fn and(&self, other: &Self) -> Self {
-        Self { rows: std::array::from_fn(|row| self.rows[row] & other.rows[row]) }
-    }
-
-    pub(crate) fn without(&self, other: &Self) -> Self {
-        Self { rows: std::array::from_fn(|row| self.rows[row] & !other.rows[row]) }
+    /// Whether the voxel at that place is among them.
+    #[inline]
+    pub(crate) fn has(&self, place: u16) -> bool {
+        let place = usize::from(place);
+        self.rows[place / BRICK_SIDE % N_ROWS] >> (place % BRICK_SIDE) & 1 == 1
     }
 
     pub(crate) fn count(&self) -> usize {

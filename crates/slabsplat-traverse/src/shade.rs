@@ -87,15 +87,30 @@ fn light_up(
     colors: &mut [[f32; 4]],
     factor_of: impl Fn(f32) -> f32,
 ) {
-    for (records, colors) in records.chunks(8).zip(colors.chunks_mut(8)) {
-        let Light8 { scattered, mirrored } = lamp.on(records);
-        for (x, [r, g, b, weight]) in colors.iter_mut().enumerate() {
-            let factor = factor_of(*weight);
-            for channel in [r, g, b] {
-                let lit = *channel * scattered[x] + mirrored[x];
-                *channel = if lit < 1.0 { lit } else { 1.0 } * factor;
-            }
+    let (eights, rest) = records.as_chunks();
+    let (color_eights, color_rest) = colors.as_chunks_mut::<8>();
+    for (records, colors) in eights.iter().zip(color_eights) {
+        lay_on(&lamp.on(records), colors, &factor_of);
+    }
+    let mut last = [VoxelRecord::default(); 8];
+    last[..rest.len()].copy_from_slice(rest);
+    lay_on(&lamp.on(&last), color_rest, &factor_of);
+}
+
+/// Lays light on up to eight colours.
+#[inline]
+fn lay_on(light: &Light8, colors: &mut [[f32; 4]], factor_of: impl Fn(f32) -> f32) {
+    for ((color, scattered), mirrored) in
+        colors.iter_mut().zip(&light.scattered).zip(&light.mirrored)
+    {
+        let weight = color[3];
+        let factor = factor_of(weight);
+        // The weight goes along, so that the four are one vector, and is put back.
+        for channel in &mut *color {
+            let lit = *channel * scattered + mirrored;
+            *channel = if lit < 1.0 { lit } else { 1.0 } * factor;
         }
+        color[3] = weight;
     }
 }
 

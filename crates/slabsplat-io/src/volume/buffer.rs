@@ -84,7 +84,7 @@ fn append<T: Sample>(
     n_samples: usize,
     is_backed: bool,
 ) -> Result<(), ReadFailure> {
-    let out_of_memory = |_| ReadFailure::Io(io::ErrorKind::OutOfMemory.into());
+    let out_of_memory = || ReadFailure::Io(io::ErrorKind::OutOfMemory.into());
     let n_before = samples.len();
     let n_after = n_before + n_samples;
     while samples.len() < n_after {
@@ -93,8 +93,13 @@ fn append<T: Sample>(
         // never exceeds what is needed, so that an honest one costs nothing.
         let step = if is_backed { n_samples } else { n_read.max(CHUNK_BYTES / size_of::<T>()) };
         let step = step.min(n_after - n_read);
-        samples.try_reserve_exact(step).map_err(out_of_memory)?;
-        samples.resize(n_read + step, T::zeroed());
+        if n_read == 0 {
+            // Zeroed by the system, page by page: a gigabyte need not be written twice.
+            *samples = bytemuck::try_zeroed_vec(step).map_err(|_| out_of_memory())?;
+        } else {
+            samples.try_reserve_exact(step).map_err(|_| out_of_memory())?;
+            samples.resize(n_read + step, T::zeroed());
+        }
         let bytes = bytemuck::cast_slice_mut(&mut samples[n_read..]);
         let n_bytes = read_full(reader, bytes).map_err(ReadFailure::Io)?;
         if n_bytes < bytes.len() {
