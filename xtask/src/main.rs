@@ -36,6 +36,8 @@ Usage: cargo xtask COMMAND
   bench [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
   bench peers              frames of slabsplat and of VTK's ray caster by turns, and their ratios
                            [--frames N] frames a run, [--pairs N] runs of each
+  bench scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
+                           [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
   ci                       lint, test, and each crate and each feature of it built alone
   help                     print this
 

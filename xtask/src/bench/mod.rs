@@ -1,12 +1,14 @@
 //! `cargo xtask bench`: everything that measures time or work.
 //!
-//! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another renderer.
+//! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another renderer,
+//! and [`scaling`] shows how time grows.
 //! Nothing here judges: times are printed, and never asserted.
 
 mod criterion;
 mod options;
 mod peers;
 mod program;
+mod scaling;
 mod table;
 
 use std::ffi::OsString;
@@ -21,6 +23,7 @@ pub(crate) enum Bench {
     /// With the arguments that cargo and criterion take.
     Criterion(Processor, Vec<OsString>),
     Peers(peers::Options),
+    Scaling(scaling::Options),
 }
 
 /// The first word, if it is a kind of benchmark; a filter of that name stands after `--`.
@@ -31,6 +34,7 @@ pub(crate) fn parse(mut args: Vec<OsString>) -> Result<Bench, String> {
         "cpu" => Bench::Criterion(Processor::Cpu, rest()),
         "gpu" => Bench::Criterion(Processor::Gpu, rest()),
         "peers" => Bench::Peers(peers::parse(&rest())?),
+        "scaling" => Bench::Scaling(scaling::parse(&rest())?),
         _ => Bench::Criterion(Processor::Any, args),
     })
 }
@@ -39,6 +43,7 @@ pub(crate) fn run(bench: &Bench) -> Result<()> {
     match bench {
         Bench::Criterion(processor, args) => criterion::run(*processor, args),
         Bench::Peers(options) => peers::run(options),
+        Bench::Scaling(options) => scaling::run(options),
     }
 }
 
@@ -67,6 +72,8 @@ mod tests {
     fn parse_options() {
         let options = peers::Options { n_frames: 3, n_pairs: 7 };
         assert_eq!(parsed(&["peers", "--frames", "3", "--pairs", "7"]), Ok(Bench::Peers(options)));
-        assert!(parsed(&["peers", "--frame"]).is_err(), "misspelt");
+        for wrong in [["peers", "--frame"], ["scaling", "voxel"]] {
+            assert!(parsed(&wrong).is_err(), "{wrong:?}");
+        }
     }
 }

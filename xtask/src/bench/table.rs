@@ -14,6 +14,19 @@ pub(super) fn rounded(number: f64) -> String {
     format!("{number:.n_after$}")
 }
 
+/// With a comma at each thousand.
+pub(super) fn thousands(count: u64) -> String {
+    let digits = count.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if 0 < place && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// The middle number, or the mean of the two in the middle; NaN of none.
 pub(super) fn median(numbers: &[f64]) -> f64 {
     let mut sorted = numbers.to_vec();
@@ -41,6 +54,9 @@ mod tests {
         let cases = [(0.0, "0.00"), (0.01234, "0.0123"), (1.0, "1.00"), (98.76, "98.8")];
         for (number, expected) in cases.into_iter().chain([(1234.5, "1234"), (999.6, "1000")]) {
             assert_eq!(rounded(number), expected);
+        }
+        for (count, expected) in [(0, "0"), (999, "999"), (1000, "1,000"), (1234567, "1,234,567")] {
+            assert_eq!(thousands(count), expected);
         }
     }
 
