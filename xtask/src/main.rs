@@ -19,6 +19,7 @@ mod ci;
 mod dependencies;
 mod tidy;
 
+mod apt;
 mod process;
 mod vulkan;
 mod workspace;
@@ -38,6 +39,8 @@ Usage: cargo xtask COMMAND
                            [--frames N] frames a run, [--pairs N] runs of each
   bench scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
                            [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
+  bench instructions       count what small frames take and compare it with what is recorded, as `test` does
+                           [--record] instead of comparing
   ci                       lint, test, and each crate and each feature of it built alone
   help                     print this
 

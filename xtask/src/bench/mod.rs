@@ -1,10 +1,11 @@
 //! `cargo xtask bench`: everything that measures time or work.
 //!
 //! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another renderer,
-//! and [`scaling`] shows how time grows.
-//! Nothing here judges: times are printed, and never asserted.
+//! [`scaling`] shows how time grows, and [`instructions`] guards against growth unnoticed.
+//! Only the last of them judges: times are printed with what they were measured on, and never asserted.
 
 mod criterion;
+pub(crate) mod instructions;
 mod options;
 mod peers;
 mod program;
@@ -24,6 +25,7 @@ pub(crate) enum Bench {
     Criterion(Processor, Vec<OsString>),
     Peers(peers::Options),
     Scaling(scaling::Options),
+    Instructions(instructions::Task),
 }
 
 /// The first word, if it is a kind of benchmark; a filter of that name stands after `--`.
@@ -35,6 +37,7 @@ pub(crate) fn parse(mut args: Vec<OsString>) -> Result<Bench, String> {
         "gpu" => Bench::Criterion(Processor::Gpu, rest()),
         "peers" => Bench::Peers(peers::parse(&rest())?),
         "scaling" => Bench::Scaling(scaling::parse(&rest())?),
+        "instructions" => Bench::Instructions(instructions::parse(&rest())?),
         _ => Bench::Criterion(Processor::Any, args),
     })
 }
@@ -44,6 +47,7 @@ pub(crate) fn run(bench: &Bench) -> Result<()> {
         Bench::Criterion(processor, args) => criterion::run(*processor, args),
         Bench::Peers(options) => peers::run(options),
         Bench::Scaling(options) => scaling::run(options),
+        Bench::Instructions(task) => instructions::run(*task),
     }
 }
 
@@ -72,7 +76,9 @@ mod tests {
     fn parse_options() {
         let options = peers::Options { n_frames: 3, n_pairs: 7 };
         assert_eq!(parsed(&["peers", "--frames", "3", "--pairs", "7"]), Ok(Bench::Peers(options)));
-        for wrong in [["peers", "--frame"], ["scaling", "voxel"]] {
+        let record = Bench::Instructions(instructions::Task::Record);
+        assert_eq!(parsed(&["instructions", "--record"]), Ok(record));
+        for wrong in [["peers", "--frame"], ["scaling", "voxel"], ["instructions", "--recrod"]] {
             assert!(parsed(&wrong).is_err(), "{wrong:?}");
         }
     }
