@@ -112,11 +112,10 @@ fn draw_names<'c>(
     });
     let mut ends: Vec<_> = ends.collect();
     ends.sort_by_key(|((_, y), ..)| *y);
-    let right = ends.iter().map(|((x, _), ..)| *x).max().unwrap_or(0);
     let ys = apart(&ends.iter().map(|((_, y), ..)| *y).collect::<Vec<_>>());
-    for ((_, name, color), y) in ends.into_iter().zip(ys) {
+    for (((x, _), name, color), y) in ends.into_iter().zip(ys) {
         let style = (FONT, 13).into_font().color(color).pos(Pos::new(HPos::Left, VPos::Center));
-        area.draw(&Text::new(name, (right + 12, y), style))?;
+        area.draw(&Text::new(name, (x + 12, y), style))?;
     }
     Ok(())
 }
