@@ -19,6 +19,7 @@ mod ci;
 mod dependencies;
 mod tidy;
 
+mod apt;
 mod process;
 mod vulkan;
 mod workspace;
@@ -26,7 +27,7 @@ mod workspace;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use bench::Processor;
+use bench::Bench;
 
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
@@ -34,6 +35,12 @@ Usage: cargo xtask COMMAND
   lint                     rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
   test [ARGS]              set up what the tests need, then `cargo test ARGS`, of all packages unless some are named
   bench [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
+  bench peers              frames of slabsplat and of VTK's ray caster by turns, and their ratios
+                           [--frames N] frames a run, [--pairs N] runs of each
+  bench scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
+                           [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
+  bench instructions       count what small frames take and compare it with what is recorded, as `test` does
+                           [--record] instead of comparing
   ci                       lint, test, and each crate and each feature of it built alone
   help                     print this
 
@@ -66,7 +73,7 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Vec<OsString>),
-    Bench(Processor, Vec<OsString>),
+    Bench(Bench),
     Ci,
     Help,
 }
@@ -75,7 +82,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(args) => test::run(args),
-        Task::Bench(processor, args) => bench::run(*processor, args),
+        Task::Bench(bench) => bench::run(bench),
         Task::Ci => ci::run(),
         Task::Help => {
             print!("{USAGE}");
@@ -89,7 +96,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let rest: Vec<OsString> = args.collect();
     let task = match command.to_str() {
         Some("test") => return Ok(Task::Test(rest)),
-        Some("bench") => return Ok(bench(rest)),
+        Some("bench") => return bench::parse(rest).map(Task::Bench),
         Some("lint") => Task::Lint,
         Some("ci") => Task::Ci,
         Some("help" | "--help" | "-h") => Task::Help,
@@ -101,17 +108,6 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
             Err(format!("`{}` takes no arguments, found `{}`", command.display(), arg.display()))
         }
     }
-}
-
-/// The first word, if it is a processor; a filter of that name stands after `--`.
-fn bench(mut args: Vec<OsString>) -> Task {
-    let processor = match args.first().and_then(|arg| arg.to_str()) {
-        Some("cpu") => Processor::Cpu,
-        Some("gpu") => Processor::Gpu,
-        _ => return Task::Bench(Processor::Any, args),
-    };
-    args.remove(0);
-    Task::Bench(processor, args)
 }
 
 #[cfg(test)]
@@ -128,20 +124,9 @@ mod tests {
         check(&["lint"], Ok(Task::Lint));
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
+        let cpu = Bench::Criterion(bench::Processor::Cpu, vec!["--".into(), "toss".into()]);
+        check(&["bench", "cpu", "--", "toss"], Ok(Task::Bench(cpu)));
         check(&["test", "-p", "xtask"], Ok(Task::Test(vec!["-p".into(), "xtask".into()])));
-    }
-
-    #[test]
-    fn parse_bench_processor() {
-        let check = |args: &[&str], processor: Processor, rest: &[&str]| {
-            let rest = rest.iter().map(OsString::from).collect();
-            check(args, Ok(Task::Bench(processor, rest)));
-        };
-        check(&["bench"], Processor::Any, &[]);
-        check(&["bench", "--", "toss"], Processor::Any, &["--", "toss"]);
-        check(&["bench", "cpu"], Processor::Cpu, &[]);
-        check(&["bench", "gpu", "--", "sort"], Processor::Gpu, &["--", "sort"]);
-        check(&["bench", "--", "gpu"], Processor::Any, &["--", "gpu"]);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Read from `cargo metadata --no-deps`, which parses manifests only: it needs neither a lock file nor a network.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
@@ -37,10 +37,24 @@ pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace's directory")
 }
 
+/// What lies beside a checkout, where it does: scenes on real data, and scripts that run other renderers.
+pub(crate) fn shared() -> PathBuf {
+    root().parent().unwrap_or(root()).join("shared")
+}
+
 /// The members of the workspace, by name.
 pub(crate) fn packages(root: &Path) -> Result<Vec<Package>> {
-    let metadata = ["metadata", "--no-deps", "--format-version", "1"];
-    parse(&output(cargo(root).args(metadata))?).context("cannot read `cargo metadata`")
+    parse(&metadata(root)?).context("cannot read `cargo metadata`")
+}
+
+/// Where cargo puts what it builds.
+pub(crate) fn target_directory(root: &Path) -> Result<PathBuf> {
+    let metadata: Value = serde_json::from_str(&metadata(root)?)?;
+    Ok(string(&metadata, "target_directory")?.into())
+}
+
+fn metadata(root: &Path) -> Result<String> {
+    output(cargo(root).args(["metadata", "--no-deps", "--format-version", "1"]))
 }
 
 fn parse(metadata: &str) -> Result<Vec<Package>> {

@@ -167,6 +167,11 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "toml", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External {
+        name: "plotters",
+        users: Users::Only(&["xtask"]),
+        why: "plots are for the documentation, and no program carries them",
+    },
     External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External {

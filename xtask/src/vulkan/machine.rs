@@ -1,4 +1,4 @@
-//! What this machine has of Vulkan, and how it gets more.
+//! What this machine has of Vulkan.
 //!
 //! Files are looked for where the loader itself looks, as far as distributions and the usual variables go.
 //! A program is started only if a file is not found: a machine that has all of them pays for a few look-ups.
@@ -9,9 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Result;
-
-use super::{Installer, Need};
+use super::Need;
 use crate::process::output;
 
 const LOADER: &str = "libvulkan.so.1";
@@ -82,33 +80,6 @@ fn listed_in(variable: &str) -> impl Iterator<Item = PathBuf> + use<> {
         .filter(|path| !path.as_os_str().is_empty())
         .collect::<Vec<_>>()
         .into_iter()
-}
-
-pub(super) fn installer() -> Installer {
-    let has_apt = listed_in("PATH").any(|folder| folder.join("apt-get").is_file());
-    if has_apt && is_root() { Installer::Apt } else { Installer::None }
-}
-
-fn is_root() -> bool {
-    output(Command::new("id").arg("-u")).is_ok_and(|uid| uid.trim() == "0")
-}
-
-/// Prints nothing: what apt-get says is in the error, if there is one.
-pub(super) fn install(packages: &[&str]) -> Result<()> {
-    let updated = output(apt_get().arg("update"));
-    let install = ["install", "-y", "--no-install-recommends"];
-    let installed = output(apt_get().args(install).args(packages));
-    // Lists may be old or partly out of reach and still good enough; if not, that is why.
-    if installed.is_err() {
-        updated?;
-    }
-    installed.map(drop)
-}
-
-fn apt_get() -> Command {
-    let mut command = Command::new("apt-get");
-    command.env("DEBIAN_FRONTEND", "noninteractive");
-    command
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A Vulkan driver for the tests of the GPU backends, installed where that can be done.
 //!
 //! No graphics card is needed: Mesa's lavapipe, a driver that draws on the CPU, does, and a distribution packs it.
-//! [`plan`] decides what is to be done about what is missing; [`machine`] looks and installs.
+//! [`plan`] decides what is to be done about what is missing; [`machine`] looks, and [`apt`] installs.
 //! Whether a driver finds a device is not asked here: the tests say so when they run.
 //!
 //! `SLABSPLAT_REQUIRE_GPU`, set to anything, makes the absence of a GPU or software driver a failure, here and in the
@@ -12,6 +12,8 @@ mod machine;
 
 use anyhow::{Result, bail};
 
+use crate::apt::{self, Installer};
+
 /// What the tests of the GPU backends need, the most important first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Need {
@@ -19,16 +21,6 @@ enum Need {
     Driver,
     /// Not to run, but to notice what a driver forgives.
     Validation,
-}
-
-/// Whether what is missing can be installed.
-#[derive(Debug, PartialEq)]
-enum Installer {
-    /// This is a Debian of some kind, and we are its root.
-    Apt,
-    None,
-    /// It has been tried already, with this complaint, if any.
-    Tried(Option<String>),
 }
 
 #[derive(Debug, PartialEq)]
@@ -56,11 +48,10 @@ pub(crate) fn set_up() -> Result<()> {
     if missing.is_empty() {
         return Ok(());
     }
-    let mut installer = machine::installer();
+    let mut installer = Installer::of_machine();
     if let Plan::Install(line) = plan(&missing, &installer, is_required) {
         eprintln!("test: {line}");
-        let complaint = machine::install(PACKAGES).err().map(|error| on_one_line(&error));
-        installer = Installer::Tried(complaint);
+        installer = apt::install(PACKAGES);
         missing = machine::missing();
     }
     match plan(&missing, &installer, is_required) {
@@ -76,19 +67,10 @@ fn plan(missing: &[Need], installer: &Installer, is_required: bool) -> Plan {
         return Plan::Ready;
     }
     let lack = format!("{} missing", named(missing));
-    let remedy = match installer {
-        Installer::Apt => {
-            return Plan::Install(format!("{lack}: installing {}", PACKAGES.join(", ")));
-        }
-        Installer::None => {
-            let packages = PACKAGES.join(" ");
-            format!(
-                "on Debian or Ubuntu `apt-get install --no-install-recommends {packages}` helps"
-            )
-        }
-        Installer::Tried(Some(complaint)) => complaint.clone(),
-        Installer::Tried(None) => "what was installed is not found".to_owned(),
-    };
+    if *installer == Installer::Apt {
+        return Plan::Install(format!("{lack}: installing {}", PACKAGES.join(", ")));
+    }
+    let remedy = installer.remedy(PACKAGES);
     if missing == [Need::Validation] {
         return Plan::DoWithout(format!(
             "{lack}: the GPU backends are tested without it; {remedy}"
@@ -109,11 +91,6 @@ fn named(missing: &[Need]) -> String {
     });
     let verb = if missing.len() == 1 { "is" } else { "are" };
     format!("{} {verb}", names.collect::<Vec<_>>().join(" and "))
-}
-
-/// What apt-get complains of takes many lines.
-fn on_one_line(error: &anyhow::Error) -> String {
-    format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -186,11 +163,5 @@ mod tests {
                 ["do without: Vulkan's validation layer is missing", "tested without it"];
             check(&[Need::Validation], &Installer::None, is_required, &expected);
         }
-    }
-
-    #[test]
-    fn on_one_line_joins() {
-        let error = anyhow::anyhow!("E: a\n   E: b\n").context("`apt-get` failed");
-        assert_eq!(on_one_line(&error), "`apt-get` failed: E: a E: b", "lines and their indents");
     }
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: the benchmarks of all crates that have some, or those on one kind of processor.
+//! The criterion benchmarks of all crates that have some, or those on one kind of processor.
 //!
 //! `cargo bench --workspace` would also start every crate's unit tests as benchmarks, and those stop at the first
 //! option that is meant for criterion, such as `--save-baseline`.
@@ -32,7 +32,7 @@ impl Processor {
     }
 }
 
-pub(crate) fn run(processor: Processor, args: &[OsString]) -> Result<()> {
+pub(super) fn run(processor: Processor, args: &[OsString]) -> Result<()> {
     let root = workspace::root();
     let selection = selection(&workspace::packages(root)?, processor);
     ensure!(!selection.is_empty(), "no crate of this workspace has such a benchmark");

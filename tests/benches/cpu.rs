@@ -1,0 +1,98 @@
+//! Whole frames on the CPU, through the facade: `cargo xtask bench cpu`.
+//!
+//! A new camera for each frame. The scenes are those of `../shared/scenes`, where there is such a folder, and the built-in
+//! volumes as they look by themselves; for these also the first frame, which sorts, lists and makes tables.
+//! Stages by themselves are benchmarks of the crates that have them.
+
+use criterion::measurement::WallTime;
+use criterion::{BatchSize, BenchmarkGroup, Criterion, criterion_group, criterion_main};
+use slabsplat::{
+    Automatic, Backend, ImageDesc, OpenScene, RenderSettings, Renderer, Scene, Volume,
+    backend_named, io,
+};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// By how much the camera turns from frame to frame, in radians.
+const TURN: f64 = 0.01;
+
+const BUILTIN_SIDE: u32 = 256;
+
+fn cpu() -> Box<dyn Backend> {
+    backend_named("cpu").expect("the CPU is always there")
+}
+
+fn scenes(c: &mut Criterion) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
+    let paths = scene_files(&folder);
+    if paths.is_empty() {
+        println!("skipped: the scenes on real data are not there: {}", folder.display());
+    }
+    let mut group = c.benchmark_group("scene");
+    group.sample_size(10);
+    for path in paths {
+        let file = io::read_scene(&path).expect("the scene is valid");
+        let opened = OpenScene::open(&file).expect("its volume is there");
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        turning(&mut group, &name, opened.volume.into(), &opened.scene);
+    }
+    group.finish();
+}
+
+fn scene_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let paths = entries.map(|entry| entry.path());
+    let mut paths: Vec<PathBuf> =
+        paths.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
+    paths.sort();
+    paths
+}
+
+fn builtins(c: &mut Criterion) {
+    let mut group = c.benchmark_group("builtin");
+    group.sample_size(10);
+    for &name in io::BUILTIN_NAMES {
+        let volume = Arc::new(io::builtin_volume(name, None).expect("the name is listed"));
+        let image = ImageDesc { width: BUILTIN_SIDE, height: BUILTIN_SIDE, ..ImageDesc::default() };
+        let scene = Automatic::new(&volume).scene(image, RenderSettings::default());
+        turning(&mut group, name, volume.clone(), &scene);
+        first(&mut group, name, &volume, &scene);
+    }
+    group.finish();
+}
+
+/// Frames of a camera that turns.
+fn turning(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    volume: Arc<Volume>,
+    scene: &Scene,
+) {
+    let mut renderer = Renderer::new(volume, cpu());
+    let mut scene = scene.clone();
+    group.bench_function(format!("{name}/turning"), |b| {
+        b.iter(|| {
+            scene.camera = scene.camera.orbited(TURN);
+            renderer.render(&scene).expect("the scene can be drawn")
+        });
+    });
+}
+
+/// Frames of renderers that have drawn nothing before.
+fn first(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    volume: &Arc<Volume>,
+    scene: &Scene,
+) {
+    group.bench_function(format!("{name}/first"), |b| {
+        b.iter_batched(
+            || Renderer::new(volume.clone(), cpu()),
+            |mut renderer| renderer.render(scene).expect("the scene can be drawn"),
+            BatchSize::LargeInput,
+        );
+    });
+}
+
+criterion_group!(benches, scenes, builtins);
+criterion_main!(benches);

@@ -1,0 +1,154 @@
+//! Small frames whose instructions are counted: `cargo xtask bench instructions`.
+//!
+//! Each workload renders a frame that does not count, and then one that does, in which one stage or two do most of
+//! the work. They are whole frames through the facade, so that the crates below may be rebuilt freely, and
+//! valgrind counts what [`counted_frame`] does and nothing else.
+//!
+//! This is no test of its own: without arguments, as `cargo test` runs it, it only draws all frames.
+
+use slabsplat::glam::DVec3;
+use slabsplat::{
+    Camera, Frame, ImageDesc, Phong, Projection, RenderSettings, Renderer, Scene, Shading,
+    TransferFunction, backend_named, io,
+};
+
+/// A frame that is counted, and how to come there.
+struct Workload {
+    name: &'static str,
+    /// A built-in volume, and voxels along its side.
+    volume: (&'static str, usize),
+    /// Where it is seen from, in sides of the volume.
+    eye: DVec3,
+    /// Opacity of the largest value.
+    opacity: f64,
+    image_side: u32,
+    /// What differs in the frame that counts.
+    change: fn(&mut Scene),
+}
+
+const ASLANT: DVec3 = DVec3::new(3.0, 2.0, 1.0);
+
+const WORKLOADS: &[Workload] = &[
+    // A new transfer function while the camera looks past the volume: list, shade, project.
+    Workload {
+        name: "classify",
+        volume: ("sphere", 64),
+        eye: ASLANT,
+        opacity: 0.5,
+        image_side: 16,
+        change: |scene| {
+            look_past(scene);
+            scene.transfer = transfer(0.7, 100.0);
+        },
+    },
+    // Seen at its face, the first voxels of a solid cube hide all others: toss, and pass over.
+    Workload {
+        name: "toss",
+        volume: ("cube", 64),
+        eye: DVec3::new(3.0, 0.0, 0.0),
+        opacity: 1.0,
+        image_side: 64,
+        change: orbit,
+    },
+    // Where most is hidden.
+    Workload {
+        name: "opaque",
+        volume: ("neuron", 64),
+        eye: ASLANT,
+        opacity: 0.8,
+        image_side: 96,
+        change: orbit,
+    },
+    // Where every section counts.
+    Workload {
+        name: "haze",
+        volume: ("sphere", 32),
+        eye: ASLANT,
+        opacity: 0.02,
+        image_side: 96,
+        change: orbit,
+    },
+    // A few voxels in slabs of a new width, all of whose sections are made anew.
+    Workload {
+        name: "section-table",
+        volume: ("cube", 4),
+        eye: ASLANT,
+        opacity: 0.5,
+        image_side: 8,
+        change: |scene| scene.settings.slab_width = 1.25,
+    },
+];
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    // All is done on this thread: work of another would not be counted.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    pool.build_global().expect("there is no pool yet");
+    match args[..] {
+        [] => WORKLOADS.iter().for_each(run),
+        ["--workloads"] => WORKLOADS.iter().for_each(|workload| println!("{}", workload.name)),
+        ["--count", name] => run(named(name)),
+        // A filter for tests, of which there are none here.
+        _ => {}
+    }
+}
+
+fn named(name: &str) -> &'static Workload {
+    let found = WORKLOADS.iter().find(|workload| workload.name == name);
+    found.unwrap_or_else(|| panic!("there is no workload called {name}"))
+}
+
+fn run(workload: &Workload) {
+    let (name, size) = workload.volume;
+    let volume = io::builtin_volume(name, Some(size)).expect("the volume is built in");
+    let backend = backend_named("cpu").expect("the CPU is always there");
+    let mut renderer = Renderer::new(volume, backend);
+    let mut scene = scene(workload);
+    renderer.render(&scene).expect("the scene can be drawn");
+    (workload.change)(&mut scene);
+    let frame = counted_frame(&mut renderer, &scene);
+    assert!(0 < frame.stats.n_voxels, "{} draws nothing", workload.name);
+}
+
+/// Known to `xtask` by its name. Not inlined, as there would be nothing to count then.
+#[inline(never)]
+fn counted_frame(renderer: &mut Renderer, scene: &Scene) -> Frame {
+    renderer.render(scene).expect("the scene can be drawn")
+}
+
+fn scene(workload: &Workload) -> Scene {
+    let side = workload.volume.1 as f64;
+    let projection = Projection::Orthographic { view_height: 1.2 * side };
+    Scene {
+        transfer: transfer(workload.opacity, 90.0),
+        shading: Shading::Phong(Phong::default()),
+        camera: Camera::new(workload.eye * side, DVec3::ZERO, DVec3::Z, projection)
+            .expect("the eye is off the axis"),
+        image: ImageDesc {
+            width: workload.image_side,
+            height: workload.image_side,
+            background: [0.0; 4],
+        },
+        settings: RenderSettings::default(),
+    }
+}
+
+fn transfer(opacity: f64, foot: f64) -> TransferFunction {
+    TransferFunction::new(
+        vec![(foot, [0.0]), (255.0, [opacity])],
+        vec![(0.0, [0.9, 0.5, 0.4]), (255.0, [1.0, 0.9, 0.8])],
+    )
+    .expect("the points are sorted")
+}
+
+fn orbit(scene: &mut Scene) {
+    scene.camera = scene.camera.orbited(1_f64.to_radians());
+}
+
+fn look_past(scene: &mut Scene) {
+    let camera = &scene.camera;
+    let aside = camera.target() + 10.0 * camera.eye().length() * camera.axes().right;
+    let moved = Camera::new(camera.eye() + aside, aside, DVec3::Z, camera.projection());
+    scene.camera = moved.expect("the eye is off the axis");
+}
