@@ -71,7 +71,7 @@ impl Whole<'_> {
         let [x, y] = raster.pixel_of(&shape, voxel.point);
         let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
         let half = shape.half_extent.map(|extent| extent * raster.radius);
-        let pixels = PixelBox::within_tile(center, half)?;
+        let pixels = PixelBox::within_tile(simd, center, half)?;
         let blocks = Blocks::meeting(&pixels);
         if !tile.open.meets(blocks) {
             tile.stats.n_culled += 1;

@@ -67,6 +67,12 @@ impl RadialPolynomials {
         &self.rows[row_idx]
     }
 
+    /// The coefficients of the last row; in a table of slabs as wide as the kernel, those of the whole footprint.
+    #[inline]
+    pub fn last_row(&self) -> &[f32; MAX_COEFFICIENTS] {
+        &self.rows[self.rows.len() - 1]
+    }
+
     /// Writes the coefficients a part `t` of the way from a row to the next, which there must be unless `t`
     /// is 0.
     #[inline(always)]

@@ -58,7 +58,7 @@ fn advance<S: Simd>(
         let cut = SlabCut::new(slabs, slab);
         for (class, voxels) in voxels.iter().enumerate() {
             let first = slab.saturating_sub(slabs.n_before(class));
-            cut.splat(simd, voxels.starting_in(first..slab + 1), tile, sheet);
+            cut.splat(simd, class, voxels.starting_in(first..slab + 1), tile, sheet);
         }
         tile.put_behind(simd, stage.plan.compositing, sheet, stage.plan.opacity_cutoff);
         if tile.is_full() {

@@ -12,7 +12,7 @@ use crate::splat::{Footprint, PixelBox, splat};
 use crate::tile::{TILE_SIDE, Tile};
 use crate::voxel::Voxel;
 use crate::weights::{Polynomial, Tilted};
-use fearless_simd::Simd;
+use fearless_simd::{Simd, f32x4, prelude::*, u32x4};
 use slabsplat_kernel::MAX_COEFFICIENTS;
 
 /// Voxels whose sections are prepared at a time.
@@ -28,6 +28,15 @@ pub(crate) struct SlabCut<'a> {
     faces: [f32; 2],
 }
 
+/// What became of a section.
+enum Prepared {
+    Yes,
+    /// All pixels that it could touch are full.
+    Hidden,
+    /// The slab does not cut the voxel's kernel, or not on this tile.
+    NotCut,
+}
+
 /// A section that is about to be splatted.
 #[derive(Clone, Copy, Debug, Default)]
 struct Section {
@@ -41,83 +50,148 @@ struct Section {
     coefficients: [f32; MAX_COEFFICIENTS],
 }
 
-/// What became of a section.
-enum Prepared {
-    Yes,
-    /// All pixels that it could touch are full.
-    Hidden,
-    /// The slab does not cut the voxel's kernel, or not on this tile.
-    NotCut,
-}
-
 impl<'a> SlabCut<'a> {
     pub(crate) fn new(slabs: &'a Slabs<'a>, slab: usize) -> Self {
         let faces = slabs.grid.faces(slab).map(|face| face as f32);
         Self { slabs, slab, shape: slabs.shape(slab), faces }
     }
 
-    /// Adds the voxels' sections to the sheet.
+    /// Adds the sections of voxels of one class to the sheet.
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(
         &self,
         simd: S,
+        class: usize,
         voxels: &[Voxel],
         tile: &mut Tile,
         sheet: &mut Sheet,
+    ) {
+        match (class, self.slabs.fewer) {
+            (0, Some(fewer)) => {
+                let whole = fewer.polynomials.last_row();
+                self.splat_in_turns(simd, voxels, tile, sheet, |voxel, tile, sheet, section| {
+                    self.place(simd, voxel, self.slabs.raster.radius, tile, sheet, section)
+                }, |sheet, section| {
+                    self.splat_polynomial(simd, sheet, section, whole, 1.0);
+                });
+            }
+            _ if self.slabs.raster.is_tilted => {
+                self.splat_in_turns(simd, voxels, tile, sheet, |voxel, tile, sheet, section| {
+                    self.prepare_tilted(simd, voxel, tile, sheet, section)
+                }, |sheet, section| {
+                    let tilted = Tilted {
+                        table: self.slabs.tables(section.is_folded).0,
+                        radius: self.slabs.raster.radius,
+                        faces: section.faces,
+                    };
+                    splat(simd, sheet, &self.shape, &section.footprint, &tilted);
+                });
+            }
+            _ => {
+                self.splat_in_turns(simd, voxels, tile, sheet, |voxel, tile, sheet, section| {
+                    self.prepare(simd, voxel, tile, sheet, section)
+                }, |sheet, section| {
+                    self.splat_polynomial(simd, sheet, section, &section.coefficients, section.edge);
+                });
+            }
+        }
+    }
+
+    /// Prepares some sections, splats them, prepares more.
+    #[inline(always)]
+    fn splat_in_turns<S: Simd>(
+        &self,
+        _: S,
+        voxels: &[Voxel],
+        tile: &mut Tile,
+        sheet: &mut Sheet,
+        prepare: impl Fn(&Voxel, &Tile, &mut Sheet, &mut Section) -> Prepared,
+        splat: impl Fn(&mut Sheet, &Section),
     ) {
         let mut sections = [Section::default(); N_PREPARED];
         for voxels in voxels.chunks(N_PREPARED) {
             let mut n_sections = 0;
             for voxel in voxels {
-                match self.prepare(voxel, tile, sheet, &mut sections[n_sections]) {
+                match prepare(voxel, tile, sheet, &mut sections[n_sections]) {
                     Prepared::Yes => n_sections += 1,
                     Prepared::Hidden => tile.stats.n_culled += 1,
                     Prepared::NotCut => {}
                 }
             }
             tile.stats.n_splats += n_sections as u64;
-            self.splat_prepared(simd, &sections[..n_sections], sheet);
+            sections[..n_sections].iter().for_each(|section| splat(sheet, section));
         }
     }
 
+    /// Where a footprint that ends at `rho_max` lies.
     #[inline(always)]
-    fn prepare(
+    fn place<S: Simd>(
         &self,
+        simd: S,
         voxel: &Voxel,
+        rho_max: f32,
         tile: &Tile,
         sheet: &mut Sheet,
         section: &mut Section,
     ) -> Prepared {
-        let raster = self.slabs.raster;
-        let Some(([front, back], is_folded)) = self.faces_of(voxel) else {
-            return Prepared::NotCut;
-        };
-        // The disc in which a slab between two faces cuts a ball; a tilted slab may cut it elsewhere.
-        let nearest = front.max(-back).max(0.0);
-        if self.slabs.reach_in_index <= nearest {
-            return Prepared::NotCut;
-        }
-        let radius = raster.radius;
-        let disc_squared = radius * radius - nearest * nearest;
-        let rho_max = if raster.is_tilted { radius } else { disc_squared.sqrt() };
-        let [x, y] = raster.pixel_of(&self.shape, voxel.point);
+        let [x, y] = self.slabs.raster.pixel_of(&self.shape, voxel.point);
         let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
         let half = self.shape.half_extent.map(|extent| extent * rho_max);
-        let Some(pixels) = PixelBox::within_tile(center, half) else { return Prepared::NotCut };
+        let Some(pixels) = PixelBox::within_tile(simd, center, half) else {
+            return Prepared::NotCut;
+        };
         let blocks = Blocks::meeting(&pixels);
         if !tile.open.meets(blocks) {
             return Prepared::Hidden;
         }
         sheet.touched.add(blocks);
         let color = voxel.color.map(|channel| channel * self.shape.gain);
+        section.footprint = Footprint { center, pixels, color };
+        Prepared::Yes
+    }
+
+    #[inline(always)]
+    fn prepare<S: Simd>(
+        &self,
+        simd: S,
+        voxel: &Voxel,
+        tile: &Tile,
+        sheet: &mut Sheet,
+        section: &mut Section,
+    ) -> Prepared {
+        let Some(([front, back], is_folded)) = self.faces_of(voxel) else {
+            return Prepared::NotCut;
+        };
+        // The disc in which a slab between two faces cuts a ball.
+        let nearest = max(max(front, -back), 0.0);
+        let radius = self.slabs.raster.radius;
+        let disc_squared = radius * radius - nearest * nearest;
+        if disc_squared <= 0.0 {
+            return Prepared::NotCut;
+        }
         let (table, polynomials) = self.slabs.tables(is_folded);
         let (row, t) = table.row_at(front, back);
-        section.footprint = Footprint { center, pixels, color };
-        section.faces = [front, back];
-        section.is_folded = is_folded;
-        section.edge = 2.0 * disc_squared / (radius * radius) - 1.0;
         polynomials.blend(row, t, &mut section.coefficients);
-        Prepared::Yes
+        section.edge = disc_squared * self.slabs.edge_per_disc - 1.0;
+        self.place(simd, voxel, disc_squared.sqrt(), tile, sheet, section)
+    }
+
+    /// A tilted slab may cut a ball far from the ray through its centre.
+    #[inline(always)]
+    fn prepare_tilted<S: Simd>(
+        &self,
+        simd: S,
+        voxel: &Voxel,
+        tile: &Tile,
+        sheet: &mut Sheet,
+        section: &mut Section,
+    ) -> Prepared {
+        let Some((faces, is_folded)) = self.faces_of(voxel) else { return Prepared::NotCut };
+        if self.slabs.reach_in_index <= max(faces[0], -faces[1]) {
+            return Prepared::NotCut;
+        }
+        (section.faces, section.is_folded) = (faces, is_folded);
+        self.place(simd, voxel, self.slabs.raster.radius, tile, sheet, section)
     }
 
     /// Index units from the voxel to the faces that cut it, and whether others were spared; `None` if it is not drawn
@@ -141,53 +215,56 @@ impl<'a> SlabCut<'a> {
     }
 
     #[inline(always)]
-    fn splat_prepared<S: Simd>(&self, simd: S, sections: &[Section], sheet: &mut Sheet) {
-        let raster = self.slabs.raster;
-        match (raster.is_tilted, self.slabs.n_coefficients(), raster.leans) {
-            (true, ..) => {
-                for section in sections {
-                    let tilted = Tilted {
-                        table: self.slabs.tables(section.is_folded).0,
-                        radius: raster.radius,
-                        faces: section.faces,
-                    };
-                    splat(simd, sheet, &self.shape, &section.footprint, &tilted);
-                }
-            }
-            (false, 8, false) => self.splat_polynomials::<S, 8, false>(simd, sections, sheet),
-            (false, 8, true) => self.splat_polynomials::<S, 8, true>(simd, sections, sheet),
-            (false, _, false) => self.splat_polynomials::<S, 12, false>(simd, sections, sheet),
-            (false, _, true) => self.splat_polynomials::<S, 12, true>(simd, sections, sheet),
-        }
-    }
-
-    #[inline(always)]
-    fn splat_polynomials<S: Simd, const N: usize, const LEANS: bool>(
+    fn splat_polynomial<S: Simd>(
         &self,
         simd: S,
-        sections: &[Section],
         sheet: &mut Sheet,
+        section: &Section,
+        coefficients: &[f32; MAX_COEFFICIENTS],
+        edge: f32,
     ) {
-        for section in sections {
-            let polynomial = Polynomial::<N, LEANS> {
-                coefficients: &section.coefficients,
-                edge: section.edge,
-            };
-            splat(simd, sheet, &self.shape, &section.footprint, &polynomial);
+        let (shape, footprint) = (&self.shape, &section.footprint);
+        let is_short = self.slabs.n_coefficients == 8;
+        match (is_short, self.slabs.raster.leans) {
+            (true, false) => {
+                splat(simd, sheet, shape, footprint, &Polynomial::<8, false> { coefficients, edge });
+            }
+            (true, true) => {
+                splat(simd, sheet, shape, footprint, &Polynomial::<8, true> { coefficients, edge });
+            }
+            (false, false) => {
+                splat(simd, sheet, shape, footprint, &Polynomial::<12, false> { coefficients, edge });
+            }
+            (false, true) => {
+                splat(simd, sheet, shape, footprint, &Polynomial::<12, true> { coefficients, edge });
+            }
         }
     }
+}
+
+/// As `f32::max` where neither is NaN, and a single instruction.
+#[inline(always)]
+fn max(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 impl PixelBox {
     /// The pixels of a tile that have their centres within `half` of `center`; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn within_tile(center: [f32; 2], half: [f32; 2]) -> Option<Self> {
-        // Adding 1½·2²³ rounds to whole numbers and leaves them in the low bits, without the checks of a cast, which
-        // cost as much as all the rest. Whether an edge goes up or down at a tie does not matter: it has no weight.
-        const MAGIC: f32 = 12_582_912.0;
-        let pixel = |at: f32| (at.max(0.0).min(TILE_SIDE as f32) + MAGIC).to_bits() as u8;
-        let min = [0, 1].map(|axis| pixel(center[axis] - half[axis]));
-        let end = [0, 1].map(|axis| pixel(center[axis] + half[axis]));
-        (min[0] < end[0] && min[1] < end[1]).then_some(Self { min, end })
+    pub(crate) fn within_tile<S: Simd>(
+        simd: S,
+        [x, y]: [f32; 2],
+        [half_width, half_height]: [f32; 2],
+    ) -> Option<Self> {
+        let splat = |value: f32| f32x4::splat(simd, value);
+        let center: f32x4<S> = [x, y, x, y].simd_into(simd);
+        let half: f32x4<S> = [-half_width, -half_height, half_width, half_height].simd_into(simd);
+        // Adding 1½·2²³ rounds to whole numbers and leaves them in the low bits. Whether an edge goes up or down at a
+        // tie does not matter: it has no weight. What is NaN becomes 0.
+        let inside = (center + half).max(splat(0.0)).min(splat(TILE_SIDE as f32));
+        let rounded: u32x4<S> = (inside + splat(12_582_912.0)).bitcast();
+        let [x_min, y_min, x_end, y_end] = <[u32; 4]>::from(rounded).map(|bits| bits as u8);
+        let pixels = Self { min: [x_min, y_min], end: [x_end, y_end] };
+        (x_min < x_end && y_min < y_end).then_some(pixels)
     }
 }
