@@ -32,12 +32,12 @@ fn render_slices<S: Simd>(
     let voxels: &BySheet = &voxels[0];
     let slices = voxels.sheets();
     for slice in slices.clone() {
-        for voxel in voxels.starting_in(slice..slice + 1) {
-            whole.splat(simd, voxel, tile, sheet);
+        for voxel in voxels.starting_in(slice..slice + 1).iter() {
+            whole.splat(simd, &voxel, tile, sheet);
         }
         tile.put_behind(simd, stage.plan.compositing, sheet, stage.plan.opacity_cutoff);
         if tile.is_full() {
-            tile.stats.n_culled += voxels.starting_in(slice + 1..slices.end).len() as u64;
+            tile.stats.n_culled += voxels.starting_in(slice + 1..slices.end).len as u64;
             break;
         }
     }

@@ -83,8 +83,9 @@ mod tests {
                 let blocks = Blocks::meeting(&pixels);
                 let met: Vec<[usize; 2]> = blocks.iter().collect();
                 let columns = usize::from(first) / 8..=usize::from(end - 1) / 8;
-                let expected: Vec<[usize; 2]> =
-                    (0..2).flat_map(|row| columns.clone().map(move |column| [column, row])).collect();
+                let expected: Vec<[usize; 2]> = (0..2)
+                    .flat_map(|row| columns.clone().map(move |column| [column, row]))
+                    .collect();
                 assert_eq!(met, expected);
                 assert_eq!(blocks.row(0), blocks.row(1));
             }

@@ -4,15 +4,30 @@ use crate::voxel::Voxel;
 use std::ops::Range;
 
 /// Voxels sorted by sheet; equals keep their order. The voxels themselves are sorted, not their places: they are then
-/// read front to back, once for every sheet that they meet.
+/// read front to back, once for every sheet that they meet. Component by component, so that eight of them can be prepared
+/// at a time.
 #[derive(Debug, Default)]
 pub(crate) struct BySheet {
     first_sheet: usize,
     /// Where each sheet's voxels start, and where the last one's end.
     starts: Vec<u32>,
     sheets: Vec<u32>,
-    voxels: Vec<Voxel>,
+    points: [Vec<f32>; 3],
+    spans: Vec<u32>,
+    colors: Vec<[f32; 4]>,
 }
+
+/// Some of the voxels, one after the other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run<'a> {
+    of: &'a BySheet,
+    start: usize,
+    /// How many.
+    pub(crate) len: usize,
+}
+
+/// Voxels that are read at once.
+pub(crate) const N_AT_ONCE: usize = 8;
 
 impl BySheet {
     /// Sorts `voxels` by `sheet_of`.
@@ -38,17 +53,28 @@ impl BySheet {
             sum += *count;
             *count = sum;
         }
-        if self.voxels.len() < self.sheets.len() {
-            self.voxels.resize(self.sheets.len(), Voxel::default());
-        }
+        self.make_room(self.sheets.len() + N_AT_ONCE);
         for (sheet, voxel) in self.sheets.iter().zip(voxels) {
             let next = &mut self.starts[(sheet - first) as usize + 1];
-            self.voxels[*next as usize] = *voxel;
+            let place = *next as usize;
+            for (components, component) in self.points.iter_mut().zip(voxel.point) {
+                components[place] = component;
+            }
+            self.spans[place] = voxel.sheets;
+            self.colors[place] = voxel.color;
             *next += 1;
         }
     }
 
-    /// The sheets in which voxels start.
+    fn make_room(&mut self, n_voxels: usize) {
+        if self.spans.len() < n_voxels {
+            self.points.iter_mut().for_each(|components| components.resize(n_voxels, 0.0));
+            self.spans.resize(n_voxels, 0);
+            self.colors.resize(n_voxels, [0.0; 4]);
+        }
+    }
+
+    /// The sheets to which voxels go first.
     pub(crate) fn sheets(&self) -> Range<usize> {
         if self.sheets.is_empty() {
             return 0..0;
@@ -57,16 +83,53 @@ impl BySheet {
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.voxels.capacity() * size_of::<Voxel>() + 4 * (self.sheets.capacity() + self.starts.capacity())
+        self.spans.capacity() * size_of::<Voxel>()
+            + 4 * (self.sheets.capacity() + self.starts.capacity())
     }
 
-    /// The voxels that start in `sheets`, by sheet and then in the order in which they came.
-    pub(crate) fn starting_in(&self, sheets: Range<usize>) -> &[Voxel] {
+    /// The voxels that go first to `sheets`, by sheet and then in the order in which they came.
+    pub(crate) fn starting_in(&self, sheets: Range<usize>) -> Run<'_> {
         let n_sheets = self.sheets().len();
         let place = |sheet: usize| sheet.saturating_sub(self.first_sheet).min(n_sheets);
-        let [start, end] = [sheets.start, sheets.end].map(|sheet| self.starts[place(sheet)] as usize);
-        &self.voxels[start..end.max(start)]
+        let [start, end] = [sheets.start, sheets.end]
+            .map(|sheet| self.starts.get(place(sheet)).map_or(0, |&s| s as usize));
+        Run { of: self, start, len: end.saturating_sub(start) }
     }
+}
+
+impl<'a> Run<'a> {
+    /// The voxels from `first` on, one component after the other: right, up, depth, and the sheets that
+    /// they go to. There may be fewer in the run; then the rest is of no meaning.
+    #[inline(always)]
+    pub(crate) fn at_once(
+        &self,
+        first: usize,
+    ) -> ([&'a [f32; N_AT_ONCE]; 3], &'a [u32; N_AT_ONCE]) {
+        let start = self.start + first;
+        let points = [0, 1, 2].map(|axis| at(&self.of.points[axis], start));
+        (points, at(&self.of.spans, start))
+    }
+
+    /// What a sheet sums of a voxel.
+    #[inline(always)]
+    pub(crate) fn color(&self, idx: usize) -> [f32; 4] {
+        self.of.colors[self.start + idx]
+    }
+
+    /// All of them.
+    pub(crate) fn iter(self) -> impl Iterator<Item = Voxel> + 'a {
+        let BySheet { points: [x, y, z], spans, colors, .. } = self.of;
+        (self.start..self.start + self.len).map(|place| Voxel {
+            point: [x[place], y[place], z[place]],
+            sheets: spans[place],
+            color: colors[place],
+        })
+    }
+}
+
+#[inline(always)]
+fn at<T>(all: &[T], start: usize) -> &[T; N_AT_ONCE] {
+    all[start..].first_chunk().expect("there is room behind the last voxel")
 }
 
 #[cfg(test)]
@@ -91,7 +154,9 @@ mod tests {
                     let mut expected: Vec<[f32; 3]> = voxels.iter().map(|v| v.point).collect();
                     expected.retain(|point| (first..end).contains(&(point[2] as usize)));
                     expected.sort_by_key(|point| point[2] as usize);
-                    let actual = sorted.starting_in(first..end).iter().map(|v| v.point);
+                    let run = sorted.starting_in(first..end);
+                    assert_eq!(run.len, expected.len());
+                    let actual = run.iter().map(|voxel| voxel.point);
                     assert_eq!(actual.collect::<Vec<_>>(), expected, "{first}..{end}");
                 }
             }

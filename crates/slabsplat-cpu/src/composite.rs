@@ -108,8 +108,7 @@ mod tests {
         let quad = |pixel: [f32; 4]| Quad(std::array::from_fn(|idx| pixel[idx % 4]));
         let (mut pixels, mut sums) = ([quad(pixel); 2], [quad(sums); 2]);
         let level = Level::new();
-        let least =
-            dispatch!(level, simd => put_behind(simd, compositing, &mut pixels, &mut sums));
+        let least = dispatch!(level, simd => put_behind(simd, compositing, &mut pixels, &mut sums));
         assert!((least - pixels[1].opacity(3)).abs() < 1e-6);
         assert_eq!(sums[0].0, [0.0; 16]);
         for idx in 0..4 {
@@ -135,7 +134,10 @@ mod tests {
         close(resolved(Extinction, [0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
         close(resolved(Associated, [0.1, 0.1, 0.1, -0.2]), [0.0; 4]);
         for compositing in [Separate, Associated] {
-            close(behind(compositing, [0.1, 0.2, 0.0, 0.5], [1.0, 0.0, 0.0, 1.0]), [0.6, 0.2, 0.0, 1.0]);
+            close(
+                behind(compositing, [0.1, 0.2, 0.0, 0.5], [1.0, 0.0, 0.0, 1.0]),
+                [0.6, 0.2, 0.0, 1.0],
+            );
         }
     }
 

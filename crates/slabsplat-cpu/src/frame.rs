@@ -70,11 +70,13 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
             n_hidden = image_aligned::render(&job, tiles, buffers, workspaces, &mut watch);
         }
         Splats::Slices { order, table } => {
-            let whole = Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
+            let whole =
+                Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
             stage.render_slices(order, &whole, &mut buffers.voxels, tiles, workspaces, &mut watch);
         }
         Splats::Voxels { table } => {
-            let whole = Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
+            let whole =
+                Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
             stage.render_voxels(&whole, &mut buffers.voxels, tiles, workspaces, &mut watch);
         }
     }

@@ -82,6 +82,11 @@ impl Raster {
         }
     }
 
+    /// Where the optical axis is, in pixels from the image's upper left corner.
+    pub(crate) fn center(&self) -> [f32; 2] {
+        self.center
+    }
+
     /// Where a point of view space lies, in pixels from the image's upper left corner.
     #[inline]
     pub(crate) fn pixel_of(&self, shape: &PixelShape, [right, up, _]: [f32; 3]) -> [f32; 2] {

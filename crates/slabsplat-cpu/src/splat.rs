@@ -1,9 +1,9 @@
 //! The inner loop: one footprint's weights over the pixels of a tile.
 //!
 //! ```text
-//! for every 16 columns that the footprint's box meets, from a multiple of 4 on:
+//! for every 8 columns that the footprint's box meets, from a multiple of 4 on:
 //!     for every row of the box:
-//!         16 weights at once, 0 outside of the footprint
+//!         8 weights at once, 0 outside of the footprint
 //!         for every 4 of them that the box meets: sheet += weight·colour, 4 pixels at once
 //! ```
 //!
@@ -49,21 +49,34 @@ pub(crate) fn splat<S: Simd>(
     let [r, g, b, a] = footprint.color;
     let color: f32x16<S> = [r, g, b, a, r, g, b, a, r, g, b, a, r, g, b, a].simd_into(simd);
     let [first_row, end_row] = [footprint.pixels.min[1], footprint.pixels.end[1]].map(usize::from);
-    let [first_column, end_column] = [footprint.pixels.min[0], footprint.pixels.end[0]].map(usize::from);
+    let [first_column, end_column] =
+        [footprint.pixels.min[0], footprint.pixels.end[0]].map(usize::from);
     let mut quad = first_column / QUAD;
     let end_quad = end_column.div_ceil(QUAD);
     while quad < end_quad {
         let columns =
             weigh.columns(simd, shape, (quad * QUAD) as f32 - footprint.center[0]);
-        let n_quads = (end_quad - quad).min(LANES / QUAD);
         let mut dy = first_row as f32 + 0.5 - footprint.center[1];
-        for row in sheet.rows_mut(first_row..end_row) {
-            let weights = weigh.row(simd, shape, columns, dy);
-            dy += 1.0;
-            for (quad, weights) in row[quad..quad + n_quads].iter_mut().zip(weights.as_chunks().0) {
-                quad.add_weighted(simd, *weights, color);
+        let rows = sheet.rows_mut(first_row..end_row);
+        if quad + 1 < end_quad {
+            for row in rows {
+                let [left, right] = quads_of(weigh.row(simd, shape, columns, dy));
+                dy += 1.0;
+                row[quad].add_weighted(simd, left, color);
+                row[quad + 1].add_weighted(simd, right, color);
+            }
+        } else {
+            for row in rows {
+                let [left, _] = quads_of(weigh.row(simd, shape, columns, dy));
+                dy += 1.0;
+                row[quad].add_weighted(simd, left, color);
             }
         }
-        quad += n_quads;
+        quad += LANES / QUAD;
     }
+}
+
+#[inline(always)]
+fn quads_of([a, b, c, d, e, f, g, h]: [f32; LANES]) -> [[f32; QUAD]; 2] {
+    [[a, b, c, d], [e, f, g, h]]
 }

@@ -1,11 +1,11 @@
-//! The weights of a footprint on a row of pixels, sixteen at a time.
+//! The weights of a footprint on a row of pixels, eight at a time.
 
 use crate::raster::PixelShape;
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x8, prelude::*};
 use slabsplat_kernel::{MAX_COEFFICIENTS, SectionTable};
 
 /// Pixels whose weights are found at once.
-pub(crate) const LANES: usize = 16;
+pub(crate) const LANES: usize = 8;
 
 /// `0.5, 1.5, …`: the centres of pixels.
 const CENTERS: [f32; LANES] = {
@@ -24,7 +24,7 @@ pub(crate) trait Weigh<S: Simd> {
     /// its centre.
     type Columns: Copy;
 
-    /// Prepares the columns from `left` to `left + 16`.
+    /// Prepares the columns from `left` to `left + 8`.
     fn columns(&self, simd: S, shape: &PixelShape, left: f32) -> Self::Columns;
 
     /// The weights of the pixels of a row `dy` pixels below the centre; 0 outside of the footprint.
@@ -42,25 +42,25 @@ pub(crate) struct Polynomial<'a, const N: usize, const LEANS: bool> {
 
 impl<S: Simd, const N: usize, const LEANS: bool> Weigh<S> for Polynomial<'_, N, LEANS> {
     /// Pixels right of the centre if it leans, else what they add to `x`.
-    type Columns = f32x16<S>;
+    type Columns = f32x8<S>;
 
     #[inline(always)]
-    fn columns(&self, simd: S, shape: &PixelShape, left: f32) -> f32x16<S> {
-        let dx = f32x16::from_slice(simd, &CENTERS) + left;
+    fn columns(&self, simd: S, shape: &PixelShape, left: f32) -> f32x8<S> {
+        let dx = f32x8::from_slice(simd, &CENTERS) + left;
         if LEANS { dx } else { dx * dx * shape.across }
     }
 
     #[inline(always)]
-    fn row(&self, simd: S, shape: &PixelShape, columns: f32x16<S>, dy: f32) -> [f32; LANES] {
+    fn row(&self, simd: S, shape: &PixelShape, columns: f32x8<S>, dy: f32) -> [f32; LANES] {
         let from_row = shape.along * dy * dy - 1.0;
         let x = if LEANS {
             let u = columns + shape.lean * dy;
-            (u * shape.across).mul_add(u, f32x16::splat(simd, from_row))
+            (u * shape.across).mul_add(u, f32x8::splat(simd, from_row))
         } else {
             columns + from_row
         };
-        let inside = x.simd_lt(f32x16::splat(simd, self.edge));
-        let weights = inside.select(self.at(simd, x), f32x16::splat(simd, 0.0));
+        let inside = x.simd_lt(f32x8::splat(simd, self.edge));
+        let weights = inside.select(self.at(simd, x), f32x8::splat(simd, 0.0));
         let mut row = [0.0; LANES];
         weights.store_slice(&mut row);
         row
@@ -71,8 +71,8 @@ impl<const N: usize, const LEANS: bool> Polynomial<'_, N, LEANS> {
     /// The polynomial at `x`, by Estrin's scheme: pairs, then fours, so that multiply-adds need not wait
     /// for each other as long as in Horner's.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, x: f32x16<S>) -> f32x16<S> {
-        let coefficient = |k: usize| f32x16::splat(simd, self.coefficients[k]);
+    fn at<S: Simd>(&self, simd: S, x: f32x8<S>) -> f32x8<S> {
+        let coefficient = |k: usize| f32x8::splat(simd, self.coefficients[k]);
         let pair = |k: usize| coefficient(k + 1).mul_add(x, coefficient(k));
         let x2 = x * x;
         let four = |k: usize| pair(k + 2).mul_add(x2, pair(k));
@@ -117,7 +117,11 @@ impl<S: Simd> Weigh<S> for Tilted<'_> {
             }
             let half_chord = self.radius * (0.5 * outside).sqrt();
             let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
-            self.table.sample_at(half_chord * self.table.samples_per_index(), front + later, back + later)
+            self.table.sample_at(
+                half_chord * self.table.samples_per_index(),
+                front + later,
+                back + later,
+            )
         })
     }
 }

@@ -73,15 +73,10 @@ impl RadialPolynomials {
         &self.rows[self.rows.len() - 1]
     }
 
-    /// Writes the coefficients a part `t` of the way from a row to the next, which there must be unless `t`
-    /// is 0.
+    /// The coefficients of a row and of the one behind it; of the last row twice.
     #[inline(always)]
-    pub fn blend(&self, row_idx: usize, t: f32, coefficients: &mut [f32; MAX_COEFFICIENTS]) {
-        let near = &self.rows[row_idx];
-        let far = &self.rows[(row_idx + 1).min(self.rows.len() - 1)];
-        for ((coefficient, near), far) in coefficients.iter_mut().zip(near).zip(far) {
-            *coefficient = near + t * (far - near);
-        }
+    pub fn around(&self, row_idx: usize) -> [&[f32; MAX_COEFFICIENTS]; 2] {
+        [&self.rows[row_idx], &self.rows[(row_idx + 1).min(self.rows.len() - 1)]]
     }
 
     /// The weight that a row has at `x`.

@@ -181,7 +181,9 @@ mod tests {
 
     fn random_rect(rng: &mut fastrand::Rng, tiles: &TileGrid) -> TileRect {
         let min = [rng.f32() * 99.0, rng.f32() * 69.0];
-        tiles.touched(min, [min[0] + 1.0 + rng.f32() * 40.0, min[1] + 1.0 + rng.f32() * 40.0]).unwrap()
+        tiles
+            .touched(min, [min[0] + 1.0 + rng.f32() * 40.0, min[1] + 1.0 + rng.f32() * 40.0])
+            .unwrap()
     }
 
     /// Against the definition, for any number of threads.

@@ -2,9 +2,9 @@
 
 use crate::by_sheet::BySheet;
 use crate::frame::Stage;
+use crate::image_aligned::Slabs;
 use crate::image_aligned::intake::Intake;
 use crate::image_aligned::sections::SlabCut;
-use crate::image_aligned::Slabs;
 use crate::image_aligned::span::{N_CLASSES, Span};
 use crate::sheet::Sheet;
 use crate::tile::Tile;
@@ -76,7 +76,7 @@ impl Tile {
         }
         for (class, voxels) in voxels.iter().enumerate() {
             let first = slab.saturating_sub(slabs.n_before(class));
-            self.pending.extend_from_slice(voxels.starting_in(first..usize::MAX));
+            self.pending.extend(voxels.starting_in(first..usize::MAX).iter());
         }
     }
 }

@@ -4,14 +4,12 @@
 //! blocks is not looked at, nor is a voxel: neither is projected, shaded or tossed (the culling of Mueller et al.
 //! 1999). All buffers are as large as one range needs, and are used again.
 
-use crate::image_aligned::occlusion::Occlusion;
 use crate::frame::Stage;
 use crate::image_aligned::Slabs;
+use crate::image_aligned::occlusion::{Occlusion, Seen};
 use crate::voxel::Voxel;
 use rayon::prelude::*;
-use slabsplat_traverse::{
-    Brick, BrickBounds, TileGrid, TileRect, TileToss, VoxelRecord,
-};
+use slabsplat_traverse::{Brick, BrickBounds, TileGrid, TileRect, TileToss, VoxelRecord};
 
 /// Bricks that one task takes in. It depends on nothing, or the order of sums would.
 const BRICKS_PER_TASK: usize = 32;
@@ -92,10 +90,9 @@ impl Task {
         brick: &Brick,
     ) {
         let records = stage.list.voxels_of(brick);
-        let is_hidden = slabs
-            .bounds_of_brick(&stage.bricks.bounds(brick))
-            .is_none_or(|[min, max]| occlusion.hides(min, max));
-        if is_hidden {
+        let bounds = slabs.bounds_of_brick(&stage.bricks.bounds(brick));
+        let seen = bounds.map_or(Seen::Not, |[min, max]| occlusion.shows(min, max));
+        if seen == Seen::Not {
             self.n_hidden += records.len() as u64;
             return;
         }
@@ -105,7 +102,7 @@ impl Task {
         let first = self.voxels.len();
         for (record, &point) in records.iter().zip(&self.points) {
             let Some([min, max]) = slabs.bounds_of_voxel(point) else { continue };
-            if occlusion.hides(min, max) {
+            if seen == Seen::Partly && occlusion.shows(min, max) == Seen::Not {
                 continue;
             }
             let Some(rect) = tiles.touched(min, max) else { continue };
@@ -154,15 +151,15 @@ impl Slabs<'_> {
     /// depth, so that the first and the last one bound all of them.
     #[inline]
     fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {
+        if let (Some(only), 0) = (self.shapes.only(), self.first_drawn) {
+            return Some(self.raster.bounds(only, point));
+        }
         let [first, last] = self.meeting(point[2]);
         let first = first.max(self.first_drawn);
         if last < first {
             return None;
         }
         let near = self.raster.bounds(&self.shape(first), point);
-        if !self.view.is_perspective() {
-            return Some(near);
-        }
         let far = self.raster.bounds(&self.shape(last), point);
         Some([
             [0, 1].map(|axis| near[0][axis].min(far[0][axis])),

@@ -28,7 +28,7 @@ use intake::Intake;
 use occlusion::Occlusion;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
-use slabsplat_core::{SlabGrid, View};
+use slabsplat_core::SlabGrid;
 use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionTable};
 use slabsplat_traverse::Brick;
 
@@ -50,7 +50,6 @@ pub(crate) struct Buffers {
 /// The slabs of a frame and what they cut.
 pub(crate) struct Slabs<'a> {
     grid: &'a SlabGrid,
-    view: View,
     raster: &'a Raster,
     table: &'a SectionTable,
     polynomials: &'a RadialPolynomials,
@@ -108,7 +107,8 @@ pub(crate) fn render(
         n_hidden += intake.take(stage, &slabs, &tiles.grid, &occlusion, here);
         watch.done("intake");
         // The last range goes on until no voxel is left that was taken in.
-        let end = behind.first().map_or(slabs.grid.n_slabs(), |next| next.0 as usize * slabs_per_range);
+        let end =
+            behind.first().map_or(slabs.grid.n_slabs(), |next| next.0 as usize * slabs_per_range);
         advance::through(start..end, stage, &slabs, tiles, intake, workspaces);
         tiles.tiles.iter().for_each(|tile| occlusion.note(tile));
         watch.done("splat");
@@ -135,8 +135,7 @@ fn sort_bricks(
 
 impl Buffers {
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.intake.resident_bytes()
-            + self.bricks.capacity() * size_of::<(u32, u32)>()
+        self.intake.resident_bytes() + self.bricks.capacity() * size_of::<(u32, u32)>()
     }
 }
 
@@ -148,7 +147,7 @@ impl<'a> Slabs<'a> {
         let mut slabs = 0..grid.n_slabs();
         Self {
             grid,
-            view,
+
             raster,
             table,
             polynomials,

@@ -16,6 +16,17 @@ pub(crate) struct Occlusion {
     full: Vec<u64>,
 }
 
+/// What is to be seen of a part of the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Seen {
+    /// Nothing: all is full, or outside of the image.
+    Not,
+    /// Some blocks are full, others are not.
+    Partly,
+    /// No block is full.
+    All,
+}
+
 impl Occlusion {
     /// The map of an empty image.
     pub(crate) fn new(image_size: [u32; 2]) -> Self {
@@ -32,32 +43,46 @@ impl Occlusion {
         for block_row in 0..BLOCKS_ACROSS {
             let full = !tile.open.row(block_row) & ((1 << BLOCKS_ACROSS) - 1);
             // 64 is a multiple of a tile's blocks, so a tile's row lies in one word.
-            self.full[(row + block_row) * self.words_per_row + column / 64] |= full << (column % 64);
+            self.full[(row + block_row) * self.words_per_row + column / 64] |=
+                full << (column % 64);
         }
     }
 
-    /// Whether there is nothing to be seen between two corners, in pixels: because all is full, or
-    /// because it is outside of the image.
+    /// How much is to be seen between two corners, in pixels.
     #[inline]
-    pub(crate) fn hides(&self, min: [f32; 2], max: [f32; 2]) -> bool {
+    pub(crate) fn shows(&self, min: [f32; 2], max: [f32; 2]) -> Seen {
         let first = min.map(|pixel| (pixel.max(0.0) as usize) / BLOCK_SIDE);
         let outside = max[0] < 0.0 || max[1] < 0.0;
         if outside || self.n_blocks[0] <= first[0] || self.n_blocks[1] <= first[1] {
-            return true;
+            return Seen::Not;
         }
         let last = |axis: usize| ((max[axis] as usize) / BLOCK_SIDE).min(self.n_blocks[axis] - 1);
-        (first[1]..=last(1)).all(|row| self.is_full(row, first[0], last(0)))
+        let (mut some_full, mut some_open) = (false, false);
+        for row in first[1]..=last(1) {
+            let [full, open] = self.of_row(row, first[0], last(0));
+            some_full |= full;
+            some_open |= open;
+        }
+        match (some_full, some_open) {
+            (_, false) => Seen::Not,
+            (true, true) => Seen::Partly,
+            (false, true) => Seen::All,
+        }
     }
 
+    /// Whether any of a row's blocks are full, and whether any are not.
     #[inline]
-    fn is_full(&self, row: usize, first: usize, last: usize) -> bool {
+    fn of_row(&self, row: usize, first: usize, last: usize) -> [bool; 2] {
         let words = &self.full[row * self.words_per_row..];
-        (first / 64..=last / 64).all(|word| {
+        let (mut some_full, mut some_open) = (false, false);
+        for word in first / 64..=last / 64 {
             let from = u64::MAX << if word == first / 64 { first % 64 } else { 0 };
             let to = u64::MAX >> if word == last / 64 { 63 - last % 64 } else { 0 };
-            let asked = from & to;
-            words[word] & asked == asked
-        })
+            let full = words[word] & from & to;
+            some_full |= full != 0;
+            some_open |= full != from & to;
+        }
+        [some_full, some_open]
     }
 }
 
@@ -69,25 +94,27 @@ mod tests {
     fn occlusion_is_block_by_block() {
         let size = [2100, 70];
         let mut occlusion = Occlusion::new(size);
-        let everything = ([-5.0, -5.0], [3000.0, 3000.0]);
-        assert!(!occlusion.hides(everything.0, everything.1));
+        let everything = |occlusion: &Occlusion| occlusion.shows([-5.0; 2], [3000.0; 2]);
+        assert_eq!(everything(&occlusion), Seen::All);
         for y in (0..70).step_by(TILE_SIDE) {
             for x in (0..2100).step_by(TILE_SIDE) {
                 let mut tile = Tile::new([x, y], size);
                 for block in tile.open.iter().collect::<Vec<_>>() {
-                    if [x / 8 + block[0], y / 8 + block[1]] != [70, 3] {
+                    if [x / BLOCK_SIDE + block[0], y / BLOCK_SIDE + block[1]] != [70, 3] {
                         tile.open.remove(block);
                     }
                 }
                 occlusion.note(&tile);
             }
         }
-        assert!(!occlusion.hides(everything.0, everything.1));
-        assert!(!occlusion.hides([560.1, 24.1], [560.2, 24.2]));
-        assert!(occlusion.hides([0.0, 0.0], [559.9, 69.0]), "left of the open block");
-        assert!(occlusion.hides([568.0, 0.0], [9999.0, 69.0]), "right of it");
-        assert!(occlusion.hides([0.0, 32.0], [9999.0, 9999.0]), "below it");
-        assert!(occlusion.hides([-9.0, -9.0], [-1.0, 50.0]), "outside of the image");
-        assert!(occlusion.hides([2105.0, 0.0], [2106.0, 50.0]), "outside of the image");
+        let [left, top] = [70, 3].map(|block| (block * BLOCK_SIDE) as f32);
+        let [right, bottom] = [left, top].map(|start| start + BLOCK_SIDE as f32);
+        assert_eq!(everything(&occlusion), Seen::Partly);
+        assert_eq!(occlusion.shows([left + 0.1, top + 0.1], [left + 0.2, top + 0.2]), Seen::All);
+        assert_eq!(occlusion.shows([0.0; 2], [left - 0.1, 69.0]), Seen::Not);
+        assert_eq!(occlusion.shows([right, 0.0], [9999.0, 69.0]), Seen::Not);
+        assert_eq!(occlusion.shows([0.0, bottom], [9999.0, 9999.0]), Seen::Not);
+        assert_eq!(occlusion.shows([-9.0, -9.0], [-1.0, 50.0]), Seen::Not, "outside");
+        assert_eq!(occlusion.shows([2105.0, 0.0], [2106.0, 50.0]), Seen::Not, "outside");
     }
 }

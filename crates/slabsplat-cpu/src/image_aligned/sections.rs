@@ -5,18 +5,16 @@
 //! so that they run side by side, and the inner loop finds everything ready.
 
 use crate::blocks::Blocks;
+use crate::by_sheet::{N_AT_ONCE, Run};
 use crate::image_aligned::{Slabs, Span};
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::splat::{Footprint, PixelBox, splat};
 use crate::tile::{TILE_SIDE, Tile};
-use crate::voxel::Voxel;
 use crate::weights::{Polynomial, Tilted};
-use fearless_simd::{Simd, f32x4, prelude::*, u32x4};
-use slabsplat_kernel::MAX_COEFFICIENTS;
-
-/// Voxels whose sections are prepared at a time.
-const N_PREPARED: usize = 32;
+use fearless_simd::{Simd, f32x4, f32x8, mask32x8, prelude::*, u32x8};
+use slabsplat_core::Lookup;
+use slabsplat_kernel::{MAX_COEFFICIENTS, RadialPolynomials};
 
 /// A slab, about to be splatted.
 pub(crate) struct SlabCut<'a> {
@@ -26,15 +24,6 @@ pub(crate) struct SlabCut<'a> {
     shape: PixelShape,
     /// Depths of its faces.
     faces: [f32; 2],
-}
-
-/// What became of a section.
-enum Prepared {
-    Yes,
-    /// All pixels that it could touch are full.
-    Hidden,
-    /// The slab does not cut the voxel's kernel, or not on this tile.
-    NotCut,
 }
 
 /// A section that is about to be splatted.
@@ -50,6 +39,32 @@ struct Section {
     coefficients: [f32; MAX_COEFFICIENTS],
 }
 
+/// What eight voxels have in a slab.
+struct Eight {
+    /// Which of them are drawn, a bit each.
+    drawn: u64,
+    /// Centres, in pixels from the tile's upper left corner.
+    centers: [[f32; N_AT_ONCE]; 2],
+    /// Columns and rows, from the first to behind the last: left, top, right, bottom.
+    pixels: [[u32; N_AT_ONCE]; 4],
+    faces: [[f32; N_AT_ONCE]; 2],
+    is_folded: u64,
+    edges: [f32; N_AT_ONCE],
+    /// Where in their table they are, in rows.
+    rows: [f32; N_AT_ONCE],
+}
+
+/// What voxels are like that are prepared together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// They are drawn whole.
+    Whole,
+    /// Slabs cut them at one depth for all of a footprint.
+    Upright,
+    /// Slabs cut them at depths that change over a footprint.
+    Tilted,
+}
+
 impl<'a> SlabCut<'a> {
     pub(crate) fn new(slabs: &'a Slabs<'a>, slab: usize) -> Self {
         let faces = slabs.grid.faces(slab).map(|face| face as f32);
@@ -62,156 +77,152 @@ impl<'a> SlabCut<'a> {
         &self,
         simd: S,
         class: usize,
-        voxels: &[Voxel],
+        voxels: Run<'_>,
         tile: &mut Tile,
         sheet: &mut Sheet,
     ) {
-        match (class, self.slabs.fewer) {
-            (0, Some(fewer)) => {
-                let whole = fewer.polynomials.last_row();
-                self.splat_in_turns(simd, voxels, tile, sheet, |voxel, tile, sheet, section| {
-                    self.place(simd, voxel, self.slabs.raster.radius, tile, sheet, section)
-                }, |sheet, section| {
-                    self.splat_polynomial(simd, sheet, section, whole, 1.0);
-                });
-            }
-            _ if self.slabs.raster.is_tilted => {
-                self.splat_in_turns(simd, voxels, tile, sheet, |voxel, tile, sheet, section| {
-                    self.prepare_tilted(simd, voxel, tile, sheet, section)
-                }, |sheet, section| {
-                    let tilted = Tilted {
-                        table: self.slabs.tables(section.is_folded).0,
-                        radius: self.slabs.raster.radius,
-                        faces: section.faces,
-                    };
-                    splat(simd, sheet, &self.shape, &section.footprint, &tilted);
-                });
-            }
-            _ => {
-                self.splat_in_turns(simd, voxels, tile, sheet, |voxel, tile, sheet, section| {
-                    self.prepare(simd, voxel, tile, sheet, section)
-                }, |sheet, section| {
-                    self.splat_polynomial(simd, sheet, section, &section.coefficients, section.edge);
-                });
-            }
-        }
-    }
-
-    /// Prepares some sections, splats them, prepares more.
-    #[inline(always)]
-    fn splat_in_turns<S: Simd>(
-        &self,
-        _: S,
-        voxels: &[Voxel],
-        tile: &mut Tile,
-        sheet: &mut Sheet,
-        prepare: impl Fn(&Voxel, &Tile, &mut Sheet, &mut Section) -> Prepared,
-        splat: impl Fn(&mut Sheet, &Section),
-    ) {
-        let mut sections = [Section::default(); N_PREPARED];
-        for voxels in voxels.chunks(N_PREPARED) {
+        let mut sections = [Section::default(); N_AT_ONCE];
+        let kind = match (class, self.slabs.fewer) {
+            (0, Some(_)) => Kind::Whole,
+            _ if self.slabs.raster.is_tilted => Kind::Tilted,
+            _ => Kind::Upright,
+        };
+        for first in (0..voxels.len).step_by(N_AT_ONCE) {
+            let eight = self.prepare(simd, kind, voxels, first, tile);
             let mut n_sections = 0;
-            for voxel in voxels {
-                match prepare(voxel, tile, sheet, &mut sections[n_sections]) {
-                    Prepared::Yes => n_sections += 1,
-                    Prepared::Hidden => tile.stats.n_culled += 1,
-                    Prepared::NotCut => {}
+            for idx in bits(eight.drawn) {
+                let pixels = eight.pixels_of(idx);
+                let blocks = Blocks::meeting(&pixels);
+                if !tile.open.meets(blocks) {
+                    tile.stats.n_culled += 1;
+                    continue;
                 }
+                sheet.touched.add(blocks);
+                let color = voxels.color(first + idx).map(|channel| channel * self.shape.gain);
+                let center = eight.centers.map(|all| all[idx]);
+                let section = &mut sections[n_sections];
+                section.footprint = Footprint { center, pixels, color };
+                section.edge = eight.edges[idx];
+                section.is_folded = eight.is_folded >> idx & 1 == 1;
+                if kind == Kind::Upright {
+                    let (_, polynomials) = self.slabs.tables(section.is_folded);
+                    section.coefficients = blended(simd, polynomials, eight.rows[idx]);
+                } else {
+                    section.faces = eight.faces.map(|all| all[idx]);
+                }
+                n_sections += 1;
             }
             tile.stats.n_splats += n_sections as u64;
-            sections[..n_sections].iter().for_each(|section| splat(sheet, section));
+            for section in &sections[..n_sections] {
+                self.splat_section(simd, kind, section, sheet);
+            }
         }
     }
 
-    /// Where a footprint that ends at `rho_max` lies.
     #[inline(always)]
-    fn place<S: Simd>(
-        &self,
-        simd: S,
-        voxel: &Voxel,
-        rho_max: f32,
-        tile: &Tile,
-        sheet: &mut Sheet,
-        section: &mut Section,
-    ) -> Prepared {
-        let [x, y] = self.slabs.raster.pixel_of(&self.shape, voxel.point);
-        let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
-        let half = self.shape.half_extent.map(|extent| extent * rho_max);
-        let Some(pixels) = PixelBox::within_tile(simd, center, half) else {
-            return Prepared::NotCut;
-        };
-        let blocks = Blocks::meeting(&pixels);
-        if !tile.open.meets(blocks) {
-            return Prepared::Hidden;
+    fn splat_section<S: Simd>(&self, simd: S, kind: Kind, section: &Section, sheet: &mut Sheet) {
+        match (kind, self.slabs.fewer) {
+            (Kind::Tilted, _) => {
+                let tilted = Tilted {
+                    table: self.slabs.tables(section.is_folded).0,
+                    radius: self.slabs.raster.radius,
+                    faces: section.faces,
+                };
+                splat(simd, sheet, &self.shape, &section.footprint, &tilted);
+            }
+            (Kind::Whole, Some(fewer)) => {
+                let whole = fewer.polynomials.last_row();
+                self.splat_polynomial(simd, sheet, section, whole, 1.0);
+            }
+            _ => {
+                self.splat_polynomial(simd, sheet, section, &section.coefficients, section.edge);
+            }
         }
-        sheet.touched.add(blocks);
-        let color = voxel.color.map(|channel| channel * self.shape.gain);
-        section.footprint = Footprint { center, pixels, color };
-        Prepared::Yes
     }
 
+    /// Prepares the voxels from `first` on.
     #[inline(always)]
     fn prepare<S: Simd>(
         &self,
         simd: S,
-        voxel: &Voxel,
+        kind: Kind,
+        voxels: Run<'_>,
+        first: usize,
         tile: &Tile,
-        sheet: &mut Sheet,
-        section: &mut Section,
-    ) -> Prepared {
-        let Some(([front, back], is_folded)) = self.faces_of(voxel) else {
-            return Prepared::NotCut;
+    ) -> Eight {
+        let slabs = self.slabs;
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let ([right, up, depth], spans) = voxels.at_once(first);
+        let right = f32x8::from_slice(simd, right);
+        let up = f32x8::from_slice(simd, up);
+        let depth = f32x8::from_slice(simd, depth);
+        let n_left = (voxels.len - first).min(N_AT_ONCE);
+        let mut drawn = u64::MAX >> (64 - n_left);
+        let radius = slabs.raster.radius;
+        let mut eight = Eight::EMPTY;
+        let rho_max = if kind == Kind::Whole {
+            splat(radius)
+        } else {
+            let (faces, is_folded, is_drawn) = self.faces_of(simd, depth, spans);
+            drawn &= is_drawn.to_bitmask();
+            let [front, back] = faces;
+            // The disc in which a slab between two faces cuts a ball.
+            let nearest = front.max(-back).max(splat(0.0));
+            let is_cut = nearest.simd_lt(splat(slabs.reach_in_index));
+            drawn &= is_cut.to_bitmask();
+            eight.is_folded = is_folded.to_bitmask();
+            if kind == Kind::Tilted {
+                front.store_slice(&mut eight.faces[0]);
+                back.store_slice(&mut eight.faces[1]);
+                splat(radius)
+            } else {
+                let disc_squared = splat(radius * radius) - nearest * nearest;
+                (disc_squared * slabs.edge_per_disc - 1.0).store_slice(&mut eight.edges);
+                slabs.rows_of(simd, front, back, is_folded).store_slice(&mut eight.rows);
+                disc_squared.max(splat(0.0)).sqrt()
+            }
         };
-        // The disc in which a slab between two faces cuts a ball.
-        let nearest = max(max(front, -back), 0.0);
-        let radius = self.slabs.raster.radius;
-        let disc_squared = radius * radius - nearest * nearest;
-        if disc_squared <= 0.0 {
-            return Prepared::NotCut;
+        let origin = tile.origin.map(|pixel| pixel as f32);
+        let [x, y] = slabs.raster.center();
+        let centers = [
+            right.mul_add(splat(self.shape.scale), splat(x - origin[0])),
+            up.mul_add(splat(-self.shape.scale), splat(y - origin[1])),
+        ];
+        for axis in 0..2 {
+            let half = rho_max * self.shape.half_extent[axis];
+            let first = pixel(simd, centers[axis] - half);
+            let end = pixel(simd, centers[axis] + half);
+            drawn &= first.simd_lt(end).to_bitmask();
+            first.store_slice(&mut eight.pixels[axis]);
+            end.store_slice(&mut eight.pixels[axis + 2]);
+            centers[axis].store_slice(&mut eight.centers[axis]);
         }
-        let (table, polynomials) = self.slabs.tables(is_folded);
-        let (row, t) = table.row_at(front, back);
-        polynomials.blend(row, t, &mut section.coefficients);
-        section.edge = disc_squared * self.slabs.edge_per_disc - 1.0;
-        self.place(simd, voxel, disc_squared.sqrt(), tile, sheet, section)
+        Eight { drawn, ..eight }
     }
 
-    /// A tilted slab may cut a ball far from the ray through its centre.
+    /// Index units from voxels to the faces that cut them; whether others were spared; whether they are drawn in
+    /// this slab.
     #[inline(always)]
-    fn prepare_tilted<S: Simd>(
+    fn faces_of<S: Simd>(
         &self,
         simd: S,
-        voxel: &Voxel,
-        tile: &Tile,
-        sheet: &mut Sheet,
-        section: &mut Section,
-    ) -> Prepared {
-        let Some((faces, is_folded)) = self.faces_of(voxel) else { return Prepared::NotCut };
-        if self.slabs.reach_in_index <= max(faces[0], -faces[1]) {
-            return Prepared::NotCut;
-        }
-        (section.faces, section.is_folded) = (faces, is_folded);
-        self.place(simd, voxel, self.slabs.raster.radius, tile, sheet, section)
-    }
-
-    /// Index units from the voxel to the faces that cut it, and whether others were spared; `None` if it is not drawn
-    /// in this slab.
-    #[inline(always)]
-    fn faces_of(&self, voxel: &Voxel) -> Option<([f32; 2], bool)> {
-        let raster = self.slabs.raster;
-        let [front, back] =
-            self.faces.map(|face| (face - voxel.point[2]) * raster.index_per_depth);
-        let span = Span::from_bits(voxel.sheets);
-        let Some(n_more) = span.folded() else { return Some(([front, back], false)) };
-        let place = self.slab.wrapping_sub(span.first());
-        if n_more < place {
-            return None;
-        }
-        let far = 2.0 * self.slabs.reach_in_index;
-        let (is_first, is_last) = (place == 0, place == n_more);
-        let front = if is_first { -far } else { front };
-        let back = if is_last { far } else { back };
-        Some(([front, back], is_first || is_last))
+        depth: f32x8<S>,
+        spans: &[u32; N_AT_ONCE],
+    ) -> ([f32x8<S>; 2], mask32x8<S>, mask32x8<S>) {
+        let [front, back] = self
+            .faces
+            .map(|face| (f32x8::splat(simd, face) - depth) * self.slabs.raster.index_per_depth);
+        let spans = u32x8::from_slice(simd, spans);
+        let [firsts, n_more] = Span::parts(simd, spans);
+        let may_fold = !n_more.simd_eq(u32x8::splat(simd, Span::ALL));
+        let place = u32x8::splat(simd, self.slab as u32) - firsts;
+        let is_first = may_fold & place.simd_eq(u32x8::splat(simd, 0));
+        let is_last = may_fold & place.simd_eq(n_more);
+        // A place before the first wraps around.
+        let is_drawn = !may_fold | place.simd_le(n_more);
+        let far = f32x8::splat(simd, 2.0 * self.slabs.reach_in_index);
+        let faces = [is_first.select(-far, front), is_last.select(far, back)];
+        (faces, is_first | is_last, is_drawn)
     }
 
     #[inline(always)]
@@ -227,44 +238,132 @@ impl<'a> SlabCut<'a> {
         let is_short = self.slabs.n_coefficients == 8;
         match (is_short, self.slabs.raster.leans) {
             (true, false) => {
-                splat(simd, sheet, shape, footprint, &Polynomial::<8, false> { coefficients, edge });
+                splat(
+                    simd,
+                    sheet,
+                    shape,
+                    footprint,
+                    &Polynomial::<8, false> { coefficients, edge },
+                );
             }
             (true, true) => {
                 splat(simd, sheet, shape, footprint, &Polynomial::<8, true> { coefficients, edge });
             }
             (false, false) => {
-                splat(simd, sheet, shape, footprint, &Polynomial::<12, false> { coefficients, edge });
+                splat(
+                    simd,
+                    sheet,
+                    shape,
+                    footprint,
+                    &Polynomial::<12, false> { coefficients, edge },
+                );
             }
             (false, true) => {
-                splat(simd, sheet, shape, footprint, &Polynomial::<12, true> { coefficients, edge });
+                splat(
+                    simd,
+                    sheet,
+                    shape,
+                    footprint,
+                    &Polynomial::<12, true> { coefficients, edge },
+                );
             }
         }
     }
 }
 
-/// As `f32::max` where neither is NaN, and a single instruction.
+/// The coefficients at a place between two rows.
 #[inline(always)]
-fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+fn blended<S: Simd>(
+    simd: S,
+    polynomials: &RadialPolynomials,
+    place: f32,
+) -> [f32; MAX_COEFFICIENTS] {
+    let row = place as i32;
+    let t = place - row as f32;
+    let [near, far] = polynomials.around(row as usize);
+    let mut coefficients = [0.0; MAX_COEFFICIENTS];
+    for first in [0, 4, 8] {
+        let near = f32x4::from_slice(simd, &near[first..first + 4]);
+        let far = f32x4::from_slice(simd, &far[first..first + 4]);
+        let blend = (far - near).mul_add(f32x4::splat(simd, t), near);
+        blend.store_slice(&mut coefficients[first..first + 4]);
+    }
+    coefficients
+}
+
+impl Slabs<'_> {
+    /// Where sections are in their tables, in rows.
+    #[inline(always)]
+    fn rows_of<S: Simd>(
+        &self,
+        simd: S,
+        front: f32x8<S>,
+        back: f32x8<S>,
+        is_folded: mask32x8<S>,
+    ) -> f32x8<S> {
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let (rows, folded) = (self.table.rows(), self.tables(true).0.rows());
+        let from_front = back + rows.radius;
+        let from_nearer =
+            if rows.mirrored { from_front.min(splat(rows.radius) - front) } else { from_front };
+        let per_index = is_folded.select(splat(folded.rows_per_index), splat(rows.rows_per_index));
+        let last = is_folded.select(splat(folded.last_row), splat(rows.last_row));
+        let row = (from_nearer * per_index).max(splat(0.0)).min(last);
+        match self.table.lookup() {
+            Lookup::Nearest => (row + 0.5).floor(),
+            Lookup::Linear => row,
+        }
+    }
+}
+
+impl Eight {
+    const EMPTY: Self = Self {
+        drawn: 0,
+        centers: [[0.0; N_AT_ONCE]; 2],
+        pixels: [[0; N_AT_ONCE]; 4],
+        faces: [[0.0; N_AT_ONCE]; 2],
+        is_folded: 0,
+        edges: [1.0; N_AT_ONCE],
+        rows: [0.0; N_AT_ONCE],
+    };
+
+    #[inline(always)]
+    fn pixels_of(&self, idx: usize) -> PixelBox {
+        let [left, top, right, bottom] = self.pixels.map(|all| all[idx] as u8);
+        PixelBox { min: [left, top], end: [right, bottom] }
+    }
+}
+
+/// The pixel of a tile whose centre is the first behind each coordinate. NaN gives 0.
+///
+/// Adding 2²³ rounds to whole numbers and leaves them in the low bits. Whether a coordinate right at a centre goes up or
+/// down does not matter: at its edge a footprint has no weight.
+#[inline(always)]
+fn pixel<S: Simd>(simd: S, at: f32x8<S>) -> u32x8<S> {
+    let splat = |value: f32| f32x8::splat(simd, value);
+    let inside = at.max(splat(0.0)).min(splat(TILE_SIDE as f32));
+    let rounded: u32x8<S> = (inside + splat(8_388_608.0)).bitcast();
+    rounded & u32x8::splat(simd, 0xff)
+}
+
+/// The places of the bits that are set.
+#[inline(always)]
+fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = mask.trailing_zeros() as usize;
+        mask &= mask.checked_sub(1)?;
+        Some(place)
+    })
 }
 
 impl PixelBox {
     /// The pixels of a tile that have their centres within `half` of `center`; `None` if there are none.
     #[inline(always)]
-    pub(crate) fn within_tile<S: Simd>(
-        simd: S,
-        [x, y]: [f32; 2],
-        [half_width, half_height]: [f32; 2],
-    ) -> Option<Self> {
-        let splat = |value: f32| f32x4::splat(simd, value);
-        let center: f32x4<S> = [x, y, x, y].simd_into(simd);
-        let half: f32x4<S> = [-half_width, -half_height, half_width, half_height].simd_into(simd);
-        // Adding 1½·2²³ rounds to whole numbers and leaves them in the low bits. Whether an edge goes up or down at a
-        // tie does not matter: it has no weight. What is NaN becomes 0.
-        let inside = (center + half).max(splat(0.0)).min(splat(TILE_SIDE as f32));
-        let rounded: u32x4<S> = (inside + splat(12_582_912.0)).bitcast();
-        let [x_min, y_min, x_end, y_end] = <[u32; 4]>::from(rounded).map(|bits| bits as u8);
-        let pixels = Self { min: [x_min, y_min], end: [x_end, y_end] };
-        (x_min < x_end && y_min < y_end).then_some(pixels)
+    pub(crate) fn within_tile<S: Simd>(simd: S, center: [f32; 2], half: [f32; 2]) -> Option<Self> {
+        let [x, y] = center;
+        let [w, h] = half;
+        let ends = pixel(simd, [x - w, y - h, x + w, y + h, 0.0, 0.0, 0.0, 0.0].simd_into(simd));
+        let [left, top, right, bottom, ..] = <[u32; 8]>::from(ends).map(|end| end as u8);
+        (left < right && top < bottom).then_some(Self { min: [left, top], end: [right, bottom] })
     }
 }

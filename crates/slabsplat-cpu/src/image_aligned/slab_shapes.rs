@@ -25,6 +25,15 @@ impl SlabShapes {
         self.shapes.extend((0..n_shapes).map(|slab| raster.shape_at(slabs.middle(slab))));
     }
 
+    /// The footprint of all slabs, if they have the same.
+    #[inline]
+    pub(crate) fn only(&self) -> Option<&PixelShape> {
+        match self.shapes.as_slice() {
+            [only] => Some(only),
+            _ => None,
+        }
+    }
+
     /// The footprint of a slab; of no meaning for one that is not drawn.
     #[inline]
     pub(crate) fn of(&self, raster: &Raster, slabs: &SlabGrid, slab: usize) -> PixelShape {

@@ -1,6 +1,7 @@
 //! Which slabs a voxel is drawn in (`docs/algorithm.md`, "Sections by opacity").
 
 use crate::image_aligned::Slabs;
+use fearless_simd::{Simd, prelude::*, u32x8};
 use slabsplat_kernel::SectionLevels;
 
 /// The first slab of a voxel, and how many more there are; in the 32 bits that a voxel has for it.
@@ -10,13 +11,15 @@ pub(crate) struct Span(u32);
 /// Bits for the number of slabs behind the first; the other 22 are enough for any slab's index.
 const BITS: u32 = 10;
 
-/// That many or more, or a voxel that has all its sections: what slabs cut is then found by their faces.
 const ALL: u32 = (1 << BITS) - 1;
 
 /// By how many slabs voxels are held apart: one slab, up to three, more.
 pub(crate) const N_CLASSES: usize = 3;
 
 impl Span {
+    /// That many slabs or more, or a voxel that has all its sections: what slabs cut is then found by their faces.
+    pub(crate) const ALL: u32 = ALL;
+
     pub(crate) fn from_bits(bits: u32) -> Self {
         Self(bits)
     }
@@ -31,12 +34,10 @@ impl Span {
         (self.0 >> BITS) as usize
     }
 
-    /// Whether the first and the last section hold what lies beyond them; how many slabs lie behind the first
-    /// then.
+    /// First slabs and numbers of slabs behind them.
     #[inline(always)]
-    pub(crate) fn folded(self) -> Option<usize> {
-        let n_more = self.0 & ALL;
-        (n_more != ALL).then_some(n_more as usize)
+    pub(crate) fn parts<S: Simd>(simd: S, spans: u32x8<S>) -> [u32x8<S>; 2] {
+        [spans >> BITS, spans & u32x8::splat(simd, ALL)]
     }
 
     /// Voxels of a class wait for equally many slabs; see [`Slabs::n_before`].
