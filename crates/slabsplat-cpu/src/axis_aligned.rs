@@ -13,11 +13,14 @@ use fearless_simd::{Simd, dispatch};
 pub(crate) fn render_tile<'a>(
     stage: &Stage<'_>,
     whole: &Whole<'_>,
-    voxels: impl Iterator<Item = &'a Voxel> + Clone,
+    voxels: impl Iterator<Item = &'a Voxel>,
     tile: &mut Tile,
     workspace: &mut Workspace,
 ) {
-    workspace.voxels[0].sort(voxels, |voxel| voxel.sheets as usize);
+    let [slices, ..] = &mut workspace.voxels;
+    slices.clear();
+    voxels.for_each(|voxel| slices.push(voxel.sheets as usize, voxel));
+    slices.sort();
     dispatch!(stage.level, simd => render_slices(simd, stage, whole, tile, workspace));
 }
 

@@ -11,7 +11,9 @@ pub(crate) struct BySheet {
     first_sheet: usize,
     /// Where each sheet's voxels start, and where the last one's end.
     starts: Vec<u32>,
+    /// What was pushed: first sheets and voxels.
     sheets: Vec<u32>,
+    arrived: Vec<Voxel>,
     points: [Vec<f32>; 3],
     spans: Vec<u32>,
     colors: Vec<[f32; 4]>,
@@ -30,14 +32,21 @@ pub(crate) struct Run<'a> {
 pub(crate) const N_AT_ONCE: usize = 8;
 
 impl BySheet {
-    /// Sorts `voxels` by `sheet_of`.
-    pub(crate) fn sort<'a>(
-        &mut self,
-        voxels: impl Iterator<Item = &'a Voxel> + Clone,
-        sheet_of: impl Fn(&Voxel) -> usize,
-    ) {
+    /// Forgets all voxels.
+    pub(crate) fn clear(&mut self) {
         self.sheets.clear();
-        self.sheets.extend(voxels.clone().map(|voxel| sheet_of(voxel) as u32));
+        self.arrived.clear();
+    }
+
+    /// Takes in a voxel that goes first to `sheet`; what can be read is so only after [`sort`](Self::sort).
+    #[inline]
+    pub(crate) fn push(&mut self, sheet: usize, voxel: &Voxel) {
+        self.sheets.push(sheet as u32);
+        self.arrived.push(*voxel);
+    }
+
+    /// Sorts what was pushed since it was cleared.
+    pub(crate) fn sort(&mut self) {
         let first = self.sheets.iter().copied().min().unwrap_or(0);
         let last = self.sheets.iter().copied().max().unwrap_or(0);
         self.first_sheet = first as usize;
@@ -54,14 +63,16 @@ impl BySheet {
             *count = sum;
         }
         self.make_room(self.sheets.len() + N_AT_ONCE);
-        for (sheet, voxel) in self.sheets.iter().zip(voxels) {
-            let next = &mut self.starts[(sheet - first) as usize + 1];
+        let Self { points: [rights, ups, depths], spans, colors, starts, .. } = self;
+        for (sheet, voxel) in self.sheets.iter().zip(&self.arrived) {
+            let next = &mut starts[(sheet - first) as usize + 1];
             let place = *next as usize;
-            for (components, component) in self.points.iter_mut().zip(voxel.point) {
-                components[place] = component;
-            }
-            self.spans[place] = voxel.sheets;
-            self.colors[place] = voxel.color;
+            let [right, up, depth] = voxel.point;
+            rights[place] = right;
+            ups[place] = up;
+            depths[place] = depth;
+            spans[place] = voxel.sheets;
+            colors[place] = voxel.color;
             *next += 1;
         }
     }
@@ -83,7 +94,7 @@ impl BySheet {
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.spans.capacity() * size_of::<Voxel>()
+        (self.spans.capacity() + self.arrived.capacity()) * size_of::<Voxel>()
             + 4 * (self.sheets.capacity() + self.starts.capacity())
     }
 
@@ -148,7 +159,9 @@ mod tests {
                 ..Voxel::default()
             };
             let voxels: Vec<Voxel> = (0..n_voxels).map(|id| voxel(id, rng.usize(5..25))).collect();
-            sorted.sort(voxels.iter(), |voxel| voxel.point[2] as usize);
+            sorted.clear();
+            voxels.iter().for_each(|voxel| sorted.push(voxel.point[2] as usize, voxel));
+            sorted.sort();
             for first in 0..30 {
                 for end in first..30 {
                     let mut expected: Vec<[f32; 3]> = voxels.iter().map(|v| v.point).collect();

@@ -1,9 +1,9 @@
 //! The inner loop: one footprint's weights over the pixels of a tile.
 //!
 //! ```text
-//! for every 8 columns that the footprint's box meets, from a multiple of 4 on:
+//! for every 16 columns that the footprint's box meets, or 8 at its end, from a multiple of 4 on:
 //!     for every row of the box:
-//!         8 weights at once, 0 outside of the footprint
+//!         as many weights at once, 0 outside of the footprint
 //!         for every 4 of them that the box meets: sheet += weight·colour, 4 pixels at once
 //! ```
 //!
@@ -14,8 +14,8 @@
 use crate::quad::QUAD;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
-use crate::weights::{LANES, Weigh};
-use fearless_simd::{Simd, f32x16, prelude::*};
+use crate::weights::{Lanes, Weigh};
+use fearless_simd::{Simd, f32x8, f32x16, prelude::*};
 
 /// A rectangle of pixels in a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,37 +46,43 @@ pub(crate) fn splat<S: Simd>(
     footprint: &Footprint,
     weigh: &impl Weigh<S>,
 ) {
-    let [r, g, b, a] = footprint.color;
-    let color: f32x16<S> = [r, g, b, a, r, g, b, a, r, g, b, a, r, g, b, a].simd_into(simd);
-    let [first_row, end_row] = [footprint.pixels.min[1], footprint.pixels.end[1]].map(usize::from);
-    let [first_column, end_column] =
-        [footprint.pixels.min[0], footprint.pixels.end[0]].map(usize::from);
-    let mut quad = first_column / QUAD;
-    let end_quad = end_column.div_ceil(QUAD);
-    while quad < end_quad {
-        let columns =
-            weigh.columns(simd, shape, (quad * QUAD) as f32 - footprint.center[0]);
-        let mut dy = first_row as f32 + 0.5 - footprint.center[1];
-        let rows = sheet.rows_mut(first_row..end_row);
-        if quad + 1 < end_quad {
-            for row in rows {
-                let [left, right] = quads_of(weigh.row(simd, shape, columns, dy));
-                dy += 1.0;
-                row[quad].add_weighted(simd, left, color);
-                row[quad + 1].add_weighted(simd, right, color);
-            }
-        } else {
-            for row in rows {
-                let [left, _] = quads_of(weigh.row(simd, shape, columns, dy));
-                dy += 1.0;
-                row[quad].add_weighted(simd, left, color);
-            }
-        }
-        quad += LANES / QUAD;
+    let first = usize::from(footprint.pixels.min[0]) / QUAD;
+    let end = usize::from(footprint.pixels.end[0]).div_ceil(QUAD);
+    let mut quad = first;
+    while quad + 2 < end {
+        let n_quads = (end - quad).min(4);
+        splat_columns::<S, f32x16<S>>(simd, sheet, shape, footprint, weigh, quad, n_quads);
+        quad += n_quads;
+    }
+    if quad < end {
+        splat_columns::<S, f32x8<S>>(simd, sheet, shape, footprint, weigh, quad, end - quad);
     }
 }
 
+/// Adds the columns of some quads: as many as a vector has pixels, or fewer.
 #[inline(always)]
-fn quads_of([a, b, c, d, e, f, g, h]: [f32; LANES]) -> [[f32; QUAD]; 2] {
-    [[a, b, c, d], [e, f, g, h]]
+fn splat_columns<S: Simd, V: Lanes<S>>(
+    simd: S,
+    sheet: &mut Sheet,
+    shape: &PixelShape,
+    footprint: &Footprint,
+    weigh: &impl Weigh<S>,
+    first_quad: usize,
+    n_quads: usize,
+) {
+    let [r, g, b, a] = footprint.color;
+    let color: f32x16<S> = [r, g, b, a, r, g, b, a, r, g, b, a, r, g, b, a].simd_into(simd);
+    let [first_row, end_row] = [footprint.pixels.min[1], footprint.pixels.end[1]].map(usize::from);
+    let left = (first_quad * QUAD) as f32 - footprint.center[0];
+    let columns: V = weigh.columns(simd, shape, left);
+    let mut dy = first_row as f32 + 0.5 - footprint.center[1];
+    for row in sheet.rows_mut(first_row..end_row) {
+        let weights = weigh.row(simd, shape, columns, dy);
+        dy += 1.0;
+        let weights = weights.as_slice().as_chunks::<QUAD>().0;
+        let quads = &mut row[first_quad..first_quad + n_quads];
+        for (quad, weights) in quads.iter_mut().zip(weights) {
+            quad.add_weighted(simd, *weights, color);
+        }
+    }
 }

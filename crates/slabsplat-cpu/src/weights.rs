@@ -1,34 +1,36 @@
-//! The weights of a footprint on a row of pixels, eight at a time.
+//! The weights of a footprint on a row of pixels, as many at once as a vector has lanes.
 
 use crate::raster::PixelShape;
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::{Simd, SimdBase, SimdFloat, prelude::*};
 use slabsplat_kernel::{MAX_COEFFICIENTS, SectionTable};
 
-/// Pixels whose weights are found at once.
-pub(crate) const LANES: usize = 8;
+/// Most lanes of a vector.
+const MAX_LANES: usize = 16;
 
 /// `0.5, 1.5, …`: the centres of pixels.
-const CENTERS: [f32; LANES] = {
-    let mut centers = [0.0; LANES];
+const CENTERS: [f32; MAX_LANES] = {
+    let mut centers = [0.0; MAX_LANES];
     let mut lane = 0;
-    while lane < LANES {
+    while lane < MAX_LANES {
         centers[lane] = lane as f32 + 0.5;
         lane += 1;
     }
     centers
 };
 
+/// A vector of weights, of 8 or 16 lanes.
+pub(crate) trait Lanes<S: Simd>: SimdFloat<S> + SimdBase<S, Element = f32> {}
+
+impl<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32>> Lanes<S> for V {}
+
 /// How a footprint weighs the pixels around it.
 pub(crate) trait Weigh<S: Simd> {
-    /// What the rows of a footprint share, for pixels from `left` on, which lies that many pixels right of
-    /// its centre.
-    type Columns: Copy;
-
-    /// Prepares the columns from `left` to `left + 8`.
-    fn columns(&self, simd: S, shape: &PixelShape, left: f32) -> Self::Columns;
+    /// Prepares the columns from `left` on, which lies that many pixels right of the footprint's centre: what its
+    /// rows share.
+    fn columns<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, left: f32) -> V;
 
     /// The weights of the pixels of a row `dy` pixels below the centre; 0 outside of the footprint.
-    fn row(&self, simd: S, shape: &PixelShape, columns: Self::Columns, dy: f32) -> [f32; LANES];
+    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V;
 }
 
 /// A polynomial in `x = 2·(ρ/R)² − 1`, of `N` coefficients; `LEANS` if the axes of its ellipse are not those of the
@@ -42,28 +44,23 @@ pub(crate) struct Polynomial<'a, const N: usize, const LEANS: bool> {
 
 impl<S: Simd, const N: usize, const LEANS: bool> Weigh<S> for Polynomial<'_, N, LEANS> {
     /// Pixels right of the centre if it leans, else what they add to `x`.
-    type Columns = f32x8<S>;
-
     #[inline(always)]
-    fn columns(&self, simd: S, shape: &PixelShape, left: f32) -> f32x8<S> {
-        let dx = f32x8::from_slice(simd, &CENTERS) + left;
+    fn columns<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, left: f32) -> V {
+        let dx = V::from_slice(simd, &CENTERS[..V::LEN]) + left;
         if LEANS { dx } else { dx * dx * shape.across }
     }
 
     #[inline(always)]
-    fn row(&self, simd: S, shape: &PixelShape, columns: f32x8<S>, dy: f32) -> [f32; LANES] {
+    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
         let from_row = shape.along * dy * dy - 1.0;
         let x = if LEANS {
             let u = columns + shape.lean * dy;
-            (u * shape.across).mul_add(u, f32x8::splat(simd, from_row))
+            (u * shape.across).mul_add(u, V::splat(simd, from_row))
         } else {
             columns + from_row
         };
-        let inside = x.simd_lt(f32x8::splat(simd, self.edge));
-        let weights = inside.select(self.at(simd, x), f32x8::splat(simd, 0.0));
-        let mut row = [0.0; LANES];
-        weights.store_slice(&mut row);
-        row
+        let inside = x.simd_lt(V::splat(simd, self.edge));
+        inside.select(self.at(simd, x), V::splat(simd, 0.0))
     }
 }
 
@@ -71,8 +68,8 @@ impl<const N: usize, const LEANS: bool> Polynomial<'_, N, LEANS> {
     /// The polynomial at `x`, by Estrin's scheme: pairs, then fours, so that multiply-adds need not wait
     /// for each other as long as in Horner's.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, x: f32x8<S>) -> f32x8<S> {
-        let coefficient = |k: usize| f32x8::splat(simd, self.coefficients[k]);
+    fn at<S: Simd, V: Lanes<S>>(&self, simd: S, x: V) -> V {
+        let coefficient = |k: usize| V::splat(simd, self.coefficients[k]);
         let pair = |k: usize| coefficient(k + 1).mul_add(x, coefficient(k));
         let x2 = x * x;
         let four = |k: usize| pair(k + 2).mul_add(x2, pair(k));
@@ -97,31 +94,33 @@ pub(crate) struct Tilted<'a> {
 }
 
 impl<S: Simd> Weigh<S> for Tilted<'_> {
-    type Columns = f32;
-
+    /// Pixels right of the centre.
     #[inline(always)]
-    fn columns(&self, _: S, _: &PixelShape, left: f32) -> f32 {
-        left
+    fn columns<V: Lanes<S>>(&self, simd: S, _: &PixelShape, left: f32) -> V {
+        V::from_slice(simd, &CENTERS[..V::LEN]) + left
     }
 
     #[inline(always)]
-    fn row(&self, _: S, shape: &PixelShape, left: f32, dy: f32) -> [f32; LANES] {
-        let [front, back] = self.faces;
-        CENTERS.map(|center| {
-            let dx = left + center;
-            let u = dx + shape.lean * dy;
-            // x is −1 at the centre and 1 at the kernel's edge.
-            let outside = 1.0 - (shape.across * u * u + shape.along * dy * dy - 1.0);
-            if outside <= 0.0 {
-                return 0.0;
-            }
-            let half_chord = self.radius * (0.5 * outside).sqrt();
-            let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
-            self.table.sample_at(
-                half_chord * self.table.samples_per_index(),
-                front + later,
-                back + later,
-            )
-        })
+    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
+        let mut weights = [0.0; MAX_LANES];
+        for (weight, &dx) in weights.iter_mut().zip(columns.as_slice()) {
+            *weight = self.at(shape, dx, dy);
+        }
+        V::from_slice(simd, &weights[..V::LEN])
+    }
+}
+
+impl Tilted<'_> {
+    #[inline(always)]
+    fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {
+        let u = dx + shape.lean * dy;
+        let inside = 2.0 - (shape.across * u * u + shape.along * dy * dy);
+        if inside <= 0.0 {
+            return 0.0;
+        }
+        let half_chord = self.radius * (0.5 * inside).sqrt();
+        let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
+        let [front, back] = self.faces.map(|face| face + later);
+        self.table.sample_at(half_chord * self.table.samples_per_index(), front, back)
     }
 }

@@ -3,15 +3,12 @@
 use crate::by_sheet::BySheet;
 use crate::image_aligned::N_CLASSES;
 use crate::sheet::Sheet;
-use crate::voxel::Voxel;
 use std::sync::Mutex;
 
 /// What a thread needs for a tile.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
-    /// Voxels of a tile, as they come.
-    pub(crate) arrived: Vec<Voxel>,
-    /// The same by class and first sheet.
+    /// Voxels of a tile by class and first sheet.
     pub(crate) voxels: [BySheet; N_CLASSES],
     /// Empty between tiles.
     pub(crate) sheet: Sheet,
@@ -19,8 +16,7 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     fn resident_bytes(&self) -> usize {
-        let sorted: usize = self.voxels.iter().map(BySheet::resident_bytes).sum();
-        sorted + self.arrived.capacity() * size_of::<Voxel>()
+        self.voxels.iter().map(BySheet::resident_bytes).sum()
     }
 }
 

@@ -27,15 +27,15 @@ pub(crate) fn through(
         if tile.is_full() {
             return;
         }
-        let Workspace { arrived, voxels, sheet } = workspace;
-        arrived.clear();
-        arrived.extend(tile.pending.iter().chain(intake.on_tile(tile_idx)));
-        for (class, voxels) in voxels.iter_mut().enumerate() {
-            let of_class = |voxel: &&Voxel| Span::from_bits(voxel.sheets).class() == class;
-            voxels.sort(arrived.iter().filter(of_class), |voxel| {
-                Span::from_bits(voxel.sheets).first()
-            });
-        }
+        let Workspace { voxels, sheet } = workspace;
+        voxels.iter_mut().for_each(BySheet::clear);
+        let mut push = |voxel: &Voxel| {
+            let span = Span::from_bits(voxel.sheets);
+            voxels[span.class()].push(span.first(), voxel);
+        };
+        tile.pending.iter().for_each(&mut push);
+        intake.on_tile(tile_idx).for_each(push);
+        voxels.iter_mut().for_each(BySheet::sort);
         dispatch!(stage.level, simd => advance(simd, stage, slabs, &range, tile, voxels, sheet));
         tile.keep_waiting(slabs, voxels, range.end);
     });
