@@ -146,7 +146,7 @@ impl Default for RenderSettings {
             sections: 128,
             radial_samples: 256,
             lookup: Lookup::Linear,
-            opacity_cutoff: 1.0 - 5e-4,
+            opacity_cutoff: 1.0 - 2e-3,
             tolerance: 2e-3,
         }
     }

@@ -1,19 +1,19 @@
-//! Which 8×8 pixels of a tile are meant: a bit for each of its sixteen blocks.
+//! Which 4×4 pixels of a tile are meant: a bit for each of its 64 blocks.
 
 use crate::splat::PixelBox;
 use crate::tile::TILE_SIDE;
 
 /// Pixels along the side of a block.
-pub(crate) const BLOCK_SIDE: usize = 8;
+pub(crate) const BLOCK_SIDE: usize = 4;
 
 /// Blocks along the side of a tile.
 pub(crate) const BLOCKS_ACROSS: usize = TILE_SIDE / BLOCK_SIDE;
 
-/// A set of a tile's blocks; bit `4·row + column`.
+/// A set of a tile's blocks; bit `8·row + column`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Blocks(u16);
+pub(crate) struct Blocks(u64);
 
-const _: () = assert!(BLOCKS_ACROSS * BLOCKS_ACROSS == u16::BITS as usize, "a bit for each block");
+const _: () = assert!(BLOCKS_ACROSS * BLOCKS_ACROSS == u64::BITS as usize, "a bit for each block");
 
 impl Blocks {
     pub(crate) const NONE: Self = Self(0);
@@ -29,10 +29,10 @@ impl Blocks {
     pub(crate) fn meeting(pixels: &PixelBox) -> Self {
         let block = |pixel: u8| u32::from(pixel) / BLOCK_SIDE as u32;
         let [first, last] = [pixels.min, pixels.end.map(|end| end - 1)].map(|p| p.map(block));
-        let columns = (2 << last[0]) - (1 << first[0]);
+        let columns = (2_u64 << last[0]) - (1 << first[0]);
         // A bit for the first block of every row.
-        let rows = ((16_u32 << (4 * last[1])) - (1 << (4 * first[1]))) & 0x1111;
-        Self((rows * columns) as u16)
+        let rows = 0x0101_0101_0101_0101 & u64::MAX << (8 * first[1]) & u64::MAX >> (56 - 8 * last[1]);
+        Self(rows * columns)
     }
 
     #[inline(always)]
@@ -57,7 +57,7 @@ impl Blocks {
 
     /// The columns of one row of blocks, as bits.
     pub(crate) fn row(self, row: usize) -> u64 {
-        u64::from(self.0 >> (row * BLOCKS_ACROSS) & 0xf)
+        self.0 >> (row * BLOCKS_ACROSS) & 0xff
     }
 
     /// Column and row of every block.
@@ -77,26 +77,28 @@ mod tests {
 
     #[test]
     fn blocks_meeting_a_box() {
-        for first in 0..TILE_SIDE as u8 {
-            for end in first + 1..=TILE_SIDE as u8 {
-                let pixels = PixelBox { min: [first, 3], end: [end, 9] };
-                let blocks = Blocks::meeting(&pixels);
-                let met: Vec<[usize; 2]> = blocks.iter().collect();
-                let columns = usize::from(first) / 8..=usize::from(end - 1) / 8;
-                let expected: Vec<[usize; 2]> = (0..2)
-                    .flat_map(|row| columns.clone().map(move |column| [column, row]))
-                    .collect();
-                assert_eq!(met, expected);
-                assert_eq!(blocks.row(0), blocks.row(1));
+        let side = TILE_SIDE as u8;
+        for (first, end) in (0..side).flat_map(|first| (first + 1..=side).map(move |end| (first, end))) {
+            for pixels in [
+                PixelBox { min: [first, 3], end: [end, 9] },
+                PixelBox { min: [31, first], end: [32, end] },
+            ] {
+                let met: Vec<[usize; 2]> = Blocks::meeting(&pixels).iter().collect();
+                let [columns, rows] = [0, 1].map(|axis| {
+                    usize::from(pixels.min[axis]) / BLOCK_SIDE
+                        ..=usize::from(pixels.end[axis] - 1) / BLOCK_SIDE
+                });
+                let in_row = |row| columns.clone().map(move |column| [column, row]);
+                assert_eq!(met, rows.flat_map(in_row).collect::<Vec<_>>(), "{pixels:?}");
             }
         }
     }
 
     #[test]
     fn blocks_are_removed() {
-        let mut blocks = Blocks::first([4, 4]);
-        for row in 0..4 {
-            for column in 0..4 {
+        let mut blocks = Blocks::first([BLOCKS_ACROSS; 2]);
+        for row in 0..BLOCKS_ACROSS {
+            for column in 0..BLOCKS_ACROSS {
                 assert!(!blocks.is_empty());
                 blocks.remove([column, row]);
             }

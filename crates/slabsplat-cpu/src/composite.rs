@@ -10,21 +10,21 @@ use fearless_simd::{Simd, f32x8, i32x8, prelude::*};
 use slabsplat_core::Compositing;
 
 /// Pixels that are composited at once.
-pub(crate) const OCTET: usize = 8;
+const OCTET: usize = 8;
 
 /// Puts eight sums behind eight pixels, empties the sums, and tells the least opacity of the eight.
 #[inline(always)]
 pub(crate) fn put_behind<S: Simd>(
     simd: S,
     compositing: Compositing,
-    pixels: &mut [Quad; 2],
-    sums: &mut [Quad; 2],
+    pixels: [&mut Quad; 2],
+    sums: [&mut Quad; 2],
 ) -> f32 {
-    let behind = std::mem::take(sums);
+    let behind = sums.map(std::mem::take);
     if compositing == Compositing::Separate {
         return put_product_behind(pixels, &behind);
     }
-    let weight = opacities(simd, &behind);
+    let weight = opacities(simd, [&behind[0], &behind[1]]);
     let factor = match compositing {
         Compositing::Extinction => mean_transparency(simd, weight),
         _ => f32x8::splat(simd, 1.0).min(f32x8::splat(simd, 1.0) / weight),
@@ -32,12 +32,12 @@ pub(crate) fn put_behind<S: Simd>(
     // A sum below 0, which only the `paper` normalisation can have, counts as 0.
     let zero = f32x8::splat(simd, 0.0);
     let factor = weight.simd_gt(zero).select(factor, zero);
-    let opacity = opacities(simd, pixels);
+    let opacity = opacities(simd, [pixels[0], pixels[1]]);
     let factor = factor * (f32x8::splat(simd, 1.0) - opacity);
     let mut factors = [0.0; OCTET];
     factor.store_slice(&mut factors);
     for ((pixels, behind), factors) in
-        pixels.iter_mut().zip(&behind).zip(factors.as_chunks::<QUAD>().0)
+        pixels.into_iter().zip(&behind).zip(factors.as_chunks::<QUAD>().0)
     {
         let behind = behind.0.simd_into(simd);
         pixels.add_weighted(simd, *factors, behind);
@@ -47,9 +47,9 @@ pub(crate) fn put_behind<S: Simd>(
 
 /// `A·C` and `A`, both sums clamped (eqs. 4–7).
 #[inline(always)]
-fn put_product_behind(pixels: &mut [Quad; 2], behind: &[Quad; 2]) -> f32 {
+fn put_product_behind(pixels: [&mut Quad; 2], behind: &[Quad; 2]) -> f32 {
     let mut least = f32::INFINITY;
-    for (pixels, behind) in pixels.iter_mut().zip(behind) {
+    for (pixels, behind) in pixels.into_iter().zip(behind) {
         for idx in 0..QUAD {
             let opacity = behind.opacity(idx).clamp(0.0, 1.0);
             let factor = opacity * (1.0 - pixels.opacity(idx));
@@ -65,7 +65,7 @@ fn put_product_behind(pixels: &mut [Quad; 2], behind: &[Quad; 2]) -> f32 {
 }
 
 #[inline(always)]
-fn opacities<S: Simd>(simd: S, [left, right]: &[Quad; 2]) -> f32x8<S> {
+fn opacities<S: Simd>(simd: S, [left, right]: [&Quad; 2]) -> f32x8<S> {
     let [a, b, c, d] = [0, 1, 2, 3].map(|idx| left.opacity(idx));
     let [e, f, g, h] = [0, 1, 2, 3].map(|idx| right.opacity(idx));
     [a, b, c, d, e, f, g, h].simd_into(simd)

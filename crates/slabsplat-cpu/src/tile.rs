@@ -1,7 +1,7 @@
 //! A square of the image, rendered by one thread at a time.
 
 use crate::blocks::{BLOCK_SIDE, Blocks};
-use crate::composite::{OCTET, put_behind};
+use crate::composite::put_behind;
 use crate::quad::{QUAD, Quad};
 use crate::sheet::{Pixels, Sheet};
 use crate::splat::PixelBox;
@@ -13,6 +13,8 @@ use std::ops::Range;
 /// Pixels along the side of a tile. The sums of 32² pixels fill half of a first-level cache; smaller tiles would
 /// share too many footprints.
 pub(crate) const TILE_SIDE: usize = 32;
+
+const _: () = assert!(BLOCK_SIDE == QUAD, "a block is a quad wide");
 
 /// The composited pixels of a tile, and what waits to be splatted on it.
 #[derive(Clone, Debug)]
@@ -90,8 +92,7 @@ impl Tile {
     ) {
         for [column, row] in std::mem::take(&mut sheet.touched).iter() {
             let rows = row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE;
-            let octets = column..column + 1;
-            let least = self.put_octets_behind(simd, compositing, sheet, rows, octets);
+            let least = self.put_column_behind(simd, compositing, sheet, rows, column);
             if cutoff <= least {
                 self.open.remove([column, row]);
             }
@@ -108,39 +109,40 @@ impl Tile {
         pixels: &PixelBox,
     ) {
         sheet.touched = Blocks::NONE;
-        let [columns, rows] = [0, 1].map(|axis| pixels.min[axis].into()..pixels.end[axis].into());
-        let octets = columns.start / OCTET..usize::div_ceil(columns.end, OCTET);
-        self.put_octets_behind(simd, compositing, sheet, rows, octets);
+        let [columns, rows] =
+            [0, 1].map(|axis| usize::from(pixels.min[axis])..usize::from(pixels.end[axis]));
+        let rows = rows.start & !1..rows.end.next_multiple_of(2);
+        for quad in columns.start / QUAD..usize::div_ceil(columns.end, QUAD) {
+            self.put_column_behind(simd, compositing, sheet, rows.clone(), quad);
+        }
     }
 
     /// Closes the blocks whose pixels are all at least as opaque as `cutoff`.
     pub(crate) fn close_full_blocks(&mut self, cutoff: f32) {
         for [column, row] in self.open.iter() {
-            let quads = column * BLOCK_SIDE / QUAD..(column + 1) * BLOCK_SIDE / QUAD;
             let mut rows = self.pixels[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE].iter();
-            let is_full = |quad: &Quad| (0..QUAD).all(|pixel| cutoff <= quad.opacity(pixel));
-            if rows.all(|row| row[quads.clone()].iter().all(is_full)) {
+            if rows.all(|row| (0..QUAD).all(|pixel| cutoff <= row[column].opacity(pixel))) {
                 self.open.remove([column, row]);
             }
         }
     }
 
-    /// Returns the least opacity that any of the pixels has then.
+    /// An even number of rows of one quad; returns the least opacity that any of their pixels has then.
     #[inline(always)]
-    fn put_octets_behind<S: Simd>(
+    fn put_column_behind<S: Simd>(
         &mut self,
         simd: S,
         compositing: Compositing,
         sheet: &mut Sheet,
         rows: Range<usize>,
-        octets: Range<usize>,
+        quad: usize,
     ) -> f32 {
         let mut least = f32::INFINITY;
-        for (pixels, sums) in self.pixels[rows.clone()].iter_mut().zip(&mut sheet.sums[rows]) {
-            let (pixels, sums) = (pixels.as_chunks_mut::<2>().0, sums.as_chunks_mut::<2>().0);
-            for (pixels, sums) in pixels[octets.clone()].iter_mut().zip(&mut sums[octets.clone()]) {
-                least = least.min(put_behind(simd, compositing, pixels, sums));
-            }
+        let pixels = self.pixels[rows.clone()].as_chunks_mut::<2>().0;
+        for ([p, q], [s, t]) in pixels.iter_mut().zip(sheet.sums[rows].as_chunks_mut::<2>().0) {
+            let pixels = [&mut p[quad], &mut q[quad]];
+            let opacity = put_behind(simd, compositing, pixels, [&mut s[quad], &mut t[quad]]);
+            least = if opacity < least { opacity } else { least };
         }
         least
     }

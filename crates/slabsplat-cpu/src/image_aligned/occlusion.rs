@@ -1,6 +1,6 @@
 //! Which parts of the image are full: the occlusion map (Mueller, Shareef, Huang & Crawfis, "High-Quality Splatting on
 //! Rectilinear Grids with Efficient Culling of Occluded Voxels", IEEE TVCG 5(2), 1999), a bit for every block of
-//! 8×8 pixels.
+//! 4×4 pixels.
 //!
 //! A block is full once all its pixels are as opaque as the plan's cut-off: what lies behind it is not
 //! drawn. The map changes between ranges of depth only, so that all threads see the same one.
@@ -100,14 +100,14 @@ mod tests {
             for x in (0..2100).step_by(TILE_SIDE) {
                 let mut tile = Tile::new([x, y], size);
                 for block in tile.open.iter().collect::<Vec<_>>() {
-                    if [x / BLOCK_SIDE + block[0], y / BLOCK_SIDE + block[1]] != [70, 3] {
+                    if [x / BLOCK_SIDE + block[0], y / BLOCK_SIDE + block[1]] != [141, 6] {
                         tile.open.remove(block);
                     }
                 }
                 occlusion.note(&tile);
             }
         }
-        let [left, top] = [70, 3].map(|block| (block * BLOCK_SIDE) as f32);
+        let [left, top] = [141, 6].map(|block| (block * BLOCK_SIDE) as f32);
         let [right, bottom] = [left, top].map(|start| start + BLOCK_SIDE as f32);
         assert_eq!(everything(&occlusion), Seen::Partly);
         assert_eq!(occlusion.shows([left + 0.1, top + 0.1], [left + 0.2, top + 0.2]), Seen::All);
