@@ -147,7 +147,7 @@ impl Default for RenderSettings {
             radial_samples: 256,
             lookup: Lookup::Linear,
             opacity_cutoff: 1.0 - 2e-3,
-            tolerance: 2e-3,
+            tolerance: 0.05,
         }
     }
 }

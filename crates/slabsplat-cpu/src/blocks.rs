@@ -31,7 +31,8 @@ impl Blocks {
         let [first, last] = [pixels.min, pixels.end.map(|end| end - 1)].map(|p| p.map(block));
         let columns = (2_u64 << last[0]) - (1 << first[0]);
         // A bit for the first block of every row.
-        let rows = 0x0101_0101_0101_0101 & u64::MAX << (8 * first[1]) & u64::MAX >> (56 - 8 * last[1]);
+        let rows =
+            0x0101_0101_0101_0101 & u64::MAX << (8 * first[1]) & u64::MAX >> (56 - 8 * last[1]);
         Self(rows * columns)
     }
 
@@ -78,7 +79,9 @@ mod tests {
     #[test]
     fn blocks_meeting_a_box() {
         let side = TILE_SIDE as u8;
-        for (first, end) in (0..side).flat_map(|first| (first + 1..=side).map(move |end| (first, end))) {
+        for (first, end) in
+            (0..side).flat_map(|first| (first + 1..=side).map(move |end| (first, end)))
+        {
             for pixels in [
                 PixelBox { min: [first, 3], end: [end, 9] },
                 PixelBox { min: [31, first], end: [32, end] },

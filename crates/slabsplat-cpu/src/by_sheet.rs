@@ -117,8 +117,8 @@ impl<'a> Run<'a> {
         first: usize,
     ) -> ([&'a [f32; N_AT_ONCE]; 3], &'a [u32; N_AT_ONCE]) {
         let start = self.start + first;
-        let points = [0, 1, 2].map(|axis| at(&self.of.points[axis], start));
-        (points, at(&self.of.spans, start))
+        let [right, up, depth] = &self.of.points;
+        ([at(right, start), at(up, start), at(depth, start)], at(&self.of.spans, start))
     }
 
     /// What a sheet sums of a voxel.

@@ -18,9 +18,9 @@ pub(crate) fn put_behind<S: Simd>(
     simd: S,
     compositing: Compositing,
     pixels: [&mut Quad; 2],
-    sums: [&mut Quad; 2],
+    [left, right]: [&mut Quad; 2],
 ) -> f32 {
-    let behind = sums.map(std::mem::take);
+    let behind = [std::mem::take(left), std::mem::take(right)];
     if compositing == Compositing::Separate {
         return put_product_behind(pixels, &behind);
     }
@@ -66,8 +66,8 @@ fn put_product_behind(pixels: [&mut Quad; 2], behind: &[Quad; 2]) -> f32 {
 
 #[inline(always)]
 fn opacities<S: Simd>(simd: S, [left, right]: [&Quad; 2]) -> f32x8<S> {
-    let [a, b, c, d] = [0, 1, 2, 3].map(|idx| left.opacity(idx));
-    let [e, f, g, h] = [0, 1, 2, 3].map(|idx| right.opacity(idx));
+    let (a, b, c, d) = (left.opacity(0), left.opacity(1), left.opacity(2), left.opacity(3));
+    let (e, f, g, h) = (right.opacity(0), right.opacity(1), right.opacity(2), right.opacity(3));
     [a, b, c, d, e, f, g, h].simd_into(simd)
 }
 
@@ -108,7 +108,7 @@ mod tests {
         let quad = |pixel: [f32; 4]| Quad(std::array::from_fn(|idx| pixel[idx % 4]));
         let (mut pixels, mut sums) = ([quad(pixel); 2], [quad(sums); 2]);
         let level = Level::new();
-        let least = dispatch!(level, simd => put_behind(simd, compositing, &mut pixels, &mut sums));
+        let least = dispatch!(level, simd => put_behind(simd, compositing, pixels.each_mut(), sums.each_mut()));
         assert!((least - pixels[1].opacity(3)).abs() < 1e-6);
         assert_eq!(sums[0].0, [0.0; 16]);
         for idx in 0..4 {

@@ -98,8 +98,10 @@ impl<'a> SlabCut<'a> {
                     continue;
                 }
                 sheet.touched.add(blocks);
-                let color = voxels.color(first + idx).map(|channel| channel * self.shape.gain);
-                let center = eight.centers.map(|all| all[idx]);
+                let mut color = [0.0; 4];
+                let summed = f32x4::from_slice(simd, &voxels.color(first + idx));
+                (summed * self.shape.gain).store_slice(&mut color);
+                let center = [eight.centers[0][idx], eight.centers[1][idx]];
                 let section = &mut sections[n_sections];
                 section.footprint = Footprint { center, pixels, color };
                 section.edge = eight.edges[idx];
@@ -108,7 +110,7 @@ impl<'a> SlabCut<'a> {
                     let (_, polynomials) = self.slabs.tables(section.is_folded);
                     section.coefficients = blended(simd, polynomials, eight.rows[idx]);
                 } else {
-                    section.faces = eight.faces.map(|all| all[idx]);
+                    section.faces = [eight.faces[0][idx], eight.faces[1][idx]];
                 }
                 n_sections += 1;
             }
@@ -177,7 +179,8 @@ impl<'a> SlabCut<'a> {
                 splat(radius)
             } else {
                 let disc_squared = splat(radius * radius) - nearest * nearest;
-                (disc_squared * slabs.edge_per_disc - 1.0).store_slice(&mut eight.edges);
+                (disc_squared * splat(slabs.edge_per_disc) - splat(1.0))
+                    .store_slice(&mut eight.edges);
                 slabs.rows_of(simd, front, back, is_folded).store_slice(&mut eight.rows);
                 disc_squared.max(splat(0.0)).sqrt()
             }
@@ -189,7 +192,7 @@ impl<'a> SlabCut<'a> {
             up.mul_add(splat(-self.shape.scale), splat(y - origin[1])),
         ];
         for axis in 0..2 {
-            let half = rho_max * self.shape.half_extent[axis];
+            let half = rho_max * splat(self.shape.half_extent[axis]);
             let first = pixel(simd, centers[axis] - half);
             let end = pixel(simd, centers[axis] + half);
             drawn &= first.simd_lt(end).to_bitmask();
@@ -329,8 +332,9 @@ impl Eight {
 
     #[inline(always)]
     fn pixels_of(&self, idx: usize) -> PixelBox {
-        let [left, top, right, bottom] = self.pixels.map(|all| all[idx] as u8);
-        PixelBox { min: [left, top], end: [right, bottom] }
+        let [left, top, right, bottom] = &self.pixels;
+        let min = [left[idx] as u8, top[idx] as u8];
+        PixelBox { min, end: [right[idx] as u8, bottom[idx] as u8] }
     }
 }
 
