@@ -225,7 +225,7 @@ mod tests {
         let rect = |min, max| Some(TileRect { min, max });
         assert_eq!(tiles.touched([0.0, 0.0], [0.4, 0.4]), None, "no centre inside");
         assert_eq!(tiles.touched([0.4, 0.4], [0.6, 0.6]), rect([0, 0], [0, 0]));
-        assert_eq!(tiles.touched([15.6, 0.0], [16.5, 20.0]), rect([1, 0], [1, 1]));
+        assert_eq!(tiles.touched([15.6, 0.0], [16.6, 20.0]), rect([1, 0], [1, 1]));
         assert_eq!(tiles.touched([-50.0, -50.0], [500.0, 500.0]), rect([0, 0], [3, 1]));
         assert_eq!(tiles.touched([64.0, 0.0], [70.0, 5.0]), None, "right of the image");
         assert_eq!(tiles.touched([-9.0, 0.0], [-1.0, 5.0]), None, "left of the image");
