@@ -11,8 +11,8 @@
 //!
 //! # Reading order
 //!
-//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `section_table`, `footprint_table`;
-//! `footprint_shape`.
+//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `section_table`, `cubic_section_table`,
+//! `footprint_table`; `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -43,12 +43,14 @@ mod gaussian;
 mod hierarchy;
 mod section;
 
+mod cubic_section_table;
 mod footprint_table;
 mod section_table;
 
 mod footprint_shape;
 
 pub use crawfis_max::CrawfisMax;
+pub use cubic_section_table::{CubicSectionTable, cubic_at};
 pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;
