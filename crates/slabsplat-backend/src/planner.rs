@@ -2,12 +2,12 @@
 
 use crate::{FramePlan, Splats};
 use slabsplat_core::{
-    ImageError, Method, RenderSettings, Scene, SettingsError, Shading, ShadingError, SlabGrid,
-    SliceOrder, TooManySlabs, View, Volume,
+    ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading, ShadingError,
+    SlabGrid, SliceOrder, TooManySlabs, View, Volume,
 };
 use slabsplat_kernel::{
-    FootprintShape, FootprintTable, Kernel, SectionDesc, SectionTable, TableDesc, UnknownKernel,
-    kernel_named,
+    CubicSectionTable, FootprintShape, FootprintTable, Kernel, SectionDesc, SectionTable,
+    TableDesc, UnknownKernel, kernel_named,
 };
 use std::sync::Arc;
 use thiserror::Error;
@@ -38,6 +38,7 @@ pub enum PlanError {
 pub struct Planner {
     sections: Option<(TableKey, Arc<SectionTable>)>,
     footprint: Option<(TableKey, Arc<FootprintTable>)>,
+    cubic: Option<(TableKey, Arc<CubicSectionTable>)>,
 }
 
 /// Everything that the tables are made from.
@@ -77,6 +78,10 @@ impl Planner {
                 table: self.footprint_table(&*kernel, key),
             },
             Method::EverySample => Splats::Voxels { table: self.footprint_table(&*kernel, key) },
+            Method::PostClassified => Splats::Densities {
+                slabs: slabs_of(volume, &view, &shape, kernel.radius(), &key.settings)?,
+                table: self.cubic_table(&*kernel, key),
+            },
         };
         Ok(FramePlan {
             volume,
@@ -108,6 +113,19 @@ impl Planner {
                 lookup: settings.lookup,
             };
             SectionTable::new(&desc, table)
+        })
+    }
+
+    /// Sections that were normalised would no longer measure lengths, so these never are.
+    fn cubic_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<CubicSectionTable> {
+        keep(&mut self.cubic, key, |TableKey { kappa, settings }| {
+            CubicSectionTable::new(&SectionDesc {
+                kernel,
+                width: settings.slab_width,
+                kappa: *kappa,
+                normalization: Normalization::None,
+                base_width: settings.base_slab_width,
+            })
         })
     }
 

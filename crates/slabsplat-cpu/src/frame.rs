@@ -5,7 +5,7 @@ use crate::raster::Raster;
 use crate::relevant::Relevant;
 use crate::stopwatch::Stopwatch;
 use crate::tile::{Scratch, TILE_SIDE, Tile, TileStats};
-use crate::{axis_aligned, every_sample, image_aligned};
+use crate::{axis_aligned, every_sample, image_aligned, post_classified};
 use rayon::prelude::*;
 use slabsplat_backend::{Frame, FrameCost, FramePlan, FrameStats, Splats};
 use slabsplat_core::{Compositing, Image};
@@ -19,6 +19,7 @@ pub(crate) struct Buffers {
     relevant: Relevant,
     colors: Vec<[f32; 4]>,
     points: Vec<[f32; 3]>,
+    densities: post_classified::Buffers,
 }
 
 /// The shaded and projected voxels of a frame, before the image.
@@ -34,7 +35,10 @@ pub(crate) struct Stage<'a> {
 }
 
 pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
-    let Buffers { relevant, colors, points } = buffers;
+    if let Splats::Densities { slabs, table } = &plan.splats {
+        return post_classified::render(plan, slabs, table, &mut buffers.densities);
+    }
+    let Buffers { relevant, colors, points, .. } = buffers;
     let mut watch = Stopwatch::start();
     let voxels = relevant.voxels(plan.volume, &plan.relevant);
     watch.done("list");
@@ -67,7 +71,7 @@ pub(crate) fn render(plan: &FramePlan<'_>, buffers: &mut Buffers) -> Frame {
 
 impl Buffers {
     fn resident_bytes(&self) -> u64 {
-        let Self { relevant, colors, points } = self;
+        let Self { relevant, colors, points, .. } = self;
         let bytes = relevant.resident_bytes()
             + colors.capacity() * size_of::<[f32; 4]>()
             + points.capacity() * size_of::<[f32; 3]>();
@@ -101,6 +105,9 @@ impl Stage<'_> {
                 self.render_tiles(&splats, |tile, scratch| {
                     every_sample::render_tile::<C>(self, &order, table, tile, scratch)
                 })
+            }
+            Splats::Densities { .. } => {
+                unreachable!("bug: densities have no colours to be splatted")
             }
         };
         watch.done("splat");

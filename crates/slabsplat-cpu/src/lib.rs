@@ -15,7 +15,7 @@
 //! # Reading order
 //!
 //! `frame`, `relevant`, `raster`, `tile`, `stopwatch`; `image_aligned`, `axis_aligned`, `every_sample`; `splat`, `sheet`,
-//! `composite`, `open_pixels`.
+//! `composite`, `open_pixels`. `post_classified` is a frame of its own, with sheets of densities.
 //!
 //! ```
 //! use slabsplat_backend::Backend;
@@ -33,6 +33,7 @@ mod tile;
 mod axis_aligned;
 mod every_sample;
 mod image_aligned;
+mod post_classified;
 
 mod composite;
 mod open_pixels;
