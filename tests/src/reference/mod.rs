@@ -6,7 +6,8 @@
 //! trade accuracy for speed (`sections`, `radial_samples`, `lookup`, `opacity_cutoff`) are ignored.
 //!
 //! Reading order, by SPEC's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
-//! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together.
+//! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together. `density` is the method
+//! `post-classified`, of which SPEC knows nothing and `docs/algorithm.md` all.
 
 mod gradient;
 mod hierarchy;
@@ -17,6 +18,7 @@ mod shade;
 mod sheet;
 mod view;
 
+mod density;
 mod frame;
 mod image;
 mod row;
@@ -27,17 +29,20 @@ pub use image::{Difference, ReferenceImage};
 pub use kernel::Kernel;
 pub use quadrature::GaussLegendre;
 pub use section::{Cut, KernelInView};
-pub use shade::shaded_color;
+pub use shade::{shaded_by_normal, shaded_color};
 pub use sheet::{Premultiplied, SheetSums};
 
 use rayon::prelude::*;
-use slabsplat_core::{Scene, Volume};
+use slabsplat_core::{Method, Scene, Volume};
 
 /// The picture of `scene` with `volume` in it.
 ///
 /// # Panics
 /// If the scene names a kernel that SPEC §2 does not list.
 pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
+    if scene.settings.method == Method::PostClassified {
+        return density::render(volume, scene);
+    }
     let frame = frame::Frame::new(volume, scene);
     let (width, height) = (scene.image.width, scene.image.height);
     let rows: Vec<Vec<[f64; 4]>> =
