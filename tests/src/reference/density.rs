@@ -11,7 +11,7 @@ use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Normalization, Scene, Volume};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
-const FAINT_GRADIENT: f64 = 1.0 / 1024.0;
+const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
 /// What all pixels have in common.
 struct Frame<'a> {

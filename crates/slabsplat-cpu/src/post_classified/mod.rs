@@ -38,6 +38,9 @@ mod classify;
 mod gradient;
 mod rays;
 
+#[cfg(test)]
+mod tests;
+
 use crate::raster::Raster;
 use crate::stopwatch::Stopwatch;
 use classify::{Classifier, ranges_with_room};
@@ -58,7 +61,7 @@ const TILE_SIDE: usize = 32;
 
 /// A gradient counts in full from this part of the range of values on, per `unit`: less is the noise of a plateau,
 /// and a normal must not turn about within it.
-const FAINT_GRADIENT: f64 = 1.0 / 1024.0;
+const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]

@@ -117,7 +117,9 @@ impl Sheet {
                 let from_middle = x - middle;
                 // Rounding may make the square negative at the edge.
                 let squared = (constant - square * from_middle * from_middle).max(0.0);
-                let weight = weight(Place { position: squared.sqrt(), offset: [x - cx, dy] });
+                // A cubic may dip below 0 beside the edge; a density must stay a mean.
+                let weight =
+                    weight(Place { position: squared.sqrt(), offset: [x - cx, dy] }).max(0.0);
                 sum.length += weight;
                 sum.weighted += weight * value;
             }
