@@ -72,14 +72,12 @@ impl CubicSectionTable {
     #[inline]
     pub fn blend(&self, faces: [f32; 2], row: &mut [[f32; 4]; Self::ROW_LEN]) {
         let (rows, shares) = self.rows_at(faces);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &rows[k * Self::ROW_LEN..][..Self::ROW_LEN]);
-        for (idx, out) in row.iter_mut().enumerate() {
-            for (power, out) in out.iter_mut().enumerate() {
-                *out = shares[0] * a[idx][power]
-                    + shares[1] * b[idx][power]
-                    + shares[2] * c[idx][power]
-                    + shares[3] * d[idx][power];
-            }
+        let [a, b, c, d] =
+            [0, 1, 2, 3].map(|k| rows[k * Self::ROW_LEN..][..Self::ROW_LEN].as_flattened());
+        // Flat, or the compiler turns cells into powers and back.
+        let sections = a.iter().zip(b).zip(c).zip(d);
+        for (out, (((a, b), c), d)) in row.as_flattened_mut().iter_mut().zip(sections) {
+            *out = shares[0] * a + shares[1] * b + shares[2] * c + shares[3] * d;
         }
     }
 
