@@ -81,7 +81,9 @@ impl SceneKind {
 fn normalizations_of(method: Method) -> &'static [Normalization] {
     match method {
         Method::ImageAligned => Normalization::ALL,
-        Method::AxisAligned | Method::EverySample => &[Normalization::None],
+        Method::AxisAligned | Method::EverySample | Method::PostClassified => {
+            &[Normalization::None]
+        }
     }
 }
 
@@ -95,8 +97,12 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
         background: if rng.bool() { [0.0; 4] } else { [0; 4].map(|_| rng.f32()) },
     };
     let scene = Scene {
-        transfer: random_transfer(rng, value_range),
-        shading: random_shading(rng),
+        transfer: if kind.method == Method::PostClassified {
+            gentle_transfer(rng, value_range)
+        } else {
+            random_transfer(rng, value_range)
+        },
+        shading: without_a_jump(kind.method, random_shading(rng)),
         camera: camera::random_camera(rng, &grid, kind.projection, image.height),
         image,
         settings: RenderSettings {
@@ -145,6 +151,37 @@ fn random_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
     opacities[peak].1 = [densest];
     let colors = positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect();
     TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
+}
+
+/// A function of bounded slope, as a pixel that is classified is as sensitive to its density as that slope is steep
+/// (`docs/algorithm.md`, "Steps").
+fn gentle_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
+    let positions = |rng: &mut Rng| {
+        let first = between(rng, 0.0, 0.3);
+        let step = between(rng, 0.2, 0.4);
+        let n_points = rng.usize(1..=4);
+        (0..n_points).map(|i| lo + (hi - lo) * (first + step * i as f64)).collect::<Vec<_>>()
+    };
+    let densest = [0.1, 0.6, 0.95][rng.usize(..3)];
+    let opacity = |rng: &mut Rng| if rng.u32(..3) == 0 { 0.0 } else { densest * rng.f64() };
+    let mut opacities: Vec<_> = positions(rng).into_iter().map(|x| (x, [opacity(rng)])).collect();
+    let peak = rng.usize(..opacities.len());
+    opacities[peak].1 = [densest];
+    let colors = positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect();
+    TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
+}
+
+/// Where a surface turns away from a light, a highlight may end all at once. Once a voxel that is harmless; a pixel
+/// would be on either side.
+fn without_a_jump(method: Method, shading: Shading) -> Shading {
+    match shading {
+        Shading::Phong(phong)
+            if method == Method::PostClassified && phong.light != Light::Headlight =>
+        {
+            Shading::Phong(Phong { two_sided: true, ..phong })
+        }
+        other => other,
+    }
 }
 
 fn random_shading(rng: &mut Rng) -> Shading {

@@ -3,7 +3,7 @@
 //! The GPU backends are opened with the validation of their graphics interface on, where it is installed,
 //! and a test that makes it speak fails: a driver may forgive what the next one does not.
 
-use slabsplat::{Backend, Grid, Image, Renderer, Scaling, Scene, Volume, backend_named};
+use slabsplat::{Backend, Grid, Image, Method, Renderer, Scaling, Scene, Volume, backend_named};
 use slabsplat_gpu::{Device, GpuBackend, OpenOptions, Unavailable};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -29,6 +29,12 @@ pub fn backends() -> &'static [&'static str] {
         }
     }
     &NAMES
+}
+
+/// Those of [`backends`] that have a method.
+pub fn backends_with(method: Method) -> impl Iterator<Item = &'static str> {
+    let is_for_cpu_only = method == Method::PostClassified;
+    backends().iter().copied().filter(move |name| *name == "cpu" || !is_for_cpu_only)
 }
 
 /// Renders a frame.

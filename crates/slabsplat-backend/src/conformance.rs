@@ -27,7 +27,7 @@ pub fn check(backend: &mut dyn Backend) {
 }
 
 fn empty_plan_gives_background(backend: &mut dyn Backend) {
-    for &method in Method::ALL {
+    for method in methods(backend) {
         let mut scene = scene(method, Compositing::Extinction);
         scene.image.background = [1.0, 0.5, 0.0, 0.5];
         scene.transfer = transfer(0.0);
@@ -39,7 +39,7 @@ fn empty_plan_gives_background(backend: &mut dyn Backend) {
 }
 
 fn one_voxel_is_a_round_spot(backend: &mut dyn Backend) {
-    for &method in Method::ALL {
+    for method in methods(backend) {
         for &compositing in Compositing::ALL {
             let scene = scene(method, compositing);
             let volume = volume([1, 1, 1]);
@@ -63,7 +63,7 @@ fn one_voxel_is_a_round_spot(backend: &mut dyn Backend) {
 
 /// The voxel with value 1 is green and stands before the one with value 0, which is red.
 fn opaque_voxel_hides_the_one_behind(backend: &mut dyn Backend) {
-    for &method in Method::ALL {
+    for method in methods(backend) {
         let mut scene = scene(method, Compositing::Extinction);
         scene.transfer = TransferFunction::new(
             vec![(0.0, [1.0])],
@@ -77,7 +77,7 @@ fn opaque_voxel_hides_the_one_behind(backend: &mut dyn Backend) {
 }
 
 fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
-    for &method in Method::ALL {
+    for method in methods(backend) {
         let scene = scene(method, Compositing::Separate);
         let volume = volume([5, 4, 3]);
         let first = render(backend, &volume, &scene);
@@ -89,7 +89,7 @@ fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
 
 /// What is kept of one volume or transfer function must not show in the next frame.
 fn volumes_take_turns(backend: &mut dyn Backend) {
-    for &method in Method::ALL {
+    for method in methods(backend) {
         let plain = scene(method, Compositing::Extinction);
         let faint = Scene { transfer: transfer(0.1), ..plain.clone() };
         let [long, wide] = [volume([1, 1, 9]), volume([5, 4, 3])];
@@ -117,6 +117,24 @@ fn frames_can_be_taken_once(backend: &mut dyn Backend) {
 fn unknown_frame_is_an_error(backend: &mut dyn Backend) {
     let never = FrameId(u64::MAX);
     assert_eq!(backend.poll_image(never), Err(BackendError::UnknownFrame(never)));
+}
+
+/// The methods that the backend has: all that it does not refuse. `image-aligned` is not for it to refuse.
+fn methods(backend: &mut dyn Backend) -> Vec<Method> {
+    let volume = volume([1, 1, 1]);
+    let mut has = |method: &Method| {
+        let scene = scene(*method, Compositing::Extinction);
+        let plan = Planner::default().plan(&volume, &scene).expect("the scene is valid");
+        match backend.submit(&plan) {
+            Ok(frame) => {
+                wait(backend, frame);
+                true
+            }
+            Err(BackendError::Unable { .. }) => *method == Method::ImageAligned,
+            Err(error) => panic!("{method}: {error}"),
+        }
+    };
+    Method::ALL.iter().copied().filter(|method| has(method)).collect()
 }
 
 /// Plans and renders a frame.

@@ -20,6 +20,8 @@
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never
 //!   waits for it. Frames finish in the order of submission, and each can be taken once.
+//! - **Methods.** A backend that lacks a method refuses its plans in [`Backend::submit`], as
+//!   [`BackendError::Unable`]; it never draws by another. The CPU backend has them all.
 //! - **Errors.** [`BackendError`] is what a caller can act on. After an error the frame is gone and the
 //!   backend can be used on, unless it is [`BackendError::DeviceLost`]. A wrong picture is never
 //!   an acceptable answer.

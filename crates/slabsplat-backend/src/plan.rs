@@ -3,7 +3,9 @@
 use slabsplat_core::{
     Compositing, ImageDesc, IsoRange, Shading, SlabGrid, SliceOrder, TransferFunction, View, Volume,
 };
-use slabsplat_kernel::{FootprintShape, FootprintTable, SectionLevels, SectionTable};
+use slabsplat_kernel::{
+    CubicSectionTable, FootprintShape, FootprintTable, SectionLevels, SectionTable,
+};
 use std::sync::Arc;
 
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
@@ -12,7 +14,8 @@ pub struct FramePlan<'a> {
     /// Whose voxels are drawn. A volume never changes, so that a backend may keep what it made of it
     /// for as long as plans hold the same one ([`Arc::ptr_eq`]).
     pub volume: &'a Arc<Volume>,
-    /// Which voxels are drawn: those with values within these ranges, which are disjoint and rise.
+    /// Which voxels are drawn: those with values within these ranges, which are disjoint and rise. For
+    /// [`Splats::Densities`], which densities are drawn; all voxels count for those.
     pub relevant: Vec<IsoRange>,
     /// Their opacity and colour.
     pub transfer: &'a TransferFunction,
@@ -69,5 +72,13 @@ pub enum Splats {
     Voxels {
         /// The footprint.
         table: Arc<FootprintTable>,
+    },
+    /// `post-classified`: sections, into the slabs that they come from; each adds its weight, and its weight
+    /// times the voxel's value.
+    Densities {
+        /// The slabs.
+        slabs: SlabGrid,
+        /// The sections, smooth enough for differences between pixels.
+        table: Arc<CubicSectionTable>,
     },
 }

@@ -2,11 +2,12 @@
 
 use crate::{FewerSections, FramePlan, Splats};
 use slabsplat_core::{
-    ImageError, Method, RenderSettings, Scene, SettingsError, Shading, ShadingError, SlabGrid,
-    SliceOrder, TooManySlabs, View, Volume,
+    ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading, ShadingError,
+    SlabGrid, SliceOrder, TooManySlabs, View, Volume,
 };
 use slabsplat_kernel::{
-    FootprintShape, FootprintTable, Kernel, LevelView, SectionDesc, SectionLevels, SectionTable,
+    CubicSectionTable, FootprintShape, FootprintTable, Kernel, LevelView, SectionDesc,
+    SectionLevels, SectionTable,
     TableDesc, UnknownKernel, kernel_named,
 };
 use std::sync::Arc;
@@ -39,6 +40,7 @@ pub struct Planner {
     sections: Option<(TableKey, Arc<SectionTable>)>,
     folded: Option<(TableKey, Arc<SectionTable>)>,
     footprint: Option<(TableKey, Arc<FootprintTable>)>,
+    cubic: Option<(TableKey, Arc<CubicSectionTable>)>,
 }
 
 /// Everything that the tables are made from.
@@ -99,6 +101,10 @@ impl Planner {
                 table: self.footprint_table(&*kernel, key),
             },
             Method::EverySample => Splats::Voxels { table: self.footprint_table(&*kernel, key) },
+            Method::PostClassified => Splats::Densities {
+                slabs: slabs_of(volume, &view, &shape, kernel.radius(), &key.settings)?,
+                table: self.cubic_table(&*kernel, key),
+            },
         };
         Ok(FramePlan {
             volume,
@@ -138,6 +144,19 @@ impl Planner {
 
     fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
         keep(&mut self.sections, key, |key| key.sections_of(kernel, key.settings.slab_width))
+    }
+
+    /// Sections that were normalised would no longer measure lengths, so these never are.
+    fn cubic_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<CubicSectionTable> {
+        keep(&mut self.cubic, key, |TableKey { kappa, settings }| {
+            CubicSectionTable::new(&SectionDesc {
+                kernel,
+                width: settings.slab_width,
+                kappa: *kappa,
+                normalization: Normalization::None,
+                base_width: settings.base_slab_width,
+            })
+        })
     }
 
     fn footprint_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<FootprintTable> {

@@ -20,14 +20,15 @@ pub(crate) fn measure(
 
 /// One line for each method.
 pub(crate) fn table(reports: &[PoppingReport]) -> String {
-    let mut text = "method         pop ratio  largest change  median change  between\n".to_owned();
+    let mut text =
+        "method           pop ratio  largest change  median change  between\n".to_owned();
     for report in reports {
         let ratio = report.pop_ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
         let [from, to] = report.at_degrees.map(degrees);
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:<13}  {ratio:>9}  {:>14.6}  {:>13.6}  {from} and {to} degrees",
+            "{:<15}  {ratio:>9}  {:>14.6}  {:>13.6}  {from} and {to} degrees",
             report.method.name(),
             report.largest,
             report.median,

@@ -12,6 +12,9 @@ pub enum Method {
     AxisAligned,
     /// The original (§1): whole footprints composited one voxel at a time.
     EverySample,
+    /// Sections of density summed in slabs parallel to the image, classified and shaded pixel by pixel
+    /// (Mueller, Möller & Crawfis, "Splatting Without the Blur", IEEE Visualization '99).
+    PostClassified,
 }
 
 /// How a sheet's sums become colour and opacity (SPEC §3).
@@ -228,6 +231,7 @@ named!(Method {
     ImageAligned = "image-aligned",
     AxisAligned = "axis-aligned",
     EverySample = "every-sample",
+    PostClassified = "post-classified",
 });
 named!(Compositing {
     Separate = "separate",

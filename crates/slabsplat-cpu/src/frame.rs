@@ -9,7 +9,7 @@ use crate::tiles::Tiles;
 use crate::voxel::Voxel;
 use crate::whole::{self, Whole};
 use crate::workspace::Workspaces;
-use crate::{axis_aligned, every_sample};
+use crate::{axis_aligned, every_sample, post_classified};
 use fearless_simd::Level;
 use slabsplat_backend::{Frame, FrameCost, FramePlan, Splats};
 use slabsplat_core::SliceOrder;
@@ -24,6 +24,7 @@ pub(crate) struct Buffers {
     tiles: Option<Tiles>,
     workspaces: Workspaces,
     image_aligned: image_aligned::Buffers,
+    densities: post_classified::Buffers,
     /// All relevant voxels, for the traditional methods.
     voxels: Vec<Voxel>,
 }
@@ -40,6 +41,9 @@ pub(crate) struct Stage<'a> {
 
 /// Renders with the instructions of `level`.
 pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) -> Frame {
+    if let Splats::Densities { slabs, table } = &plan.splats {
+        return post_classified::render(plan, slabs, table, &mut buffers.densities);
+    }
     let mut watch = Stopwatch::start();
     let Buffers { relevant, classification, polynomials, tiles, workspaces, .. } = buffers;
     let list = relevant.voxels(plan.volume, &plan.relevant);
@@ -60,6 +64,7 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     watch.done("list");
     let mut n_hidden = 0;
     match &plan.splats {
+        Splats::Densities { .. } => unreachable!("bug: densities have no colours to be splatted"),
         Splats::Sections { slabs, table, fewer } => {
             let (polynomials, folded) = polynomials.of_sections(table, fewer.as_ref());
             let fewer = fewer.as_ref().zip(folded).map(|(fewer, polynomials)| {

@@ -34,6 +34,7 @@ mod voxel;
 mod axis_aligned;
 mod every_sample;
 mod image_aligned;
+mod post_classified;
 mod whole;
 
 mod blocks;

@@ -14,7 +14,8 @@ use crate::params::Counts;
 use crate::voxel_list::VoxelList;
 use crate::{Device, DeviceKind, Done, Work, WorkId};
 use slabsplat_backend::{
-    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, StageTime,
+    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, Splats,
+    StageTime,
 };
 use slabsplat_core::Image;
 use std::collections::VecDeque;
@@ -188,6 +189,9 @@ impl<D: Device> Backend for GpuBackend<D> {
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
+        if matches!(plan.splats, Splats::Densities { .. }) {
+            return Err(self.unable("its shaders do not know the method \"post-classified\""));
+        }
         let mut job = Job::new(plan, self.known(plan), self.list.records.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
@@ -205,5 +209,77 @@ impl<D: Device> Backend for GpuBackend<D> {
         }
         let is_under_way = self.under_way.iter().any(|job| job.frame == frame);
         if is_under_way { Ok(Poll::Pending) } else { Err(BackendError::UnknownFrame(frame)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BufferId, DeviceError, DeviceInfo};
+    use slabsplat_backend::Planner;
+    use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{
+        Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, Shading,
+        TransferFunction, Volume,
+    };
+
+    /// A device that must not be used.
+    struct Untouched(DeviceInfo);
+
+    impl Device for Untouched {
+        fn info(&self) -> &DeviceInfo {
+            &self.0
+        }
+
+        fn create_buffer(&mut self, label: &'static str, _: u64) -> Result<BufferId, DeviceError> {
+            panic!("{label} was created")
+        }
+
+        fn destroy_buffer(&mut self, _: BufferId) {}
+
+        fn submit(&mut self, _: &Work<'_>) -> Result<WorkId, DeviceError> {
+            panic!("work was submitted")
+        }
+
+        fn poll(&mut self, _: WorkId) -> Result<Poll<Done>, DeviceError> {
+            panic!("there is no work")
+        }
+    }
+
+    fn untouched() -> Untouched {
+        Untouched(DeviceInfo {
+            name: "Fake 3000".to_owned(),
+            driver: String::new(),
+            kind: DeviceKind::Other,
+            max_binding_bytes: 1 << 27,
+            max_buffer_bytes: 1 << 28,
+            offset_alignment: 256,
+            memory_bytes: None,
+            has_timestamps: false,
+        })
+    }
+
+    #[test]
+    fn densities_are_refused() {
+        let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
+        let volume = Arc::new(Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap());
+        let projection = Projection::Orthographic { view_height: 4.0 };
+        let scene = Scene {
+            transfer: TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap(),
+            shading: Shading::None,
+            camera: Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap(),
+            image: ImageDesc { width: 4, height: 4, background: [0.0; 4] },
+            settings: RenderSettings {
+                method: Method::PostClassified,
+                ..RenderSettings::default()
+            },
+        };
+        let plan = Planner::default().plan(&volume, &scene).unwrap();
+        let error = GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err();
+        let text = error.to_string();
+        assert_eq!(
+            text,
+            "Fake 3000 cannot make this frame: its shaders do not know the method \"post-classified\""
+        );
     }
 }

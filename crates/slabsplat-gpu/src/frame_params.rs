@@ -7,6 +7,10 @@ use slabsplat_backend::{FramePlan, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Light, Lookup, Phong, Shading, SlabGrid, SliceOrder};
 
+/// Why no plan with densities comes this far.
+pub(crate) const DENSITIES_ARE_REFUSED: &str =
+    "the backend refuses densities before it makes a job";
+
 /// What the shaders read of `plan`, whose table has `row_len` quads in a row.
 pub(crate) fn frame_params(plan: &FramePlan<'_>, row_len: u32) -> Frame {
     let mut frame = Frame {
@@ -84,6 +88,7 @@ fn put_sheets(plan: &FramePlan<'_>, frame: &mut Frame) {
             frame.n_sheets = 1;
             frame.samples_per_index = table.samples_per_index();
         }
+        Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
     }
 }
 
@@ -93,6 +98,7 @@ fn method_code(splats: &Splats) -> u32 {
         Splats::Sections { .. } => 0,
         Splats::Slices { .. } => 1,
         Splats::Voxels { .. } => 2,
+        Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::classification::Classification;
 use crate::depth_params::DepthSort;
-use crate::frame_params::frame_params;
+use crate::frame_params::{DENSITIES_ARE_REFUSED, frame_params};
 use crate::number::Numbers;
 use crate::params::{Frame, TILE_SIDE};
 use crate::samples::KeyCounts;
@@ -83,6 +83,7 @@ impl Job {
             Splats::Slices { table, .. } | Splats::Voxels { table } => {
                 Table::Footprint(table.clone())
             }
+            Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
         };
         let sorts_by_depth = matches!(plan.splats, Splats::Voxels { .. });
         let classification = Classification::new(plan, known.numbers);

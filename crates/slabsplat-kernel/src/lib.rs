@@ -12,7 +12,7 @@
 //! # Reading order
 //!
 //! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`, `section_levels`; `section_table`,
-//! `footprint_table`, `radial_polynomials`; `footprint_shape`.
+//! `cubic_section_table`, `footprint_table`, `radial_polynomials`; `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -44,6 +44,7 @@ mod hierarchy;
 mod section;
 mod section_levels;
 
+mod cubic_section_table;
 mod footprint_table;
 mod radial_polynomials;
 mod section_table;
@@ -51,6 +52,7 @@ mod section_table;
 mod footprint_shape;
 
 pub use crawfis_max::CrawfisMax;
+pub use cubic_section_table::{CubicSectionTable, cubic_at};
 pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;

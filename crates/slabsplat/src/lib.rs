@@ -4,7 +4,7 @@
 //! Splatting" (IEEE Visualization '98). Each voxel is a 3D kernel; slabs parallel to the image cut it into
 //! sections; a slab's sections are summed into a sheet, and sheets are composited front to back. So
 //! the picture does not pop when the camera turns. The two methods which that one replaces are here
-//! too ([`Method`]).
+//! too, and one that sums densities and classifies pixels ([`Method`]).
 //!
 //! A [`Renderer`] holds a volume and a backend, and makes a [`Frame`] of a [`Scene`]. It keeps what does not
 //! change between frames: the values of bricks, the relevant voxels with their normals, the tables.

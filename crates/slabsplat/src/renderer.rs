@@ -56,8 +56,8 @@ impl Renderer {
         }))
     }
 
-    /// The same, but for [`render`](Self::render): where its backend runs out of memory or is lost,
-    /// `fallback` makes another, once, which draws that frame and all that follow. Frames that were
+    /// The same, but for [`render`](Self::render): where its backend runs out of memory, is lost or cannot
+    /// make a frame, `fallback` makes another, once, which draws that frame and all that follow. Frames that were
     /// submitted before and not taken are gone with the backend.
     pub fn with_fallback(
         self,
@@ -206,6 +206,13 @@ mod tests {
         }
     }
 
+    fn unable() -> BackendError {
+        BackendError::Unable {
+            device: "Fake 3000".to_owned(),
+            reason: "it knows no such method".to_owned(),
+        }
+    }
+
     fn volume_and_scene() -> (Volume, Scene) {
         let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
@@ -231,7 +238,7 @@ mod tests {
 
     #[test]
     fn fallback_draws_the_frame_again_and_all_after() {
-        for error in [lost(), out_of_memory()] {
+        for error in [lost(), out_of_memory(), unable()] {
             for fails_in in [Call::Submit, Call::Poll] {
                 let (colors, told) = colors(fails_in, error.clone());
                 assert_eq!(colors, [0.25, 0.75, 0.75], "{error}");

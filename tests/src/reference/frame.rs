@@ -77,6 +77,7 @@ impl Frame {
             Method::ImageAligned => frame.slabs(grid, settings.slab_width),
             Method::AxisAligned => frame.slices(grid),
             Method::EverySample => frame.single_voxels(grid),
+            Method::PostClassified => panic!("its sheets hold densities: see `density`"),
         };
         frame
     }

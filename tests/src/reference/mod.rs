@@ -8,7 +8,8 @@
 //!
 //! Reading order, by SPEC's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together;
-//! `fold` (§7) is what a tolerance changes.
+//! `fold` (§7) is what a tolerance changes. `density` is the method `post-classified`, of which SPEC knows nothing and
+//! `docs/algorithm.md` all.
 
 mod gradient;
 mod hierarchy;
@@ -19,6 +20,7 @@ mod shade;
 mod sheet;
 mod view;
 
+mod density;
 mod fold;
 mod frame;
 mod image;
@@ -31,17 +33,20 @@ pub use image::{Difference, ReferenceImage};
 pub use kernel::Kernel;
 pub use quadrature::GaussLegendre;
 pub use section::{Cut, KernelInView};
-pub use shade::shaded_color;
+pub use shade::{shaded_by_normal, shaded_color};
 pub use sheet::{Premultiplied, SheetSums};
 
 use rayon::prelude::*;
-use slabsplat_core::{Scene, Volume};
+use slabsplat_core::{Method, Scene, Volume};
 
 /// The picture of `scene` with `volume` in it.
 ///
 /// # Panics
 /// If the scene names a kernel that SPEC §2 does not list.
 pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
+    if scene.settings.method == Method::PostClassified {
+        return density::render(volume, scene);
+    }
     picture(&frame::Frame::new(volume, scene, 0.0), scene)
 }
 

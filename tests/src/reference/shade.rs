@@ -11,13 +11,21 @@ pub fn shaded_color(
     gradient: DVec3,
     forward: DVec3,
 ) -> [f64; 3] {
+    let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
+    shaded_by_normal(shading, color, normal, forward)
+}
+
+/// The same for a normal, of length 1, or shorter where there is less of a surface.
+pub fn shaded_by_normal(
+    shading: &Shading,
+    color: [f64; 3],
+    normal: DVec3,
+    forward: DVec3,
+) -> [f64; 3] {
     let Shading::Phong(phong) = shading else {
         return color;
     };
-    let (diffuse, specular) = match gradient.try_normalize() {
-        None => (0.0, 0.0),
-        Some(uphill) => lamp_terms(phong, -uphill, forward),
-    };
+    let (diffuse, specular) = lamp_terms(phong, normal, forward);
     color.map(|c| (c * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0))
 }
 

@@ -65,6 +65,15 @@ impl View {
         }
     }
 
+    /// Where the ray of a pixel is at `depth`, right of and above the image's middle. The pixel may lie beside the image.
+    pub(super) fn ray_in_view(&self, [x, y]: [i64; 2], depth: f64) -> [f64; 2] {
+        let from_middle = [
+            x as f64 + 0.5 - 0.5 * f64::from(self.width),
+            0.5 * f64::from(self.height) - y as f64 - 0.5,
+        ];
+        from_middle.map(|pixels| pixels * self.pixel_size(depth))
+    }
+
     /// A perspective slab is projected at its middle, so that is what counts; of an orthographic one, all
     /// is drawn if any of it is behind the eye's plane.
     pub(super) fn draws_slab(&self, front: f64, back: f64, unit: f64) -> bool {

@@ -1,4 +1,4 @@
-//! `slabsplat demo`: the main job on built-in data. Pictures of every built-in volume by all three methods,
+//! `slabsplat demo`: the main job on built-in data. Pictures of every built-in volume by all four methods,
 //! and the popping table of the paper's cube.
 
 mod shots;
@@ -12,7 +12,7 @@ use slabsplat::{Frame, Method, Renderer, Volume, io};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Render built-in volumes with all three methods, and measure how the methods pop
+/// Render built-in volumes with all four methods, and measure how the methods pop
 #[derive(Args)]
 pub(crate) struct DemoArgs {
     /// Where the pictures go; it is made if there is none

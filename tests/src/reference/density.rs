@@ -1,0 +1,195 @@
+//! The method `post-classified`, as `docs/algorithm.md` has it: every voxel that is not NaN is splatted into every
+//! slab that it meets, and a pixel is classified by the density that comes of it.
+
+use super::view::View;
+use super::{
+    Cut, Hierarchy, Kernel, KernelInView, Premultiplied, ReferenceImage, SheetSums,
+    shaded_by_normal,
+};
+use rayon::prelude::*;
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Normalization, Scene, Volume};
+
+/// A gradient counts in full from this part of the range of values on, per `unit`.
+const FAINT_GRADIENT: f64 = 1.0 / 256.0;
+
+/// What all pixels have in common.
+struct Frame<'a> {
+    scene: &'a Scene,
+    view: View,
+    kernel: KernelInView,
+    unit: f64,
+    /// Slab width in `unit`s.
+    width: f64,
+    voxels: Vec<Voxel>,
+    /// Front faces of the slabs, in world units.
+    fronts: Vec<f64>,
+    /// Below this, per world unit, a gradient does not count in full.
+    faint_gradient: f64,
+}
+
+struct Voxel {
+    center_in_view: DVec3,
+    value: f64,
+}
+
+/// `ΣH` and `ΣH·v` of a pixel of a sheet.
+#[derive(Clone, Copy, Default)]
+struct Sum {
+    length: f64,
+    weighted: f64,
+}
+
+/// The picture of `scene` with `volume` in it.
+pub(super) fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
+    let frame = Frame::new(volume, scene);
+    let (width, height) = (scene.image.width, scene.image.height);
+    let at = |idx: usize, n_columns: usize| [(idx % n_columns) as i64, (idx / n_columns) as i64];
+    // Gradients reach a pixel beyond the image.
+    let bordered = [width as usize + 2, height as usize + 2];
+    let sums_at = |idx: usize| {
+        let at = at(idx, bordered[0]).map(|c| c - 1);
+        frame.fronts.iter().map(|&front| frame.sum(at, front)).collect()
+    };
+    let n_bordered = bordered[0] * bordered[1];
+    let sums: Vec<Vec<Sum>> = (0..n_bordered).into_par_iter().map(sums_at).collect();
+    let sums_of = |[x, y]: [i64; 2]| &sums[(y + 1) as usize * bordered[0] + (x + 1) as usize][..];
+    let n_pixels = width as usize * height as usize;
+    let pixels = (0..n_pixels).map(|idx| frame.pixel(at(idx, width as usize), sums_of)).collect();
+    ReferenceImage { width, height, pixels }
+}
+
+impl<'a> Frame<'a> {
+    fn new(volume: &Volume, scene: &'a Scene) -> Self {
+        let (grid, settings) = (volume.grid(), &scene.settings);
+        let view = View::new(&scene.camera, &scene.image);
+        let plain = Hierarchy { normalization: Normalization::None, base_width: 0.5 };
+        let kernel = KernelInView::new(Kernel::named(&settings.kernel), plain, grid, &view.axes);
+        let finite: Vec<f64> =
+            (0..grid.n_voxels()).map(|i| volume.value(i)).filter(|v| v.is_finite()).collect();
+        let range = ends(finite.iter().copied());
+        let mut frame = Self {
+            scene,
+            view,
+            kernel,
+            unit: grid.unit(),
+            width: settings.slab_width,
+            voxels: voxels(volume, scene, &view, range),
+            fronts: Vec::new(),
+            faint_gradient: (FAINT_GRADIENT * (range[1] - range[0]).max(0.0) / grid.unit())
+                .max(f64::MIN_POSITIVE),
+        };
+        frame.fronts = frame.slabs(view.view_from_world(grid.center_in_world()).z);
+        frame
+    }
+
+    /// Slabs `n` from `z_c + n·w·unit`, from one that no kernel meets to another, so that each that matters has a
+    /// neighbour.
+    fn slabs(&self, center_depth: f64) -> Vec<f64> {
+        let thickness = self.width * self.unit;
+        let [near, far] = ends(self.voxels.iter().map(|v| v.center_in_view.z));
+        let slab_at = |depth: f64| ((depth - center_depth) / thickness).floor() as i64;
+        if self.voxels.is_empty() {
+            return Vec::new();
+        }
+        let first = slab_at(near - self.kernel.depth_reach) - 1;
+        let last = slab_at(far + self.kernel.depth_reach) + 1;
+        (first..=last).map(|n| center_depth + n as f64 * thickness).collect()
+    }
+
+    /// The premultiplied RGBA of a pixel, where `sums` are those of a pixel in all slabs.
+    fn pixel<'b>(&self, at: [i64; 2], sums: impl Fn([i64; 2]) -> &'b [Sum]) -> [f64; 4] {
+        let [x, y] = at;
+        let (here, right, left) = (sums(at), sums([x + 1, y]), sums([x - 1, y]));
+        let (up, down) = (sums([x, y - 1]), sums([x, y + 1]));
+        let mut pixel = Premultiplied::default();
+        for slab in 1..self.fronts.len().saturating_sub(1) {
+            if here[slab].length <= 0.0 {
+                continue;
+            }
+            let depth = self.fronts[slab] + 0.5 * self.width * self.unit;
+            let density = here[slab].weighted / here[slab].length;
+            let along = |after: &Sum, before: &Sum| difference(&here[slab], density, after, before);
+            let pixel_size = self.view.pixel_size(depth);
+            let d_right = along(&right[slab], &left[slab]) / pixel_size;
+            let d_up = along(&up[slab], &down[slab]) / pixel_size;
+            let d_ray = along(&here[slab + 1], &here[slab - 1]) / (self.width * self.unit);
+            // The way from a pixel to itself in the next slab, for one world unit of depth.
+            let [near, far] = [depth, depth + 1.0].map(|depth| self.view.ray_in_view(at, depth));
+            let lean = [far[0] - near[0], far[1] - near[1]];
+            let d_depth = d_ray - lean[0] * d_right - lean[1] * d_up;
+            let gradient = d_right * self.view.axes.right
+                + d_up * self.view.axes.up
+                + d_depth * self.view.axes.forward;
+            pixel.lay_over(self.classified(&here[slab], density, gradient));
+        }
+        let [r, g, b, opacity] = self.scene.image.background.map(f64::from);
+        pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
+        let [r, g, b] = pixel.color;
+        [r, g, b, pixel.opacity]
+    }
+
+    /// The sum of one pixel in the slab behind `front`.
+    fn sum(&self, at: [i64; 2], front: f64) -> Sum {
+        let thickness = self.width * self.unit;
+        if !self.view.draws_slab(front, front + thickness, self.unit) {
+            return Sum::default();
+        }
+        let middle = front + 0.5 * thickness;
+        let [x, y] = self.view.ray_in_view(at, middle);
+        let stretch = (self.view.pixel_size(middle) / self.unit).max(1.0);
+        let reach = stretch * self.kernel.reach;
+        let cut = Cut::Slab { front, width: self.width };
+        let mut sum = Sum::default();
+        for voxel in &self.voxels {
+            let center = voxel.center_in_view;
+            let offset = [x - center.x, y - center.y];
+            let is_far = reach < offset[0].hypot(offset[1])
+                || self.kernel.depth_reach + 0.5 * thickness < (center.z - middle).abs();
+            if !is_far {
+                let weight = self.kernel.stretched_weight(cut, offset, center.z, stretch);
+                sum.length += weight;
+                sum.weighted += weight * voxel.value;
+            }
+        }
+        sum
+    }
+
+    /// The whole of the slab at a pixel counts as of one density.
+    fn classified(&self, sum: &Sum, density: f64, gradient: DVec3) -> Premultiplied {
+        let Scene { transfer, shading, settings, .. } = self.scene;
+        let normal = -gradient / gradient.length().max(self.faint_gradient);
+        let forward = self.view.axes.forward;
+        let color = shaded_by_normal(shading, transfer.color(density), normal, forward);
+        let mut sums = SheetSums::new(settings.compositing);
+        sums.add(sum.length, transfer.opacity(density), color);
+        sums.finish()
+    }
+}
+
+/// All that are not NaN. An infinite one counts as the least or the largest of all finite values and of the transfer
+/// function's points.
+fn voxels(volume: &Volume, scene: &Scene, view: &View, finite: [f64; 2]) -> Vec<Voxel> {
+    let grid = volume.grid();
+    let opacities = scene.transfer.opacity_points().points().iter().map(|p| p.0);
+    let colors = scene.transfer.color_points().points().iter().map(|p| p.0);
+    let [lo, hi] =
+        ends(finite.into_iter().filter(|v| v.is_finite()).chain(opacities).chain(colors));
+    let voxel = |voxel_idx: usize| {
+        let center = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
+        let center_in_view = view.view_from_world(grid.world_from_index().transform_point3(center));
+        Voxel { center_in_view, value: volume.value(voxel_idx).clamp(lo, hi) }
+    };
+    (0..grid.n_voxels()).filter(|&i| !volume.value(i).is_nan()).map(voxel).collect()
+}
+
+fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)])
+}
+
+/// The mean of the changes from `before` to here and from here to `after`, each by how much there is of it.
+fn difference(here: &Sum, density: f64, after: &Sum, before: &Sum) -> f64 {
+    let forward = after.weighted - after.length * density;
+    let backward = before.length * density - before.weighted;
+    (forward + backward) / (after.length + before.length).max(here.length)
+}

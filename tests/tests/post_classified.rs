@@ -1,0 +1,260 @@
+//! `post-classified` against the float64 reference and against what is known without one.
+
+use slabsplat::glam::{DAffine3, DMat3, DVec3};
+use slabsplat::{
+    Camera, Compositing, Grid, ImageDesc, Light, Method, Phong, Projection, RenderSettings,
+    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+};
+use slabsplat_tests::random_scene::{SceneKind, random_scene};
+use slabsplat_tests::reference;
+use slabsplat_tests::render::render;
+
+/// What a pixel may differ from the reference at most, and on average over a picture.
+const MAX_DIFFERENCE: f64 = 1e-3;
+const MEAN_DIFFERENCE: f64 = 1e-4;
+
+fn seeded() -> fastrand::Rng {
+    let seed = std::env::var("SLABSPLAT_SEED").ok().and_then(|s| s.parse().ok());
+    let seed = seed.unwrap_or_else(|| fastrand::u64(..));
+    println!("SLABSPLAT_SEED={seed}");
+    fastrand::Rng::with_seed(seed)
+}
+
+fn kinds() -> impl Iterator<Item = SceneKind> {
+    SceneKind::all().into_iter().filter(|kind| kind.method == Method::PostClassified)
+}
+
+/// Every kernel, compositing, projection and kind of grid. `SLABSPLAT_ROUNDS` asks for more than one scene of each.
+#[test]
+fn parity_of_densities() {
+    let mut rng = seeded();
+    let n_rounds = std::env::var("SLABSPLAT_ROUNDS").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
+    let mut differences = Vec::new();
+    for kind in (0..n_rounds).flat_map(|_| kinds()) {
+        let (volume, scene) = random_scene(&mut rng, &kind);
+        let expected = reference::render(&volume, &scene);
+        let difference = expected.compare(&render("cpu", &volume, &scene));
+        differences.push((difference.max, difference.mean, kind, scene.settings.slab_width));
+    }
+    differences.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (max, mean, kind, slab_width) in differences.iter().take(5) {
+        println!("{max:.1e} (mean {mean:.1e}) {kind:?} w {slab_width}");
+    }
+    let (max, mean) = (differences[0].0, differences.iter().map(|d| d.1).fold(0.0, f64::max));
+    println!("{} scenes: {max:.1e}, means up to {mean:.1e}", differences.len());
+    assert!(max < MAX_DIFFERENCE, "a pixel is off by {max}");
+    assert!(mean < MEAN_DIFFERENCE, "a picture is off by {mean} on average");
+}
+
+/// Looks along −z at the middle of a grid of `dims` voxels, 4 pixels a voxel.
+fn scene(dims: [usize; 3], opacity: Vec<(f64, [f64; 1])>, settings: RenderSettings) -> Scene {
+    let target = DVec3::from_array(dims.map(|n| 0.5 * (n as f64 - 1.0)));
+    let projection = Projection::Orthographic { view_height: 10.0 };
+    Scene {
+        transfer: TransferFunction::new(opacity, vec![(0.0, [0.0; 3]), (40.0, [1.0; 3])])
+            .expect("the points rise"),
+        shading: Shading::None,
+        camera: Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
+            .expect("up is not forward"),
+        image: ImageDesc { width: 40, height: 40, background: [0.0; 4] },
+        settings,
+    }
+}
+
+fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Volume {
+    let grid = Grid::with_spacing(dims, [1.0; 3]).expect("no axis is empty");
+    let samples = (0..grid.n_voxels()).map(|i| value(grid.voxel_coords(i))).collect();
+    Volume::new(grid, Samples::F64(samples), Scaling::IDENTITY).expect("one sample a voxel")
+}
+
+fn settings(compositing: Compositing, slab_width: f64) -> RenderSettings {
+    RenderSettings {
+        method: Method::PostClassified,
+        compositing,
+        slab_width,
+        opacity_cutoff: 1.0,
+        ..RenderSettings::default()
+    }
+}
+
+/// A constant volume is what it is for `image-aligned`, its border too.
+#[test]
+fn constant_volume_is_image_aligned() {
+    let dims = [6, 5, 7];
+    let constant = volume(dims, |_| 13.0);
+    for &compositing in Compositing::ALL {
+        for slab_width in [0.4, 1.0, 2.5] {
+            let mut scene = scene(dims, vec![(0.0, [0.7])], settings(compositing, slab_width));
+            scene.camera = scene.camera.orbited(0.5);
+            let post = render("cpu", &constant, &scene);
+            scene.settings.method = Method::ImageAligned;
+            let difference = render("cpu", &constant, &scene).max_difference(&post);
+            assert!(difference < 5e-4, "{compositing} {slab_width}: {difference}");
+        }
+    }
+}
+
+/// In `extinction` lengths add up, whatever the slabs are.
+#[test]
+fn constant_volume_does_not_depend_on_slab_width() {
+    let dims = [6, 5, 7];
+    let constant = volume(dims, |_| 13.0);
+    let of = |slab_width| {
+        let settings = settings(Compositing::Extinction, slab_width);
+        render("cpu", &constant, &scene(dims, vec![(0.0, [0.3])], settings))
+    };
+    let thin = of(0.2);
+    for slab_width in [0.7, 1.0, 3.0, 1e6] {
+        let difference = thin.max_difference(&of(slab_width));
+        assert!(difference < 2e-4, "{slab_width}: {difference}");
+    }
+}
+
+/// A CT's plateau just on a step of the transfer function: all of it is on the far side. NaN voxels are holes, not
+/// values.
+#[test]
+fn plateau_on_a_step_has_no_speckle() {
+    let dims = [6, 5, 7];
+    let grid = Grid::with_spacing(dims, [1.0; 3]).expect("no axis is empty");
+    for (sample, intercept) in [(24_i16, -1024.0), (1337, -1000.1), (-3, 0.3), (32767, 1e6)] {
+        let scaling = Scaling { slope: 0.7, intercept };
+        let value = scaling.apply(sample.into());
+        let mut samples = vec![sample; grid.n_voxels()];
+        // Something else far off, for a range of values.
+        samples[0] = -9000;
+        let volume = Volume::new(grid, samples.into(), scaling).expect("one sample a voxel");
+        let steps =
+            vec![(value - 1.0, [0.0]), (value, [0.0]), (value, [0.5]), (value + 1.0, [0.5])];
+        let stepped = scene(dims, steps, settings(Compositing::Extinction, 1.0));
+        let mut low = stepped.clone();
+        low.transfer = TransferFunction::new(
+            vec![(value - 1.0, [0.0]), (value - 0.5, [0.0]), (value - 0.5, [0.5])],
+            stepped.transfer.color_points().points().to_vec(),
+        )
+        .expect("the points rise");
+        let (stepped, low) = (render("cpu", &volume, &stepped), render("cpu", &volume, &low));
+        // Away from the odd voxel, in the lower left corner.
+        for (x, y) in (16..40).flat_map(|x| (0..24).map(move |y| (x, y))) {
+            assert_eq!(stepped.pixel(x, y), low.pixel(x, y), "{value} at ({x}, {y})");
+        }
+    }
+}
+
+/// A ramp across the image, visible from 4.3 voxels on: the edge is there, and it is sharp.
+#[test]
+fn step_on_a_ramp_across_the_image() {
+    let dims = [10, 10, 6];
+    let ramp = volume(dims, |[i, _, _]| i as f64);
+    let threshold = 4.3;
+    let opacity = vec![(0.0, [0.0]), (threshold, [0.0]), (threshold, [0.9])];
+    let mut scene = scene(dims, opacity, settings(Compositing::Extinction, 1.0));
+    let projection = Projection::Orthographic { view_height: 1.0 };
+    let target = DVec3::new(threshold, 4.5, 2.5);
+    scene.camera = Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
+        .expect("up is not forward");
+    let image = render("cpu", &ramp, &scene);
+    for y in 0..40 {
+        // The edge goes through the middle, but for what the kernel makes of a ramp: less than 1/50 voxel.
+        // Where the outermost kernels end in depth, there is a trace of less even a ramp.
+        let [before, behind] = [18, 21].map(|x| image.pixel(x, y)[3]);
+        assert!(before < 0.03 && 0.97 < behind, "row {y}: {before} {behind}");
+    }
+}
+
+/// A ramp in depth: the colour tells at which value the ray stopped.
+#[test]
+fn step_on_a_ramp_in_depth() {
+    let dims = [10, 10, 24];
+    // It rises away from the eye.
+    let ramp = volume(dims, |[_, _, k]| 23.0 - k as f64);
+    for threshold in [9.0, 11.37] {
+        let opacity = vec![(0.0, [0.0]), (threshold, [0.0]), (threshold, [1.0])];
+        let scene = scene(dims, opacity, settings(Compositing::Extinction, 0.1));
+        let [red, .., alpha] = render("cpu", &ramp, &scene).pixel(20, 20);
+        let value = 40.0 * f64::from(red / alpha);
+        // Slabs 0.1 thick of an extinction of 13.8: the light comes from 0.07 voxels behind the surface, and a slab
+        // may begin up to 0.1 too late.
+        let expected = threshold + 0.07;
+        assert!((value - expected).abs() < 0.08, "{threshold}: {value}");
+    }
+}
+
+/// A field that is linear in the world has one normal everywhere, on any grid and in either projection, and at the
+/// border of the grid too.
+#[test]
+fn linear_field_is_lit_evenly() {
+    let columns = DMat3::from_cols(
+        DVec3::new(1.0, 0.1, 0.0),
+        DVec3::new(0.3, 1.4, 0.0),
+        DVec3::new(0.0, -0.2, 1.9),
+    );
+    let grid = Grid::new([14, 10, 8], DAffine3::from_mat3(columns)).expect("it can be inverted");
+    let slope = DVec3::new(0.5, -0.3, 0.7);
+    let value = |idx: usize| {
+        let at = DVec3::from_array(grid.voxel_coords(idx).map(|c| c as f64));
+        grid.world_from_index().transform_point3(at).dot(slope)
+    };
+    let samples: Vec<f64> = (0..grid.n_voxels()).map(value).collect();
+    let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel");
+    let light = DVec3::new(1.0, 2.0, 3.0).normalize();
+    let phong = Phong {
+        ambient: 0.1,
+        diffuse: 0.9,
+        specular: 0.0,
+        two_sided: true,
+        light: Light::Direction(light),
+        ..Phong::default()
+    };
+    let expected = 0.1 + 0.9 * slope.normalize().dot(light).abs();
+    let target = grid.center_in_world();
+    let mut scene = scene([1; 3], vec![(0.0, [1.0])], settings(Compositing::Extinction, 0.7));
+    // A plane through the middle.
+    let middle = target.dot(slope);
+    let opacity = vec![(middle - 0.5, [0.0]), (middle, [0.9]), (middle + 0.5, [0.0])];
+    scene.transfer =
+        TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("the points rise");
+    scene.shading = Shading::Phong(phong);
+    for projection in [
+        Projection::Orthographic { view_height: 8.0 },
+        Projection::Perspective { fov_y_radians: 0.9 },
+    ] {
+        let eye = target + DVec3::new(9.0, 4.0, 14.0);
+        scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
+        let image = render("cpu", &volume, &scene);
+        for (x, y) in (14..26).flat_map(|x| (14..26).map(move |y| (x, y))) {
+            let [red, .., alpha] = image.pixel(x, y).map(f64::from);
+            // Kernels are no more than nearly linear on a ramp.
+            let is_right = (red / alpha - expected).abs() < 0.03;
+            assert!(
+                0.3 < alpha && is_right,
+                "{projection:?} ({x}, {y}): {} {expected}",
+                red / alpha
+            );
+        }
+    }
+}
+
+/// A picture does not depend on where its frame is: a window of it has the same pixels, borders too.
+#[test]
+fn border_of_the_image_does_not_show() {
+    let mut rng = seeded();
+    let dims = [10, 10, 10];
+    let noise = volume(dims, |_| 0.0).grid().n_voxels();
+    let values: Vec<f64> = (0..noise).map(|_| 40.0 * rng.f64()).collect();
+    let volume = volume(dims, |[i, j, k]| values[i + 10 * j + 100 * k]);
+    let mut wide =
+        scene(dims, vec![(10.0, [0.0]), (40.0, [0.8])], settings(Compositing::Extinction, 1.0));
+    wide.shading = Shading::Phong(Phong::default());
+    let mut narrow = wide.clone();
+    (narrow.image.width, narrow.image.height) = (20, 20);
+    let projection = Projection::Orthographic { view_height: 5.0 };
+    let Scene { camera, .. } = wide;
+    narrow.camera = Camera::new(camera.eye(), camera.target(), camera.up(), projection)
+        .expect("it is the same view");
+    let (wide, narrow) = (render("cpu", &volume, &wide), render("cpu", &volume, &narrow));
+    for (x, y) in (0..20).flat_map(|x| (0..20).map(move |y| (x, y))) {
+        let (inside, window) = (wide.pixel(x + 10, y + 10), narrow.pixel(x, y));
+        let close = inside.iter().zip(window).all(|(a, b)| (a - b).abs() < 1e-5);
+        assert!(close, "({x}, {y}): {inside:?} {window:?}");
+    }
+}
