@@ -7,8 +7,7 @@ use slabsplat_core::{
 };
 use slabsplat_kernel::{
     CubicSectionTable, FootprintShape, FootprintTable, Kernel, LevelView, SectionDesc,
-    SectionLevels, SectionTable,
-    TableDesc, UnknownKernel, kernel_named,
+    SectionLevels, SectionTable, TableDesc, UnknownKernel, kernel_named,
 };
 use std::sync::Arc;
 use thiserror::Error;

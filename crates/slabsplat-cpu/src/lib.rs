@@ -2,20 +2,24 @@
 //!
 //! # How a frame is made
 //!
-//! 1. Find the relevant voxels, if they are not those of the last plan; *shade* and *project* each, in
-//!    parallel (`slabsplat-traverse`).
-//! 2. *Toss* the voxels onto square tiles of the image.
-//! 3. For every tile, in parallel and the fullest first: toss its voxels by slab, and then, slab by slab
-//!    from the eye, *splat* the sections into a sheet of the tile's size and *composite* it.
+//! 1. Find the relevant voxels, if they are not those of the last plan (`slabsplat-traverse`).
+//! 2. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for what full parts of the image
+//!    hide: *project* and *shade* their voxels and *toss* them onto square tiles of the image, in parallel.
+//! 3. For every tile, in parallel: sort its voxels by slab, and then, slab by slab from the eye, *splat* the sections into a
+//!    sheet of the tile's size and *composite* it.
 //!
 //! A sheet that covers a tile stays in the first-level cache, so the full-screen sheets of the paper
-//! and their traffic vanish. Pixels that are full take no more, and a tile of them stops. Tiles share nothing: there are no
-//! atomics, and each pixel's sum has one order, whatever the number of threads.
+//! and their traffic vanish. Blocks of pixels that are full take no more, and a tile of them stops. Tiles share nothing:
+//! there are no atomics, and each pixel's sum has one order, whatever the number of threads.
+//!
+//! The inner loops are written once, over vectors of `fearless_simd`, and compiled for every set of instructions that there
+//! may be; which one runs is found out when the backend is made.
 //!
 //! # Reading order
 //!
-//! `frame`, `relevant`, `raster`, `tile`, `stopwatch`; `image_aligned`, `axis_aligned`, `every_sample`; `splat`, `sheet`,
-//! `composite`, `open_pixels`.
+//! `frame`, `relevant`, `polynomials`, `raster`, `voxel`, `stopwatch`; `image_aligned`, `whole` with `axis_aligned` and
+//! `every_sample`; `tiles`, `tile`, `blocks`, `by_sheet`, `workspace`; `sheet`, `quad`, `weights`, `splat`, `composite`.
+//! `post_classified` is a frame of its own, with sheets of densities.
 //!
 //! ```
 //! use slabsplat_backend::Backend;
@@ -105,17 +109,4 @@ impl Backend for CpuBackend {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cpu_conforms() {
-        slabsplat_backend::conformance::check(&mut CpuBackend::new());
-    }
-
-    #[test]
-    fn cpu_conforms_on_one_thread() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        pool.install(|| slabsplat_backend::conformance::check(&mut CpuBackend::new()));
-    }
-}
+mod tests;

@@ -32,7 +32,11 @@ pub(super) fn folded_slabs(
     let levels = Levels::new(frame, tolerance);
     let mut sheets: BTreeMap<i64, Vec<SheetSplat>> = BTreeMap::new();
     for (voxel_idx, voxel) in frame.voxels.iter().enumerate() {
-        for (slab, cut) in sections(frame, &slabs, voxel, levels.reach(voxel)) {
+        let drawn = match levels.doublings(voxel, settings.slab_width) {
+            0 => sections(frame, &slabs, voxel, levels.reach(voxel)),
+            n => vec![whole_in_thick_slab(frame, &slabs, voxel, n)],
+        };
+        for (slab, cut) in drawn {
             sheets.entry(slab).or_default().push(SheetSplat { voxel_idx, cut });
         }
     }
@@ -63,6 +67,16 @@ impl Slabs {
     }
 }
 
+/// All of a voxel, in the slab behind the middle of the one that is 2ⁿ times as thick.
+fn whole_in_thick_slab(frame: &Frame, slabs: &Slabs, voxel: &Voxel, n: u32) -> (i64, Cut) {
+    let (depth, reach) = (voxel.center_in_view.z, frame.kernel.depth_reach);
+    let [first, last] = [slabs.at(depth - reach), slabs.at(depth + reach)];
+    let whole =
+        Cut::Slab { front: slabs.face(first), width: (last + 1 - first) as f64 * slabs.width };
+    let side = 1_i64 << n;
+    (slabs.at(depth).div_euclid(side) * side + side / 2, whole)
+}
+
 /// The sections of a voxel, each with the slab in which it is drawn.
 /// It is cut by the faces that are nearer to its centre than `cut_reach`.
 fn sections(frame: &Frame, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<(i64, Cut)> {
@@ -86,6 +100,7 @@ fn sections(frame: &Frame, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<
 struct Levels {
     /// `λ·T` at 33 distances from the centre to the kernel's end.
     folded: Vec<f64>,
+    layer_depth: f64,
     depth_reach: f64,
     steepest_ray: f64,
     tolerance: f64,
@@ -97,11 +112,21 @@ impl Levels {
         let layer_depth = depth_reach / (kernel.radius() * frame.unit);
         let beyond = |level: u32| fraction_beyond(kernel, kernel.radius() * share(level));
         Self {
+            layer_depth,
             folded: (0..=32).map(|level| layer_depth * beyond(level)).collect(),
             depth_reach,
             steepest_ray: frame.view.steepest_ray(),
             tolerance,
         }
+    }
+
+    /// By how many doublings the slab is thicker into which a voxel goes whole; 0 if faces may cut it.
+    fn doublings(&self, voxel: &Voxel, slab_width: f64) -> u32 {
+        let is_allowed = |n: &u32| {
+            let layers = 0.5 * slab_width * f64::from(1 << n) + self.layer_depth;
+            self.steepest_ray == 0.0 && voxel.extinction() * layers <= self.tolerance
+        };
+        (1..=4).rev().find(is_allowed).unwrap_or(0)
     }
 
     /// The first of the distances beyond which there is little enough.

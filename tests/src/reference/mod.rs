@@ -56,6 +56,9 @@ pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
 /// # Panics
 /// As [`render`].
 pub fn render_within_tolerance(volume: &Volume, scene: &Scene) -> ReferenceImage {
+    if scene.settings.method == Method::PostClassified {
+        return density::render(volume, scene);
+    }
     picture(&frame::Frame::new(volume, scene, scene.settings.tolerance), scene)
 }
 

@@ -193,6 +193,7 @@ impl<'a> SlabCut<'a> {
         ];
         for axis in 0..2 {
             let half = rho_max * splat(self.shape.half_extent[axis]);
+            let half = half + splat(MARGIN);
             let first = pixel(simd, centers[axis] - half);
             let end = pixel(simd, centers[axis] + half);
             drawn &= first.simd_lt(end).to_bitmask();
@@ -338,10 +339,13 @@ impl Eight {
     }
 }
 
+/// By how many pixels boxes are wider than footprints: what lies right on an edge is left to the weights, or it would count
+/// on one side and not on the other.
+const MARGIN: f32 = 1.0 / 1024.0;
+
 /// The pixel of a tile whose centre is the first behind each coordinate. NaN gives 0.
 ///
-/// Adding 2²³ rounds to whole numbers and leaves them in the low bits. Whether a coordinate right at a centre goes up or
-/// down does not matter: at its edge a footprint has no weight.
+/// Adding 2²³ rounds to whole numbers and leaves them in the low bits.
 #[inline(always)]
 fn pixel<S: Simd>(simd: S, at: f32x8<S>) -> u32x8<S> {
     let splat = |value: f32| f32x8::splat(simd, value);
@@ -365,7 +369,7 @@ impl PixelBox {
     #[inline(always)]
     pub(crate) fn within_tile<S: Simd>(simd: S, center: [f32; 2], half: [f32; 2]) -> Option<Self> {
         let [x, y] = center;
-        let [w, h] = half;
+        let [w, h] = half.map(|half| half + MARGIN);
         let ends = pixel(simd, [x - w, y - h, x + w, y + h, 0.0, 0.0, 0.0, 0.0].simd_into(simd));
         let [left, top, right, bottom, ..] = <[u32; 8]>::from(ends).map(|end| end as u8);
         (left < right && top < bottom).then_some(Self { min: [left, top], end: [right, bottom] })

@@ -1,0 +1,111 @@
+//! The contract, and every set of instructions against the scalar one.
+
+use super::*;
+use fearless_simd::Level;
+use slabsplat_backend::Planner;
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Camera, Compositing, Grid, Image, ImageDesc, KernelName, Method, Phong, Projection,
+    RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
+};
+use std::sync::Arc;
+
+#[test]
+fn cpu_conforms() {
+    slabsplat_backend::conformance::check(&mut CpuBackend::new());
+}
+
+#[test]
+fn cpu_conforms_on_one_thread() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| slabsplat_backend::conformance::check(&mut CpuBackend::new()));
+}
+
+/// The sets of instructions that this machine has, but for the scalar one.
+fn levels() -> Vec<(&'static str, Level)> {
+    let best = Level::new();
+    let mut levels = Vec::new();
+    #[cfg(target_arch = "x86_64")]
+    {
+        levels.extend(best.as_sse4_2().map(|token| ("SSE4.2", Level::Sse4_2(token))));
+        levels.extend(best.as_avx2().map(|token| ("AVX2", Level::Avx2(token))));
+    }
+    levels.push(("the best", best));
+    levels
+}
+
+fn noise(rng: &mut fastrand::Rng, spacing: [f64; 3]) -> Arc<Volume> {
+    let grid = Grid::with_spacing([13, 11, 12], spacing).unwrap();
+    let samples: Vec<u8> = (0..grid.n_voxels()).map(|_| rng.u8(..)).collect();
+    Arc::new(Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap())
+}
+
+fn scene(rng: &mut fastrand::Rng, grid: &Grid, settings: RenderSettings) -> Scene {
+    let target = grid.center_in_world();
+    let eye = target + DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, 1.0) * 60.0;
+    let projection = if rng.bool() {
+        Projection::Orthographic { view_height: 8.0 + 30.0 * rng.f64() }
+    } else {
+        Projection::Perspective { fov_y_radians: 0.1 + 0.4 * rng.f64() }
+    };
+    let opacity = if rng.bool() { 0.08 } else { 0.9 };
+    Scene {
+        transfer: TransferFunction::new(
+            vec![(60.0, [0.0]), (255.0, [opacity])],
+            vec![(0.0, [0.9, 0.3, 0.1]), (255.0, [0.2, 0.9, 1.0])],
+        )
+        .unwrap(),
+        shading: Shading::Phong(Phong::default()),
+        camera: Camera::new(eye, target, DVec3::Y, projection).unwrap(),
+        // The right and lower tiles lie partly outside.
+        image: ImageDesc { width: 75, height: 50, background: [0.0; 4] },
+        settings,
+    }
+}
+
+fn render(level: Level, volume: &Arc<Volume>, scene: &Scene) -> Image {
+    let mut backend = CpuBackend { level, ..CpuBackend::new() };
+    let mut planner = Planner::default();
+    let plan = planner.plan(volume, scene).unwrap();
+    let frame = backend.submit(&plan).unwrap();
+    match backend.poll_image(frame).unwrap() {
+        Poll::Ready(frame) => frame.image,
+        Poll::Pending => panic!("a frame is done when it was submitted"),
+    }
+}
+
+/// Every method, kernel and compositing, on grids whose footprints are circles, leaning ellipses, and cut at a
+/// slant.
+#[test]
+fn cpu_levels_agree_with_scalar() {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut worst = 0.0_f32;
+    for &method in Method::ALL {
+        for &compositing in Compositing::ALL {
+            for kernel in ["gaussian", "crawfis-max"] {
+                let spacing = if rng.bool() { [1.0; 3] } else { [1.0, 1.4, 2.1] };
+                let settings = RenderSettings {
+                    method,
+                    compositing,
+                    kernel: KernelName(kernel.into()),
+                    slab_width: [0.5, 1.0, 2.3][rng.usize(..3)],
+                    tolerance: [0.0, 0.05][rng.usize(..2)],
+                    ..RenderSettings::default()
+                };
+                let volume = noise(&mut rng, spacing);
+                let scene = scene(&mut rng, volume.grid(), settings);
+                let expected = render(Level::fallback(), &volume, &scene);
+                for (name, level) in levels() {
+                    let image = render(level, &volume, &scene);
+                    let difference = image.max_difference(&expected);
+                    // Levels differ in whether a multiply-add rounds once or twice.
+                    assert!(difference < 2e-4, "{name}: {difference} {:?}", scene.settings);
+                    worst = worst.max(difference);
+                }
+            }
+        }
+    }
+    println!("at most {worst:.1e}");
+}
