@@ -14,8 +14,9 @@
 use crate::quad::QUAD;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
-use crate::weights::{Lanes, Weigh};
+use crate::weights::{Lanes, Polynomial, Weigh};
 use fearless_simd::{Simd, f32x8, f32x16, prelude::*};
+use slabsplat_kernel::MAX_COEFFICIENTS;
 
 /// A rectangle of pixels in a tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,6 +57,40 @@ pub(crate) fn splat<S: Simd>(
     }
     if quad < end {
         splat_columns::<S, f32x8<S>>(simd, sheet, shape, footprint, weigh, quad, end - quad);
+    }
+}
+
+/// A polynomial in `x`, before it is known how much of one it takes.
+#[derive(Clone, Copy)]
+pub(crate) struct AnyPolynomial<'a> {
+    pub(crate) coefficients: &'a [f32; MAX_COEFFICIENTS],
+    pub(crate) edge: f32,
+}
+
+/// Adds a footprint to a sheet, weighted by as short a polynomial as does.
+#[inline(always)]
+pub(crate) fn splat_any<S: Simd>(
+    simd: S,
+    sheet: &mut Sheet,
+    shape: &PixelShape,
+    footprint: &Footprint,
+    AnyPolynomial { coefficients, edge }: AnyPolynomial<'_>,
+    leans: bool,
+) {
+    // Sections of one kind come one after the other, so that this is easy to guess.
+    let [.., tenth, root] = *coefficients;
+    macro_rules! splat_as {
+        ($n:literal, $leans:literal) => {
+            splat(simd, sheet, shape, footprint, &Polynomial::<$n, $leans> { coefficients, edge })
+        };
+    }
+    match (tenth == 0.0, root == 0.0, leans) {
+        (true, true, false) => splat_as!(8, false),
+        (true, true, true) => splat_as!(8, true),
+        (false, true, false) => splat_as!(11, false),
+        (false, true, true) => splat_as!(11, true),
+        (_, false, false) => splat_as!(12, false),
+        (_, false, true) => splat_as!(12, true),
     }
 }
 

@@ -33,7 +33,7 @@ pub(crate) trait Weigh<S: Simd> {
     fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V;
 }
 
-/// A polynomial in `x = 2·(ρ/R)² − 1`, of `N` coefficients, the last of 12 that of `√(1 − x)`; `LEANS` if the axes of its ellipse are not those of the
+/// A polynomial in `x = 2·(ρ/R)² − 1`, of `N` coefficients (8, 11, or 12, of which the last is that of `√(1 − x)`); `LEANS` if the axes of its ellipse are not those of the
 /// image.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polynomial<'a, const N: usize, const LEANS: bool> {
@@ -78,8 +78,11 @@ impl<const N: usize, const LEANS: bool> Polynomial<'_, N, LEANS> {
             return four(4).mul_add(x4, four(0));
         }
         let last = coefficient(10).mul_add(x2, pair(8));
-        let root = (V::splat(simd, 1.0) - x).max(V::splat(simd, 0.0)).sqrt();
         let polynomial = last.mul_add(x4, four(4)).mul_add(x4, four(0));
+        if N == 11 {
+            return polynomial;
+        }
+        let root = (V::splat(simd, 1.0) - x).max(V::splat(simd, 0.0)).sqrt();
         root.mul_add(coefficient(11), polynomial)
     }
 }

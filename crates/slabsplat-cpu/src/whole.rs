@@ -1,12 +1,11 @@
 //! What the two traditional methods share: whole footprints, and all relevant voxels at once.
 
 use crate::blocks::Blocks;
-use crate::raster::{PixelShape, Raster};
+use crate::raster::Raster;
 use crate::sheet::Sheet;
-use crate::splat::{Footprint, PixelBox, splat};
+use crate::splat::{AnyPolynomial, Footprint, PixelBox, splat_any};
 use crate::tile::Tile;
 use crate::voxel::Voxel;
-use crate::weights::Polynomial;
 use fearless_simd::Simd;
 use slabsplat_kernel::RadialPolynomials;
 use slabsplat_traverse::{BrickView, RelevantList, Shader, TileBuckets, TileGrid, TileRect};
@@ -81,25 +80,8 @@ impl Whole<'_> {
         sheet.touched.add(blocks);
         let color = voxel.color.map(|channel| channel * shape.gain);
         let footprint = Footprint { center, pixels, color };
-        match (self.polynomials.n_coefficients(), raster.leans) {
-            (8, false) => self.splat_polynomial::<S, 8, false>(simd, &shape, &footprint, sheet),
-            (8, true) => self.splat_polynomial::<S, 8, true>(simd, &shape, &footprint, sheet),
-            (_, false) => self.splat_polynomial::<S, 12, false>(simd, &shape, &footprint, sheet),
-            (_, true) => self.splat_polynomial::<S, 12, true>(simd, &shape, &footprint, sheet),
-        }
+        let polynomial = AnyPolynomial { coefficients: self.polynomials.row(0), edge: 1.0 };
+        splat_any(simd, sheet, &shape, &footprint, polynomial, raster.leans);
         Some(pixels)
-    }
-
-    #[inline(always)]
-    fn splat_polynomial<S: Simd, const N: usize, const LEANS: bool>(
-        &self,
-        simd: S,
-        shape: &PixelShape,
-        footprint: &Footprint,
-        sheet: &mut Sheet,
-    ) {
-        let coefficients = self.polynomials.row(0);
-        let polynomial = Polynomial::<N, LEANS> { coefficients, edge: 1.0 };
-        splat(simd, sheet, shape, footprint, &polynomial);
     }
 }

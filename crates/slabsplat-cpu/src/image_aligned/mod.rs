@@ -59,8 +59,6 @@ pub(crate) struct Slabs<'a> {
     reach_in_index: f32,
     /// `2/R²`.
     edge_per_disc: f32,
-    /// Coefficients of the longest polynomial.
-    n_coefficients: usize,
     /// The first slab whose sections are drawn.
     first_drawn: usize,
     /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
@@ -155,9 +153,6 @@ impl<'a> Slabs<'a> {
             shapes,
             reach_in_index: raster.reach * raster.index_per_depth,
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
-            n_coefficients: polynomials
-                .n_coefficients()
-                .max(fewer.map_or(0, |fewer| fewer.polynomials.n_coefficients())),
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
         }

@@ -9,9 +9,9 @@ use crate::by_sheet::{N_AT_ONCE, Run};
 use crate::image_aligned::{Slabs, Span};
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
-use crate::splat::{Footprint, PixelBox, splat};
+use crate::splat::{AnyPolynomial, Footprint, PixelBox, splat, splat_any};
 use crate::tile::{TILE_SIDE, Tile};
-use crate::weights::{Polynomial, Tilted};
+use crate::weights::Tilted;
 use fearless_simd::{Simd, f32x4, f32x8, mask32x8, prelude::*, u32x8};
 use slabsplat_core::Lookup;
 use slabsplat_kernel::{MAX_COEFFICIENTS, RadialPolynomials};
@@ -238,40 +238,9 @@ impl<'a> SlabCut<'a> {
         coefficients: &[f32; MAX_COEFFICIENTS],
         edge: f32,
     ) {
-        let (shape, footprint) = (&self.shape, &section.footprint);
-        let is_short = self.slabs.n_coefficients == 8;
-        match (is_short, self.slabs.raster.leans) {
-            (true, false) => {
-                splat(
-                    simd,
-                    sheet,
-                    shape,
-                    footprint,
-                    &Polynomial::<8, false> { coefficients, edge },
-                );
-            }
-            (true, true) => {
-                splat(simd, sheet, shape, footprint, &Polynomial::<8, true> { coefficients, edge });
-            }
-            (false, false) => {
-                splat(
-                    simd,
-                    sheet,
-                    shape,
-                    footprint,
-                    &Polynomial::<12, false> { coefficients, edge },
-                );
-            }
-            (false, true) => {
-                splat(
-                    simd,
-                    sheet,
-                    shape,
-                    footprint,
-                    &Polynomial::<12, true> { coefficients, edge },
-                );
-            }
-        }
+        let leans = self.slabs.raster.leans;
+        let polynomial = AnyPolynomial { coefficients, edge };
+        splat_any(simd, sheet, &self.shape, &section.footprint, polynomial, leans);
     }
 }
 

@@ -91,7 +91,10 @@ impl Sheet {
         weight: impl Fn(Place) -> f32,
     ) -> bool {
         let Section { center: [cx, cy], radius, rho_max, cells_per_index, value } = *section;
-        let PixelShape { across, lean, along, .. } = *shape;
+        // In index units squared, not in halves of the kernel's radius squared.
+        let per_radius = 0.5 * radius * radius;
+        let (across, lean, along) =
+            (shape.across * per_radius, shape.lean, shape.along * per_radius);
         let half_height = shape.half_extent[1] * rho_max;
         let form = cells_per_index * cells_per_index;
         let square = form * across;
