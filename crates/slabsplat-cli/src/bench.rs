@@ -138,6 +138,7 @@ impl Report {
                 .collect::<Vec<_>>(),
             "n_voxels": stats.n_voxels,
             "n_splats": stats.n_splats,
+            "n_hidden": stats.n_hidden,
             "n_culled": stats.n_culled,
             "resident_bytes": cost.resident_bytes,
         })
@@ -210,6 +211,7 @@ fastest       10.000 ms
 project        2.000 ms
 splat          8.000 ms
 voxels             1
+hidden             0
 splatted          22
 culled           333
 resident  1023 bytes

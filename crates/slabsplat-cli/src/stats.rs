@@ -31,9 +31,10 @@ pub(crate) fn stage_rows(stages: impl Iterator<Item = (&'static str, f64)>) -> V
 }
 
 /// Rows of what was splatted.
-pub(crate) fn splat_rows(stats: &FrameStats) -> [Row; 3] {
+pub(crate) fn splat_rows(stats: &FrameStats) -> [Row; 4] {
     [
         count("voxels", stats.n_voxels),
+        count("hidden", stats.n_hidden),
         count("splatted", stats.n_splats),
         count("culled", stats.n_culled),
     ]
@@ -67,6 +68,7 @@ mod tests {
             image: Image::filled(1, 1, [0.0; 4]),
             stats: FrameStats {
                 n_voxels: 1,
+                n_hidden: 0,
                 n_splats: 22,
                 n_culled: 333,
                 n_tiles: 4,
@@ -85,6 +87,7 @@ mod tests {
 project          0.250 ms
 splat           12.500 ms
 voxels               1
+hidden               0
 splatted            22
 culled             333
 tiles                4

@@ -7,7 +7,7 @@ use slabsplat_core::{
     View, Volume,
 };
 use slabsplat_traverse::{
-    BrickRanges, BrickView, Classification, RelevantList, Shader, TileBuckets, TileGrid,
+    BrickRanges, BrickView, Classification, RelevantList, Shader, TileBuckets, TileGrid, TileRect,
     depth_order,
 };
 
@@ -77,7 +77,7 @@ fn stages(c: &mut Criterion) {
     let rect_of = |splat: usize| {
         let [right, up, _] = points[splat];
         let at = [256.0 + 2.6 * right, 256.0 - 2.6 * up];
-        tiles.touched(at.map(|c| c - 5.2), at.map(|c| c + 5.2))
+        tiles.touched(at.map(|c| c - 5.2), at.map(|c| c + 5.2)).unwrap_or(TileRect::EMPTY)
     };
     group.bench_function("toss", |b| b.iter(|| TileBuckets::toss(&tiles, points.len(), rect_of)));
     group.finish();

@@ -43,7 +43,7 @@ pub(super) fn folded_slabs(
     let sheets = sheets.into_iter().filter_map(|(slab, splats)| {
         let [front, back] = [slab, slab + 1].map(|face| slabs.face(face));
         let is_drawn = frame.view.draws_slab(front, back, frame.unit);
-        is_drawn.then(|| Sheet { splats, plane_depth: Some(0.5 * (front + back)) })
+        is_drawn.then_some(Sheet { splats, plane_depth: Some(0.5 * (front + back)) })
     });
     sheets.collect()
 }

@@ -10,11 +10,12 @@
 //! that bucket and from those of the few slabs before it, as far as a kernel reaches; so the work is
 //! linear in sections, and a voxel is stored once a tile instead of once a section.
 //!
-//! Reading order: `slab_shapes`, `span`, `occlusion`, `intake`, `sections`, `advance`.
+//! Reading order: `slab_shapes`, `span`, `occlusion`, `intake`, `prepare`, `sections`, `advance`.
 
 mod advance;
 mod intake;
 mod occlusion;
+mod prepare;
 mod sections;
 mod slab_shapes;
 mod span;

@@ -75,10 +75,11 @@ impl Occlusion {
     fn of_row(&self, row: usize, first: usize, last: usize) -> [bool; 2] {
         let words = &self.full[row * self.words_per_row..];
         let (mut some_full, mut some_open) = (false, false);
-        for word in first / 64..=last / 64 {
-            let from = u64::MAX << if word == first / 64 { first % 64 } else { 0 };
-            let to = u64::MAX >> if word == last / 64 { 63 - last % 64 } else { 0 };
-            let full = words[word] & from & to;
+        let [first_word, last_word] = [first / 64, last / 64];
+        for (word, bits) in words.iter().enumerate().take(last_word + 1).skip(first_word) {
+            let from = u64::MAX << if word == first_word { first % 64 } else { 0 };
+            let to = u64::MAX >> if word == last_word { 63 - last % 64 } else { 0 };
+            let full = bits & from & to;
             some_full |= full != 0;
             some_open |= full != from & to;
         }
