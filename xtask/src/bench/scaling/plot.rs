@@ -46,6 +46,10 @@ fn draw_on(area: &Area<'_>, sweep: &Sweep, curves: &[&Curve]) -> Drawn {
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let y_ticks = ticks_around(points().map(|point| point.ms));
     let x_ticks: Vec<f64> = sweep.ticks();
+    // What is measured need not end at a tick.
+    let mut beyond: Vec<f64> =
+        x_ticks.iter().copied().chain(points().map(|point| point.x)).collect();
+    beyond.sort_by(f64::total_cmp);
     let mut chart = ChartBuilder::on(area)
         .caption(sweep.title, (FONT, 17).into_font().color(&TEXT))
         .margin(12)
@@ -53,7 +57,7 @@ fn draw_on(area: &Area<'_>, sweep: &Sweep, curves: &[&Curve]) -> Drawn {
         .x_label_area_size(46)
         .y_label_area_size(64)
         .build_cartesian_2d(
-            wide(&x_ticks, 1.08).log_scale().with_key_points(x_ticks),
+            wide(&beyond, 1.08).log_scale().with_key_points(x_ticks),
             wide(&y_ticks, 1.0).log_scale().with_key_points(y_ticks),
         )?;
     chart
@@ -135,7 +139,7 @@ fn apart(ys: &[i32]) -> Vec<i32> {
     ys
 }
 
-/// From the first to the last tick, and beyond by a factor.
+/// From the first to the last place, and beyond by a factor.
 fn wide(ticks: &[f64], factor: f64) -> Range<f64> {
     let first = ticks.first().copied().unwrap_or(1.0);
     let last = ticks.last().copied().unwrap_or(1.0);
