@@ -22,7 +22,7 @@ pub const MAX_COEFFICIENTS: usize = 12;
 const COEFFICIENT_COUNTS: [usize; 2] = [8, MAX_COEFFICIENTS];
 
 /// Places in a disc at which a row is fitted.
-const N_NODES: usize = 512;
+const N_NODES: usize = 256;
 
 /// A row that ends before this part of `R²` has no root in it.
 const NEARLY_ALL: f64 = 0.95;
@@ -109,11 +109,18 @@ fn domain(discs: &[f64], idx: usize) -> f64 {
     near.iter().fold(0.5, |domain: f64, disc| domain.max(*disc))
 }
 
+/// A place at which rows are fitted.
+struct Node {
+    y: f64,
+    weight: f64,
+    /// Of the polynomials, there.
+    values: [f64; MAX_COEFFICIENTS],
+}
+
 /// Polynomials in `y`, −1 … 1, that are orthogonal over the nodes and their weights; the `k`-th is
 /// `(y − shift[k−1])·` the one before `− lag[k−1]·` the one before that (Stieltjes).
 struct Basis {
-    /// Place and weight.
-    nodes: Vec<(f64, f64)>,
+    nodes: Vec<Node>,
     shifts: [f64; MAX_COEFFICIENTS],
     lags: [f64; MAX_COEFFICIENTS],
     norms: [f64; MAX_COEFFICIENTS],
@@ -123,37 +130,35 @@ impl Basis {
     fn new() -> Self {
         // Equally far apart in the angle, nodes have the weight (1 − y²)^(−1/2) already.
         let angle = |node: usize| std::f64::consts::PI * (node as f64 + 0.5) / N_NODES as f64;
-        let nodes: Vec<_> =
-            (0..N_NODES).map(|node| (-angle(node).cos(), angle(node).sin().powf(-0.5))).collect();
+        let node = |node: usize| Node {
+            y: -angle(node).cos(),
+            weight: angle(node).sin().powf(-0.5),
+            values: [1.0; MAX_COEFFICIENTS],
+        };
         let mut basis = Self {
-            nodes,
+            nodes: (0..N_NODES).map(node).collect(),
             shifts: [0.0; MAX_COEFFICIENTS],
             lags: [0.0; MAX_COEFFICIENTS],
             norms: [0.0; MAX_COEFFICIENTS],
         };
         for k in 0..MAX_COEFFICIENTS {
             let (mut norm, mut moment) = (0.0, 0.0);
-            for &(y, weight) in &basis.nodes {
-                let value = basis.values(y)[k];
-                norm += weight * value * value;
-                moment += weight * value * value * y;
+            for Node { y, weight, values } in &basis.nodes {
+                let square = weight * values[k] * values[k];
+                norm += square;
+                moment += square * y;
             }
             basis.norms[k] = norm;
             basis.shifts[k] = moment / norm;
             basis.lags[k] = if k == 0 { 0.0 } else { norm / basis.norms[k - 1] };
+            for Node { y, values, .. } in &mut basis.nodes {
+                let before = if k == 0 { 0.0 } else { values[k - 1] };
+                if k + 1 < MAX_COEFFICIENTS {
+                    values[k + 1] = (*y - basis.shifts[k]) * values[k] - basis.lags[k] * before;
+                }
+            }
         }
         basis
-    }
-
-    /// All of them at `y`, as far as they are known.
-    fn values(&self, y: f64) -> [f64; MAX_COEFFICIENTS] {
-        let mut values = [1.0; MAX_COEFFICIENTS];
-        let mut before = 0.0;
-        for k in 1..MAX_COEFFICIENTS {
-            values[k] = (y - self.shifts[k - 1]) * values[k - 1] - self.lags[k - 1] * before;
-            before = values[k - 1];
-        }
-        values
     }
 
     /// The polynomial in `x` that fits a row over `domain`, and its largest error there.
@@ -164,29 +169,26 @@ impl Basis {
         n_coefficients: usize,
     ) -> ([f32; MAX_COEFFICIENTS], f64) {
         let n_samples = (row.len() - 2) as f64;
-        let exact = |y: f64| {
+        let exact: Vec<f64> = self.at_nodes(|y| {
             let half_chord = (1.0 - 0.5 * (y + 1.0) * domain).max(0.0).sqrt();
             f64::from(lerp_radial(row, (half_chord * n_samples) as f32))
-        };
+        });
         // Far from its end the root is a polynomial, too.
         let has_root = n_coefficients == MAX_COEFFICIENTS && NEARLY_ALL < domain;
         let n_powers = n_coefficients.min(MAX_COEFFICIENTS - 1);
-        let root = |y: f64| (2.0 - (y + 1.0) * domain).max(0.0).sqrt();
-        let mut parts = self.parts_of(exact, n_powers);
+        let root = self.at_nodes(|y| (2.0 - (y + 1.0) * domain).max(0.0).sqrt());
+        let mut parts = self.parts_of(&exact, n_powers);
         let mut root_part = 0.0;
         if has_root {
             // What no polynomial has of the root, and how much of that the row has.
-            let of_root = self.parts_of(root, n_powers);
-            let lone_root = |y: f64| root(y) - self.sum(&of_root, y);
-            let product = |f: &dyn Fn(f64) -> f64| -> f64 {
-                self.nodes.iter().map(|&(y, weight)| weight * f(y) * lone_root(y)).sum()
-            };
-            root_part = product(&exact) / product(&lone_root);
+            let of_root = self.parts_of(&root, n_powers);
+            let polynomial = self.sums(&of_root);
+            let lone: Vec<f64> = root.iter().zip(&polynomial).map(|(r, p)| r - p).collect();
+            root_part = self.product(&exact, &lone) / self.product(&lone, &lone);
             parts.iter_mut().zip(of_root).for_each(|(part, of_root)| *part -= root_part * of_root);
         }
-        let fitted = |y: f64| self.sum(&parts, y) + root_part * root(y);
-        let error = |&(y, _): &(f64, f64)| (fitted(y) - exact(y)).abs();
-        let worst = self.nodes.iter().map(error).fold(0.0, f64::max);
+        let fitted = self.sums(&parts).into_iter().zip(&root).map(|(p, r)| p + root_part * r);
+        let worst = fitted.zip(&exact).map(|(f, e)| (f - e).abs()).fold(0.0, f64::max);
         let mut coefficients = self.in_powers(&parts, domain);
         if has_root {
             coefficients[MAX_COEFFICIENTS - 1] = root_part;
@@ -194,21 +196,32 @@ impl Basis {
         (coefficients.map(|coefficient| coefficient as f32), worst)
     }
 
+    fn at_nodes(&self, function: impl Fn(f64) -> f64) -> Vec<f64> {
+        self.nodes.iter().map(|node| function(node.y)).collect()
+    }
+
+    /// The inner product of two functions.
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        self.nodes.iter().zip(a).zip(b).map(|((node, a), b)| node.weight * a * b).sum()
+    }
+
     /// What part each of the first `n` polynomials has in a function.
-    fn parts_of(&self, function: impl Fn(f64) -> f64, n: usize) -> [f64; MAX_COEFFICIENTS] {
+    fn parts_of(&self, function: &[f64], n: usize) -> [f64; MAX_COEFFICIENTS] {
         let mut parts = [0.0; MAX_COEFFICIENTS];
-        for &(y, weight) in &self.nodes {
-            let weighted = weight * function(y);
-            for (part, value) in parts.iter_mut().zip(self.values(y)).take(n) {
-                *part += weighted * value;
+        for (node, value) in self.nodes.iter().zip(function) {
+            for (part, of_basis) in parts.iter_mut().zip(node.values).take(n) {
+                *part += node.weight * value * of_basis;
             }
         }
         parts.iter_mut().zip(self.norms).for_each(|(part, norm)| *part /= norm);
         parts
     }
 
-    fn sum(&self, parts: &[f64; MAX_COEFFICIENTS], y: f64) -> f64 {
-        self.values(y).iter().zip(parts).map(|(value, part)| value * part).sum()
+    /// A sum of the polynomials at every node.
+    fn sums(&self, parts: &[f64; MAX_COEFFICIENTS]) -> Vec<f64> {
+        let sum =
+            |node: &Node| node.values.iter().zip(parts).map(|(value, part)| value * part).sum();
+        self.nodes.iter().map(sum).collect()
     }
 
     /// A sum of the polynomials, in powers of `x`: `y = (x + 1)/domain − 1`.

@@ -17,6 +17,7 @@ fn bench_json_has_all_keys() {
         "median_ms",
         "min_ms",
         "n_culled",
+        "n_hidden",
         "n_splats",
         "n_voxels",
         "resident_bytes",

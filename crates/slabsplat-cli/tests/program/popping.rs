@@ -14,7 +14,7 @@ fn popping_json_shows_the_pop() {
     assert_eq!(report["sweep"], value!({ "from": 42.0, "to": 48.0, "step": 1.0 }));
     let methods = report["methods"].as_array().unwrap();
     let names: Vec<_> = methods.iter().map(|m| m["method"].as_str().unwrap()).collect();
-    assert_eq!(names, ["image-aligned", "axis-aligned", "every-sample"]);
+    assert_eq!(names, ["image-aligned", "axis-aligned", "every-sample", "post-classified"]);
     let ratio = |idx: usize| methods[idx]["pop_ratio"].as_f64().unwrap();
     assert!(ratio(0) < 1.5, "image-aligned does not pop: {}", ratio(0));
     assert!(5.0 * ratio(0) < ratio(1), "axis-aligned pops: {} and {}", ratio(0), ratio(1));

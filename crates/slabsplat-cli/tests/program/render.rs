@@ -51,11 +51,11 @@ fn render_stats_of_the_cpu() {
         let line = stats.lines().find(|line| line.starts_with(&format!("{key} ")));
         line.unwrap_or_else(|| panic!("{key} in {told}"))[key.len()..].trim()
     };
-    for stage in ["list", "shade", "project", "toss", "splat"] {
+    for stage in ["list", "bricks", "intake", "splat", "image"] {
         assert!(value(stage).ends_with(" ms"), "{told}");
     }
     assert_eq!(value("voxels"), "4096");
-    for count in ["splatted", "culled", "tiles", "full tiles"] {
+    for count in ["hidden", "splatted", "culled", "tiles", "full tiles"] {
         assert!(value(count).parse::<u64>().is_ok(), "{count} in {told}");
     }
     assert!(value("resident").ends_with(" bytes)"), "{told}");
