@@ -9,6 +9,7 @@ mod camera;
 mod grid;
 mod volume;
 
+use crate::exact_settings;
 use fastrand::Rng;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
@@ -112,10 +113,7 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
             compositing: kind.compositing,
             normalization: kind.normalization,
             base_slab_width: [0.5, 0.5, 0.4][rng.usize(..3)],
-            // What is measured is the rest.
-            opacity_cutoff: 1.0 - 1e-5,
-            tolerance: 0.0,
-            ..RenderSettings::default()
+            ..exact_settings()
         },
     };
     (volume, scene)

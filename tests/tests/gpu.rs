@@ -8,6 +8,7 @@ use slabsplat::{
     Volume,
 };
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
+use slabsplat_tests::exact_settings;
 use slabsplat_tests::render::{devices, open, validation_messages};
 use slabsplat_tests::spy_device::{Orders, SpyDevice, locked};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -61,7 +62,7 @@ fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
             method,
             compositing: Compositing::Extinction,
             radial_samples: 64,
-            ..RenderSettings::default()
+            ..exact_settings()
         },
     }
 }

@@ -7,9 +7,10 @@
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
-    Camera, Compositing, Grid, Image, ImageDesc, Light, Method, Phong, Projection, RenderSettings,
-    Scene, Shading, TransferFunction, Volume, io,
+    Camera, Compositing, Grid, Image, ImageDesc, Light, Method, Phong, Projection, Scene, Shading,
+    TransferFunction, Volume, io,
 };
+use slabsplat_tests::exact_settings;
 use slabsplat_tests::render::{backends, render};
 use std::path::{Path, PathBuf};
 
@@ -79,7 +80,7 @@ fn scene(eye: [f64; 3], projection: Projection, opacity: &[(f64, f64)]) -> Scene
         camera: Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)
             .expect("the eye is off the z axis"),
         image: ImageDesc { width: SIDE, height: SIDE, background: [0.0, 0.0, 0.0, 1.0] },
-        settings: RenderSettings::default(),
+        settings: exact_settings(),
     }
 }
 

@@ -5,6 +5,7 @@ use slabsplat::{
     Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, Shading,
     TransferFunction, Volume,
 };
+use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::{backends, backends_with, render};
@@ -75,12 +76,7 @@ fn needles(ratio: f64, method: Method) -> (Volume, Scene) {
     let target = steps * DVec3::new(1.0, 1.0, 2.8);
     let eye = target + 5.0 * ratio * DVec3::new(-0.6, 0.5, -0.4);
     let projection = Projection::Orthographic { view_height: 8.0 };
-    let settings = RenderSettings {
-        method,
-        opacity_cutoff: 1.0 - 1e-5,
-        tolerance: 0.0,
-        ..RenderSettings::default()
-    };
+    let settings = RenderSettings { method, ..exact_settings() };
     let scene = Scene {
         transfer: TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0, 0.8, 0.5])])
             .expect("the points are finite"),
