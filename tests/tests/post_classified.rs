@@ -5,6 +5,7 @@ use slabsplat::{
     Camera, Compositing, Grid, ImageDesc, Light, Method, Phong, Projection, RenderSettings,
     Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
+use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::render;
@@ -73,7 +74,7 @@ fn settings(compositing: Compositing, slab_width: f64) -> RenderSettings {
         compositing,
         slab_width,
         opacity_cutoff: 1.0,
-        ..RenderSettings::default()
+        ..exact_settings()
     }
 }
 
