@@ -89,21 +89,11 @@ impl SectionLevels {
         n_below.min(u32::from(Self::LAST)) as u8
     }
 
-    /// For every doubling of the slab width the greatest extinction of voxels that go whole into such slabs.
-    pub fn max_in_thick(&self) -> &[f32] {
-        &self.max_in_thick
-    }
-
     /// A face cuts a kernel if less than this share of the kernel's reach in depth lies between the
     /// face and the voxel's centre.
     #[inline]
     pub fn share_of_reach(level: u8) -> f32 {
         f32::from(level) / f32::from(Self::LAST)
-    }
-
-    /// For every level the greatest extinction of its voxels, for backends that search on their own.
-    pub fn max_extinctions(&self) -> &[f32] {
-        &self.max_extinctions
     }
 
     /// Whether every voxel has all its sections.
