@@ -109,3 +109,34 @@ fn cpu_levels_agree_with_scalar() {
     }
     println!("at most {worst:.1e}");
 }
+
+/// Folding moves extinction in depth and loses none of it, also where a voxel goes to a slab that lies in the range of
+/// depth before its own.
+#[test]
+fn cpu_keeps_the_opacity_of_faint_voxels() {
+    for n_slices in [70, 83, 96, 109] {
+        let grid = Grid::with_spacing([8, 8, n_slices], [1.0; 3]).unwrap();
+        let volume = Arc::new(
+            Volume::new(grid, vec![1_u8; grid.n_voxels()].into(), Scaling::IDENTITY).unwrap(),
+        );
+        let target = grid.center_in_world();
+        let projection = Projection::Orthographic { view_height: 8.0 };
+        let eye = target - DVec3::Z * 200.0;
+        let of_tolerance = |opacity: f64, tolerance: f64| {
+            let scene = Scene {
+                transfer: TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [1.0; 3])])
+                    .unwrap(),
+                shading: Shading::None,
+                camera: Camera::new(eye, target, DVec3::Y, projection).unwrap(),
+                image: ImageDesc { width: 32, height: 32, background: [0.0; 4] },
+                settings: RenderSettings { tolerance, ..RenderSettings::default() },
+            };
+            render(Level::new(), &volume, &scene)
+        };
+        for opacity in [0.001, 0.004, 0.006, 0.01, 0.02] {
+            let difference =
+                of_tolerance(opacity, 0.05).max_difference(&of_tolerance(opacity, 0.0));
+            assert!(difference < 1e-3, "{n_slices} slices, {opacity}: {difference}");
+        }
+    }
+}

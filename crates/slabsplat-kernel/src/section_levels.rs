@@ -49,6 +49,10 @@ impl SectionLevels {
     /// The level at which all faces cut.
     pub const LAST: u8 = 32;
 
+    /// By how many slabs at most a whole voxel goes before the one that holds its centre: from the end of the
+    /// thickest slab to its middle.
+    pub const MOST_SLABS_BEFORE: usize = 1 << (MAX_DOUBLINGS - 1);
+
     /// The levels that `settings.tolerance` allows. Where the picture hangs on the slab width by
     /// definition, or no slabs cut anything, every voxel has the last.
     pub fn new(settings: &RenderSettings, kernel: &dyn Kernel, view: LevelView) -> Self {

@@ -123,9 +123,12 @@ fn sort_bricks(
     slabs_per_range: usize,
     bricks: &mut Vec<(u32, u32)>,
 ) {
+    // A whole voxel may go to a slab before all that its kernel meets.
+    let n_before = slabs.fewer.map_or(0, |_| SectionLevels::MOST_SLABS_BEFORE);
     let range_of = |brick: &Brick| {
         let bounds = stage.bricks.bounds(brick);
-        slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0] / slabs_per_range
+        let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
+        first.saturating_sub(n_before) / slabs_per_range
     };
     let listed = stage.list.bricks().par_iter().enumerate();
     listed.map(|(idx, brick)| (range_of(brick) as u32, idx as u32)).collect_into_vec(bricks);
