@@ -27,6 +27,17 @@ pub(crate) struct PixelBox {
     pub(crate) end: [u8; 2],
 }
 
+impl PixelBox {
+    /// What lies in both.
+    #[inline(always)]
+    pub(crate) fn and(self, other: &Self) -> Self {
+        Self {
+            min: [0, 1].map(|axis| self.min[axis].max(other.min[axis])),
+            end: [0, 1].map(|axis| self.end[axis].min(other.end[axis])),
+        }
+    }
+}
+
 /// A footprint that is about to be splatted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Footprint {

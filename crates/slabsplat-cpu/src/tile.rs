@@ -80,6 +80,21 @@ impl Tile {
         self.open.is_empty()
     }
 
+    /// What of a box of pixels may still change, as a box; notes if nothing may.
+    #[inline(always)]
+    pub(crate) fn open_part(&mut self, pixels: PixelBox) -> Option<PixelBox> {
+        let blocks = Blocks::meeting(&pixels);
+        let open = blocks.and(self.open);
+        if open == blocks {
+            return Some(pixels);
+        }
+        if open.is_empty() {
+            self.stats.n_culled += 1;
+            return None;
+        }
+        Some(pixels.and(&open.bounds()))
+    }
+
     /// Puts a sheet behind what is already there, empties it, and closes the blocks whose pixels are all at least
     /// as opaque as `cutoff`.
     #[inline(always)]

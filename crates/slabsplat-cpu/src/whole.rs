@@ -56,7 +56,7 @@ pub(crate) struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// Adds a voxel's footprint to the sheet; returns the pixels that it may touch, if any of them is open.
+    /// Adds a voxel's footprint to the sheet; returns the open pixels that it may touch, if there are any.
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(
         &self,
@@ -71,13 +71,9 @@ impl Whole<'_> {
         let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
         let half = shape.half_extent.map(|extent| extent * raster.radius);
         let pixels = PixelBox::within_tile(simd, center, half)?;
-        let blocks = Blocks::meeting(&pixels);
-        if !tile.open.meets(blocks) {
-            tile.stats.n_culled += 1;
-            return None;
-        }
+        let pixels = tile.open_part(pixels)?;
         tile.stats.n_splats += 1;
-        sheet.touched.add(blocks);
+        sheet.touched.add(Blocks::meeting(&pixels));
         let color = voxel.color.map(|channel| channel * shape.gain);
         let footprint = Footprint { center, pixels, color };
         let polynomial = AnyPolynomial { coefficients: self.polynomials.row(0), edge: 1.0 };

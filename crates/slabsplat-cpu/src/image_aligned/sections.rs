@@ -61,13 +61,8 @@ impl<'a> SlabCut<'a> {
             let eight = self.prepare(simd, kind, voxels, first, tile);
             let mut n_sections = 0;
             for idx in bits(eight.drawn) {
-                let pixels = eight.pixels_of(idx);
-                let blocks = Blocks::meeting(&pixels);
-                if !tile.open.meets(blocks) {
-                    tile.stats.n_culled += 1;
-                    continue;
-                }
-                sheet.touched.add(blocks);
+                let Some(pixels) = tile.open_part(eight.pixels_of(idx)) else { continue };
+                sheet.touched.add(Blocks::meeting(&pixels));
                 let mut color = [0.0; 4];
                 let summed = f32x4::from_slice(simd, &voxels.color(first + idx));
                 (summed * self.shape.gain).store_slice(&mut color);
