@@ -1,7 +1,6 @@
 //! The traditional sheet buffer (§3.1): whole footprints summed in the grid's slices. It pops when the
 //! view passes 45°, which is why the paper was written.
 
-use crate::by_sheet::BySheet;
 use crate::frame::Stage;
 use crate::tile::Tile;
 use crate::voxel::Voxel;
@@ -13,14 +12,11 @@ use fearless_simd::{Simd, dispatch};
 pub(crate) fn render_tile<'a>(
     stage: &Stage<'_>,
     whole: &Whole<'_>,
-    voxels: impl Iterator<Item = &'a Voxel>,
+    voxels: impl Iterator<Item = &'a Voxel> + Clone,
     tile: &mut Tile,
     workspace: &mut Workspace,
 ) {
-    let [slices, ..] = &mut workspace.voxels;
-    slices.clear();
-    voxels.for_each(|voxel| slices.push(voxel.sheets as usize, voxel));
-    slices.sort();
+    workspace.voxels.sort(1, voxels.map(std::slice::from_ref), |voxel| (0, voxel.sheets as usize));
     dispatch!(stage.level, simd => render_slices(simd, stage, whole, tile, workspace));
 }
 
@@ -30,17 +26,16 @@ fn render_slices<S: Simd>(
     stage: &Stage<'_>,
     whole: &Whole<'_>,
     tile: &mut Tile,
-    Workspace { voxels, sheet, .. }: &mut Workspace,
+    Workspace { voxels, sheet }: &mut Workspace,
 ) {
-    let voxels: &BySheet = &voxels[0];
     let slices = voxels.sheets();
     for slice in slices.clone() {
-        for voxel in voxels.starting_in(slice..slice + 1).iter() {
+        for voxel in voxels.starting_in(0, slice..slice + 1).iter() {
             whole.splat(simd, &voxel, tile, sheet);
         }
         tile.put_behind(simd, stage.plan.compositing, sheet, stage.plan.opacity_cutoff);
         if tile.is_full() {
-            tile.stats.n_culled += voxels.starting_in(slice + 1..slices.end).len as u64;
+            tile.stats.n_culled += voxels.starting_in(0, slice + 1..slices.end).len as u64;
             break;
         }
     }

@@ -3,17 +3,14 @@
 use crate::voxel::Voxel;
 use std::ops::Range;
 
-/// Voxels sorted by sheet; equals keep their order. The voxels themselves are sorted, not their places: they are then
-/// read front to back, once for every sheet that they meet. Component by component, so that eight of them can be prepared
-/// at a time.
+/// Voxels sorted by class and sheet; equals keep their order. The voxels themselves are sorted, not their places: they
+/// are then read front to back, once for every sheet that they meet. Component by component, so that eight of them can be
+/// prepared at a time.
 #[derive(Debug, Default)]
 pub(crate) struct BySheet {
-    first_sheet: usize,
-    /// Where each sheet's voxels start, and where the last one's end.
+    sheets: Range<usize>,
+    /// Where the voxels of each class and sheet start, and where the last ones end.
     starts: Vec<u32>,
-    /// What was pushed: first sheets and voxels.
-    sheets: Vec<u32>,
-    arrived: Vec<Voxel>,
     points: [Vec<f32>; 3],
     spans: Vec<u32>,
     colors: Vec<[f32; 4]>,
@@ -32,48 +29,57 @@ pub(crate) struct Run<'a> {
 pub(crate) const N_AT_ONCE: usize = 8;
 
 impl BySheet {
-    /// Forgets all voxels.
-    pub(crate) fn clear(&mut self) {
-        self.sheets.clear();
-        self.arrived.clear();
-    }
-
-    /// Takes in a voxel that goes first to `sheet`; what can be read is so only after [`sort`](Self::sort).
-    #[inline]
-    pub(crate) fn push(&mut self, sheet: usize, voxel: &Voxel) {
-        self.sheets.push(sheet as u32);
-        self.arrived.push(*voxel);
-    }
-
-    /// Sorts what was pushed since it was cleared.
-    pub(crate) fn sort(&mut self) {
-        let first = self.sheets.iter().copied().min().unwrap_or(0);
-        let last = self.sheets.iter().copied().max().unwrap_or(0);
-        self.first_sheet = first as usize;
+    /// Sorts the voxels of `runs`, of which `key_of` tells the class, below `n_classes`, and the sheet; forgets others.
+    pub(crate) fn sort<'a>(
+        &mut self,
+        n_classes: usize,
+        runs: impl Iterator<Item = &'a [Voxel]> + Clone,
+        key_of: impl Fn(&Voxel) -> (usize, usize),
+    ) {
+        let (mut first, mut end) = (usize::MAX, 0);
+        for run in runs.clone() {
+            for voxel in run {
+                let (_, sheet) = key_of(voxel);
+                (first, end) = (first.min(sheet), end.max(sheet + 1));
+            }
+        }
+        first = first.min(end);
+        self.sheets = first..end;
+        let bucket_of = |voxel: &Voxel| {
+            let (class, sheet) = key_of(voxel);
+            class * (end - first) + sheet - first
+        };
+        // One entry more than counts need: while voxels are placed, `starts[bucket + 1]` is where the next one
+        // of a bucket goes, and ends up as where the bucket after it starts.
         self.starts.clear();
-        // One entry more than counts need: while voxels are placed, `starts[sheet + 1]` is where the next one
-        // of a sheet goes, and ends up as where the sheet after it starts.
-        self.starts.resize((last - first) as usize + 3, 0);
-        for sheet in &self.sheets {
-            self.starts[(sheet - first) as usize + 2] += 1;
+        self.starts.resize(n_classes * (end - first) + 2, 0);
+        let starts = self.starts.as_mut_slice();
+        for run in runs.clone() {
+            for voxel in run {
+                starts[bucket_of(voxel) + 2] += 1;
+            }
         }
         let mut sum = 0;
-        for count in &mut self.starts {
+        for count in starts {
             sum += *count;
             *count = sum;
         }
-        self.make_room(self.sheets.len() + N_AT_ONCE);
-        let Self { points: [rights, ups, depths], spans, colors, starts, .. } = self;
-        for (sheet, voxel) in self.sheets.iter().zip(&self.arrived) {
-            let next = &mut starts[(sheet - first) as usize + 1];
-            let place = *next as usize;
-            let [right, up, depth] = voxel.point;
-            rights[place] = right;
-            ups[place] = up;
-            depths[place] = depth;
-            spans[place] = voxel.sheets;
-            colors[place] = voxel.color;
-            *next += 1;
+        self.make_room(sum as usize + N_AT_ONCE);
+        let [rights, ups, depths] = self.points.each_mut().map(Vec::as_mut_slice);
+        let (spans, colors) = (self.spans.as_mut_slice(), self.colors.as_mut_slice());
+        let starts = self.starts.as_mut_slice();
+        for run in runs {
+            for voxel in run {
+                let next = &mut starts[bucket_of(voxel) + 1];
+                let place = *next as usize;
+                *next += 1;
+                let [right, up, depth] = voxel.point;
+                rights[place] = right;
+                ups[place] = up;
+                depths[place] = depth;
+                spans[place] = voxel.sheets;
+                colors[place] = voxel.color;
+            }
         }
     }
 
@@ -87,23 +93,19 @@ impl BySheet {
 
     /// The sheets to which voxels go first.
     pub(crate) fn sheets(&self) -> Range<usize> {
-        if self.sheets.is_empty() {
-            return 0..0;
-        }
-        self.first_sheet..self.first_sheet + self.starts.len() - 2
+        self.sheets.clone()
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        (self.spans.capacity() + self.arrived.capacity()) * size_of::<Voxel>()
-            + 4 * (self.sheets.capacity() + self.starts.capacity())
+        self.spans.capacity() * size_of::<Voxel>() + 4 * self.starts.capacity()
     }
 
-    /// The voxels that go first to `sheets`, by sheet and then in the order in which they came.
-    pub(crate) fn starting_in(&self, sheets: Range<usize>) -> Run<'_> {
-        let n_sheets = self.sheets().len();
-        let place = |sheet: usize| sheet.saturating_sub(self.first_sheet).min(n_sheets);
+    /// The voxels of a class that go first to `sheets`, by sheet and then in the order in which they came.
+    pub(crate) fn starting_in(&self, class: usize, sheets: Range<usize>) -> Run<'_> {
+        let n_sheets = self.sheets.len();
+        let place = |sheet: usize| sheet.saturating_sub(self.sheets.start).min(n_sheets);
         let [start, end] = [sheets.start, sheets.end]
-            .map(|sheet| self.starts.get(place(sheet)).map_or(0, |&s| s as usize));
+            .map(|sheet| self.starts.get(class * n_sheets + place(sheet)).map_or(0, |&s| s as usize));
         Run { of: self, start, len: end.saturating_sub(start) }
     }
 }

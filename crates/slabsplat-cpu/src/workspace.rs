@@ -1,22 +1,21 @@
 //! What a thread works with, kept from tile to tile and from frame to frame.
 
 use crate::by_sheet::BySheet;
-use crate::image_aligned::N_CLASSES;
 use crate::sheet::Sheet;
 use std::sync::Mutex;
 
 /// What a thread needs for a tile.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
-    /// Voxels of a tile by class and first sheet.
-    pub(crate) voxels: [BySheet; N_CLASSES],
+    /// Voxels of a tile.
+    pub(crate) voxels: BySheet,
     /// Empty between tiles.
     pub(crate) sheet: Sheet,
 }
 
 impl Workspace {
     fn resident_bytes(&self) -> usize {
-        self.voxels.iter().map(BySheet::resident_bytes).sum()
+        self.voxels.resident_bytes()
     }
 }
 

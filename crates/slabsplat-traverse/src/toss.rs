@@ -33,19 +33,19 @@ impl TileRect {
     pub const EMPTY: Self = Self { min: [1; 2], max: [0; 2] };
 }
 
-/// Which of a run of splats fall on which tile. Made to be used again.
+/// A run of splats, or their names, by the tile on which they fall. Made to be used again.
 #[derive(Debug, Default)]
-pub struct TileToss {
+pub struct TileToss<T> {
     /// `splats[starts[tile]..starts[tile + 1]]` fall on a tile.
     starts: Vec<u32>,
-    splats: Vec<u32>,
+    splats: Vec<T>,
     next: Vec<u32>,
 }
 
 /// Which splats fall on which tile: a [`TileToss`] for every run of them.
 #[derive(Debug, Default)]
 pub struct TileBuckets {
-    runs: Vec<TileToss>,
+    runs: Vec<TileToss<u32>>,
     run_len: usize,
 }
 
@@ -98,9 +98,9 @@ impl TileGrid {
     }
 }
 
-impl TileToss {
-    /// Tosses splats, each onto the tiles of its rectangle.
-    pub fn toss(&mut self, tiles: &TileGrid, rects: &[TileRect]) {
+impl<T: Copy + Default> TileToss<T> {
+    /// Tosses splats, each onto the tiles of its rectangle: what `splat` gives for its place in the run.
+    pub fn toss(&mut self, tiles: &TileGrid, rects: &[TileRect], splat: impl Fn(usize) -> T) {
         let Self { starts, splats, next } = self;
         starts.clear();
         starts.resize(tiles.n_tiles() + 1, 0);
@@ -109,24 +109,29 @@ impl TileToss {
         }
         accumulate(starts);
         next.clone_from(starts);
-        splats.resize(starts[tiles.n_tiles()] as usize, 0);
-        for (splat, &rect) in rects.iter().enumerate() {
+        let n_tossed = starts[tiles.n_tiles()] as usize;
+        if splats.len() < n_tossed {
+            splats.resize(n_tossed, T::default());
+        }
+        for (place, &rect) in rects.iter().enumerate() {
+            let splat = splat(place);
             tiles.for_each_in(rect, |tile_idx| {
-                splats[next[tile_idx] as usize] = splat as u32;
+                splats[next[tile_idx] as usize] = splat;
                 next[tile_idx] += 1;
             });
         }
     }
 
-    /// The splats on a tile, by their places in the run, rising.
+    /// The splats on a tile, in the order of the run.
     #[inline]
-    pub fn on_tile(&self, tile_idx: usize) -> &[u32] {
+    pub fn on_tile(&self, tile_idx: usize) -> &[T] {
         &self.splats[self.starts[tile_idx] as usize..self.starts[tile_idx + 1] as usize]
     }
 
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
-        (self.starts.capacity() + self.splats.capacity() + self.next.capacity()) * size_of::<u32>()
+        (self.starts.capacity() + self.next.capacity()) * size_of::<u32>()
+            + self.splats.capacity() * size_of::<T>()
     }
 }
 
@@ -148,7 +153,7 @@ impl TileBuckets {
                 let end = (first + run_len).min(n_splats);
                 let rects: Vec<_> = (first..end).map(&rect_of).collect();
                 let mut run = TileToss::default();
-                run.toss(tiles, &rects);
+                run.toss(tiles, &rects, |place| place as u32);
                 run
             })
             .collect();

@@ -9,7 +9,6 @@ use crate::image_aligned::span::{N_CLASSES, Span};
 use crate::sheet::Sheet;
 use crate::tile::Tile;
 use crate::tiles::Tiles;
-use crate::voxel::Voxel;
 use crate::workspace::{Workspace, Workspaces};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
@@ -28,14 +27,11 @@ pub(crate) fn through(
             return;
         }
         let Workspace { voxels, sheet } = workspace;
-        voxels.iter_mut().for_each(BySheet::clear);
-        let mut push = |voxel: &Voxel| {
+        let runs = std::iter::once(tile.pending.as_slice()).chain(intake.on_tile(tile_idx));
+        voxels.sort(N_CLASSES, runs, |voxel| {
             let span = Span::from_bits(voxel.sheets);
-            voxels[span.class()].push(span.first(), voxel);
-        };
-        tile.pending.iter().for_each(&mut push);
-        intake.on_tile(tile_idx).for_each(push);
-        voxels.iter_mut().for_each(BySheet::sort);
+            (span.class(), span.first())
+        });
         dispatch!(stage.level, simd => advance(simd, stage, slabs, &range, tile, voxels, sheet));
         tile.keep_waiting(slabs, voxels, range.end);
     });
@@ -48,17 +44,19 @@ fn advance<S: Simd>(
     slabs: &Slabs<'_>,
     range: &Range<usize>,
     tile: &mut Tile,
-    voxels: &[BySheet; N_CLASSES],
+    voxels: &BySheet,
     sheet: &mut Sheet,
 ) {
-    let starts = voxels.iter().map(BySheet::sheets).filter(|starts| !starts.is_empty());
-    let Some(starts) = starts.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
+    let starts = voxels.sheets();
+    if starts.is_empty() {
+        return;
+    }
     let first = starts.start.max(range.start).max(slabs.first_drawn);
     for slab in first..range.end.min(starts.end + slabs.n_before) {
         let cut = SlabCut::new(slabs, slab);
-        for (class, voxels) in voxels.iter().enumerate() {
+        for class in 0..N_CLASSES {
             let first = slab.saturating_sub(slabs.n_before(class));
-            cut.splat(simd, class, voxels.starting_in(first..slab + 1), tile, sheet);
+            cut.splat(simd, class, voxels.starting_in(class, first..slab + 1), tile, sheet);
         }
         tile.put_behind(simd, stage.plan.compositing, sheet, stage.plan.opacity_cutoff);
         if tile.is_full() {
@@ -69,14 +67,14 @@ fn advance<S: Simd>(
 
 impl Tile {
     /// Keeps the voxels that are drawn at `slab` or behind it, unless nothing of them will be seen.
-    fn keep_waiting(&mut self, slabs: &Slabs<'_>, voxels: &[BySheet; N_CLASSES], slab: usize) {
+    fn keep_waiting(&mut self, slabs: &Slabs<'_>, voxels: &BySheet, slab: usize) {
         self.pending.clear();
         if self.is_full() {
             return;
         }
-        for (class, voxels) in voxels.iter().enumerate() {
+        for class in 0..N_CLASSES {
             let first = slab.saturating_sub(slabs.n_before(class));
-            self.pending.extend(voxels.starting_in(first..usize::MAX).iter());
+            self.pending.extend(voxels.starting_in(class, first..usize::MAX).iter());
         }
     }
 }

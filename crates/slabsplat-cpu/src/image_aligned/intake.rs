@@ -25,7 +25,7 @@ pub(crate) struct Intake {
 struct Task {
     voxels: Vec<Voxel>,
     rects: Vec<TileRect>,
-    toss: TileToss,
+    toss: TileToss<Voxel>,
     n_hidden: u64,
     /// Of one brick.
     points: Vec<[f32; 3]>,
@@ -56,17 +56,16 @@ impl Intake {
                 let brick = &stage.list.bricks()[place as usize];
                 task.take_brick(stage, slabs, tiles, occlusion, brick);
             }
-            task.toss.toss(tiles, &task.rects);
+            let Task { toss, rects, voxels, .. } = task;
+            toss.toss(tiles, rects, |place| voxels[place]);
             task.n_hidden
         })
         .sum()
     }
 
-    /// The voxels on a tile, in the order of the list.
-    pub(crate) fn on_tile(&self, tile_idx: usize) -> impl Iterator<Item = &Voxel> + Clone {
-        self.tasks[..self.n_tasks].iter().flat_map(move |task| {
-            task.toss.on_tile(tile_idx).iter().map(|&voxel| &task.voxels[voxel as usize])
-        })
+    /// The voxels on a tile, in runs, in the order of the list.
+    pub(crate) fn on_tile(&self, tile_idx: usize) -> impl Iterator<Item = &[Voxel]> + Clone {
+        self.tasks[..self.n_tasks].iter().map(move |task| task.toss.on_tile(tile_idx))
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {

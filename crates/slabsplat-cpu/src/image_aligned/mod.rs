@@ -33,7 +33,7 @@ use slabsplat_core::SlabGrid;
 use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionTable};
 use slabsplat_traverse::Brick;
 
-pub(crate) use span::{N_CLASSES, Span};
+pub(crate) use span::Span;
 
 /// How thick a range of slabs is, in voxel steps: about as thick as a brick is deep. Thinner, and most bricks would wait
 /// for several ranges; thicker, and more is taken in that turns out to be hidden.
