@@ -59,5 +59,5 @@ pub use gaussian::Gaussian;
 pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
 pub use radial_polynomials::{MAX_COEFFICIENTS, RadialPolynomials};
 pub use section::SectionDesc;
-pub use section_levels::{LevelView, SectionLevels};
+pub use section_levels::{LevelView, SectionLevels, SlabCuts};
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};

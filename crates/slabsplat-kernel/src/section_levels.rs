@@ -18,13 +18,25 @@ use crate::Kernel;
 use slabsplat_core::{Compositing, Method, Normalization, RenderSettings};
 use std::f64::consts::PI;
 
-/// For every level the greatest extinction that a voxel of that level may have.
+/// How the slabs cut a voxel, by its extinction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionLevels {
-    /// Never falling; infinite for the last level.
-    max_extinctions: [f32; N_LEVELS],
-    /// The same for slabs 2, 4, … times as thick, into which whole kernels go; falling.
-    max_in_thick: [f32; MAX_DOUBLINGS],
+    /// The greatest extinction of a voxel that is cut like this: first whole in slabs 16, 8, 4, 2 times as thick, then
+    /// by level. Never falling; the last is infinite.
+    max_extinctions: [f32; N_CUTS],
+    /// By the leading bits of an extinction: which of those the least number with these bits has.
+    first_cuts: Vec<u8>,
+}
+
+/// How slabs cut a voxel's kernel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabCuts {
+    /// A face cuts the kernel if it is nearer to the voxel's centre than this share of the kernel's reach in depth: 0 for
+    /// a voxel that is splatted whole, 1 if all faces cut it.
+    pub share_of_reach: f32,
+    /// How many times as thick the slab is in whose middle a whole voxel goes: 2, 4, 8, 16, or 1 if it stays in the
+    /// slab that holds its centre.
+    pub n_slabs: f32,
 }
 
 /// How a view sees the grid, as far as levels go.
@@ -37,18 +49,23 @@ pub struct LevelView {
 }
 
 /// Level 0 is a whole kernel, and the last level all sections.
-const N_LEVELS: usize = SectionLevels::LAST as usize + 1;
+const N_LEVELS: usize = 33;
 
 /// Slabs may grow to 2⁴ times their width.
 const MAX_DOUBLINGS: usize = 4;
+
+const N_CUTS: usize = MAX_DOUBLINGS + N_LEVELS;
+
+/// The bits of a positive number behind its exponent and the first four of its fraction.
+const TRAILING_BITS: u32 = 19;
+
+/// The leading bits of positive numbers.
+const N_LEADING: usize = 1 << (31 - TRAILING_BITS);
 
 /// No pixel sees more layers of voxels than this folded over one face: kernels reach two steps.
 const LAYERS_PER_FACE: f64 = 2.0;
 
 impl SectionLevels {
-    /// The level at which all faces cut.
-    pub const LAST: u8 = 32;
-
     /// By how many slabs at most a whole voxel goes before the one that holds its centre: from the end of the
     /// thickest slab to its middle.
     pub const MOST_SLABS_BEFORE: usize = 1 << (MAX_DOUBLINGS - 1);
@@ -60,54 +77,66 @@ impl SectionLevels {
             && settings.compositing == Compositing::Extinction
             && settings.normalization == Normalization::None;
         let budget = if is_additive { settings.tolerance / LAYERS_PER_FACE } else { 0.0 };
-        let mut max_extinctions = [f32::INFINITY; N_LEVELS];
-        for (level, max_extinction) in max_extinctions.iter_mut().enumerate().take(N_LEVELS - 1) {
-            let distance = kernel.radius() * share_of_reach(level as u8);
+        // The ray's slope counts as extinction: where it is too steep, this level is for none.
+        let at_level = |level: usize| {
+            let distance = kernel.radius() * share_of_reach(level);
             let allowed = budget / (view.layer_depth * fraction_beyond(kernel, distance));
-            // The ray's slope counts as extinction: where it is too steep, this level is for none.
             let is_too_steep = budget <= 0.0 || allowed < view.steepest_ray;
-            *max_extinction = if is_too_steep { f32::NEG_INFINITY } else { allowed as f32 };
-        }
-        let max_in_thick = std::array::from_fn(|n| {
+            if is_too_steep { f32::NEG_INFINITY } else { allowed as f32 }
+        };
+        let in_thick = |n_doublings: usize| {
             // A layer goes as far as from a face of the thick slab to its middle, and the kernels with it.
-            let layers = 0.5 * settings.slab_width * f64::from(2_u32 << n) + view.layer_depth;
+            let layers =
+                0.5 * settings.slab_width * f64::from(1_u32 << n_doublings) + view.layer_depth;
             let is_allowed = 0.0 < budget && view.steepest_ray == 0.0;
             if is_allowed { (LAYERS_PER_FACE * budget / layers) as f32 } else { f32::NEG_INFINITY }
+        };
+        let max_extinctions = std::array::from_fn(|cut| match cut.checked_sub(MAX_DOUBLINGS) {
+            None => in_thick(MAX_DOUBLINGS - cut),
+            Some(level) if level < N_LEVELS - 1 => at_level(level),
+            Some(_) => f32::INFINITY,
         });
-        Self { max_extinctions, max_in_thick }
+        let first_cut = |leading: usize| {
+            let least = f32::from_bits((leading as u32) << TRAILING_BITS);
+            max_extinctions.iter().take_while(|max| **max < least).count() as u8
+        };
+        Self { max_extinctions, first_cuts: (0..N_LEADING).map(first_cut).collect() }
     }
 
-    /// By how many doublings the slab may be thicker into which a voxel of extinction `mu` is splatted whole, 1 … 4;
-    /// `None` if it may not.
-    #[inline]
-    pub fn thick_slab(&self, mu: f32) -> Option<u32> {
-        let n_doublings = self.max_in_thick.iter().filter(|&&max| mu <= max).count();
-        (0 < n_doublings).then_some(n_doublings as u32)
-    }
-
-    /// The level of a voxel of extinction `mu`, from 0 (splatted whole) to [`Self::LAST`].
-    #[inline]
-    pub fn level(&self, mu: f32) -> u8 {
-        // Counted instead of searched for: that has no branches to guess.
-        let n_below: u32 = self.max_extinctions.iter().map(|&max| u32::from(max < mu)).sum();
-        n_below.min(u32::from(Self::LAST)) as u8
-    }
-
-    /// A face cuts a kernel if less than this share of the kernel's reach in depth lies between the
-    /// face and the voxel's centre.
-    #[inline]
-    pub fn share_of_reach(level: u8) -> f32 {
-        f32::from(level) / f32::from(Self::LAST)
+    /// How slabs cut a voxel of extinction `mu`.
+    #[inline(always)]
+    pub fn cuts(&self, mu: f32) -> SlabCuts {
+        let mut cut = usize::from(self.first_cuts[(mu.to_bits() >> TRAILING_BITS) as usize % N_LEADING]);
+        // Hardly ever more than once: what two neighbouring levels allow has other leading bits.
+        while self.max_extinctions[cut] < mu {
+            cut += 1;
+        }
+        CUTS[cut]
     }
 
     /// Whether every voxel has all its sections.
     pub fn are_all_last(&self) -> bool {
-        self.max_extinctions[N_LEVELS - 2] < 0.0
+        self.max_extinctions[N_CUTS - 2] < 0.0
     }
 }
 
-fn share_of_reach(level: u8) -> f64 {
-    f64::from(level) / f64::from(SectionLevels::LAST)
+/// What the entries of `max_extinctions` mean.
+const CUTS: [SlabCuts; N_CUTS] = {
+    let mut cuts = [SlabCuts { share_of_reach: 0.0, n_slabs: 1.0 }; N_CUTS];
+    let mut cut = 0;
+    while cut < N_CUTS {
+        if cut < MAX_DOUBLINGS {
+            cuts[cut].n_slabs = (1 << (MAX_DOUBLINGS - cut)) as f32;
+        } else {
+            cuts[cut].share_of_reach = share_of_reach(cut - MAX_DOUBLINGS) as f32;
+        }
+        cut += 1;
+    }
+    cuts
+};
+
+const fn share_of_reach(level: usize) -> f64 {
+    level as f64 / (N_LEVELS - 1) as f64
 }
 
 /// `T(δ)`: how much of the kernel lies beyond a plane at the distance `δ` from its centre. A shell of
@@ -154,16 +183,33 @@ mod tests {
         }
     }
 
+    /// The level of a voxel that stays where it is or goes into a thick slab.
+    fn level(levels: &SectionLevels, mu: f32) -> usize {
+        (levels.cuts(mu).share_of_reach * (N_LEVELS - 1) as f32) as usize
+    }
+
     #[test]
     fn levels_rise_with_extinction() {
         let levels = levels(2e-3, UPRIGHT);
-        assert_eq!(levels.level(0.0), 0);
-        assert_eq!(levels.level(1.9e-3), 0, "half of it is half the tolerance");
-        assert_eq!(levels.level(2.1e-3), 1);
-        let rising: Vec<u8> = (0..140).map(|i| levels.level(0.1 * i as f32)).collect();
+        assert_eq!(level(&levels, 0.0), 0);
+        assert_eq!(level(&levels, 1.9e-3), 0, "half of it is half the tolerance");
+        assert_eq!(level(&levels, 2.1e-3), 1);
+        let rising: Vec<usize> = (0..140).map(|i| level(&levels, 0.1 * i as f32)).collect();
         assert!(rising.is_sorted(), "{rising:?}");
-        assert!(24 < levels.level(13.8), "a solid voxel has nearly all its sections");
-        assert_eq!(SectionLevels::share_of_reach(SectionLevels::LAST), 1.0);
+        assert!(24 < level(&levels, 13.8), "a solid voxel has nearly all its sections");
+        assert_eq!(levels.cuts(f32::MAX).share_of_reach, 1.0);
+    }
+
+    /// Layers of 1 + n/2 voxels have 2n slabs folded into one.
+    #[test]
+    fn levels_of_faint_voxels_are_thick_slabs() {
+        let levels = levels(2e-3, UPRIGHT);
+        for (n_slabs, layers) in [(2.0, 2.0), (4.0, 3.0), (8.0, 5.0), (16.0, 9.0)] {
+            let most = 2e-3 / layers;
+            assert_eq!(levels.cuts(most * 0.999).n_slabs, n_slabs);
+            assert!(levels.cuts(most * 1.001).n_slabs < n_slabs);
+        }
+        assert_eq!(levels.cuts(0.0).n_slabs, 16.0);
     }
 
     /// What a level promises, between its own bound and the next.
@@ -173,8 +219,8 @@ mod tests {
             let levels = levels(tolerance, LevelView { layer_depth, steepest_ray: 0.0 });
             for step in 1..2000 {
                 let mu = 0.007 * step as f32;
-                let level = levels.level(mu);
-                let folded = |level: u8| {
+                let level = level(&levels, mu);
+                let folded = |level: usize| {
                     let distance = 2.0 * share_of_reach(level);
                     layer_depth * f64::from(mu) * fraction_beyond(&Gaussian, distance)
                 };
@@ -188,11 +234,17 @@ mod tests {
     }
 
     #[test]
+    fn levels_in_perspective_have_no_thick_slabs() {
+        let levels = levels(2e-3, LevelView { layer_depth: 1.0, steepest_ray: 1e-9 });
+        assert_eq!(levels.cuts(0.0), SlabCuts { share_of_reach: 0.0, n_slabs: 1.0 });
+    }
+
+    #[test]
     fn levels_are_finer_where_rays_are_steep() {
         let steep = levels(2e-3, LevelView { layer_depth: 1.0, steepest_ray: 0.4 });
         let upright = levels(2e-3, UPRIGHT);
-        assert_eq!(steep.level(1e-6), upright.level(0.4));
-        assert_eq!(steep.level(2.0), upright.level(2.0));
+        assert_eq!(level(&steep, 1e-6), level(&upright, 0.4));
+        assert_eq!(level(&steep, 2.0), level(&upright, 2.0));
     }
 
     #[test]
@@ -200,8 +252,10 @@ mod tests {
         let exact = |settings: RenderSettings| {
             let levels = SectionLevels::new(&settings, &Gaussian, UPRIGHT);
             assert!(levels.are_all_last(), "{settings:?}");
-            assert_eq!(levels.level(0.0), SectionLevels::LAST, "{settings:?}");
-            assert_eq!(levels.level(13.8), SectionLevels::LAST, "{settings:?}");
+            for mu in [0.0, 13.8] {
+                let all = SlabCuts { share_of_reach: 1.0, n_slabs: 1.0 };
+                assert_eq!(levels.cuts(mu), all, "{settings:?}");
+            }
         };
         exact(RenderSettings { tolerance: 0.0, ..RenderSettings::default() });
         for compositing in [Compositing::Separate, Compositing::Associated] {

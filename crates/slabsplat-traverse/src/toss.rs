@@ -11,8 +11,9 @@ use rayon::prelude::*;
 /// The image cut into square tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileGrid {
-    /// Pixels along a tile's side.
-    pub side: usize,
+    /// Pixels along a tile's side: a power of two.
+    side: usize,
+    side_log2: u32,
     /// Tiles in a row.
     pub n_x: usize,
     /// Rows of tiles.
@@ -51,9 +52,13 @@ pub struct TileBuckets {
 
 impl TileGrid {
     /// Tiles of `side` pixels that cover an image.
+    ///
+    /// # Panics
+    /// If `side` is not a power of two.
     pub fn new([width, height]: [u32; 2], side: usize) -> Self {
+        assert!(side.is_power_of_two(), "tiles of {side} pixels");
         let across = |pixels: u32| (pixels as usize).div_ceil(side);
-        Self { side, n_x: across(width), n_y: across(height) }
+        Self { side, side_log2: side.ilog2(), n_x: across(width), n_y: across(height) }
     }
 
     /// Number of tiles.
@@ -68,7 +73,7 @@ impl TileGrid {
 
     /// The tiles that have pixel centres within `min ..= max`, given in pixels, or hardly outside; `None` if there are
     /// none.
-    #[inline]
+    #[inline(always)]
     pub fn touched(&self, min: [f32; 2], max: [f32; 2]) -> Option<TileRect> {
         let n_tiles = [self.n_x, self.n_y];
         let mut rect = TileRect { min: [0; 2], max: [0; 2] };
@@ -79,8 +84,8 @@ impl TileGrid {
             if end <= first {
                 return None;
             }
-            rect.min[axis] = (first / self.side as u32) as u16;
-            rect.max[axis] = ((end - 1) / self.side as u32) as u16;
+            rect.min[axis] = (first >> self.side_log2) as u16;
+            rect.max[axis] = ((end - 1) >> self.side_log2) as u16;
         }
         Some(rect)
     }
@@ -176,7 +181,7 @@ const MARGIN: f32 = 1.0 / 1024.0;
 /// centre lies behind `at`. NaN gives 0.
 ///
 /// Adding 2²³ rounds to whole numbers and leaves them in the low bits, at a fraction of what a cast costs.
-#[inline]
+#[inline(always)]
 fn nearest(at: f32, most: f32) -> u32 {
     let inside = if 0.0 < at { at } else { 0.0 };
     let inside = if inside < most { inside } else { most };

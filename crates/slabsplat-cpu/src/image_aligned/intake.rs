@@ -4,10 +4,12 @@
 //! blocks is not looked at, nor is a voxel: neither is projected, shaded or tossed (the culling of Mueller et al.
 //! 1999). All buffers are as large as one range needs, and are used again.
 
+use crate::by_sheet::N_AT_ONCE;
 use crate::frame::Stage;
 use crate::image_aligned::Slabs;
 use crate::image_aligned::occlusion::{Occlusion, Seen};
 use crate::voxel::Voxel;
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_traverse::{Brick, BrickBounds, TileGrid, TileRect, TileToss, VoxelRecord};
 
@@ -52,10 +54,12 @@ impl Intake {
         let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
         work.map(|(task, bricks)| {
             task.clear();
-            for &(_, place) in bricks {
-                let brick = &stage.list.bricks()[place as usize];
-                task.take_brick(stage, slabs, tiles, occlusion, brick);
-            }
+            dispatch!(stage.level, simd => {
+                for &(_, place) in bricks {
+                    let brick = &stage.list.bricks()[place as usize];
+                    task.take_brick(simd, stage, slabs, tiles, occlusion, brick);
+                }
+            });
             let Task { toss, rects, voxels, .. } = task;
             toss.toss(tiles, rects, |place| voxels[place]);
             task.n_hidden
@@ -80,8 +84,10 @@ impl Task {
         self.n_hidden = 0;
     }
 
-    fn take_brick(
+    #[inline(always)]
+    fn take_brick<S: Simd>(
         &mut self,
+        simd: S,
         stage: &Stage<'_>,
         slabs: &Slabs<'_>,
         tiles: &TileGrid,
@@ -112,9 +118,15 @@ impl Task {
         self.n_hidden += (records.len() - self.records.len()) as u64;
         self.colors.resize(self.records.len(), [0.0; 4]);
         stage.shader.shade_brick(brick, &self.records, &mut self.colors);
-        for (voxel, &color) in self.voxels[first..].iter_mut().zip(&self.colors) {
-            voxel.color = color;
-            voxel.sheets = slabs.span(voxel.point[2], color[3]).bits();
+        let new = self.voxels[first..].chunks_mut(N_AT_ONCE);
+        for (voxels, colors) in new.zip(self.colors.chunks(N_AT_ONCE)) {
+            let (mut depths, mut extinctions) = ([0.0; N_AT_ONCE], [0.0; N_AT_ONCE]);
+            for (idx, (voxel, color)) in voxels.iter_mut().zip(colors).enumerate() {
+                voxel.color = *color;
+                (depths[idx], extinctions[idx]) = (voxel.point[2], color[3]);
+            }
+            let spans = slabs.spans(simd, &depths, &extinctions);
+            voxels.iter_mut().zip(spans).for_each(|(voxel, span)| voxel.sheets = span);
         }
     }
 
@@ -148,7 +160,7 @@ impl Slabs<'_> {
 
     /// The pixels that a voxel's sections may touch. Their place and size change monotonically with their slabs'
     /// depth, so that the first and the last one bound all of them.
-    #[inline]
+    #[inline(always)]
     fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {
         if let (Some(only), 0) = (self.shapes.only(), self.first_drawn) {
             return Some(self.raster.bounds(only, point));

@@ -56,6 +56,9 @@ pub(crate) struct Slabs<'a> {
     polynomials: &'a RadialPolynomials,
     fewer: Option<Fewer<'a>>,
     shapes: &'a SlabShapes,
+    slabs_per_depth: f32,
+    /// The number of the first slab, counted from the grid's centre.
+    first_slab: f32,
     /// Half the thickness of a kernel along a ray, in index units: its radius, or more if slabs are tilted.
     reach_in_index: f32,
     /// `2/R²`.
@@ -155,6 +158,8 @@ impl<'a> Slabs<'a> {
             polynomials,
             fewer,
             shapes,
+            slabs_per_depth: (1.0 / grid.thickness()) as f32,
+            first_slab: (grid.front(0) / grid.thickness()).round() as f32,
             reach_in_index: raster.reach * raster.index_per_depth,
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),

@@ -1,8 +1,8 @@
 //! Which slabs a voxel is drawn in (`docs/algorithm.md`, "Sections by opacity").
 
 use crate::image_aligned::Slabs;
-use fearless_simd::{Simd, prelude::*, u32x8};
-use slabsplat_kernel::SectionLevels;
+use crate::by_sheet::N_AT_ONCE;
+use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 
 /// The first slab of a voxel, and how many more there are; in the 32 bits that a voxel has for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,10 +22,6 @@ impl Span {
 
     pub(crate) fn from_bits(bits: u32) -> Self {
         Self(bits)
-    }
-
-    pub(crate) fn bits(self) -> u32 {
-        self.0
     }
 
     /// The first slab.
@@ -52,22 +48,39 @@ impl Span {
 }
 
 impl Slabs<'_> {
-    /// The slabs of a voxel at a depth, of an extinction (or whatever the compositing sums).
-    #[inline]
-    pub(crate) fn span(&self, depth: f32, extinction: f32) -> Span {
-        let Some(fewer) = &self.fewer else {
-            return Span((self.meeting(depth)[0] as u32) << BITS | ALL);
-        };
-        if let Some(n_doublings) = fewer.levels.thick_slab(extinction) {
-            return Span((self.grid.middle_of_thick(depth.into(), n_doublings) as u32) << BITS);
+    /// The slabs of eight voxels, given by their depths and extinctions (or whatever the compositing sums).
+    #[inline(always)]
+    pub(crate) fn spans<S: Simd>(
+        &self,
+        simd: S,
+        depths: &[f32; N_AT_ONCE],
+        extinctions: &[f32; N_AT_ONCE],
+    ) -> [u32; N_AT_ONCE] {
+        let splat = |value: f32| f32x8::splat(simd, value);
+        let (mut shares, mut n_slabs) = ([1.0; N_AT_ONCE], [1.0; N_AT_ONCE]);
+        if let Some(fewer) = &self.fewer {
+            for (idx, &extinction) in extinctions.iter().enumerate() {
+                let cuts = fewer.levels.cuts(extinction);
+                (shares[idx], n_slabs[idx]) = (cuts.share_of_reach, cuts.n_slabs);
+            }
         }
-        let share = SectionLevels::share_of_reach(fewer.levels.level(extinction));
-        let reach = share * self.raster.reach;
-        let [first, last] = self.grid.meeting(f64::from(depth - reach), f64::from(depth + reach));
-        let n_more = if share < 1.0 { ((last - first) as u32).min(ALL) } else { ALL };
+        let (shares, n_slabs) = (f32x8::from_slice(simd, &shares), f32x8::from_slice(simd, &n_slabs));
+        let depths: f32x8<S> = (*depths).simd_into(simd);
+        // Numbers of slabs, counted from the grid's centre; whole and exact, as there are at most 2²² of them.
+        let slab_at = |depth: f32x8<S>| (depth * self.slabs_per_depth).floor();
+        let reach = shares * self.raster.reach;
+        let near = slab_at(depths - reach);
+        let far = (((depths + reach) * self.slabs_per_depth).ceil() - 1.0).max(near);
         // A voxel that has as many slabs as can be told is drawn in all that it meets, to be sure.
-        let first = if n_more == ALL { self.meeting(depth)[0] } else { first };
-        Span((first as u32) << BITS | n_more)
+        let is_all = shares.simd_ge(splat(1.0)) | (far - near).simd_ge(splat(ALL as f32));
+        let first = is_all.select(slab_at(depths - self.raster.reach), near);
+        let is_thick = n_slabs.simd_gt(splat(1.0));
+        let middle = (near / n_slabs).floor().mul_add(n_slabs, n_slabs * 0.5);
+        let first = is_thick.select(middle, first) - self.first_slab;
+        let last_slab = (self.grid.n_slabs() - 1) as f32;
+        let first: u32x8<S> = first.max(splat(0.0)).min(splat(last_slab)).to_int();
+        let n_more: u32x8<S> = is_all.select(splat(ALL as f32), far - near).to_int();
+        (first << BITS | n_more).into()
     }
 
     /// How many slabs before a slab the voxels of a class may start that are drawn in it.
