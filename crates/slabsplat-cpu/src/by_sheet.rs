@@ -104,8 +104,9 @@ impl BySheet {
     pub(crate) fn starting_in(&self, class: usize, sheets: Range<usize>) -> Run<'_> {
         let n_sheets = self.sheets.len();
         let place = |sheet: usize| sheet.saturating_sub(self.sheets.start).min(n_sheets);
-        let [start, end] = [sheets.start, sheets.end]
-            .map(|sheet| self.starts.get(class * n_sheets + place(sheet)).map_or(0, |&s| s as usize));
+        let [start, end] = [sheets.start, sheets.end].map(|sheet| {
+            self.starts.get(class * n_sheets + place(sheet)).map_or(0, |&s| s as usize)
+        });
         Run { of: self, start, len: end.saturating_sub(start) }
     }
 }

@@ -77,22 +77,27 @@ fn opacities<S: Simd>(simd: S, [left, right]: [&Quad; 2]) -> f32x8<S> {
 /// cancels: thin sheets by the hundred thousand would else all be off to the same side.
 #[inline(always)]
 fn mean_transparency<S: Simd>(simd: S, tau: f32x8<S>) -> f32x8<S> {
-    let splat = |value: f32| f32x8::splat(simd, value);
     // Beyond, 1 − e^(−τ) is 1 in 32 bits.
-    let bounded = tau.min(splat(80.0));
+    let bounded = tau.min(f32x8::splat(simd, 80.0));
     let n = (bounded * std::f32::consts::LOG2_E).round_ties_even();
     // ln 2 in two parts, of which n·the first is exact.
-    let r = n.mul_add(splat(-0.693_359_4), bounded);
-    let r = n.mul_add(splat(2.121_944_4e-4), r);
-    // 1 − e^(−r) = r·(1 − r/2 + r²/6 − …) for |r| ≤ ½ ln 2.
-    let series = [1.0, -1.0 / 2.0, 1.0 / 6.0, -1.0 / 24.0, 1.0 / 120.0, -1.0 / 720.0, 1.0 / 5040.0];
-    let sum = series.iter().rev().fold(splat(0.0), |sum, term| sum.mul_add(r, splat(*term)));
+    let r = n.mul_add(f32x8::splat(simd, -0.693_359_4), bounded);
+    let r = n.mul_add(f32x8::splat(simd, 2.121_944_4e-4), r);
+    let mut sum = f32x8::splat(simd, 0.0);
+    for term in SERIES {
+        sum = sum.mul_add(r, f32x8::splat(simd, term));
+    }
     // 2⁻ⁿ by its bits.
-    let exponent: i32x8<S> = (splat(127.0) - n).to_int();
+    let one = f32x8::splat(simd, 1.0);
+    let exponent: i32x8<S> = (f32x8::splat(simd, 127.0) - n).to_int();
     let power: f32x8<S> = (exponent << 23).bitcast();
-    let opacity = (sum * r).mul_add(power, splat(1.0) - power);
+    let opacity = (sum * r).mul_add(power, one - power);
     opacity / tau
 }
+
+/// `(1 − e^(−r))/r = 1 − r/2 + r²/6 − …`, from its last term on; for `|r| ≤ ½ ln 2`.
+const SERIES: [f32; 7] =
+    [1.0 / 5040.0, -1.0 / 720.0, 1.0 / 120.0, -1.0 / 24.0, 1.0 / 6.0, -1.0 / 2.0, 1.0];
 
 #[cfg(test)]
 mod tests {

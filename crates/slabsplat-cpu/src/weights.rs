@@ -69,22 +69,34 @@ impl<const N: usize, const LEANS: bool> Polynomial<'_, N, LEANS> {
     /// for each other as long as in Horner's.
     #[inline(always)]
     fn at<S: Simd, V: Lanes<S>>(&self, simd: S, x: V) -> V {
-        let coefficient = |k: usize| V::splat(simd, self.coefficients[k]);
-        let pair = |k: usize| coefficient(k + 1).mul_add(x, coefficient(k));
+        let [c0, c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11] = *self.coefficients;
         let x2 = x * x;
-        let four = |k: usize| pair(k + 2).mul_add(x2, pair(k));
         let x4 = x2 * x2;
+        let low = four(simd, [c0, c1, c2, c3], x, x2);
+        let high = four(simd, [c4, c5, c6, c7], x, x2);
         if N == 8 {
-            return four(4).mul_add(x4, four(0));
+            return high.mul_add(x4, low);
         }
-        let last = coefficient(10).mul_add(x2, pair(8));
-        let polynomial = last.mul_add(x4, four(4)).mul_add(x4, four(0));
+        let last = V::splat(simd, c10).mul_add(x2, pair(simd, [c8, c9], x));
+        let polynomial = last.mul_add(x4, high).mul_add(x4, low);
         if N == 11 {
             return polynomial;
         }
         let root = (V::splat(simd, 1.0) - x).max(V::splat(simd, 0.0)).sqrt();
-        root.mul_add(coefficient(11), polynomial)
+        root.mul_add(V::splat(simd, c11), polynomial)
     }
+}
+
+/// `c₀ + c₁·x`.
+#[inline(always)]
+fn pair<S: Simd, V: Lanes<S>>(simd: S, [c0, c1]: [f32; 2], x: V) -> V {
+    V::splat(simd, c1).mul_add(x, V::splat(simd, c0))
+}
+
+/// `c₀ + c₁·x + c₂·x² + c₃·x³`.
+#[inline(always)]
+fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) -> V {
+    pair(simd, [c2, c3], x).mul_add(x2, pair(simd, [c0, c1], x))
 }
 
 /// Sections whose slab faces cut a footprint's rays at different offsets: every pixel reads rows of its own from

@@ -106,7 +106,8 @@ impl SectionLevels {
     /// How slabs cut a voxel of extinction `mu`.
     #[inline(always)]
     pub fn cuts(&self, mu: f32) -> SlabCuts {
-        let mut cut = usize::from(self.first_cuts[(mu.to_bits() >> TRAILING_BITS) as usize % N_LEADING]);
+        let mut cut =
+            usize::from(self.first_cuts[(mu.to_bits() >> TRAILING_BITS) as usize % N_LEADING]);
         // Hardly ever more than once: what two neighbouring levels allow has other leading bits.
         while self.max_extinctions[cut] < mu {
             cut += 1;

@@ -50,7 +50,6 @@ impl SlabCut<'_> {
         tile: &Tile,
     ) -> Eight {
         let slabs = self.slabs;
-        let splat = |value: f32| f32x8::splat(simd, value);
         let ([right, up, depth], spans) = voxels.at_once(first);
         let right = f32x8::from_slice(simd, right);
         let up = f32x8::from_slice(simd, up);
@@ -60,36 +59,37 @@ impl SlabCut<'_> {
         let radius = slabs.raster.radius;
         let mut eight = Eight::EMPTY;
         let rho_max = if kind == Kind::Whole {
-            splat(radius)
+            f32x8::splat(simd, radius)
         } else {
             let (faces, is_folded, is_drawn) = self.faces_of(simd, depth, spans);
             drawn &= is_drawn.to_bitmask();
             let [front, back] = faces;
             // The disc in which a slab between two faces cuts a ball.
-            let nearest = front.max(-back).max(splat(0.0));
-            let is_cut = nearest.simd_lt(splat(slabs.reach_in_index));
+            let nearest = front.max(-back).max(f32x8::splat(simd, 0.0));
+            let is_cut = nearest.simd_lt(f32x8::splat(simd, slabs.reach_in_index));
             drawn &= is_cut.to_bitmask();
             eight.is_folded = is_folded.to_bitmask();
             if kind == Kind::Tilted {
                 front.store_slice(&mut eight.faces[0]);
                 back.store_slice(&mut eight.faces[1]);
-                splat(radius)
+                f32x8::splat(simd, radius)
             } else {
-                let disc_squared = splat(radius * radius) - nearest * nearest;
-                (disc_squared * splat(slabs.edge_per_disc) - splat(1.0))
+                let disc_squared = f32x8::splat(simd, radius * radius) - nearest * nearest;
+                (disc_squared * f32x8::splat(simd, slabs.edge_per_disc) - f32x8::splat(simd, 1.0))
                     .store_slice(&mut eight.edges);
                 slabs.rows_of(simd, front, back, is_folded).store_slice(&mut eight.rows);
-                disc_squared.max(splat(0.0)).sqrt()
+                disc_squared.max(f32x8::splat(simd, 0.0)).sqrt()
             }
         };
         let origin = tile.origin.map(|pixel| pixel as f32);
         let [x, y] = slabs.raster.center();
         let centers = [
-            right.mul_add(splat(self.shape.scale), splat(x - origin[0])),
-            up.mul_add(splat(-self.shape.scale), splat(y - origin[1])),
+            right.mul_add(f32x8::splat(simd, self.shape.scale), f32x8::splat(simd, x - origin[0])),
+            up.mul_add(f32x8::splat(simd, -self.shape.scale), f32x8::splat(simd, y - origin[1])),
         ];
         for (axis, center) in centers.into_iter().enumerate() {
-            let half = rho_max * splat(self.shape.half_extent[axis]) + splat(MARGIN);
+            let half = rho_max * f32x8::splat(simd, self.shape.half_extent[axis])
+                + f32x8::splat(simd, MARGIN);
             let (first, end) = (pixel(simd, center - half), pixel(simd, center + half));
             drawn &= first.simd_lt(end).to_bitmask();
             first.store_slice(&mut eight.pixels[axis]);
@@ -108,9 +108,10 @@ impl SlabCut<'_> {
         depth: f32x8<S>,
         spans: &[u32; N_AT_ONCE],
     ) -> ([f32x8<S>; 2], mask32x8<S>, mask32x8<S>) {
-        let [front, back] = self
-            .faces
-            .map(|face| (f32x8::splat(simd, face) - depth) * self.slabs.raster.index_per_depth);
+        let index_per_depth = self.slabs.raster.index_per_depth;
+        let [front, back] = self.faces;
+        let front = (f32x8::splat(simd, front) - depth) * index_per_depth;
+        let back = (f32x8::splat(simd, back) - depth) * index_per_depth;
         let spans = u32x8::from_slice(simd, spans);
         let [firsts, n_more] = Span::parts(simd, spans);
         let may_fold = !n_more.simd_eq(u32x8::splat(simd, Span::ALL));
@@ -135,14 +136,20 @@ impl Slabs<'_> {
         back: f32x8<S>,
         is_folded: mask32x8<S>,
     ) -> f32x8<S> {
-        let splat = |value: f32| f32x8::splat(simd, value);
         let (rows, folded) = (self.table.rows(), self.tables(true).0.rows());
         let from_front = back + rows.radius;
-        let from_nearer =
-            if rows.mirrored { from_front.min(splat(rows.radius) - front) } else { from_front };
-        let per_index = is_folded.select(splat(folded.rows_per_index), splat(rows.rows_per_index));
-        let last = is_folded.select(splat(folded.last_row), splat(rows.last_row));
-        let row = (from_nearer * per_index).max(splat(0.0)).min(last);
+        let from_nearer = if rows.mirrored {
+            from_front.min(f32x8::splat(simd, rows.radius) - front)
+        } else {
+            from_front
+        };
+        let per_index = is_folded.select(
+            f32x8::splat(simd, folded.rows_per_index),
+            f32x8::splat(simd, rows.rows_per_index),
+        );
+        let last = is_folded
+            .select(f32x8::splat(simd, folded.last_row), f32x8::splat(simd, rows.last_row));
+        let row = (from_nearer * per_index).max(f32x8::splat(simd, 0.0)).min(last);
         match self.table.lookup() {
             Lookup::Nearest => (row + 0.5).floor(),
             Lookup::Linear => row,
@@ -178,9 +185,8 @@ const MARGIN: f32 = 1.0 / 1024.0;
 /// Adding 2²³ rounds to whole numbers and leaves them in the low bits.
 #[inline(always)]
 fn pixel<S: Simd>(simd: S, at: f32x8<S>) -> u32x8<S> {
-    let splat = |value: f32| f32x8::splat(simd, value);
-    let inside = at.max(splat(0.0)).min(splat(TILE_SIDE as f32));
-    let rounded: u32x8<S> = (inside + splat(8_388_608.0)).bitcast();
+    let inside = at.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, TILE_SIDE as f32));
+    let rounded: u32x8<S> = (inside + f32x8::splat(simd, 8_388_608.0)).bitcast();
     rounded & u32x8::splat(simd, 0xff)
 }
 

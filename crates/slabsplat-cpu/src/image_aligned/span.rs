@@ -1,7 +1,7 @@
 //! Which slabs a voxel is drawn in (`docs/algorithm.md`, "Sections by opacity").
 
-use crate::image_aligned::Slabs;
 use crate::by_sheet::N_AT_ONCE;
+use crate::image_aligned::Slabs;
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 
 /// The first slab of a voxel, and how many more there are; in the 32 bits that a voxel has for it.
@@ -56,7 +56,6 @@ impl Slabs<'_> {
         depths: &[f32; N_AT_ONCE],
         extinctions: &[f32; N_AT_ONCE],
     ) -> [u32; N_AT_ONCE] {
-        let splat = |value: f32| f32x8::splat(simd, value);
         let (mut shares, mut n_slabs) = ([1.0; N_AT_ONCE], [1.0; N_AT_ONCE]);
         if let Some(fewer) = &self.fewer {
             for (idx, &extinction) in extinctions.iter().enumerate() {
@@ -64,22 +63,25 @@ impl Slabs<'_> {
                 (shares[idx], n_slabs[idx]) = (cuts.share_of_reach, cuts.n_slabs);
             }
         }
-        let (shares, n_slabs) = (f32x8::from_slice(simd, &shares), f32x8::from_slice(simd, &n_slabs));
+        let (shares, n_slabs) =
+            (f32x8::from_slice(simd, &shares), f32x8::from_slice(simd, &n_slabs));
         let depths: f32x8<S> = (*depths).simd_into(simd);
         // Numbers of slabs, counted from the grid's centre; whole and exact, as there are at most 2²² of them.
-        let slab_at = |depth: f32x8<S>| (depth * self.slabs_per_depth).floor();
         let reach = shares * self.raster.reach;
-        let near = slab_at(depths - reach);
+        let near = ((depths - reach) * self.slabs_per_depth).floor();
         let far = (((depths + reach) * self.slabs_per_depth).ceil() - 1.0).max(near);
         // A voxel that has as many slabs as can be told is drawn in all that it meets, to be sure.
-        let is_all = shares.simd_ge(splat(1.0)) | (far - near).simd_ge(splat(ALL as f32));
-        let first = is_all.select(slab_at(depths - self.raster.reach), near);
-        let is_thick = n_slabs.simd_gt(splat(1.0));
+        let is_all = shares.simd_ge(f32x8::splat(simd, 1.0))
+            | (far - near).simd_ge(f32x8::splat(simd, ALL as f32));
+        let first =
+            is_all.select(((depths - self.raster.reach) * self.slabs_per_depth).floor(), near);
+        let is_thick = n_slabs.simd_gt(f32x8::splat(simd, 1.0));
         let middle = (near / n_slabs).floor().mul_add(n_slabs, n_slabs * 0.5);
         let first = is_thick.select(middle, first) - self.first_slab;
         let last_slab = (self.grid.n_slabs() - 1) as f32;
-        let first: u32x8<S> = first.max(splat(0.0)).min(splat(last_slab)).to_int();
-        let n_more: u32x8<S> = is_all.select(splat(ALL as f32), far - near).to_int();
+        let first: u32x8<S> =
+            first.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, last_slab)).to_int();
+        let n_more: u32x8<S> = is_all.select(f32x8::splat(simd, ALL as f32), far - near).to_int();
         (first << BITS | n_more).into()
     }
 
