@@ -51,7 +51,6 @@ impl<'a> SlabCut<'a> {
         tile: &mut Tile,
         sheet: &mut Sheet,
     ) {
-        let mut sections = [Section::default(); N_AT_ONCE];
         let kind = match (class, self.slabs.fewer) {
             (0, Some(_)) => Kind::Whole,
             _ if self.slabs.raster.is_tilted => Kind::Tilted,
@@ -59,29 +58,26 @@ impl<'a> SlabCut<'a> {
         };
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
             let eight = self.prepare(simd, kind, voxels, first, tile);
-            let mut n_sections = 0;
             for idx in bits(eight.drawn) {
                 let Some(pixels) = tile.open_part(eight.pixels_of(idx)) else { continue };
+                tile.stats.n_splats += 1;
                 sheet.touched.add(Blocks::meeting(&pixels));
                 let mut color = [0.0; 4];
                 let summed = f32x4::from_slice(simd, &voxels.color(first + idx));
                 (summed * self.shape.gain).store_slice(&mut color);
                 let center = [eight.centers[0][idx], eight.centers[1][idx]];
-                let section = &mut sections[n_sections];
-                section.footprint = Footprint { center, pixels, color };
-                section.edge = eight.edges[idx];
-                section.is_folded = eight.is_folded >> idx & 1 == 1;
+                let mut section = Section {
+                    footprint: Footprint { center, pixels, color },
+                    edge: eight.edges[idx],
+                    is_folded: eight.is_folded >> idx & 1 == 1,
+                    faces: [eight.faces[0][idx], eight.faces[1][idx]],
+                    coefficients: [0.0; MAX_COEFFICIENTS],
+                };
                 if kind == Kind::Upright {
                     let (_, polynomials) = self.slabs.tables(section.is_folded);
                     section.coefficients = blended(simd, polynomials, eight.rows[idx]);
-                } else {
-                    section.faces = [eight.faces[0][idx], eight.faces[1][idx]];
                 }
-                n_sections += 1;
-            }
-            tile.stats.n_splats += n_sections as u64;
-            for section in &sections[..n_sections] {
-                self.splat_section(simd, kind, section, sheet);
+                self.splat_section(simd, kind, &section, sheet);
             }
         }
     }
