@@ -61,13 +61,15 @@ pub(crate) fn splat<S: Simd>(
     let first = usize::from(footprint.pixels.min[0]) / QUAD;
     let end = usize::from(footprint.pixels.end[0]).div_ceil(QUAD);
     let mut quad = first;
-    while quad + 2 < end {
-        let n_quads = (end - quad).min(4);
-        splat_columns::<S, f32x16<S>>(simd, sheet, shape, footprint, weigh, quad, n_quads);
-        quad += n_quads;
+    while quad + 4 <= end {
+        splat_columns::<S, f32x16<S>, 4>(simd, sheet, shape, footprint, weigh, quad);
+        quad += 4;
     }
-    if quad < end {
-        splat_columns::<S, f32x8<S>>(simd, sheet, shape, footprint, weigh, quad, end - quad);
+    match end.saturating_sub(quad) {
+        3 => splat_columns::<S, f32x16<S>, 3>(simd, sheet, shape, footprint, weigh, quad),
+        2 => splat_columns::<S, f32x8<S>, 2>(simd, sheet, shape, footprint, weigh, quad),
+        1 => splat_columns::<S, f32x8<S>, 1>(simd, sheet, shape, footprint, weigh, quad),
+        _ => {}
     }
 }
 
@@ -107,14 +109,13 @@ pub(crate) fn splat_any<S: Simd>(
 
 /// Adds the columns of some quads: as many as a vector has pixels, or fewer.
 #[inline(always)]
-fn splat_columns<S: Simd, V: Lanes<S>>(
+fn splat_columns<S: Simd, V: Lanes<S>, const N_QUADS: usize>(
     simd: S,
     sheet: &mut Sheet,
     shape: &PixelShape,
     footprint: &Footprint,
     weigh: &impl Weigh<S>,
     first_quad: usize,
-    n_quads: usize,
 ) {
     let [r, g, b, a] = footprint.color;
     let color: f32x16<S> = [r, g, b, a, r, g, b, a, r, g, b, a, r, g, b, a].simd_into(simd);
@@ -126,7 +127,7 @@ fn splat_columns<S: Simd, V: Lanes<S>>(
         let weights = weigh.row(simd, shape, columns, dy);
         dy += 1.0;
         let weights = weights.as_slice().as_chunks::<QUAD>().0;
-        let quads = &mut row[first_quad..first_quad + n_quads];
+        let Some(quads) = row[first_quad..].first_chunk_mut::<N_QUADS>() else { continue };
         for (quad, weights) in quads.iter_mut().zip(weights) {
             quad.add_weighted(simd, *weights, color);
         }
