@@ -37,7 +37,7 @@ pub(crate) use span::Span;
 
 /// How thick a range of slabs is, in voxel steps: about as thick as a brick is deep. Thinner, and most bricks would wait
 /// for several ranges; thicker, and more is taken in that turns out to be hidden.
-const RANGE_THICKNESS: f64 = 16.0;
+const RANGE_THICKNESS: f64 = 32.0;
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
