@@ -68,15 +68,6 @@ impl SlabGrid {
         self.front(slab_idx) + 0.5 * self.thickness
     }
 
-    /// The slab behind the middle of the one that holds a depth and is 2ⁿ times as thick, n ≥ 1: those have a face at
-    /// the grid's centre, too.
-    #[inline]
-    pub fn middle_of_thick(&self, depth: f64, n_doublings: u32) -> usize {
-        let thick = floor(depth / self.thickness) >> n_doublings;
-        let middle = (thick << n_doublings) + (1 << (n_doublings - 1));
-        (middle - self.first).clamp(0, self.n_slabs as i64 - 1) as usize
-    }
-
     /// The first and the last slab that meet the depths `near < far`.
     #[inline]
     pub fn meeting(&self, near: f64, far: f64) -> [usize; 2] {
@@ -112,15 +103,6 @@ mod tests {
         assert_eq!(slabs.meeting(-2.0, 2.0), [2, 5], "a voxel on a face");
         assert_eq!(slabs.meeting(-1.5, 2.5), [2, 6]);
         assert_eq!(slabs.meeting(-4.0, 4.0), [0, 7]);
-    }
-
-    #[test]
-    fn slabs_within_a_thicker_one() {
-        let slabs = SlabGrid::covering([-4.0, 4.0], 1.0).unwrap();
-        let middles = |n| [-3.5, -2.5, -0.5, 0.0, 1.9, 3.0].map(|z| slabs.middle_of_thick(z, n));
-        assert_eq!(middles(1), [1, 1, 3, 5, 5, 7]);
-        assert_eq!(middles(2), [2, 2, 2, 6, 6, 6]);
-        assert_eq!(middles(3), [0, 0, 0, 7, 7, 7], "beyond the volume's end");
     }
 
     #[test]

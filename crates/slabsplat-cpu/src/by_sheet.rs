@@ -157,23 +157,26 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(seed);
         let mut sorted = BySheet::default();
         for n_voxels in [0, 1, 7, 500, 20] {
-            let voxel = |id: usize, sheet: usize| Voxel {
-                point: [id as f32, 0.0, sheet as f32],
-                ..Voxel::default()
+            let voxel = |id: usize| {
+                let point = [id as f32, rng.usize(0..3) as f32, rng.usize(5..25) as f32];
+                Voxel { point, ..Voxel::default() }
             };
-            let voxels: Vec<Voxel> = (0..n_voxels).map(|id| voxel(id, rng.usize(5..25))).collect();
-            sorted.clear();
-            voxels.iter().for_each(|voxel| sorted.push(voxel.point[2] as usize, voxel));
-            sorted.sort();
+            let voxels: Vec<Voxel> = (0..n_voxels).map(voxel).collect();
+            let key_of = |voxel: &Voxel| (voxel.point[1] as usize, voxel.point[2] as usize);
+            sorted.sort(3, voxels.chunks(9), key_of);
             for first in 0..30 {
                 for end in first..30 {
-                    let mut expected: Vec<[f32; 3]> = voxels.iter().map(|v| v.point).collect();
-                    expected.retain(|point| (first..end).contains(&(point[2] as usize)));
-                    expected.sort_by_key(|point| point[2] as usize);
-                    let run = sorted.starting_in(first..end);
-                    assert_eq!(run.len, expected.len());
-                    let actual = run.iter().map(|voxel| voxel.point);
-                    assert_eq!(actual.collect::<Vec<_>>(), expected, "{first}..{end}");
+                    for class in 0..3 {
+                        let is_meant = |v: &&Voxel| {
+                            key_of(v).0 == class && (first..end).contains(&key_of(v).1)
+                        };
+                        let mut expected: Vec<&Voxel> = voxels.iter().filter(is_meant).collect();
+                        expected.sort_by_key(|voxel| key_of(voxel));
+                        let run = sorted.starting_in(class, first..end);
+                        assert_eq!(run.len, expected.len());
+                        let same = run.iter().zip(expected).all(|(a, b)| a.point == b.point);
+                        assert!(same, "class {class}, {first}..{end}");
+                    }
                 }
             }
         }

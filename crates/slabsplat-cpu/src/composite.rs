@@ -51,14 +51,14 @@ fn put_product_behind(pixels: [&mut Quad; 2], behind: &[Quad; 2]) -> f32 {
     let mut least = f32::INFINITY;
     for (pixels, behind) in pixels.into_iter().zip(behind) {
         for idx in 0..QUAD {
-            let opacity = behind.opacity(idx).clamp(0.0, 1.0);
-            let factor = opacity * (1.0 - pixels.opacity(idx));
-            let [r, g, b, a] = &mut pixels.0[4 * idx..][..4] else { unreachable!("four channels") };
-            for (channel, sum) in [r, g, b].into_iter().zip(behind.pixel(idx)) {
-                *channel += factor * sum.clamp(0.0, 1.0);
+            let mut pixel = pixels.pixel(idx);
+            let [r, g, b, opacity] = behind.pixel(idx).map(|sum| sum.clamp(0.0, 1.0));
+            let factor = opacity * (1.0 - pixel[3]);
+            for (channel, added) in pixel.iter_mut().zip([r, g, b, 1.0]) {
+                *channel += factor * added;
             }
-            *a += factor;
-            least = least.min(*a);
+            pixels.set_pixel(idx, pixel);
+            least = least.min(pixel[3]);
         }
     }
     least
@@ -66,8 +66,7 @@ fn put_product_behind(pixels: [&mut Quad; 2], behind: &[Quad; 2]) -> f32 {
 
 #[inline(always)]
 fn opacities<S: Simd>(simd: S, [left, right]: [&Quad; 2]) -> f32x8<S> {
-    let (a, b, c, d) = (left.opacity(0), left.opacity(1), left.opacity(2), left.opacity(3));
-    let (e, f, g, h) = (right.opacity(0), right.opacity(1), right.opacity(2), right.opacity(3));
+    let ([a, b, c, d], [e, f, g, h]) = (left.opacities(), right.opacities());
     [a, b, c, d, e, f, g, h].simd_into(simd)
 }
 
@@ -110,11 +109,10 @@ mod tests {
     }
 
     fn behind(compositing: Compositing, pixel: [f32; 4], sums: [f32; 4]) -> [f32; 4] {
-        let quad = |pixel: [f32; 4]| Quad(std::array::from_fn(|idx| pixel[idx % 4]));
-        let (mut pixels, mut sums) = ([quad(pixel); 2], [quad(sums); 2]);
+        let (mut pixels, mut sums) = ([Quad::of(pixel); 2], [Quad::of(sums); 2]);
         let level = Level::new();
         let least = dispatch!(level, simd => put_behind(simd, compositing, pixels.each_mut(), sums.each_mut()));
-        assert!((least - pixels[1].opacity(3)).abs() < 1e-6);
+        assert!((least - pixels[1].pixel(3)[3]).abs() < 1e-6);
         assert_eq!(sums[0].0, [0.0; 16]);
         for idx in 0..4 {
             assert_eq!(pixels[0].pixel(idx), pixels[1].pixel(3));

@@ -11,7 +11,7 @@
 //! footprint. The rest, which footprint lies where, is prepared before for many of them (`section.rs`), or each
 //! would have to wait for its own square root.
 
-use crate::quad::QUAD;
+use crate::quad::{QUAD, Quad};
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::weights::{Lanes, Polynomial, Weigh};
@@ -117,8 +117,7 @@ fn splat_columns<S: Simd, V: Lanes<S>, const N_QUADS: usize>(
     weigh: &impl Weigh<S>,
     first_quad: usize,
 ) {
-    let [r, g, b, a] = footprint.color;
-    let color: f32x16<S> = [r, g, b, a, r, g, b, a, r, g, b, a, r, g, b, a].simd_into(simd);
+    let color = f32x16::from_slice(simd, &Quad::of(footprint.color).0);
     let [first_row, end_row] = [footprint.pixels.min[1], footprint.pixels.end[1]].map(usize::from);
     let left = (first_quad * QUAD) as f32 - footprint.center[0];
     let columns: V = weigh.columns(simd, shape, left);

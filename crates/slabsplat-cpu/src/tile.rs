@@ -63,7 +63,7 @@ impl Tile {
                 *quad = Quad::ZERO;
                 for pixel in 0..QUAD {
                     if n_rows <= row_idx || n_columns <= quad_idx * QUAD + pixel {
-                        quad.0[4 * pixel + 3] = 1.0;
+                        quad.set_pixel(pixel, [0.0, 0.0, 0.0, 1.0]);
                     }
                 }
             }
@@ -136,7 +136,7 @@ impl Tile {
     pub(crate) fn close_full_blocks(&mut self, cutoff: f32) {
         for [column, row] in self.open.iter() {
             let mut rows = self.pixels[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE].iter();
-            if rows.all(|row| (0..QUAD).all(|pixel| cutoff <= row[column].opacity(pixel))) {
+            if rows.all(|row| row[column].opacities().iter().all(|opacity| cutoff <= *opacity)) {
                 self.open.remove([column, row]);
             }
         }

@@ -35,8 +35,8 @@ use slabsplat_traverse::Brick;
 
 pub(crate) use span::Span;
 
-/// How thick a range of slabs is, in voxel steps: about as thick as a brick is deep. Thinner, and most bricks would wait
-/// for several ranges; thicker, and more is taken in that turns out to be hidden.
+/// How thick a range of slabs is, in voxel steps: some three bricks. Thinner, and most voxels would wait for another
+/// range; thicker, and more is taken in that turns out to be hidden.
 const RANGE_THICKNESS: f64 = 32.0;
 
 /// What is kept from frame to frame.
