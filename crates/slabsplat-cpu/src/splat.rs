@@ -81,29 +81,65 @@ pub(crate) struct AnyPolynomial<'a> {
 }
 
 /// Adds a footprint to a sheet, weighted by as short a polynomial as does.
+///
+/// Inlined where registers are wide and calls would cost the most; a footprint that leans is rare. All loops of
+/// all instruction sets in every place would take minutes to compile.
 #[inline(always)]
 pub(crate) fn splat_any<S: Simd>(
     simd: S,
     sheet: &mut Sheet,
     shape: &PixelShape,
     footprint: &Footprint,
-    AnyPolynomial { coefficients, edge }: AnyPolynomial<'_>,
+    polynomial: AnyPolynomial<'_>,
     leans: bool,
+) {
+    if const { S::f32s::LEN < 8 } {
+        splat_apart(simd, sheet, shape, footprint, polynomial, leans);
+    } else if leans {
+        splat_apart(simd, sheet, shape, footprint, polynomial, true);
+    } else {
+        splat_here::<S, false>(simd, sheet, shape, footprint, polynomial);
+    }
+}
+
+/// The same as a function of its own.
+#[inline(never)]
+pub(crate) fn splat_apart<S: Simd>(
+    simd: S,
+    sheet: &mut Sheet,
+    shape: &PixelShape,
+    footprint: &Footprint,
+    polynomial: AnyPolynomial<'_>,
+    leans: bool,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || match leans {
+            false => splat_here::<S, false>(simd, sheet, shape, footprint, polynomial),
+            true => splat_here::<S, true>(simd, sheet, shape, footprint, polynomial),
+        },
+    );
+}
+
+#[inline(always)]
+fn splat_here<S: Simd, const LEANS: bool>(
+    simd: S,
+    sheet: &mut Sheet,
+    shape: &PixelShape,
+    footprint: &Footprint,
+    AnyPolynomial { coefficients, edge }: AnyPolynomial<'_>,
 ) {
     // Sections of one kind come one after the other, so that this is easy to guess.
     let [.., tenth, root] = *coefficients;
     macro_rules! splat_as {
-        ($n:literal, $leans:literal) => {
-            splat(simd, sheet, shape, footprint, &Polynomial::<$n, $leans> { coefficients, edge })
+        ($n:literal) => {
+            splat(simd, sheet, shape, footprint, &Polynomial::<$n, LEANS> { coefficients, edge })
         };
     }
-    match (tenth == 0.0, root == 0.0, leans) {
-        (true, true, false) => splat_as!(8, false),
-        (true, true, true) => splat_as!(8, true),
-        (false, true, false) => splat_as!(11, false),
-        (false, true, true) => splat_as!(11, true),
-        (_, false, false) => splat_as!(12, false),
-        (_, false, true) => splat_as!(12, true),
+    match (tenth == 0.0, root == 0.0) {
+        (true, true) => splat_as!(8),
+        (false, true) => splat_as!(11),
+        _ => splat_as!(12),
     }
 }
 

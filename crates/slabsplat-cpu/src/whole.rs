@@ -3,7 +3,7 @@
 use crate::blocks::Blocks;
 use crate::raster::Raster;
 use crate::sheet::Sheet;
-use crate::splat::{AnyPolynomial, Footprint, PixelBox, splat_any};
+use crate::splat::{AnyPolynomial, Footprint, PixelBox, splat_apart};
 use crate::tile::Tile;
 use crate::voxel::Voxel;
 use fearless_simd::Simd;
@@ -77,7 +77,7 @@ impl Whole<'_> {
         let color = voxel.color.map(|channel| channel * shape.gain);
         let footprint = Footprint { center, pixels, color };
         let polynomial = AnyPolynomial { coefficients: self.polynomials.row(0), edge: 1.0 };
-        splat_any(simd, sheet, &shape, &footprint, polynomial, raster.leans);
+        splat_apart(simd, sheet, &shape, &footprint, polynomial, raster.leans);
         Some(pixels)
     }
 }
