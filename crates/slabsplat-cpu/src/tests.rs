@@ -140,3 +140,34 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
         }
     }
 }
+
+/// Frames that were drawn before find all the memory that they need. On one thread: which tile falls to which one
+/// is chance, and each has a workspace.
+#[test]
+fn cpu_buffers_do_not_grow_once_warm() {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut rng = fastrand::Rng::with_seed(seed);
+    let volume = noise(&mut rng, [1.0; 3]);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for &method in Method::ALL {
+        let settings = RenderSettings { method, ..RenderSettings::default() };
+        let mut scenes: Vec<Scene> =
+            (0..4).map(|_| scene(&mut rng, volume.grid(), settings.clone())).collect();
+        let transfer = scenes[0].transfer.clone();
+        scenes.iter_mut().for_each(|scene| scene.transfer = transfer.clone());
+        let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
+        let mut resident_bytes = |scene| {
+            let plan = planner.plan(&volume, scene).unwrap();
+            let frame = backend.submit(&plan).unwrap();
+            match backend.poll_image(frame).unwrap() {
+                Poll::Ready(frame) => frame.cost.resident_bytes,
+                Poll::Pending => panic!("a frame is done when it was submitted"),
+            }
+        };
+        let mut turn =
+            || -> Vec<u64> { pool.install(|| scenes.iter().map(&mut resident_bytes).collect()) };
+        let warm = turn()[3];
+        assert_eq!(turn(), [warm; 4], "{method:?}");
+    }
+}

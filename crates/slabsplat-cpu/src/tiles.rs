@@ -1,6 +1,7 @@
 //! The image as tiles, kept from frame to frame.
 
 use crate::tile::{TILE_SIDE, Tile};
+use crate::voxel::Voxel;
 use crate::workspace::{Workspace, Workspaces};
 use rayon::prelude::*;
 use slabsplat_backend::FrameStats;
@@ -70,7 +71,9 @@ impl Tiles {
 
     pub(crate) fn resident_bytes(&self) -> usize {
         let bytes = |tile: &Tile| {
-            size_of_val(&*tile.pixels) + size_of_val(tile.pending.as_slice()) + size_of::<Tile>()
+            size_of::<Tile>()
+                + size_of_val(&*tile.pixels)
+                + tile.pending.capacity() * size_of::<Voxel>()
         };
         self.tiles.iter().map(bytes).sum()
     }
