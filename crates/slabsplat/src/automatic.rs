@@ -1,9 +1,10 @@
 //! Sensible defaults for a volume that nobody has described: what is visible, and from where.
 
+use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Phong, Projection, RenderSettings, Scene, Shading, TransferFunction,
-    Volume,
+    Camera, Grid, ImageDesc, Phong, Projection, RenderSettings, Sample, Scaling, Scene, Shading,
+    TransferFunction, Volume, with_samples,
 };
 
 /// Defaults that fit one volume.
@@ -15,6 +16,9 @@ pub struct Automatic {
 
 /// Levels into which values are counted.
 const N_BINS: usize = 512;
+
+/// Voxels that a thread counts at a time.
+const CHUNK_LEN: usize = 1 << 16;
 
 /// Share of the largest values that count as one: a few stray voxels must not stretch the ramp.
 const OUTLIERS: f64 = 1e-4;
@@ -120,18 +124,39 @@ type Points<const N: usize> = Vec<(f64, [f64; N])>;
 impl Histogram {
     /// `None` if fewer than two values differ.
     fn of(volume: &Volume) -> Option<Self> {
-        let values = || (0..volume.grid().n_voxels()).map(|idx| volume.value(idx));
-        let finite = || values().filter(|v| v.is_finite());
-        let min = finite().fold(f64::INFINITY, f64::min);
-        let max = finite().fold(f64::NEG_INFINITY, f64::max);
+        with_samples!(volume.samples(), |samples| Self::of_samples(samples, volume.scaling()))
+    }
+
+    fn of_samples<T: Sample>(samples: &[T], scaling: Scaling) -> Option<Self> {
+        let finite = |chunk: &[T]| {
+            chunk.iter().map(|s| scaling.apply(s.to_f64())).filter(|v| v.is_finite()).collect()
+        };
+        let chunks = || samples.par_chunks(CHUNK_LEN).map(finite);
+        let extremes = chunks().map(|values: Vec<f64>| {
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &value| {
+                (value.min(min), value.max(max))
+            })
+        });
+        let (min, max) = extremes.reduce(
+            || (f64::INFINITY, f64::NEG_INFINITY),
+            |(min, max), (a, b)| (min.min(a), max.max(b)),
+        );
         let bin_width = (max - min) / N_BINS as f64;
         if !bin_width.is_normal() || bin_width < 0.0 {
             return None;
         }
-        let mut counts = vec![0; N_BINS];
-        for value in finite() {
-            counts[(((value - min) / bin_width) as usize).min(N_BINS - 1)] += 1;
-        }
+        let counts = chunks().map(|values| {
+            let mut counts = vec![0; N_BINS];
+            for value in values {
+                counts[(((value - min) / bin_width) as usize).min(N_BINS - 1)] += 1;
+            }
+            counts
+        });
+        let sum = |mut a: Vec<u64>, b: Vec<u64>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            a
+        };
+        let counts = counts.reduce(|| vec![0; N_BINS], sum);
         Some(Self { min, bin_width, counts })
     }
 
