@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Nothing in it depends on a pixel's place but the weights, so that processors guess every branch within a
-//! footprint. The rest, which footprint lies where, is prepared before for many of them (`section.rs`), or each
+//! footprint. The rest, which footprint lies where, is prepared before for many of them (`prepare.rs`), or each
 //! would have to wait for its own square root.
 
 use crate::quad::{QUAD, Quad};
