@@ -42,21 +42,8 @@ impl Blocks {
     }
 
     #[inline(always)]
-    pub(crate) fn and(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
-
-    /// The box of pixels that holds them all; there must be one.
-    #[inline(always)]
-    pub(crate) fn bounds(self) -> PixelBox {
-        let halves = self.0 | self.0 >> 32;
-        let quarters = halves | halves >> 16;
-        let columns = (quarters | quarters >> 8) & 0xff;
-        let pixel = |block: u32| (block * BLOCK_SIDE as u32) as u8;
-        PixelBox {
-            min: [pixel(columns.trailing_zeros()), pixel(self.0.trailing_zeros() / 8)],
-            end: [pixel(64 - columns.leading_zeros()), pixel(8 - self.0.leading_zeros() / 8)],
-        }
+    pub(crate) fn meets(self, other: Self) -> bool {
+        self.0 & other.0 != 0
     }
 
     #[inline(always)]

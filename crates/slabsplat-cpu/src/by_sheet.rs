@@ -36,15 +36,8 @@ impl BySheet {
         runs: impl Iterator<Item = &'a [Voxel]> + Clone,
         key_of: impl Fn(&Voxel) -> (usize, usize),
     ) {
-        let (mut first, mut end) = (usize::MAX, 0);
-        for run in runs.clone() {
-            for voxel in run {
-                let (_, sheet) = key_of(voxel);
-                (first, end) = (first.min(sheet), end.max(sheet + 1));
-            }
-        }
-        first = first.min(end);
-        self.sheets = first..end;
+        self.sheets = sheets_of(runs.clone(), &key_of);
+        let Range { start: first, end } = self.sheets;
         let bucket_of = |voxel: &Voxel| {
             let (class, sheet) = key_of(voxel);
             class * (end - first) + sheet - first
@@ -65,6 +58,16 @@ impl BySheet {
             *count = sum;
         }
         self.make_room(sum as usize + N_AT_ONCE);
+        self.place(runs, bucket_of);
+    }
+
+    /// Puts every voxel where the next one of its bucket goes.
+    #[inline(always)]
+    fn place<'a>(
+        &mut self,
+        runs: impl Iterator<Item = &'a [Voxel]>,
+        bucket_of: impl Fn(&Voxel) -> usize,
+    ) {
         let [rights, ups, depths] = self.points.each_mut().map(Vec::as_mut_slice);
         let (spans, colors) = (self.spans.as_mut_slice(), self.colors.as_mut_slice());
         let starts = self.starts.as_mut_slice();
@@ -139,6 +142,21 @@ impl<'a> Run<'a> {
             color: colors[place],
         })
     }
+}
+
+/// From the first sheet of any voxel to behind the last.
+fn sheets_of<'a>(
+    runs: impl Iterator<Item = &'a [Voxel]>,
+    key_of: impl Fn(&Voxel) -> (usize, usize),
+) -> Range<usize> {
+    let (mut first, mut end) = (usize::MAX, 0);
+    for run in runs {
+        for voxel in run {
+            let (_, sheet) = key_of(voxel);
+            (first, end) = (first.min(sheet), end.max(sheet + 1));
+        }
+    }
+    first.min(end)..end
 }
 
 #[inline(always)]

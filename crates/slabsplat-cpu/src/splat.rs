@@ -19,7 +19,7 @@ use fearless_simd::{Simd, f32x8, f32x16, prelude::*};
 use slabsplat_kernel::MAX_COEFFICIENTS;
 
 /// A rectangle of pixels in a tile.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PixelBox {
     /// First column and row.
     pub(crate) min: [u8; 2],
@@ -27,19 +27,8 @@ pub(crate) struct PixelBox {
     pub(crate) end: [u8; 2],
 }
 
-impl PixelBox {
-    /// What lies in both.
-    #[inline(always)]
-    pub(crate) fn and(self, other: &Self) -> Self {
-        Self {
-            min: [0, 1].map(|axis| self.min[axis].max(other.min[axis])),
-            end: [0, 1].map(|axis| self.end[axis].min(other.end[axis])),
-        }
-    }
-}
-
 /// A footprint that is about to be splatted.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
     /// Its centre, in pixels from the tile's upper left corner.
     pub(crate) center: [f32; 2],
@@ -78,56 +67,55 @@ pub(crate) fn splat<S: Simd>(
 pub(crate) struct AnyPolynomial<'a> {
     pub(crate) coefficients: &'a [f32; MAX_COEFFICIENTS],
     pub(crate) edge: f32,
+    pub(crate) leans: bool,
 }
 
-/// Adds a footprint to a sheet, weighted by as short a polynomial as does.
-///
-/// Inlined where registers are wide and calls would cost the most; a footprint that leans is rare. All loops of
-/// all instruction sets in every place would take minutes to compile.
-#[inline(always)]
-pub(crate) fn splat_any<S: Simd>(
-    simd: S,
-    sheet: &mut Sheet,
-    shape: &PixelShape,
-    footprint: &Footprint,
-    polynomial: AnyPolynomial<'_>,
-    leans: bool,
-) {
-    if const { S::f32s::LEN < 8 } {
-        splat_apart(simd, sheet, shape, footprint, polynomial, leans);
-    } else if leans {
-        splat_apart(simd, sheet, shape, footprint, polynomial, true);
-    } else {
-        splat_here::<S, false>(simd, sheet, shape, footprint, polynomial);
+impl AnyPolynomial<'_> {
+    /// Adds a footprint to a sheet, weighted by as short a polynomial as does.
+    ///
+    /// Inlined where registers are wide and calls would cost the most; a footprint that leans is rare. All loops of
+    /// all instruction sets in every place would take minutes to compile.
+    #[inline(always)]
+    pub(crate) fn splat<S: Simd>(
+        self,
+        simd: S,
+        sheet: &mut Sheet,
+        shape: &PixelShape,
+        footprint: &Footprint,
+    ) {
+        if const { S::f32s::LEN < 8 } || self.leans {
+            self.splat_apart(simd, sheet, shape, footprint);
+        } else {
+            splat_by_length::<S, false>(simd, sheet, shape, footprint, self);
+        }
+    }
+
+    /// The same as a function of its own.
+    #[inline(never)]
+    pub(crate) fn splat_apart<S: Simd>(
+        self,
+        simd: S,
+        sheet: &mut Sheet,
+        shape: &PixelShape,
+        footprint: &Footprint,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || match self.leans {
+                false => splat_by_length::<S, false>(simd, sheet, shape, footprint, self),
+                true => splat_by_length::<S, true>(simd, sheet, shape, footprint, self),
+            },
+        );
     }
 }
 
-/// The same as a function of its own.
-#[inline(never)]
-pub(crate) fn splat_apart<S: Simd>(
-    simd: S,
-    sheet: &mut Sheet,
-    shape: &PixelShape,
-    footprint: &Footprint,
-    polynomial: AnyPolynomial<'_>,
-    leans: bool,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || match leans {
-            false => splat_here::<S, false>(simd, sheet, shape, footprint, polynomial),
-            true => splat_here::<S, true>(simd, sheet, shape, footprint, polynomial),
-        },
-    );
-}
-
 #[inline(always)]
-fn splat_here<S: Simd, const LEANS: bool>(
+fn splat_by_length<S: Simd, const LEANS: bool>(
     simd: S,
     sheet: &mut Sheet,
     shape: &PixelShape,
     footprint: &Footprint,
-    AnyPolynomial { coefficients, edge }: AnyPolynomial<'_>,
+    AnyPolynomial { coefficients, edge, .. }: AnyPolynomial<'_>,
 ) {
     // Sections of one kind come one after the other, so that this is easy to guess.
     let [.., tenth, root] = *coefficients;

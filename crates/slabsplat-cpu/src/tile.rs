@@ -80,19 +80,14 @@ impl Tile {
         self.open.is_empty()
     }
 
-    /// What of a box of pixels may still change, as a box; notes if nothing may.
+    /// The blocks that a splat on a box of pixels meets, if any of them is open; counts it either way.
     #[inline(always)]
-    pub(crate) fn open_part(&mut self, pixels: PixelBox) -> Option<PixelBox> {
-        let blocks = Blocks::meeting(&pixels);
-        let open = blocks.and(self.open);
-        if open == blocks {
-            return Some(pixels);
-        }
-        if open.is_empty() {
-            self.stats.n_culled += 1;
-            return None;
-        }
-        Some(pixels.and(&open.bounds()))
+    pub(crate) fn accept(&mut self, pixels: &PixelBox) -> Option<Blocks> {
+        let blocks = Blocks::meeting(pixels);
+        let is_open = self.open.meets(blocks);
+        let count = if is_open { &mut self.stats.n_splats } else { &mut self.stats.n_culled };
+        *count += 1;
+        is_open.then_some(blocks)
     }
 
     /// Puts a sheet behind what is already there, empties it, and closes the blocks whose pixels are all at least

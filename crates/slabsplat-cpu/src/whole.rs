@@ -1,9 +1,8 @@
 //! What the two traditional methods share: whole footprints, and all relevant voxels at once.
 
-use crate::blocks::Blocks;
 use crate::raster::Raster;
 use crate::sheet::Sheet;
-use crate::splat::{AnyPolynomial, Footprint, PixelBox, splat_apart};
+use crate::splat::{AnyPolynomial, Footprint, PixelBox};
 use crate::tile::Tile;
 use crate::voxel::Voxel;
 use fearless_simd::Simd;
@@ -56,7 +55,7 @@ pub(crate) struct Whole<'a> {
 }
 
 impl Whole<'_> {
-    /// Adds a voxel's footprint to the sheet; returns the open pixels that it may touch, if there are any.
+    /// Adds a voxel's footprint to the sheet; returns the pixels that it may touch, if any of them is open.
     #[inline(always)]
     pub(crate) fn splat<S: Simd>(
         &self,
@@ -71,13 +70,13 @@ impl Whole<'_> {
         let center = [x - tile.origin[0] as f32, y - tile.origin[1] as f32];
         let half = shape.half_extent.map(|extent| extent * raster.radius);
         let pixels = PixelBox::within_tile(simd, center, half)?;
-        let pixels = tile.open_part(pixels)?;
-        tile.stats.n_splats += 1;
-        sheet.touched.add(Blocks::meeting(&pixels));
+        let blocks = tile.accept(&pixels)?;
+        sheet.touched.add(blocks);
         let color = voxel.color.map(|channel| channel * shape.gain);
         let footprint = Footprint { center, pixels, color };
-        let polynomial = AnyPolynomial { coefficients: self.polynomials.row(0), edge: 1.0 };
-        splat_apart(simd, sheet, &shape, &footprint, polynomial, raster.leans);
+        let polynomial =
+            AnyPolynomial { coefficients: self.polynomials.row(0), edge: 1.0, leans: raster.leans };
+        polynomial.splat_apart(simd, sheet, &shape, &footprint);
         Some(pixels)
     }
 }

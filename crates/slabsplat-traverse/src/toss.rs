@@ -11,8 +11,7 @@ use rayon::prelude::*;
 /// The image cut into square tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileGrid {
-    /// Pixels along a tile's side: a power of two.
-    side: usize,
+    /// The binary logarithm of a tile's side in pixels.
     side_log2: u32,
     /// Tiles in a row.
     pub n_x: usize,
@@ -58,7 +57,7 @@ impl TileGrid {
     pub fn new([width, height]: [u32; 2], side: usize) -> Self {
         assert!(side.is_power_of_two(), "tiles of {side} pixels");
         let across = |pixels: u32| (pixels as usize).div_ceil(side);
-        Self { side, side_log2: side.ilog2(), n_x: across(width), n_y: across(height) }
+        Self { side_log2: side.ilog2(), n_x: across(width), n_y: across(height) }
     }
 
     /// Number of tiles.
@@ -68,7 +67,7 @@ impl TileGrid {
 
     /// The pixel in the upper left corner of a tile.
     pub fn origin(&self, tile_idx: usize) -> [usize; 2] {
-        [tile_idx % self.n_x * self.side, tile_idx / self.n_x * self.side]
+        [tile_idx % self.n_x, tile_idx / self.n_x].map(|tile| tile << self.side_log2)
     }
 
     /// The tiles that have pixel centres within `min ..= max`, given in pixels, or hardly outside; `None` if there are
@@ -78,7 +77,7 @@ impl TileGrid {
         let n_tiles = [self.n_x, self.n_y];
         let mut rect = TileRect { min: [0; 2], max: [0; 2] };
         for axis in 0..2 {
-            let n_pixels = (n_tiles[axis] * self.side) as f32;
+            let n_pixels = (n_tiles[axis] << self.side_log2) as f32;
             let first = nearest(min[axis] - MARGIN, n_pixels);
             let end = nearest(max[axis] + MARGIN, n_pixels);
             if end <= first {

@@ -112,6 +112,11 @@ fn transfer_of(volume: &Volume) -> TransferFunction {
     TransferFunction::new(opacity, color).expect("the ramp rises from finite value to finite value")
 }
 
+/// The values of samples that have one.
+fn finite<T: Sample>(samples: &[T], scaling: Scaling) -> impl Iterator<Item = f64> {
+    samples.iter().map(move |sample| scaling.apply(sample.to_f64())).filter(|v| v.is_finite())
+}
+
 /// How many voxels have which value, without NaN and infinities.
 struct Histogram {
     min: f64,
@@ -128,12 +133,9 @@ impl Histogram {
     }
 
     fn of_samples<T: Sample>(samples: &[T], scaling: Scaling) -> Option<Self> {
-        let finite = |chunk: &[T]| {
-            chunk.iter().map(|s| scaling.apply(s.to_f64())).filter(|v| v.is_finite()).collect()
-        };
-        let chunks = || samples.par_chunks(CHUNK_LEN).map(finite);
-        let extremes = chunks().map(|values: Vec<f64>| {
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &value| {
+        let chunks = || samples.par_chunks(CHUNK_LEN).map(|chunk| finite(chunk, scaling));
+        let extremes = chunks().map(|values| {
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
                 (value.min(min), value.max(max))
             })
         });

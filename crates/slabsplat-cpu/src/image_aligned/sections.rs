@@ -1,12 +1,11 @@
 //! The sections that a slab cuts out of kernels (paper §3.2), splatted.
 
-use crate::blocks::Blocks;
 use crate::by_sheet::{N_AT_ONCE, Run};
 use crate::image_aligned::Slabs;
 use crate::image_aligned::prepare::Kind;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
-use crate::splat::{AnyPolynomial, Footprint, splat, splat_any};
+use crate::splat::{AnyPolynomial, Footprint, splat};
 use crate::tile::Tile;
 use crate::weights::Tilted;
 use fearless_simd::{Simd, f32x4, prelude::*};
@@ -23,7 +22,7 @@ pub(crate) struct SlabCut<'a> {
 }
 
 /// A section that is about to be splatted.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Section {
     footprint: Footprint,
     /// Index units from the voxel to the slab's faces.
@@ -59,9 +58,9 @@ impl<'a> SlabCut<'a> {
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
             let eight = self.prepare(simd, kind, voxels, first, tile);
             for idx in bits(eight.drawn) {
-                let Some(pixels) = tile.open_part(eight.pixels_of(idx)) else { continue };
-                tile.stats.n_splats += 1;
-                sheet.touched.add(Blocks::meeting(&pixels));
+                let pixels = eight.pixels_of(idx);
+                let Some(blocks) = tile.accept(&pixels) else { continue };
+                sheet.touched.add(blocks);
                 let mut color = [0.0; 4];
                 let summed = f32x4::from_slice(simd, &voxels.color(first + idx));
                 (summed * self.shape.gain).store_slice(&mut color);
@@ -112,9 +111,8 @@ impl<'a> SlabCut<'a> {
         coefficients: &[f32; MAX_COEFFICIENTS],
         edge: f32,
     ) {
-        let leans = self.slabs.raster.leans;
-        let polynomial = AnyPolynomial { coefficients, edge };
-        splat_any(simd, sheet, &self.shape, &section.footprint, polynomial, leans);
+        let polynomial = AnyPolynomial { coefficients, edge, leans: self.slabs.raster.leans };
+        polynomial.splat(simd, sheet, &self.shape, &section.footprint);
     }
 }
 
