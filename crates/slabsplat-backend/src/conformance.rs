@@ -41,7 +41,8 @@ fn empty_plan_gives_background(backend: &mut dyn Backend) {
 fn one_voxel_is_a_round_spot(backend: &mut dyn Backend) {
     for method in methods(backend) {
         for &compositing in Compositing::ALL {
-            let scene = scene(method, compositing);
+            let mut scene = scene(method, compositing);
+            scene.settings.tolerance = 0.0;
             let volume = volume([1, 1, 1]);
             let image = render(backend, &volume, &scene).image;
             let side = image.width();

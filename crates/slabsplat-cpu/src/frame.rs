@@ -66,10 +66,16 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     match &plan.splats {
         Splats::Densities { .. } => unreachable!("bug: densities have no colours to be splatted"),
         Splats::Sections { slabs, table, fewer } => {
-            let (polynomials, folded) = polynomials.of_sections(table, fewer.as_ref());
-            let fewer = fewer.as_ref().zip(folded).map(|(fewer, polynomials)| {
-                image_aligned::Fewer { levels: &fewer.levels, table: &fewer.table, polynomials }
+            let of_sections = polynomials.of_sections(table, fewer.as_ref());
+            let fewer = fewer.as_ref().zip(of_sections.fewer);
+            let fewer = fewer.map(|(fewer, (polynomials, products))| image_aligned::Fewer {
+                tolerance: fewer.tolerance,
+                levels: &fewer.levels,
+                table: &fewer.table,
+                polynomials,
+                products,
             });
+            let polynomials = of_sections.all;
             let job = image_aligned::Job { stage: &stage, slabs, table, polynomials, fewer };
             let buffers = &mut buffers.image_aligned;
             n_hidden = image_aligned::render(&job, tiles, buffers, workspaces, &mut watch);

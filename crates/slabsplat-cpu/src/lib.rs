@@ -18,7 +18,8 @@
 //! # Reading order
 //!
 //! `frame`, `relevant`, `polynomials`, `raster`, `voxel`, `stopwatch`; `image_aligned`, `whole` with `axis_aligned` and
-//! `every_sample`; `tiles`, `tile`, `blocks`, `by_sheet`, `workspace`; `sheet`, `quad`, `weights`, `splat`, `composite`.
+//! `every_sample`; `tiles`, `tile`, `blocks`, `by_sheet`, `workspace`; `sheet`, `quad`, `weights`, `splat`, `knots`,
+//! `composite`.
 //! `post_classified` is a frame of its own, with sheets of densities.
 //!
 //! ```
@@ -44,6 +45,7 @@ mod whole;
 mod blocks;
 mod by_sheet;
 mod composite;
+mod knots;
 mod quad;
 mod sheet;
 mod splat;

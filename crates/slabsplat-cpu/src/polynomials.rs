@@ -1,7 +1,7 @@
 //! The polynomials of the last plan's tables, kept for the next one.
 
 use slabsplat_backend::FewerSections;
-use slabsplat_kernel::{FootprintTable, RadialPolynomials, SectionTable};
+use slabsplat_kernel::{FootprintTable, RadialPolynomials, SectionProducts, SectionTable};
 use std::sync::Arc;
 
 /// What is kept between frames; nothing before the first.
@@ -10,6 +10,13 @@ pub(crate) struct Polynomials {
     sections: Kept<SectionTable>,
     folded: Kept<SectionTable>,
     footprint: Kept<FootprintTable>,
+    products: Option<([Arc<SectionTable>; 2], SectionProducts)>,
+}
+
+/// What stands for a plan's sections, and for the folded ones.
+pub(crate) struct OfSections<'a> {
+    pub(crate) all: &'a RadialPolynomials,
+    pub(crate) fewer: Option<(&'a RadialPolynomials, &'a SectionProducts)>,
 }
 
 /// What polynomials were made of: a table, and the error that was allowed.
@@ -24,11 +31,15 @@ impl Polynomials {
         &mut self,
         table: &Arc<SectionTable>,
         fewer: Option<&FewerSections>,
-    ) -> (&RadialPolynomials, Option<&RadialPolynomials>) {
+    ) -> OfSections<'_> {
         let max_error = fewer.map_or(0.0, |fewer| SHARE_OF_TOLERANCE * fewer.tolerance);
         let make = RadialPolynomials::of_sections;
-        let sections = keep(&mut self.sections, table, max_error, make);
-        (sections, fewer.map(|fewer| keep(&mut self.folded, &fewer.table, max_error, make)))
+        let all = keep(&mut self.sections, table, max_error, make);
+        let fewer = fewer.map(|fewer| {
+            let folded = keep(&mut self.folded, &fewer.table, max_error, make);
+            (folded, keep_products(&mut self.products, [table, &fewer.table]))
+        });
+        OfSections { all, fewer }
     }
 
     pub(crate) fn of_footprint(&mut self, table: &Arc<FootprintTable>) -> &RadialPolynomials {
@@ -48,4 +59,16 @@ fn keep<'a, T>(
         *kept = None;
     }
     &kept.get_or_insert_with(|| (table.clone(), max_error, make(table, max_error))).2
+}
+
+fn keep_products<'a>(
+    kept: &'a mut Option<([Arc<SectionTable>; 2], SectionProducts)>,
+    tables: [&Arc<SectionTable>; 2],
+) -> &'a SectionProducts {
+    let same = |of: &[Arc<SectionTable>; 2]| of.iter().zip(tables).all(|(a, b)| Arc::ptr_eq(a, b));
+    if !kept.as_ref().is_some_and(|(of, _)| same(of)) {
+        *kept = None;
+    }
+    let [sections, folded] = tables;
+    &kept.get_or_insert_with(|| (tables.map(Arc::clone), SectionProducts::new(sections, folded))).1
 }

@@ -15,13 +15,19 @@ pub(crate) type Pixels = [Row; TILE_SIDE];
 #[derive(Debug)]
 pub(crate) struct Sheet {
     pub(crate) sums: Box<Pixels>,
-    /// Where any of them may differ from 0.
+    /// Where any of them may differ from 0, once knots are gathered.
     pub(crate) touched: Blocks,
+    /// Sums of products that are yet to be gathered (`knots.rs`); 0 between slabs.
+    pub(crate) knots: Vec<Row>,
 }
 
 impl Default for Sheet {
     fn default() -> Self {
-        Self { sums: Box::new([[Quad::ZERO; TILE_SIDE / QUAD]; TILE_SIDE]), touched: Blocks::NONE }
+        Self {
+            sums: Box::new([[Quad::ZERO; TILE_SIDE / QUAD]; TILE_SIDE]),
+            touched: Blocks::NONE,
+            knots: Vec::new(),
+        }
     }
 }
 

@@ -136,7 +136,8 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
         for opacity in [0.001, 0.004, 0.006, 0.01, 0.02] {
             let difference =
                 of_tolerance(opacity, 0.05).max_difference(&of_tolerance(opacity, 0.0));
-            assert!(difference < 1e-3, "{n_slices} slices, {opacity}: {difference}");
+            // Lost voxels make 1e-2; at the volume's corners products are off by a tenth of that.
+            assert!(difference < 2e-3, "{n_slices} slices, {opacity}: {difference}");
         }
     }
 }

@@ -12,7 +12,7 @@
 //! # Reading order
 //!
 //! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`, `section_levels`; `section_table`,
-//! `cubic_section_table`, `footprint_table`, `radial_polynomials`; `footprint_shape`.
+//! `cubic_section_table`, `footprint_table`, `radial_polynomials`, `section_products`; `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -47,6 +47,7 @@ mod section_levels;
 mod cubic_section_table;
 mod footprint_table;
 mod radial_polynomials;
+mod section_products;
 mod section_table;
 
 mod footprint_shape;
@@ -60,4 +61,5 @@ pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
 pub use radial_polynomials::{MAX_COEFFICIENTS, RadialPolynomials};
 pub use section::SectionDesc;
 pub use section_levels::{LevelView, SectionLevels, SlabCuts};
+pub use section_products::SectionProducts;
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};

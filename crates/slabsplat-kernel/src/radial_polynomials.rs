@@ -48,6 +48,11 @@ impl RadialPolynomials {
         Self::of_rows(&[table.row()], max_error)
     }
 
+    /// Fits one row over the whole disc by powers up to the seventh.
+    pub(crate) fn short(row: &[f32]) -> [f32; MAX_COEFFICIENTS] {
+        Basis::new().fit(row, 1.0, COEFFICIENT_COUNTS[0]).0
+    }
+
     fn of_rows(rows: &[&[f32]], max_error: f64) -> Self {
         let discs: Vec<f64> = rows.iter().map(|row| disc_of(row)).collect();
         let basis = Basis::new();
@@ -89,9 +94,13 @@ impl RadialPolynomials {
     /// The weight that a row has at `x`.
     pub fn weight(&self, row_idx: usize, x: f32) -> f32 {
         let (powers, root) = self.rows[row_idx].split_at(MAX_COEFFICIENTS - 1);
-        let polynomial = powers.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient);
-        polynomial + root[0] * (1.0 - x).max(0.0).sqrt()
+        polynomial(powers, x) + root[0] * (1.0 - x).max(0.0).sqrt()
     }
+}
+
+/// `c₀ + c₁·x + …`.
+pub(crate) fn polynomial(coefficients: &[f32], x: f32) -> f32 {
+    coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
 /// Where a row's disc ends, as a part of `R²`: rows begin at the edge, with a 0 for every place outside of it.

@@ -6,6 +6,7 @@ use crate::image_aligned::Slabs;
 use crate::image_aligned::intake::Intake;
 use crate::image_aligned::sections::SlabCut;
 use crate::image_aligned::span::{N_CLASSES, Span};
+use crate::knots;
 use crate::sheet::Sheet;
 use crate::tile::Tile;
 use crate::tiles::Tiles;
@@ -29,8 +30,7 @@ pub(crate) fn through(
         let Workspace { voxels, sheet } = workspace;
         let runs = std::iter::once(tile.pending.as_slice()).chain(intake.on_tile(tile_idx));
         voxels.sort(N_CLASSES, runs, |voxel| {
-            let span = Span::from_bits(voxel.sheets);
-            (span.class(), span.first())
+            (slabs.class_of(voxel), Span::from_bits(voxel.sheets).first())
         });
         dispatch!(stage.level, simd => advance(simd, stage, slabs, &range, tile, voxels, sheet));
         tile.keep_waiting(slabs, voxels, range.end);
@@ -51,6 +51,7 @@ fn advance<S: Simd>(
     if starts.is_empty() {
         return;
     }
+    knots::grow(&mut sheet.knots, slabs.shapes.n_knot_rows());
     let first = starts.start.max(range.start).max(slabs.first_drawn);
     for slab in first..range.end.min(starts.end + slabs.n_before) {
         let cut = SlabCut::new(slabs, slab);
@@ -58,6 +59,7 @@ fn advance<S: Simd>(
             let first = slab.saturating_sub(slabs.n_before(class));
             cut.splat(simd, class, voxels.starting_in(class, first..slab + 1), tile, sheet);
         }
+        cut.gather(simd, sheet);
         tile.put_behind(simd, stage.plan.compositing, sheet, stage.plan.opacity_cutoff);
         if tile.is_full() {
             break;

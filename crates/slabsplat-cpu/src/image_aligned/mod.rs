@@ -10,17 +10,19 @@
 //! that bucket and from those of the few slabs before it, as far as a kernel reaches; so the work is
 //! linear in sections, and a voxel is stored once a tile instead of once a section.
 //!
-//! Reading order: `slab_shapes`, `span`, `occlusion`, `intake`, `prepare`, `sections`, `advance`.
+//! Reading order: `slab_shapes`, `span`, `occlusion`, `intake`, `prepare`, `sections`, `products`, `advance`.
 
 mod advance;
 mod intake;
 mod occlusion;
 mod prepare;
+mod products;
 mod sections;
 mod slab_shapes;
 mod span;
 
 use crate::frame::Stage;
+use crate::knots;
 use crate::raster::{PixelShape, Raster};
 use crate::stopwatch::Stopwatch;
 use crate::tiles::Tiles;
@@ -30,7 +32,7 @@ use occlusion::Occlusion;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
 use slabsplat_core::SlabGrid;
-use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionTable};
+use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionProducts, SectionTable};
 use slabsplat_traverse::Brick;
 
 pub(crate) use span::Span;
@@ -38,6 +40,9 @@ pub(crate) use span::Span;
 /// How thick a range of slabs is, in voxel steps: some three bricks. Thinner, and most voxels would wait for another
 /// range; thicker, and more is taken in that turns out to be hidden.
 const RANGE_THICKNESS: f64 = 32.0;
+
+/// The part of the tolerance by which a section may be off that is drawn as a product.
+const SHARE_OF_PRODUCTS: f64 = 1.0 / 6.0;
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
@@ -68,6 +73,8 @@ pub(crate) struct Slabs<'a> {
     /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
     /// thick meets up to ⌈k⌉ + 1 of them.
     n_before: usize,
+    /// Voxels of no more extinction may be drawn as products.
+    most_of_products: f32,
 }
 
 /// What is drawn, and how.
@@ -82,9 +89,20 @@ pub(crate) struct Job<'a> {
 /// What is needed to draw fewer sections than there are.
 #[derive(Clone, Copy)]
 pub(crate) struct Fewer<'a> {
+    pub(crate) tolerance: f64,
     pub(crate) levels: &'a SectionLevels,
     pub(crate) table: &'a SectionTable,
     pub(crate) polynomials: &'a RadialPolynomials,
+    pub(crate) products: &'a SectionProducts,
+}
+
+impl Fewer<'_> {
+    /// The most extinction of a voxel whose sections may be drawn as products.
+    fn most_of_products(&self) -> f32 {
+        let peak = f64::from(self.products.whole()) * self.products.profile_at(0.0).powi(2);
+        let error = self.products.error() + knots::WORST_ERROR * peak;
+        (SHARE_OF_PRODUCTS * self.tolerance / error) as f32
+    }
 }
 
 /// Renders into empty tiles; returns how many voxels were never tossed, being hidden.
@@ -97,7 +115,8 @@ pub(crate) fn render(
 ) -> u64 {
     let Buffers { shapes, intake, bricks } = buffers;
     let stage = job.stage;
-    shapes.update(&stage.raster, &stage.plan.view, job.slabs);
+    let products = job.fewer.map(|fewer| fewer.products);
+    shapes.update(&stage.raster, &stage.plan.view, job.slabs, products);
     let slabs = Slabs::new(job, shapes);
     let slabs_per_range = slabs.per_range(stage.plan.volume.grid().unit());
     sort_bricks(stage, &slabs, slabs_per_range, bricks);
@@ -152,7 +171,6 @@ impl<'a> Slabs<'a> {
         let mut slabs = 0..grid.n_slabs();
         Self {
             grid,
-
             raster,
             table,
             polynomials,
@@ -164,6 +182,7 @@ impl<'a> Slabs<'a> {
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
+            most_of_products: fewer.map_or(f32::NEG_INFINITY, |fewer| fewer.most_of_products()),
         }
     }
 

@@ -81,13 +81,7 @@ impl SlabCut<'_> {
                 disc_squared.max(f32x8::splat(simd, 0.0)).sqrt()
             }
         };
-        let origin = tile.origin.map(|pixel| pixel as f32);
-        let [x, y] = slabs.raster.center();
-        let centers = [
-            right.mul_add(f32x8::splat(simd, self.shape.scale), f32x8::splat(simd, x - origin[0])),
-            up.mul_add(f32x8::splat(simd, -self.shape.scale), f32x8::splat(simd, y - origin[1])),
-        ];
-        for (axis, center) in centers.into_iter().enumerate() {
+        for (axis, center) in self.centers_of(simd, right, up, tile).into_iter().enumerate() {
             let half = rho_max * f32x8::splat(simd, self.shape.half_extent[axis])
                 + f32x8::splat(simd, MARGIN);
             let (first, end) = (pixel(simd, center - half), pixel(simd, center + half));
@@ -99,10 +93,27 @@ impl SlabCut<'_> {
         Eight { drawn, ..eight }
     }
 
+    /// The centres of footprints, in pixels from the tile's upper left corner.
+    #[inline(always)]
+    pub(crate) fn centers_of<S: Simd>(
+        &self,
+        simd: S,
+        right: f32x8<S>,
+        up: f32x8<S>,
+        tile: &Tile,
+    ) -> [f32x8<S>; 2] {
+        let origin = tile.origin.map(|pixel| pixel as f32);
+        let [x, y] = self.slabs.raster.center();
+        [
+            right.mul_add(f32x8::splat(simd, self.shape.scale), f32x8::splat(simd, x - origin[0])),
+            up.mul_add(f32x8::splat(simd, -self.shape.scale), f32x8::splat(simd, y - origin[1])),
+        ]
+    }
+
     /// Index units from voxels to the faces that cut them; whether others were spared; whether they are drawn in
     /// this slab.
     #[inline(always)]
-    fn faces_of<S: Simd>(
+    pub(crate) fn faces_of<S: Simd>(
         &self,
         simd: S,
         depth: f32x8<S>,
@@ -129,7 +140,7 @@ impl SlabCut<'_> {
 impl Slabs<'_> {
     /// Where sections are in their tables, in rows.
     #[inline(always)]
-    fn rows_of<S: Simd>(
+    pub(crate) fn rows_of<S: Simd>(
         &self,
         simd: S,
         front: f32x8<S>,
@@ -178,13 +189,13 @@ impl Eight {
 
 /// By how many pixels boxes are wider than footprints: what lies right on an edge is left to the weights, or it would count
 /// on one side and not on the other.
-const MARGIN: f32 = 1.0 / 1024.0;
+pub(crate) const MARGIN: f32 = 1.0 / 1024.0;
 
 /// The pixel of a tile whose centre is the first behind each coordinate. NaN gives 0.
 ///
 /// Adding 2²³ rounds to whole numbers and leaves them in the low bits.
 #[inline(always)]
-fn pixel<S: Simd>(simd: S, at: f32x8<S>) -> u32x8<S> {
+pub(crate) fn pixel<S: Simd>(simd: S, at: f32x8<S>) -> u32x8<S> {
     let inside = at.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, TILE_SIDE as f32));
     let rounded: u32x8<S> = (inside + f32x8::splat(simd, 8_388_608.0)).bitcast();
     rounded & u32x8::splat(simd, 0xff)

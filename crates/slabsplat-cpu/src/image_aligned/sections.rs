@@ -3,6 +3,7 @@
 use crate::by_sheet::{N_AT_ONCE, Run};
 use crate::image_aligned::Slabs;
 use crate::image_aligned::prepare::Kind;
+use crate::knots::RowSpline;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::splat::{AnyPolynomial, Footprint, splat};
@@ -17,6 +18,8 @@ pub(crate) struct SlabCut<'a> {
     pub(crate) slab: usize,
     /// The footprint of its sections.
     pub(crate) shape: PixelShape,
+    /// How products are splatted, if they are.
+    pub(crate) spline: Option<&'a RowSpline>,
     /// Depths of its faces.
     pub(crate) faces: [f32; 2],
 }
@@ -37,7 +40,8 @@ struct Section {
 impl<'a> SlabCut<'a> {
     pub(crate) fn new(slabs: &'a Slabs<'a>, slab: usize) -> Self {
         let faces = slabs.grid.faces(slab).map(|face| face as f32);
-        Self { slabs, slab, shape: slabs.shape(slab), faces }
+        let spline = slabs.shapes.spline(slab);
+        Self { slabs, slab, shape: slabs.shape(slab), spline, faces }
     }
 
     /// Adds the sections of voxels of one class to the sheet.
@@ -50,11 +54,32 @@ impl<'a> SlabCut<'a> {
         tile: &mut Tile,
         sheet: &mut Sheet,
     ) {
-        let kind = match (class, self.slabs.fewer) {
-            (0, Some(_)) => Kind::Whole,
-            _ if self.slabs.raster.is_tilted => Kind::Tilted,
-            _ => Kind::Upright,
-        };
+        let kind = self.slabs.kind_of(class);
+        match (self.slabs.fewer, self.spline) {
+            (Some(fewer), Some(spline)) if self.slabs.may_be_products(class) => {
+                self.splat_products(simd, kind, fewer.products, spline, voxels, tile, sheet);
+            }
+            _ => self.splat_each(simd, kind, voxels, tile, sheet),
+        }
+    }
+
+    /// Adds what products left in the knots to the sheet's pixels.
+    #[inline(always)]
+    pub(crate) fn gather<S: Simd>(&self, simd: S, sheet: &mut Sheet) {
+        if let Some(spline) = self.spline {
+            spline.gather(simd, sheet);
+        }
+    }
+
+    #[inline(always)]
+    fn splat_each<S: Simd>(
+        &self,
+        simd: S,
+        kind: Kind,
+        voxels: Run<'_>,
+        tile: &mut Tile,
+        sheet: &mut Sheet,
+    ) {
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
             let eight = self.prepare(simd, kind, voxels, first, tile);
             for idx in bits(eight.drawn) {
@@ -138,7 +163,7 @@ fn blended<S: Simd>(
 
 /// The places of the bits that are set.
 #[inline(always)]
-fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let place = mask.trailing_zeros() as usize;
         mask &= mask.checked_sub(1)?;

@@ -1,13 +1,17 @@
 //! The footprint of every slab: sections are projected at their slab's middle depth (paper §3.2, end).
 
+use crate::knots::RowSpline;
 use crate::raster::{PixelShape, Raster};
 use slabsplat_core::{SlabGrid, View};
+use slabsplat_kernel::SectionProducts;
 
 /// What a frame's slabs look like; made once a frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SlabShapes {
     /// One for each slab, or a single one if they are all alike; none if there are too many.
     shapes: Vec<PixelShape>,
+    /// How products are splatted there; as many as shapes, or none.
+    splines: Vec<Option<RowSpline>>,
 }
 
 /// Most slabs whose shapes are kept: half a megabyte.
@@ -15,7 +19,13 @@ const MAX_KEPT: usize = 1 << 13;
 
 impl SlabShapes {
     /// Makes them those of a frame.
-    pub(crate) fn update(&mut self, raster: &Raster, view: &View, slabs: &SlabGrid) {
+    pub(crate) fn update(
+        &mut self,
+        raster: &Raster,
+        view: &View,
+        slabs: &SlabGrid,
+        products: Option<&SectionProducts>,
+    ) {
         let n_shapes = match slabs.n_slabs() {
             n_slabs if !view.is_perspective() => n_slabs.min(1),
             n_slabs if n_slabs <= MAX_KEPT => n_slabs,
@@ -23,6 +33,10 @@ impl SlabShapes {
         };
         self.shapes.clear();
         self.shapes.extend((0..n_shapes).map(|slab| raster.shape_at(slabs.middle(slab))));
+        self.splines.clear();
+        if let (Some(products), false, false) = (products, raster.leans, raster.is_tilted) {
+            self.splines.extend(self.shapes.iter().map(|shape| RowSpline::new(shape, products)));
+        }
     }
 
     /// The footprint of all slabs, if they have the same.
@@ -32,6 +46,18 @@ impl SlabShapes {
             [only] => Some(only),
             _ => None,
         }
+    }
+
+    /// How products are splatted in a slab, if they are.
+    #[inline]
+    pub(crate) fn spline(&self, slab: usize) -> Option<&RowSpline> {
+        let idx = if self.splines.len() == 1 { 0 } else { slab };
+        self.splines.get(idx)?.as_ref()
+    }
+
+    /// Most rows of knots that any slab has on a tile.
+    pub(crate) fn n_knot_rows(&self) -> usize {
+        self.splines.iter().flatten().map(RowSpline::n_rows).max().unwrap_or(0)
     }
 
     /// The footprint of a slab; of no meaning for one that is not drawn.

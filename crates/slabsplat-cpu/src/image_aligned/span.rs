@@ -2,6 +2,8 @@
 
 use crate::by_sheet::N_AT_ONCE;
 use crate::image_aligned::Slabs;
+use crate::image_aligned::prepare::Kind;
+use crate::voxel::Voxel;
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 
 /// The first slab of a voxel, and how many more there are; in the 32 bits that a voxel has for it.
@@ -13,8 +15,12 @@ const BITS: u32 = 10;
 
 const ALL: u32 = (1 << BITS) - 1;
 
-/// By how many slabs voxels are held apart: one slab, up to three, more.
-pub(crate) const N_CLASSES: usize = 3;
+/// Classes of spans: one slab, up to three, more.
+const N_SPAN_CLASSES: usize = 3;
+
+/// Voxels of a class are drawn alike and wait for equally many slabs. First those that may be drawn as products, by their
+/// spans, then the others.
+pub(crate) const N_CLASSES: usize = 2 * N_SPAN_CLASSES;
 
 impl Span {
     /// That many slabs or more, or a voxel that has all its sections: what slabs cut is then found by their faces.
@@ -36,9 +42,8 @@ impl Span {
         [spans >> BITS, spans & u32x8::splat(simd, ALL)]
     }
 
-    /// Voxels of a class wait for equally many slabs; see [`Slabs::n_before`].
     #[inline(always)]
-    pub(crate) fn class(self) -> usize {
+    fn class(self) -> usize {
         match self.0 & ALL {
             0 => 0,
             1..=2 => 1,
@@ -85,8 +90,28 @@ impl Slabs<'_> {
         (first << BITS | n_more).into()
     }
 
+    #[inline(always)]
+    pub(crate) fn class_of(&self, voxel: &Voxel) -> usize {
+        let span = Span::from_bits(voxel.sheets).class();
+        if voxel.color[3] <= self.most_of_products { span } else { N_SPAN_CLASSES + span }
+    }
+
+    /// Whether voxels of a class may be drawn as products.
+    pub(crate) fn may_be_products(&self, class: usize) -> bool {
+        class < N_SPAN_CLASSES
+    }
+
+    /// What the sections of a class are like.
+    pub(crate) fn kind_of(&self, class: usize) -> Kind {
+        match (class % N_SPAN_CLASSES, self.fewer) {
+            (0, Some(_)) => Kind::Whole,
+            _ if self.raster.is_tilted => Kind::Tilted,
+            _ => Kind::Upright,
+        }
+    }
+
     /// How many slabs before a slab the voxels of a class may start that are drawn in it.
     pub(crate) fn n_before(&self, class: usize) -> usize {
-        [0, 2, self.n_before][class].min(self.n_before)
+        [0, 2, self.n_before][class % N_SPAN_CLASSES].min(self.n_before)
     }
 }
