@@ -26,7 +26,7 @@ fn render_slices<S: Simd>(
     stage: &Stage<'_>,
     whole: &Whole<'_>,
     tile: &mut Tile,
-    Workspace { voxels, sheet }: &mut Workspace,
+    Workspace { voxels, sheet, .. }: &mut Workspace,
 ) {
     let slices = voxels.sheets();
     for slice in slices.clone() {

@@ -32,6 +32,10 @@ impl Default for Sheet {
 }
 
 impl Sheet {
+    pub(crate) fn resident_bytes(&self) -> usize {
+        size_of::<Pixels>() + self.knots.capacity() * size_of::<Row>()
+    }
+
     /// Rows, to be added to; what that touches must be told to `touched`.
     #[inline(always)]
     pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [Row] {

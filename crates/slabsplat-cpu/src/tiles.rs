@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use slabsplat_backend::FrameStats;
 use slabsplat_core::Image;
 use slabsplat_traverse::TileGrid;
-use std::sync::{Mutex, PoisonError};
 
 /// All tiles of an image, row by row.
 #[derive(Debug)]
@@ -40,12 +39,10 @@ impl Tiles {
         workspaces: &mut Workspaces,
         work: impl Fn(usize, &mut Tile, &mut Workspace) + Sync,
     ) {
-        workspaces.0.resize_with(rayon::current_num_threads(), Mutex::default);
+        let workspaces = workspaces.for_all_threads();
         let tiles = self.tiles.par_iter_mut().enumerate().with_max_len(1);
         tiles.for_each(|(tile_idx, tile)| {
-            let thread = rayon::current_thread_index().unwrap_or(0);
-            let workspace = workspaces.0[thread].lock();
-            work(tile_idx, tile, &mut workspace.unwrap_or_else(PoisonError::into_inner));
+            work(tile_idx, tile, &mut workspaces.of_this_thread());
         });
     }
 

@@ -1,12 +1,15 @@
 //! What a thread works with, kept from tile to tile and from frame to frame.
 
 use crate::by_sheet::BySheet;
+use crate::image_aligned::Scratch;
 use crate::sheet::Sheet;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What a thread needs for a tile.
+/// What a thread needs.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
+    /// For bricks.
+    pub(crate) scratch: Scratch,
     /// Voxels of a tile.
     pub(crate) voxels: BySheet,
     /// Empty between tiles.
@@ -15,15 +18,27 @@ pub(crate) struct Workspace {
 
 impl Workspace {
     fn resident_bytes(&self) -> usize {
-        self.voxels.resident_bytes()
+        self.scratch.resident_bytes() + self.voxels.resident_bytes() + self.sheet.resident_bytes()
     }
 }
 
 /// One for every thread, so that no lock is ever waited for.
 #[derive(Debug, Default)]
-pub(crate) struct Workspaces(pub(crate) Vec<Mutex<Workspace>>);
+pub(crate) struct Workspaces(Vec<Mutex<Workspace>>);
 
 impl Workspaces {
+    /// Makes sure that there is one for every thread.
+    pub(crate) fn for_all_threads(&mut self) -> &Self {
+        self.0.resize_with(rayon::current_num_threads(), Mutex::default);
+        self
+    }
+
+    /// The workspace of the thread that asks.
+    pub(crate) fn of_this_thread(&self) -> MutexGuard<'_, Workspace> {
+        let thread = rayon::current_thread_index().unwrap_or(0);
+        self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     pub(crate) fn resident_bytes(&self) -> usize {
         let bytes = |workspace: &Mutex<Workspace>| {
             workspace.lock().map_or(0, |workspace| Workspace::resident_bytes(&workspace))

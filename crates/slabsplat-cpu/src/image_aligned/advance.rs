@@ -27,7 +27,7 @@ pub(crate) fn through(
         if tile.is_full() {
             return;
         }
-        let Workspace { voxels, sheet } = workspace;
+        let Workspace { voxels, sheet, .. } = workspace;
         let runs = std::iter::once(tile.pending.as_slice()).chain(intake.on_tile(tile_idx));
         voxels.sort(N_CLASSES, runs, |voxel| {
             (slabs.class_of(voxel), Span::from_bits(voxel.sheets).first())

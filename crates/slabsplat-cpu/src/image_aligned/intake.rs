@@ -9,6 +9,7 @@ use crate::frame::Stage;
 use crate::image_aligned::Slabs;
 use crate::image_aligned::occlusion::{Occlusion, Seen};
 use crate::voxel::Voxel;
+use crate::workspace::Workspaces;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_traverse::{Brick, BrickBounds, TileGrid, TileRect, TileToss, VoxelRecord};
@@ -19,16 +20,16 @@ const BRICKS_PER_TASK: usize = 32;
 /// The voxels of a range, by tile.
 #[derive(Debug, Default)]
 pub(crate) struct Intake {
-    tasks: Vec<Task>,
+    tasks: Vec<TileToss<Voxel>>,
     n_tasks: usize,
 }
 
+/// What a thread needs to take bricks in.
 #[derive(Debug, Default)]
-struct Task {
+pub(crate) struct Scratch {
+    /// Of one task.
     voxels: Vec<Voxel>,
     rects: Vec<TileRect>,
-    toss: TileToss<Voxel>,
-    n_hidden: u64,
     /// Of one brick.
     points: Vec<[f32; 3]>,
     records: Vec<VoxelRecord>,
@@ -45,45 +46,45 @@ impl Intake {
         tiles: &TileGrid,
         occlusion: &Occlusion,
         bricks: &[(u32, u32)],
+        workspaces: &mut Workspaces,
     ) -> u64 {
         self.n_tasks = bricks.len().div_ceil(BRICKS_PER_TASK);
         if self.tasks.len() < self.n_tasks {
-            self.tasks.resize_with(self.n_tasks, Task::default);
+            self.tasks.resize_with(self.n_tasks, TileToss::default);
         }
+        let workspaces = workspaces.for_all_threads();
         let tasks = self.tasks[..self.n_tasks].par_iter_mut();
         let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
-        work.map(|(task, bricks)| {
-            task.clear();
+        work.map(|(toss, bricks)| {
+            let mut workspace = workspaces.of_this_thread();
+            let scratch = &mut workspace.scratch;
+            scratch.voxels.clear();
+            scratch.rects.clear();
+            let mut n_hidden = 0;
             dispatch!(stage.level, simd => {
                 for &(_, place) in bricks {
                     let brick = &stage.list.bricks()[place as usize];
-                    task.take_brick(simd, stage, slabs, tiles, occlusion, brick);
+                    n_hidden += scratch.take_brick(simd, stage, slabs, tiles, occlusion, brick);
                 }
             });
-            let Task { toss, rects, voxels, .. } = task;
-            toss.toss(tiles, rects, |place| voxels[place]);
-            task.n_hidden
+            toss.toss(tiles, &scratch.rects, |place| scratch.voxels[place]);
+            n_hidden
         })
         .sum()
     }
 
     /// The voxels on a tile, in runs, in the order of the list.
     pub(crate) fn on_tile(&self, tile_idx: usize) -> impl Iterator<Item = &[Voxel]> + Clone {
-        self.tasks[..self.n_tasks].iter().map(move |task| task.toss.on_tile(tile_idx))
+        self.tasks[..self.n_tasks].iter().map(move |toss| toss.on_tile(tile_idx))
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.tasks.iter().map(Task::resident_bytes).sum()
+        self.tasks.iter().map(TileToss::resident_bytes).sum()
     }
 }
 
-impl Task {
-    fn clear(&mut self) {
-        self.voxels.clear();
-        self.rects.clear();
-        self.n_hidden = 0;
-    }
-
+impl Scratch {
+    /// Adds a brick's voxels, projected and shaded; returns how many were left out.
     #[inline(always)]
     fn take_brick<S: Simd>(
         &mut self,
@@ -93,13 +94,12 @@ impl Task {
         tiles: &TileGrid,
         occlusion: &Occlusion,
         brick: &Brick,
-    ) {
+    ) -> u64 {
         let records = stage.list.voxels_of(brick);
         let bounds = slabs.bounds_of_brick(&stage.bricks.bounds(brick));
         let seen = bounds.map_or(Seen::Not, |[min, max]| occlusion.shows(min, max));
         if seen == Seen::Not {
-            self.n_hidden += records.len() as u64;
-            return;
+            return records.len() as u64;
         }
         self.points.resize(records.len(), [0.0; 3]);
         stage.bricks.project_brick(brick, records, &mut self.points);
@@ -115,7 +115,6 @@ impl Task {
             self.records.push(*record);
             self.voxels.push(Voxel { point, ..Voxel::default() });
         }
-        self.n_hidden += (records.len() - self.records.len()) as u64;
         self.colors.resize(self.records.len(), [0.0; 4]);
         stage.shader.shade_brick(brick, &self.records, &mut self.colors);
         let new = self.voxels[first..].chunks_mut(N_AT_ONCE);
@@ -128,12 +127,11 @@ impl Task {
             let spans = slabs.spans(simd, &depths, &extinctions);
             voxels.iter_mut().zip(spans).for_each(|(voxel, span)| voxel.sheets = span);
         }
+        (records.len() - self.records.len()) as u64
     }
 
-    fn resident_bytes(&self) -> usize {
-        self.voxels.capacity() * size_of::<Voxel>()
-            + self.rects.capacity() * size_of::<TileRect>()
-            + self.toss.resident_bytes()
+    pub(crate) fn resident_bytes(&self) -> usize {
+        self.voxels.capacity() * size_of::<Voxel>() + self.rects.capacity() * size_of::<TileRect>()
     }
 }
 

@@ -35,6 +35,7 @@ use slabsplat_core::SlabGrid;
 use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionProducts, SectionTable};
 use slabsplat_traverse::Brick;
 
+pub(crate) use intake::Scratch;
 pub(crate) use span::Span;
 
 /// How thick a range of slabs is, in voxel steps: some three bricks. Thinner, and most voxels would wait for another
@@ -125,7 +126,7 @@ pub(crate) fn render(
     let (mut n_hidden, mut start, mut rest) = (0, 0, bricks.as_slice());
     while let Some(&(range, _)) = rest.first() {
         let (here, behind) = rest.split_at(rest.partition_point(|brick| brick.0 == range));
-        n_hidden += intake.take(stage, &slabs, &tiles.grid, &occlusion, here);
+        n_hidden += intake.take(stage, &slabs, &tiles.grid, &occlusion, here, workspaces);
         watch.done("intake");
         // The last range goes on until no voxel is left that was taken in.
         let end =
