@@ -1,6 +1,7 @@
 //! The second level of the toss (paper §7): a tile's voxels by the sheet that each goes to first.
 
 use crate::voxel::Voxel;
+use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use std::ops::Range;
 
 /// Voxels sorted by class and sheet; equals keep their order. The voxels themselves are sorted, not their places: they
@@ -11,9 +12,7 @@ pub(crate) struct BySheet {
     sheets: Range<usize>,
     /// Where the voxels of each class and sheet start, and where the last ones end.
     starts: Vec<u32>,
-    points: [Vec<f32>; 3],
-    spans: Vec<u32>,
-    colors: Vec<[f32; 4]>,
+    voxels: Vec<Voxel>,
 }
 
 /// Some of the voxels, one after the other.
@@ -68,29 +67,21 @@ impl BySheet {
         runs: impl Iterator<Item = &'a [Voxel]>,
         bucket_of: impl Fn(&Voxel) -> usize,
     ) {
-        let [rights, ups, depths] = self.points.each_mut().map(Vec::as_mut_slice);
-        let (spans, colors) = (self.spans.as_mut_slice(), self.colors.as_mut_slice());
+        let sorted = self.voxels.as_mut_slice();
         let starts = self.starts.as_mut_slice();
         for run in runs {
             for voxel in run {
                 let next = &mut starts[bucket_of(voxel) + 1];
                 let place = *next as usize;
                 *next += 1;
-                let [right, up, depth] = voxel.point;
-                rights[place] = right;
-                ups[place] = up;
-                depths[place] = depth;
-                spans[place] = voxel.sheets;
-                colors[place] = voxel.color;
+                sorted[place] = *voxel;
             }
         }
     }
 
     fn make_room(&mut self, n_voxels: usize) {
-        if self.spans.len() < n_voxels {
-            self.points.iter_mut().for_each(|components| components.resize(n_voxels, 0.0));
-            self.spans.resize(n_voxels, 0);
-            self.colors.resize(n_voxels, [0.0; 4]);
+        if self.voxels.len() < n_voxels {
+            self.voxels.resize(n_voxels, Voxel::default());
         }
     }
 
@@ -100,7 +91,7 @@ impl BySheet {
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.spans.capacity() * size_of::<Voxel>() + 4 * self.starts.capacity()
+        self.voxels.capacity() * size_of::<Voxel>() + 4 * self.starts.capacity()
     }
 
     /// The voxels of a class that go first to `sheets`, by sheet and then in the order in which they came.
@@ -118,29 +109,24 @@ impl<'a> Run<'a> {
     /// The voxels from `first` on, one component after the other: right, up, depth, and the sheets that
     /// they go to. There may be fewer in the run; then the rest is of no meaning.
     #[inline(always)]
-    pub(crate) fn at_once(
-        &self,
-        first: usize,
-    ) -> ([&'a [f32; N_AT_ONCE]; 3], &'a [u32; N_AT_ONCE]) {
-        let start = self.start + first;
-        let [right, up, depth] = &self.of.points;
-        ([at(right, start), at(up, start), at(depth, start)], at(&self.of.spans, start))
+    pub(crate) fn at_once<S: Simd>(&self, simd: S, first: usize) -> ([f32x8<S>; 3], u32x8<S>) {
+        let voxels: &[Voxel; N_AT_ONCE] = self.of.voxels[self.start + first..]
+            .first_chunk()
+            .expect("there is room behind the last voxel");
+        let [a, b, c, d, e, f, g, h] = voxels;
+        macro_rules! each { ($($field:tt)*) => { [a.$($field)*, b.$($field)*, c.$($field)*, d.$($field)*, e.$($field)*, f.$($field)*, g.$($field)*, h.$($field)*].simd_into(simd) } }
+        ([each!(point[0]), each!(point[1]), each!(point[2])], each!(sheets))
     }
 
     /// What a sheet sums of a voxel.
     #[inline(always)]
     pub(crate) fn color(&self, idx: usize) -> [f32; 4] {
-        self.of.colors[self.start + idx]
+        self.of.voxels[self.start + idx].color
     }
 
     /// All of them.
     pub(crate) fn iter(self) -> impl Iterator<Item = Voxel> + 'a {
-        let BySheet { points: [x, y, z], spans, colors, .. } = self.of;
-        (self.start..self.start + self.len).map(|place| Voxel {
-            point: [x[place], y[place], z[place]],
-            sheets: spans[place],
-            color: colors[place],
-        })
+        self.of.voxels[self.start..self.start + self.len].iter().copied()
     }
 }
 
@@ -157,11 +143,6 @@ fn sheets_of<'a>(
         }
     }
     first.min(end)..end
-}
-
-#[inline(always)]
-fn at<T>(all: &[T], start: usize) -> &[T; N_AT_ONCE] {
-    all[start..].first_chunk().expect("there is room behind the last voxel")
 }
 
 #[cfg(test)]

@@ -50,10 +50,7 @@ impl SlabCut<'_> {
         tile: &Tile,
     ) -> Eight {
         let slabs = self.slabs;
-        let ([right, up, depth], spans) = voxels.at_once(first);
-        let right = f32x8::from_slice(simd, right);
-        let up = f32x8::from_slice(simd, up);
-        let depth = f32x8::from_slice(simd, depth);
+        let ([right, up, depth], spans) = voxels.at_once(simd, first);
         let n_left = (voxels.len - first).min(N_AT_ONCE);
         let mut drawn = u64::MAX >> (64 - n_left);
         let radius = slabs.raster.radius;
@@ -117,13 +114,12 @@ impl SlabCut<'_> {
         &self,
         simd: S,
         depth: f32x8<S>,
-        spans: &[u32; N_AT_ONCE],
+        spans: u32x8<S>,
     ) -> ([f32x8<S>; 2], mask32x8<S>, mask32x8<S>) {
         let index_per_depth = self.slabs.raster.index_per_depth;
         let [front, back] = self.faces;
         let front = (f32x8::splat(simd, front) - depth) * index_per_depth;
         let back = (f32x8::splat(simd, back) - depth) * index_per_depth;
-        let spans = u32x8::from_slice(simd, spans);
         let [firsts, n_more] = Span::parts(simd, spans);
         let may_fold = !n_more.simd_eq(u32x8::splat(simd, Span::ALL));
         let place = u32x8::splat(simd, self.slab as u32) - firsts;

@@ -66,8 +66,7 @@ impl SlabCut<'_> {
         tile: &Tile,
     ) -> Eight {
         let slabs = self.slabs;
-        let ([right, up, depth], spans) = voxels.at_once(first);
-        let depth = f32x8::from_slice(simd, depth);
+        let ([right, up, depth], spans) = voxels.at_once(simd, first);
         let mut drawn = u64::MAX >> (64 - (voxels.len - first).min(N_AT_ONCE));
         let mut factors = [products.whole(); N_AT_ONCE];
         if kind != Kind::Whole {
@@ -82,8 +81,6 @@ impl SlabCut<'_> {
                 *factor = products.factor(is_folded >> idx & 1 == 1, place);
             }
         }
-        let right = f32x8::from_slice(simd, right);
-        let up = f32x8::from_slice(simd, up);
         let centers = self.centers_of(simd, right, up, tile);
         let mut pixels = [[0; N_AT_ONCE]; 4];
         for (axis, center) in centers.into_iter().enumerate() {
