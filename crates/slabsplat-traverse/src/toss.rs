@@ -39,7 +39,15 @@ pub struct TileToss<T> {
     /// `splats[starts[tile]..starts[tile + 1]]` fall on a tile.
     starts: Vec<u32>,
     splats: Vec<T>,
-    next: Vec<u32>,
+}
+
+/// A splat that falls on a tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Throw {
+    /// The tile.
+    pub tile: u32,
+    /// The splat's name.
+    pub name: u32,
 }
 
 /// Which splats fall on which tile: a [`TileToss`] for every run of them.
@@ -89,40 +97,51 @@ impl TileGrid {
         Some(rect)
     }
 
-    /// Calls `visit` with every tile of a rectangle.
-    #[inline]
-    fn for_each_in(&self, rect: TileRect, mut visit: impl FnMut(usize)) {
-        let [left, top] = rect.min.map(usize::from);
-        let [right, bottom] = rect.max.map(|last| usize::from(last) + 1);
-        for row in top..bottom {
-            for column in left..right {
-                visit(row * self.n_x + column);
-            }
+    /// Appends every tile of a rectangle, with a splat's name, to what is to be tossed.
+    ///
+    /// Nearly all splats fall on one tile, two or four, and nobody can guess on how many: they take no branch.
+    #[inline(always)]
+    pub fn push(&self, rect: TileRect, name: u32, onto: &mut Vec<Throw>) {
+        let [left, top] = rect.min.map(u32::from);
+        let [width, height] =
+            [0, 1].map(|axis| 1 + u32::from(rect.max[axis]) - u32::from(rect.min[axis]));
+        let n_x = self.n_x as u32;
+        let first = top * n_x + left;
+        if width <= 2 && height <= 2 {
+            let second = if width == 2 { first + 1 } else { first + n_x };
+            let four =
+                [first, second, first + n_x, first + n_x + 1].map(|tile| Throw { tile, name });
+            let end = onto.len() + (width * height) as usize;
+            onto.extend_from_slice(&four);
+            onto.truncate(end);
+            return;
+        }
+        for row in 0..height {
+            let start = first + row * n_x;
+            onto.extend((start..start + width).map(|tile| Throw { tile, name }));
         }
     }
 }
 
 impl<T: Copy + Default> TileToss<T> {
-    /// Tosses splats, each onto the tiles of its rectangle: what `splat` gives for its place in the run.
-    pub fn toss(&mut self, tiles: &TileGrid, rects: &[TileRect], splat: impl Fn(usize) -> T) {
-        let Self { starts, splats, next } = self;
+    /// Tosses splats, of which `splat` gives one by its name.
+    pub fn toss(&mut self, tiles: &TileGrid, throws: &[Throw], splat: impl Fn(u32) -> T) {
+        let Self { starts, splats } = self;
+        // One entry more than counts need: while splats are placed, `starts[tile + 1]` is where the tile's next
+        // one goes, and ends up as where the tile after it starts.
         starts.clear();
-        starts.resize(tiles.n_tiles() + 1, 0);
-        for &rect in rects {
-            tiles.for_each_in(rect, |tile_idx| starts[tile_idx + 1] += 1);
+        starts.resize(tiles.n_tiles() + 2, 0);
+        for throw in throws {
+            starts[throw.tile as usize + 2] += 1;
         }
         accumulate(starts);
-        next.clone_from(starts);
-        let n_tossed = starts[tiles.n_tiles()] as usize;
-        if splats.len() < n_tossed {
-            splats.resize(n_tossed, T::default());
+        if splats.len() < throws.len() {
+            splats.resize(throws.len(), T::default());
         }
-        for (place, &rect) in rects.iter().enumerate() {
-            let splat = splat(place);
-            tiles.for_each_in(rect, |tile_idx| {
-                splats[next[tile_idx] as usize] = splat;
-                next[tile_idx] += 1;
-            });
+        for throw in throws {
+            let next = &mut starts[throw.tile as usize + 1];
+            splats[*next as usize] = splat(throw.name);
+            *next += 1;
         }
     }
 
@@ -134,8 +153,7 @@ impl<T: Copy + Default> TileToss<T> {
 
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
-        (self.starts.capacity() + self.next.capacity()) * size_of::<u32>()
-            + self.splats.capacity() * size_of::<T>()
+        self.starts.capacity() * size_of::<u32>() + self.splats.capacity() * size_of::<T>()
     }
 }
 
@@ -155,9 +173,15 @@ impl TileBuckets {
             .map(|run_idx| {
                 let first = run_idx * run_len;
                 let end = (first + run_len).min(n_splats);
-                let rects: Vec<_> = (first..end).map(&rect_of).collect();
+                let mut throws = Vec::new();
+                for splat in first..end {
+                    let rect = rect_of(splat);
+                    if rect != TileRect::EMPTY {
+                        tiles.push(rect, (splat - first) as u32, &mut throws);
+                    }
+                }
                 let mut run = TileToss::default();
-                run.toss(tiles, &rects, |place| place as u32);
+                run.toss(tiles, &throws, |name| name);
                 run
             })
             .collect();

@@ -12,7 +12,7 @@ use crate::voxel::Voxel;
 use crate::workspace::Workspaces;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
-use slabsplat_traverse::{Brick, BrickBounds, TileGrid, TileRect, TileToss, VoxelRecord};
+use slabsplat_traverse::{Brick, BrickBounds, Throw, TileGrid, TileToss, VoxelRecord};
 
 /// Bricks that one task takes in. It depends on nothing, or the order of sums would.
 const BRICKS_PER_TASK: usize = 32;
@@ -29,7 +29,7 @@ pub(crate) struct Intake {
 pub(crate) struct Scratch {
     /// Of one task.
     voxels: Vec<Voxel>,
-    rects: Vec<TileRect>,
+    throws: Vec<Throw>,
     /// Of one brick.
     points: Vec<[f32; 3]>,
     records: Vec<VoxelRecord>,
@@ -59,7 +59,7 @@ impl Intake {
             let mut workspace = workspaces.of_this_thread();
             let scratch = &mut workspace.scratch;
             scratch.voxels.clear();
-            scratch.rects.clear();
+            scratch.throws.clear();
             let mut n_hidden = 0;
             dispatch!(stage.level, simd => {
                 for &(_, place) in bricks {
@@ -67,7 +67,7 @@ impl Intake {
                     n_hidden += scratch.take_brick(simd, stage, slabs, tiles, occlusion, brick);
                 }
             });
-            toss.toss(tiles, &scratch.rects, |place| scratch.voxels[place]);
+            toss.toss(tiles, &scratch.throws, |voxel| scratch.voxels[voxel as usize]);
             n_hidden
         })
         .sum()
@@ -111,7 +111,7 @@ impl Scratch {
                 continue;
             }
             let Some(rect) = tiles.touched(min, max) else { continue };
-            self.rects.push(rect);
+            tiles.push(rect, self.voxels.len() as u32, &mut self.throws);
             self.records.push(*record);
             self.voxels.push(Voxel { point, ..Voxel::default() });
         }
@@ -131,7 +131,7 @@ impl Scratch {
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.voxels.capacity() * size_of::<Voxel>() + self.rects.capacity() * size_of::<TileRect>()
+        self.voxels.capacity() * size_of::<Voxel>() + self.throws.capacity() * size_of::<Throw>()
     }
 }
 
