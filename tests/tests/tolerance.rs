@@ -151,6 +151,36 @@ fn tolerance_on_edges_in_perspective() {
     assert!(worst <= 1.0, "{worst} of the tolerance");
 }
 
+/// A wall as thin as a voxel, seen along it: what products are off by adds up over its depth, where it ends.
+#[test]
+fn tolerance_on_walls_seen_along() {
+    let mut worst = 0.0_f64;
+    for (depth, alpha) in [8, 40].iter().flat_map(|&d| [0.05, 0.5, 0.9, 1.0].map(|a| (d, a))) {
+        for turn in [0.0, 0.3, 0.8] {
+            let grid = Grid::with_spacing([1, 9, depth], [1.0; 3]).expect("no axis is empty");
+            let samples = Samples::F64(vec![1.0; grid.n_voxels()]);
+            let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+            let target = grid.center_in_world();
+            let projection = Projection::Orthographic { view_height: 10.0 };
+            let up = DVec3::new(f64::sin(turn), f64::cos(turn), 0.0);
+            let camera = Camera::new(target - 90.0 * DVec3::Z, target, up, projection);
+            let scene = Scene {
+                transfer: black_to_white(alpha),
+                shading: Shading::None,
+                camera: camera.expect("up is not forward"),
+                image: ImageDesc { width: 30, height: 30, background: [0.0; 4] },
+                settings: RenderSettings::default(),
+            };
+            let difference =
+                render(&volume, &scene).compare(&by_backend("cpu", &volume, &scene)).max;
+            println!("{depth} voxels of {alpha}, turned by {turn}: {difference:.1e}");
+            worst = worst.max(difference / scene.settings.tolerance);
+        }
+    }
+    println!("at most {worst:.2} of the tolerance");
+    assert!(worst <= 1.0, "{worst} of the tolerance");
+}
+
 /// What shows the slab width by definition is left alone, to the last bit.
 #[test]
 fn tolerance_spares_other_compositing() {

@@ -1,17 +1,17 @@
 //! Footprints that are products, summed along rows last.
 //!
-//! Where a footprint is `g(x)·g(y)`, the sum over voxels may be taken in two steps. A voxel adds its columns `g(x)` to four
-//! rows of *knots*, with the weights of a cubic B-spline; when a slab is done, every row of pixels is gathered
+//! Where footprints are `g(x)·g(y)`, the sum over voxels can be taken in two steps. A voxel adds its columns `g(x)` to four
+//! rows of *knots*, with the weights of a cubic B-spline; when all of a slab are there, every row of pixels is gathered
 //! from the knots around it:
 //!
 //! ```text
 //! Σᵢ cᵢ·g(x − xᵢ)·g(y − yᵢ)  ≈  Σₖ P(y, k) · Σᵢ cᵢ·g(x − xᵢ)·β³(yᵢ/s − k)
 //! ```
 //!
-//! `P(y, ·)` are the coefficients of the spline that interpolates `u ↦ g(y − s·u)` at all whole `u` (Unser,
-//! "Splines: a perfect fit for signal and image processing", 1999, eq. 8). So a voxel costs four rows, however many its footprint has, and the rest is paid
-//! once a slab, not once a voxel. Knots are a whole number to four rows of pixels, so that all blocks of all tiles see them
-//! alike, and as far apart as the profile's width allows.
+//! `P(y, ·)` are the coefficients of the cubic spline that interpolates `u ↦ g(y − s·u)` at all whole `u` (Unser, "Splines: A
+//! Perfect Fit for Signal and Image Processing", IEEE Signal Processing Magazine 16(6), 1999). So a voxel costs four rows,
+//! however high its footprint is, and the rest is paid once a slab. A block of pixels has a whole number of knots, so
+//! that all blocks of all tiles see them alike; they are as far apart as the profile's width allows.
 
 use crate::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::by_sheet::N_AT_ONCE;
@@ -19,7 +19,6 @@ use crate::quad::{QUAD, Quad};
 use crate::raster::PixelShape;
 use crate::sheet::{Row, Sheet};
 use crate::tile::TILE_SIDE;
-use crate::weights::Weigh;
 use fearless_simd::{Simd, f32x8, f32x16, prelude::*, u32x8};
 use slabsplat_kernel::SectionProducts;
 
@@ -37,9 +36,6 @@ const MOST_PER_BLOCK: usize = 5;
 
 /// Knots that count for a block, at most.
 const MOST_TAPS: usize = 2 * (MOST_PER_RADIUS as usize + 1) + MOST_PER_BLOCK;
-
-/// Quads that are splatted at once: a vector of weights.
-const WINDOW: usize = 4;
 
 /// The knots that a voxel adds to.
 pub(crate) const N_TOUCHED: usize = 4;
@@ -64,7 +60,7 @@ impl RowSpline {
         let radius_in_blocks = f64::from(2.0 / shape.along).sqrt() / BLOCK_SIDE as f64;
         let per_block = ((LEAST_PER_RADIUS / radius_in_blocks).ceil() as usize).max(1);
         let radius = radius_in_blocks * per_block as f64;
-        if MOST_PER_BLOCK < per_block || !(radius <= MOST_PER_RADIUS) {
+        if MOST_PER_BLOCK < per_block || MOST_PER_RADIUS < radius || radius.is_nan() {
             return None;
         }
         let at = |row: usize| (row as f64 + 0.5) / BLOCK_SIDE as f64 * per_block as f64;
@@ -186,168 +182,9 @@ fn coefficients(products: &SectionProducts, radius: f64, first: f64) -> [f32; MO
     sums.map(|sum| (3.0_f64.sqrt() * sum) as f32)
 }
 
-/// A voxel's section that is a product.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Product {
-    /// The column of its centre, in pixels from the tile's left side.
-    pub(crate) center: f32,
-    /// Columns of pixels that it may touch.
-    pub(crate) columns: [u8; 2],
-    /// The first row of knots.
-    pub(crate) first_row: usize,
-    /// How much of it each row of knots takes.
-    pub(crate) weights: [f32; N_TOUCHED],
-    /// What a sheet sums.
-    pub(crate) color: [f32; 4],
-}
-
-impl Product {
-    /// Adds it to the knots of a sheet.
-    #[inline(always)]
-    pub(crate) fn splat<S: Simd>(
-        &self,
-        simd: S,
-        knots: &mut [Row],
-        shape: &PixelShape,
-        profile: &impl Weigh<S>,
-    ) {
-        let Some(rows) = knots[self.first_row..].first_chunk_mut::<N_TOUCHED>() else { return };
-        let [first, end] = self.columns.map(usize::from);
-        let (first, end) = (first / QUAD, end.div_ceil(QUAD));
-        // Footprints are hardly ever wider than this; further left it is 0, and so nothing is lost.
-        let mut quad = first.min(BLOCKS_ACROSS - WINDOW);
-        self.splat_columns::<S, WINDOW>(simd, rows, shape, profile, quad);
-        quad += WINDOW;
-        while quad < end {
-            self.splat_columns::<S, 1>(simd, rows, shape, profile, quad);
-            quad += 1;
-        }
-    }
-
-    #[inline(always)]
-    fn splat_columns<S: Simd, const N_QUADS: usize>(
-        &self,
-        simd: S,
-        rows: &mut [Row; N_TOUCHED],
-        shape: &PixelShape,
-        profile: &impl Weigh<S>,
-        first_quad: usize,
-    ) {
-        let color = f32x16::from_slice(simd, &Quad::of(self.color).0);
-        let left = (first_quad * QUAD) as f32 - self.center;
-        let columns: f32x16<S> = profile.columns(simd, shape, left);
-        let weights = profile.row(simd, shape, columns, 0.0);
-        let weights = weights.as_slice().as_chunks::<QUAD>().0;
-        let quad = |quad: usize| f32x16::block_splat(weights[quad].simd_into(simd)) * color;
-        let quads: [f32x16<S>; N_QUADS] = std::array::from_fn(quad);
-        for (row, weight) in rows.iter_mut().zip(self.weights) {
-            let Some(knots) = row[first_quad..].first_chunk_mut::<N_QUADS>() else { continue };
-            for (knot, quad) in knots.iter_mut().zip(&quads) {
-                let sum =
-                    quad.mul_add(f32x16::splat(simd, weight), f32x16::from_slice(simd, &knot.0));
-                sum.store_slice(&mut knot.0);
-            }
-        }
-    }
-}
-
 /// Rows of knots, as many as a tile ever needs.
 pub(crate) fn grow(knots: &mut Vec<Row>, n_rows: usize) {
     if knots.len() < n_rows {
         knots.resize(n_rows, [Quad::ZERO; TILE_SIDE / QUAD]);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::blocks::Blocks;
-    use crate::splat::PixelBox;
-    use crate::weights::Polynomial;
-    use fearless_simd::{Level, dispatch};
-    use slabsplat_core::{Lookup, Normalization};
-    use slabsplat_kernel::{SectionDesc, SectionTable, TableDesc, kernel_named};
-
-    fn gaussian() -> SectionProducts {
-        let kernel = kernel_named("gaussian").unwrap();
-        let normalization = Normalization::None;
-        let table = |width: f64| {
-            let desc =
-                SectionDesc { kernel: &*kernel, width, kappa: 1.0, normalization, base_width: 0.5 };
-            let table = TableDesc { sections: 128, radial_samples: 256, lookup: Lookup::Linear };
-            SectionTable::new(&desc, table)
-        };
-        SectionProducts::new(&table(1.0), &table(4.0))
-    }
-
-    /// Splats one product on a tile, by knots.
-    #[inline(always)]
-    fn splat<S: Simd>(
-        simd: S,
-        shape: &PixelShape,
-        products: &SectionProducts,
-        [x, y]: [f32; 2],
-        sheet: &mut Sheet,
-    ) {
-        let spline = RowSpline::new(shape, products).unwrap();
-        grow(&mut sheet.knots, spline.n_rows());
-        let (rows, weights) = spline.touched(simd, f32x8::splat(simd, y), f32x8::splat(simd, 2.0));
-        let radius = (2.0 / shape.across).sqrt();
-        let column = |x: f32| x.round().clamp(0.0, TILE_SIDE as f32) as u8;
-        let product = Product {
-            center: x,
-            columns: [column(x - radius), column(x + radius)],
-            first_row: rows[0] as usize,
-            weights: weights.map(|weights| weights[0]),
-            color: [1.0, 0.5, 0.0, 3.0],
-        };
-        let profile = Polynomial::<8, false> { coefficients: products.profile(), edge: 1.0 };
-        product.splat(simd, &mut sheet.knots, shape, &profile);
-        let side = TILE_SIDE as u8;
-        sheet.touched = Blocks::meeting(&PixelBox { min: [0; 2], end: [side; 2] });
-        spline.gather(simd, sheet);
-    }
-
-    /// For footprints of every size, also outside of the tile; and what is left behind is nothing.
-    #[test]
-    fn knots_give_products() {
-        let seed = fastrand::u64(..);
-        println!("seed {seed}");
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let products = gaussian();
-        let level = Level::new();
-        let (mut worst, mut sum, mut n) = (0.0_f32, 0.0, 0.0);
-        for _ in 0..2000 {
-            let [width, height] = [0; 2].map(|_| 3.7 + 40.0 * rng.f32() * rng.f32());
-            let shape = PixelShape {
-                across: 2.0 / (width * width),
-                along: 2.0 / (height * height),
-                ..PixelShape::default()
-            };
-            let at = |reach: f32, random: f32| (TILE_SIDE as f32 + 2.0 * reach) * random - reach;
-            let center = [at(width, rng.f32()), at(height, rng.f32())];
-            let mut sheet = Sheet::default();
-            dispatch!(level, simd => splat(simd, &shape, &products, center, &mut sheet));
-            assert!(sheet.knots.iter().flatten().all(|quad| quad.0 == [0.0; 16]));
-            for (row, quads) in sheet.sums.iter().enumerate() {
-                for column in 0..TILE_SIDE {
-                    let part = |pixel: usize, center: f32, radius: f32| {
-                        f64::from((pixel as f32 + 0.5 - center) / radius)
-                    };
-                    let across = products.profile_at(part(column, center[0], width));
-                    let along = products.profile_at(part(row, center[1], height));
-                    let peak = products.profile_at(0.0).powi(2);
-                    let sums = quads[column / QUAD].pixel(column % QUAD);
-                    let exact = (across * along / peak) as f32;
-                    let found = sums[3] / (6.0 * peak as f32);
-                    assert!((sums[1] - 0.5 * sums[0]).abs() < 1e-6 && sums[2] == 0.0);
-                    worst = worst.max((found - exact).abs());
-                    (sum, n) = (sum + found - exact, n + exact);
-                }
-            }
-        }
-        println!("worst {worst}, in the mean {}", sum / n);
-        assert!(f64::from(worst) < WORST_ERROR, "{worst}");
-        assert!((sum / n).abs() < 2e-4, "{}", sum / n);
     }
 }

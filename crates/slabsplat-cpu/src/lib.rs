@@ -18,7 +18,7 @@
 //! # Reading order
 //!
 //! `frame`, `relevant`, `polynomials`, `raster`, `voxel`, `stopwatch`; `image_aligned`, `whole` with `axis_aligned` and
-//! `every_sample`; `tiles`, `tile`, `blocks`, `by_sheet`, `workspace`; `sheet`, `quad`, `weights`, `splat`, `knots`,
+//! `every_sample`; `tiles`, `tile`, `blocks`, `by_sheet`, `workspace`; `sheet`, `quad`, `weights`, `splat`, `product`, `knots`,
 //! `composite`.
 //! `post_classified` is a frame of its own, with sheets of densities.
 //!
@@ -46,6 +46,7 @@ mod blocks;
 mod by_sheet;
 mod composite;
 mod knots;
+mod product;
 mod quad;
 mod sheet;
 mod splat;

@@ -26,8 +26,9 @@ const N_SAMPLES: usize = 256;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionProducts {
     profile: [f32; MAX_COEFFICIENTS],
-    sections: Vec<f32>,
-    folded: Vec<f32>,
+    /// Of each row of the sections, and then of the folded ones: its factor, and how much more the next row has.
+    factors: Vec<[f32; 2]>,
+    n_sections: usize,
     error: f64,
 }
 
@@ -51,9 +52,13 @@ impl SectionProducts {
             }
             integral as f32
         };
-        let sections = section_rows.iter().map(&mut factor).collect();
-        let folded = folded_rows.iter().map(&mut factor).collect();
-        Self { profile, sections, folded, error }
+        let mut factors = Vec::new();
+        for rows in [&section_rows, &folded_rows] {
+            let of_rows: Vec<f32> = rows.iter().map(&mut factor).collect();
+            let next = of_rows.iter().skip(1).chain(of_rows.last());
+            factors.extend(of_rows.iter().zip(next).map(|(factor, next)| [*factor, next - factor]));
+        }
+        Self { profile, factors, n_sections: section_rows.len(), error }
     }
 
     /// The coefficients of `g` as a polynomial in `x = 2·(u/R)² − 1`, from the constant on, `u` index units from the
@@ -70,18 +75,16 @@ impl SectionProducts {
     /// The factor of a section: its integral over the image, `place` rows from the first of its table.
     #[inline(always)]
     pub fn factor(&self, is_folded: bool, place: f32) -> f32 {
-        let factors = if is_folded { &self.folded } else { &self.sections };
-        let row = place as i32 as usize;
-        let t = place - row as f32;
-        let last = factors.len() - 1;
-        let [near, far] = [factors[row.min(last)], factors[(row + 1).min(last)]];
-        near + t * (far - near)
+        let row = place as i32;
+        let first = if is_folded { self.n_sections } else { 0 };
+        let [factor, more] = self.factors[first + row as usize];
+        factor + (place - row as f32) * more
     }
 
     /// The factor of a whole footprint.
     #[inline(always)]
     pub fn whole(&self) -> f32 {
-        self.folded[self.folded.len() - 1]
+        self.factors[self.factors.len() - 1][0]
     }
 
     /// By how much any weight of any section is off at most.

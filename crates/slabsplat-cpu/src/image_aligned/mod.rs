@@ -29,6 +29,7 @@ use crate::tiles::Tiles;
 use crate::workspace::Workspaces;
 use intake::Intake;
 use occlusion::Occlusion;
+use products::AsProducts;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
 use slabsplat_core::SlabGrid;
@@ -194,6 +195,13 @@ impl<'a> Slabs<'a> {
             Some(fewer) if is_folded => (fewer.table, fewer.polynomials),
             _ => (self.table, self.polynomials),
         }
+    }
+
+    /// How sections in a slab are drawn as products, if they are.
+    #[inline(always)]
+    fn as_products(&self, slab: usize) -> Option<AsProducts<'a>> {
+        let products = self.fewer?.products;
+        Some(AsProducts { products, spline: self.shapes.spline(slab)? })
     }
 
     fn per_range(&self, unit: f64) -> usize {

@@ -1,23 +1,38 @@
-//! The sections of voxels that may be drawn as products (`knots.rs`), prepared eight at a time and splatted.
+//! The sections of voxels that may be drawn as products, prepared eight at a time and splatted onto knots.
+//!
+//! The same as `prepare.rs` and `sections.rs` do for others, but for what makes it cheap: all sections have one shape, and
+//! differ by a factor.
 
 use crate::by_sheet::{N_AT_ONCE, Run};
 use crate::image_aligned::prepare::{Kind, MARGIN, pixel};
 use crate::image_aligned::sections::{SlabCut, bits};
-use crate::knots::{N_TOUCHED, Product, RowSpline};
+use crate::knots::{N_TOUCHED, RowSpline};
+use crate::product::Product;
 use crate::sheet::Sheet;
 use crate::splat::PixelBox;
 use crate::tile::Tile;
 use crate::weights::Polynomial;
-use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use slabsplat_kernel::SectionProducts;
+
+/// How the sections in a slab are drawn as products.
+#[derive(Clone, Copy)]
+pub(crate) struct AsProducts<'a> {
+    pub(crate) products: &'a SectionProducts,
+    pub(crate) spline: &'a RowSpline,
+}
 
 /// What eight voxels have in a slab.
 struct Eight {
+    /// Which of them are drawn, a bit each.
     drawn: u64,
-    columns: [f32; N_AT_ONCE],
+    /// Centres, in pixels from the tile's left side.
+    centers: [f32; N_AT_ONCE],
     /// Left, top, right, bottom.
     pixels: [[u32; N_AT_ONCE]; 4],
+    /// The first row of knots.
     first_rows: [u32; N_AT_ONCE],
+    /// How much each row of knots takes.
     weights: [[f32; N_AT_ONCE]; N_TOUCHED],
 }
 
@@ -28,22 +43,22 @@ impl SlabCut<'_> {
         &self,
         simd: S,
         kind: Kind,
-        products: &SectionProducts,
-        spline: &RowSpline,
+        how: AsProducts<'_>,
         voxels: Run<'_>,
         tile: &mut Tile,
         sheet: &mut Sheet,
     ) {
-        let profile = Polynomial::<8, false> { coefficients: products.profile(), edge: 1.0 };
+        let coefficients = how.products.profile();
+        let profile = Polynomial::<8, false> { coefficients, edge: 1.0 };
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
-            let eight = self.prepare_products(simd, kind, products, spline, voxels, first, tile);
+            let eight = self.prepare_products(simd, kind, how, voxels, first, tile);
             for idx in bits(eight.drawn) {
                 let [left, top, right, bottom] = eight.pixels.each_ref().map(|p| p[idx] as u8);
                 let pixels = PixelBox { min: [left, top], end: [right, bottom] };
                 let Some(blocks) = tile.accept(&pixels) else { continue };
                 sheet.touched.add(blocks);
                 let product = Product {
-                    center: eight.columns[idx],
+                    center: eight.centers[idx],
                     columns: [left, right],
                     first_row: eight.first_rows[idx] as usize,
                     weights: eight.weights.each_ref().map(|weights| weights[idx]),
@@ -59,41 +74,52 @@ impl SlabCut<'_> {
         &self,
         simd: S,
         kind: Kind,
-        products: &SectionProducts,
-        spline: &RowSpline,
+        how: AsProducts<'_>,
         voxels: Run<'_>,
         first: usize,
         tile: &Tile,
     ) -> Eight {
-        let slabs = self.slabs;
         let ([right, up, depth], spans) = voxels.at_once(simd, first);
         let mut drawn = u64::MAX >> (64 - (voxels.len - first).min(N_AT_ONCE));
-        let mut factors = [products.whole(); N_AT_ONCE];
-        if kind != Kind::Whole {
-            let ([front, back], is_folded, is_drawn) = self.faces_of(simd, depth, spans);
-            let nearest = front.max(-back);
-            let is_cut = nearest.simd_lt(f32x8::splat(simd, slabs.reach_in_index));
-            drawn &= is_drawn.to_bitmask() & is_cut.to_bitmask();
-            let mut places = [0.0; N_AT_ONCE];
-            slabs.rows_of(simd, front, back, is_folded).store_slice(&mut places);
-            let is_folded = is_folded.to_bitmask();
-            for (idx, (factor, place)) in factors.iter_mut().zip(places).enumerate() {
-                *factor = products.factor(is_folded >> idx & 1 == 1, place);
-            }
-        }
+        let factors = if kind == Kind::Whole {
+            f32x8::splat(simd, how.products.whole())
+        } else {
+            let (factors, is_cut) = self.factors_of(simd, how.products, depth, spans);
+            drawn &= is_cut;
+            factors
+        };
         let centers = self.centers_of(simd, right, up, tile);
         let mut pixels = [[0; N_AT_ONCE]; 4];
         for (axis, center) in centers.into_iter().enumerate() {
-            let half = slabs.raster.radius * self.shape.half_extent[axis] + MARGIN;
+            let half = self.slabs.raster.radius * self.shape.half_extent[axis] + MARGIN;
             let (first, end) = (pixel(simd, center - half), pixel(simd, center + half));
             drawn &= first.simd_lt(end).to_bitmask();
             first.store_slice(&mut pixels[axis]);
             end.store_slice(&mut pixels[axis + 2]);
         }
-        let factor = f32x8::from_slice(simd, &factors) * self.shape.gain;
-        let (first_rows, weights) = spline.touched(simd, centers[1], factor);
-        let mut columns = [0.0; N_AT_ONCE];
-        centers[0].store_slice(&mut columns);
-        Eight { drawn, columns, pixels, first_rows, weights }
+        let [x, y] = centers;
+        let (first_rows, weights) = how.spline.touched(simd, y, factors * self.shape.gain);
+        Eight { drawn, centers: x.into(), pixels, first_rows, weights }
+    }
+
+    /// How much of eight voxels' extinction lies in the slab, and which of them it cuts, a bit each.
+    #[inline(always)]
+    fn factors_of<S: Simd>(
+        &self,
+        simd: S,
+        products: &SectionProducts,
+        depth: f32x8<S>,
+        spans: u32x8<S>,
+    ) -> (f32x8<S>, u64) {
+        let ([front, back], is_folded, is_drawn) = self.faces_of(simd, depth, spans);
+        let nearest = front.max(-back);
+        let is_cut = nearest.simd_lt(f32x8::splat(simd, self.slabs.reach_in_index));
+        let places: [f32; N_AT_ONCE] = self.slabs.rows_of(simd, front, back, is_folded).into();
+        let is_folded = is_folded.to_bitmask();
+        let mut factors = [0.0; N_AT_ONCE];
+        for (idx, (factor, place)) in factors.iter_mut().zip(places).enumerate() {
+            *factor = products.factor(is_folded >> idx & 1 == 1, place);
+        }
+        (factors.simd_into(simd), is_drawn.to_bitmask() & is_cut.to_bitmask())
     }
 }

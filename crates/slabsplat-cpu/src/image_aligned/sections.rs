@@ -3,7 +3,7 @@
 use crate::by_sheet::{N_AT_ONCE, Run};
 use crate::image_aligned::Slabs;
 use crate::image_aligned::prepare::Kind;
-use crate::knots::RowSpline;
+use crate::image_aligned::products::AsProducts;
 use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::splat::{AnyPolynomial, Footprint, splat};
@@ -18,8 +18,8 @@ pub(crate) struct SlabCut<'a> {
     pub(crate) slab: usize,
     /// The footprint of its sections.
     pub(crate) shape: PixelShape,
-    /// How products are splatted, if they are.
-    pub(crate) spline: Option<&'a RowSpline>,
+    /// How sections are drawn as products, if they are.
+    as_products: Option<AsProducts<'a>>,
     /// Depths of its faces.
     pub(crate) faces: [f32; 2],
 }
@@ -40,8 +40,8 @@ struct Section {
 impl<'a> SlabCut<'a> {
     pub(crate) fn new(slabs: &'a Slabs<'a>, slab: usize) -> Self {
         let faces = slabs.grid.faces(slab).map(|face| face as f32);
-        let spline = slabs.shapes.spline(slab);
-        Self { slabs, slab, shape: slabs.shape(slab), spline, faces }
+        let as_products = slabs.as_products(slab);
+        Self { slabs, slab, shape: slabs.shape(slab), as_products, faces }
     }
 
     /// Adds the sections of voxels of one class to the sheet.
@@ -55,9 +55,9 @@ impl<'a> SlabCut<'a> {
         sheet: &mut Sheet,
     ) {
         let kind = self.slabs.kind_of(class);
-        match (self.slabs.fewer, self.spline) {
-            (Some(fewer), Some(spline)) if self.slabs.may_be_products(class) => {
-                self.splat_products(simd, kind, fewer.products, spline, voxels, tile, sheet);
+        match self.as_products {
+            Some(how) if self.slabs.may_be_products(class) => {
+                self.splat_products(simd, kind, how, voxels, tile, sheet);
             }
             _ => self.splat_each(simd, kind, voxels, tile, sheet),
         }
@@ -66,8 +66,8 @@ impl<'a> SlabCut<'a> {
     /// Adds what products left in the knots to the sheet's pixels.
     #[inline(always)]
     pub(crate) fn gather<S: Simd>(&self, simd: S, sheet: &mut Sheet) {
-        if let Some(spline) = self.spline {
-            spline.gather(simd, sheet);
+        if let Some(how) = self.as_products {
+            how.spline.gather(simd, sheet);
         }
     }
 
