@@ -44,7 +44,7 @@ pub(crate) use span::Span;
 const RANGE_THICKNESS: f64 = 32.0;
 
 /// The part of the tolerance by which a section may be off that is drawn as a product.
-const SHARE_OF_PRODUCTS: f64 = 1.0 / 6.0;
+const SHARE_OF_PRODUCTS: f64 = 1.0 / 8.0;
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
