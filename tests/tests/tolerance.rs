@@ -204,13 +204,13 @@ fn outside_of_neighbours(exact: &ReferenceImage, image: &Image) -> f64 {
         let pixel = image.pixel(x, y).map(f64::from);
         let columns = x.saturating_sub(1)..(x + 2).min(image.width());
         let rows = y.saturating_sub(1)..(y + 2).min(image.height());
-        for channel in 0..4 {
+        for (channel, value) in pixel.into_iter().enumerate() {
             let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
             for (column, row) in columns.clone().flat_map(|c| rows.clone().map(move |r| (c, r))) {
                 let near = exact.pixel(column, row)[channel];
                 (least, most) = (near.min(least), near.max(most));
             }
-            worst = worst.max(least - pixel[channel]).max(pixel[channel] - most);
+            worst = worst.max(least - value).max(value - most);
         }
     }
     worst

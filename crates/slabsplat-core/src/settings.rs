@@ -78,7 +78,8 @@ pub struct RenderSettings {
     pub opacity_cutoff: f64,
     /// How far any premultiplied channel of a pixel may be from what all sections would give, at least
     /// 0 and below 1; 0 draws them all. Only `image-aligned` slabs of `extinction` without
-    /// normalisation make use of it: what others show depends on every single section.
+    /// normalisation make use of it: what others show depends on every single section. Of flat walls seen exactly
+    /// along, the edges may also lie up to a third of a voxel further out (`docs/numerics.md`, "Products").
     pub tolerance: f64,
 }
 

@@ -68,12 +68,12 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
         Splats::Sections { slabs, table, fewer } => {
             let of_sections = polynomials.of_sections(table, fewer.as_ref());
             let fewer = fewer.as_ref().zip(of_sections.fewer);
-            let fewer = fewer.map(|(fewer, (polynomials, products))| image_aligned::Fewer {
+            let fewer = fewer.map(|(fewer, of_fewer)| image_aligned::Fewer {
                 tolerance: fewer.tolerance,
                 levels: &fewer.levels,
                 table: &fewer.table,
-                polynomials,
-                products,
+                polynomials: of_fewer.folded,
+                products: of_fewer.products,
             });
             let polynomials = of_sections.all;
             let job = image_aligned::Job { stage: &stage, slabs, table, polynomials, fewer };

@@ -1,4 +1,4 @@
-//! The polynomials of the last plan's tables, kept for the next one.
+//! What was fitted to the last plan's tables, kept for the next one.
 
 use slabsplat_backend::FewerSections;
 use slabsplat_kernel::{FootprintTable, RadialPolynomials, SectionProducts, SectionTable};
@@ -7,20 +7,36 @@ use std::sync::Arc;
 /// What is kept between frames; nothing before the first.
 #[derive(Debug, Default)]
 pub(crate) struct Polynomials {
-    sections: Kept<SectionTable>,
-    folded: Kept<SectionTable>,
-    footprint: Kept<FootprintTable>,
-    products: Option<([Arc<SectionTable>; 2], SectionProducts)>,
+    sections: Kept<(Same<SectionTable>, f64), RadialPolynomials>,
+    folded: Kept<(Same<SectionTable>, f64), RadialPolynomials>,
+    products: Kept<[Same<SectionTable>; 2], SectionProducts>,
+    footprint: Kept<Same<FootprintTable>, RadialPolynomials>,
 }
 
-/// What stands for a plan's sections, and for the folded ones.
+/// What stands for a plan's sections.
 pub(crate) struct OfSections<'a> {
     pub(crate) all: &'a RadialPolynomials,
-    pub(crate) fewer: Option<(&'a RadialPolynomials, &'a SectionProducts)>,
+    pub(crate) fewer: Option<OfFewer<'a>>,
 }
 
-/// What polynomials were made of: a table, and the error that was allowed.
-type Kept<T> = Option<(Arc<T>, f64, RadialPolynomials)>;
+/// What stands for them where there may be fewer.
+pub(crate) struct OfFewer<'a> {
+    pub(crate) folded: &'a RadialPolynomials,
+    pub(crate) products: &'a SectionProducts,
+}
+
+/// What something was made of, and what was made.
+type Kept<K, V> = Option<(K, V)>;
+
+/// A table, the same only as itself.
+#[derive(Debug)]
+struct Same<T>(Arc<T>);
+
+impl<T> PartialEq for Same<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
 
 /// The part of a tolerance that polynomials may use up.
 const SHARE_OF_TOLERANCE: f64 = 0.01;
@@ -33,42 +49,36 @@ impl Polynomials {
         fewer: Option<&FewerSections>,
     ) -> OfSections<'_> {
         let max_error = fewer.map_or(0.0, |fewer| SHARE_OF_TOLERANCE * fewer.tolerance);
-        let make = RadialPolynomials::of_sections;
-        let all = keep(&mut self.sections, table, max_error, make);
-        let fewer = fewer.map(|fewer| {
-            let folded = keep(&mut self.folded, &fewer.table, max_error, make);
-            (folded, keep_products(&mut self.products, [table, &fewer.table]))
+        let key = |table: &Arc<SectionTable>| (Same(table.clone()), max_error);
+        let make = |(table, max_error): &(Same<SectionTable>, f64)| {
+            RadialPolynomials::of_sections(&table.0, *max_error)
+        };
+        let all = keep(&mut self.sections, key(table), make);
+        let fewer = fewer.map(|fewer| OfFewer {
+            folded: keep(&mut self.folded, key(&fewer.table), make),
+            products: keep(
+                &mut self.products,
+                [table, &fewer.table].map(|table| Same(table.clone())),
+                |[sections, folded]| SectionProducts::new(&sections.0, &folded.0),
+            ),
         });
         OfSections { all, fewer }
     }
 
     pub(crate) fn of_footprint(&mut self, table: &Arc<FootprintTable>) -> &RadialPolynomials {
-        keep(&mut self.footprint, table, 0.0, RadialPolynomials::of_footprint)
+        let make = |table: &Same<_>| RadialPolynomials::of_footprint(&table.0, 0.0);
+        keep(&mut self.footprint, Same(table.clone()), make)
     }
 }
 
 /// What `kept` holds, if it was made of that; otherwise makes it anew.
-fn keep<'a, T>(
-    kept: &'a mut Kept<T>,
-    table: &Arc<T>,
-    max_error: f64,
-    make: impl FnOnce(&T, f64) -> RadialPolynomials,
-) -> &'a RadialPolynomials {
-    let same = |(of, error, _): &(Arc<T>, f64, _)| Arc::ptr_eq(of, table) && *error == max_error;
-    if !kept.as_ref().is_some_and(same) {
+fn keep<K: PartialEq, V>(kept: &mut Kept<K, V>, of: K, make: impl FnOnce(&K) -> V) -> &V {
+    if !kept.as_ref().is_some_and(|(same, _)| *same == of) {
         *kept = None;
     }
-    &kept.get_or_insert_with(|| (table.clone(), max_error, make(table, max_error))).2
-}
-
-fn keep_products<'a>(
-    kept: &'a mut Option<([Arc<SectionTable>; 2], SectionProducts)>,
-    tables: [&Arc<SectionTable>; 2],
-) -> &'a SectionProducts {
-    let same = |of: &[Arc<SectionTable>; 2]| of.iter().zip(tables).all(|(a, b)| Arc::ptr_eq(a, b));
-    if !kept.as_ref().is_some_and(|(of, _)| same(of)) {
-        *kept = None;
-    }
-    let [sections, folded] = tables;
-    &kept.get_or_insert_with(|| (tables.map(Arc::clone), SectionProducts::new(sections, folded))).1
+    let made = || {
+        let value = make(&of);
+        (of, value)
+    };
+    &kept.get_or_insert_with(made).1
 }

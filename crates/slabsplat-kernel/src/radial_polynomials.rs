@@ -39,8 +39,7 @@ impl RadialPolynomials {
     /// Fits the rows of a table of sections with as few coefficients as keep all errors below `max_error`, or
     /// with as many as there are; row `n` is the table's.
     pub fn of_sections(table: &SectionTable, max_error: f64) -> Self {
-        let rows: Vec<&[f32]> = table.weights().chunks_exact(table.row_len()).collect();
-        Self::of_rows(&rows, max_error)
+        Self::of_rows(&table.all_rows(), max_error)
     }
 
     /// Fits a footprint: one row.

@@ -14,7 +14,7 @@ use crate::radial_polynomials::polynomial;
 use crate::{MAX_COEFFICIENTS, RadialPolynomials, SectionTable, lerp_radial};
 
 /// Places along a radius at which footprints are compared and integrated.
-const N_PLACES: usize = 32;
+const N_PLACES: usize = 20;
 
 /// Rounds of the power iteration; the second singular value is some hundredths of the first.
 const N_ROUNDS: usize = 8;
@@ -36,15 +36,12 @@ impl SectionProducts {
     /// Those of sections, and of what lies beyond a face; the last row of `folded` must be the whole footprint.
     pub fn new(sections: &SectionTable, folded: &SectionTable) -> Self {
         let radius = f64::from(folded.rows().radius);
-        let rows_of = |table: &SectionTable| -> Vec<Vec<f32>> {
-            table.weights().chunks_exact(table.row_len()).map(<[f32]>::to_vec).collect()
-        };
-        let (section_rows, folded_rows) = (rows_of(sections), rows_of(folded));
-        let profile = profile_of(&folded_rows[folded_rows.len() - 1], radius);
+        let [section_rows, folded_rows] = [sections, folded].map(SectionTable::all_rows);
+        let profile = profile_of(folded_rows[folded_rows.len() - 1], radius);
         let at_places: Vec<f64> =
             (0..N_PLACES).map(|place| value(&profile, place_of(place))).collect();
         let mut error = 0.0_f64;
-        let mut factor = |row: &Vec<f32>| {
+        let mut factor = |row: &&[f32]| {
             let integral = integral_of(row, radius);
             for (i, j) in pairs() {
                 let product = integral * at_places[i] * at_places[j];

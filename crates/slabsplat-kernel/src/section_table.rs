@@ -121,6 +121,10 @@ impl SectionTable {
         &self.weights
     }
 
+    pub(crate) fn all_rows(&self) -> Vec<&[f32]> {
+        self.weights.chunks_exact(self.row_len).collect()
+    }
+
     /// Samples in a row per index unit of half chord.
     pub fn samples_per_index(&self) -> f32 {
         self.samples_per_index
