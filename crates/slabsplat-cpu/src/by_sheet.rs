@@ -81,6 +81,7 @@ impl BySheet {
 
     fn make_room(&mut self, n_voxels: usize) {
         if self.voxels.len() < n_voxels {
+            self.voxels.reserve_exact(n_voxels + n_voxels / 8 - self.voxels.len());
             self.voxels.resize(n_voxels, Voxel::default());
         }
     }

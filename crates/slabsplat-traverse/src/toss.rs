@@ -136,6 +136,8 @@ impl<T: Copy + Default> TileToss<T> {
         }
         accumulate(starts);
         if splats.len() < throws.len() {
+            // There are many of these: twice as much as is needed would be felt.
+            splats.reserve_exact(throws.len() + throws.len() / 8 - splats.len());
             splats.resize(throws.len(), T::default());
         }
         for throw in throws {
