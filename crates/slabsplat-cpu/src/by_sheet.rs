@@ -5,8 +5,7 @@ use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
 use std::ops::Range;
 
 /// Voxels sorted by class and sheet; equals keep their order. The voxels themselves are sorted, not their places: they
-/// are then read front to back, once for every sheet that they meet. Component by component, so that eight of them can be
-/// prepared at a time.
+/// are then read front to back, once for every sheet that they meet.
 #[derive(Debug, Default)]
 pub(crate) struct BySheet {
     sheets: Range<usize>,
@@ -107,16 +106,15 @@ impl BySheet {
 }
 
 impl<'a> Run<'a> {
-    /// The voxels from `first` on, one component after the other: right, up, depth, and the sheets that
-    /// they go to. There may be fewer in the run; then the rest is of no meaning.
+    /// The voxels from `first` on, component by component: right, up, depth, and the sheets that they go to. There may be fewer in the run; then the rest is of no meaning.
     #[inline(always)]
     pub(crate) fn at_once<S: Simd>(&self, simd: S, first: usize) -> ([f32x8<S>; 3], u32x8<S>) {
-        let voxels: &[Voxel; N_AT_ONCE] = self.of.voxels[self.start + first..]
-            .first_chunk()
-            .expect("there is room behind the last voxel");
-        let [a, b, c, d, e, f, g, h] = voxels;
-        macro_rules! each { ($($field:tt)*) => { [a.$($field)*, b.$($field)*, c.$($field)*, d.$($field)*, e.$($field)*, f.$($field)*, g.$($field)*, h.$($field)*].simd_into(simd) } }
-        ([each!(point[0]), each!(point[1]), each!(point[2])], each!(sheets))
+        let voxels = self.of.voxels[self.start + first..].first_chunk::<N_AT_ONCE>();
+        let voxels = voxels.expect("there is room behind the last voxel").each_ref();
+        let component = |axis: usize| voxels.map(|voxel| voxel.point[axis]);
+        let [right, up, depth] = [component(0), component(1), component(2)];
+        let point = [right.simd_into(simd), up.simd_into(simd), depth.simd_into(simd)];
+        (point, voxels.map(|voxel| voxel.sheets).simd_into(simd))
     }
 
     /// What a sheet sums of a voxel.
