@@ -5,10 +5,10 @@ use slabsplat::{
     Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, Shading,
     TransferFunction, Volume,
 };
-use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::{backends, backends_with, render};
+use slabsplat_tests::{exact_settings, seeded_rng};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -20,10 +20,7 @@ const FROM_CPU: f32 = 1e-3;
 /// Every method × kernel × compositing × normalisation × projection × grid.
 #[test]
 fn parity_on_random_scenes() {
-    let seed = std::env::var("SLABSPLAT_SEED").ok().and_then(|s| s.parse().ok());
-    let seed = seed.unwrap_or_else(|| fastrand::u64(..));
-    println!("SLABSPLAT_SEED={seed}");
-    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut rng = seeded_rng();
     let mut differences = Vec::new();
     let mut farthest_from_cpu = 0.0_f32;
     for kind in SceneKind::all() {

@@ -5,21 +5,14 @@ use slabsplat::{
     Camera, Compositing, Grid, ImageDesc, Light, Method, Phong, Projection, RenderSettings,
     Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
-use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::render;
+use slabsplat_tests::{exact_settings, seeded_rng};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
-
-fn seeded() -> fastrand::Rng {
-    let seed = std::env::var("SLABSPLAT_SEED").ok().and_then(|s| s.parse().ok());
-    let seed = seed.unwrap_or_else(|| fastrand::u64(..));
-    println!("SLABSPLAT_SEED={seed}");
-    fastrand::Rng::with_seed(seed)
-}
 
 fn kinds() -> impl Iterator<Item = SceneKind> {
     SceneKind::all().into_iter().filter(|kind| kind.method == Method::PostClassified)
@@ -28,7 +21,7 @@ fn kinds() -> impl Iterator<Item = SceneKind> {
 /// Every kernel, compositing, projection and kind of grid. `SLABSPLAT_ROUNDS` asks for more than one scene of each.
 #[test]
 fn parity_of_densities() {
-    let mut rng = seeded();
+    let mut rng = seeded_rng();
     let n_rounds = std::env::var("SLABSPLAT_ROUNDS").ok().and_then(|s| s.parse().ok()).unwrap_or(1);
     let mut differences = Vec::new();
     for kind in (0..n_rounds).flat_map(|_| kinds()) {
@@ -238,7 +231,7 @@ fn linear_field_is_lit_evenly() {
 /// A picture does not depend on where its frame is: a window of it has the same pixels, borders too.
 #[test]
 fn border_of_the_image_does_not_show() {
-    let mut rng = seeded();
+    let mut rng = seeded_rng();
     let dims = [10, 10, 10];
     let noise = volume(dims, |_| 0.0).grid().n_voxels();
     let values: Vec<f64> = (0..noise).map(|_| 40.0 * rng.f64()).collect();

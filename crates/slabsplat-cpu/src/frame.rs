@@ -66,7 +66,8 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     match &plan.splats {
         Splats::Densities { .. } => unreachable!("bug: densities have no colours to be splatted"),
         Splats::Sections { slabs, table, fewer } => {
-            let of_sections = polynomials.of_sections(table, fewer.as_ref());
+            let of_sections =
+                polynomials.of_sections(table, fewer.as_ref(), stage.raster.is_upright());
             let fewer = fewer.as_ref().zip(of_sections.fewer);
             let fewer = fewer.map(|(fewer, of_fewer)| image_aligned::Fewer {
                 tolerance: fewer.tolerance,

@@ -22,7 +22,8 @@ pub(crate) struct OfSections<'a> {
 /// What stands for them where there may be fewer.
 pub(crate) struct OfFewer<'a> {
     pub(crate) folded: &'a RadialPolynomials,
-    pub(crate) products: &'a SectionProducts,
+    /// If there are any.
+    pub(crate) products: Option<&'a SectionProducts>,
 }
 
 /// What something was made of, and what was made.
@@ -41,12 +42,17 @@ impl<T> PartialEq for Same<T> {
 /// The part of a tolerance that polynomials may use up.
 const SHARE_OF_TOLERANCE: f64 = 0.01;
 
+/// A kernel whose sections miss products by more is none; a Gaussian that ends at R = 2 misses by 1.5·10⁻³.
+const MOST_ERROR_OF_PRODUCTS: f64 = 5e-3;
+
 impl Polynomials {
-    /// Those of a plan's sections, and of its folded ones.
+    /// Those of a plan's sections, and of its folded ones; products only if footprints are upright, and
+    /// the kernel is one.
     pub(crate) fn of_sections(
         &mut self,
         table: &Arc<SectionTable>,
         fewer: Option<&FewerSections>,
+        is_upright: bool,
     ) -> OfSections<'_> {
         let max_error = fewer.map_or(0.0, |fewer| SHARE_OF_TOLERANCE * fewer.tolerance);
         let key = |table: &Arc<SectionTable>| (Same(table.clone()), max_error);
@@ -56,11 +62,14 @@ impl Polynomials {
         let all = keep(&mut self.sections, key(table), make);
         let fewer = fewer.map(|fewer| OfFewer {
             folded: keep(&mut self.folded, key(&fewer.table), make),
-            products: keep(
-                &mut self.products,
-                [table, &fewer.table].map(|table| Same(table.clone())),
-                |[sections, folded]| SectionProducts::new(&sections.0, &folded.0),
-            ),
+            products: is_upright
+                .then(|| {
+                    let tables = [table, &fewer.table].map(|table| Same(table.clone()));
+                    keep(&mut self.products, tables, |[sections, folded]| {
+                        SectionProducts::new(&sections.0, &folded.0)
+                    })
+                })
+                .filter(|products| products.error() < MOST_ERROR_OF_PRODUCTS),
         });
         OfSections { all, fewer }
     }

@@ -61,6 +61,11 @@ impl Raster {
         }
     }
 
+    /// Whether footprints are ellipses along the image's axes, cut at one depth: then sections may be products.
+    pub(crate) fn is_upright(&self) -> bool {
+        !self.leans && !self.is_tilted
+    }
+
     /// The footprint at a depth from the grid's centre, which must not lie before `near`.
     #[inline]
     pub(crate) fn shape_at(&self, depth: f64) -> PixelShape {

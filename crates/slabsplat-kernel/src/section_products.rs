@@ -16,7 +16,7 @@ use crate::{MAX_COEFFICIENTS, RadialPolynomials, SectionTable, lerp_radial};
 /// Places along a radius at which footprints are compared and integrated.
 const N_PLACES: usize = 20;
 
-/// Rounds of the power iteration; the second singular value is some hundredths of the first.
+/// Rounds of the power iteration; the second singular value is a few hundredths of the first at most.
 const N_ROUNDS: usize = 8;
 
 /// Samples of the profile, from its edge to its middle.

@@ -121,6 +121,7 @@ impl SectionTable {
         &self.weights
     }
 
+    /// All rows, each by itself.
     pub(crate) fn all_rows(&self) -> Vec<&[f32]> {
         self.weights.chunks_exact(self.row_len).collect()
     }

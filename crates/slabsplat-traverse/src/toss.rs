@@ -97,7 +97,7 @@ impl TileGrid {
         Some(rect)
     }
 
-    /// Appends every tile of a rectangle, with a splat's name, to what is to be tossed.
+    /// Appends every tile of a rectangle, which must hold one, with a splat's name, to what is to be tossed.
     ///
     /// Nearly all splats fall on one tile, two or four, and nobody can guess on how many: they take no branch.
     #[inline(always)]

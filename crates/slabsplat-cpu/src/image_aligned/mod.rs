@@ -95,14 +95,15 @@ pub(crate) struct Fewer<'a> {
     pub(crate) levels: &'a SectionLevels,
     pub(crate) table: &'a SectionTable,
     pub(crate) polynomials: &'a RadialPolynomials,
-    pub(crate) products: &'a SectionProducts,
+    pub(crate) products: Option<&'a SectionProducts>,
 }
 
 impl Fewer<'_> {
     /// The most extinction of a voxel whose sections may be drawn as products.
     fn most_of_products(&self) -> f32 {
-        let peak = f64::from(self.products.whole()) * self.products.profile_at(0.0).powi(2);
-        let error = self.products.error() + knots::WORST_ERROR * peak;
+        let Some(products) = self.products else { return f32::NEG_INFINITY };
+        let peak = f64::from(products.whole()) * products.profile_at(0.0).powi(2);
+        let error = products.error() + knots::WORST_ERROR * peak;
         (SHARE_OF_PRODUCTS * self.tolerance / error) as f32
     }
 }
@@ -117,7 +118,7 @@ pub(crate) fn render(
 ) -> u64 {
     let Buffers { shapes, intake, bricks } = buffers;
     let stage = job.stage;
-    let products = job.fewer.map(|fewer| fewer.products);
+    let products = job.fewer.and_then(|fewer| fewer.products);
     shapes.update(&stage.raster, &stage.plan.view, job.slabs, products);
     let slabs = Slabs::new(job, shapes);
     let slabs_per_range = slabs.per_range(stage.plan.volume.grid().unit());
@@ -200,7 +201,7 @@ impl<'a> Slabs<'a> {
     /// How sections in a slab are drawn as products, if they are.
     #[inline(always)]
     fn as_products(&self, slab: usize) -> Option<AsProducts<'a>> {
-        let products = self.fewer?.products;
+        let products = self.fewer?.products?;
         Some(AsProducts { products, spline: self.shapes.spline(slab)? })
     }
 

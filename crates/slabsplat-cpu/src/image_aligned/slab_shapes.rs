@@ -34,7 +34,7 @@ impl SlabShapes {
         self.shapes.clear();
         self.shapes.extend((0..n_shapes).map(|slab| raster.shape_at(slabs.middle(slab))));
         self.splines.clear();
-        if let (Some(products), false, false) = (products, raster.leans, raster.is_tilted) {
+        if let Some(products) = products {
             self.splines.extend(self.shapes.iter().map(|shape| RowSpline::new(shape, products)));
         }
     }
