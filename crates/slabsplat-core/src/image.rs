@@ -53,6 +53,12 @@ impl Default for ImageDesc {
 }
 
 impl ImageDesc {
+    /// The background as a premultiplied pixel.
+    pub fn premultiplied_background(&self) -> [f32; 4] {
+        let [r, g, b, a] = self.background;
+        [r * a, g * a, b * a, a]
+    }
+
     /// The same, if such a picture can be made.
     ///
     /// # Errors
@@ -73,6 +79,13 @@ impl ImageDesc {
     pub fn n_pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }
+}
+
+/// A premultiplied colour before another one, `behind`.
+#[inline]
+pub fn over(front: [f32; 4], behind: [f32; 4]) -> [f32; 4] {
+    let through = 1.0 - front[3];
+    std::array::from_fn(|channel| front[channel] + through * behind[channel])
 }
 
 impl Image {
@@ -110,17 +123,6 @@ impl Image {
         self.pixels[y as usize * self.width as usize + x as usize]
     }
 
-    /// Lays a straight (not premultiplied) colour under every pixel.
-    pub fn lay_over(&mut self, [r, g, b, a]: [f32; 4]) {
-        let under = [r * a, g * a, b * a, a];
-        for pixel in &mut self.pixels {
-            let through = 1.0 - pixel[3];
-            for (channel, below) in pixel.iter_mut().zip(under) {
-                *channel += through * below;
-            }
-        }
-    }
-
     /// The largest difference of any channel from `other`.
     ///
     /// # Panics
@@ -151,10 +153,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn image_lays_over_background() {
-        let mut image = Image::filled(1, 1, [0.25, 0.0, 0.0, 0.5]);
-        image.lay_over([1.0, 1.0, 0.0, 0.5]);
-        assert_eq!(image.pixel(0, 0), [0.5, 0.25, 0.0, 0.75]);
+    fn image_over_is_what_shines_through() {
+        assert_eq!(over([0.25, 0.0, 0.0, 0.5], [0.5, 0.5, 0.0, 0.5]), [0.5, 0.25, 0.0, 0.75]);
     }
 
     #[test]

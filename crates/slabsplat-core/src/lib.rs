@@ -46,7 +46,7 @@ mod image;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use grid::{Grid, GridError};
-pub use image::{Image, ImageDesc, ImageError};
+pub use image::{Image, ImageDesc, ImageError, over};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
 pub use settings::{

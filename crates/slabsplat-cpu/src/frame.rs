@@ -94,8 +94,7 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     }
     let mut stats = tiles.stats();
     (stats.n_voxels, stats.n_hidden) = (list.len() as u64, n_hidden);
-    let mut image = tiles.image();
-    image.lay_over(plan.image.background);
+    let image = tiles.image(plan.image.premultiplied_background());
     watch.done("image");
     let cost = FrameCost { stages: watch.stages(), resident_bytes: buffers.resident_bytes() };
     Frame { image, stats, cost }

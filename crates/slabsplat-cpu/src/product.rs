@@ -11,9 +11,6 @@ use crate::sheet::Row;
 use crate::weights::Weigh;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
-/// Quads that are splatted at once: a vector of weights.
-const WINDOW: usize = 4;
-
 /// A voxel's section that is a product.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Product {
@@ -30,9 +27,9 @@ pub(crate) struct Product {
 }
 
 impl Product {
-    /// Adds it to the knots of a sheet.
+    /// Adds it to the knots of a sheet; `WINDOW` quads at once, of the four that a vector of weights has.
     #[inline(always)]
-    pub(crate) fn splat<S: Simd>(
+    pub(crate) fn splat<S: Simd, const WINDOW: usize>(
         &self,
         simd: S,
         knots: &mut [Row],
@@ -126,7 +123,7 @@ mod tests {
             color: [1.0, 0.5, 0.0, 3.0],
         };
         let profile = Polynomial::<8, false> { coefficients: products.profile(), edge: 1.0 };
-        product.splat(simd, &mut sheet.knots, shape, &profile);
+        product.splat::<S, 4>(simd, &mut sheet.knots, shape, &profile);
         let side = TILE_SIDE as u8;
         sheet.touched = Blocks::meeting(&PixelBox { min: [0; 2], end: [side; 2] });
         spline.gather(simd, sheet);

@@ -7,7 +7,7 @@ use crate::sheet::{Pixels, Sheet};
 use crate::splat::PixelBox;
 use crate::voxel::Voxel;
 use fearless_simd::Simd;
-use slabsplat_core::{Compositing, Image};
+use slabsplat_core::{Compositing, over};
 use std::ops::Range;
 
 /// Pixels along the side of a tile. The sums of 32² pixels fill half of a first-level cache; smaller tiles would
@@ -157,16 +157,15 @@ impl Tile {
         least
     }
 
-    /// Copies the part of the tile that is inside the image.
-    pub(crate) fn copy_to(&self, image: &mut Image) {
-        let width = image.width() as usize;
-        let [x, y] = self.origin;
+    /// Copies the part of the tile that is inside the image, before what is `behind`, to the image's rows from the tile's
+    /// first on.
+    pub(crate) fn copy_to(&self, rows: &mut [[f32; 4]], width: usize, behind: [f32; 4]) {
+        let left = self.origin[0];
         let [n_columns, n_rows] = self.inside;
-        for (row, quads) in self.pixels.iter().enumerate().take(n_rows) {
-            let start = (y + row) * width + x;
-            let pixels = &mut image.pixels_mut()[start..start + n_columns];
+        for (row, quads) in rows.chunks_mut(width).zip(self.pixels.iter()).take(n_rows) {
+            let pixels = &mut row[left..left + n_columns];
             for (column, pixel) in pixels.iter_mut().enumerate() {
-                *pixel = quads[column / QUAD].pixel(column % QUAD);
+                *pixel = over(quads[column / QUAD].pixel(column % QUAD), behind);
             }
         }
     }

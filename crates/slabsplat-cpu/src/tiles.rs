@@ -46,11 +46,14 @@ impl Tiles {
         });
     }
 
-    /// The picture, without background.
-    pub(crate) fn image(&self) -> Image {
+    /// The picture, before what is `behind` it.
+    pub(crate) fn image(&self, behind: [f32; 4]) -> Image {
         let [width, height] = self.image_size;
         let mut image = Image::filled(width, height, [0.0; 4]);
-        self.tiles.iter().for_each(|tile| tile.copy_to(&mut image));
+        let rows = image.pixels_mut().par_chunks_mut(width as usize * TILE_SIDE);
+        rows.zip(self.tiles.par_chunks(self.grid.n_x)).for_each(|(rows, tiles)| {
+            tiles.iter().for_each(|tile| tile.copy_to(rows, width as usize, behind));
+        });
         image
     }
 

@@ -69,13 +69,17 @@ impl SectionProducts {
         value(&self.profile, part)
     }
 
-    /// The factor of a section: its integral over the image, `place` rows from the first of its table.
+    /// The factor of every row of the sections, and then of the folded ones: a section's integral over the image; and how
+    /// much more the next row has.
     #[inline(always)]
-    pub fn factor(&self, is_folded: bool, place: f32) -> f32 {
-        let row = place as i32;
-        let first = if is_folded { self.n_sections } else { 0 };
-        let [factor, more] = self.factors[first + row as usize];
-        factor + (place - row as f32) * more
+    pub fn factors(&self) -> &[[f32; 2]] {
+        &self.factors
+    }
+
+    /// Where the rows of the folded sections start.
+    #[inline(always)]
+    pub fn first_folded(&self) -> u32 {
+        self.n_sections as u32
     }
 
     /// The factor of a whole footprint.
@@ -178,7 +182,8 @@ mod tests {
                     let front = -rows.radius - 1.0 + 0.05 * step as f32;
                     let back = front + width as f32;
                     let (row, t) = table.row_at(front, back);
-                    let factor = f64::from(products.factor(false, row as f32 + t));
+                    let [factor, more] = products.factors()[row].map(f64::from);
+                    let factor = factor + f64::from(t) * more;
                     let mut lost = 0.0;
                     let n = 90;
                     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {

@@ -22,6 +22,9 @@ pub(crate) struct AsProducts<'a> {
     pub(crate) spline: &'a RowSpline,
 }
 
+/// Footprints of no more pixels from left to right lie on three quads, three times in four or more often.
+const WIDEST_OF_THREE: f32 = 10.0;
+
 /// What eight voxels have in a slab.
 struct Eight {
     /// Which of them are drawn, a bit each.
@@ -48,6 +51,25 @@ impl SlabCut<'_> {
         tile: &mut Tile,
         sheet: &mut Sheet,
     ) {
+        let width = 2.0 * self.slabs.raster.radius * self.shape.half_extent[0];
+        if width <= WIDEST_OF_THREE {
+            self.splat_in_windows::<S, 3>(simd, kind, how, voxels, tile, sheet);
+        } else {
+            self.splat_in_windows::<S, 4>(simd, kind, how, voxels, tile, sheet);
+        }
+    }
+
+    /// The same, `WINDOW` quads at once.
+    #[inline(always)]
+    fn splat_in_windows<S: Simd, const WINDOW: usize>(
+        &self,
+        simd: S,
+        kind: Kind,
+        how: AsProducts<'_>,
+        voxels: Run<'_>,
+        tile: &mut Tile,
+        sheet: &mut Sheet,
+    ) {
         let coefficients = how.products.profile();
         let profile = Polynomial::<8, false> { coefficients, edge: 1.0 };
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
@@ -64,7 +86,7 @@ impl SlabCut<'_> {
                     weights: eight.weights.each_ref().map(|weights| weights[idx]),
                     color: voxels.color(first + idx),
                 };
-                product.splat(simd, &mut sheet.knots, &self.shape, &profile);
+                product.splat::<S, WINDOW>(simd, &mut sheet.knots, &self.shape, &profile);
             }
         }
     }
@@ -114,12 +136,18 @@ impl SlabCut<'_> {
         let ([front, back], is_folded, is_drawn) = self.faces_of(simd, depth, spans);
         let nearest = front.max(-back);
         let is_cut = nearest.simd_lt(f32x8::splat(simd, self.slabs.reach_in_index));
-        let places: [f32; N_AT_ONCE] = self.slabs.rows_of(simd, front, back, is_folded).into();
-        let is_folded = is_folded.to_bitmask();
-        let mut factors = [0.0; N_AT_ONCE];
-        for (idx, (factor, place)) in factors.iter_mut().zip(places).enumerate() {
-            *factor = products.factor(is_folded >> idx & 1 == 1, place);
+        let places = self.slabs.rows_of(simd, front, back, is_folded);
+        let rows = places.floor();
+        let first_folded = u32x8::splat(simd, products.first_folded());
+        let zero = u32x8::splat(simd, 0);
+        let rows_idx: u32x8<S> = rows.to_int();
+        let idxs = rows_idx + is_folded.select(first_folded, zero);
+        let (mut factors, mut more) = ([0.0; N_AT_ONCE], [0.0; N_AT_ONCE]);
+        for (lane, idx) in <[u32; N_AT_ONCE]>::from(idxs).into_iter().enumerate() {
+            [factors[lane], more[lane]] = products.factors()[idx as usize];
         }
-        (factors.simd_into(simd), is_drawn.to_bitmask() & is_cut.to_bitmask())
+        let (factors, more) = (f32x8::from_slice(simd, &factors), f32x8::from_slice(simd, &more));
+        let factors = (places - rows).mul_add(more, factors);
+        (factors, is_drawn.to_bitmask() & is_cut.to_bitmask())
     }
 }

@@ -252,19 +252,19 @@ impl Stage<'_> {
 
     fn assemble(&self, tiles: &[Tile<'_>]) -> (Image, FrameStats) {
         let [width, height] = self.plan.view.image_size();
-        let mut image = Image::filled(width, height, [0.0; 4]);
+        let behind = self.plan.image.premultiplied_background();
+        let mut image = Image::filled(width, height, behind);
         let mut stats = FrameStats {
             n_voxels: self.points.len() as u64,
             n_tiles: tiles.len() as u64,
             ..FrameStats::default()
         };
         for tile in tiles {
-            tile.copy_to(&mut image);
+            tile.copy_to(&mut image, behind);
             stats.n_splats += tile.stats.n_splats;
             stats.n_culled += tile.stats.n_culled;
             stats.n_full_tiles += u64::from(tile.stats.is_full);
         }
-        image.lay_over(self.plan.image.background);
         (image, stats)
     }
 }

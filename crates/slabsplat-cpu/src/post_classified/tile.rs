@@ -6,7 +6,7 @@ use super::gradient::{Neighborhood, Spacing};
 use super::open::Open;
 use super::sheet::{Place, Section, Sheet, Sum};
 use crate::raster::PixelShape;
-use slabsplat_core::Image;
+use slabsplat_core::{Image, over};
 use slabsplat_core::glam::DVec3;
 use slabsplat_kernel::{CubicSectionTable, cubic_at};
 
@@ -86,14 +86,15 @@ impl<'a> Tile<'a> {
         self.classify(last, sheets);
     }
 
-    /// Copies the part of the tile that is inside the image.
-    pub(super) fn copy_to(&self, image: &mut Image) {
+    /// Copies the part of the tile that is inside the image, before what is `behind`.
+    pub(super) fn copy_to(&self, image: &mut Image, behind: [f32; 4]) {
         let [width, height] = self.stage.tiles.image_size;
         let [x0, y0] = self.origin;
         let n_columns = self.side.min(width - x0);
         for row in 0..self.side.min(height - y0) {
             let from = &self.pixels[row * self.side..][..n_columns];
-            image.pixels_mut()[(y0 + row) * width + x0..][..n_columns].copy_from_slice(from);
+            let onto = &mut image.pixels_mut()[(y0 + row) * width + x0..][..n_columns];
+            onto.iter_mut().zip(from).for_each(|(pixel, front)| *pixel = over(*front, behind));
         }
     }
 
