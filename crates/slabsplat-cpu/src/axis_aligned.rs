@@ -12,11 +12,13 @@ use fearless_simd::{Simd, dispatch};
 pub(crate) fn render_tile<'a>(
     stage: &Stage<'_>,
     whole: &Whole<'_>,
+    n_slices: usize,
     voxels: impl Iterator<Item = &'a Voxel> + Clone,
     tile: &mut Tile,
     workspace: &mut Workspace,
 ) {
-    workspace.voxels.sort(1, voxels.map(std::slice::from_ref), |voxel| (0, voxel.sheets as usize));
+    let runs = voxels.map(std::slice::from_ref);
+    workspace.voxels.sort(1, 0..n_slices, runs, |voxel| (0, voxel.sheets as usize));
     dispatch!(stage.level, simd => render_slices(simd, stage, whole, tile, workspace));
 }
 

@@ -8,7 +8,10 @@ use std::ops::Range;
 /// are then read front to back, once for every sheet that they meet.
 #[derive(Debug, Default)]
 pub(crate) struct BySheet {
+    /// The sheets to which any voxel goes first.
     sheets: Range<usize>,
+    /// The sheets that have buckets.
+    with_buckets: Range<usize>,
     /// Where the voxels of each class and sheet start, and where the last ones end.
     starts: Vec<u32>,
     voxels: Vec<Voxel>,
@@ -27,29 +30,36 @@ pub(crate) struct Run<'a> {
 pub(crate) const N_AT_ONCE: usize = 8;
 
 impl BySheet {
-    /// Sorts the voxels of `runs`, of which `key_of` tells the class, below `n_classes`, and the sheet; forgets others.
+    /// Sorts the voxels of `runs`, of which `key_of` tells the class, below `n_classes`, and the sheet, one of `sheets`;
+    /// forgets others.
     pub(crate) fn sort<'a>(
         &mut self,
         n_classes: usize,
+        sheets: Range<usize>,
         runs: impl Iterator<Item = &'a [Voxel]> + Clone,
         key_of: impl Fn(&Voxel) -> (usize, usize),
     ) {
-        self.sheets = sheets_of(runs.clone(), &key_of);
-        let Range { start: first, end } = self.sheets;
+        let n_sheets = sheets.len();
         let bucket_of = |voxel: &Voxel| {
             let (class, sheet) = key_of(voxel);
-            class * (end - first) + sheet - first
+            class * n_sheets + sheet - sheets.start
         };
         // One entry more than counts need: while voxels are placed, `starts[bucket + 1]` is where the next one
         // of a bucket goes, and ends up as where the bucket after it starts.
         self.starts.clear();
-        self.starts.resize(n_classes * (end - first) + 2, 0);
+        self.starts.resize(n_classes * n_sheets + 2, 0);
         let starts = self.starts.as_mut_slice();
         for run in runs.clone() {
             for voxel in run {
                 starts[bucket_of(voxel) + 2] += 1;
             }
         }
+        let counts = &starts[2..];
+        let is_met = |&sheet: &usize| counts[sheet..].iter().step_by(n_sheets).any(|&n| 0 < n);
+        let first = (0..n_sheets).find(is_met).unwrap_or(0);
+        let end = (first..n_sheets).rfind(is_met).map_or(first, |last| last + 1);
+        self.sheets = sheets.start + first..sheets.start + end;
+        self.with_buckets = sheets.clone();
         let mut sum = 0;
         for count in starts {
             sum += *count;
@@ -96,8 +106,8 @@ impl BySheet {
 
     /// The voxels of a class that go first to `sheets`, by sheet and then in the order in which they came.
     pub(crate) fn starting_in(&self, class: usize, sheets: Range<usize>) -> Run<'_> {
-        let n_sheets = self.sheets.len();
-        let place = |sheet: usize| sheet.saturating_sub(self.sheets.start).min(n_sheets);
+        let n_sheets = self.with_buckets.len();
+        let place = |sheet: usize| sheet.saturating_sub(self.with_buckets.start).min(n_sheets);
         let [start, end] = [sheets.start, sheets.end].map(|sheet| {
             self.starts.get(class * n_sheets + place(sheet)).map_or(0, |&s| s as usize)
         });
@@ -129,21 +139,6 @@ impl<'a> Run<'a> {
     }
 }
 
-/// From the first sheet of any voxel to behind the last.
-fn sheets_of<'a>(
-    runs: impl Iterator<Item = &'a [Voxel]>,
-    key_of: impl Fn(&Voxel) -> (usize, usize),
-) -> Range<usize> {
-    let (mut first, mut end) = (usize::MAX, 0);
-    for run in runs {
-        for voxel in run {
-            let (_, sheet) = key_of(voxel);
-            (first, end) = (first.min(sheet), end.max(sheet + 1));
-        }
-    }
-    first.min(end)..end
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,7 +156,12 @@ mod tests {
             };
             let voxels: Vec<Voxel> = (0..n_voxels).map(voxel).collect();
             let key_of = |voxel: &Voxel| (voxel.point[1] as usize, voxel.point[2] as usize);
-            sorted.sort(3, voxels.chunks(9), key_of);
+            sorted.sort(3, 4..25, voxels.chunks(9), key_of);
+            let sheets = || voxels.iter().map(|voxel| key_of(voxel).1);
+            if let (Some(first), Some(last)) = (sheets().min(), sheets().max()) {
+                assert_eq!(sorted.sheets(), first..last + 1);
+            }
+            assert_eq!(sorted.sheets().is_empty(), voxels.is_empty());
             for first in 0..30 {
                 for end in first..30 {
                     for class in 0..3 {

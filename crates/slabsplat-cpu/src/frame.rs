@@ -129,7 +129,7 @@ impl Stage<'_> {
         watch.done("toss");
         tiles.for_each(workspaces, |tile_idx, tile, workspace| {
             let here = splats.on_tile(tile_idx).map(|splat| &voxels[splat]);
-            axis_aligned::render_tile(self, whole, here, tile, workspace);
+            axis_aligned::render_tile(self, whole, order.n_slices, here, tile, workspace);
         });
         watch.done("splat");
     }

@@ -14,9 +14,11 @@ use crate::workspace::{Workspace, Workspaces};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
-/// Takes all tiles through a range of slabs, in parallel.
+/// Takes all tiles through a range of slabs, in parallel. `first_slabs` are those to which voxels go first that wait or were
+/// taken in.
 pub(crate) fn through(
     range: Range<usize>,
+    first_slabs: Range<usize>,
     stage: &Stage<'_>,
     slabs: &Slabs<'_>,
     tiles: &mut Tiles,
@@ -29,7 +31,7 @@ pub(crate) fn through(
         }
         let Workspace { voxels, sheet, .. } = workspace;
         let runs = std::iter::once(tile.pending.as_slice()).chain(intake.on_tile(tile_idx));
-        voxels.sort(N_CLASSES, runs, |voxel| {
+        voxels.sort(N_CLASSES, first_slabs.clone(), runs, |voxel| {
             (slabs.class_of(voxel), Span::from_bits(voxel.sheets).first())
         });
         dispatch!(stage.level, simd => advance(simd, stage, slabs, &range, tile, voxels, sheet));

@@ -6,13 +6,14 @@
 
 use crate::by_sheet::N_AT_ONCE;
 use crate::frame::Stage;
-use crate::image_aligned::Slabs;
+use crate::image_aligned::{Slabs, Span};
 use crate::image_aligned::occlusion::{Occlusion, Seen};
 use crate::voxel::Voxel;
 use crate::workspace::Workspaces;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_traverse::{Brick, BrickBounds, Throw, TileGrid, TileToss, VoxelRecord};
+use std::ops::Range;
 
 /// Bricks that one task takes in. It depends on nothing, or the order of sums would.
 const BRICKS_PER_TASK: usize = 32;
@@ -24,12 +25,22 @@ pub(crate) struct Intake {
     n_tasks: usize,
 }
 
+/// What came of a range.
+pub(crate) struct Taken {
+    /// Voxels that were left out, as nothing of them is to be seen.
+    pub(crate) n_hidden: u64,
+    /// The slabs to which the others go first.
+    pub(crate) first_slabs: Range<usize>,
+}
+
 /// What a thread needs to take bricks in.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     /// Of one task.
     voxels: Vec<Voxel>,
     throws: Vec<Throw>,
+    /// The least and the largest, in bits.
+    spans: [u32; 2],
     /// Of one brick.
     points: Vec<[f32; 3]>,
     records: Vec<VoxelRecord>,
@@ -37,8 +48,7 @@ pub(crate) struct Scratch {
 }
 
 impl Intake {
-    /// Takes in the voxels of `bricks`, whose second numbers are their places in the list; returns how many were left
-    /// out, as nothing of them is to be seen.
+    /// Takes in the voxels of `bricks`, whose second numbers are their places in the list.
     pub(crate) fn take(
         &mut self,
         stage: &Stage<'_>,
@@ -47,7 +57,7 @@ impl Intake {
         occlusion: &Occlusion,
         bricks: &[(u32, u32)],
         workspaces: &mut Workspaces,
-    ) -> u64 {
+    ) -> Taken {
         self.n_tasks = bricks.len().div_ceil(BRICKS_PER_TASK);
         if self.tasks.len() < self.n_tasks {
             self.tasks.resize_with(self.n_tasks, TileToss::default);
@@ -55,11 +65,10 @@ impl Intake {
         let workspaces = workspaces.for_all_threads();
         let tasks = self.tasks[..self.n_tasks].par_iter_mut();
         let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
-        work.map(|(toss, bricks)| {
+        let taken = work.map(|(toss, bricks)| {
             let mut workspace = workspaces.of_this_thread();
             let scratch = &mut workspace.scratch;
-            scratch.voxels.clear();
-            scratch.throws.clear();
+            scratch.clear();
             let mut n_hidden = 0;
             dispatch!(stage.level, simd => {
                 for &(_, place) in bricks {
@@ -68,9 +77,14 @@ impl Intake {
                 }
             });
             toss.toss(tiles, &scratch.throws, |voxel| scratch.voxels[voxel as usize]);
-            n_hidden
-        })
-        .sum()
+            (n_hidden, scratch.spans)
+        });
+        let both = |(n, [a, b]): (u64, [u32; 2]), (m, [c, d]): (u64, [u32; 2])| {
+            (n + m, [a.min(c), b.max(d)])
+        };
+        let (n_hidden, spans) = taken.reduce(|| (0, NO_SPANS), both);
+        let [first, last] = spans.map(|bits| Span::from_bits(bits).first());
+        Taken { n_hidden, first_slabs: first.min(last + 1)..last + 1 }
     }
 
     /// The voxels on a tile, in runs, in the order of the list.
@@ -83,7 +97,17 @@ impl Intake {
     }
 }
 
+/// The least and the largest of no span at all.
+const NO_SPANS: [u32; 2] = [u32::MAX, 0];
+
 impl Scratch {
+    /// Makes it ready for another task.
+    fn clear(&mut self) {
+        self.voxels.clear();
+        self.throws.clear();
+        self.spans = NO_SPANS;
+    }
+
     /// Adds a brick's voxels, projected and shaded; returns how many were left out.
     #[inline(always)]
     fn take_brick<S: Simd>(
@@ -125,7 +149,11 @@ impl Scratch {
                 (depths[idx], extinctions[idx]) = (voxel.point[2], color[3]);
             }
             let spans = slabs.spans(simd, &depths, &extinctions);
-            voxels.iter_mut().zip(spans).for_each(|(voxel, span)| voxel.sheets = span);
+            for (voxel, span) in voxels.iter_mut().zip(spans) {
+                voxel.sheets = span;
+                let [least, largest] = self.spans;
+                self.spans = [span.min(least), span.max(largest)];
+            }
         }
         (records.len() - self.records.len()) as u64
     }

@@ -125,15 +125,20 @@ pub(crate) fn render(
     sort_bricks(stage, &slabs, slabs_per_range, bricks);
     watch.done("bricks");
     let mut occlusion = Occlusion::new(stage.plan.view.image_size());
-    let (mut n_hidden, mut start, mut rest) = (0, 0, bricks.as_slice());
+    let (mut n_hidden, mut start, mut rest) = (0, 0_usize, bricks.as_slice());
+    let mut first_slabs = 0..0;
     while let Some(&(range, _)) = rest.first() {
         let (here, behind) = rest.split_at(rest.partition_point(|brick| brick.0 == range));
-        n_hidden += intake.take(stage, &slabs, &tiles.grid, &occlusion, here, workspaces);
+        let taken = intake.take(stage, &slabs, &tiles.grid, &occlusion, here, workspaces);
+        n_hidden += taken.n_hidden;
+        // What still waits goes to the slab before the range, or starts no longer ago than it is drawn.
+        first_slabs = taken.first_slabs.start.min(start.saturating_sub(slabs.n_before))
+            ..taken.first_slabs.end.max(first_slabs.end);
         watch.done("intake");
         // The last range goes on until no voxel is left that was taken in.
         let end =
             behind.first().map_or(slabs.grid.n_slabs(), |next| next.0 as usize * slabs_per_range);
-        advance::through(start..end, stage, &slabs, tiles, intake, workspaces);
+        advance::through(start..end, first_slabs.clone(), stage, &slabs, tiles, intake, workspaces);
         tiles.tiles.iter().for_each(|tile| occlusion.note(tile));
         watch.done("splat");
         (start, rest) = (end, behind);
