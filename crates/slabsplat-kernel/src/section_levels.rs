@@ -21,8 +21,8 @@ use std::f64::consts::PI;
 /// How the slabs cut a voxel, by its extinction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionLevels {
-    /// The greatest extinction of a voxel that is cut like this: first whole in slabs 16, 8, 4, 2 times as thick, then
-    /// by level. Never falling; the last is infinite.
+    /// The greatest extinction of a voxel that is cut like this: first whole in slabs 4 and 2 times as thick, then by
+    /// level. Never falling; the last is infinite.
     max_extinctions: [f32; N_CUTS],
     /// By the leading bits of an extinction: which of those the least number with these bits has.
     first_cuts: Vec<u8>,
@@ -34,8 +34,8 @@ pub struct SlabCuts {
     /// A face cuts the kernel if it is nearer to the voxel's centre than this share of the kernel's reach in depth: 0 for
     /// a voxel that is splatted whole, 1 if all faces cut it.
     pub share_of_reach: f32,
-    /// How many times as thick the slab is in whose middle a whole voxel goes: 2, 4, 8, 16, or 1 if it stays in the
-    /// slab that holds its centre.
+    /// How many times as thick the slab is in whose middle a whole voxel goes: 2, 4, or 1 if it stays in the slab that
+    /// holds its centre.
     pub n_slabs: f32,
 }
 
@@ -51,8 +51,9 @@ pub struct LevelView {
 /// Level 0 is a whole kernel, and the last level all sections.
 const N_LEVELS: usize = 33;
 
-/// Slabs may grow to 2⁴ times their width.
-const MAX_DOUBLINGS: usize = 4;
+/// Slabs may grow to 2² times their width. Thicker ones would only spare sheets, as their voxels are whole in these, and
+/// bring voxels to slabs long before any that their kernels meet: much would be drawn that turns out to be hidden.
+const MAX_DOUBLINGS: usize = 2;
 
 const N_CUTS: usize = MAX_DOUBLINGS + N_LEVELS;
 
@@ -66,9 +67,9 @@ const N_LEADING: usize = 1 << (31 - TRAILING_BITS);
 const LAYERS_PER_FACE: f64 = 2.0;
 
 impl SectionLevels {
-    /// By how many slabs at most a whole voxel goes before the one that holds its centre: from the end of the
-    /// thickest slab to its middle.
-    pub const MOST_SLABS_BEFORE: usize = 1 << (MAX_DOUBLINGS - 1);
+    /// By how many slabs at most a whole voxel goes before the one that holds its centre: from the last slab of the thickest
+    /// one to that behind its middle.
+    pub const MOST_SLABS_BEFORE: usize = (1 << (MAX_DOUBLINGS - 1)) - 1;
 
     /// The levels that `settings.tolerance` allows. Where the picture hangs on the slab width by
     /// definition, or no slabs cut anything, every voxel has the last.
@@ -205,12 +206,12 @@ mod tests {
     #[test]
     fn levels_of_faint_voxels_are_thick_slabs() {
         let levels = levels(2e-3, UPRIGHT);
-        for (n_slabs, layers) in [(2.0, 2.0), (4.0, 3.0), (8.0, 5.0), (16.0, 9.0)] {
+        for (n_slabs, layers) in [(2.0, 2.0), (4.0, 3.0)] {
             let most = 2e-3 / layers;
             assert_eq!(levels.cuts(most * 0.999).n_slabs, n_slabs);
             assert!(levels.cuts(most * 1.001).n_slabs < n_slabs);
         }
-        assert_eq!(levels.cuts(0.0).n_slabs, 16.0);
+        assert_eq!(levels.cuts(0.0).n_slabs, 4.0);
     }
 
     /// What a level promises, between its own bound and the next.

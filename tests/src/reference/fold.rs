@@ -126,7 +126,7 @@ impl Levels {
             let layers = 0.5 * slab_width * f64::from(1 << n) + self.layer_depth;
             self.steepest_ray == 0.0 && voxel.extinction() * layers <= self.tolerance
         };
-        (1..=4).rev().find(is_allowed).unwrap_or(0)
+        (1..=2).rev().find(is_allowed).unwrap_or(0)
     }
 
     /// The first of the distances beyond which there is little enough.

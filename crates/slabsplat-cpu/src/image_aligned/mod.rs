@@ -153,8 +153,9 @@ fn sort_bricks(
     slabs_per_range: usize,
     bricks: &mut Vec<(u32, u32)>,
 ) {
-    // A whole voxel may go to a slab before all that its kernel meets.
-    let n_before = slabs.fewer.map_or(0, |_| SectionLevels::MOST_SLABS_BEFORE);
+    // Where slabs are thick, a whole voxel may go to one before all that its kernel meets.
+    let n_met_before = (f64::from(slabs.raster.reach) / slabs.grid.thickness()) as usize;
+    let n_before = SectionLevels::MOST_SLABS_BEFORE.saturating_sub(n_met_before);
     let range_of = |brick: &Brick| {
         let bounds = stage.bricks.bounds(brick);
         let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
