@@ -1,29 +1,37 @@
 //! What was fitted to the last plan's tables, kept for the next one.
 
 use slabsplat_backend::FewerSections;
-use slabsplat_kernel::{FootprintTable, RadialPolynomials, SectionProducts, SectionTable};
+use slabsplat_kernel::{FootprintTable, Powers, RadialPolynomials, SectionProducts, SectionTable};
 use std::sync::Arc;
 
 /// What is kept between frames; nothing before the first.
 #[derive(Debug, Default)]
 pub(crate) struct Polynomials {
-    sections: Kept<(Same<SectionTable>, f64), RadialPolynomials>,
-    folded: Kept<(Same<SectionTable>, f64), RadialPolynomials>,
+    sections: Kept<(Same<SectionTable>, f64), Fits>,
+    folded: Kept<(Same<SectionTable>, f64), Fits>,
     products: Kept<[Same<SectionTable>; 2], SectionProducts>,
     footprint: Kept<Same<FootprintTable>, RadialPolynomials>,
 }
 
 /// What stands for a plan's sections.
 pub(crate) struct OfSections<'a> {
-    pub(crate) all: &'a RadialPolynomials,
+    pub(crate) all: &'a Fits,
     pub(crate) fewer: Option<OfFewer<'a>>,
 }
 
 /// What stands for them where there may be fewer.
 pub(crate) struct OfFewer<'a> {
-    pub(crate) folded: &'a RadialPolynomials,
+    pub(crate) folded: &'a Fits,
     /// If there are any.
     pub(crate) products: Option<&'a SectionProducts>,
+}
+
+/// The same rows by few and by many powers.
+#[derive(Debug)]
+pub(crate) struct Fits {
+    few: RadialPolynomials,
+    /// Unless few powers do.
+    many: Option<RadialPolynomials>,
 }
 
 /// What something was made of, and what was made.
@@ -42,6 +50,9 @@ impl<T> PartialEq for Same<T> {
 /// The part of a tolerance that polynomials may use up.
 const SHARE_OF_TOLERANCE: f64 = 0.01;
 
+/// What few powers may be off in extinction where many are there: a twentieth of what a pixel may be (SPEC §9).
+const ERROR_OF_FEW: f64 = 5e-5;
+
 /// A kernel whose sections miss products by more is none; a Gaussian that ends at R = 2 misses by 1.5·10⁻³.
 const MOST_ERROR_OF_PRODUCTS: f64 = 5e-3;
 
@@ -57,7 +68,10 @@ impl Polynomials {
         let max_error = fewer.map_or(0.0, |fewer| SHARE_OF_TOLERANCE * fewer.tolerance);
         let key = |table: &Arc<SectionTable>| (Same(table.clone()), max_error);
         let make = |(table, max_error): &(Same<SectionTable>, f64)| {
-            RadialPolynomials::of_sections(&table.0, *max_error)
+            let few = RadialPolynomials::of_sections(&table.0, Powers::Few);
+            let is_enough = few.error() <= *max_error;
+            let many = || RadialPolynomials::of_sections(&table.0, Powers::Many);
+            Fits { few, many: (!is_enough).then(many) }
         };
         let all = keep(&mut self.sections, key(table), make);
         let fewer = fewer.map(|fewer| OfFewer {
@@ -75,8 +89,24 @@ impl Polynomials {
     }
 
     pub(crate) fn of_footprint(&mut self, table: &Arc<FootprintTable>) -> &RadialPolynomials {
-        let make = |table: &Same<_>| RadialPolynomials::of_footprint(&table.0, 0.0);
+        let make = |table: &Same<_>| RadialPolynomials::of_footprint(&table.0, Powers::Many);
         keep(&mut self.footprint, Same(table.clone()), make)
+    }
+}
+
+impl Fits {
+    /// Those for voxels of whatever extinction, or for those of no more than [`most_of_few`](Self::most_of_few).
+    #[inline(always)]
+    pub(crate) fn of(&self, are_few: bool) -> &RadialPolynomials {
+        match &self.many {
+            Some(many) if !are_few => many,
+            _ => &self.few,
+        }
+    }
+
+    /// The most extinction of a voxel for which few powers are always enough.
+    pub(crate) fn most_of_few(&self) -> f32 {
+        (ERROR_OF_FEW / self.few.error()) as f32
     }
 }
 

@@ -18,8 +18,14 @@ use crate::{FootprintTable, SectionTable, lerp_radial};
 /// Most coefficients of a polynomial.
 pub const MAX_COEFFICIENTS: usize = 12;
 
-/// Numbers of coefficients that are tried, the least first.
-const COEFFICIENT_COUNTS: [usize; 2] = [8, MAX_COEFFICIENTS];
+/// How long polynomials are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Powers {
+    /// Powers up to the seventh.
+    Few,
+    /// Powers up to the tenth, and a root.
+    Many,
+}
 
 /// Places in a disc at which a row is fitted.
 const N_NODES: usize = 256;
@@ -27,49 +33,45 @@ const N_NODES: usize = 256;
 /// A row that ends before this part of `R²` has no root in it.
 const NEARLY_ALL: f64 = 0.95;
 
-/// Rows of weights, each a polynomial in `x = 2·(ρ/R)² − 1`; with 12 coefficients the last is that of `√(1 − x)`.
+/// Rows of weights, each a polynomial in `x = 2·(ρ/R)² − 1`; the last coefficient is that of `√(1 − x)`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialPolynomials {
-    n_coefficients: usize,
-    /// From the constant on; those from `n_coefficients` on are 0.
+    /// From the constant on; 0 from the eighth on if powers are few.
     rows: Vec<[f32; MAX_COEFFICIENTS]>,
+    error: f64,
 }
 
 impl RadialPolynomials {
-    /// Fits the rows of a table of sections with as few coefficients as keep all errors below `max_error`, or
-    /// with as many as there are; row `n` is the table's.
-    pub fn of_sections(table: &SectionTable, max_error: f64) -> Self {
-        Self::of_rows(&table.all_rows(), max_error)
+    /// Fits the rows of a table of sections; row `n` is the table's.
+    pub fn of_sections(table: &SectionTable, powers: Powers) -> Self {
+        Self::of_rows(&table.all_rows(), powers)
     }
 
     /// Fits a footprint: one row.
-    pub fn of_footprint(table: &FootprintTable, max_error: f64) -> Self {
-        Self::of_rows(&[table.row()], max_error)
+    pub fn of_footprint(table: &FootprintTable, powers: Powers) -> Self {
+        Self::of_rows(&[table.row()], powers)
     }
 
-    /// Fits one row over the whole disc by powers up to the seventh.
+    /// Fits one row over the whole disc by few powers.
     pub(crate) fn short(row: &[f32]) -> [f32; MAX_COEFFICIENTS] {
-        Basis::new().fit(row, 1.0, COEFFICIENT_COUNTS[0]).0
+        Basis::new().fit(row, 1.0, Powers::Few).0
     }
 
-    fn of_rows(rows: &[&[f32]], max_error: f64) -> Self {
+    fn of_rows(rows: &[&[f32]], powers: Powers) -> Self {
         let discs: Vec<f64> = rows.iter().map(|row| disc_of(row)).collect();
         let basis = Basis::new();
-        let fit = |n_coefficients: usize| -> (Self, f64) {
-            let fits: Vec<_> = (0..rows.len())
-                .map(|idx| basis.fit(rows[idx], domain(&discs, idx), n_coefficients))
-                .collect();
-            let worst = fits.iter().fold(0.0_f64, |worst, (_, error)| worst.max(*error));
-            (Self { n_coefficients, rows: fits.into_iter().map(|(row, _)| row).collect() }, worst)
+        let mut error = 0.0_f64;
+        let fit = |idx: usize| {
+            let (row, error_of_row) = basis.fit(rows[idx], domain(&discs, idx), powers);
+            error = error.max(error_of_row);
+            row
         };
-        let [few, many] = COEFFICIENT_COUNTS;
-        let (fitted, error) = fit(few);
-        if error <= max_error { fitted } else { fit(many).0 }
+        Self { rows: (0..rows.len()).map(fit).collect(), error }
     }
 
-    /// How many coefficients may differ from 0: 8 or 12.
-    pub fn n_coefficients(&self) -> usize {
-        self.n_coefficients
+    /// By how much any row is off at most, at any place where it was fitted.
+    pub fn error(&self) -> f64 {
+        self.error
     }
 
     /// The coefficients of one row, from the constant on.
@@ -174,7 +176,7 @@ impl Basis {
         &self,
         row: &[f32],
         domain: f64,
-        n_coefficients: usize,
+        powers: Powers,
     ) -> ([f32; MAX_COEFFICIENTS], f64) {
         let n_samples = (row.len() - 2) as f64;
         let exact: Vec<f64> = self.at_nodes(|y| {
@@ -182,8 +184,8 @@ impl Basis {
             f64::from(lerp_radial(row, (half_chord * n_samples) as f32))
         });
         // Far from its end the root is a polynomial, too.
-        let has_root = n_coefficients == MAX_COEFFICIENTS && NEARLY_ALL < domain;
-        let n_powers = n_coefficients.min(MAX_COEFFICIENTS - 1);
+        let has_root = powers == Powers::Many && NEARLY_ALL < domain;
+        let n_powers = if powers == Powers::Many { MAX_COEFFICIENTS - 1 } else { 8 };
         let root = self.at_nodes(|y| (2.0 - (y + 1.0) * domain).max(0.0).sqrt());
         let mut parts = self.parts_of(&exact, n_powers);
         let mut root_part = 0.0;
@@ -259,13 +261,13 @@ mod tests {
 
     /// Largest and mean difference from the exact integral over the whole disc of radius `R`, at rows and
     /// half way between them.
-    fn errors(name: &str, width: f64, normalization: Normalization, max_error: f64) -> (f64, f64) {
+    fn errors(name: &str, width: f64, normalization: Normalization, powers: Powers) -> (f64, f64) {
         let kernel = kernel_named(name).unwrap();
         let desc =
             SectionDesc { kernel: &*kernel, width, kappa: 1.0, normalization, base_width: 0.5 };
         let table = TableDesc { sections: 128, radial_samples: 256, lookup: Lookup::Linear };
         let table = SectionTable::new(&desc, table);
-        let polynomials = RadialPolynomials::of_sections(&table, max_error);
+        let polynomials = RadialPolynomials::of_sections(&table, powers);
         let radius = kernel.radius();
         let (mut worst, mut sum, mut n) = (0.0_f64, 0.0, 0.0);
         for step in 1..2 * table.n_rows() - 2 {
@@ -291,24 +293,41 @@ mod tests {
     fn polynomials_are_the_sections() {
         for &name in KERNEL_NAMES {
             for width in [0.25, 0.5, 1.0, 2.0, 4.0] {
-                for (max_error, n) in [(0.0, 12), (3e-4, 8)] {
-                    let (worst, mean) = errors(name, width, Normalization::None, max_error);
-                    println!("{name} w={width} n={n}: {worst:.1e} (mean {mean:.1e})");
-                    let most = if n == 12 { [2e-4, 1.5e-5] } else { [3e-4, 3e-5] };
-                    assert!(worst < most[0] && mean < most[1], "{name} w={width} n={n}");
+                for powers in [Powers::Many, Powers::Few] {
+                    let (worst, mean) = errors(name, width, Normalization::None, powers);
+                    println!("{name} w={width} {powers:?}: {worst:.1e} (mean {mean:.1e})");
+                    let most = match (powers, name) {
+                        (Powers::Many, _) => [2e-4, 1.5e-5],
+                        (Powers::Few, "gaussian") => [3e-4, 3e-5],
+                        (Powers::Few, _) => [1e-3, 2e-4],
+                    };
+                    assert!(worst < most[0] && mean < most[1], "{name} w={width} {powers:?}");
                 }
             }
-            let (worst, mean) = errors(name, 2.0, Normalization::Product, 0.0);
+            let (worst, mean) = errors(name, 2.0, Normalization::Product, Powers::Many);
             println!("{name} product: {worst:.1e} (mean {mean:.1e})");
             assert!(worst < 2e-4 && mean < 1.5e-5, "{name} product");
         }
     }
 
     #[test]
-    fn polynomials_of_the_default_kernel_are_short() {
-        let kernel = kernel_named("gaussian").unwrap();
-        let table = FootprintTable::new(&*kernel, 1.0, 256);
-        assert_eq!(RadialPolynomials::of_footprint(&table, 3e-4).n_coefficients(), 8);
-        assert_eq!(RadialPolynomials::of_footprint(&table, 0.0).n_coefficients(), 12);
+    fn polynomials_know_their_errors() {
+        for &name in KERNEL_NAMES {
+            let table = FootprintTable::new(&*kernel_named(name).unwrap(), 1.0, 256);
+            let [few, many] = [Powers::Few, Powers::Many]
+                .map(|powers| RadialPolynomials::of_footprint(&table, powers));
+            assert!(few.row(0)[8..] == [0.0; 4] && many.row(0)[11] != 0.0);
+            assert!(0.0 < many.error() && many.error() < few.error(), "{name}");
+            let n_samples = (table.row().len() - 2) as f64;
+            for step in 0..300 {
+                let part = (f64::from(step) + 0.5) / 300.0;
+                let half_chord = (1.0 - part).sqrt() * n_samples;
+                let weight = f64::from(lerp_radial(table.row(), half_chord as f32));
+                for fit in [&few, &many] {
+                    let off = f64::from(fit.weight(0, (2.0 * part - 1.0) as f32)) - weight;
+                    assert!(off.abs() < 1.1 * fit.error(), "{name} {part}: {off}");
+                }
+            }
+        }
     }
 }

@@ -23,6 +23,7 @@ mod span;
 
 use crate::frame::Stage;
 use crate::knots;
+use crate::polynomials::Fits;
 use crate::raster::{PixelShape, Raster};
 use crate::stopwatch::Stopwatch;
 use crate::tiles::Tiles;
@@ -33,7 +34,7 @@ use products::AsProducts;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
 use slabsplat_core::SlabGrid;
-use slabsplat_kernel::{RadialPolynomials, SectionLevels, SectionProducts, SectionTable};
+use slabsplat_kernel::{SectionLevels, SectionProducts, SectionTable};
 use slabsplat_traverse::Brick;
 
 pub(crate) use intake::Scratch;
@@ -60,7 +61,7 @@ pub(crate) struct Slabs<'a> {
     grid: &'a SlabGrid,
     raster: &'a Raster,
     table: &'a SectionTable,
-    polynomials: &'a RadialPolynomials,
+    polynomials: &'a Fits,
     fewer: Option<Fewer<'a>>,
     shapes: &'a SlabShapes,
     slabs_per_depth: f32,
@@ -75,8 +76,8 @@ pub(crate) struct Slabs<'a> {
     /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
     /// thick meets up to ⌈k⌉ + 1 of them.
     n_before: usize,
-    /// Voxels of no more extinction may be drawn as products.
-    most_of_products: f32,
+    /// Voxels of no more extinction are *faint*: drawn as products, or by few powers.
+    most_of_faint: f32,
 }
 
 /// What is drawn, and how.
@@ -84,7 +85,7 @@ pub(crate) struct Job<'a> {
     pub(crate) stage: &'a Stage<'a>,
     pub(crate) slabs: &'a SlabGrid,
     pub(crate) table: &'a SectionTable,
-    pub(crate) polynomials: &'a RadialPolynomials,
+    pub(crate) polynomials: &'a Fits,
     pub(crate) fewer: Option<Fewer<'a>>,
 }
 
@@ -94,17 +95,17 @@ pub(crate) struct Fewer<'a> {
     pub(crate) tolerance: f64,
     pub(crate) levels: &'a SectionLevels,
     pub(crate) table: &'a SectionTable,
-    pub(crate) polynomials: &'a RadialPolynomials,
+    pub(crate) polynomials: &'a Fits,
     pub(crate) products: Option<&'a SectionProducts>,
 }
 
 impl Fewer<'_> {
-    /// The most extinction of a voxel whose sections may be drawn as products.
-    fn most_of_products(&self) -> f32 {
-        let Some(products) = self.products else { return f32::NEG_INFINITY };
+    /// The most extinction of a voxel whose sections may be drawn as products, if any may.
+    fn most_of_products(&self) -> Option<f32> {
+        let products = self.products?;
         let peak = f64::from(products.whole()) * products.profile_at(0.0).powi(2);
         let error = products.error() + knots::WORST_ERROR * peak;
-        (SHARE_OF_PRODUCTS * self.tolerance / error) as f32
+        Some((SHARE_OF_PRODUCTS * self.tolerance / error) as f32)
     }
 }
 
@@ -191,13 +192,15 @@ impl<'a> Slabs<'a> {
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
-            most_of_products: fewer.map_or(f32::NEG_INFINITY, |fewer| fewer.most_of_products()),
+            most_of_faint: fewer
+                .and_then(|fewer| fewer.most_of_products())
+                .unwrap_or(polynomials.most_of_few()),
         }
     }
 
     /// The sections of slabs, or of all that lies before or behind a face.
     #[inline(always)]
-    fn tables(&self, is_folded: bool) -> (&'a SectionTable, &'a RadialPolynomials) {
+    fn tables(&self, is_folded: bool) -> (&'a SectionTable, &'a Fits) {
         match self.fewer {
             Some(fewer) if is_folded => (fewer.table, fewer.polynomials),
             _ => (self.table, self.polynomials),

@@ -56,10 +56,10 @@ impl<'a> SlabCut<'a> {
     ) {
         let kind = self.slabs.kind_of(class);
         match self.as_products {
-            Some(how) if self.slabs.may_be_products(class) => {
+            Some(how) if Slabs::are_faint(class) => {
                 self.splat_products(simd, kind, how, voxels, tile, sheet);
             }
-            _ => self.splat_each(simd, kind, voxels, tile, sheet),
+            _ => self.splat_each(simd, kind, Slabs::are_faint(class), voxels, tile, sheet),
         }
     }
 
@@ -76,6 +76,7 @@ impl<'a> SlabCut<'a> {
         &self,
         simd: S,
         kind: Kind,
+        are_faint: bool,
         voxels: Run<'_>,
         tile: &mut Tile,
         sheet: &mut Sheet,
@@ -99,15 +100,23 @@ impl<'a> SlabCut<'a> {
                 };
                 if kind == Kind::Upright {
                     let (_, polynomials) = self.slabs.tables(section.is_folded);
+                    let polynomials = polynomials.of(are_faint);
                     section.coefficients = blended(simd, polynomials, eight.rows[idx]);
                 }
-                self.splat_section(simd, kind, &section, sheet);
+                self.splat_section(simd, kind, are_faint, &section, sheet);
             }
         }
     }
 
     #[inline(always)]
-    fn splat_section<S: Simd>(&self, simd: S, kind: Kind, section: &Section, sheet: &mut Sheet) {
+    fn splat_section<S: Simd>(
+        &self,
+        simd: S,
+        kind: Kind,
+        is_faint: bool,
+        section: &Section,
+        sheet: &mut Sheet,
+    ) {
         match (kind, self.slabs.fewer) {
             (Kind::Tilted, _) => {
                 let tilted = Tilted {
@@ -118,7 +127,7 @@ impl<'a> SlabCut<'a> {
                 splat(simd, sheet, &self.shape, &section.footprint, &tilted);
             }
             (Kind::Whole, Some(fewer)) => {
-                let whole = fewer.polynomials.last_row();
+                let whole = fewer.polynomials.of(is_faint).last_row();
                 self.splat_polynomial(simd, sheet, section, whole, 1.0);
             }
             _ => {
