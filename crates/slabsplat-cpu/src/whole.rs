@@ -44,7 +44,7 @@ pub(crate) fn toss<'a>(
             return TileRect::EMPTY;
         }
         let [min, max] = raster.bounds(&raster.shape_at(point[2].into()), point);
-        tiles.touched(min, max).unwrap_or(TileRect::EMPTY)
+        tiles.pixels_within(min, max).map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
     })
 }
 

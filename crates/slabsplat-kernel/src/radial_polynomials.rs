@@ -172,12 +172,7 @@ impl Basis {
     }
 
     /// The polynomial in `x` that fits a row over `domain`, and its largest error there.
-    fn fit(
-        &self,
-        row: &[f32],
-        domain: f64,
-        powers: Powers,
-    ) -> ([f32; MAX_COEFFICIENTS], f64) {
+    fn fit(&self, row: &[f32], domain: f64, powers: Powers) -> ([f32; MAX_COEFFICIENTS], f64) {
         let n_samples = (row.len() - 2) as f64;
         let exact: Vec<f64> = self.at_nodes(|y| {
             let half_chord = (1.0 - 0.5 * (y + 1.0) * domain).max(0.0).sqrt();

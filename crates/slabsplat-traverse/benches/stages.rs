@@ -77,7 +77,8 @@ fn stages(c: &mut Criterion) {
     let rect_of = |splat: usize| {
         let [right, up, _] = points[splat];
         let at = [256.0 + 2.6 * right, 256.0 - 2.6 * up];
-        tiles.touched(at.map(|c| c - 5.2), at.map(|c| c + 5.2)).unwrap_or(TileRect::EMPTY)
+        let pixels = tiles.pixels_within(at.map(|c| c - 5.2), at.map(|c| c + 5.2));
+        pixels.map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
     };
     group.bench_function("toss", |b| b.iter(|| TileBuckets::toss(&tiles, points.len(), rect_of)));
     group.finish();

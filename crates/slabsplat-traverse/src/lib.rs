@@ -63,5 +63,5 @@ pub use depth_order::depth_order;
 pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::Shader;
-pub use toss::{Throw, TileBuckets, TileGrid, TileRect, TileToss};
+pub use toss::{PixelRect, Throw, TileBuckets, TileGrid, TileRect, TileToss};
 pub use voxel::{NORMAL_STEPS, VoxelRecord};

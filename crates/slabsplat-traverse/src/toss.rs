@@ -19,6 +19,15 @@ pub struct TileGrid {
     pub n_y: usize,
 }
 
+/// A rectangle of pixels that holds at least one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelRect {
+    /// First column and first row.
+    pub min: [u32; 2],
+    /// The column and the row behind the last.
+    pub end: [u32; 2],
+}
+
 /// A rectangle of tiles, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileRect {
@@ -78,23 +87,28 @@ impl TileGrid {
         [tile_idx % self.n_x, tile_idx / self.n_x].map(|tile| tile << self.side_log2)
     }
 
-    /// The tiles that have pixel centres within `min ..= max`, given in pixels, or hardly outside; `None` if there are
-    /// none.
+    /// The pixels that have their centres within `min ..= max`, given in pixels, or hardly outside; `None` if there are
+    /// none on any tile.
     #[inline(always)]
-    pub fn touched(&self, min: [f32; 2], max: [f32; 2]) -> Option<TileRect> {
+    pub fn pixels_within(&self, min: [f32; 2], max: [f32; 2]) -> Option<PixelRect> {
         let n_tiles = [self.n_x, self.n_y];
-        let mut rect = TileRect { min: [0; 2], max: [0; 2] };
+        let mut rect = PixelRect { min: [0; 2], end: [0; 2] };
         for axis in 0..2 {
             let n_pixels = (n_tiles[axis] << self.side_log2) as f32;
-            let first = nearest(min[axis] - MARGIN, n_pixels);
-            let end = nearest(max[axis] + MARGIN, n_pixels);
-            if end <= first {
-                return None;
-            }
-            rect.min[axis] = (first >> self.side_log2) as u16;
-            rect.max[axis] = ((end - 1) >> self.side_log2) as u16;
+            rect.min[axis] = nearest(min[axis] - MARGIN, n_pixels);
+            rect.end[axis] = nearest(max[axis] + MARGIN, n_pixels);
         }
-        Some(rect)
+        let holds_any = rect.min[0] < rect.end[0] && rect.min[1] < rect.end[1];
+        holds_any.then_some(rect)
+    }
+
+    /// The tiles that hold pixels of a rectangle.
+    #[inline(always)]
+    pub fn tiles_of(&self, pixels: &PixelRect) -> TileRect {
+        TileRect {
+            min: pixels.min.map(|first| (first >> self.side_log2) as u16),
+            max: pixels.end.map(|end| ((end - 1) >> self.side_log2) as u16),
+        }
     }
 
     /// Appends every tile of a rectangle, which must hold one, with a splat's name, to what is to be tossed.
@@ -228,9 +242,8 @@ mod tests {
 
     fn random_rect(rng: &mut fastrand::Rng, tiles: &TileGrid) -> TileRect {
         let min = [rng.f32() * 99.0, rng.f32() * 69.0];
-        tiles
-            .touched(min, [min[0] + 1.0 + rng.f32() * 40.0, min[1] + 1.0 + rng.f32() * 40.0])
-            .unwrap()
+        let max = min.map(|start| start + 1.0 + rng.f32() * 40.0);
+        tiles.tiles_of(&tiles.pixels_within(min, max).unwrap())
     }
 
     /// Against the definition, for any number of threads.
@@ -259,15 +272,20 @@ mod tests {
     }
 
     #[test]
-    fn toss_touches_tiles_with_pixel_centers_inside() {
+    fn toss_touches_pixels_with_centers_inside() {
         let tiles = TileGrid::new([64, 32], 16);
-        let rect = |min, max| Some(TileRect { min, max });
-        assert_eq!(tiles.touched([0.0, 0.0], [0.4, 0.4]), None, "no centre inside");
-        assert_eq!(tiles.touched([0.5, 0.5], [0.5, 0.5]), rect([0, 0], [0, 0]));
-        assert_eq!(tiles.touched([15.6, 0.0], [16.5, 20.0]), rect([1, 0], [1, 1]));
-        assert_eq!(tiles.touched([-50.0, -50.0], [500.0, 500.0]), rect([0, 0], [3, 1]));
-        assert_eq!(tiles.touched([64.0, 0.0], [70.0, 5.0]), None, "right of the image");
-        assert_eq!(tiles.touched([-9.0, 0.0], [-1.0, 5.0]), None, "left of the image");
-        assert_eq!(tiles.touched([f32::NAN; 2], [f32::NAN; 2]), None);
+        let check = |min, max, pixels: [[u32; 2]; 2], on: [[u16; 2]; 2]| {
+            let rect = PixelRect { min: pixels[0], end: pixels[1] };
+            assert_eq!(tiles.pixels_within(min, max), Some(rect));
+            assert_eq!(tiles.tiles_of(&rect), TileRect { min: on[0], max: on[1] });
+        };
+        check([0.5, 0.5], [0.5, 0.5], [[0, 0], [1, 1]], [[0, 0], [0, 0]]);
+        check([15.6, 0.0], [16.5, 20.0], [[16, 0], [17, 20]], [[1, 0], [1, 1]]);
+        check([-50.0, -50.0], [500.0, 500.0], [[0, 0], [64, 32]], [[0, 0], [3, 1]]);
+        let none = |min, max| assert_eq!(tiles.pixels_within(min, max), None);
+        none([0.0, 0.0], [0.4, 0.4]);
+        none([64.0, 0.0], [70.0, 5.0]);
+        none([-9.0, 0.0], [-1.0, 5.0]);
+        none([f32::NAN; 2], [f32::NAN; 2]);
     }
 }

@@ -6,8 +6,8 @@
 
 use crate::by_sheet::N_AT_ONCE;
 use crate::frame::Stage;
-use crate::image_aligned::{Slabs, Span};
 use crate::image_aligned::occlusion::{Occlusion, Seen};
+use crate::image_aligned::{Slabs, Span};
 use crate::voxel::Voxel;
 use crate::workspace::Workspaces;
 use fearless_simd::{Simd, dispatch};
@@ -121,7 +121,8 @@ impl Scratch {
     ) -> u64 {
         let records = stage.list.voxels_of(brick);
         let bounds = slabs.bounds_of_brick(&stage.bricks.bounds(brick));
-        let seen = bounds.map_or(Seen::Not, |[min, max]| occlusion.shows(min, max));
+        let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
+        let seen = pixels.map_or(Seen::Not, |pixels| occlusion.shows(&pixels));
         if seen == Seen::Not {
             return records.len() as u64;
         }
@@ -131,11 +132,11 @@ impl Scratch {
         let first = self.voxels.len();
         for (record, &point) in records.iter().zip(&self.points) {
             let Some([min, max]) = slabs.bounds_of_voxel(point) else { continue };
-            if seen == Seen::Partly && occlusion.shows(min, max) == Seen::Not {
+            let Some(pixels) = tiles.pixels_within(min, max) else { continue };
+            if seen == Seen::Partly && occlusion.shows(&pixels) == Seen::Not {
                 continue;
             }
-            let Some(rect) = tiles.touched(min, max) else { continue };
-            tiles.push(rect, self.voxels.len() as u32, &mut self.throws);
+            tiles.push(tiles.tiles_of(&pixels), self.voxels.len() as u32, &mut self.throws);
             self.records.push(*record);
             self.voxels.push(Voxel { point, ..Voxel::default() });
         }

@@ -125,7 +125,7 @@ pub(crate) fn render(
     let slabs_per_range = slabs.per_range(stage.plan.volume.grid().unit());
     sort_bricks(stage, &slabs, slabs_per_range, bricks);
     watch.done("bricks");
-    let mut occlusion = Occlusion::new(stage.plan.view.image_size());
+    let mut occlusion = Occlusion::new(stage.plan.view.image_size(), &tiles.tiles);
     let (mut n_hidden, mut start, mut rest) = (0, 0_usize, bricks.as_slice());
     let mut first_slabs = 0..0;
     while let Some(&(range, _)) = rest.first() {
@@ -140,7 +140,7 @@ pub(crate) fn render(
         let end =
             behind.first().map_or(slabs.grid.n_slabs(), |next| next.0 as usize * slabs_per_range);
         advance::through(start..end, first_slabs.clone(), stage, &slabs, tiles, intake, workspaces);
-        tiles.tiles.iter().for_each(|tile| occlusion.note(tile));
+        occlusion.note(&tiles.tiles);
         watch.done("splat");
         (start, rest) = (end, behind);
     }

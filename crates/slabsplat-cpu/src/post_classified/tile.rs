@@ -6,8 +6,8 @@ use super::gradient::{Neighborhood, Spacing};
 use super::open::Open;
 use super::sheet::{Place, Section, Sheet, Sum};
 use crate::raster::PixelShape;
-use slabsplat_core::{Image, over};
 use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Image, over};
 use slabsplat_kernel::{CubicSectionTable, cubic_at};
 
 /// A square of the image.
