@@ -6,14 +6,13 @@ use crate::raster::Raster;
 use crate::relevant::Relevant;
 use crate::stopwatch::Stopwatch;
 use crate::tiles::Tiles;
-use crate::voxel::Voxel;
 use crate::whole::{self, Whole};
 use crate::workspace::Workspaces;
 use crate::{axis_aligned, every_sample, post_classified};
 use fearless_simd::Level;
 use slabsplat_backend::{Frame, FrameCost, FramePlan, Splats};
 use slabsplat_core::SliceOrder;
-use slabsplat_traverse::{BrickView, Classification, RelevantList, Shader, depth_order};
+use slabsplat_traverse::{BrickView, Classification, RelevantList, Shader};
 
 /// What is kept from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
@@ -25,8 +24,8 @@ pub(crate) struct Buffers {
     workspaces: Workspaces,
     image_aligned: image_aligned::Buffers,
     densities: post_classified::Buffers,
-    /// All relevant voxels, for the traditional methods.
-    voxels: Vec<Voxel>,
+    /// Of the traditional methods.
+    whole: whole::Buffers,
 }
 
 /// What the stages of a frame share.
@@ -84,12 +83,12 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
         Splats::Slices { order, table } => {
             let whole =
                 Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
-            stage.render_slices(order, &whole, &mut buffers.voxels, tiles, workspaces, &mut watch);
+            stage.render_slices(order, &whole, &mut buffers.whole, tiles, workspaces, &mut watch);
         }
         Splats::Voxels { table } => {
             let whole =
                 Whole { raster: &stage.raster, polynomials: polynomials.of_footprint(table) };
-            stage.render_voxels(&whole, &mut buffers.voxels, tiles, workspaces, &mut watch);
+            stage.render_voxels(&whole, &mut buffers.whole, tiles, workspaces, &mut watch);
         }
     }
     let mut stats = tiles.stats();
@@ -117,18 +116,20 @@ impl Stage<'_> {
         &self,
         order: &SliceOrder,
         whole: &Whole<'_>,
-        voxels: &mut Vec<Voxel>,
+        buffers: &mut whole::Buffers,
         tiles: &mut Tiles,
         workspaces: &mut Workspaces,
         watch: &mut Stopwatch,
     ) {
+        let whole::Buffers { voxels, splats, .. } = buffers;
         let sheet_of = |coords| order.sheet_of(coords);
         whole::voxels(self.list, &self.bricks, &self.shader, sheet_of, voxels);
         watch.done("shade");
-        let splats = whole::toss(&self.raster, &tiles.grid, voxels.len(), |splat| &voxels[splat]);
+        let voxel = |splat: usize| &voxels[splat];
+        whole::toss(&self.raster, &tiles.grid, voxels.len(), voxel, splats);
         watch.done("toss");
         tiles.for_each(workspaces, |tile_idx, tile, workspace| {
-            let here = splats.on_tile(tile_idx).map(|splat| &voxels[splat]);
+            let here = splats.on_tile(tile_idx).map(voxel);
             axis_aligned::render_tile(self, whole, order.n_slices, here, tile, workspace);
         });
         watch.done("splat");
@@ -137,17 +138,18 @@ impl Stage<'_> {
     fn render_voxels(
         &self,
         whole: &Whole<'_>,
-        voxels: &mut Vec<Voxel>,
+        buffers: &mut whole::Buffers,
         tiles: &mut Tiles,
         workspaces: &mut Workspaces,
         watch: &mut Stopwatch,
     ) {
+        let whole::Buffers { voxels, order, splats } = buffers;
         whole::voxels(self.list, &self.bricks, &self.shader, |_| 0, voxels);
         watch.done("shade");
-        let order = depth_order(self.plan.volume.grid(), &self.plan.view, self.list);
+        order.update(self.plan.volume.grid(), &self.plan.view, self.list);
         watch.done("sort");
-        let voxel = |splat: usize| &voxels[order[splat] as usize];
-        let splats = whole::toss(&self.raster, &tiles.grid, order.len(), voxel);
+        let voxel = |splat: usize| &voxels[order.place(splat)];
+        whole::toss(&self.raster, &tiles.grid, order.len(), voxel, splats);
         watch.done("toss");
         tiles.for_each(workspaces, |tile_idx, tile, workspace| {
             let here = splats.on_tile(tile_idx).map(voxel);
@@ -164,7 +166,7 @@ impl Buffers {
             + self.tiles.as_ref().map_or(0, Tiles::resident_bytes)
             + self.workspaces.resident_bytes()
             + self.image_aligned.resident_bytes()
-            + self.voxels.capacity() * size_of::<Voxel>();
+            + self.whole.resident_bytes();
         bytes as u64
     }
 }

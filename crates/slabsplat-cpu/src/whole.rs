@@ -7,7 +7,28 @@ use crate::tile::Tile;
 use crate::voxel::Voxel;
 use fearless_simd::Simd;
 use slabsplat_kernel::RadialPolynomials;
-use slabsplat_traverse::{BrickView, RelevantList, Shader, TileBuckets, TileGrid, TileRect};
+use slabsplat_traverse::{
+    BRICK_SIDE, BrickView, DepthOrder, RelevantList, Shader, TileBuckets, TileGrid, TileRect,
+};
+
+/// What is kept from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    /// All relevant voxels.
+    pub(crate) voxels: Vec<Voxel>,
+    pub(crate) order: DepthOrder,
+    pub(crate) splats: TileBuckets,
+}
+
+impl Buffers {
+    pub(crate) fn resident_bytes(&self) -> usize {
+        self.voxels.capacity() * size_of::<Voxel>()
+            + self.order.resident_bytes()
+            + self.splats.resident_bytes()
+    }
+}
+
+const VOXELS_PER_BRICK: usize = BRICK_SIDE * BRICK_SIDE * BRICK_SIDE;
 
 /// Shades and projects all relevant voxels; `sheet_of` tells the sheet of a voxel by its coordinates.
 pub(crate) fn voxels(
@@ -19,10 +40,10 @@ pub(crate) fn voxels(
 ) {
     voxels.resize(list.len(), Voxel::default());
     list.fill_by_brick(voxels, |brick, records, voxels| {
-        let mut points = vec![[0.0; 3]; records.len()];
-        bricks.project_brick(brick, records, &mut points);
-        let mut colors = vec![[0.0; 4]; records.len()];
-        shader.shade_brick(brick, records, &mut colors);
+        let mut points = [[0.0; 3]; VOXELS_PER_BRICK];
+        bricks.project_brick(brick, records, &mut points[..records.len()]);
+        let mut colors = [[0.0; 4]; VOXELS_PER_BRICK];
+        shader.shade_brick(brick, records, &mut colors[..records.len()]);
         let shaded = points.into_iter().zip(colors);
         for ((voxel, &record), (point, color)) in voxels.iter_mut().zip(records).zip(shaded) {
             let sheets = sheet_of(list.voxel_coords(brick, record)) as u32;
@@ -37,15 +58,16 @@ pub(crate) fn toss<'a>(
     tiles: &TileGrid,
     n_splats: usize,
     voxel: impl Fn(usize) -> &'a Voxel + Sync,
-) -> TileBuckets {
-    TileBuckets::toss(tiles, n_splats, |splat| {
+    splats: &mut TileBuckets,
+) {
+    splats.toss(tiles, n_splats, |splat| {
         let point = voxel(splat).point;
         if point[2] < raster.near {
             return TileRect::EMPTY;
         }
         let [min, max] = raster.bounds(&raster.shape_at(point[2].into()), point);
         tiles.pixels_within(min, max).map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
-    })
+    });
 }
 
 /// Splats whole footprints.

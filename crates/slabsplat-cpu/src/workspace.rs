@@ -23,10 +23,16 @@ impl Workspace {
 }
 
 /// One for every thread, so that no lock is ever waited for.
-#[derive(Debug, Default)]
-pub(crate) struct Workspaces(Vec<Mutex<Workspace>>);
+#[derive(Debug)]
+pub(crate) struct Workspaces<W = Workspace>(Vec<Mutex<W>>);
 
-impl Workspaces {
+impl<W> Default for Workspaces<W> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<W: Default> Workspaces<W> {
     /// Makes sure that there is one for every thread.
     pub(crate) fn for_all_threads(&mut self) -> &Self {
         self.0.resize_with(rayon::current_num_threads(), Mutex::default);
@@ -34,11 +40,13 @@ impl Workspaces {
     }
 
     /// The workspace of the thread that asks.
-    pub(crate) fn of_this_thread(&self) -> MutexGuard<'_, Workspace> {
+    pub(crate) fn of_this_thread(&self) -> MutexGuard<'_, W> {
         let thread = rayon::current_thread_index().unwrap_or(0);
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
 
+impl Workspaces {
     pub(crate) fn resident_bytes(&self) -> usize {
         let bytes = |workspace: &Mutex<Workspace>| {
             workspace.lock().map_or(0, |workspace| Workspace::resident_bytes(&workspace))

@@ -7,8 +7,8 @@ use slabsplat_core::{
     View, Volume,
 };
 use slabsplat_traverse::{
-    BrickRanges, BrickView, Classification, RelevantList, Shader, TileBuckets, TileGrid, TileRect,
-    depth_order,
+    BrickRanges, BrickView, Classification, DepthOrder, RelevantList, Shader, TileBuckets,
+    TileGrid, TileRect,
 };
 
 const SIDE: usize = 128;
@@ -71,7 +71,8 @@ fn stages(c: &mut Criterion) {
     group.bench_function("project", |b| {
         b.iter(|| BrickView::new(grid, &view).project(&list, &mut points));
     });
-    group.bench_function("depth_order", |b| b.iter(|| depth_order(grid, &view, &list)));
+    let mut order = DepthOrder::default();
+    group.bench_function("depth_order", |b| b.iter(|| order.update(grid, &view, &list)));
 
     let tiles = TileGrid::new(view.image_size(), 16);
     let rect_of = |splat: usize| {
@@ -80,7 +81,8 @@ fn stages(c: &mut Criterion) {
         let pixels = tiles.pixels_within(at.map(|c| c - 5.2), at.map(|c| c + 5.2));
         pixels.map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
     };
-    group.bench_function("toss", |b| b.iter(|| TileBuckets::toss(&tiles, points.len(), rect_of)));
+    let mut buckets = TileBuckets::default();
+    group.bench_function("toss", |b| b.iter(|| buckets.toss(&tiles, points.len(), rect_of)));
     group.finish();
 }
 

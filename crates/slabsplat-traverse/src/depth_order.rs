@@ -13,20 +13,49 @@ use slabsplat_core::{Grid, View};
 /// Steps of the rounding grid per `unit`.
 const STEPS_PER_UNIT: f64 = (1 << 20) as f64;
 
-/// The places of the list's voxels in the order of depth, front to back; then bottom to top, left to right.
-pub fn depth_order(grid: &Grid, view: &View, list: &RelevantList) -> Vec<u32> {
-    let view_from_index = view.from_index(grid);
-    let steps_per_world = STEPS_PER_UNIT / grid.unit();
-    let mut keys = vec![([0_i64; 3], 0_u32); list.len()];
-    list.fill_by_brick(&mut keys, |brick, records, keys| {
-        for ((key, &record), place) in keys.iter_mut().zip(records).zip(brick.first..) {
-            let in_index = list.voxel_coords(brick, record).map(|c| c as f64);
-            let at = view_from_index.transform(DVec3::from_array(in_index));
-            *key = ([at.z, at.y, at.x].map(|c| (c * steps_per_world).round() as i64), place);
-        }
-    });
-    keys.par_sort_unstable();
-    keys.into_iter().map(|(_, place)| place).collect()
+/// The voxels of a list in the order of depth, front to back; then bottom to top, left to right. Made to be used again.
+#[derive(Clone, Debug, Default)]
+pub struct DepthOrder {
+    /// Depth, up and right in steps of the rounding grid, and the place in the list; sorted.
+    keys: Vec<([i64; 3], u32)>,
+}
+
+impl DepthOrder {
+    /// Makes it that of `list` as `view` sees it.
+    pub fn update(&mut self, grid: &Grid, view: &View, list: &RelevantList) {
+        let view_from_index = view.from_index(grid);
+        let steps_per_world = STEPS_PER_UNIT / grid.unit();
+        self.keys.resize(list.len(), ([0; 3], 0));
+        list.fill_by_brick(&mut self.keys, |brick, records, keys| {
+            for ((key, &record), place) in keys.iter_mut().zip(records).zip(brick.first..) {
+                let in_index = list.voxel_coords(brick, record).map(|c| c as f64);
+                let at = view_from_index.transform(DVec3::from_array(in_index));
+                *key = ([at.z, at.y, at.x].map(|c| (c * steps_per_world).round() as i64), place);
+            }
+        });
+        self.keys.par_sort_unstable();
+    }
+
+    /// How many voxels there are.
+    pub fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.keys.is_empty()
+    }
+
+    /// The place in the list of the `nth` voxel from the front.
+    #[inline]
+    pub fn place(&self, nth: usize) -> usize {
+        self.keys[nth].1 as usize
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        self.keys.capacity() * size_of::<([i64; 3], u32)>()
+    }
 }
 
 #[cfg(test)]
@@ -47,6 +76,9 @@ mod tests {
         let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
         let mut list = RelevantList::default();
         list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }]);
-        assert_eq!(depth_order(&grid, &view, &list), [5, 7, 4, 1, 6, 3, 0, 2]);
+        let mut order = DepthOrder::default();
+        order.update(&grid, &view, &list);
+        let places: Vec<usize> = (0..order.len()).map(|nth| order.place(nth)).collect();
+        assert_eq!(places, [5, 7, 4, 1, 6, 3, 0, 2]);
     }
 }

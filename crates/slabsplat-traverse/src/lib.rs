@@ -59,7 +59,7 @@ mod tests;
 pub use brick_ranges::BrickRanges;
 pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use classification::Classification;
-pub use depth_order::depth_order;
+pub use depth_order::DepthOrder;
 pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::Shader;

@@ -59,11 +59,18 @@ pub struct Throw {
     pub name: u32,
 }
 
-/// Which splats fall on which tile: a [`TileToss`] for every run of them.
+/// Which splats fall on which tile: a [`TileToss`] for every run of them. Made to be used again.
 #[derive(Debug, Default)]
 pub struct TileBuckets {
-    runs: Vec<TileToss<u32>>,
+    runs: Vec<Run>,
+    n_runs: usize,
     run_len: usize,
+}
+
+#[derive(Debug, Default)]
+struct Run {
+    throws: Vec<Throw>,
+    toss: TileToss<u32>,
 }
 
 impl TileGrid {
@@ -176,40 +183,52 @@ impl<T: Copy + Default> TileToss<T> {
 impl TileBuckets {
     /// Tosses the splats `0..n_splats` onto the tiles that `rect_of` gives for each.
     pub fn toss(
+        &mut self,
         tiles: &TileGrid,
         n_splats: usize,
         rect_of: impl Fn(usize) -> TileRect + Sync,
-    ) -> Self {
+    ) {
         // Many runs to balance the load, but not so many that their starts outweigh the splats.
         // A run's tosses are counted in 32 bits, even if every splat falls on every tile.
         let countable = (u32::MAX as usize / tiles.n_tiles()).max(1);
         let run_len = (n_splats / 64).max(1 << 14).max(4 * tiles.n_tiles()).min(countable);
-        let runs = (0..n_splats.div_ceil(run_len))
-            .into_par_iter()
-            .map(|run_idx| {
-                let first = run_idx * run_len;
-                let end = (first + run_len).min(n_splats);
-                let mut throws = Vec::new();
-                for splat in first..end {
-                    let rect = rect_of(splat);
-                    if rect != TileRect::EMPTY {
-                        tiles.push(rect, (splat - first) as u32, &mut throws);
-                    }
+        self.run_len = run_len;
+        self.n_runs = n_splats.div_ceil(run_len);
+        if self.runs.len() < self.n_runs {
+            self.runs.resize_with(self.n_runs, Run::default);
+        }
+        let runs = self.runs[..self.n_runs].par_iter_mut().enumerate();
+        runs.for_each(|(run_idx, Run { throws, toss })| {
+            let first = run_idx * run_len;
+            throws.clear();
+            for splat in first..(first + run_len).min(n_splats) {
+                let rect = rect_of(splat);
+                if rect != TileRect::EMPTY {
+                    tiles.push(rect, (splat - first) as u32, throws);
                 }
-                let mut run = TileToss::default();
-                run.toss(tiles, &throws, |name| name);
-                run
-            })
-            .collect();
-        Self { runs, run_len }
+            }
+            toss.toss(tiles, throws, |name| name);
+        });
     }
 
     /// The splats on a tile, rising.
     pub fn on_tile(&self, tile_idx: usize) -> impl Iterator<Item = usize> + Clone + '_ {
-        self.runs.iter().enumerate().flat_map(move |(run_idx, run)| {
+        self.runs[..self.n_runs].iter().enumerate().flat_map(move |(run_idx, run)| {
             let first = run_idx * self.run_len;
-            run.on_tile(tile_idx).iter().map(move |&splat| first + splat as usize)
+            run.toss.on_tile(tile_idx).iter().map(move |&splat| first + splat as usize)
         })
+    }
+
+    /// How many splats fall on a tile.
+    pub fn n_on_tile(&self, tile_idx: usize) -> usize {
+        self.runs[..self.n_runs].iter().map(|run| run.toss.on_tile(tile_idx).len()).sum()
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        let bytes =
+            |run: &Run| run.throws.capacity() * size_of::<Throw>() + run.toss.resident_bytes();
+        self.runs.iter().map(bytes).sum()
     }
 }
 
@@ -254,19 +273,21 @@ mod tests {
         let mut rng = fastrand::Rng::with_seed(seed);
         let tiles = TileGrid::new([100, 70], 16);
         let rects: Vec<_> = (0..40_000).map(|_| random_rect(&mut rng, &tiles)).collect();
-        let expected = |tile_idx: usize| {
+        let expected = |tile_idx: usize, n_splats: usize| {
             let (x, y) = ((tile_idx % tiles.n_x) as u16, (tile_idx / tiles.n_x) as u16);
             let holds = move |r: &TileRect| {
                 (r.min[0]..=r.max[0]).contains(&x) && (r.min[1]..=r.max[1]).contains(&y)
             };
-            rects.iter().enumerate().filter(move |(_, r)| holds(r))
+            rects[..n_splats].iter().enumerate().filter(move |(_, r)| holds(r))
         };
-        for n_threads in [1, 3, 8] {
+        let mut buckets = TileBuckets::default();
+        for (n_threads, n_splats) in [(1, 40_000), (3, 20_000), (8, 40_000), (2, 0)] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            let buckets = pool.install(|| TileBuckets::toss(&tiles, rects.len(), |i| rects[i]));
+            pool.install(|| buckets.toss(&tiles, n_splats, |i| rects[i]));
             for tile_idx in 0..tiles.n_tiles() {
-                let expected: Vec<usize> = expected(tile_idx).map(|(i, _)| i).collect();
+                let expected: Vec<usize> = expected(tile_idx, n_splats).map(|(i, _)| i).collect();
                 assert_eq!(buckets.on_tile(tile_idx).collect::<Vec<_>>(), expected);
+                assert_eq!(buckets.n_on_tile(tile_idx), expected.len());
             }
         }
     }

@@ -52,6 +52,7 @@ const SHARE_OF_PRODUCTS: f64 = 1.0 / 8.0;
 pub(crate) struct Buffers {
     shapes: SlabShapes,
     intake: Intake,
+    occlusion: Occlusion,
     /// The range in which each brick is taken in, and its place in the list; sorted.
     bricks: Vec<(u32, u32)>,
 }
@@ -117,7 +118,7 @@ pub(crate) fn render(
     workspaces: &mut Workspaces,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let Buffers { shapes, intake, bricks } = buffers;
+    let Buffers { shapes, intake, occlusion, bricks } = buffers;
     let stage = job.stage;
     let products = job.fewer.and_then(|fewer| fewer.products);
     shapes.update(&stage.raster, &stage.plan.view, job.slabs, products);
@@ -125,12 +126,12 @@ pub(crate) fn render(
     let slabs_per_range = slabs.per_range(stage.plan.volume.grid().unit());
     sort_bricks(stage, &slabs, slabs_per_range, bricks);
     watch.done("bricks");
-    let mut occlusion = Occlusion::new(stage.plan.view.image_size(), &tiles.tiles);
+    occlusion.start(stage.plan.view.image_size(), &tiles.tiles);
     let (mut n_hidden, mut start, mut rest) = (0, 0_usize, bricks.as_slice());
     let mut first_slabs = 0..0;
     while let Some(&(range, _)) = rest.first() {
         let (here, behind) = rest.split_at(rest.partition_point(|brick| brick.0 == range));
-        let taken = intake.take(stage, &slabs, &tiles.grid, &occlusion, here, workspaces);
+        let taken = intake.take(stage, &slabs, &tiles.grid, occlusion, here, workspaces);
         n_hidden += taken.n_hidden;
         // What still waits goes to the slab before the range, or starts no longer ago than it is drawn.
         first_slabs = taken.first_slabs.start.min(start.saturating_sub(slabs.n_before))
@@ -169,7 +170,9 @@ fn sort_bricks(
 
 impl Buffers {
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.intake.resident_bytes() + self.bricks.capacity() * size_of::<(u32, u32)>()
+        self.intake.resident_bytes()
+            + self.occlusion.resident_bytes()
+            + self.bricks.capacity() * size_of::<(u32, u32)>()
     }
 }
 

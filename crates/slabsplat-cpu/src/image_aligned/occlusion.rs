@@ -11,8 +11,8 @@ use crate::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::tile::{TILE_SIDE, Tile};
 use slabsplat_traverse::PixelRect;
 
-/// The blocks of an image that are not full.
-#[derive(Clone, Debug)]
+/// The blocks of an image that are not full. Made to be used again.
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Occlusion {
     /// How many blocks are open left of a column and above a row; one column and one row more than tiles have blocks.
     n_open: Vec<u32>,
@@ -31,13 +31,14 @@ pub(crate) enum Seen {
 }
 
 impl Occlusion {
-    /// The map of an image of whose `tiles`, row by row, none is as yet splatted on.
-    pub(crate) fn new(image_size: [u32; 2], tiles: &[Tile]) -> Self {
+    /// Makes it that of an image, of whose `tiles`, row by row, none is as yet splatted on.
+    pub(crate) fn start(&mut self, image_size: [u32; 2], tiles: &[Tile]) {
         let n_across = |side: u32| (side as usize).div_ceil(TILE_SIDE) * BLOCKS_ACROSS;
         let [n_columns, n_rows] = image_size.map(|side| n_across(side) + 1);
-        let mut occlusion = Self { n_open: vec![0; n_columns * n_rows], n_columns };
-        occlusion.note(tiles);
-        occlusion
+        self.n_columns = n_columns;
+        self.n_open.clear();
+        self.n_open.resize(n_columns * n_rows, 0);
+        self.note(tiles);
     }
 
     /// Notes which blocks are open, of all tiles.
@@ -60,6 +61,10 @@ impl Occlusion {
                 }
             }
         }
+    }
+
+    pub(crate) fn resident_bytes(&self) -> usize {
+        self.n_open.capacity() * size_of::<u32>()
     }
 
     /// How much is to be seen of a rectangle of pixels.
@@ -90,7 +95,10 @@ mod tests {
             .step_by(TILE_SIDE)
             .flat_map(|y| (0..2100).step_by(TILE_SIDE).map(move |x| [x, y]));
         let mut tiles: Vec<Tile> = origins.map(|origin| Tile::new(origin, size)).collect();
-        let mut occlusion = Occlusion::new(size, &tiles);
+        let mut occlusion = Occlusion::default();
+        occlusion
+            .start([64; 2], &[[0, 0], [32, 0], [0, 32], [32, 32]].map(|o| Tile::new(o, [64; 2])));
+        occlusion.start(size, &tiles);
         let shows = |occlusion: &Occlusion, min: [u32; 2], end: [u32; 2]| {
             occlusion.shows(&PixelRect { min, end })
         };

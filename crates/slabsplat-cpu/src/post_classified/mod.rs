@@ -21,14 +21,13 @@
 //!
 //! # Reading order
 //!
-//! `selection` and `margin`; `values`; `toss`, `buckets`; `tile`, `sheet`, `open`; `classify`, `gradient`, `rays`.
+//! `selection` and `margin`; `values`; `buckets`; `tile`, `sheet`, `open`; `classify`, `gradient`, `rays`.
 
 mod margin;
 mod selection;
 mod values;
 
 mod buckets;
-mod toss;
 
 mod open;
 mod sheet;
@@ -43,21 +42,27 @@ mod tests;
 
 use crate::raster::Raster;
 use crate::stopwatch::Stopwatch;
+use crate::workspace::Workspaces;
 use classify::{Classifier, ranges_with_room};
 use gradient::Spacing;
 use rayon::prelude::*;
 use rays::Rays;
 use slabsplat_backend::{Frame, FrameCost, FramePlan, FrameStats};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Image, IsoRange, SlabGrid, Volume};
+use slabsplat_core::{Image, IsoRange, SlabGrid, Volume, over};
 use slabsplat_kernel::CubicSectionTable;
+use slabsplat_traverse::{TileBuckets, TileGrid, TileRect};
 use std::sync::Arc;
-use tile::{Scratch, Tile};
-use toss::{TileRect, Tiles, Toss};
+use tile::{Tile, Workspace};
 use values::{ValueScale, finite_range};
 
 /// Pixels along the side of a tile.
 const TILE_SIDE: usize = 32;
+
+const PIXELS_PER_TILE: usize = TILE_SIDE * TILE_SIDE;
+
+/// Pixels around a tile that are summed with it.
+const BORDER: f32 = 1.0;
 
 /// A gradient counts in full from this part of the range of values on, per `unit`: less is the noise of a plateau,
 /// and a normal must not turn about within it.
@@ -69,6 +74,10 @@ pub(crate) struct Buffers {
     of: Option<OfVolume>,
     points: Vec<[f32; 3]>,
     values: Vec<f32>,
+    splats: TileBuckets,
+    /// Of all tiles, one after the other.
+    pixels: Vec<[f32; 4]>,
+    workspaces: Workspaces<Workspace>,
 }
 
 #[derive(Debug)]
@@ -87,7 +96,7 @@ struct Stage<'a> {
     table: &'a CubicSectionTable,
     raster: Raster,
     rays: Rays,
-    tiles: Tiles,
+    tiles: TileGrid,
     classifier: Classifier<'a>,
     /// A kernel that is k slabs thick meets up to ⌈k⌉ + 1 of them: so many before the one in which it ends.
     n_slabs_before: usize,
@@ -107,7 +116,7 @@ pub(crate) fn render(
 ) -> Frame {
     let mut watch = Stopwatch::start();
     let raster = Raster::new(plan);
-    let Buffers { of, points, values } = buffers;
+    let Buffers { of, points, values, splats, pixels, workspaces } = buffers;
     let of = of_volume(of, plan.volume);
     let scale = ValueScale::new(of.finite, plan.transfer);
     of.select(ranges_with_room(plan, &scale), margin::margin(plan, &raster, slabs));
@@ -123,10 +132,7 @@ pub(crate) fn render(
         table,
         raster,
         rays: Rays::new(&plan.view),
-        tiles: Tiles {
-            image_size: plan.view.image_size().map(|side| side as usize),
-            side: TILE_SIDE,
-        },
+        tiles: TileGrid::new(plan.view.image_size(), TILE_SIDE),
         classifier: Classifier::new(plan, scale),
         n_slabs_before: (2.0 * f64::from(raster.reach) / slabs.thickness()).ceil() as usize,
         // Never 0, which a gradient of 0 would be divided by.
@@ -134,10 +140,12 @@ pub(crate) fn render(
         points,
         values,
     };
-    let toss = Toss::new(&stage.tiles, points.len(), |voxel| stage.touched(voxel as u32));
+    splats.toss(&stage.tiles, points.len(), |voxel| stage.tiles_of(voxel as u32));
     watch.done("toss");
-    let (image, stats) = stage.render(&toss);
+    let stats = stage.render(splats, pixels, workspaces);
     watch.done("splat");
+    let image = stage.image(pixels);
+    watch.done("image");
     let cost = FrameCost { stages: watch.stages(), resident_bytes: buffers.resident_bytes() };
     Frame { image, stats, cost }
 }
@@ -181,10 +189,12 @@ impl OfVolume {
 
 impl Buffers {
     fn resident_bytes(&self) -> u64 {
-        let Self { of, points, values } = self;
+        let Self { of, points, values, splats, pixels, .. } = self;
         let bytes = of.as_ref().map_or(0, |of| size_of_val(&of.voxels[..]))
             + points.capacity() * size_of::<[f32; 3]>()
-            + values.capacity() * size_of::<f32>();
+            + values.capacity() * size_of::<f32>()
+            + splats.resident_bytes()
+            + pixels.capacity() * size_of::<[f32; 4]>();
         bytes as u64
     }
 }
@@ -206,19 +216,26 @@ impl Stage<'_> {
         voxels.iter().map(n_behind).sum()
     }
 
-    /// The tiles on which a voxel's sections fall. A section's place and size change monotonically with its slab's
+    /// The tiles on which a voxel's sections fall, or beside which: in the border that is summed with them. A section's place and size change monotonically with its slab's
     /// depth, so that the first and the last bound all of them.
-    fn touched(&self, voxel: u32) -> Option<TileRect> {
+    fn tiles_of(&self, voxel: u32) -> TileRect {
         let [first, last] = self.slabs_of(voxel);
         let is_drawn = |slab: &usize| self.plan.view.draws_slab(self.slabs.faces(*slab));
-        let first = (first..=last).find(is_drawn)?;
+        let Some(first) = (first..=last).find(is_drawn) else { return TileRect::EMPTY };
         let [near, far] = [first, last].map(|slab| {
             let shape = self.raster.shape_at(self.slabs.middle(slab));
             self.raster.bounds(&shape, self.points[voxel as usize])
         });
-        let min = [0, 1].map(|axis| near[0][axis].min(far[0][axis]));
-        let max = [0, 1].map(|axis| near[1][axis].max(far[1][axis]));
-        self.tiles.touched([min, max])
+        let min = [0, 1].map(|axis| near[0][axis].min(far[0][axis]) - BORDER);
+        let max = [0, 1].map(|axis| near[1][axis].max(far[1][axis]) + BORDER);
+        let pixels = self.tiles.pixels_within(min, max);
+        pixels.map_or(TileRect::EMPTY, |pixels| self.tiles.tiles_of(&pixels))
+    }
+
+    /// How many columns and rows of a tile are inside the image.
+    fn inside(&self, origin: [usize; 2]) -> [usize; 2] {
+        let size = self.plan.view.image_size();
+        [0, 1].map(|axis| TILE_SIDE.min(size[axis] as usize - origin[axis]))
     }
 
     /// How far the neighbours of a slab's pixels are apart.
@@ -231,40 +248,50 @@ impl Stage<'_> {
         }
     }
 
-    /// Renders every tile that has voxels, the fullest first, and puts them together.
-    fn render(&self, toss: &Toss) -> (Image, FrameStats) {
-        let mut tile_idxs: Vec<usize> =
-            (0..self.tiles.n_tiles()).filter(|&idx| 0 < toss.n_on_tile(idx)).collect();
-        tile_idxs.sort_by_cached_key(|&idx| std::cmp::Reverse(toss.n_on_tile(idx)));
-        let tiles: Vec<Tile<'_>> = tile_idxs
-            .into_par_iter()
-            .with_max_len(1)
-            .map_init(Scratch::default, |scratch, tile_idx| {
-                let mut tile = Tile::new(self, tile_idx);
-                scratch.voxels.clear();
-                scratch.voxels.extend(toss.on_tile(tile_idx));
-                tile.render(scratch);
-                tile
-            })
-            .collect();
-        self.assemble(&tiles)
+    /// Renders every tile that has voxels, the fullest first.
+    fn render(
+        &self,
+        splats: &TileBuckets,
+        pixels: &mut Vec<[f32; 4]>,
+        workspaces: &mut Workspaces<Workspace>,
+    ) -> FrameStats {
+        pixels.clear();
+        pixels.resize(self.tiles.n_tiles() * PIXELS_PER_TILE, [0.0; 4]);
+        let tiles = pixels.chunks_mut(PIXELS_PER_TILE).enumerate();
+        let mut tiles: Vec<_> = tiles.filter(|(idx, _)| 0 < splats.n_on_tile(*idx)).collect();
+        tiles.sort_by_cached_key(|(idx, _)| std::cmp::Reverse(splats.n_on_tile(*idx)));
+        let (n_tiles, n_voxels) = (tiles.len() as u64, self.points.len() as u64);
+        let workspaces = workspaces.for_all_threads();
+        let stats = tiles.into_par_iter().with_max_len(1).map(|(tile_idx, pixels)| {
+            let Workspace { open, scratch } = &mut *workspaces.of_this_thread();
+            let mut tile = Tile::new(self, tile_idx, open, pixels);
+            scratch.voxels.clear();
+            scratch.voxels.extend(splats.on_tile(tile_idx).map(|voxel| voxel as u32));
+            tile.render(scratch);
+            tile.stats
+        });
+        let stats = stats.reduce(FrameStats::default, |a, b| FrameStats {
+            n_splats: a.n_splats + b.n_splats,
+            n_culled: a.n_culled + b.n_culled,
+            n_full_tiles: a.n_full_tiles + b.n_full_tiles,
+            ..a
+        });
+        FrameStats { n_tiles, n_voxels, ..stats }
     }
 
-    fn assemble(&self, tiles: &[Tile<'_>]) -> (Image, FrameStats) {
+    /// The picture that the tiles make up.
+    fn image(&self, pixels: &[[f32; 4]]) -> Image {
         let [width, height] = self.plan.view.image_size();
         let behind = self.plan.image.premultiplied_background();
-        let mut image = Image::filled(width, height, behind);
-        let mut stats = FrameStats {
-            n_voxels: self.points.len() as u64,
-            n_tiles: tiles.len() as u64,
-            ..FrameStats::default()
-        };
-        for tile in tiles {
-            tile.copy_to(&mut image, behind);
-            stats.n_splats += tile.stats.n_splats;
-            stats.n_culled += tile.stats.n_culled;
-            stats.n_full_tiles += u64::from(tile.stats.is_full);
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        for (tile_idx, tile) in pixels.chunks(PIXELS_PER_TILE).enumerate() {
+            let [x, y] = self.tiles.origin(tile_idx);
+            let [n_columns, n_rows] = self.inside([x, y]);
+            for (row, front) in tile.chunks(TILE_SIDE).take(n_rows).enumerate() {
+                let onto = &mut image.pixels_mut()[(y + row) * width as usize + x..][..n_columns];
+                onto.iter_mut().zip(front).for_each(|(pixel, front)| *pixel = over(*front, behind));
+            }
         }
-        (image, stats)
+        image
     }
 }

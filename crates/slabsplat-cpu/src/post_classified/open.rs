@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// The run of open pixels on every row of a tile, as in `open_pixels`, and the runs that are summed for them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Open {
     /// Columns of the tile, from the first open pixel to the last.
     open: Vec<Range<usize>>,
@@ -14,12 +14,12 @@ pub(super) struct Open {
 }
 
 impl Open {
-    /// All of the first `n_columns` in the first `n_rows`, the part of a tile that is inside the image.
-    pub(super) fn all([n_columns, n_rows]: [usize; 2]) -> Self {
-        let open = vec![0..n_columns; n_rows];
-        let mut all = Self { open, summed: vec![0..0; n_rows + 2], rows: 0..0 };
-        all.follow();
-        all
+    /// Opens all of the first `n_columns` in the first `n_rows`, the part of a tile that is inside the image.
+    pub(super) fn open_all(&mut self, [n_columns, n_rows]: [usize; 2]) {
+        self.open.clear();
+        self.open.resize(n_rows, 0..n_columns);
+        self.summed.resize(n_rows + 2, 0..0);
+        self.follow();
     }
 
     /// Whether no pixel can change any more.
@@ -93,7 +93,9 @@ mod tests {
 
     #[test]
     fn open_sums_neighbours() {
-        let mut open = Open::all([4, 2]);
+        let mut open = Open::default();
+        open.open_all([9, 5]);
+        open.open_all([4, 2]);
         assert_eq!((open.summed_rows(), open.summed(0), open.summed(1)), (0..4, 1..5, 0..6));
         open.close(|[column, row]| row == 1 || column != 2);
         assert_eq!((open.open(0), open.open(1).is_empty()), (2..3, true));

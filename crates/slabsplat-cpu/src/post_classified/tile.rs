@@ -1,36 +1,35 @@
 //! One tile of the image, from its voxels to its pixels.
 
-use super::Stage;
 use super::buckets::SlabBuckets;
 use super::gradient::{Neighborhood, Spacing};
 use super::open::Open;
 use super::sheet::{Place, Section, Sheet, Sum};
+use super::{Stage, TILE_SIDE};
 use crate::raster::PixelShape;
+use slabsplat_backend::FrameStats;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Image, over};
 use slabsplat_kernel::{CubicSectionTable, cubic_at};
 
 /// A square of the image.
 pub(super) struct Tile<'a> {
     stage: &'a Stage<'a>,
     /// The image pixel in the upper left corner.
-    pub(super) origin: [usize; 2],
-    side: usize,
-    open: Open,
+    origin: [usize; 2],
+    open: &'a mut Open,
     /// Premultiplied colour and opacity, row by row.
-    pub(super) pixels: Vec<[f32; 4]>,
-    pub(super) stats: TileStats,
+    pixels: &'a mut [[f32; 4]],
+    /// Of this tile: splats, and whether it is full.
+    pub(super) stats: FrameStats,
 }
 
-/// What a tile took.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TileStats {
-    pub(super) n_splats: u64,
-    pub(super) n_culled: u64,
-    pub(super) is_full: bool,
+/// What a thread keeps from tile to tile, and from frame to frame.
+#[derive(Debug, Default)]
+pub(super) struct Workspace {
+    pub(super) open: Open,
+    pub(super) scratch: Scratch,
 }
 
-/// What a thread keeps from tile to tile.
+/// What is worked with on a tile.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     /// The voxels on the tile, in the order of the list.
@@ -48,17 +47,16 @@ struct Sheets {
 }
 
 impl<'a> Tile<'a> {
-    pub(super) fn new(stage: &'a Stage<'a>, tile_idx: usize) -> Self {
-        let (side, origin) = (stage.tiles.side, stage.tiles.origin(tile_idx));
-        let inside = [0, 1].map(|axis| side.min(stage.tiles.image_size[axis] - origin[axis]));
-        Self {
-            stage,
-            origin,
-            side,
-            open: Open::all(inside),
-            pixels: vec![[0.0; 4]; side * side],
-            stats: TileStats::default(),
-        }
+    /// A tile of which nothing is drawn: `pixels` are 0, and `open` is overwritten.
+    pub(super) fn new(
+        stage: &'a Stage<'a>,
+        tile_idx: usize,
+        open: &'a mut Open,
+        pixels: &'a mut [[f32; 4]],
+    ) -> Self {
+        let origin = stage.tiles.origin(tile_idx);
+        open.open_all(stage.inside(origin));
+        Self { stage, origin, open, pixels, stats: FrameStats::default() }
     }
 
     /// Splats the tile's sheets, and classifies and composites each when the one behind it is there, until the tile
@@ -68,7 +66,7 @@ impl<'a> Tile<'a> {
         let stage = self.stage;
         buckets.fill(voxels, |voxel| stage.slabs_of(voxel)[0]);
         let Some([first, last]) = buckets.slab_range() else { return };
-        sheets.clear(self.side + 2);
+        sheets.clear(TILE_SIDE + 2);
         let last = (last + stage.n_slabs_before).min(stage.slabs.n_slabs() - 1);
         for slab in first..=last {
             let first_bucket = slab.saturating_sub(stage.n_slabs_before);
@@ -76,26 +74,14 @@ impl<'a> Tile<'a> {
             if first < slab {
                 self.classify(slab - 1, sheets);
             }
-            if self.stats.is_full {
+            if self.open.is_empty() {
                 let hidden = buckets.beginning_in(first_bucket, last);
                 self.stats.n_culled += stage.n_sections_behind(slab, hidden);
                 return;
             }
-            sheets.advance(self.side + 2);
+            sheets.advance(TILE_SIDE + 2);
         }
         self.classify(last, sheets);
-    }
-
-    /// Copies the part of the tile that is inside the image, before what is `behind`.
-    pub(super) fn copy_to(&self, image: &mut Image, behind: [f32; 4]) {
-        let [width, height] = self.stage.tiles.image_size;
-        let [x0, y0] = self.origin;
-        let n_columns = self.side.min(width - x0);
-        for row in 0..self.side.min(height - y0) {
-            let from = &self.pixels[row * self.side..][..n_columns];
-            let onto = &mut image.pixels_mut()[(y0 + row) * width + x0..][..n_columns];
-            onto.iter_mut().zip(from).for_each(|(pixel, front)| *pixel = over(*front, behind));
-        }
     }
 
     /// Adds the sections that a slab cuts to its sheet.
@@ -144,14 +130,14 @@ impl<'a> Tile<'a> {
             value: stage.values[voxel as usize],
         };
         if is_tilted {
-            sheet.splat(&self.open, shape, &section, |Place { position, offset: [dx, dy] }| {
+            sheet.splat(self.open, shape, &section, |Place { position, offset: [dx, dy] }| {
                 let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
                 shape.gain * table.weight(position, cut.map(|face| face + later))
             })
         } else {
             table.blend(cut, row);
             let gain = shape.gain;
-            sheet.splat(&self.open, shape, &section, |at| gain * cubic_at(&row[..], at.position))
+            sheet.splat(self.open, shape, &section, |at| gain * cubic_at(&row[..], at.position))
         }
     }
 
@@ -170,13 +156,13 @@ impl<'a> Tile<'a> {
                 spacing.lean =
                     self.stage.rays.lean([self.origin[0] + column, self.origin[1] + row]);
                 if let Some(behind) = self.classified(sheets, in_sheet, &spacing) {
-                    put_behind(&mut self.pixels[row * self.side + column], behind);
+                    put_behind(&mut self.pixels[row * TILE_SIDE + column], behind);
                 }
             }
         }
-        let (pixels, side, cutoff) = (&self.pixels, self.side, self.stage.plan.opacity_cutoff);
-        self.open.close(|[column, row]| cutoff <= pixels[row * side + column][3]);
-        self.stats.is_full = self.open.is_empty();
+        let (pixels, cutoff) = (&*self.pixels, self.stage.plan.opacity_cutoff);
+        self.open.close(|[column, row]| cutoff <= pixels[row * TILE_SIDE + column][3]);
+        self.stats.n_full_tiles = u64::from(self.open.is_empty());
     }
 
     /// What a pixel of a sheet adds; `None` if nothing.
