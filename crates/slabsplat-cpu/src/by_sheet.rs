@@ -39,7 +39,9 @@ impl BySheet {
         runs: impl Iterator<Item = &'a [Voxel]> + Clone,
         key_of: impl Fn(&Voxel) -> (usize, usize),
     ) {
-        let n_sheets = sheets.len();
+        // Where slabs are thin and there is no voxel, even empty buckets would be felt.
+        let is_empty = runs.clone().all(<[Voxel]>::is_empty);
+        let n_sheets = if is_empty { 0 } else { sheets.len() };
         let bucket_of = |voxel: &Voxel| {
             let (class, sheet) = key_of(voxel);
             class * n_sheets + sheet - sheets.start
@@ -59,7 +61,7 @@ impl BySheet {
         let first = (0..n_sheets).find(is_met).unwrap_or(0);
         let end = (first..n_sheets).rfind(is_met).map_or(first, |last| last + 1);
         self.sheets = sheets.start + first..sheets.start + end;
-        self.with_buckets = sheets.clone();
+        self.with_buckets = sheets.start..sheets.start + n_sheets;
         let mut sum = 0;
         for count in starts {
             sum += *count;
