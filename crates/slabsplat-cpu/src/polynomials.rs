@@ -97,9 +97,9 @@ impl Polynomials {
 impl Fits {
     /// Those for voxels of whatever extinction, or for those of no more than [`most_of_few`](Self::most_of_few).
     #[inline(always)]
-    pub(crate) fn of(&self, are_few: bool) -> &RadialPolynomials {
+    pub(crate) fn of(&self, by_few: bool) -> &RadialPolynomials {
         match &self.many {
-            Some(many) if !are_few => many,
+            Some(many) if !by_few => many,
             _ => &self.few,
         }
     }

@@ -77,8 +77,10 @@ pub(crate) struct Slabs<'a> {
     /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
     /// thick meets up to ⌈k⌉ + 1 of them.
     n_before: usize,
-    /// Voxels of no more extinction are *faint*: drawn as products, or by few powers.
-    most_of_faint: f32,
+    /// Voxels of no more extinction may be drawn as products.
+    most_of_products: f32,
+    /// Sections of voxels of no more extinction are drawn by few powers.
+    most_of_few: f32,
 }
 
 /// What is drawn, and how.
@@ -101,12 +103,12 @@ pub(crate) struct Fewer<'a> {
 }
 
 impl Fewer<'_> {
-    /// The most extinction of a voxel whose sections may be drawn as products, if any may.
-    fn most_of_products(&self) -> Option<f32> {
-        let products = self.products?;
+    /// The most extinction of a voxel whose sections may be drawn as products.
+    fn most_of_products(&self) -> f32 {
+        let Some(products) = self.products else { return f32::NEG_INFINITY };
         let peak = f64::from(products.whole()) * products.profile_at(0.0).powi(2);
         let error = products.error() + knots::WORST_ERROR * peak;
-        Some((SHARE_OF_PRODUCTS * self.tolerance / error) as f32)
+        (SHARE_OF_PRODUCTS * self.tolerance / error) as f32
     }
 }
 
@@ -195,9 +197,8 @@ impl<'a> Slabs<'a> {
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
-            most_of_faint: fewer
-                .and_then(|fewer| fewer.most_of_products())
-                .unwrap_or(polynomials.most_of_few()),
+            most_of_products: fewer.map_or(f32::NEG_INFINITY, |fewer| fewer.most_of_products()),
+            most_of_few: polynomials.most_of_few(),
         }
     }
 

@@ -56,10 +56,10 @@ impl<'a> SlabCut<'a> {
     ) {
         let kind = self.slabs.kind_of(class);
         match self.as_products {
-            Some(how) if Slabs::are_faint(class) => {
+            Some(how) if self.slabs.may_be_products(class) => {
                 self.splat_products(simd, kind, how, voxels, tile, sheet);
             }
-            _ => self.splat_each(simd, kind, Slabs::are_faint(class), voxels, tile, sheet),
+            _ => self.splat_each(simd, kind, voxels, tile, sheet),
         }
     }
 
@@ -76,7 +76,6 @@ impl<'a> SlabCut<'a> {
         &self,
         simd: S,
         kind: Kind,
-        are_faint: bool,
         voxels: Run<'_>,
         tile: &mut Tile,
         sheet: &mut Sheet,
@@ -87,8 +86,10 @@ impl<'a> SlabCut<'a> {
                 let pixels = eight.pixels_of(idx);
                 let Some(blocks) = tile.accept(&pixels) else { continue };
                 sheet.touched.add(blocks);
+                let voxel_color = voxels.color(first + idx);
+                let by_few = voxel_color[3] <= self.slabs.most_of_few;
                 let mut color = [0.0; 4];
-                let summed = f32x4::from_slice(simd, &voxels.color(first + idx));
+                let summed = f32x4::from_slice(simd, &voxel_color);
                 (summed * self.shape.gain).store_slice(&mut color);
                 let center = [eight.centers[0][idx], eight.centers[1][idx]];
                 let mut section = Section {
@@ -100,10 +101,10 @@ impl<'a> SlabCut<'a> {
                 };
                 if kind == Kind::Upright {
                     let (_, polynomials) = self.slabs.tables(section.is_folded);
-                    let polynomials = polynomials.of(are_faint);
+                    let polynomials = polynomials.of(by_few);
                     section.coefficients = blended(simd, polynomials, eight.rows[idx]);
                 }
-                self.splat_section(simd, kind, are_faint, &section, sheet);
+                self.splat_section(simd, kind, by_few, &section, sheet);
             }
         }
     }
@@ -113,7 +114,7 @@ impl<'a> SlabCut<'a> {
         &self,
         simd: S,
         kind: Kind,
-        is_faint: bool,
+        by_few: bool,
         section: &Section,
         sheet: &mut Sheet,
     ) {
@@ -127,7 +128,7 @@ impl<'a> SlabCut<'a> {
                 splat(simd, sheet, &self.shape, &section.footprint, &tilted);
             }
             (Kind::Whole, Some(fewer)) => {
-                let whole = fewer.polynomials.of(is_faint).last_row();
+                let whole = fewer.polynomials.of(by_few).last_row();
                 self.splat_polynomial(simd, sheet, section, whole, 1.0);
             }
             _ => {

@@ -18,8 +18,8 @@ const ALL: u32 = (1 << BITS) - 1;
 /// Classes of spans: one slab, up to three, more.
 const N_SPAN_CLASSES: usize = 3;
 
-/// Voxels of a class are drawn alike and wait for equally many slabs. First those that are faint, by their spans, then the
-/// others.
+/// Voxels of a class are drawn alike and wait for equally many slabs. First those that may be drawn as products, by their
+/// spans, then the others.
 pub(crate) const N_CLASSES: usize = 2 * N_SPAN_CLASSES;
 
 impl Span {
@@ -93,11 +93,11 @@ impl Slabs<'_> {
     #[inline(always)]
     pub(crate) fn class_of(&self, voxel: &Voxel) -> usize {
         let span = Span::from_bits(voxel.sheets).class();
-        if voxel.color[3] <= self.most_of_faint { span } else { N_SPAN_CLASSES + span }
+        if voxel.color[3] <= self.most_of_products { span } else { N_SPAN_CLASSES + span }
     }
 
-    /// Whether voxels of a class are faint enough to be drawn in the simplest way that there is.
-    pub(crate) fn are_faint(class: usize) -> bool {
+    /// Whether voxels of a class may be drawn as products.
+    pub(crate) fn may_be_products(&self, class: usize) -> bool {
         class < N_SPAN_CLASSES
     }
 
