@@ -7,7 +7,7 @@ use crate::relevant::Relevant;
 use crate::stopwatch::Stopwatch;
 use crate::tiles::Tiles;
 use crate::whole::{self, Whole};
-use crate::workspace::Workspaces;
+use crate::workspace::{Workspace, Workspaces};
 use crate::{axis_aligned, every_sample, post_classified};
 use fearless_simd::Level;
 use slabsplat_backend::{Frame, FrameCost, FramePlan, Splats};
@@ -164,7 +164,7 @@ impl Buffers {
         let bytes = self.relevant.resident_bytes()
             + self.classification.as_ref().map_or(0, Classification::resident_bytes)
             + self.tiles.as_ref().map_or(0, Tiles::resident_bytes)
-            + self.workspaces.resident_bytes()
+            + self.workspaces.sum_of(Workspace::resident_bytes)
             + self.image_aligned.resident_bytes()
             + self.whole.resident_bytes();
         bytes as u64

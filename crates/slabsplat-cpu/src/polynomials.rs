@@ -47,10 +47,11 @@ impl<T> PartialEq for Same<T> {
     }
 }
 
-/// The part of a tolerance that polynomials may use up.
+/// The part of a tolerance that polynomials may use up for the most opaque voxels.
 const SHARE_OF_TOLERANCE: f64 = 0.01;
 
-/// What few powers may be off in extinction where many are there: a twentieth of what a pixel may be (SPEC §9).
+/// What a section by few powers may be off, times its voxel's extinction, whatever the tolerance: a twentieth of what a
+/// pixel may be (SPEC §9).
 const ERROR_OF_FEW: f64 = 5e-5;
 
 /// A kernel whose sections miss products by more is none; a Gaussian that ends at R = 2 misses by 1.5·10⁻³.

@@ -39,7 +39,7 @@ impl Product {
         let Some(rows) = knots[self.first_row..].first_chunk_mut::<N_TOUCHED>() else { return };
         let [first, end] = self.columns.map(usize::from);
         let (first, end) = (first / QUAD, end.div_ceil(QUAD));
-        // Footprints are hardly ever wider than this; further left it is 0, and so nothing is lost.
+        // Most footprints are no wider than the window; further left it is 0, and so nothing is lost.
         let mut quad = first.min(BLOCKS_ACROSS - WINDOW);
         self.splat_columns::<S, WINDOW>(simd, rows, shape, profile, quad);
         quad += WINDOW;
@@ -108,6 +108,7 @@ mod tests {
         shape: &PixelShape,
         products: &SectionProducts,
         [x, y]: [f32; 2],
+        by_three: bool,
         sheet: &mut Sheet,
     ) {
         let spline = RowSpline::new(shape, products).unwrap();
@@ -123,7 +124,11 @@ mod tests {
             color: [1.0, 0.5, 0.0, 3.0],
         };
         let profile = Polynomial::<8, false> { coefficients: products.profile(), edge: 1.0 };
-        product.splat::<S, 4>(simd, &mut sheet.knots, shape, &profile);
+        if by_three {
+            product.splat::<S, 3>(simd, &mut sheet.knots, shape, &profile);
+        } else {
+            product.splat::<S, 4>(simd, &mut sheet.knots, shape, &profile);
+        }
         let side = TILE_SIDE as u8;
         sheet.touched = Blocks::meeting(&PixelBox { min: [0; 2], end: [side; 2] });
         spline.gather(simd, sheet);
@@ -148,7 +153,8 @@ mod tests {
             let at = |reach: f32, random: f32| (TILE_SIDE as f32 + 2.0 * reach) * random - reach;
             let center = [at(width, rng.f32()), at(height, rng.f32())];
             let mut sheet = Sheet::default();
-            dispatch!(level, simd => splat(simd, &shape, &products, center, &mut sheet));
+            let by_three = rng.bool();
+            dispatch!(level, simd => splat(simd, &shape, &products, center, by_three, &mut sheet));
             assert!(sheet.knots.iter().flatten().all(|quad| quad.0 == [0.0; 16]));
             for (row, quads) in sheet.sums.iter().enumerate() {
                 for column in 0..TILE_SIDE {

@@ -117,7 +117,7 @@ fn splat_by_length<S: Simd, const LEANS: bool>(
     footprint: &Footprint,
     AnyPolynomial { coefficients, edge, .. }: AnyPolynomial<'_>,
 ) {
-    // Sections of one kind come one after the other, so that this is easy to guess.
+    // Mostly easy to guess: neighbours are about as opaque.
     let [.., tenth, root] = *coefficients;
     macro_rules! splat_as {
         ($n:literal) => {

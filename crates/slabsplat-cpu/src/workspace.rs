@@ -17,7 +17,7 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    fn resident_bytes(&self) -> usize {
+    pub(crate) fn resident_bytes(&self) -> usize {
         self.scratch.resident_bytes() + self.voxels.resident_bytes() + self.sheet.resident_bytes()
     }
 }
@@ -44,13 +44,10 @@ impl<W: Default> Workspaces<W> {
         let thread = rayon::current_thread_index().unwrap_or(0);
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
 
-impl Workspaces {
-    pub(crate) fn resident_bytes(&self) -> usize {
-        let bytes = |workspace: &Mutex<Workspace>| {
-            workspace.lock().map_or(0, |workspace| Workspace::resident_bytes(&workspace))
-        };
-        self.0.iter().map(bytes).sum()
+    /// The sum of what `number_of` tells of each.
+    pub(crate) fn sum_of(&self, number_of: impl Fn(&W) -> usize) -> usize {
+        let locked = |workspace: &Mutex<W>| workspace.lock().map_or(0, |w| number_of(&w));
+        self.0.iter().map(locked).sum()
     }
 }

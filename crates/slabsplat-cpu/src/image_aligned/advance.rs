@@ -14,8 +14,8 @@ use crate::workspace::{Workspace, Workspaces};
 use fearless_simd::{Simd, dispatch};
 use std::ops::Range;
 
-/// Takes all tiles through a range of slabs, in parallel. `first_slabs` are those to which voxels go first that wait or were
-/// taken in.
+/// Takes all tiles through a range of slabs, in parallel. To `first_slabs` go first all voxels that wait or were taken
+/// in.
 pub(crate) fn through(
     range: Range<usize>,
     first_slabs: Range<usize>,

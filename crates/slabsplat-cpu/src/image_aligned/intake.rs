@@ -29,8 +29,8 @@ pub(crate) struct Intake {
 pub(crate) struct Taken {
     /// Voxels that were left out, as nothing of them is to be seen.
     pub(crate) n_hidden: u64,
-    /// The slabs to which the others go first.
-    pub(crate) first_slabs: Range<usize>,
+    /// The slabs to which the others go first, if there are any.
+    pub(crate) first_slabs: Option<Range<usize>>,
 }
 
 /// What a thread needs to take bricks in.
@@ -84,7 +84,7 @@ impl Intake {
         };
         let (n_hidden, spans) = taken.reduce(|| (0, NO_SPANS), both);
         let [first, last] = spans.map(|bits| Span::from_bits(bits).first());
-        Taken { n_hidden, first_slabs: first.min(last + 1)..last + 1 }
+        Taken { n_hidden, first_slabs: (spans != NO_SPANS).then_some(first..last + 1) }
     }
 
     /// The voxels on a tile, in runs, in the order of the list.

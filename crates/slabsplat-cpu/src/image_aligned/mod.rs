@@ -33,7 +33,7 @@ use occlusion::Occlusion;
 use products::AsProducts;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
-use slabsplat_core::SlabGrid;
+use slabsplat_core::{Compositing, SlabGrid};
 use slabsplat_kernel::{SectionLevels, SectionProducts, SectionTable};
 use slabsplat_traverse::Brick;
 
@@ -102,6 +102,18 @@ pub(crate) struct Fewer<'a> {
     pub(crate) products: Option<&'a SectionProducts>,
 }
 
+impl Job<'_> {
+    /// The most extinction of a voxel whose sections few powers give well enough.
+    fn most_of_few(&self) -> f32 {
+        // Only where colours are weighted with it do errors shrink with the extinction.
+        if self.stage.plan.compositing == Compositing::Separate {
+            return f32::NEG_INFINITY;
+        }
+        let folded = self.fewer.map_or(f32::INFINITY, |fewer| fewer.polynomials.most_of_few());
+        self.polynomials.most_of_few().min(folded)
+    }
+}
+
 impl Fewer<'_> {
     /// The most extinction of a voxel whose sections may be drawn as products.
     fn most_of_products(&self) -> f32 {
@@ -135,9 +147,13 @@ pub(crate) fn render(
         let (here, behind) = rest.split_at(rest.partition_point(|brick| brick.0 == range));
         let taken = intake.take(stage, &slabs, &tiles.grid, occlusion, here, workspaces);
         n_hidden += taken.n_hidden;
-        // What still waits goes to the slab before the range, or starts no longer ago than it is drawn.
-        first_slabs = taken.first_slabs.start.min(start.saturating_sub(slabs.n_before))
-            ..taken.first_slabs.end.max(first_slabs.end);
+        // What still waits went to some slab before, no longer ago than it is drawn.
+        let waiting = start.saturating_sub(slabs.n_before).min(first_slabs.end)..first_slabs.end;
+        first_slabs = match taken.first_slabs {
+            Some(new) if waiting.is_empty() => new,
+            Some(new) => new.start.min(waiting.start)..new.end.max(waiting.end),
+            None => waiting,
+        };
         watch.done("intake");
         // The last range goes on until no voxel is left that was taken in.
         let end =
@@ -157,13 +173,15 @@ fn sort_bricks(
     slabs_per_range: usize,
     bricks: &mut Vec<(u32, u32)>,
 ) {
-    // Where slabs are thick, a whole voxel may go to one before all that its kernel meets.
+    // Where slabs are thick, a whole voxel may go to one before all that its kernel meets. What rounding does at a face is
+    // in the bounds.
     let n_met_before = (f64::from(slabs.raster.reach) / slabs.grid.thickness()) as usize;
-    let n_before = SectionLevels::MOST_SLABS_BEFORE.saturating_sub(n_met_before);
+    let most_before = slabs.fewer.map_or(0, |_| SectionLevels::MOST_SLABS_BEFORE);
+    let n_early = most_before.saturating_sub(n_met_before);
     let range_of = |brick: &Brick| {
         let bounds = stage.bricks.bounds(brick);
         let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
-        first.saturating_sub(n_before) / slabs_per_range
+        first.saturating_sub(n_early) / slabs_per_range
     };
     let listed = stage.list.bricks().par_iter().enumerate();
     listed.map(|(idx, brick)| (range_of(brick) as u32, idx as u32)).collect_into_vec(bricks);
@@ -198,7 +216,7 @@ impl<'a> Slabs<'a> {
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
             most_of_products: fewer.map_or(f32::NEG_INFINITY, |fewer| fewer.most_of_products()),
-            most_of_few: polynomials.most_of_few(),
+            most_of_few: job.most_of_few(),
         }
     }
 

@@ -24,9 +24,9 @@ pub(crate) struct Occlusion {
 pub(crate) enum Seen {
     /// Nothing: all is full, or outside of the image.
     Not,
-    /// Some blocks are full, others are not.
+    /// Some blocks are full or outside of the image, others are not.
     Partly,
-    /// No block is full.
+    /// All blocks are open.
     All,
 }
 

@@ -56,7 +56,7 @@ impl<'a> SlabCut<'a> {
     ) {
         let kind = self.slabs.kind_of(class);
         match self.as_products {
-            Some(how) if self.slabs.may_be_products(class) => {
+            Some(how) if Slabs::may_be_products(class) => {
                 self.splat_products(simd, kind, how, voxels, tile, sheet);
             }
             _ => self.splat_each(simd, kind, voxels, tile, sheet),

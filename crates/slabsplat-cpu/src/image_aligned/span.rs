@@ -18,7 +18,7 @@ const ALL: u32 = (1 << BITS) - 1;
 /// Classes of spans: one slab, up to three, more.
 const N_SPAN_CLASSES: usize = 3;
 
-/// Voxels of a class are drawn alike and wait for equally many slabs. First those that may be drawn as products, by their
+/// Voxels of a class wait for equally many slabs. First those that may be drawn as products, by their
 /// spans, then the others.
 pub(crate) const N_CLASSES: usize = 2 * N_SPAN_CLASSES;
 
@@ -97,7 +97,7 @@ impl Slabs<'_> {
     }
 
     /// Whether voxels of a class may be drawn as products.
-    pub(crate) fn may_be_products(&self, class: usize) -> bool {
+    pub(crate) fn may_be_products(class: usize) -> bool {
         class < N_SPAN_CLASSES
     }
 

@@ -33,6 +33,10 @@ impl SlabBuckets {
         }
     }
 
+    pub(super) fn resident_bytes(&self) -> usize {
+        (self.starts.capacity() + self.voxels.capacity()) * size_of::<u32>()
+    }
+
     /// The first and the last slab in which a voxel begins; `None` if there is no voxel.
     pub(super) fn slab_range(&self) -> Option<[usize; 2]> {
         let n_slabs = self.starts.len().checked_sub(2)?;

@@ -17,7 +17,7 @@
 //!
 //! The price: every pixel and slab that shows is shaded, which in a haze is far more than there are voxels.
 //!
-//! Nothing here is shared with the other methods but where a footprint lies (`raster`): their sheets hold colours.
+//! What is shared with the other methods is where a footprint lies (`raster`), and the toss: their sheets hold colours.
 //!
 //! # Reading order
 //!
@@ -189,12 +189,13 @@ impl OfVolume {
 
 impl Buffers {
     fn resident_bytes(&self) -> u64 {
-        let Self { of, points, values, splats, pixels, .. } = self;
+        let Self { of, points, values, splats, pixels, workspaces } = self;
         let bytes = of.as_ref().map_or(0, |of| size_of_val(&of.voxels[..]))
             + points.capacity() * size_of::<[f32; 3]>()
             + values.capacity() * size_of::<f32>()
             + splats.resident_bytes()
-            + pixels.capacity() * size_of::<[f32; 4]>();
+            + pixels.capacity() * size_of::<[f32; 4]>()
+            + workspaces.sum_of(Workspace::resident_bytes);
         bytes as u64
     }
 }
@@ -216,8 +217,8 @@ impl Stage<'_> {
         voxels.iter().map(n_behind).sum()
     }
 
-    /// The tiles on which a voxel's sections fall, or beside which: in the border that is summed with them. A section's place and size change monotonically with its slab's
-    /// depth, so that the first and the last bound all of them.
+    /// The tiles on which a voxel's sections fall, or beside which: in the border that is summed with them. A section's
+    /// place and size change monotonically with its slab's depth, so that the first and the last bound all of them.
     fn tiles_of(&self, voxel: u32) -> TileRect {
         let [first, last] = self.slabs_of(voxel);
         let is_drawn = |slab: &usize| self.plan.view.draws_slab(self.slabs.faces(*slab));

@@ -65,6 +65,10 @@ impl Sheet {
         self.rows = 0..0;
     }
 
+    pub(super) fn resident_bytes(&self) -> usize {
+        self.sums.capacity() * size_of::<Sum>()
+    }
+
     /// Whether nothing was splatted.
     pub(super) fn is_empty(&self) -> bool {
         self.rows.is_empty()

@@ -38,6 +38,16 @@ pub(super) struct Scratch {
     sheets: Sheets,
 }
 
+impl Workspace {
+    pub(super) fn resident_bytes(&self) -> usize {
+        let Scratch { voxels, buckets, sheets } = &self.scratch;
+        let Sheets { before, here, behind } = sheets;
+        voxels.capacity() * size_of::<u32>()
+            + buckets.resident_bytes()
+            + [before, here, behind].map(Sheet::resident_bytes).iter().sum::<usize>()
+    }
+}
+
 /// The sheet that is classified, and its neighbours.
 #[derive(Debug, Default)]
 struct Sheets {
