@@ -50,9 +50,9 @@ impl<T> PartialEq for Same<T> {
 /// The part of a tolerance that polynomials may use up for the most opaque voxels.
 const SHARE_OF_TOLERANCE: f64 = 0.01;
 
-/// What a section by few powers may be off, times its voxel's extinction, whatever the tolerance: a twentieth of what a
-/// pixel may be (SPEC §9).
-const ERROR_OF_FEW: f64 = 5e-5;
+/// What a voxel's sections by few powers may be off together, times its extinction, whatever the tolerance: a seventh of
+/// what a pixel may be (SPEC §9).
+const ERROR_OF_FEW: f64 = 1.5e-4;
 
 /// A kernel whose sections miss products by more is none; a Gaussian that ends at R = 2 misses by 1.5·10⁻³.
 const MOST_ERROR_OF_PRODUCTS: f64 = 5e-3;
@@ -105,9 +105,9 @@ impl Fits {
         }
     }
 
-    /// The most extinction of a voxel for which few powers are always enough.
-    pub(crate) fn most_of_few(&self) -> f32 {
-        (ERROR_OF_FEW / self.few.error()) as f32
+    /// The most extinction of a voxel of that many sections for which few powers are always enough.
+    pub(crate) fn most_of_few(&self, n_sections: usize) -> f32 {
+        (ERROR_OF_FEW / (n_sections as f64 * self.few.error())) as f32
     }
 }
 

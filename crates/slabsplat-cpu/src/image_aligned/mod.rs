@@ -104,13 +104,14 @@ pub(crate) struct Fewer<'a> {
 
 impl Job<'_> {
     /// The most extinction of a voxel whose sections few powers give well enough.
-    fn most_of_few(&self) -> f32 {
+    fn most_of_few(&self, n_sections: usize) -> f32 {
         // Only where colours are weighted with it do errors shrink with the extinction.
         if self.stage.plan.compositing == Compositing::Separate {
             return f32::NEG_INFINITY;
         }
-        let folded = self.fewer.map_or(f32::INFINITY, |fewer| fewer.polynomials.most_of_few());
-        self.polynomials.most_of_few().min(folded)
+        let folded =
+            self.fewer.map_or(f32::INFINITY, |fewer| fewer.polynomials.most_of_few(n_sections));
+        self.polynomials.most_of_few(n_sections).min(folded)
     }
 }
 
@@ -216,7 +217,7 @@ impl<'a> Slabs<'a> {
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
             most_of_products: fewer.map_or(f32::NEG_INFINITY, |fewer| fewer.most_of_products()),
-            most_of_few: job.most_of_few(),
+            most_of_few: job.most_of_few(thickness.ceil() as usize + 1),
         }
     }
 
