@@ -10,6 +10,7 @@ use slabsplat::{
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::render::{devices, open, validation_messages};
+use slabsplat_tests::seeded_rng;
 use slabsplat_tests::spy_device::{Orders, SpyDevice, locked};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
@@ -405,9 +406,7 @@ fn frames_under_way_keep_apart() {
 #[test]
 fn every_sample_type_is_classified_alike() {
     let _alone = alone();
-    let seed = fastrand::u64(..);
-    println!("seed {seed}");
-    let mut rng = fastrand::Rng::with_seed(seed);
+    let mut rng = seeded_rng();
     let cases: Vec<(Arc<Volume>, Scene)> = (0..48).map(|i| typed_case(&mut rng, i)).collect();
     on_devices(as_it_is, |name, backend, _| {
         for (volume, scene) in &cases {
