@@ -15,14 +15,6 @@ pub mod random_scene;
 
 use slabsplat_core::RenderSettings;
 
-/// Random numbers from the seed in `SLABSPLAT_SEED`, or from one that is printed.
-pub fn seeded_rng() -> fastrand::Rng {
-    let seed = std::env::var("SLABSPLAT_SEED").ok().and_then(|s| s.parse().ok());
-    let seed = seed.unwrap_or_else(|| fastrand::u64(..));
-    println!("SLABSPLAT_SEED={seed}");
-    fastrand::Rng::with_seed(seed)
-}
-
 /// Nothing is left out that could be told from rounding, for tests that measure the rest: every section is splatted,
 /// and only what lies behind 0.99999 is hidden.
 pub fn exact_settings() -> RenderSettings {

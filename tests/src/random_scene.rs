@@ -52,6 +52,16 @@ pub const KERNELS: [&str; 2] = ["gaussian", "crawfis-max"];
 pub const SLAB_WIDTHS: [f64; 8] = [0.3, 0.5, 0.77, 1.0, 1.6, 2.0, 3.3, 50.0];
 
 impl SceneKind {
+    /// How many seeds it takes until each kind had its turn.
+    pub const SHARES: u64 = 7;
+
+    /// Every combination whose turn it is with a seed: a seventh of those that [`all`](Self::all) lists, each
+    /// with another neighbour in methods, kernels and grids.
+    pub fn share(seed: u64) -> impl Iterator<Item = Self> {
+        let first = (seed % Self::SHARES) as usize;
+        Self::all().into_iter().skip(first).step_by(Self::SHARES as usize)
+    }
+
     /// Every combination. Only `image-aligned` knows normalisation, so the others come with none.
     pub fn all() -> Vec<Self> {
         let mut kinds = Vec::new();

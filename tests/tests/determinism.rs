@@ -5,6 +5,7 @@ use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
     Compositing, Grid, Image, Method, RenderSettings, Renderer, Samples, Scaling, Scene, Volume,
 };
+use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::paper_scenes::{CubeView, cube};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::render::{backends, backends_with, open, render};
@@ -12,72 +13,69 @@ use slabsplat_tests::render::{backends, backends_with, open, render};
 /// Sums of 32-bit floats in another order; a pixel sums some hundred sections.
 const REORDERED_SUM: f32 = 2e-5;
 
-fn seeded() -> fastrand::Rng {
-    let seed = fastrand::u64(..);
-    println!("seed {seed}");
-    fastrand::Rng::with_seed(seed)
-}
-
 #[test]
 fn threads_do_not_change_a_bit() {
-    let mut rng = seeded();
-    for kind in SceneKind::all().into_iter().step_by(7) {
-        let (volume, scene) = random_scene(&mut rng, &kind);
-        let with_threads = |n: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build();
-            pool.expect("threads can be started").install(|| render("cpu", &volume, &scene))
-        };
-        let one = with_threads(1);
-        for n in [2, 5, 16] {
-            assert!(with_threads(n) == one, "{n} threads: {kind:?}");
+    for_each_seed(1, |mut rng| {
+        for kind in SceneKind::all().into_iter().step_by(7) {
+            let (volume, scene) = random_scene(&mut rng, &kind);
+            let with_threads = |n: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build();
+                pool.expect("threads can be started").install(|| render("cpu", &volume, &scene))
+            };
+            let one = with_threads(1);
+            for n in [2, 5, 16] {
+                assert!(with_threads(n) == one, "{n} threads: {kind:?}");
+            }
         }
-    }
+    });
 }
 
 /// A renderer that drew other scenes before draws the same bits as a fresh one, or one with another past.
 #[test]
 fn frames_before_do_not_change_a_bit() {
-    let mut rng = seeded();
-    for &name in backends() {
-        let has_method = |kind: &SceneKind| backends_with(kind.method).any(|with| with == name);
-        let kinds: Vec<SceneKind> = SceneKind::all().into_iter().filter(has_method).collect();
-        let (volume, mut scene) = random_scene(&mut rng, &kinds[0]);
-        let mut renderer = Renderer::new(volume.clone(), open(name));
-        for step in 0..12 {
-            let (_, other) = random_scene(&mut rng, &kinds[step * 25]);
-            scene.transfer = other.transfer;
-            scene.settings = other.settings;
-            scene.camera = scene.camera.orbited(0.4);
-            let frame = renderer.render(&scene).expect("the scene is valid").image;
-            assert!(frame == render(name, &volume, &scene), "{name}, frame {step}");
+    for_each_seed(1, |mut rng| {
+        for &name in backends() {
+            let has_method = |kind: &SceneKind| backends_with(kind.method).any(|with| with == name);
+            let kinds: Vec<SceneKind> = SceneKind::all().into_iter().filter(has_method).collect();
+            let (volume, mut scene) = random_scene(&mut rng, &kinds[0]);
+            let mut renderer = Renderer::new(volume.clone(), open(name));
+            for step in 0..12 {
+                let (_, other) = random_scene(&mut rng, &kinds[step * 25]);
+                scene.transfer = other.transfer;
+                scene.settings = other.settings;
+                scene.camera = scene.camera.orbited(0.4);
+                let frame = renderer.render(&scene).expect("the scene is valid").image;
+                assert!(frame == render(name, &volume, &scene), "{name}, frame {step}");
+            }
         }
-    }
+    });
 }
 
 /// The same voxels at the same places, stored with axes permuted and reversed.
 #[test]
 fn storage_order_does_not_change_the_picture() {
-    let mut rng = seeded();
-    for &method in Method::ALL {
-        for &compositing in Compositing::ALL {
-            // At 45° whole columns of voxels are equally deep.
-            let settings = RenderSettings {
-                method,
-                compositing,
-                slab_width: 0.8,
-                ..RenderSettings::default()
-            };
-            let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
-            let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };
-            let (volume, scene) = cube(&view);
-            for name in backends_with(method) {
-                let image = render(name, &volume, &scene);
-                for _ in 0..3 {
-                    check_restored(name, &mut rng, &volume, &scene, &image);
+    for_each_seed(1, |mut rng| {
+        for &method in Method::ALL {
+            for &compositing in Compositing::ALL {
+                // At 45° whole columns of voxels are equally deep.
+                let settings = RenderSettings {
+                    method,
+                    compositing,
+                    slab_width: 0.8,
+                    ..RenderSettings::default()
+                };
+                let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
+                let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };
+                let (volume, scene) = cube(&view);
+                for name in backends_with(method) {
+                    let image = render(name, &volume, &scene);
+                    for _ in 0..3 {
+                        check_restored(name, &mut rng, &volume, &scene, &image);
+                    }
                 }
             }
         }
-    }
+    });
 }
 
 fn check_restored(

@@ -6,10 +6,10 @@ use slabsplat_core::{
     Camera, Compositing, Grid, Image, ImageDesc, Method, Normalization, Projection, RenderSettings,
     Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
+use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{ReferenceImage, render, render_within_tolerance};
 use slabsplat_tests::render::render as by_backend;
-use slabsplat_tests::seeded_rng;
 
 /// The part of a tolerance that the CPU backend may use up with simpler footprints: shorter polynomials, and products.
 const SHARE_OF_FOOTPRINTS: f64 = 0.15;
@@ -34,21 +34,22 @@ fn black_to_white(alpha: f64) -> TransferFunction {
 
 #[test]
 fn tolerance_on_random_scenes() {
-    let mut rng = seeded_rng();
     let mut worst = 0.0_f64;
-    for kind in SceneKind::all().iter().filter(|kind| folds(kind)) {
-        let (volume, mut scene) = random_scene(&mut rng, kind);
-        (scene.image.width, scene.image.height) = (14, 14);
-        scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
-        if rng.bool() {
-            // A haze of colours as far apart as can be.
-            scene.shading = Shading::None;
-            scene.transfer = black_to_white(0.01 + 0.1 * rng.f64());
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        for kind in SceneKind::share(seed).filter(folds) {
+            let (volume, mut scene) = random_scene(&mut rng, &kind);
+            (scene.image.width, scene.image.height) = (14, 14);
+            scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
+            if rng.bool() {
+                // A haze of colours as far apart as can be.
+                scene.shading = Shading::None;
+                scene.transfer = black_to_white(0.01 + 0.1 * rng.f64());
+            }
+            let share = worst_share(&volume, &scene);
+            assert!(share <= 1.0, "{share} of the tolerance: {kind:?} {:?}", scene.settings);
+            worst = worst.max(share);
         }
-        let share = worst_share(&volume, &scene);
-        assert!(share <= 1.0, "{share} of the tolerance: {kind:?} {:?}", scene.settings);
-        worst = worst.max(share);
-    }
+    });
     println!("at most {worst:.2} of the tolerance");
     assert!(0.01 < worst, "nothing was folded");
 }
@@ -57,11 +58,11 @@ fn tolerance_on_random_scenes() {
 /// tolerance, and from the exact one as far more as the tolerance.
 #[test]
 fn tolerance_on_the_cpu() {
-    let mut rng = seeded_rng();
     let (mut worst, mut worst_share, mut worst_from_exact) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for kind in SceneKind::all().iter().filter(|kind| folds(kind)) {
-        for tolerance in TOLERANCES {
-            let (volume, mut scene) = random_scene(&mut rng, kind);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let kinds = SceneKind::share(seed).filter(folds);
+        for (kind, tolerance) in kinds.flat_map(|kind| TOLERANCES.map(|t| (kind, t))) {
+            let (volume, mut scene) = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (16, 16);
             scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
             scene.settings.tolerance = tolerance;
@@ -78,7 +79,7 @@ fn tolerance_on_the_cpu() {
             worst = worst.max(folded.max);
             worst_from_exact = worst_from_exact.max(exact.max / tolerance);
         }
-    }
+    });
     println!(
         "at most {worst:.1e} from what folds, {worst_share:.2} tolerances beyond 1e-3; {worst_from_exact:.2} tolerances from exact"
     );
@@ -150,43 +151,47 @@ fn tolerance_on_edges_in_perspective() {
 /// the grid, where their edges may lie a third of a voxel further out, and along others.
 #[test]
 fn tolerance_on_walls_seen_along() {
-    let mut rng = seeded_rng();
-    let mut worst = 0.0_f64;
-    let grid = Grid::with_spacing([30; 3], [1.0; 3]).expect("no axis is empty");
-    let center = grid.center_in_world();
-    let mut direction = || DVec3::from_array([0; 3].map(|_| rng.f64() - 0.5)).normalize();
-    let generic = (0..6).map(|_| (direction(), direction()));
-    let aligned = [(DVec3::X, DVec3::Y), (DVec3::X, DVec3::new(0.0, 1.0, 1.0))];
-    for (normal, other) in aligned.into_iter().chain(generic.collect::<Vec<_>>()) {
-        for alpha in [0.05, 0.5, 0.8, 1.0] {
-            let in_wall = |i: usize| {
-                let from_center = DVec3::from_array(grid.voxel_coords(i).map(|c| c as f64)) - 14.5;
-                f64::from(u8::from(normal.dot(from_center).abs() < 0.8))
-            };
-            let samples = Samples::F64((0..grid.n_voxels()).map(in_wall).collect());
-            let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
-            let forward = normal.cross(other).normalize();
-            let projection = Projection::Orthographic { view_height: 14.0 };
-            let eye = center - 90.0 * forward;
-            let camera =
-                Camera::new(eye, center, forward.cross(DVec3::new(0.3, 0.2, 0.9)), projection);
-            let opacity = vec![(0.0, [0.0]), (0.5, [0.0]), (1.0, [alpha])];
-            let scene = Scene {
-                transfer: TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("rising"),
-                shading: Shading::None,
-                camera: camera.expect("up is not forward"),
-                image: ImageDesc { width: 40, height: 40, background: [0.0; 4] },
-                settings: RenderSettings::default(),
-            };
-            let (exact, image) = (render(&volume, &scene), by_backend("cpu", &volume, &scene));
-            let difference = exact.compare(&image).max;
-            let nearby = outside_of_neighbours(&exact, &image);
-            println!("{normal:.2} along {forward:.2}, {alpha}: {difference:.1e}, {nearby:.1e}");
-            worst = worst.max(nearby / scene.settings.tolerance);
+    for_each_seed(1, |mut rng| {
+        let mut worst = 0.0_f64;
+        let grid = Grid::with_spacing([30; 3], [1.0; 3]).expect("no axis is empty");
+        let center = grid.center_in_world();
+        let mut direction = || DVec3::from_array([0; 3].map(|_| rng.f64() - 0.5)).normalize();
+        let generic = (0..6).map(|_| (direction(), direction()));
+        let aligned = [(DVec3::X, DVec3::Y), (DVec3::X, DVec3::new(0.0, 1.0, 1.0))];
+        for (normal, other) in aligned.into_iter().chain(generic.collect::<Vec<_>>()) {
+            for alpha in [0.05, 0.5, 0.8, 1.0] {
+                let in_wall = |i: usize| {
+                    let from_center =
+                        DVec3::from_array(grid.voxel_coords(i).map(|c| c as f64)) - 14.5;
+                    f64::from(u8::from(normal.dot(from_center).abs() < 0.8))
+                };
+                let samples = Samples::F64((0..grid.n_voxels()).map(in_wall).collect());
+                let volume =
+                    Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+                let forward = normal.cross(other).normalize();
+                let projection = Projection::Orthographic { view_height: 14.0 };
+                let eye = center - 90.0 * forward;
+                let camera =
+                    Camera::new(eye, center, forward.cross(DVec3::new(0.3, 0.2, 0.9)), projection);
+                let opacity = vec![(0.0, [0.0]), (0.5, [0.0]), (1.0, [alpha])];
+                let scene = Scene {
+                    transfer: TransferFunction::new(opacity, vec![(0.0, [1.0; 3])])
+                        .expect("rising"),
+                    shading: Shading::None,
+                    camera: camera.expect("up is not forward"),
+                    image: ImageDesc { width: 40, height: 40, background: [0.0; 4] },
+                    settings: RenderSettings::default(),
+                };
+                let (exact, image) = (render(&volume, &scene), by_backend("cpu", &volume, &scene));
+                let difference = exact.compare(&image).max;
+                let nearby = outside_of_neighbours(&exact, &image);
+                println!("{normal:.2} along {forward:.2}, {alpha}: {difference:.1e}, {nearby:.1e}");
+                worst = worst.max(nearby / scene.settings.tolerance);
+            }
         }
-    }
-    println!("at most {worst:.2} of the tolerance");
-    assert!(worst <= 1.0, "{worst} of the tolerance");
+        println!("at most {worst:.2} of the tolerance");
+        assert!(worst <= 1.0, "{worst} of the tolerance");
+    });
 }
 
 /// By how much any pixel lies outside of what it and its eight neighbours are in the exact picture.

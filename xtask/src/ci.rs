@@ -6,13 +6,14 @@
 
 use anyhow::{Result, ensure};
 
+use crate::lint;
 use crate::process::{cargo, run as run_command};
+use crate::test::{self, Test};
 use crate::workspace::{self, Package};
-use crate::{lint, test};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
-    test::run(&[])?;
+    test::run(&Test::default())?;
     check_features()
 }
 

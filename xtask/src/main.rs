@@ -28,12 +28,14 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use bench::Bench;
+use test::Test;
 
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   lint                     rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
   test [ARGS]              set up what the tests need, then `cargo test ARGS`, of all packages unless some are named
+  test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
   bench [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
   bench peers              frames of slabsplat and of VTK's ray caster by turns, and their ratios
                            [--frames N] frames a run, [--pairs N] runs of each
@@ -72,7 +74,7 @@ fn main() -> ExitCode {
 #[derive(Debug, PartialEq)]
 enum Task {
     Lint,
-    Test(Vec<OsString>),
+    Test(Test),
     Bench(Bench),
     Ci,
     Help,
@@ -81,7 +83,7 @@ enum Task {
 fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
-        Task::Test(args) => test::run(args),
+        Task::Test(test) => test::run(test),
         Task::Bench(bench) => bench::run(bench),
         Task::Ci => ci::run(),
         Task::Help => {
@@ -95,7 +97,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let command = args.next().ok_or("a command is missing")?;
     let rest: Vec<OsString> = args.collect();
     let task = match command.to_str() {
-        Some("test") => return Ok(Task::Test(rest)),
+        Some("test") => return test::parse(rest).map(Task::Test),
         Some("bench") => return bench::parse(rest).map(Task::Bench),
         Some("lint") => Task::Lint,
         Some("ci") => Task::Ci,
@@ -126,7 +128,7 @@ mod tests {
         check(&["--help"], Ok(Task::Help));
         let cpu = Bench::Criterion(bench::Processor::Cpu, vec!["--".into(), "toss".into()]);
         check(&["bench", "cpu", "--", "toss"], Ok(Task::Bench(cpu)));
-        check(&["test", "-p", "xtask"], Ok(Task::Test(vec!["-p".into(), "xtask".into()])));
+        check(&["test"], Ok(Task::Test(Test::default())));
     }
 
     #[test]

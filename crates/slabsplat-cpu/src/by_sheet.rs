@@ -144,41 +144,42 @@ impl<'a> Run<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat_seeds::for_each_seed;
 
     #[test]
     fn by_sheet_is_a_stable_sort() {
-        let seed = fastrand::u64(..);
-        println!("seed {seed}");
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let mut sorted = BySheet::default();
-        for n_voxels in [0, 1, 7, 500, 20] {
-            let voxel = |id: usize| {
-                let point = [id as f32, rng.usize(0..3) as f32, rng.usize(5..25) as f32];
-                Voxel { point, ..Voxel::default() }
-            };
-            let voxels: Vec<Voxel> = (0..n_voxels).map(voxel).collect();
-            let key_of = |voxel: &Voxel| (voxel.point[1] as usize, voxel.point[2] as usize);
-            sorted.sort(3, 4..25, voxels.chunks(9), key_of);
-            let sheets = || voxels.iter().map(|voxel| key_of(voxel).1);
-            if let (Some(first), Some(last)) = (sheets().min(), sheets().max()) {
-                assert_eq!(sorted.sheets(), first..last + 1);
-            }
-            assert_eq!(sorted.sheets().is_empty(), voxels.is_empty());
-            for first in 0..30 {
-                for end in first..30 {
-                    for class in 0..3 {
-                        let is_meant = |v: &&Voxel| {
-                            key_of(v).0 == class && (first..end).contains(&key_of(v).1)
-                        };
-                        let mut expected: Vec<&Voxel> = voxels.iter().filter(is_meant).collect();
-                        expected.sort_by_key(|voxel| key_of(voxel));
-                        let run = sorted.starting_in(class, first..end);
-                        assert_eq!(run.len, expected.len());
-                        let same = run.iter().zip(expected).all(|(a, b)| a.point == b.point);
-                        assert!(same, "class {class}, {first}..{end}");
+        for_each_seed(1, |mut rng| {
+            let mut sorted = BySheet::default();
+            for n_voxels in [0, 1, 7, 500, 20] {
+                let voxel = |id: usize| {
+                    let point = [id as f32, rng.usize(0..3) as f32, rng.usize(5..25) as f32];
+                    Voxel { point, ..Voxel::default() }
+                };
+                let voxels: Vec<Voxel> = (0..n_voxels).map(voxel).collect();
+                let key_of = |voxel: &Voxel| (voxel.point[1] as usize, voxel.point[2] as usize);
+                sorted.sort(3, 4..25, voxels.chunks(9), key_of);
+                let sheets = || voxels.iter().map(|voxel| key_of(voxel).1);
+                if let (Some(first), Some(last)) = (sheets().min(), sheets().max()) {
+                    assert_eq!(sorted.sheets(), first..last + 1);
+                }
+                assert_eq!(sorted.sheets().is_empty(), voxels.is_empty());
+                for first in 0..30 {
+                    for end in first..30 {
+                        for class in 0..3 {
+                            let is_meant = |v: &&Voxel| {
+                                key_of(v).0 == class && (first..end).contains(&key_of(v).1)
+                            };
+                            let mut expected: Vec<&Voxel> =
+                                voxels.iter().filter(is_meant).collect();
+                            expected.sort_by_key(|voxel| key_of(voxel));
+                            let run = sorted.starting_in(class, first..end);
+                            assert_eq!(run.len, expected.len());
+                            let same = run.iter().zip(expected).all(|(a, b)| a.point == b.point);
+                            assert!(same, "class {class}, {first}..{end}");
+                        }
                     }
                 }
             }
-        }
+        });
     }
 }

@@ -8,6 +8,7 @@ use slabsplat_core::{
     Camera, Compositing, Grid, Image, ImageDesc, KernelName, Method, Phong, Projection,
     RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
 };
+use slabsplat_seeds::for_each_seed;
 use std::sync::Arc;
 
 #[test]
@@ -78,36 +79,35 @@ fn render(level: Level, volume: &Arc<Volume>, scene: &Scene) -> Image {
 /// slant.
 #[test]
 fn cpu_levels_agree_with_scalar() {
-    let seed = fastrand::u64(..);
-    println!("seed {seed}");
-    let mut rng = fastrand::Rng::with_seed(seed);
-    let mut worst = 0.0_f32;
-    for &method in Method::ALL {
-        for &compositing in Compositing::ALL {
-            for kernel in ["gaussian", "crawfis-max"] {
-                let spacing = if rng.bool() { [1.0; 3] } else { [1.0, 1.4, 2.1] };
-                let settings = RenderSettings {
-                    method,
-                    compositing,
-                    kernel: KernelName(kernel.into()),
-                    slab_width: [0.5, 1.0, 2.3][rng.usize(..3)],
-                    tolerance: [0.0, 0.05][rng.usize(..2)],
-                    ..RenderSettings::default()
-                };
-                let volume = noise(&mut rng, spacing);
-                let scene = scene(&mut rng, volume.grid(), settings);
-                let expected = render(Level::fallback(), &volume, &scene);
-                for (name, level) in levels() {
-                    let image = render(level, &volume, &scene);
-                    let difference = image.max_difference(&expected);
-                    // Levels differ in whether a multiply-add rounds once or twice.
-                    assert!(difference < 2e-4, "{name}: {difference} {:?}", scene.settings);
-                    worst = worst.max(difference);
+    for_each_seed(1, |mut rng| {
+        let mut worst = 0.0_f32;
+        for &method in Method::ALL {
+            for &compositing in Compositing::ALL {
+                for kernel in ["gaussian", "crawfis-max"] {
+                    let spacing = if rng.bool() { [1.0; 3] } else { [1.0, 1.4, 2.1] };
+                    let settings = RenderSettings {
+                        method,
+                        compositing,
+                        kernel: KernelName(kernel.into()),
+                        slab_width: [0.5, 1.0, 2.3][rng.usize(..3)],
+                        tolerance: [0.0, 0.05][rng.usize(..2)],
+                        ..RenderSettings::default()
+                    };
+                    let volume = noise(&mut rng, spacing);
+                    let scene = scene(&mut rng, volume.grid(), settings);
+                    let expected = render(Level::fallback(), &volume, &scene);
+                    for (name, level) in levels() {
+                        let image = render(level, &volume, &scene);
+                        let difference = image.max_difference(&expected);
+                        // Levels differ in whether a multiply-add rounds once or twice.
+                        assert!(difference < 2e-4, "{name}: {difference} {:?}", scene.settings);
+                        worst = worst.max(difference);
+                    }
                 }
             }
         }
-    }
-    println!("at most {worst:.1e}");
+        println!("at most {worst:.1e}");
+    });
 }
 
 /// Folding moves extinction in depth and loses none of it, also where a voxel goes to a slab before all that its kernel
@@ -148,29 +148,29 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
 /// is chance, and each has a workspace.
 #[test]
 fn cpu_buffers_do_not_grow_once_warm() {
-    let seed = fastrand::u64(..);
-    println!("seed {seed}");
-    let mut rng = fastrand::Rng::with_seed(seed);
-    let volume = noise(&mut rng, [1.0; 3]);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    for &method in Method::ALL {
-        let settings = RenderSettings { method, ..RenderSettings::default() };
-        let mut scenes: Vec<Scene> =
-            (0..4).map(|_| scene(&mut rng, volume.grid(), settings.clone())).collect();
-        let transfer = scenes[0].transfer.clone();
-        scenes.iter_mut().for_each(|scene| scene.transfer = transfer.clone());
-        let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
-        let mut resident_bytes = |scene| {
-            let plan = planner.plan(&volume, scene).unwrap();
-            let frame = backend.submit(&plan).unwrap();
-            match backend.poll_image(frame).unwrap() {
-                Poll::Ready(frame) => frame.cost.resident_bytes,
-                Poll::Pending => panic!("a frame is done when it was submitted"),
-            }
-        };
-        let mut turn =
-            || -> Vec<u64> { pool.install(|| scenes.iter().map(&mut resident_bytes).collect()) };
-        let warm = turn()[3];
-        assert_eq!(turn(), [warm; 4], "{method:?}");
-    }
+    for_each_seed(1, |mut rng| {
+        let volume = noise(&mut rng, [1.0; 3]);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        for &method in Method::ALL {
+            let settings = RenderSettings { method, ..RenderSettings::default() };
+            let mut scenes: Vec<Scene> =
+                (0..4).map(|_| scene(&mut rng, volume.grid(), settings.clone())).collect();
+            let transfer = scenes[0].transfer.clone();
+            scenes.iter_mut().for_each(|scene| scene.transfer = transfer.clone());
+            let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
+            let mut resident_bytes = |scene| {
+                let plan = planner.plan(&volume, scene).unwrap();
+                let frame = backend.submit(&plan).unwrap();
+                match backend.poll_image(frame).unwrap() {
+                    Poll::Ready(frame) => frame.cost.resident_bytes,
+                    Poll::Pending => panic!("a frame is done when it was submitted"),
+                }
+            };
+            let mut turn = || -> Vec<u64> {
+                pool.install(|| scenes.iter().map(&mut resident_bytes).collect())
+            };
+            let warm = turn()[3];
+            assert_eq!(turn(), [warm; 4], "{method:?}");
+        }
+    });
 }

@@ -3,6 +3,7 @@
 
 mod small_files;
 
+use slabsplat_seeds::for_each_seed;
 use std::fs;
 use std::path::Path;
 
@@ -114,28 +115,27 @@ fn valid_files_are_read() {
 
 #[test]
 fn mutated_files_never_panic() {
-    let seed = std::env::var("SLABSPLAT_SEED").map_or(1998, |seed| seed.parse().unwrap());
-    println!("seed {seed}; another with SLABSPLAT_SEED");
-    let mut rng = fastrand::Rng::with_seed(seed);
-    let dir = folder_with_data();
-    for (name, bytes, read) in valid_files() {
-        let path = dir.path().join(name);
-        let mut n_refused = 0;
-        for _ in 0..N_MUTATIONS {
-            let mut bytes = bytes.clone();
-            mutate(&mut bytes, &mut rng);
-            // Some file systems flush a file that is overwritten, but not a new one.
-            let _ = fs::remove_file(&path);
-            fs::write(&path, &bytes).unwrap();
-            if let Err(err) = read(&path) {
-                let message = err.to_string();
-                assert!(!message.contains('\n'), "more than a line: {message}");
-                n_refused += 1;
+    for_each_seed(1, |mut rng| {
+        let dir = folder_with_data();
+        for (name, bytes, read) in valid_files() {
+            let path = dir.path().join(name);
+            let mut n_refused = 0;
+            for _ in 0..N_MUTATIONS {
+                let mut bytes = bytes.clone();
+                mutate(&mut bytes, &mut rng);
+                // Some file systems flush a file that is overwritten, but not a new one.
+                let _ = fs::remove_file(&path);
+                fs::write(&path, &bytes).unwrap();
+                if let Err(err) = read(&path) {
+                    let message = err.to_string();
+                    assert!(!message.contains('\n'), "more than a line: {message}");
+                    n_refused += 1;
+                }
             }
+            assert!(0 < n_refused && n_refused < N_MUTATIONS, "{name}: {n_refused} refused");
+            check_peak(name);
         }
-        assert!(0 < n_refused && n_refused < N_MUTATIONS, "{name}: {n_refused} refused");
-        check_peak(name);
-    }
+    });
 }
 
 #[test]

@@ -111,26 +111,33 @@ fn fold<T: Ordered>(least: &mut [T], most: &mut [T], row: &[T]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::{random_volume, seeded};
+    use crate::tests::random_volume;
+    use slabsplat_seeds::for_each_seed;
 
     #[test]
     fn brick_ranges_are_those_of_their_voxels() {
-        let mut rng = seeded();
-        for _ in 0..60 {
-            let volume = random_volume(&mut rng);
-            let bricks = BrickGrid::new(volume.grid());
-            let mut expected = vec![(f64::INFINITY, f64::NEG_INFINITY); bricks.n_bricks()];
-            for voxel_idx in 0..volume.grid().n_voxels() {
-                let at = volume.grid().voxel_coords(voxel_idx).map(|c| c / BRICK_SIDE);
-                let [n_x, n_y, _] = bricks.n_along();
-                let (lo, hi) = &mut expected[(at[2] * n_y + at[1]) * n_x + at[0]];
-                let value = volume.value(voxel_idx);
-                (*lo, *hi) = (lo.min(value), hi.max(value));
+        for_each_seed(1, |mut rng| {
+            for _ in 0..60 {
+                let volume = random_volume(&mut rng);
+                let bricks = BrickGrid::new(volume.grid());
+                let mut expected = vec![(f64::INFINITY, f64::NEG_INFINITY); bricks.n_bricks()];
+                for voxel_idx in 0..volume.grid().n_voxels() {
+                    let at = volume.grid().voxel_coords(voxel_idx).map(|c| c / BRICK_SIDE);
+                    let [n_x, n_y, _] = bricks.n_along();
+                    let (lo, hi) = &mut expected[(at[2] * n_y + at[1]) * n_x + at[0]];
+                    let value = volume.value(voxel_idx);
+                    (*lo, *hi) = (lo.min(value), hi.max(value));
+                }
+                let ranges = BrickRanges::new(&volume);
+                for (brick_idx, &(lo, hi)) in expected.iter().enumerate() {
+                    assert_eq!(
+                        ranges.of_brick(brick_idx),
+                        IsoRange { lo, hi },
+                        "{:?}",
+                        volume.grid()
+                    );
+                }
             }
-            let ranges = BrickRanges::new(&volume);
-            for (brick_idx, &(lo, hi)) in expected.iter().enumerate() {
-                assert_eq!(ranges.of_brick(brick_idx), IsoRange { lo, hi }, "{:?}", volume.grid());
-            }
-        }
+        });
     }
 }

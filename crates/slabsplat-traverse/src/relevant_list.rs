@@ -127,8 +127,9 @@ const BRICKS_PER_TASK: usize = 32;
 mod tests {
     use super::*;
     use crate::naive_normals::naive_normal;
-    use crate::tests::{random_ranges, random_volume, seeded};
+    use crate::tests::{random_ranges, random_volume};
     use slabsplat_core::glam::DVec3;
+    use slabsplat_seeds::for_each_seed;
 
     fn relevant(volume: &Volume, ranges: &[IsoRange]) -> Vec<usize> {
         let inside = |v: f64| ranges.iter().any(|r| r.lo <= v && v <= r.hi);
@@ -147,77 +148,83 @@ mod tests {
     /// The updated list is the list from scratch, and an update touches just what changed.
     #[test]
     fn relevant_list_update_is_a_difference() {
-        let mut rng = seeded();
-        for _ in 0..40 {
-            let volume = random_volume(&mut rng);
-            let brick_ranges = BrickRanges::new(&volume);
-            let mut list = RelevantList::default();
-            let mut before: Vec<usize> = Vec::new();
-            for _ in 0..12 {
-                let ranges = random_ranges(&mut rng, &volume);
-                let change = list.update(&volume, &brick_ranges, &ranges);
-                let after = relevant(&volume, &ranges);
-                let mut actual: Vec<usize> = listed(&list).iter().map(|(idx, _)| *idx).collect();
-                actual.sort_unstable();
-                assert_eq!(actual, after, "{ranges:?} {:?}", volume.grid());
+        for_each_seed(1, |mut rng| {
+            for _ in 0..40 {
+                let volume = random_volume(&mut rng);
+                let brick_ranges = BrickRanges::new(&volume);
+                let mut list = RelevantList::default();
+                let mut before: Vec<usize> = Vec::new();
+                for _ in 0..12 {
+                    let ranges = random_ranges(&mut rng, &volume);
+                    let change = list.update(&volume, &brick_ranges, &ranges);
+                    let after = relevant(&volume, &ranges);
+                    let mut actual: Vec<usize> =
+                        listed(&list).iter().map(|(idx, _)| *idx).collect();
+                    actual.sort_unstable();
+                    assert_eq!(actual, after, "{ranges:?} {:?}", volume.grid());
 
-                let mut fresh = RelevantList::default();
-                fresh.update(&volume, &brick_ranges, &ranges);
-                assert_eq!(fresh, list, "order and normals too");
+                    let mut fresh = RelevantList::default();
+                    fresh.update(&volume, &brick_ranges, &ranges);
+                    assert_eq!(fresh, list, "order and normals too");
 
-                let n_added = after.iter().filter(|v| before.binary_search(v).is_err()).count();
-                let n_dropped = before.iter().filter(|v| after.binary_search(v).is_err()).count();
-                assert_eq!(change, ListChange { n_added, n_dropped });
-                before = after;
+                    let n_added = after.iter().filter(|v| before.binary_search(v).is_err()).count();
+                    let n_dropped =
+                        before.iter().filter(|v| after.binary_search(v).is_err()).count();
+                    assert_eq!(change, ListChange { n_added, n_dropped });
+                    before = after;
+                }
             }
-        }
+        });
     }
 
     #[test]
     fn relevant_list_is_in_memory_order_of_bricks() {
-        let mut rng = seeded();
-        for _ in 0..20 {
-            let volume = random_volume(&mut rng);
-            let mut list = RelevantList::default();
-            let ranges = random_ranges(&mut rng, &volume);
-            list.update(&volume, &BrickRanges::new(&volume), &ranges);
-            assert!(list.bricks().windows(2).all(|b| b[0].brick_idx < b[1].brick_idx));
-            for brick in list.bricks() {
-                let voxels = list.voxels_of(brick);
-                assert!(!voxels.is_empty());
-                assert!(voxels.windows(2).all(|v| v[0].place < v[1].place));
+        for_each_seed(1, |mut rng| {
+            for _ in 0..20 {
+                let volume = random_volume(&mut rng);
+                let mut list = RelevantList::default();
+                let ranges = random_ranges(&mut rng, &volume);
+                list.update(&volume, &BrickRanges::new(&volume), &ranges);
+                assert!(list.bricks().windows(2).all(|b| b[0].brick_idx < b[1].brick_idx));
+                for brick in list.bricks() {
+                    let voxels = list.voxels_of(brick);
+                    assert!(!voxels.is_empty());
+                    assert!(voxels.windows(2).all(|v| v[0].place < v[1].place));
+                }
+                assert_eq!(list.bricks().last().map_or(0, |b| b.voxels().end), list.len());
             }
-            assert_eq!(list.bricks().last().map_or(0, |b| b.voxels().end), list.len());
-        }
+        });
     }
 
     #[test]
     fn relevant_list_holds_normals() {
-        let mut rng = seeded();
-        let volume = random_volume(&mut rng);
-        let mut list = RelevantList::default();
-        let all = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-        list.update(&volume, &BrickRanges::new(&volume), &[all]);
-        for (voxel_idx, record) in listed(&list) {
-            let normal = DVec3::from(record.normal_in_world().map(f64::from));
-            assert!(normal.distance(naive_normal(&volume, voxel_idx)) < 2.7e-5);
-        }
+        for_each_seed(1, |mut rng| {
+            let volume = random_volume(&mut rng);
+            let mut list = RelevantList::default();
+            let all = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+            list.update(&volume, &BrickRanges::new(&volume), &[all]);
+            for (voxel_idx, record) in listed(&list) {
+                let normal = DVec3::from(record.normal_in_world().map(f64::from));
+                assert!(normal.distance(naive_normal(&volume, voxel_idx)) < 2.7e-5);
+            }
+        });
     }
 
     #[test]
     fn relevant_list_does_not_depend_on_threads() {
-        let mut rng = seeded();
-        let volume = random_volume(&mut rng);
-        let ranges = random_ranges(&mut rng, &volume);
-        let with_threads = |n_threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            pool.install(|| {
-                let mut list = RelevantList::default();
-                list.update(&volume, &BrickRanges::new(&volume), &ranges);
-                list
-            })
-        };
-        let one = with_threads(1);
-        assert!([2, 7].map(with_threads).iter().all(|list| *list == one));
+        for_each_seed(1, |mut rng| {
+            let volume = random_volume(&mut rng);
+            let ranges = random_ranges(&mut rng, &volume);
+            let with_threads = |n_threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+                pool.install(|| {
+                    let mut list = RelevantList::default();
+                    list.update(&volume, &BrickRanges::new(&volume), &ranges);
+                    list
+                })
+            };
+            let one = with_threads(1);
+            assert!([2, 7].map(with_threads).iter().all(|list| *list == one));
+        });
     }
 }

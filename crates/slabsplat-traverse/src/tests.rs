@@ -3,13 +3,6 @@
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{Grid, IsoRange, Samples, Scaling, Volume};
 
-/// A generator whose seed a failed test prints.
-pub(crate) fn seeded() -> fastrand::Rng {
-    let seed = fastrand::u64(..);
-    println!("seed {seed}");
-    fastrand::Rng::with_seed(seed)
-}
-
 /// A volume of any sample type whose values are mostly in −100 … 200, smooth along x in parts, so that
 /// bricks differ. Floats may be NaN or infinite.
 pub(crate) fn random_volume(rng: &mut fastrand::Rng) -> Volume {

@@ -258,6 +258,7 @@ fn accumulate(counts: &mut [u32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat_seeds::for_each_seed;
 
     fn random_rect(rng: &mut fastrand::Rng, tiles: &TileGrid) -> TileRect {
         let min = [rng.f32() * 99.0, rng.f32() * 69.0];
@@ -268,28 +269,28 @@ mod tests {
     /// Against the definition, for any number of threads.
     #[test]
     fn toss_is_a_stable_sort_by_tile() {
-        let seed = fastrand::u64(..);
-        println!("seed {seed}");
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let tiles = TileGrid::new([100, 70], 16);
-        let rects: Vec<_> = (0..40_000).map(|_| random_rect(&mut rng, &tiles)).collect();
-        let expected = |tile_idx: usize, n_splats: usize| {
-            let (x, y) = ((tile_idx % tiles.n_x) as u16, (tile_idx / tiles.n_x) as u16);
-            let holds = move |r: &TileRect| {
-                (r.min[0]..=r.max[0]).contains(&x) && (r.min[1]..=r.max[1]).contains(&y)
+        for_each_seed(1, |mut rng| {
+            let tiles = TileGrid::new([100, 70], 16);
+            let rects: Vec<_> = (0..40_000).map(|_| random_rect(&mut rng, &tiles)).collect();
+            let expected = |tile_idx: usize, n_splats: usize| {
+                let (x, y) = ((tile_idx % tiles.n_x) as u16, (tile_idx / tiles.n_x) as u16);
+                let holds = move |r: &TileRect| {
+                    (r.min[0]..=r.max[0]).contains(&x) && (r.min[1]..=r.max[1]).contains(&y)
+                };
+                rects[..n_splats].iter().enumerate().filter(move |(_, r)| holds(r))
             };
-            rects[..n_splats].iter().enumerate().filter(move |(_, r)| holds(r))
-        };
-        let mut buckets = TileBuckets::default();
-        for (n_threads, n_splats) in [(1, 40_000), (3, 20_000), (8, 40_000), (2, 0)] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-            pool.install(|| buckets.toss(&tiles, n_splats, |i| rects[i]));
-            for tile_idx in 0..tiles.n_tiles() {
-                let expected: Vec<usize> = expected(tile_idx, n_splats).map(|(i, _)| i).collect();
-                assert_eq!(buckets.on_tile(tile_idx).collect::<Vec<_>>(), expected);
-                assert_eq!(buckets.n_on_tile(tile_idx), expected.len());
+            let mut buckets = TileBuckets::default();
+            for (n_threads, n_splats) in [(1, 40_000), (3, 20_000), (8, 40_000), (2, 0)] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+                pool.install(|| buckets.toss(&tiles, n_splats, |i| rects[i]));
+                for tile_idx in 0..tiles.n_tiles() {
+                    let expected: Vec<usize> =
+                        expected(tile_idx, n_splats).map(|(i, _)| i).collect();
+                    assert_eq!(buckets.on_tile(tile_idx).collect::<Vec<_>>(), expected);
+                    assert_eq!(buckets.n_on_tile(tile_idx), expected.len());
+                }
             }
-        }
+        });
     }
 
     #[test]

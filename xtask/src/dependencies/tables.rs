@@ -17,6 +17,11 @@ pub(super) struct Layer {
 pub(super) const LAYERS: &[Layer] = &[
     Layer { name: "slabsplat-core", may_use: &[], why: "all others stand on it" },
     Layer {
+        name: "slabsplat-seeds",
+        may_use: &[],
+        why: "tests of every crate take their seeds from it",
+    },
+    Layer {
         name: "slabsplat-kernel",
         may_use: &["slabsplat-core"],
         why: "kernels and their tables know nothing of volumes on disk, of order, or of who draws",
@@ -88,6 +93,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-ash",
             "slabsplat",
             "slabsplat-cli",
+            "slabsplat-seeds",
         ],
         why: "tests look everywhere but into the tooling",
     },
@@ -174,6 +180,7 @@ pub(super) const EXTERNALS: &[External] = &[
     },
     External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
+    External { name: "signal-hook", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External {
         name: "anyhow",
         users: Users::Only(&[

@@ -1,6 +1,6 @@
 //! Buffers that come and go, and objects that are used again.
 
-use super::scan::{Scan, assert_sums, random_elements, seeded};
+use super::scan::{Scan, assert_sums, random_elements};
 use super::*;
 
 #[test]
@@ -26,7 +26,7 @@ fn buffers_begin_as_zeros() {
 #[test]
 fn buffers_outlive_the_work_in_flight() {
     on_device(|device| {
-        let mut rng = seeded();
+        let mut rng = fastrand::Rng::with_seed(1);
         let mut works = Vec::new();
         for _ in 0..12 {
             let n = rng.usize(1..100_000);
@@ -59,7 +59,7 @@ fn buffers_that_no_work_used_go() {
 #[test]
 fn objects_are_used_again() {
     on_device(|device| {
-        let mut rng = seeded();
+        let mut rng = fastrand::Rng::with_seed(1);
         let scan = Scan::new(device, 20_000);
         let mut n_objects = Vec::new();
         for _ in 0..20 {

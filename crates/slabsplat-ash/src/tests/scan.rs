@@ -1,6 +1,7 @@
 //! Real shaders: a prefix sum in two passes, compared with the processor's.
 
 use super::*;
+use slabsplat_seeds::for_each_seed;
 use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS};
 
 const BLOCK_LEN: usize = 2048;
@@ -82,25 +83,19 @@ pub(super) fn random_elements(rng: &mut fastrand::Rng, n: usize) -> Vec<u32> {
     std::iter::repeat_with(|| rng.u32(..10_000)).take(n).collect()
 }
 
-/// A generator whose seed is printed if the test fails.
-pub(super) fn seeded() -> fastrand::Rng {
-    let seed = fastrand::u64(..);
-    println!("seed {seed}");
-    fastrand::Rng::with_seed(seed)
-}
-
 #[test]
 fn scan_sums_any_number() {
     on_device(|device| {
-        let mut rng = seeded();
-        let random = std::iter::repeat_with(|| rng.usize(1..300_000)).take(3);
-        for n in [1, 2047, 2048, 2049].into_iter().chain(random.collect::<Vec<_>>()) {
-            let scan = Scan::new(device, n);
-            let elements = random_elements(&mut rng, n);
-            let work = device.submit(&scan.work(&elements)).unwrap();
-            assert_sums(&wait(device, work), &elements);
-            scan.destroy(device);
-        }
+        for_each_seed(1, |mut rng| {
+            let random = std::iter::repeat_with(|| rng.usize(1..300_000)).take(3);
+            for n in [1, 2047, 2048, 2049].into_iter().chain(random.collect::<Vec<_>>()) {
+                let scan = Scan::new(device, n);
+                let elements = random_elements(&mut rng, n);
+                let work = device.submit(&scan.work(&elements)).unwrap();
+                assert_sums(&wait(device, work), &elements);
+                scan.destroy(device);
+            }
+        });
     });
 }
 
@@ -111,7 +106,7 @@ fn scan_stages_take_time() {
             println!("skipped: the device has no timestamps");
             return;
         }
-        let mut rng = seeded();
+        let mut rng = fastrand::Rng::with_seed(1);
         let scan = Scan::new(device, 100_000);
         let elements = random_elements(&mut rng, 100_000);
         for _ in 0..3 {

@@ -57,25 +57,25 @@ impl SlabBuckets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat_seeds::for_each_seed;
 
     #[test]
     fn buckets_are_a_stable_sort() {
-        let seed = fastrand::u64(..);
-        println!("seed {seed}");
-        let mut rng = fastrand::Rng::with_seed(seed);
-        let mut buckets = SlabBuckets::default();
-        for n_voxels in [0, 1, 300, 20] {
-            let slabs: Vec<usize> = (0..n_voxels).map(|_| rng.usize(5..25)).collect();
-            let voxels: Vec<u32> = (0..n_voxels as u32).collect();
-            buckets.fill(&voxels, |voxel| slabs[voxel as usize]);
-            let ends = slabs.iter().min().zip(slabs.iter().max()).map(|(&a, &b)| [a, b]);
-            assert_eq!(buckets.slab_range(), ends);
-            for (first, last) in (0..30).flat_map(|a| (a..30).map(move |b| (a, b))) {
-                let begins = |&voxel: &u32| (first..=last).contains(&slabs[voxel as usize]);
-                let mut expected: Vec<u32> = voxels.iter().copied().filter(begins).collect();
-                expected.sort_by_key(|&voxel| slabs[voxel as usize]);
-                assert_eq!(buckets.beginning_in(first, last), expected, "{first}..={last}");
+        for_each_seed(1, |mut rng| {
+            let mut buckets = SlabBuckets::default();
+            for n_voxels in [0, 1, 300, 20] {
+                let slabs: Vec<usize> = (0..n_voxels).map(|_| rng.usize(5..25)).collect();
+                let voxels: Vec<u32> = (0..n_voxels as u32).collect();
+                buckets.fill(&voxels, |voxel| slabs[voxel as usize]);
+                let ends = slabs.iter().min().zip(slabs.iter().max()).map(|(&a, &b)| [a, b]);
+                assert_eq!(buckets.slab_range(), ends);
+                for (first, last) in (0..30).flat_map(|a| (a..30).map(move |b| (a, b))) {
+                    let begins = |&voxel: &u32| (first..=last).contains(&slabs[voxel as usize]);
+                    let mut expected: Vec<u32> = voxels.iter().copied().filter(begins).collect();
+                    expected.sort_by_key(|&voxel| slabs[voxel as usize]);
+                    assert_eq!(buckets.beginning_in(first, last), expected, "{first}..={last}");
+                }
             }
-        }
+        });
     }
 }

@@ -3,6 +3,7 @@
 use super::{on_device, run, slice, wait};
 use crate::WgpuDevice;
 use slabsplat_gpu::{BufferId, Device, Done, Pass, Work, Write};
+use slabsplat_seeds::for_each_seed;
 use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS};
 use std::borrow::Cow;
 
@@ -86,11 +87,6 @@ fn check(values: &[u32], done: &Done, has_timestamps: bool) {
     }
 }
 
-fn random(seed: u64) -> fastrand::Rng {
-    println!("seed {seed}");
-    fastrand::Rng::with_seed(seed)
-}
-
 fn values(random: &mut fastrand::Rng, n: usize) -> Vec<u32> {
     // Sums stop at the largest number; these stay below it.
     (0..n).map(|_| random.u32(..1 << 10)).collect()
@@ -99,22 +95,23 @@ fn values(random: &mut fastrand::Rng, n: usize) -> Vec<u32> {
 #[test]
 fn scan_matches_cpu() {
     on_device(|device| {
-        let mut random = random(fastrand::u64(..));
-        let lengths = [1, BLOCK, BLOCK + 1, 256 * BLOCK + 1, random.usize(1..1_000_000)];
-        for n in lengths {
-            println!("{n} elements");
-            let scan = Scan::new(device, n);
-            let values = values(&mut random, n);
-            let done = run(device, &scan.work(&values));
-            check(&values, &done, device.info().has_timestamps);
-        }
+        for_each_seed(1, |mut random| {
+            let lengths = [1, BLOCK, BLOCK + 1, 256 * BLOCK + 1, random.usize(1..1_000_000)];
+            for n in lengths {
+                println!("{n} elements");
+                let scan = Scan::new(device, n);
+                let values = values(&mut random, n);
+                let done = run(device, &scan.work(&values));
+                check(&values, &done, device.info().has_timestamps);
+            }
+        });
     });
 }
 
 #[test]
 fn scan_of_other_values_makes_nothing_new() {
     on_device(|device| {
-        let mut random = random(fastrand::u64(..));
+        let mut random = fastrand::Rng::with_seed(1);
         let scan = Scan::new(device, 5000);
         for _ in 0..5 {
             let values = values(&mut random, 5000);
@@ -131,7 +128,7 @@ fn scan_of_other_values_makes_nothing_new() {
 #[test]
 fn scan_in_flight_in_any_order() {
     on_device(|device| {
-        let mut random = random(fastrand::u64(..));
+        let mut random = fastrand::Rng::with_seed(1);
         let scan = Scan::new(device, 20_000);
         let mut in_flight = Vec::new();
         for _ in 0..9 {
@@ -149,7 +146,7 @@ fn scan_in_flight_in_any_order() {
 #[test]
 fn scan_outlives_its_buffers() {
     on_device(|device| {
-        let mut random = random(fastrand::u64(..));
+        let mut random = fastrand::Rng::with_seed(1);
         let scan = Scan::new(device, 300_000);
         let values = values(&mut random, 300_000);
         let work = device.submit(&scan.work(&values)).unwrap();
