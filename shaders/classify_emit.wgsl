@@ -53,13 +53,12 @@ fn classify_emit(
 
 fn record_of(voxel_idx: u32) -> Record {
     let bits = sample_bits(voxel_idx);
-    let number = number_of(bits);
-    let opacity = opacity_at(number);
+    let opacity = opacity_at(bits);
     var weight = opacity.x;
     if volume.compositing == COMPOSITING_EXTINCTION {
         weight = extinction_of(opacity.x, opacity.y);
     }
-    return Record(normal_at(voxel_idx, bits), voxel_idx, vec4(color_at(number), weight));
+    return Record(normal_at(voxel_idx, bits), voxel_idx, vec4(color_at(bits), weight));
 }
 
 fn put(place: u32, record: Record) {

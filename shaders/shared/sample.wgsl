@@ -1,8 +1,9 @@
 // The volume's samples in their own type, packed into words, x fastest.
 //
-// A sample is read as its bits. From these come a *key*, which sorts as the numbers do, so that
-// membership in an iso-range is exact for every type; and a *number*, the sum of two floats, which has
-// 48 bits of precision.
+// A sample is read as its bits. From these comes a *key*, which sorts as the numbers do: all that is decided
+// by comparing samples is decided exactly, for every type. Only the *difference* of two samples becomes a
+// float, and it is exact but for one rounding: a shader has no 64-bit floats, a compiler may reorder sums of
+// 32-bit ones, and a device may take subnormal ones for 0.
 //
 // Whoever includes this declares `samples` and `volume`.
 
@@ -14,19 +15,12 @@ struct VolumeParams {
     // Voxels along x, y, z.
     dims: vec3<u32>,
     sample_type: u32,
-    // Floating-point samples are multiplied by this, which brings those that matter near 1.
-    number_scale: f32,
-    // Iso-ranges, opacity points and colour points in `transfer`, in this order.
+    // Iso-ranges, segments of opacity and segments of colour in `transfer`, in this order.
     n_ranges: u32,
     n_opacities: u32,
     n_colors: u32,
-    // Whether values fall where samples rise.
-    is_falling: u32,
     // What a sheet sums, see COMPOSITING_*.
     compositing: u32,
-    // Exponent that is taken from 64-bit samples.
-    exponent: i32,
-    padding: u32,
 }
 
 const SAMPLE_U8: u32 = 0u;
@@ -37,9 +31,6 @@ const SAMPLE_U32: u32 = 4u;
 const SAMPLE_I32: u32 = 5u;
 const SAMPLE_F32: u32 = 6u;
 const SAMPLE_F64: u32 = 7u;
-
-// Further from 0 than any finite number, after scaling.
-const BEYOND_ALL: f32 = 3e38;
 
 // The bits of a sample: the high word and, for 64 bits, the low one.
 fn sample_bits(sample_idx: u32) -> vec2<u32> {
@@ -98,60 +89,109 @@ fn is_nan(bits: vec2<u32>) -> bool {
     return has_largest_exponent(bits) && ((bits.x & mantissa) | low) != 0u;
 }
 
-// The sample as the sum of two floats, scaled; an infinite one lies beyond all finite ones.
-fn number_of(bits: vec2<u32>) -> vec2<f32> {
-    if has_largest_exponent(bits) {
-        return vec2(select(BEYOND_ALL, -BEYOND_ALL, (bits.x >> 31u) == 1u), 0.0);
+// The bits of the sample that has a key.
+fn bits_of_key(key: vec2<u32>) -> vec2<u32> {
+    if is_float() {
+        let is_negative = (key.x >> 31u) == 0u;
+        return select(vec2(key.x & 0x7fffffffu, key.y), ~key, is_negative);
     }
-    switch volume.sample_type {
-        case SAMPLE_U32: {
-            return vec2(f32(bits.x & 0xffffff00u), f32(bits.x & 0xffu));
-        }
-        case SAMPLE_F32: {
-            let number = bitcast<f32>(bits.x) * volume.number_scale;
-            return vec2(clamp(number, -BEYOND_ALL, BEYOND_ALL), 0.0);
-        }
-        case SAMPLE_F64: {
-            return number_of_f64(bits);
-        }
-        case SAMPLE_U8, SAMPLE_U16: {
-            return vec2(f32(bits.x), 0.0);
-        }
-        default: {
-            let number = bitcast<i32>(bits.x);
-            return vec2(f32(number & ~0xff), f32(number & 0xff));
-        }
-    }
+    return vec2(select(key.x, key.x ^ 0x80000000u, is_signed_integer()), 0u);
 }
 
-// 52 bits of mantissa, of which the first float takes 23 and the second 29.
-fn number_of_f64(bits: vec2<u32>) -> vec2<f32> {
-    let field = i32((bits.x >> 20u) & 0x7ffu);
-    if field == 0 {
-        return number_of_denormal(bits);
-    }
-    let exponent = field - 1023 - volume.exponent;
-    if exponent < -120 {
-        return vec2(0.0);
-    }
-    let sign = bits.x & 0x80000000u;
-    if 126 < exponent {
-        return vec2(select(BEYOND_ALL, -BEYOND_ALL, sign != 0u), 0.0);
-    }
-    let mantissa = ((bits.x & 0xfffffu) << 3u) | (bits.y >> 29u);
-    let power = u32(exponent + 127) << 23u;
-    let high = bitcast<f32>(sign | power | mantissa);
-    let unit = bitcast<f32>(sign | power);
-    let low = f32(bits.y & 0x1fffffffu) * unit * 2.220446e-16;
-    return vec2(high, low);
+// The number `fraction · 2^exponent`; a fraction is 0, or its size is within 1 to 2, except that integers
+// keep theirs and have an exponent of 0.
+struct Scaled {
+    fraction: f32,
+    exponent: i32,
 }
 
-// Below 2^-1022, which is not 0 beside numbers of that size only.
-fn number_of_denormal(bits: vec2<u32>) -> vec2<f32> {
-    if -1022 < volume.exponent {
-        return vec2(0.0);
+// How far `after` lies above `before`; neither is NaN, and of infinite ones the result means nothing, but is
+// finite.
+fn difference(before: vec2<u32>, after: vec2<u32>) -> Scaled {
+    if is_float() {
+        return difference_of_floats(before, after);
     }
-    let sign = select(1.0, -1.0, (bits.x >> 31u) == 1u);
-    let high = f32(bits.x & 0xfffffu) * 9.536743e-7;
-    return sign * vec2(high, f32(bits.y) * 2.220446e-16);
+    // Keys of integers are as far apart as these.
+    let low = key_of(before).x;
+    let high = key_of(after).x;
+    return Scaled(select(-f32(low - high), f32(high - low), low <= high), 0);
+}
+
+// A number without its exponent, unless that is so different that nothing is left.
+fn scaled_by(number: Scaled, exponent: i32) -> f32 {
+    let power = clamp(number.exponent - exponent, -126, 126);
+    return number.fraction * bitcast<f32>(u32(power + 127) << 23u);
+}
+
+// Below the exponent of every number that is not 0.
+const EXPONENT_OF_ZERO: i32 = -10000;
+
+// Both mantissas are brought to one exponent in integers of 64 bits, of which 9 are left over below a
+// mantissa of 53 bits: what is shifted out is lost only where the difference is larger by far.
+fn difference_of_floats(before: vec2<u32>, after: vec2<u32>) -> Scaled {
+    let exponents = vec2(exponent_of(before), exponent_of(after));
+    let exponent = max(exponents.x, exponents.y);
+    let down = vec2<u32>(vec2(exponent) - exponents);
+    let minuend = with_sign(shifted_down(mantissa_of(after), down.y), is_negative(after));
+    let subtrahend = with_sign(shifted_down(mantissa_of(before), down.x), !is_negative(before));
+    let sum = add_words(minuend, subtrahend);
+    let size = with_sign(sum, is_negative(sum));
+    if all(size == vec2(0u)) {
+        return Scaled(0.0, EXPONENT_OF_ZERO);
+    }
+    let zeros = select(32u + countLeadingZeros(size.y), countLeadingZeros(size.x), size.x != 0u);
+    let fraction = f32(shifted_up(size, zeros).x) * 4.656612873077393e-10;
+    return Scaled(select(fraction, -fraction, is_negative(sum)), exponent + 2 - i32(zeros));
+}
+
+fn is_negative(words: vec2<u32>) -> bool {
+    return (words.x >> 31u) == 1u;
+}
+
+// Of floats: a number is ±mantissa · 2^(exponent − 61).
+fn exponent_of(bits: vec2<u32>) -> i32 {
+    if volume.sample_type == SAMPLE_F64 {
+        return max(i32((bits.x >> 20u) & 0x7ffu), 1) - 1023;
+    }
+    return max(i32((bits.x >> 23u) & 0xffu), 1) - 127;
+}
+
+fn mantissa_of(bits: vec2<u32>) -> vec2<u32> {
+    if volume.sample_type == SAMPLE_F64 {
+        let leading = select(0u, 0x100000u, (bits.x & 0x7ff00000u) != 0u);
+        return vec2(((leading | (bits.x & 0xfffffu)) << 9u) | (bits.y >> 23u), bits.y << 9u);
+    }
+    let leading = select(0u, 0x800000u, (bits.x & 0x7f800000u) != 0u);
+    return vec2((leading | (bits.x & 0x7fffffu)) << 6u, 0u);
+}
+
+// Integers of 64 bits, the high word first.
+
+fn add_words(a: vec2<u32>, b: vec2<u32>) -> vec2<u32> {
+    let low = a.y + b.y;
+    return vec2(a.x + b.x + select(0u, 1u, low < a.y), low);
+}
+
+fn with_sign(words: vec2<u32>, is_turned: bool) -> vec2<u32> {
+    return select(words, vec2(~words.x + select(0u, 1u, words.y == 0u), ~words.y + 1u), is_turned);
+}
+
+fn shifted_down(words: vec2<u32>, n_bits: u32) -> vec2<u32> {
+    if n_bits == 0u {
+        return words;
+    }
+    if n_bits < 32u {
+        return vec2(words.x >> n_bits, (words.x << (32u - n_bits)) | (words.y >> n_bits));
+    }
+    return vec2(0u, select(0u, words.x >> (n_bits & 31u), n_bits < 64u));
+}
+
+fn shifted_up(words: vec2<u32>, n_bits: u32) -> vec2<u32> {
+    if n_bits == 0u {
+        return words;
+    }
+    if n_bits < 32u {
+        return vec2((words.x << n_bits) | (words.y >> (32u - n_bits)), words.y << n_bits);
+    }
+    return vec2(words.y << (n_bits & 31u), 0u);
 }

@@ -1,65 +1,51 @@
-// Opacity and colour as functions of the sample, linear between points (SPEC §6).
+// Opacity and colour as functions of the sample (SPEC §6), in segments that follow each other without a gap.
 //
-// A point is an element of `transfer`: its position as the bits of two floats, then opacity and 1 −
-// opacity; for colours the position is followed by two unused words, and a second element holds red,
-// green, blue. Positions are in the samples' numbers, rising; where values fall with samples the host has
-// turned the points around.
+// A segment covers a run of keys and begins at the sample of its first one. The host has found the keys and
+// what the function is there, in 64 bits: a sample is on the same side of every point as on the host. What a
+// shader adds is the difference between the sample and that first one, times a slope.
+//
+// A segment of opacity takes two elements of `transfer`: first key (high word, low word), exponent of
+// differences; then opacity, 1 − opacity, and slope. A segment of colour takes three: the same first one,
+// then colour, then slope.
 
-fn point_position(element: u32) -> vec2<f32> {
-    return bitcast<vec2<f32>>(transfer[element].xy);
-}
+const ELEMENTS_OF_OPACITY: u32 = 2u;
+const ELEMENTS_OF_COLOR: u32 = 3u;
 
-// How far `number` lies behind a point. Two numbers that are close differ without rounding.
-fn distance_behind(number: vec2<f32>, position: vec2<f32>) -> f32 {
-    return (number.x - position.x) + (number.y - position.y);
-}
-
-// Of two points at one position the later one in *values* counts there.
-fn is_passed(number: vec2<f32>, position: vec2<f32>) -> bool {
-    let behind = distance_behind(number, position);
-    return 0.0 < behind || (behind == 0.0 && volume.is_falling == 0u);
-}
-
-// The point at or before a number, and how far it is to the next: a place among `n` points that start at
-// element `first` and take `stride` elements each.
-struct Place {
-    before: u32,
-    after: u32,
-    t: f32,
-}
-
-fn place_of(number: vec2<f32>, first: u32, n: u32, stride: u32) -> Place {
-    var lo = 0u;
+// The first element of the last segment that does not begin behind a key: one of `n` segments, `stride`
+// elements each, from element `first` on. The first segment begins at the least key of all.
+fn segment_of(key: vec2<u32>, first: u32, n: u32, stride: u32) -> u32 {
+    var lo = 1u;
     var hi = n;
     while lo < hi {
         let middle = (lo + hi) / 2u;
-        if is_passed(number, point_position(first + middle * stride)) {
+        if is_not_after(transfer[first + middle * stride].xy, key) {
             lo = middle + 1u;
         } else {
             hi = middle;
         }
     }
-    let before = first + (max(lo, 1u) - 1u) * stride;
-    let after = first + min(lo, n - 1u) * stride;
-    var t = 0.0;
-    if before != after {
-        let start = point_position(before);
-        t = distance_behind(number, start) / distance_behind(point_position(after), start);
-    }
-    return Place(before, after, t);
+    return first + (lo - 1u) * stride;
+}
+
+// How far a sample lies behind the first one of a segment, over the power of two that the segment names.
+fn distance_into(segment: u32, bits: vec2<u32>) -> f32 {
+    let start = transfer[segment];
+    return scaled_by(difference(bits_of_key(start.xy), bits), bitcast<i32>(start.z));
 }
 
 // Opacity, and 1 − opacity, which has digits where opacity has none left.
-fn opacity_at(number: vec2<f32>) -> vec2<f32> {
-    let place = place_of(number, volume.n_ranges, volume.n_opacities, 1u);
-    let before = bitcast<vec2<f32>>(transfer[place.before].zw);
-    let after = bitcast<vec2<f32>>(transfer[place.after].zw);
-    return before + (after - before) * place.t;
+fn opacity_at(bits: vec2<u32>) -> vec2<f32> {
+    let first = volume.n_ranges;
+    let segment = segment_of(key_of(bits), first, volume.n_opacities, ELEMENTS_OF_OPACITY);
+    let at_start = bitcast<vec3<f32>>(transfer[segment + 1u].xyz);
+    let change = at_start.z * distance_into(segment, bits);
+    return clamp(at_start.xy + vec2(change, -change), vec2(0.0), vec2(1.0));
 }
 
-fn color_at(number: vec2<f32>) -> vec3<f32> {
-    let place = place_of(number, volume.n_ranges + volume.n_opacities, volume.n_colors, 2u);
-    let before = bitcast<vec3<f32>>(transfer[place.before + 1u].xyz);
-    let after = bitcast<vec3<f32>>(transfer[place.after + 1u].xyz);
-    return before + (after - before) * place.t;
+fn color_at(bits: vec2<u32>) -> vec3<f32> {
+    let first = volume.n_ranges + ELEMENTS_OF_OPACITY * volume.n_opacities;
+    let segment = segment_of(key_of(bits), first, volume.n_colors, ELEMENTS_OF_COLOR);
+    let at_start = bitcast<vec3<f32>>(transfer[segment + 1u].xyz);
+    let slope = bitcast<vec3<f32>>(transfer[segment + 2u].xyz);
+    return clamp(at_start + slope * distance_into(segment, bits), vec3(0.0), vec3(1.0));
 }

@@ -86,7 +86,7 @@ impl Job {
             Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
         };
         let sorts_by_depth = matches!(plan.splats, Splats::Voxels { .. });
-        let classification = Classification::new(plan, known.numbers);
+        let classification = Classification::new(plan, &known.numbers);
         let n_relevant = known.key_counts.at_most(&classification.key_ranges).max(1);
         let granule = (n_relevant / 8).next_power_of_two();
         let max_voxels = n_relevant.next_multiple_of(granule).min(most_voxels.max(n_relevant));

@@ -39,6 +39,7 @@ mod number;
 mod params;
 mod samples;
 mod section_table;
+mod segments;
 
 mod chunks;
 mod memory;

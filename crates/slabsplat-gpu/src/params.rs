@@ -70,14 +70,10 @@ pub(crate) struct VolumeParams {
     pub(crate) gradient_z: [f32; 4],
     pub(crate) dims: [u32; 3],
     pub(crate) sample_type: u32,
-    pub(crate) number_scale: f32,
     pub(crate) n_ranges: u32,
     pub(crate) n_opacities: u32,
     pub(crate) n_colors: u32,
-    pub(crate) is_falling: u32,
     pub(crate) compositing: u32,
-    pub(crate) exponent: i32,
-    pub(crate) padding: u32,
 }
 
 /// `shaders/depth_key.wgsl`.
@@ -218,14 +214,10 @@ mod tests {
             gradient_z,
             dims,
             sample_type,
-            number_scale,
             n_ranges,
             n_opacities,
             n_colors,
-            is_falling,
             compositing,
-            exponent,
-            padding,
         });
         check!(DepthParams { low, high, dims, fraction_bits, bias, padding });
         check!(Step {
