@@ -106,7 +106,7 @@ fn tiles_within(least: vec2<f32>, largest: vec2<f32>) -> vec2<u32> {
     }
     let first_tile = first / TILE_SIDE;
     let last_tile = (behind - 1u) / TILE_SIDE;
-    return vec2(first_tile.y << 16u | first_tile.x, last_tile.y << 16u | last_tile.x);
+    return vec2((first_tile.y << 16u) | first_tile.x, (last_tile.y << 16u) | last_tile.x);
 }
 
 // The voxel's colour and weight in the form that the compositing sums.

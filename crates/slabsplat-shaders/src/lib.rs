@@ -94,6 +94,38 @@ mod tests {
         }
     }
 
+    /// What stands between two operators of one expression.
+    fn is_operand(text: &str) -> bool {
+        !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || "_. ".contains(c))
+    }
+
+    /// Whether a shift and a bitwise operator share an operand: naga takes it, WGSL does not.
+    fn mixes_shifts(line: &str) -> bool {
+        let code = line.split("//").next().unwrap_or_default();
+        let code = code.replace("<<", "≪").replace(">>", "≪");
+        let operators: Vec<usize> =
+            code.match_indices(['≪', '|', '&', '^']).map(|(at, _)| at).collect();
+        operators.windows(2).any(|pair| {
+            let [first, second] = [pair[0], pair[1]].map(|at| code[at..].chars().next());
+            let after_first = pair[0] + first.map_or(0, char::len_utf8);
+            (first == Some('≪')) != (second == Some('≪')) && is_operand(&code[after_first..pair[1]])
+        })
+    }
+
+    #[test]
+    fn shifts_are_in_parentheses() {
+        for mixed in ["return a.y << 16u | b.x;", "a | b >> 2u", "x & y.z << n"] {
+            assert!(mixes_shifts(mixed), "{mixed}");
+        }
+        for plain in ["(a << 16u) | b", "a | (b >> 2u)", "a << 2u // | b", "f(a << 2u, b | c)"] {
+            assert!(!mixes_shifts(plain), "{plain}");
+        }
+        for shader in ALL {
+            let mixed = shader.wgsl.lines().find(|line| mixes_shifts(line));
+            assert_eq!(mixed, None, "{}: no browser takes this", shader.name);
+        }
+    }
+
     /// A struct that two shaders share must be one struct.
     #[test]
     fn structs_have_one_layout() {
