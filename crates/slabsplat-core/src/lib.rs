@@ -15,7 +15,7 @@
 //!
 //! # Reading order
 //!
-//! `grid`, `sample`, `volume`; `camera`, `transfer`, `shading`, `settings`, `scene`; `view`,
+//! `grid`, `sample`, `volume`; `camera`, `transfer`, `extinction`, `shading`, `settings`, `scene`; `view`,
 //! `slabs`, `slices`; `image`.
 //!
 //! ```
@@ -33,6 +33,7 @@ mod sample;
 mod volume;
 
 mod camera;
+mod extinction;
 mod scene;
 mod settings;
 mod shading;
@@ -45,6 +46,7 @@ mod view;
 mod image;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
+pub use extinction::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
 pub use sample::{Sample, SampleType, Samples};
@@ -52,11 +54,11 @@ pub use scene::Scene;
 pub use settings::{
     Compositing, KernelName, Lookup, Method, Normalization, RenderSettings, SettingsError,
 };
-pub use shading::{Light, Phong, Shading, ShadingError};
+pub use shading::{Light, LightDirection, Phong, Shading, ShadingError};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
-pub use view::{View, ViewFromIndex};
+pub use view::{View, ViewError, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
 
 pub use glam;

@@ -1,6 +1,7 @@
 //! What was fitted to the last plan's tables, kept for the next one.
 
 use slabsplat_backend::FewerSections;
+use slabsplat_core::Compositing;
 use slabsplat_kernel::{FootprintTable, Powers, RadialPolynomials, SectionProducts, SectionTable};
 use std::sync::Arc;
 
@@ -54,6 +55,12 @@ const SHARE_OF_TOLERANCE: f64 = 0.01;
 /// what a pixel may be (SPEC §9).
 const ERROR_OF_FEW: f64 = 1.5e-4;
 
+/// What a pixel may be off for one voxel's section by many powers, where nothing else may be: half of what it
+/// may be for all voxels (SPEC §9). Sections of a Gaussian stay below a third of that, those of
+/// `crawfis-max`, which is in two pieces, just below it; normalised ones, products or a root of others, may
+/// be beyond.
+const MOST_ERROR: f64 = 5e-4;
+
 /// A kernel whose sections miss products by more is none; a Gaussian that ends at R = 2 misses by 1.5·10⁻³.
 const MOST_ERROR_OF_PRODUCTS: f64 = 5e-3;
 
@@ -103,6 +110,17 @@ impl Fits {
             Some(many) if !by_few => many,
             _ => &self.few,
         }
+    }
+
+    /// Whether they are good enough where pixels shall be exact; if not, sections are read from the table.
+    pub(crate) fn are_exact(&self, compositing: Compositing) -> bool {
+        let polynomials = self.of(false);
+        let error = match compositing {
+            Compositing::Extinction => polynomials.pixel_error(),
+            // A voxel counts for no more than its opacity.
+            Compositing::Separate | Compositing::Associated => polynomials.error(),
+        };
+        error < MOST_ERROR
     }
 
     /// The most extinction of a voxel of that many sections for which few powers are always enough.

@@ -66,11 +66,18 @@ pub(crate) fn splat<S: Simd>(
 #[derive(Clone, Copy)]
 pub(crate) struct AnyPolynomial<'a> {
     pub(crate) coefficients: &'a [f32; MAX_COEFFICIENTS],
+    /// `x` at the edge of the section's disc.
     pub(crate) edge: f32,
-    pub(crate) leans: bool,
+    /// Units of chords from the voxel to the slab's faces.
+    pub(crate) faces: [f32; 2],
 }
 
-impl AnyPolynomial<'_> {
+impl<'a> AnyPolynomial<'a> {
+    /// That of a whole footprint.
+    pub(crate) fn whole(coefficients: &'a [f32; MAX_COEFFICIENTS]) -> Self {
+        Self { coefficients, edge: 1.0, faces: [f32::NEG_INFINITY, f32::INFINITY] }
+    }
+
     /// Adds a footprint to a sheet, weighted by as short a polynomial as does.
     ///
     /// Inlined where registers are wide and calls would cost the most; a footprint that leans is rare. All loops of
@@ -82,9 +89,10 @@ impl AnyPolynomial<'_> {
         sheet: &mut Sheet,
         shape: &PixelShape,
         footprint: &Footprint,
+        leans: bool,
     ) {
-        if const { S::f32s::LEN < 8 } || self.leans {
-            self.splat_apart(simd, sheet, shape, footprint);
+        if const { S::f32s::LEN < 8 } || leans {
+            self.splat_apart(simd, sheet, shape, footprint, leans);
         } else {
             splat_by_length::<S, false>(simd, sheet, shape, footprint, self);
         }
@@ -98,10 +106,11 @@ impl AnyPolynomial<'_> {
         sheet: &mut Sheet,
         shape: &PixelShape,
         footprint: &Footprint,
+        leans: bool,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || match self.leans {
+            || match leans {
                 false => splat_by_length::<S, false>(simd, sheet, shape, footprint, self),
                 true => splat_by_length::<S, true>(simd, sheet, shape, footprint, self),
             },
@@ -115,20 +124,17 @@ fn splat_by_length<S: Simd, const LEANS: bool>(
     sheet: &mut Sheet,
     shape: &PixelShape,
     footprint: &Footprint,
-    AnyPolynomial { coefficients, edge, .. }: AnyPolynomial<'_>,
+    AnyPolynomial { coefficients, edge, faces }: AnyPolynomial<'_>,
 ) {
     // Mostly easy to guess: neighbours are about as opaque.
-    let [.., tenth, root] = *coefficients;
+    let is_short = coefficients[8..] == [0.0; 4];
     macro_rules! splat_as {
-        ($n:literal) => {
-            splat(simd, sheet, shape, footprint, &Polynomial::<$n, LEANS> { coefficients, edge })
-        };
+        ($n:literal) => {{
+            let weigh = Polynomial::<$n, LEANS> { coefficients, edge, faces };
+            splat(simd, sheet, shape, footprint, &weigh);
+        }};
     }
-    match (tenth == 0.0, root == 0.0) {
-        (true, true) => splat_as!(8),
-        (false, true) => splat_as!(11),
-        _ => splat_as!(12),
-    }
+    if is_short { splat_as!(8) } else { splat_as!(12) }
 }
 
 /// Adds the columns of some quads: as many as a vector has pixels, or fewer.

@@ -33,13 +33,15 @@ pub(crate) trait Weigh<S: Simd> {
     fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V;
 }
 
-/// A polynomial in `x = 2·(ρ/R)² − 1`, of `N` coefficients (8, 11, or 12, of which the last is that of `√(1 − x)`); `LEANS` if the axes of its ellipse are not those of the
-/// image.
+/// A polynomial in `x = 2·(ρ/R)² − 1`, of `N` coefficients (8, or 12, of which the last is that of the
+/// chord); `LEANS` if the axes of its ellipse are not those of the image.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Polynomial<'a, const N: usize, const LEANS: bool> {
     pub(crate) coefficients: &'a [f32; MAX_COEFFICIENTS],
     /// `x` at the edge of the section's disc.
     pub(crate) edge: f32,
+    /// Units of chords from the voxel to the slab's faces.
+    pub(crate) faces: [f32; 2],
 }
 
 impl<S: Simd, const N: usize, const LEANS: bool> Weigh<S> for Polynomial<'_, N, LEANS> {
@@ -79,11 +81,11 @@ impl<const N: usize, const LEANS: bool> Polynomial<'_, N, LEANS> {
         }
         let last = V::splat(simd, c10).mul_add(x2, pair(simd, [c8, c9], x));
         let polynomial = last.mul_add(x4, high).mul_add(x4, low);
-        if N == 11 {
-            return polynomial;
-        }
-        let root = (V::splat(simd, 1.0) - x).max(V::splat(simd, 0.0)).sqrt();
-        root.mul_add(V::splat(simd, c11), polynomial)
+        // Where the ray leaves the ball; inside of the section's disc it meets the slab before.
+        let end = (V::splat(simd, 1.0) - x).max(V::splat(simd, 0.0)).sqrt();
+        let [front, back] = self.faces.map(|face| V::splat(simd, face));
+        let chord = end.min(back) - (-end).max(front);
+        chord.mul_add(V::splat(simd, c11), polynomial)
     }
 }
 
@@ -99,18 +101,20 @@ fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) 
     pair(simd, [c2, c3], x).mul_add(x2, pair(simd, [c0, c1], x))
 }
 
-/// Sections whose slab faces cut a footprint's rays at different offsets: every pixel reads rows of its own from
-/// the table.
+/// Sections that are read from the table, for every pixel by itself: slab faces may cut a footprint's rays at
+/// different offsets, or polynomials may not be good enough.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Tilted<'a> {
+pub(crate) struct ByTable<'a> {
     pub(crate) table: &'a SectionTable,
     /// The kernel's radius in index units.
     pub(crate) radius: f32,
     /// Index units from the voxel to the slab's faces, on the ray through the footprint's centre.
     pub(crate) faces: [f32; 2],
+    /// `x` at the edge of the section's disc; 1 if that differs from pixel to pixel.
+    pub(crate) edge: f32,
 }
 
-impl<S: Simd> Weigh<S> for Tilted<'_> {
+impl<S: Simd> Weigh<S> for ByTable<'_> {
     /// Pixels right of the centre.
     #[inline(always)]
     fn columns<V: Lanes<S>>(&self, simd: S, _: &PixelShape, left: f32) -> V {
@@ -127,15 +131,15 @@ impl<S: Simd> Weigh<S> for Tilted<'_> {
     }
 }
 
-impl Tilted<'_> {
+impl ByTable<'_> {
     #[inline(always)]
     fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {
         let u = dx + shape.lean * dy;
-        let inside = 2.0 - (shape.across * u * u + shape.along * dy * dy);
-        if inside <= 0.0 {
+        let x = shape.across * u * u + shape.along * dy * dy - 1.0;
+        if self.edge <= x {
             return 0.0;
         }
-        let half_chord = self.radius * (0.5 * inside).sqrt();
+        let half_chord = self.radius * (0.5 * (1.0 - x)).sqrt();
         let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
         let [front, back] = self.faces.map(|face| face + later);
         self.table.sample_at(half_chord * self.table.samples_per_index(), front, back)

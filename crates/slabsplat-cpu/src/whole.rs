@@ -96,9 +96,8 @@ impl Whole<'_> {
         sheet.touched.add(blocks);
         let color = voxel.color.map(|channel| channel * shape.gain);
         let footprint = Footprint { center, pixels, color };
-        let polynomial =
-            AnyPolynomial { coefficients: self.polynomials.row(0), edge: 1.0, leans: raster.leans };
-        polynomial.splat_apart(simd, sheet, &shape, &footprint);
+        let polynomial = AnyPolynomial::whole(self.polynomials.row(0));
+        polynomial.splat_apart(simd, sheet, &shape, &footprint, raster.leans);
         Some(pixels)
     }
 }

@@ -58,7 +58,7 @@ pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;
 pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
-pub use radial_polynomials::{MAX_COEFFICIENTS, Powers, RadialPolynomials};
+pub use radial_polynomials::{MAX_COEFFICIENTS, Powers, RadialPolynomials, chord_units_per_index};
 pub use section::SectionDesc;
 pub use section_levels::{LevelView, SectionLevels, SlabCuts};
 pub use section_products::SectionProducts;

@@ -5,15 +5,18 @@
 //! at once, a handful of multiply-adds do 4, 8 or 16 pixels at a time, and a row blended from two neighbouring rows is
 //! the polynomial with the blended coefficients.
 //!
-//! A truncated kernel ends like a square root, which no polynomial follows closely. Where the last digits count, the last
-//! coefficient is that of a root instead of a power: some ten thousandths of a weight, and yet the most that is wrong
-//! with an opaque voxel's edge.
+//! A truncated kernel ends with a step: what is left of it at `R` counts as far as the ray is inside the ball
+//! and the slab, and that length, the *chord*, has kinks where a slab's face meets the ball, and ends like a
+//! square root. No polynomial follows that closely. Where the last digits count, the last coefficient is that
+//! of the chord instead of a power: some ten thousandths of a weight, and yet the most that would be wrong
+//! with an opaque voxel's edge, where nothing hides it.
 //!
 //! A row is fitted by least squares with more weight towards the ends of its disc, `(1 − y²)^(−3/4)` for `y` from −1 at
 //! its centre to 1 at its edge. With equal weights the errors there would be twice as large, and are what shows: at
 //! the edge of an opaque voxel, or all over a row of them.
 
 use crate::{FootprintTable, SectionTable, lerp_radial};
+use slabsplat_core::extinction;
 
 /// Most coefficients of a polynomial.
 pub const MAX_COEFFICIENTS: usize = 12;
@@ -23,55 +26,73 @@ pub const MAX_COEFFICIENTS: usize = 12;
 pub enum Powers {
     /// Powers up to the seventh.
     Few,
-    /// Powers up to the tenth, and a root.
+    /// Powers up to the tenth, and the chord.
     Many,
 }
 
 /// Places in a disc at which a row is fitted.
 const N_NODES: usize = 256;
 
-/// A row that ends before this part of `R²` has no root in it.
-const NEARLY_ALL: f64 = 0.95;
+/// A chord with less of its own, squared and summed over the nodes, is none: the slab just touches the ball.
+const NO_CHORD: f64 = 1e-9;
 
-/// Rows of weights, each a polynomial in `x = 2·(ρ/R)² − 1`; the last coefficient is that of `√(1 − x)`.
+/// Rows of weights, each a polynomial in `x = 2·(ρ/R)² − 1`; the last coefficient is that of the chord, see
+/// [`weight`](Self::weight).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialPolynomials {
     /// From the constant on; 0 from the eighth on if powers are few.
     rows: Vec<[f32; MAX_COEFFICIENTS]>,
-    error: f64,
+    errors: Errors,
+}
+
+/// How far fits are off, at most, where they were made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Errors {
+    /// A weight.
+    of_weight: f64,
+    /// A pixel before which there is one voxel, of the extinction that shows it most.
+    of_pixel: f64,
 }
 
 impl RadialPolynomials {
     /// Fits the rows of a table of sections; row `n` is the table's.
     pub fn of_sections(table: &SectionTable, powers: Powers) -> Self {
-        Self::of_rows(&table.all_rows(), powers)
+        let units = chord_units_per_index(table.rows().radius.into());
+        let faces = |row_idx| table.faces_of_row(row_idx).map(|face| face * units);
+        Self::of_rows(&table.all_rows(), faces, powers)
     }
 
     /// Fits a footprint: one row.
     pub fn of_footprint(table: &FootprintTable, powers: Powers) -> Self {
-        Self::of_rows(&[table.row()], powers)
+        Self::of_rows(&[table.row()], |_| WHOLE, powers)
     }
 
     /// Fits one row over the whole disc by few powers.
     pub(crate) fn short(row: &[f32]) -> [f32; MAX_COEFFICIENTS] {
-        Basis::new().fit(row, 1.0, Powers::Few).0
+        Basis::new().fit(row, 1.0, WHOLE, Powers::Few).0
     }
 
-    fn of_rows(rows: &[&[f32]], powers: Powers) -> Self {
+    fn of_rows(rows: &[&[f32]], faces: impl Fn(usize) -> [f64; 2], powers: Powers) -> Self {
         let discs: Vec<f64> = rows.iter().map(|row| disc_of(row)).collect();
         let basis = Basis::new();
-        let mut error = 0.0_f64;
+        let mut errors = Errors::default();
         let fit = |idx: usize| {
-            let (row, error_of_row) = basis.fit(rows[idx], domain(&discs, idx), powers);
-            error = error.max(error_of_row);
+            let (row, of_row) = basis.fit(rows[idx], domain(&discs, idx), faces(idx), powers);
+            errors = errors.max(of_row);
             row
         };
-        Self { rows: (0..rows.len()).map(fit).collect(), error }
+        Self { rows: (0..rows.len()).map(fit).collect(), errors }
     }
 
     /// By how much any row is off at most, at any place where it was fitted.
     pub fn error(&self) -> f64 {
-        self.error
+        self.errors.of_weight
+    }
+
+    /// By how much that changes the opacity of a pixel, at most, if one voxel is before it, whatever its
+    /// extinction: an opaque voxel hides its own error where its weight is large.
+    pub fn pixel_error(&self) -> f64 {
+        self.errors.of_pixel
     }
 
     /// The coefficients of one row, from the constant on.
@@ -92,11 +113,27 @@ impl RadialPolynomials {
         [&self.rows[row_idx], &self.rows[(row_idx + 1).min(self.rows.len() - 1)]]
     }
 
-    /// The weight that a row has at `x`.
-    pub fn weight(&self, row_idx: usize, x: f32) -> f32 {
-        let (powers, root) = self.rows[row_idx].split_at(MAX_COEFFICIENTS - 1);
-        polynomial(powers, x) + root[0] * (1.0 - x).max(0.0).sqrt()
+    /// The weight that a row has at `x`: its polynomial, and its last coefficient times the chord. The slab's
+    /// faces are that many units of chords behind the voxel, [`chord_units_per_index`].
+    pub fn weight(&self, row_idx: usize, x: f32, faces: [f32; 2]) -> f32 {
+        let (powers, per_chord) = self.rows[row_idx].split_at(MAX_COEFFICIENTS - 1);
+        polynomial(powers, x) + per_chord[0] * chord(x.into(), faces.map(f64::from)) as f32
     }
+}
+
+/// The faces of a slab that cuts nothing.
+const WHOLE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+
+/// Units of chords in an index unit: in these the ray at `x` leaves the ball `√(1 − x)` behind its nearest
+/// point.
+pub fn chord_units_per_index(radius: f64) -> f64 {
+    std::f64::consts::SQRT_2 / radius
+}
+
+/// For how long the ray at `x` is inside both the ball and the slab.
+fn chord(x: f64, [front, back]: [f64; 2]) -> f64 {
+    let end = (1.0 - x).max(0.0).sqrt();
+    (end.min(back) - (-end).max(front)).max(0.0)
 }
 
 /// `c₀ + c₁·x + …`.
@@ -117,6 +154,22 @@ fn disc_of(row: &[f32]) -> f64 {
 fn domain(discs: &[f64], idx: usize) -> f64 {
     let near = &discs[idx.saturating_sub(1)..(idx + 2).min(discs.len())];
     near.iter().fold(0.5, |domain: f64, disc| domain.max(*disc))
+}
+
+impl Errors {
+    /// Those of a weight that is off.
+    fn of(off: f64, weight: f64) -> Self {
+        // e^(−μw) − e^(−μ(w + off)) is at most off·μ·e^(−μw), which is largest at μ = 1/w.
+        let most = 1.0 / (std::f64::consts::E * weight.max(0.0));
+        Self { of_weight: off.abs(), of_pixel: off.abs() * most.min(extinction(1.0)) }
+    }
+
+    fn max(self, other: Self) -> Self {
+        Self {
+            of_weight: self.of_weight.max(other.of_weight),
+            of_pixel: self.of_pixel.max(other.of_pixel),
+        }
+    }
 }
 
 /// A place at which rows are fitted.
@@ -171,34 +224,57 @@ impl Basis {
         basis
     }
 
-    /// The polynomial in `x` that fits a row over `domain`, and its largest error there.
-    fn fit(&self, row: &[f32], domain: f64, powers: Powers) -> ([f32; MAX_COEFFICIENTS], f64) {
+    /// The polynomial in `x` that fits a row over `domain`, and its errors there.
+    fn fit(
+        &self,
+        row: &[f32],
+        domain: f64,
+        faces: [f64; 2],
+        powers: Powers,
+    ) -> ([f32; MAX_COEFFICIENTS], Errors) {
         let n_samples = (row.len() - 2) as f64;
         let exact: Vec<f64> = self.at_nodes(|y| {
             let half_chord = (1.0 - 0.5 * (y + 1.0) * domain).max(0.0).sqrt();
             f64::from(lerp_radial(row, (half_chord * n_samples) as f32))
         });
-        // Far from its end the root is a polynomial, too.
-        let has_root = powers == Powers::Many && NEARLY_ALL < domain;
-        let n_powers = if powers == Powers::Many { MAX_COEFFICIENTS - 1 } else { 8 };
-        let root = self.at_nodes(|y| (2.0 - (y + 1.0) * domain).max(0.0).sqrt());
+        let (n_powers, has_chord) = match powers {
+            Powers::Few => (8, false),
+            Powers::Many => (MAX_COEFFICIENTS - 1, true),
+        };
         let mut parts = self.parts_of(&exact, n_powers);
-        let mut root_part = 0.0;
-        if has_root {
-            // What no polynomial has of the root, and how much of that the row has.
-            let of_root = self.parts_of(&root, n_powers);
-            let polynomial = self.sums(&of_root);
-            let lone: Vec<f64> = root.iter().zip(&polynomial).map(|(r, p)| r - p).collect();
-            root_part = self.product(&exact, &lone) / self.product(&lone, &lone);
-            parts.iter_mut().zip(of_root).for_each(|(part, of_root)| *part -= root_part * of_root);
-        }
-        let fitted = self.sums(&parts).into_iter().zip(&root).map(|(p, r)| p + root_part * r);
-        let worst = fitted.zip(&exact).map(|(f, e)| (f - e).abs()).fold(0.0, f64::max);
+        let chord = if has_chord {
+            self.at_nodes(|y| chord((y + 1.0) * domain - 1.0, faces))
+        } else {
+            Vec::new()
+        };
+        let per_chord = self.take_out(&chord, &exact, &mut parts);
+        let mut fitted = self.sums(&parts);
+        fitted.iter_mut().zip(&chord).for_each(|(sum, chord)| *sum += per_chord * chord);
+        let errors =
+            fitted.iter().zip(&exact).map(|(fitted, exact)| Errors::of(fitted - exact, *exact));
+        let errors = errors.fold(Errors::default(), Errors::max);
         let mut coefficients = self.in_powers(&parts, domain);
-        if has_root {
-            coefficients[MAX_COEFFICIENTS - 1] = root_part;
+        if has_chord {
+            coefficients[MAX_COEFFICIENTS - 1] = per_chord;
         }
-        (coefficients.map(|coefficient| coefficient as f32), worst)
+        (coefficients.map(|coefficient| coefficient as f32), errors)
+    }
+
+    /// How much of what no polynomial has of `chord` is in `row`, whose `parts` then are those without it.
+    fn take_out(&self, chord: &[f64], row: &[f64], parts: &mut [f64; MAX_COEFFICIENTS]) -> f64 {
+        if chord.is_empty() {
+            return 0.0;
+        }
+        let of_chord = self.parts_of(chord, MAX_COEFFICIENTS - 1);
+        let sums = self.sums(&of_chord);
+        let lone: Vec<f64> = chord.iter().zip(&sums).map(|(chord, sum)| chord - sum).collect();
+        let norm = self.product(&lone, &lone);
+        if norm < NO_CHORD {
+            return 0.0;
+        }
+        let per_chord = self.product(row, &lone) / norm;
+        parts.iter_mut().zip(of_chord).for_each(|(part, of_chord)| *part -= per_chord * of_chord);
+        per_chord
     }
 
     fn at_nodes(&self, function: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -274,8 +350,11 @@ mod tests {
                 let rho = radius * part.sqrt();
                 let exact = desc.weight(rho, front);
                 let x = (2.0 * part - 1.0) as f32;
-                let fitted = 0.5
-                    * (polynomials.weight(step / 2, x) + polynomials.weight(step.div_ceil(2), x));
+                let faces =
+                    [front, front + width].map(|f| (f * chord_units_per_index(radius)) as f32);
+                let [a, b] =
+                    [step / 2, step.div_ceil(2)].map(|row| polynomials.weight(row, x, faces));
+                let fitted = 0.5 * (a + b);
                 let inside = rho * rho < radius * radius - near * near;
                 let error = if inside { (f64::from(fitted) - exact).abs() } else { 0.0 };
                 (worst, sum, n) = (worst.max(error), sum + error, n + 1.0);
@@ -306,6 +385,39 @@ mod tests {
     }
 
     #[test]
+    fn disc_ends_before_the_zeros() {
+        // Eleven samples from the edge to the middle, and the last once more.
+        let row = |n_zeros: usize| {
+            (0..12).map(|i| if i < n_zeros { 0.0 } else { 1.0 }).collect::<Vec<f32>>()
+        };
+        for (n_zeros, expected) in
+            [(0, 1.0), (1, 1.0), (4, 1.0 - 0.09), (10, 1.0 - 0.81), (12, 0.0)]
+        {
+            assert!((disc_of(&row(n_zeros)) - expected).abs() < 1e-12, "{n_zeros}");
+        }
+        assert_eq!(domain(&[0.2, 0.3, 0.8, 1.0], 0), 0.5, "at least a half");
+        assert_eq!(domain(&[0.2, 0.3, 0.8, 1.0], 1), 0.8, "and as far as a neighbour");
+    }
+
+    /// An opaque voxel has an extinction of 13.8. Where it ends, nothing hides what its weight is off:
+    /// without the chord that was up to 5e-4 of a pixel, for every voxel of an edge.
+    #[test]
+    fn polynomials_keep_edges_of_opaque_voxels() {
+        let table = TableDesc { sections: 128, radial_samples: 256, lookup: Lookup::Linear };
+        for (kappa, width) in
+            [0.5, 1.0, 2.0].iter().flat_map(|&kappa| [0.1, 0.3, 1.0, 2.0, 4.0].map(|w| (kappa, w)))
+        {
+            let kernel = kernel_named("gaussian").unwrap();
+            let (kernel, normalization) = (&*kernel, Normalization::None);
+            let desc = SectionDesc { kernel, width, kappa, normalization, base_width: 0.5 };
+            let fit =
+                RadialPolynomials::of_sections(&SectionTable::new(&desc, table), Powers::Many);
+            println!("κ = {kappa}, w = {width}: {:.1e}", fit.pixel_error());
+            assert!(fit.pixel_error() < 1.5e-4, "κ = {kappa}, w = {width}: {}", fit.pixel_error());
+        }
+    }
+
+    #[test]
     fn polynomials_know_their_errors() {
         for &name in KERNEL_NAMES {
             let table = FootprintTable::new(&*kernel_named(name).unwrap(), 1.0, 256);
@@ -319,7 +431,11 @@ mod tests {
                 let half_chord = (1.0 - part).sqrt() * n_samples;
                 let weight = f64::from(lerp_radial(table.row(), half_chord as f32));
                 for fit in [&few, &many] {
-                    let off = f64::from(fit.weight(0, (2.0 * part - 1.0) as f32)) - weight;
+                    let off = f64::from(fit.weight(
+                        0,
+                        (2.0 * part - 1.0) as f32,
+                        WHOLE.map(|f| f as f32),
+                    )) - weight;
                     assert!(off.abs() < 1.1 * fit.error(), "{name} {part}: {off}");
                 }
             }

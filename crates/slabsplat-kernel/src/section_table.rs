@@ -34,6 +34,9 @@ pub struct SectionTable {
     /// never looks past the end.
     row_len: usize,
     samples_per_index: f32,
+    /// Slab width in index units, and distance between rows.
+    width: f64,
+    row_spacing: f64,
     weights: Vec<f32>,
 }
 
@@ -83,6 +86,8 @@ impl SectionTable {
             lookup: table.lookup,
             row_len: row_len(table.radial_samples),
             samples_per_index: (f64::from(table.radial_samples) / radius) as f32,
+            width: desc.width_in_index(),
+            row_spacing,
             weights,
         }
     }
@@ -124,6 +129,12 @@ impl SectionTable {
     /// All rows, each by itself.
     pub(crate) fn all_rows(&self) -> Vec<&[f32]> {
         self.weights.chunks_exact(self.row_len).collect()
+    }
+
+    /// Where the faces of a row's slab cut the ray: index units behind its point nearest to the voxel.
+    pub(crate) fn faces_of_row(&self, row_idx: usize) -> [f64; 2] {
+        let back = row_idx as f64 * self.row_spacing - f64::from(self.rows.radius);
+        [back - self.width, back]
     }
 
     /// Samples in a row per index unit of half chord.

@@ -4,10 +4,7 @@
 //! a voxel then takes one look at a table of 4 KiB or 1 MiB. Others are classified when they are met.
 
 use crate::order::Ordered;
-use slabsplat_core::{Compositing, SampleType, Scaling, TransferFunction, Volume};
-
-/// Opacity from which `extinction` is cut off: its logarithm would be infinite at 1.
-const MAX_OPACITY: f64 = 1.0 - 1e-6;
+use slabsplat_core::{Compositing, SampleType, Scaling, TransferFunction, Volume, extinction};
 
 /// What is seen of every sample: red, green and blue, and the weight that is summed over a sheet, which
 /// is `α`, or `μ = −ln(1 − α)` for `extinction`.
@@ -85,7 +82,7 @@ impl Classification {
         let opacity = self.transfer.opacity(value);
         let weight = match self.compositing {
             Compositing::Separate | Compositing::Associated => opacity,
-            Compositing::Extinction => -(-opacity.min(MAX_OPACITY)).ln_1p(),
+            Compositing::Extinction => extinction(opacity),
         };
         let [r, g, b] = self.transfer.color(value);
         [r, g, b, weight].map(|channel| channel as f32)

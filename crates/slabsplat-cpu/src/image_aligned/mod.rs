@@ -34,7 +34,7 @@ use products::AsProducts;
 use rayon::prelude::*;
 use slab_shapes::SlabShapes;
 use slabsplat_core::{Compositing, SlabGrid};
-use slabsplat_kernel::{SectionLevels, SectionProducts, SectionTable};
+use slabsplat_kernel::{SectionLevels, SectionProducts, SectionTable, chord_units_per_index};
 use slabsplat_traverse::Brick;
 
 pub(crate) use intake::Scratch;
@@ -72,11 +72,16 @@ pub(crate) struct Slabs<'a> {
     reach_in_index: f32,
     /// `2/R²`.
     edge_per_disc: f32,
+    /// Units of chords in an index unit.
+    chord_units_per_index: f32,
     /// The first slab whose sections are drawn.
     first_drawn: usize,
     /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
     /// thick meets up to ⌈k⌉ + 1 of them.
     n_before: usize,
+    /// Whether sections are read from the table pixel by pixel: no polynomial is good enough, or slabs cut
+    /// footprints at an offset that differs from pixel to pixel.
+    reads_table: bool,
     /// Voxels of no more extinction may be drawn as products.
     most_of_products: f32,
     /// Sections of voxels of no more extinction are drawn by few powers.
@@ -203,6 +208,7 @@ impl<'a> Slabs<'a> {
         let (raster, view) = (&stage.raster, stage.plan.view);
         let thickness = f64::from(2.0 * raster.reach) / grid.thickness();
         let mut slabs = 0..grid.n_slabs();
+        let is_exact = fewer.is_some() || polynomials.are_exact(stage.plan.compositing);
         Self {
             grid,
             raster,
@@ -214,8 +220,10 @@ impl<'a> Slabs<'a> {
             first_slab: (grid.front(0) / grid.thickness()).round() as f32,
             reach_in_index: raster.reach * raster.index_per_depth,
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
+            chord_units_per_index: chord_units_per_index(raster.radius.into()) as f32,
             first_drawn: slabs.find(|&slab| view.draws_slab(grid.faces(slab))).unwrap_or(slabs.end),
             n_before: (thickness.ceil() as usize).min(grid.n_slabs()),
+            reads_table: raster.is_tilted || !is_exact,
             most_of_products: fewer.map_or(f32::NEG_INFINITY, |fewer| fewer.most_of_products()),
             most_of_few: job.most_of_few(thickness.ceil() as usize + 1),
         }

@@ -34,8 +34,8 @@ pub(crate) enum Kind {
     Whole,
     /// Slabs cut them at one depth for all of a footprint.
     Upright,
-    /// Slabs cut them at depths that change over a footprint.
-    Tilted,
+    /// Their sections are read from the table, pixel by pixel.
+    ByTable,
 }
 
 impl SlabCut<'_> {
@@ -66,9 +66,10 @@ impl SlabCut<'_> {
             let is_cut = nearest.simd_lt(f32x8::splat(simd, slabs.reach_in_index));
             drawn &= is_cut.to_bitmask();
             eight.is_folded = is_folded.to_bitmask();
-            if kind == Kind::Tilted {
-                front.store_slice(&mut eight.faces[0]);
-                back.store_slice(&mut eight.faces[1]);
+            front.store_slice(&mut eight.faces[0]);
+            back.store_slice(&mut eight.faces[1]);
+            if slabs.raster.is_tilted {
+                // Somewhere in the footprint it is cut in its middle.
                 f32x8::splat(simd, radius)
             } else {
                 let disc_squared = f32x8::splat(simd, radius * radius) - nearest * nearest;

@@ -71,7 +71,7 @@ impl SlabCut<'_> {
         sheet: &mut Sheet,
     ) {
         let coefficients = how.products.profile();
-        let profile = Polynomial::<8, false> { coefficients, edge: 1.0 };
+        let profile = Polynomial::<8, false> { coefficients, edge: 1.0, faces: [0.0; 2] };
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
             let eight = self.prepare_products(simd, kind, how, voxels, first, tile);
             for idx in bits(eight.drawn) {

@@ -8,7 +8,7 @@ use crate::raster::PixelShape;
 use crate::sheet::Sheet;
 use crate::splat::{AnyPolynomial, Footprint, splat};
 use crate::tile::Tile;
-use crate::weights::Tilted;
+use crate::weights::ByTable;
 use fearless_simd::{Simd, f32x4, prelude::*};
 use slabsplat_kernel::{MAX_COEFFICIENTS, RadialPolynomials};
 
@@ -119,20 +119,27 @@ impl<'a> SlabCut<'a> {
         sheet: &mut Sheet,
     ) {
         match (kind, self.slabs.fewer) {
-            (Kind::Tilted, _) => {
-                let tilted = Tilted {
+            (Kind::ByTable, _) => {
+                let by_table = ByTable {
                     table: self.slabs.tables(section.is_folded).0,
                     radius: self.slabs.raster.radius,
                     faces: section.faces,
+                    edge: section.edge,
                 };
-                splat(simd, sheet, &self.shape, &section.footprint, &tilted);
+                splat(simd, sheet, &self.shape, &section.footprint, &by_table);
             }
             (Kind::Whole, Some(fewer)) => {
                 let whole = fewer.polynomials.of(by_few).last_row();
-                self.splat_polynomial(simd, sheet, section, whole, 1.0);
+                self.splat_polynomial(simd, sheet, section, AnyPolynomial::whole(whole));
             }
             _ => {
-                self.splat_polynomial(simd, sheet, section, &section.coefficients, section.edge);
+                let units = self.slabs.chord_units_per_index;
+                let polynomial = AnyPolynomial {
+                    coefficients: &section.coefficients,
+                    edge: section.edge,
+                    faces: section.faces.map(|face| face * units),
+                };
+                self.splat_polynomial(simd, sheet, section, polynomial);
             }
         }
     }
@@ -143,11 +150,10 @@ impl<'a> SlabCut<'a> {
         simd: S,
         sheet: &mut Sheet,
         section: &Section,
-        coefficients: &[f32; MAX_COEFFICIENTS],
-        edge: f32,
+        polynomial: AnyPolynomial<'_>,
     ) {
-        let polynomial = AnyPolynomial { coefficients, edge, leans: self.slabs.raster.leans };
-        polynomial.splat(simd, sheet, &self.shape, &section.footprint);
+        let leans = self.slabs.raster.leans;
+        polynomial.splat(simd, sheet, &self.shape, &section.footprint, leans);
     }
 }
 

@@ -105,7 +105,7 @@ impl Slabs<'_> {
     pub(crate) fn kind_of(&self, class: usize) -> Kind {
         match (class % N_SPAN_CLASSES, self.fewer) {
             (0, Some(_)) => Kind::Whole,
-            _ if self.raster.is_tilted => Kind::Tilted,
+            _ if self.reads_table => Kind::ByTable,
             _ => Kind::Upright,
         }
     }
