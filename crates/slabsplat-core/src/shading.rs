@@ -34,9 +34,19 @@ pub struct Phong {
 pub enum Light {
     /// It shines along the viewing direction.
     Headlight,
-    /// The world direction towards the light, of length 1.
-    Direction(DVec3),
+    /// It stays where it is in the world; made by [`Light::towards`].
+    Direction(LightDirection),
 }
+
+/// The world direction towards a light; of length 1, or it would brighten what it shines on.
+///
+/// ```compile_fail
+/// use slabsplat_core::{Light, LightDirection, glam::DVec3};
+///
+/// let light = Light::Direction(LightDirection(DVec3::X * 5.0));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightDirection(DVec3);
 
 /// Why a shading cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -92,8 +102,24 @@ impl Light {
     /// # Errors
     /// If the direction is zero or not finite.
     pub fn towards(direction: DVec3) -> Result<Self, ShadingError> {
-        let unit = direction.try_normalize().ok_or(ShadingError::BadLight(direction))?;
-        Ok(Self::Direction(unit))
+        // Squares of very long or short vectors would leave the range of numbers.
+        let scaled = direction / direction.abs().max_element();
+        let unit = scaled.try_normalize().ok_or(ShadingError::BadLight(direction))?;
+        Ok(Self::Direction(LightDirection(unit)))
+    }
+
+    /// `l`, the world direction towards the light, for a viewer that looks along `forward`.
+    pub fn to_light(self, forward: DVec3) -> DVec3 {
+        match self {
+            Self::Headlight => -forward,
+            Self::Direction(LightDirection(to_light)) => to_light,
+        }
+    }
+
+    /// `h = (l + v)/|l + v|`, the world direction half way between light and viewer; zero if the light shines
+    /// straight at the viewer.
+    pub fn halfway(self, forward: DVec3) -> DVec3 {
+        (self.to_light(forward) - forward).normalize_or_zero()
     }
 }
 
@@ -112,8 +138,21 @@ mod tests {
 
     #[test]
     fn light_direction_has_length_one() {
-        assert_eq!(Light::towards(DVec3::X * 9.0), Ok(Light::Direction(DVec3::X)));
-        assert!(Light::towards(DVec3::ZERO).is_err());
-        assert!(Light::towards(DVec3::NAN).is_err());
+        for length in [1e-300, 0.2, 5.0, 1e300] {
+            let light = Light::towards(DVec3::X * length).unwrap();
+            assert_eq!(light.to_light(DVec3::Z), DVec3::X, "{length}");
+        }
+        for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
+            assert!(Light::towards(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn light_halfway_to_the_viewer() {
+        assert_eq!(Light::Headlight.to_light(DVec3::Z), DVec3::NEG_Z);
+        assert_eq!(Light::Headlight.halfway(DVec3::Z), DVec3::NEG_Z);
+        let aside = Light::towards(DVec3::X).unwrap().halfway(DVec3::NEG_X);
+        assert_eq!(aside, DVec3::X);
+        assert_eq!(Light::towards(DVec3::Z).unwrap().halfway(DVec3::Z), DVec3::ZERO);
     }
 }

@@ -5,7 +5,7 @@ use crate::classification::compositing_code;
 use crate::params::{Frame, TILE_SIDE, flag};
 use slabsplat_backend::{FramePlan, Splats};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Light, Lookup, Phong, Shading, SlabGrid, SliceOrder};
+use slabsplat_core::{Lookup, Phong, Shading, SlabGrid, SliceOrder};
 
 /// Why no plan with densities comes this far.
 pub(crate) const DENSITIES_ARE_REFUSED: &str =
@@ -58,11 +58,9 @@ fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
     frame.reach = (plan.radius * shape.half_depth / unit) as f32;
     frame.index_per_depth = (shape.index_per_depth * unit) as f32;
     frame.is_tilted = flag(shape.is_tilted(plan.radius));
-    // The square is completed here: `yy − xy²/xx` loses all its digits where a kernel is long and thin.
-    let [xx, xy, yy] = shape.rho_squared.map(|c| c * unit * unit);
-    frame.across = xx as f32;
-    frame.lean = (-xy / xx) as f32;
-    frame.along = (yy - xy * xy / xx) as f32;
+    frame.across = (shape.across * unit * unit) as f32;
+    frame.lean = -shape.lean as f32;
+    frame.along = (shape.along * unit * unit) as f32;
     let [right, up] = shape.tilt.map(|c| (c * unit) as f32);
     frame.tilt = [right, -up];
     frame.half_extent = shape.half_extent.map(|c| (c / unit) as f32);
@@ -132,14 +130,10 @@ fn put_slices(order: &SliceOrder, frame: &mut Frame) {
 
 /// A light and a viewer, both infinitely far away.
 fn put_light(phong: &Phong, forward: DVec3, frame: &mut Frame) {
-    let to_light = match phong.light {
-        Light::Headlight => -forward,
-        Light::Direction(direction) => direction,
-    };
     frame.is_lit = 1;
     frame.is_two_sided = flag(phong.two_sided);
-    frame.to_light = to_light.as_vec3().to_array();
-    frame.halfway = (to_light - forward).normalize_or_zero().as_vec3().to_array();
+    frame.to_light = phong.light.to_light(forward).as_vec3().to_array();
+    frame.halfway = phong.light.halfway(forward).as_vec3().to_array();
     let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
     [frame.ambient, frame.diffuse, frame.specular, frame.shininess] =
         coefficients.map(|c| c as f32);

@@ -1,8 +1,8 @@
 //! Blinn–Phong: how much light eight normals send to the viewer.
 
 use crate::{NORMAL_STEPS, VoxelRecord};
+use slabsplat_core::Phong;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Light, Phong};
 
 /// A light and a viewer, both infinitely far away.
 #[derive(Clone, Copy, Debug)]
@@ -43,10 +43,6 @@ const LEAST_HIGHLIGHT: f64 = 1e-9;
 impl Lamp {
     /// `forward` is the viewing direction.
     pub(crate) fn new(phong: &Phong, forward: DVec3) -> Self {
-        let to_light = match phong.light {
-            Light::Headlight => -forward,
-            Light::Direction(direction) => direction,
-        };
         let shininess = phong.shininess;
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
         Self {
@@ -64,8 +60,8 @@ impl Lamp {
                 0.0
             },
             two_sided: phong.two_sided,
-            to_light: to_light.as_vec3().to_array(),
-            halfway: (to_light - forward).normalize_or_zero().as_vec3().to_array(),
+            to_light: phong.light.to_light(forward).as_vec3().to_array(),
+            halfway: phong.light.halfway(forward).as_vec3().to_array(),
         }
     }
 

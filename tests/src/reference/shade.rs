@@ -1,7 +1,7 @@
 //! Blinn–Phong as SPEC §6 has it.
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Light, Phong, Shading};
+use slabsplat_core::{Phong, Shading};
 
 /// The transfer function's `color` under the light, for a surface that faces against `gradient`
 /// (world space) and is seen along `forward`.
@@ -32,10 +32,7 @@ pub fn shaded_by_normal(
 /// `k_d·n·l` and `k_s·(n·h)^s`.
 fn lamp_terms(phong: &Phong, normal: DVec3, forward: DVec3) -> (f64, f64) {
     let to_viewer = -forward;
-    let to_light = match phong.light {
-        Light::Headlight => -forward,
-        Light::Direction(to_light) => to_light,
-    };
+    let to_light = phong.light.to_light(forward);
     // A light exactly behind the volume has no halfway vector, hence no highlight.
     let halfway = (to_light + to_viewer).normalize_or_zero();
     let product = |v: DVec3| {
@@ -52,6 +49,7 @@ fn lamp_terms(phong: &Phong, normal: DVec3, forward: DVec3) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat_core::Light;
 
     const PHONG: Phong = Phong {
         ambient: 0.1,
@@ -62,6 +60,10 @@ mod tests {
         light: Light::Headlight,
     };
     const RED: [f64; 3] = [0.5, 0.0, 0.0];
+
+    fn towards(direction: DVec3) -> Light {
+        Light::towards(direction).expect("the direction is not zero")
+    }
 
     fn check(phong: Phong, gradient: DVec3, expected: [f64; 3]) {
         let actual = shaded_color(&Shading::Phong(phong), RED, gradient, DVec3::NEG_Z);
@@ -87,11 +89,11 @@ mod tests {
 
     #[test]
     fn shade_lamp_from_the_side_and_behind() {
-        let side = Phong { light: Light::Direction(DVec3::X), ..PHONG };
+        let side = Phong { light: towards(DVec3::X), ..PHONG };
         let half = 0.5_f64.sqrt().powi(3) * 0.2;
         check(side, DVec3::NEG_X, [0.5 * 0.7 + half, half, half]);
         check(side, DVec3::NEG_Z, [0.05, 0.0, 0.0]);
-        let behind = Phong { light: Light::Direction(DVec3::NEG_Z), two_sided: true, ..PHONG };
+        let behind = Phong { light: towards(DVec3::NEG_Z), two_sided: true, ..PHONG };
         check(behind, DVec3::NEG_Z, [0.5 * 0.7, 0.0, 0.0]);
     }
 

@@ -148,7 +148,7 @@ mod tests {
             Ok(OpacityPoints(vec![(80.0, [0.0]), (255.0, [0.9])]))
         );
         assert_eq!(color("-5:0,0,1;"), Ok(ColorPoints(vec![(-5.0, [0.0, 0.0, 1.0])])));
-        assert_eq!(light("0,-2,0"), Ok(slabsplat::Light::Direction(-DVec3::Y)));
+        assert_eq!(light("0,-2,0"), Ok(slabsplat::Light::towards(-DVec3::Y).unwrap()));
         assert_eq!(method("axis-aligned"), Ok(Method::AxisAligned));
     }
 

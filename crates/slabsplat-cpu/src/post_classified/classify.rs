@@ -3,7 +3,7 @@
 use super::values::ValueScale;
 use slabsplat_backend::FramePlan;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, IsoRange, Light, Phong, Shading, TransferFunction};
+use slabsplat_core::{Compositing, IsoRange, Phong, Shading, TransferFunction, extinction};
 
 /// Classifies and shades densities.
 pub(super) struct Classifier<'a> {
@@ -20,9 +20,6 @@ pub(super) struct Classifier<'a> {
 /// Sums of 32-bit floats miss a density by less than this, scaled. A step of the transfer function that lies on the value
 /// of a plateau must not be taken here and missed there, so that a density this far before a step counts as on it.
 const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
-
-/// Opacity from which `extinction` is cut off: its logarithm would be infinite at 1.
-const MAX_OPACITY: f64 = 1.0 - 1e-6;
 
 impl<'a> Classifier<'a> {
     pub(super) fn new(plan: &FramePlan<'a>, scale: ValueScale) -> Self {
@@ -83,10 +80,7 @@ impl<'a> Classifier<'a> {
                 return (opacity * color).extend(opacity).as_vec4().to_array();
             }
             Compositing::Associated => (length * opacity).min(1.0),
-            Compositing::Extinction => {
-                let extinction = -(-opacity.min(MAX_OPACITY)).ln_1p();
-                -(-length * extinction).exp_m1()
-            }
+            Compositing::Extinction => -(-length * extinction(opacity)).exp_m1(),
         };
         (opacity * color).extend(opacity).as_vec4().to_array()
     }
@@ -131,13 +125,12 @@ struct Lamp {
 impl Lamp {
     fn new(phong: Phong, plan: &FramePlan<'_>) -> Self {
         let axes = plan.view.axes();
-        let to_light = match phong.light {
-            Light::Headlight => DVec3::NEG_Z,
-            Light::Direction(l) => {
-                DVec3::new(l.dot(axes.right), l.dot(axes.up), l.dot(axes.forward))
-            }
-        };
-        Self { phong, to_light, halfway: (to_light - DVec3::Z).normalize_or_zero() }
+        let in_view = |v: DVec3| DVec3::new(v.dot(axes.right), v.dot(axes.up), v.dot(axes.forward));
+        Self {
+            phong,
+            to_light: in_view(phong.light.to_light(axes.forward)),
+            halfway: in_view(phong.light.halfway(axes.forward)),
+        }
     }
 
     /// `c·(k_a + k_d·n·l) + k_s·(n·h)^s`, clamped.

@@ -80,7 +80,7 @@ fn scene_has_every_key() {
     let Shading::Phong(phong) = scene.shading else { panic!("{:?}", scene.shading) };
     assert_eq!([phong.ambient, phong.diffuse, phong.specular], [0.2, 0.6, 0.1]);
     assert_eq!((phong.shininess, phong.two_sided), (10.0, false));
-    assert_eq!(phong.light, Light::Direction(DVec3::Z));
+    assert_eq!(Ok(phong.light), Light::towards(DVec3::Z));
     let camera = scene.camera;
     assert_eq!(camera.projection, Some(ProjectionKind::Perspective));
     assert_eq!([camera.view_height, camera.fov_y], [Some(256.0), Some(34.0)]);
