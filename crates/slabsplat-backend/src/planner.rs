@@ -3,7 +3,7 @@
 use crate::{FewerSections, FramePlan, Splats};
 use slabsplat_core::{
     ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading, ShadingError,
-    SlabGrid, SliceOrder, TooManySlabs, View, Volume,
+    SlabGrid, SliceOrder, TooManySlabs, View, ViewError, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, FootprintShape, FootprintTable, Kernel, LevelView, SectionDesc,
@@ -24,6 +24,9 @@ pub enum PlanError {
     /// There is no such picture.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// Voxels would be too large or too small.
+    #[error(transparent)]
+    View(#[from] ViewError),
     /// A coefficient of the shading cannot be used.
     #[error(transparent)]
     Shading(#[from] ShadingError),
@@ -85,7 +88,7 @@ impl Planner {
             phong.checked()?;
         }
         let kernel = kernel_named(&settings.kernel.0)?;
-        let view = View::new(volume.grid(), &scene.camera, &scene.image);
+        let view = View::new(volume.grid(), &scene.camera, &scene.image)?;
         let shape = FootprintShape::new(volume.grid(), view.axes());
         settings.check_hierarchy(shape.kappa)?;
         let key = TableKey { kappa: rounded(shape.kappa), settings };

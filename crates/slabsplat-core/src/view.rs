@@ -2,6 +2,7 @@
 
 use crate::{Camera, Grid, ImageDesc, Projection, ViewAxes};
 use glam::{DMat3, DVec3};
+use thiserror::Error;
 
 /// View space and its pixels.
 ///
@@ -18,18 +19,45 @@ pub struct View {
     image_size: [u32; 2],
 }
 
+/// Why there is no view.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error(
+    "a voxel step would be {pixels:.3e} pixels long, and can be {} to {}: check view_height, fov_y and eye",
+    STEP_PIXELS.start(), STEP_PIXELS.end()
+)]
+pub struct ViewError {
+    /// Pixels that a step of the grid would be long, where it is seen largest or smallest.
+    pub pixels: f64,
+}
+
+/// How large voxel steps may be seen, of whatever axis: squares of these fit 32-bit floats, and a picture
+/// within a millionth of a voxel has one colour.
+const STEP_PIXELS: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+
 impl View {
     /// The view of `grid` through `camera` on an image.
-    pub fn new(grid: &Grid, camera: &Camera, image: &ImageDesc) -> Self {
+    ///
+    /// # Errors
+    /// If a voxel step would be less than 10⁻⁹ or more than 10¹² pixels long, where it is drawn.
+    pub fn new(grid: &Grid, camera: &Camera, image: &ImageDesc) -> Result<Self, ViewError> {
         let axes = camera.axes();
-        Self {
+        let view = Self {
             axes,
             eye: camera.eye(),
             center_depth: (grid.center_in_world() - camera.eye()).dot(axes.forward),
             unit: grid.unit(),
             projection: camera.projection(),
             image_size: [image.width, image.height],
+        };
+        let [front, back] = view.from_index(grid).depth_range(grid);
+        let near = view.near_depth();
+        for depth in [front.max(near), back.max(near)] {
+            let steps = grid.spacing().map(|step| view.pixels_per_world(depth) * step);
+            if let Some(pixels) = steps.into_iter().find(|step| !STEP_PIXELS.contains(step)) {
+                return Err(ViewError { pixels });
+            }
         }
+        Ok(view)
     }
 
     /// Right, up and forward in world space.
@@ -145,7 +173,38 @@ mod tests {
         let target = grid.center_in_world();
         let camera = Camera::new(target + DVec3::Z * 20.0, target, DVec3::Y, projection).unwrap();
         let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
-        (grid, View::new(&grid, &camera, &image))
+        (grid, View::new(&grid, &camera, &image).unwrap())
+    }
+
+    #[test]
+    fn view_refuses_what_no_number_holds() {
+        let grid = Grid::with_spacing([3, 3, 5], [1.0, 1.0, 2.0]).unwrap();
+        let refused = |projection, distance: f64| {
+            let eye = grid.center_in_world() + DVec3::Z * distance;
+            let camera = Camera::new(eye, grid.center_in_world(), DVec3::Y, projection).unwrap();
+            let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
+            View::new(&grid, &camera, &image).err().map(|error| error.pixels)
+        };
+        let orthographic = |view_height| Projection::Orthographic { view_height };
+        let perspective = |fov_y_radians| Projection::Perspective { fov_y_radians };
+        for (projection, distance) in [
+            (orthographic(1e-7), 9.0),
+            (orthographic(1e9), 9.0),
+            (perspective(1e-6), 1e6),
+            (perspective(0.5), 1e9),
+            (perspective(3.1), 0.1),
+        ] {
+            assert_eq!(refused(projection, distance), None, "{projection:?} {distance}");
+        }
+        for (projection, distance) in [
+            (orthographic(1e-37), 9.0),
+            (orthographic(1e300), 9.0),
+            (perspective(1e-12), 9.0),
+            (perspective(0.5), 1e100),
+        ] {
+            assert!(refused(projection, distance).is_some(), "{projection:?} {distance}");
+        }
+        assert_eq!(refused(orthographic(1e-12), 9.0), Some(2e13));
     }
 
     #[test]

@@ -27,9 +27,7 @@ pub(crate) struct Raster {
 /// The footprint in pixels, at one depth; y runs downwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PixelShape {
-    /// `2·(ρ/R)² = across·(X + lean·Y)² + along·Y²`, 0 at the centre and 2 at the kernel's edge: the quadratic
-    /// form with its square completed in 64 bits, since `yy − xy²/xx` loses all its digits where a kernel
-    /// is long and thin.
+    /// `2·(ρ/R)² = across·(X + lean·Y)² + along·Y²`, 0 at the centre and 2 at the kernel's edge.
     pub(crate) across: f32,
     pub(crate) lean: f32,
     pub(crate) along: f32,
@@ -46,7 +44,6 @@ pub(crate) struct PixelShape {
 impl Raster {
     pub(crate) fn new(plan: &FramePlan<'_>) -> Self {
         let FramePlan { view, shape, radius, .. } = *plan;
-        let [xx, xy, yy] = shape.rho_squared;
         Self {
             view,
             shape,
@@ -57,7 +54,7 @@ impl Raster {
             index_per_depth: shape.index_per_depth as f32,
             is_tilted: shape.is_tilted(radius),
             // A cubic grid has upright circles, up to rounding errors.
-            leans: 1e-9 * (xx * yy).sqrt() < xy.abs(),
+            leans: 1e-9 < shape.lean.abs() * (shape.across / shape.along).sqrt(),
         }
     }
 
@@ -72,14 +69,14 @@ impl Raster {
         let scale = self.view.pixels_per_world(depth);
         let stretch = self.view.stretch(scale);
         let pixels = scale * stretch;
-        let [xx, xy, yy] = self.shape.rho_squared;
+        let FootprintShape { across, lean, along, .. } = self.shape;
         let [right, up] = self.shape.tilt.map(|c| (c / pixels) as f32);
         let radius_in_pixels = f64::from(self.radius) * pixels;
         let form = 2.0 / (radius_in_pixels * radius_in_pixels);
         PixelShape {
-            across: (form * xx) as f32,
-            lean: (-xy / xx) as f32,
-            along: (form * (yy - xy * xy / xx)) as f32,
+            across: (form * across) as f32,
+            lean: -lean as f32,
+            along: (form * along) as f32,
             tilt: [right, -up],
             half_extent: self.shape.half_extent.map(|c| (c * pixels) as f32),
             scale: scale as f32,

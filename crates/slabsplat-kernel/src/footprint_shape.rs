@@ -15,8 +15,13 @@ pub struct FootprintShape {
     pub kappa: f64,
     /// `|d|`: index-space length of a ray over one world unit of depth.
     pub index_per_depth: f64,
-    /// `ρ² = xx·X² + 2·xy·X·Y + yy·Y²` at `X` to the right and `Y` above the centre: `[xx, xy, yy]`.
-    pub rho_squared: [f64; 3],
+    /// `ρ² = across·(X + lean·Y)² + along·Y²` at `X` to the right and `Y` above the centre. Of a kernel that
+    /// is long and thin, `along` as a difference would have no digit left, and might be negative.
+    pub across: f64,
+    /// See [`across`](Self::across).
+    pub lean: f64,
+    /// See [`across`](Self::across).
+    pub along: f64,
     /// `p·d̂ = tilt[0]·X + tilt[1]·Y`: by how much a slab face is cut later than at the centre.
     pub tilt: [f64; 2],
     /// Half the width and half the height of the ellipsoid.
@@ -42,11 +47,9 @@ impl FootprintShape {
         Self {
             kappa: grid.unit() * ray.length(),
             index_per_depth: ray.length(),
-            rho_squared: [
-                across_right.length_squared(),
-                across_right.dot(across_up),
-                across_up.length_squared(),
-            ],
+            across: across_right.length_squared(),
+            lean: across_right.dot(across_up) / across_right.length_squared(),
+            along: across_right.cross(across_up).length_squared() / across_right.length_squared(),
             tilt: [right.dot(along), up.dot(along)],
             half_extent: [extent(axes.right), extent(axes.up)],
             half_depth: extent(axes.forward),
@@ -87,8 +90,8 @@ mod tests {
         let grid = Grid::with_spacing([4; 3], [0.5; 3]).unwrap();
         let shape = FootprintShape::new(&grid, &axes(DVec3::new(3.0, 1.0, 2.0)));
         assert!((shape.kappa - 1.0).abs() < 1e-12);
-        let [xx, xy, yy] = shape.rho_squared;
-        assert!((xx - 4.0).abs() < 1e-12 && xy.abs() < 1e-12 && (yy - 4.0).abs() < 1e-12);
+        assert!((shape.across - 4.0).abs() < 1e-12 && (shape.along - 4.0).abs() < 1e-12);
+        assert!(shape.lean.abs() < 1e-12);
         assert!(!shape.is_tilted(2.0));
         assert!((shape.half_depth - 0.5).abs() < 1e-12);
     }
@@ -106,8 +109,8 @@ mod tests {
             let step = index_from_world * axes.forward;
             let t = -through.dot(step) / step.length_squared();
             let nearest = through + step * t;
-            let [xx, xy, yy] = shape.rho_squared;
-            let rho_squared = xx * x * x + 2.0 * xy * x * y + yy * y * y;
+            let u = x + shape.lean * y;
+            let rho_squared = shape.across * u * u + shape.along * y * y;
             assert!((rho_squared - nearest.length_squared()).abs() < 1e-12);
             let offset = shape.tilt[0] * x + shape.tilt[1] * y;
             assert!((offset + t * shape.index_per_depth).abs() < 1e-12);

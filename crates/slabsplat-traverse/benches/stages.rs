@@ -43,7 +43,7 @@ fn stages(c: &mut Criterion) {
     let projection = Projection::Orthographic { view_height: 1.5 * SIDE as f64 };
     let eye = target + DVec3::new(300.0, 200.0, 100.0);
     let camera = Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis");
-    let view = View::new(grid, &camera, &ImageDesc::default());
+    let view = View::new(grid, &camera, &ImageDesc::default()).expect("the view fits");
 
     let mut group = c.benchmark_group("traverse");
     group.throughput(Throughput::Elements(grid.n_voxels() as u64));

@@ -293,7 +293,7 @@ mod tests {
             let image = ImageDesc { width, height, background: [0.0; 4] };
             for is_perspective in [false, true] {
                 let camera = automatic.camera(&image, is_perspective);
-                let view = slabsplat_core::View::new(&automatic.grid, &camera, &image);
+                let view = slabsplat_core::View::new(&automatic.grid, &camera, &image).unwrap();
                 let from_index = view.from_index(&automatic.grid);
                 let mut farthest: f64 = 0.0;
                 for corner in corners(&automatic.grid) {
