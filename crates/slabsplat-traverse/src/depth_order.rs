@@ -64,6 +64,38 @@ mod tests {
     use crate::BrickRanges;
     use slabsplat_core::{Camera, ImageDesc, IsoRange, Projection, Scaling, Volume};
 
+    /// The order of two voxels above each other, of which the upper one is nearer by so many `unit`s.
+    fn order_of_two(unit: f64, nearer: f64) -> [usize; 2] {
+        let grid = Grid::with_spacing([1, 2, 1], [unit; 3]).unwrap();
+        let target = grid.center_in_world();
+        // Looking down on them by a tiny angle.
+        let eye = target + 100.0 * unit * DVec3::new(0.0, nearer, 1.0);
+        let projection = Projection::Orthographic { view_height: 4.0 * unit };
+        let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
+        let view = View::new(&grid, &camera, &ImageDesc::default()).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 2].into(), Scaling::IDENTITY).unwrap();
+        let mut list = RelevantList::default();
+        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }]);
+        let mut order = DepthOrder::default();
+        order.update(&grid, &view, &list);
+        [order.place(0), order.place(1)]
+    }
+
+    /// Steps of depth are parts of a `unit`, whatever its length.
+    #[test]
+    fn depth_order_is_told_in_units() {
+        let step = 1.0 / STEPS_PER_UNIT;
+        for unit in [1e-3, 0.3, 1.0, 40.0, 1e5] {
+            assert_eq!(order_of_two(unit, 4.0 * step), [1, 0], "{unit}: the nearer one first");
+            assert_eq!(order_of_two(unit, -4.0 * step), [0, 1], "{unit}: the nearer one first");
+            assert_eq!(
+                order_of_two(unit, 0.2 * step),
+                [0, 1],
+                "{unit}: a tie, the lower one first"
+            );
+        }
+    }
+
     #[test]
     fn depth_order_breaks_ties_by_place() {
         let grid = Grid::with_spacing([2, 2, 2], [1.0; 3]).unwrap();
@@ -72,7 +104,7 @@ mod tests {
         let eye = target + DVec3::new(10.0, 0.0, 10.0);
         let projection = Projection::Orthographic { view_height: 4.0 };
         let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
-        let view = View::new(&grid, &camera, &ImageDesc::default());
+        let view = View::new(&grid, &camera, &ImageDesc::default()).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
         let mut list = RelevantList::default();
         list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }]);

@@ -245,9 +245,10 @@ mod tests {
     use super::*;
     use crate::VoxelRecord;
     use crate::naive_normals::naive_normal;
-    use crate::tests::{random_volume, seeded};
+    use crate::tests::random_volume;
     use slabsplat_core::glam::{DAffine3, DVec3};
     use slabsplat_core::{Grid, Samples, Scaling, with_samples};
+    use slabsplat_seeds::for_each_seed;
 
     /// The normal of every voxel, by way of rows.
     fn normals(volume: &Volume) -> Vec<DVec3> {
@@ -271,18 +272,55 @@ mod tests {
 
     #[test]
     fn normals_are_those_of_the_definition() {
-        let mut rng = seeded();
-        for _ in 0..100 {
-            let volume = random_volume(&mut rng);
-            for (voxel_idx, normal) in normals(&volume).into_iter().enumerate() {
-                // A voxel without a value has no normal either, and is never asked.
-                if volume.value(voxel_idx).is_nan() {
-                    continue;
+        for_each_seed(1, |mut rng| {
+            for _ in 0..100 {
+                let volume = random_volume(&mut rng);
+                for (voxel_idx, normal) in normals(&volume).into_iter().enumerate() {
+                    // A voxel without a value has no normal either, and is never asked.
+                    if volume.value(voxel_idx).is_nan() {
+                        continue;
+                    }
+                    let expected = naive_normal(&volume, voxel_idx);
+                    let difference = normal.distance(expected);
+                    assert!(difference < MAX_ERROR, "{normal} {expected} {voxel_idx} {volume:?}");
                 }
-                let expected = naive_normal(&volume, voxel_idx);
-                let difference = normal.distance(expected);
-                assert!(difference < MAX_ERROR, "{normal} {expected} {voxel_idx} {volume:?}");
             }
+        });
+    }
+
+    #[test]
+    fn is_narrow_where_32_bits_are_enough() {
+        let sheared = |by: f64| DMat3::from_cols(DVec3::X, DVec3::new(by, 1.0, 0.0), DVec3::Z);
+        let check = |samples: Samples, matrix: DMat3, expected: bool| {
+            let grid = Grid::new([1; 3], DAffine3::from_mat3(matrix)).unwrap();
+            let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
+            assert_eq!(is_narrow(&volume), expected, "{:?} {matrix}", volume.sample_type());
+        };
+        check(vec![1_u8].into(), DMat3::IDENTITY, true);
+        check(vec![1_i16].into(), sheared(3.0), true);
+        check(vec![1_u16].into(), DMat3::from_diagonal(DVec3::new(1e-9, 1.0, -1e9)), true);
+        check(vec![1_i8].into(), sheared(30.0), false);
+        for wide in
+            [vec![1_u32].into(), vec![1_i32].into(), vec![1.0_f32].into(), vec![1.0_f64].into()]
+        {
+            check(wide, DMat3::IDENTITY, false);
+        }
+    }
+
+    /// Differences in the last digits, which 32-bit floats do not have.
+    #[test]
+    fn normal_of_wide_samples_keeps_their_digits() {
+        let grid = Grid::with_spacing([3; 3], [1.0; 3]).unwrap();
+        let step = |idx: usize| {
+            let [x, y, z] = grid.voxel_coords(idx);
+            (x + 2 * y + 2 * z) as u32
+        };
+        let large: Vec<u32> = (0..27).map(|idx| 4_000_000_000 + step(idx)).collect();
+        let fine: Vec<f64> = (0..27).map(|idx| 1e12 + f64::from(step(idx))).collect();
+        for samples in [Samples::U32(large), Samples::F64(fine)] {
+            let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
+            let expected = DVec3::new(-1.0, -2.0, -2.0) / 3.0;
+            assert!(normals(&volume)[13].distance(expected) < MAX_ERROR, "{volume:?}");
         }
     }
 
