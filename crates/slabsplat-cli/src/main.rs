@@ -7,7 +7,8 @@
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
 //! [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`]
-//! are what they print with.
+//! are what they print with, [`output`] is how pictures are written, and [`environment`]
+//! what drivers find.
 
 mod flags;
 mod input;
@@ -20,7 +21,9 @@ mod popping;
 mod render;
 
 mod columns;
+mod environment;
 mod meter;
+mod output;
 mod progress;
 mod stats;
 mod terminal;
@@ -48,6 +51,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    environment::complete();
+    output::end_between_pictures();
     match run(Cli::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {

@@ -2,10 +2,10 @@
 
 use crate::flags::SceneFlags;
 use crate::progress::Progress;
-use crate::{stats, terminal};
+use crate::{output, stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{Caps, Volume, io};
+use slabsplat::{Caps, Volume};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -33,7 +33,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     progress.stage("rendering");
     let frame = args.scene.in_scene(|| Ok(renderer.render(&scene)?))?;
     progress.stage("writing");
-    io::write_picture(&args.output, &frame.image)?;
+    output::write_picture(&args.output, &frame.image)?;
     drop(progress);
     if frame.stats.n_voxels == 0 {
         terminal::warn(&nothing_visible(renderer.volume()));

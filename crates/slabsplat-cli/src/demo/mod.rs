@@ -4,7 +4,7 @@
 mod shots;
 
 use crate::progress::Progress;
-use crate::{meter, stats, terminal};
+use crate::{meter, output, stats, terminal};
 use anyhow::{Context, Result};
 use clap::Args;
 use shots::{CUBE_TURN, SHOTS, Shot};
@@ -54,7 +54,7 @@ fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
         let Frame { image, stats, .. } = renderer.render(&scene)?;
         let ms = started.elapsed().as_millis();
         let name = format!("{}-{}.png", shot.volume, scene.settings.method);
-        io::write_picture(&directory.join(&name), &image)?;
+        output::write_picture(&directory.join(&name), &image)?;
         lines += &format!("{name:<34}  {:>12}  {ms:>6}\n", stats.n_voxels);
     }
     drop(progress);

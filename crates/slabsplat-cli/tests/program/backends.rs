@@ -27,6 +27,21 @@ fn backends_json_says_of_each_what_it_has_or_why_not() {
     assert!(names.contains(&answer["auto"]["backend"].as_str().unwrap()), "{answer}");
 }
 
+/// Mesa's drivers, as wgpu opens them, complain of a variable that containers lack.
+#[test]
+fn backends_that_work_say_nothing_else() {
+    let dir = tempfile::tempdir().unwrap();
+    for args in ["backends", "render builtin:cube:9 -o a.png --width 16 --height 16 --backend wgpu"]
+    {
+        let output = program(dir.path(), args).output().unwrap();
+        let stderr = text(&output.stderr);
+        assert!(!stderr.contains("XDG_RUNTIME_DIR"), "{args}: {stderr}");
+        if args != "backends" {
+            assert_eq!(stderr.lines().count(), 1, "{args}: {stderr}");
+        }
+    }
+}
+
 /// As on a machine that has no graphics driver: what asks for one fails in one line, and `auto` draws.
 #[test]
 fn backends_without_a_driver() {

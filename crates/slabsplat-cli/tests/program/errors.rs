@@ -64,6 +64,8 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --eye nan,0,0 -o a.png", "eye"),
         ("render builtin:cube --up 0,0,0 -o a.png", "up vector"),
         ("render builtin:cube --view-height -3 -o a.png", "view_height"),
+        ("render builtin:cube --view-height 1e-37 --spacing 1,1.2,0.7 -o a.png", "view_height"),
+        ("render builtin:cube --view-height 1e300 -o a.png", "view_height"),
         ("render builtin:cube --projection perspective --fov-y 180 -o a.png", "fov_y"),
         ("render builtin:cube --width 0 -o a.png", "0 x 512"),
         ("render builtin:cube --height 4000000000 -o a.png", "4000000000"),

@@ -7,6 +7,8 @@ mod errors;
 mod info;
 mod popping;
 mod render;
+#[cfg(unix)]
+mod signals;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -17,8 +19,8 @@ fn program(directory: &Path, args: &str) -> Command {
     command
         .args(args.split_whitespace())
         .current_dir(directory)
-        // Where it is not set, as in a container, Mesa's drivers complain of that on stderr.
-        .env("XDG_RUNTIME_DIR", directory)
+        // As in a container: nothing may complain of that.
+        .env_remove("XDG_RUNTIME_DIR")
         .stdin(Stdio::null());
     command
 }

@@ -1,0 +1,55 @@
+//! Pictures, written to the end. A picture grows under another name and is then given its own; whoever
+//! interrupts the program meanwhile waits until that is done, a second at most for most pictures, so that no
+//! half of one is left behind.
+
+use slabsplat::Image;
+use slabsplat::io::{self, IoError};
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Held while a picture is written.
+static WRITING: Mutex<()> = Mutex::new(());
+
+/// Writes a picture in the format that the name's extension says.
+///
+/// # Errors
+/// As [`io::write_picture`].
+pub(crate) fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
+    let _not_interrupted = writing();
+    io::write_picture(path, image)
+}
+
+fn writing() -> MutexGuard<'static, ()> {
+    WRITING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From now on, signals that end the program do so when no picture is being written.
+#[cfg(unix)]
+pub(crate) fn end_between_pictures() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+
+    let ignored = ignored_signals();
+    let ending =
+        [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+    // Without it the program works as well, until somebody interrupts it.
+    let Ok(mut signals) = Signals::new(ending) else { return };
+    std::thread::spawn(move || {
+        for signal in signals.forever() {
+            let _not_interrupted = writing();
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    });
+}
+
+#[cfg(not(unix))]
+pub(crate) fn end_between_pictures() {}
+
+/// The signals that whoever started the program wants it to ignore, as `nohup` does; a bit each, the first
+/// for signal 1. Where the system does not tell, none.
+#[cfg(unix)]
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0)
+}

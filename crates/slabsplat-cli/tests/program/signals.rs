@@ -1,0 +1,60 @@
+//! Interrupted: nothing half-written is left behind.
+
+use crate::{names_in, program};
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+
+const SIGHUP: i32 = 1;
+const SIGINT: i32 = 2;
+const SIGTERM: i32 = 15;
+
+/// Starts to draw a picture that takes a while to be written.
+fn start(directory: &Path) -> Child {
+    let args = "render builtin:cube:8 -o large.png --width 3000 --height 3000 --backend cpu";
+    let mut command = program(directory, args);
+    command.stderr(Stdio::null()).spawn().expect("the program starts")
+}
+
+fn send(signal: i32, child: &Child) {
+    let mut kill = Command::new("kill");
+    kill.arg(format!("-{signal}")).arg(child.id().to_string());
+    assert!(kill.status().expect("there is a kill").success());
+}
+
+/// Sends a signal once something is being written, unless all is written before that is noticed.
+fn interrupted(signal: i32, directory: &Path) -> ExitStatus {
+    let mut child = start(directory);
+    loop {
+        if let Some(status) = child.try_wait().expect("it is our child") {
+            return status;
+        }
+        if names_in(directory).iter().any(|name| name.ends_with(".part")) {
+            send(signal, &child);
+            return child.wait().expect("it is our child");
+        }
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn signal_while_writing_leaves_a_whole_picture() {
+    for signal in [SIGHUP, SIGINT, SIGTERM] {
+        let dir = tempfile::tempdir().unwrap();
+        let status = (0..20).map(|_| interrupted(signal, dir.path())).find(|s| !s.success());
+        assert_eq!(status.and_then(|status| status.signal()), Some(signal));
+        assert_eq!(names_in(dir.path()), ["large.png"]);
+        let bytes = std::fs::read(dir.path().join("large.png")).unwrap();
+        assert!(bytes.starts_with(b"\x89PNG") && bytes.ends_with(b"IEND\xaeB\x60\x82"), "{signal}");
+    }
+}
+
+#[test]
+fn signal_before_writing_leaves_no_part() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut child = start(dir.path());
+    std::thread::sleep(std::time::Duration::from_millis(30));
+    send(SIGTERM, &child);
+    assert_eq!(child.wait().unwrap().signal(), Some(SIGTERM));
+    assert!(names_in(dir.path()).iter().all(|name| !name.ends_with(".part")));
+}
