@@ -14,8 +14,16 @@
 //!   finds slow.
 //! - **What is kept.** A backend may keep whatever it made of a volume, a transfer function or a table for
 //!   the next plan that holds the same; it holds one volume at a time.
-//! - **Portability.** Pixels of two backends differ by at most 10⁻³ in every channel, or by what the plan's
-//!   opacity cut-off leaves of 1, where that is more.
+//! - **Saturated pixels.** A pixel whose opacity has reached the plan's cut-off may stay as it is: what lies
+//!   behind adds at most what the cut-off leaves of 1. How many pixels stop at a time is the backend's own
+//!   affair. The CPU stops blocks of 4 × 4, once all of them are saturated, as vectors take four pixels at a
+//!   time and voxels are culled by blocks. A GPU stops each pixel by itself, as its threads have no cheaper
+//!   way to ask.
+//! - **Portability.** Pixels of two backends differ by at most 10⁻³ in every channel, if tables are no
+//!   coarser than by default (a row of fewer samples is a polynomial to one and a chain of lines to another),
+//!   and beyond that by no more than the plan leaves open: what its opacity cut-off leaves of 1, and the
+//!   tolerance of its permission to draw fewer sections, [`FewerSections`], which one may use and the other
+//!   not.
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never

@@ -69,7 +69,8 @@ pub struct RenderSettings {
     pub base_slab_width: f64,
     /// Sections per table, at least 2; the paper uses 128.
     pub sections: u32,
-    /// Samples along the radius of a table, at least 2.
+    /// Samples along the radius of a table, at least 2. What is off between them falls with their square: it
+    /// is the most that backends differ by, below 10⁻³ of a pixel from the default on.
     pub radial_samples: u32,
     /// How a section is looked up.
     pub lookup: Lookup,
