@@ -405,23 +405,62 @@ fn frames_under_way_keep_apart() {
 #[test]
 fn every_sample_type_is_classified_alike() {
     let _alone = alone();
+    let mut worst = 0.0_f32;
     for_each_seed(1, |mut rng| {
-        let cases: Vec<(Arc<Volume>, Scene)> = (0..48).map(|i| typed_case(&mut rng, i)).collect();
-        on_devices(as_it_is, |name, backend, _| {
-            for (volume, scene) in &cases {
-                let expected = render(&mut *open("cpu"), volume, scene).expect("it fits");
-                let frame = render(backend, volume, scene).expect("it fits");
-                let what = format!("{name}, {:?}, {:?}", volume.sample_type(), volume.scaling());
-                assert_eq!(
-                    frame.stats.n_voxels, expected.stats.n_voxels,
-                    "{what}: {:?}",
-                    scene.transfer
-                );
-                let difference = frame.image.max_difference(&expected.image);
-                assert!(difference < PARITY, "{what}: {difference}, {:?}", scene.transfer);
-            }
-        });
+        let cases: Vec<_> = (0..48).map(|i| typed_case(&mut rng, i)).collect();
+        worst = worst.max(assert_classified_alike(&cases));
     });
+    println!("largest difference from the CPU {worst:.1e}");
+}
+
+/// Two numbers that follow each other are far enough apart for a step between them; so are 0 and 1e-300 among hundreds of
+/// thousands, and samples whose scaled values all round to the step. They were one to a shader, and pixels off by 0.5.
+#[test]
+fn steps_are_as_narrow_as_numbers() {
+    let _alone = alone();
+    let beside = 1e5_f64.next_up();
+    let case = |samples: Samples, scaling: Scaling, opacities: Vec<(f64, [f64; 1])>| {
+        let grid = Grid::with_spacing([3; 3], [1.0; 3]).expect("the spacing is positive");
+        let volume = Volume::new(grid, samples, scaling).expect("one sample a voxel");
+        let volume = Arc::new(volume);
+        let mut scene = scene(&volume, 24, Method::ImageAligned);
+        let colors = vec![(opacities[0].0, [1.0, 0.0, 0.2]), (1e5, [0.1, 1.0, 0.4])];
+        scene.transfer = TransferFunction::new(opacities, colors).expect("the points are sorted");
+        (volume, scene)
+    };
+    let repeated = |some: &[f64]| some.iter().copied().cycle().take(27).collect::<Vec<f64>>();
+    let band = |[a, b]: [f64; 2]| vec![(a, [0.0]), (a, [0.9]), (b, [0.5]), (b, [0.0])];
+    let tiny = repeated(&[0.0, 1e-300, -0.0, 3e-301, 1e5, f64::NAN, -1e-300, 2e5]);
+    let near = repeated(&[1e5, beside, beside.next_up(), 1e5_f64.next_down(), 0.0]);
+    let lost: Vec<f32> = repeated(&[0.0, 1e-40, -1e-40, 1e-14, -1e-14, 1.0, -1.0])
+        .iter()
+        .map(|&v| v as f32)
+        .collect();
+    let scaled = Scaling { slope: -0.3, intercept: 1e3 };
+    assert_classified_alike(&[
+        case(tiny.into(), Scaling::IDENTITY, band([0.0, 1e-300])),
+        case(near.into(), Scaling::IDENTITY, band([1e5, beside])),
+        case(lost.into(), scaled, vec![(1000.0, [0.0]), (1000.0, [0.9])]),
+    ]);
+}
+
+/// The largest difference of any device from the CPU; each finds as many relevant voxels.
+fn assert_classified_alike(cases: &[(Arc<Volume>, Scene)]) -> f32 {
+    let worst = Mutex::new(0.0_f32);
+    on_devices(as_it_is, |name, backend, _| {
+        for (volume, scene) in cases {
+            let expected = render(&mut *open("cpu"), volume, scene).expect("it fits");
+            let frame = render(backend, volume, scene).expect("it fits");
+            let (sample_type, scaling) = (volume.sample_type(), volume.scaling());
+            let what = format!("{name}, {sample_type:?}, {scaling:?}, {:?}", scene.transfer);
+            assert_eq!(frame.stats.n_voxels, expected.stats.n_voxels, "{what}");
+            let difference = frame.image.max_difference(&expected.image);
+            assert!(difference < PARITY, "{what}: {difference}");
+            let mut worst = worst.lock().expect("no test failed");
+            *worst = worst.max(difference);
+        }
+    });
+    worst.into_inner().expect("no test failed")
 }
 
 fn typed_case(rng: &mut fastrand::Rng, number: usize) -> (Arc<Volume>, Scene) {
