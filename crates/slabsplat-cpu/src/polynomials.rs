@@ -51,6 +51,9 @@ impl<T> PartialEq for Same<T> {
 /// The part of a tolerance that polynomials may use up for the most opaque voxels.
 const SHARE_OF_TOLERANCE: f64 = 0.01;
 
+/// How many such parts a pixel may be off for one voxel, whatever its extinction: a twentieth of the tolerance.
+const MOST_PIXEL_SHARES: f64 = 5.0;
+
 /// What a voxel's sections by few powers may be off together, times its extinction, whatever the tolerance: a seventh of
 /// what a pixel may be (SPEC §9).
 const ERROR_OF_FEW: f64 = 1.5e-4;
@@ -77,7 +80,8 @@ impl Polynomials {
         let key = |table: &Arc<SectionTable>| (Same(table.clone()), max_error);
         let make = |(table, max_error): &(Same<SectionTable>, f64)| {
             let few = RadialPolynomials::of_sections(&table.0, Powers::Few);
-            let is_enough = few.error() <= *max_error;
+            let is_enough =
+                few.error() <= *max_error && few.pixel_error() <= MOST_PIXEL_SHARES * max_error;
             let many = || RadialPolynomials::of_sections(&table.0, Powers::Many);
             Fits { few, many: (!is_enough).then(many) }
         };
