@@ -1,4 +1,4 @@
-// Classification, first pass: how many voxels of each block of 2048 are relevant (SPEC §6; the list L_r
+// Classification, first pass: how many voxels of each block of 2048 are relevant (model §6; the list L_r
 // of the paper's §4, made by prefix sums instead of by sorting).
 
 //#include "shared/step.wgsl"

@@ -7,7 +7,6 @@
 //#include "shared/relevant.wgsl"
 //#include "shared/transfer.wgsl"
 //#include "shared/compositing.wgsl"
-//#include "shared/extinction.wgsl"
 //#include "shared/coords.wgsl"
 //#include "shared/gradient.wgsl"
 //#include "shared/record.wgsl"
@@ -53,11 +52,7 @@ fn classify_emit(
 
 fn record_of(voxel_idx: u32) -> Record {
     let bits = sample_bits(voxel_idx);
-    let opacity = opacity_at(bits);
-    var weight = opacity.x;
-    if volume.compositing == COMPOSITING_EXTINCTION {
-        weight = extinction_of(opacity.x, opacity.y);
-    }
+    let weight = summed_weight(volume.compositing, opacity_at(bits));
     return Record(normal_at(voxel_idx, bits), voxel_idx, vec4(color_at(bits), weight));
 }
 

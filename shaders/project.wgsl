@@ -1,5 +1,5 @@
-// Shades every relevant voxel (SPEC §6), projects it (SPEC §5), and finds the tiles that it touches and the
-// sheet in which it begins: the twin of the CPU's `shade`, `project` and `touched`.
+// Shades every relevant voxel (model §6), projects it (model §5), and finds the tiles that it touches and the
+// sheet in which it begins: the twin of the CPU's `shade.rs`, `project.rs` and `toss.rs`.
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
@@ -112,11 +112,7 @@ fn tiles_within(least: vec2<f32>, largest: vec2<f32>) -> vec2<u32> {
 // The voxel's colour and weight in the form that the compositing sums.
 fn splat_color(record: Record) -> vec4<f32> {
     let color = light_up(record.color.rgb, record.normal);
-    let weight = record.color.a;
-    if frame.compositing == COMPOSITING_SEPARATE {
-        return vec4(color, weight);
-    }
-    return vec4(color * weight, weight);
+    return summed_color(frame.compositing, color, record.color.a);
 }
 
 fn light_up(color: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {

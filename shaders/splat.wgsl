@@ -1,7 +1,7 @@
 // Splatting and compositing: a workgroup renders a tile, a thread a pixel, sheet by sheet from the eye. The
 // pixel's sheet and the composited pixel stay in registers.
 //
-//   for each sheet that any of the tile's splats reaches into, until all pixels are full:
+//   for each sheet that any of the tile's splats reaches into, until all pixels are saturated:
 //       for each batch of 64 splats from the first that still reaches into it:
 //           every thread stages one splat: where it lies in this sheet, and its row of the table
 //           every thread adds all staged splats to its pixel
@@ -23,8 +23,6 @@
 //#include "shared/tile.wgsl"
 //#include "shared/tile_work.wgsl"
 //#include "shared/compositing.wgsl"
-//#include "shared/extinction.wgsl"
-//#include "shared/resolve.wgsl"
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 // The tiles `first .. first + n_elements`; the first pixel that is bound is that of row `first_sample`.
@@ -187,7 +185,7 @@ fn composite(
                 while i < now.end {
                     let splat = weighted(i, vec2<f32>(at) + 0.5);
                     if frame.method == METHOD_VOXELS {
-                        pixel += (1.0 - pixel.a) * resolve(splat);
+                        pixel += (1.0 - pixel.a) * resolve(frame.compositing, splat);
                     } else {
                         sums += splat;
                     }
@@ -212,7 +210,7 @@ fn composite(
             }
         }
         is_whole = is_whole && is_last;
-        pixel += (1.0 - pixel.a) * resolve(sums);
+        pixel += (1.0 - pixel.a) * resolve(frame.compositing, sums);
         is_open = is_inside && pixel.a < frame.opacity_cutoff;
         n_visits += n_alive + 1u;
         if frame.method != METHOD_VOXELS {
@@ -272,7 +270,7 @@ fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
 fn stage_section(splat: Splat, slab: u32, thread: u32) -> u32 {
     let faces = vec2(front_of(slab), front_of(slab + 1u));
     let depth = splat.center.z;
-    if depth + frame.reach <= faces.x || faces.y <= depth - frame.reach {
+    if depth + frame.half_depth <= faces.x || faces.y <= depth - frame.half_depth {
         return 0u;
     }
     stage_shape(splat, middle_of(slab), thread);
@@ -357,7 +355,7 @@ fn weighted(i: u32, at: vec2<f32>) -> vec4<f32> {
     return staged[i].color * weight_at(row, rho_squared);
 }
 
-// Counts what is left from a place of the list on, now that all pixels are full.
+// Counts what is left from a place of the list on, now that all pixels are saturated.
 fn cull(first: u32, end: u32, sheet: u32, thread: u32) {
     var n = 0u;
     for (var place = first + thread; place < end; place += BATCH) {

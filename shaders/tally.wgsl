@@ -9,7 +9,7 @@
 
 // Splatted: low and high word; culled: low and high word.
 var<workgroup> n_splats: array<vec4<u32>, 256>;
-// Tiles with splats, full tiles, paused tiles, faulty tiles.
+// Tiles with splats, saturated tiles, paused tiles, faulty tiles.
 var<workgroup> n_tiles: array<vec4<u32>, 256>;
 
 fn add(sum: vec2<u32>, n: vec2<u32>) -> vec2<u32> {

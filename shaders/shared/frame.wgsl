@@ -24,7 +24,7 @@ struct Frame {
 
     // The kernel's radius in index space, and half its thickness along the view.
     radius: f32,
-    reach: f32,
+    half_depth: f32,
     // Index-space length of a ray over one unit of depth.
     index_per_depth: f32,
     // Whether slab faces cut the rays of a footprint at different offsets.
@@ -60,7 +60,7 @@ struct Frame {
     is_mirrored: u32,
     is_nearest: u32,
 
-    // Blinn–Phong (SPEC §6).
+    // Blinn–Phong (model §6).
     is_lit: u32,
     is_two_sided: u32,
     to_light: vec3<f32>,

@@ -1,4 +1,4 @@
-// Surface normals from central differences (SPEC §6): one-sided where a neighbour is outside of the grid or
+// Surface normals from central differences (model §6): one-sided where a neighbour is outside of the grid or
 // NaN, zero where both are.
 
 struct Derivative {

@@ -1,4 +1,4 @@
-// From view space to pixels (SPEC §5).
+// From view space to pixels (model §5).
 
 // Pixels per unit at a depth.
 fn scale_at(depth: f32) -> f32 {

@@ -5,6 +5,6 @@ struct Splat {
     center: vec3<f32>,
     // The first slab that its kernel meets, or its slice; every-sample has no sheets.
     sheet: u32,
-    // What a sheet sums (SPEC §3).
+    // What a sheet sums (model §3).
     color: vec4<f32>,
 }

@@ -1,6 +1,6 @@
 // Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row.
 //
-// Rows run over the half chord √(R² − ρ²), and stand at equal steps of how deep the slab reaches into the
+// Rows run over the half chord √(R² − ρ²), and stand at equal steps of the depth to which the slab goes into the
 // kernel. An element holds all four values that are interpolated between: two neighbours of a row, and
 // the same two of the next row. So a look-up is one load.
 //
@@ -15,8 +15,8 @@ struct Row {
 // The row of the section between the faces `front` and `back`, in index units behind the voxel.
 fn row_at(front: f32, back: f32) -> Row {
     let from_front = back + frame.radius;
-    let reach = select(from_front, min(from_front, frame.radius - front), frame.is_mirrored == 1u);
-    let position = clamp(reach * frame.rows_per_index, 0.0, frame.last_row);
+    let depth = select(from_front, min(from_front, frame.radius - front), frame.is_mirrored == 1u);
+    let position = clamp(depth * frame.rows_per_index, 0.0, frame.last_row);
     if frame.is_nearest == 1u {
         return Row(u32(position + 0.5) * frame.row_len, 0.0);
     }

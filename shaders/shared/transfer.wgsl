@@ -1,4 +1,4 @@
-// Opacity and colour as functions of the sample (SPEC §6), in segments that follow each other without a gap.
+// Opacity and colour as functions of the sample (model §6), in segments that follow each other without a gap.
 //
 // A segment covers a run of keys and begins at the sample of its first one. The host has found the keys and
 // what the function is there, in 64 bits: a sample is on the same side of every point as on the host. What a

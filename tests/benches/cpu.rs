@@ -1,8 +1,8 @@
 //! Whole frames on the CPU, through the facade: `cargo xtask bench cpu`.
 //!
-//! A new camera for each frame. The scenes are those of `../shared/scenes`, where there is such a folder, and the built-in
-//! volumes as they look by themselves; for these also the first frame, which sorts, lists and makes tables.
-//! Stages by themselves are benchmarks of the crates that have them.
+//! A new camera for each frame. The scenes are those of `tests/scenes` whose volumes are there, and the
+//! built-in volumes as they look by themselves; for these also the first frame, which sorts, lists and makes
+//! tables. Stages by themselves are benchmarks of the crates that have them.
 
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, Criterion, criterion_group, criterion_main};
@@ -10,7 +10,6 @@ use slabsplat::{
     Automatic, Backend, ImageDesc, OpenScene, RenderSettings, Renderer, Scene, Volume,
     backend_named, io,
 };
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// By how much the camera turns from frame to frame, in radians.
@@ -23,29 +22,15 @@ fn cpu() -> Box<dyn Backend> {
 }
 
 fn scenes(c: &mut Criterion) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
-    let paths = scene_files(&folder);
-    if paths.is_empty() {
-        println!("skipped: the scenes on real data are not there: {}", folder.display());
-    }
     let mut group = c.benchmark_group("scene");
     group.sample_size(10);
-    for path in paths {
+    for &name in slabsplat_testdata::SCENES {
+        let Some(path) = slabsplat_testdata::scene(name) else { continue };
         let file = io::read_scene(&path).expect("the scene is valid");
         let opened = OpenScene::open(&file).expect("its volume is there");
-        let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        turning(&mut group, &name, opened.volume.into(), &opened.scene);
+        turning(&mut group, name, opened.volume.into(), &opened.scene);
     }
     group.finish();
-}
-
-fn scene_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let paths = entries.map(|entry| entry.path());
-    let mut paths: Vec<PathBuf> =
-        paths.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
-    paths.sort();
-    paths
 }
 
 fn builtins(c: &mut Criterion) {

@@ -1,13 +1,13 @@
 //! Whole frames on every GPU backend, stage by stage: `cargo xtask bench gpu [SCENE …]`.
 //!
-//! A new camera for each frame, reading back excluded where the device has timestamps. Scenes that are not named
-//! are those of `../shared/scenes`, where there is such a folder, and a volume of 512³ voxels of which 20
+//! A new camera for each frame, reading back excluded where the device has timestamps. Scenes that are not
+//! named are the brain, opaque and as a haze, where its volume is, and a volume of 512³ voxels of which 20
 //! million are relevant. Software drivers get few and small frames: they show that it runs.
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Backend, Camera, Frame, Grid, ImageDesc, OpenScene, Phong, Projection, RenderSettings,
-    Renderer, Scaling, Scene, Shading, TransferFunction, Volume, io,
+    Backend, Camera, Frame, Grid, OpenScene, Projection, Renderer, Scaling, Scene,
+    TransferFunction, Volume, io,
 };
 use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend, OpenOptions};
 use std::path::{Path, PathBuf};
@@ -72,10 +72,8 @@ fn cases(paths: &[PathBuf], is_software: bool) -> Vec<Case> {
     if !paths.is_empty() {
         return paths.iter().map(|path| scene_file(path, sides)).collect();
     }
-    let shared = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/scenes"));
-    let of_shared = ["brain.toml", "brain-haze.toml"].map(|name| shared.join(name));
-    let mut cases: Vec<Case> =
-        of_shared.iter().filter(|path| path.exists()).map(|path| scene_file(path, sides)).collect();
+    let brains = ["brain", "brain-haze"].into_iter().filter_map(slabsplat_testdata::scene);
+    let mut cases: Vec<Case> = brains.map(|path| scene_file(&path, sides)).collect();
     cases.push(if is_software { waves(64, &[64]) } else { waves(512, &[1024]) });
     cases
 }
@@ -102,17 +100,14 @@ fn waves(side: usize, sides: &'static [u32]) -> Case {
     let target = volume.grid().center_in_world();
     let eye = target + DVec3::new(2.0, 1.2, 0.8) * side as f64;
     let projection = Projection::Orthographic { view_height: 1.5 * side as f64 };
-    let scene = Scene {
-        transfer: TransferFunction::new(
+    let scene = Scene::new(
+        TransferFunction::new(
             vec![(171.0, [0.0]), (190.0, [0.4]), (240.0, [0.6])],
             vec![(150.0, [0.2, 0.4, 0.9]), (240.0, [1.0, 0.8, 0.3])],
         )
         .expect("the points are sorted"),
-        shading: Shading::Phong(Phong::default()),
-        camera: Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis"),
-        image: ImageDesc::default(),
-        settings: RenderSettings::default(),
-    };
+        Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis"),
+    );
     Case { name: format!("waves of {side}^3"), volume: Arc::new(volume), scene, sides }
 }
 
@@ -150,13 +145,13 @@ fn report(name: &str, frames: &[(Frame, f64)]) {
     let stats = &last.stats;
     println!("{name:<28} {device:>9.3} {whole:>9.3}  {}", stages.join(", "));
     println!(
-        "{:<28} voxels {}, splats {}, culled {}, tiles {} ({} full), {} MiB resident",
+        "{:<28} voxels {}, splats {}, culled {}, tiles {} ({} saturated), {} MiB resident",
         "",
         stats.n_voxels / 1000,
         stats.n_splats / 1000,
         stats.n_culled / 1000,
         stats.n_tiles,
-        stats.n_full_tiles,
+        stats.n_saturated_tiles,
         last.cost.resident_bytes >> 20,
     );
 }

@@ -1,4 +1,4 @@
-//! The scenes behind the paper's figures and SPEC's numbers: a binary cube and a single voxel.
+//! The scenes behind the paper's figures and the model's numbers: a binary cube and a single voxel.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
@@ -11,7 +11,7 @@ use slabsplat_core::{
 pub struct CubeView {
     /// How far the camera is turned about the vertical axis; at 0 it sees one face alone.
     pub angle_degrees: f64,
-    /// Opacity of the cube's voxels. The figures have 1, SPEC §3's table of brightness ½.
+    /// Opacity of the cube's voxels. The figures have 1, model §3's table of brightness ½.
     pub opacity: f64,
     /// `k_a` of the white cube, whose `k_d` is the rest of 1. The figures have 0, the table 0.1.
     pub ambient: f64,
@@ -36,21 +36,19 @@ pub const CUBE_IMAGE_SIDE: u32 = 90;
 /// of its last.
 pub const FACE_PIXELS: [u32; 2] = [34, 48];
 
-/// Pixels along a voxel step of the single voxel: 65 pixels span 9 steps. SPEC's sums over the
-/// image are sums over these pixels.
+/// Pixels along a voxel step of the single voxel: 65 pixels span 9 steps. The model's sums
+/// over the image are sums over these pixels.
 pub const VOXEL_PIXELS_PER_VOXEL: f64 = 65.0 / 9.0;
 
 /// The settings of the paper: its kernel, slabs of one voxel step, `separate`.
 pub fn paper_settings() -> RenderSettings {
-    RenderSettings {
-        method: Method::ImageAligned,
-        slab_width: 1.0,
-        compositing: Compositing::Separate,
-        normalization: Normalization::None,
-        opacity_cutoff: 1.0,
-        tolerance: 0.0,
-        ..RenderSettings::default()
-    }
+    RenderSettings::default()
+        .method(Method::ImageAligned)
+        .slab_width(1.0)
+        .compositing(Compositing::Separate)
+        .normalization(Normalization::None)
+        .opacity_cutoff(1.0)
+        .tolerance(0.0)
 }
 
 /// The binary cube: 255 inside, 0 outside, 16 of 28 voxels a side, lit by a diffuse headlight.
@@ -62,22 +60,19 @@ pub fn cube(view: &CubeView) -> (Volume, Scene) {
     let samples = Samples::U8((0..grid.n_voxels()).map(value).collect());
     let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
 
-    let headlight = Phong {
-        ambient: view.ambient,
-        diffuse: 1.0 - view.ambient,
-        specular: 0.0,
-        shininess: 1.0,
-        two_sided: false,
-        light: Light::Headlight,
-    };
+    let headlight = Phong::default()
+        .ambient(view.ambient)
+        .diffuse(1.0 - view.ambient)
+        .specular(0.0)
+        .shininess(1.0)
+        .two_sided(false)
+        .light(Light::Headlight);
     let view_height = f64::from(CUBE_IMAGE_SIDE) / CUBE_PIXELS_PER_VOXEL;
-    let scene = Scene {
-        transfer: white(view.opacity),
-        shading: Shading::Phong(headlight),
-        camera: orthographic(&grid, view.angle_degrees, view_height),
-        image: square_image(CUBE_IMAGE_SIDE),
-        settings: view.settings.clone(),
-    };
+    let scene =
+        Scene::new(white(view.opacity), orthographic(&grid, view.angle_degrees, view_height))
+            .shading(Shading::Phong(headlight))
+            .image(square_image(CUBE_IMAGE_SIDE))
+            .settings(view.settings.clone());
     (volume, scene)
 }
 
@@ -87,13 +82,10 @@ pub fn single_voxel(settings: RenderSettings) -> (Volume, Scene) {
     let grid = Grid::with_spacing([1; 3], [1.0; 3]).expect("the grid is not empty");
     let volume = Volume::new(grid, Samples::U8(vec![255]), Scaling::IDENTITY)
         .expect("one sample, one voxel");
-    let scene = Scene {
-        transfer: white(0.5),
-        shading: Shading::None,
-        camera: orthographic(&grid, 0.0, 65.0 / VOXEL_PIXELS_PER_VOXEL),
-        image: square_image(65),
-        settings,
-    };
+    let scene = Scene::new(white(0.5), orthographic(&grid, 0.0, 65.0 / VOXEL_PIXELS_PER_VOXEL))
+        .shading(Shading::None)
+        .image(square_image(65))
+        .settings(settings);
     (volume, scene)
 }
 

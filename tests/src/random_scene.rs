@@ -13,8 +13,8 @@ use crate::exact_settings;
 use fastrand::Rng;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Compositing, ImageDesc, KernelName, Light, Method, Normalization, Phong, RenderSettings, Scene,
-    Shading, TransferFunction, Volume,
+    Compositing, ImageDesc, KernelName, Light, Method, Normalization, Phong, Scene, Shading,
+    TransferFunction, Volume,
 };
 
 pub use grid::GridKind;
@@ -45,7 +45,7 @@ pub enum ProjectionKind {
     Perspective,
 }
 
-/// The kernels of SPEC §2.
+/// The kernels of model §2.
 pub const KERNELS: [&str; 2] = ["gaussian", "crawfis-max"];
 
 /// The slab widths drawn from: thinner than the base, between levels, on levels, and wide.
@@ -107,25 +107,21 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
         height: rng.u32(20..=32),
         background: if rng.bool() { [0.0; 4] } else { [0; 4].map(|_| rng.f32()) },
     };
-    let scene = Scene {
-        transfer: if kind.method == Method::PostClassified {
-            gentle_transfer(rng, value_range)
-        } else {
-            random_transfer(rng, value_range)
-        },
-        shading: without_a_jump(kind.method, random_shading(rng)),
-        camera: camera::random_camera(rng, &grid, kind.projection, image.height),
-        image,
-        settings: RenderSettings {
-            method: kind.method,
-            kernel: KernelName(kind.kernel.into()),
-            slab_width: SLAB_WIDTHS[rng.usize(..SLAB_WIDTHS.len())],
-            compositing: kind.compositing,
-            normalization: kind.normalization,
-            base_slab_width: [0.5, 0.5, 0.4][rng.usize(..3)],
-            ..exact_settings()
-        },
+    let transfer = if kind.method == Method::PostClassified {
+        gentle_transfer(rng, value_range)
+    } else {
+        random_transfer(rng, value_range)
     };
+    let shading = without_a_jump(kind.method, random_shading(rng));
+    let camera = camera::random_camera(rng, &grid, kind.projection, image.height);
+    let settings = exact_settings()
+        .method(kind.method)
+        .kernel(KernelName(kind.kernel.into()))
+        .slab_width(SLAB_WIDTHS[rng.usize(..SLAB_WIDTHS.len())])
+        .compositing(kind.compositing)
+        .normalization(kind.normalization)
+        .base_slab_width([0.5, 0.5, 0.4][rng.usize(..3)]);
+    let scene = Scene::new(transfer, camera).shading(shading).image(image).settings(settings);
     (volume, scene)
 }
 
@@ -161,8 +157,8 @@ fn random_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
     TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
 }
 
-/// A function of bounded slope, as a pixel that is classified is as sensitive to its density as that slope is steep
-/// (`docs/algorithm.md`, "Steps").
+/// A function of bounded slope, as a pixel that is classified is as sensitive to its density as that slope is
+/// steep (model §8).
 fn gentle_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
     let positions = |rng: &mut Rng| {
         let first = between(rng, 0.0, 0.3);
@@ -179,14 +175,14 @@ fn gentle_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
     TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
 }
 
-/// Where a surface turns away from a light, a highlight may end all at once. Once a voxel that is harmless; a pixel
-/// would be on either side.
+/// Where a surface turns away from a light, a highlight may end all at once. Once a voxel that is harmless; a
+/// pixel would be on either side.
 fn without_a_jump(method: Method, shading: Shading) -> Shading {
     match shading {
         Shading::Phong(phong)
             if method == Method::PostClassified && phong.light != Light::Headlight =>
         {
-            Shading::Phong(Phong { two_sided: true, ..phong })
+            Shading::Phong(phong.two_sided(true))
         }
         other => other,
     }
@@ -201,12 +197,12 @@ fn random_shading(rng: &mut Rng) -> Shading {
     } else {
         Light::towards(random_direction(rng)).expect("the direction is not zero")
     };
-    Shading::Phong(Phong {
-        ambient: between(rng, 0.0, 0.4),
-        diffuse: between(rng, 0.2, 1.0),
-        specular: between(rng, 0.0, 0.5),
-        shininess: between(rng, 1.0, 40.0),
-        two_sided: rng.bool(),
-        light,
-    })
+    let phong = Phong::default()
+        .ambient(between(rng, 0.0, 0.4))
+        .diffuse(between(rng, 0.2, 1.0))
+        .specular(between(rng, 0.0, 0.5))
+        .shininess(between(rng, 1.0, 40.0))
+        .two_sided(rng.bool())
+        .light(light);
+    Shading::Phong(phong)
 }

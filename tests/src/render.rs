@@ -33,9 +33,13 @@ pub fn backends() -> &'static [&'static str] {
 
 /// Those of [`backends`] that have a method.
 pub fn backends_with(method: Method) -> impl Iterator<Item = &'static str> {
-    let is_for_cpu_only = method == Method::PostClassified;
-    backends().iter().copied().filter(move |name| *name == "cpu" || !is_for_cpu_only)
+    let has_it = move |name: &&str| METHODS[name].contains(&method);
+    backends().iter().copied().filter(has_it)
 }
+
+/// What the backends say that they have, each asked once.
+static METHODS: LazyLock<BTreeMap<&str, &[Method]>> =
+    LazyLock::new(|| backends().iter().map(|name| (*name, open(name).caps().methods)).collect());
 
 /// Renders a frame.
 ///

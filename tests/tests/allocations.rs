@@ -2,7 +2,7 @@
 //!
 //! It is on its own, as the heap is counted for the whole process.
 
-use slabsplat::{Automatic, ImageDesc, Method, RenderSettings, Renderer, Scene, backend_named, io};
+use slabsplat::{Automatic, ImageDesc, Method, RenderSettings, Renderer, backend_named, io};
 
 #[global_allocator]
 static HEAP: dhat::Alloc = dhat::Alloc;
@@ -21,12 +21,12 @@ fn allocations_of_a_warm_frame() {
     let [width, height] = SIZE;
     let image = ImageDesc { width, height, background: [0.0; 4] };
     for &method in Method::ALL {
-        let settings = RenderSettings { method, ..RenderSettings::default() };
+        let settings = RenderSettings::default().method(method);
         let scene = Automatic::new(&volume).scene(image, settings);
         let mut renderer =
             Renderer::new(volume.clone(), backend_named("cpu").expect("the CPU is there"));
         let mut taken_by_frame = |step: u32| {
-            let scene = Scene { camera: scene.camera.orbited(f64::from(step)), ..scene.clone() };
+            let scene = scene.clone().camera(scene.camera.orbited(f64::from(step)));
             let before = dhat::HeapStats::get();
             pool.install(|| renderer.render(&scene).expect("the scene is valid"));
             let after = dhat::HeapStats::get();

@@ -58,12 +58,10 @@ fn storage_order_does_not_change_the_picture() {
         for &method in Method::ALL {
             for &compositing in Compositing::ALL {
                 // At 45° whole columns of voxels are equally deep.
-                let settings = RenderSettings {
-                    method,
-                    compositing,
-                    slab_width: 0.8,
-                    ..RenderSettings::default()
-                };
+                let settings = RenderSettings::default()
+                    .method(method)
+                    .compositing(compositing)
+                    .slab_width(0.8);
                 let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
                 let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };
                 let (volume, scene) = cube(&view);

@@ -96,24 +96,19 @@ fn scene(rng: &mut Rng, grid: &Grid, eye: DVec3, projection: Projection) -> Opti
     // A kernel is cut into a few sections, however long it is: a million are right, too, but take a while.
     let longest = grid.spacing().into_iter().fold(0.0, f64::max) / grid.unit();
     let light = if rng.bool() { Light::Headlight } else { Light::towards(direction(rng)).ok()? };
-    Some(Scene {
-        transfer: TransferFunction::new(
-            vec![(0.0, [0.0]), (1.0, [[0.02, 0.5, 1.0][rng.usize(..3)]])],
-            vec![(0.0, [1.0, 0.5, 0.2]), (1.0, [0.1, 0.9, 1.0])],
-        )
-        .ok()?,
-        shading: Shading::Phong(Phong { light, ..Phong::default() }),
-        camera,
-        image: ImageDesc { width: rng.u32(1..=20), height: rng.u32(1..=20), background: [0.0; 4] },
-        settings: RenderSettings {
-            method,
-            kernel: KernelName(KERNEL_NAMES[rng.usize(..KERNEL_NAMES.len())].into()),
-            compositing: Compositing::ALL[rng.usize(..Compositing::ALL.len())],
-            slab_width: longest * [0.1, 1.0, 7.0][rng.usize(..3)],
-            tolerance: [0.0, 0.05][rng.usize(..2)],
-            sections: 16,
-            radial_samples: 32,
-            ..RenderSettings::default()
-        },
-    })
+    let transfer = TransferFunction::new(
+        vec![(0.0, [0.0]), (1.0, [[0.02, 0.5, 1.0][rng.usize(..3)]])],
+        vec![(0.0, [1.0, 0.5, 0.2]), (1.0, [0.1, 0.9, 1.0])],
+    );
+    let image = ImageDesc { width: rng.u32(1..=20), height: rng.u32(1..=20), background: [0.0; 4] };
+    let settings = RenderSettings::default()
+        .method(method)
+        .kernel(KernelName(KERNEL_NAMES[rng.usize(..KERNEL_NAMES.len())].into()))
+        .compositing(Compositing::ALL[rng.usize(..Compositing::ALL.len())])
+        .slab_width(longest * [0.1, 1.0, 7.0][rng.usize(..3)])
+        .tolerance([0.0, 0.05][rng.usize(..2)])
+        .sections(16)
+        .radial_samples(32);
+    let shading = Shading::Phong(Phong::default().light(light));
+    Some(Scene::new(transfer.ok()?, camera).shading(shading).image(image).settings(settings))
 }

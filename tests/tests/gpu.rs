@@ -1,11 +1,10 @@
-//! What only backends on a GPU can get wrong: limits, memory, loss, and what moves when little changes. Each test
-//! runs on every graphics interface that this machine has a driver for.
+//! What only backends on a GPU can get wrong: limits, memory, loss, and what moves when little changes. Each
+//! test runs on every graphics interface that this machine has a driver for.
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
     Backend, BackendError, Camera, Compositing, Frame, FrameId, Grid, ImageDesc, Lookup, Method,
-    Phong, Planner, Projection, RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction,
-    Volume,
+    Planner, Projection, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use slabsplat_seeds::for_each_seed;
@@ -54,17 +53,12 @@ fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
     let size = volume.grid().dims().into_iter().max().expect("there are three") as f64;
     let projection = Projection::Orthographic { view_height: 1.4 * size };
     let eye = target + DVec3::new(3.0, 2.0, -2.5) * size;
-    Scene {
-        transfer: transfer(0.3),
-        shading: Shading::Phong(Phong::default()),
-        camera: Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward"),
-        image: ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] },
-        settings: RenderSettings {
-            method,
-            compositing: Compositing::Extinction,
-            ..exact_settings()
-        },
-    }
+    Scene::new(
+        transfer(0.3),
+        Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward"),
+    )
+    .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
+    .settings(exact_settings().method(method).compositing(Compositing::Extinction))
 }
 
 fn transfer(opacity: f64) -> TransferFunction {
@@ -115,8 +109,8 @@ fn on_devices(
 
 fn as_it_is(_: &mut DeviceInfo) {}
 
-/// To be held by a test, so that one is run at a time: together they would open dozens of devices at once, which
-/// Mesa's software driver has been seen to crash under.
+/// To be held by a test, so that one is run at a time: together they would open dozens of devices at once,
+/// which Mesa's software driver has been seen to crash under.
 fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     ONE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -413,8 +407,9 @@ fn every_sample_type_is_classified_alike() {
     println!("largest difference from the CPU {worst:.1e}");
 }
 
-/// Two numbers that follow each other are far enough apart for a step between them; so are 0 and 1e-300 among hundreds of
-/// thousands, and samples whose scaled values all round to the step. They were one to a shader, and pixels off by 0.5.
+/// Two numbers that follow each other are far enough apart for a step between them; so are 0 and 1e-300 among
+/// hundreds of thousands, and samples whose scaled values all round to the step. They were one to a shader,
+/// and pixels off by 0.5.
 #[test]
 fn steps_are_as_narrow_as_numbers() {
     let _alone = alone();

@@ -73,15 +73,14 @@ fn builtin(name: &str, size: usize) -> Volume {
 /// Looks at the world's origin.
 fn scene(eye: [f64; 3], projection: Projection, opacity: &[(f64, f64)]) -> Scene {
     let opacity = opacity.iter().map(|&(value, opacity)| (value, [opacity])).collect();
-    Scene {
-        transfer: TransferFunction::new(opacity, vec![(0.0, [0.95, 0.8, 0.55])])
+    Scene::new(
+        TransferFunction::new(opacity, vec![(0.0, [0.95, 0.8, 0.55])])
             .expect("the points are sorted"),
-        shading: Shading::Phong(Phong::default()),
-        camera: Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)
+        Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)
             .expect("the eye is off the z axis"),
-        image: ImageDesc { width: SIDE, height: SIDE, background: [0.0, 0.0, 0.0, 1.0] },
-        settings: exact_settings(),
-    }
+    )
+    .image(ImageDesc { width: SIDE, height: SIDE, background: [0.0, 0.0, 0.0, 1.0] })
+    .settings(exact_settings())
 }
 
 fn parallel(view_height: f64) -> Projection {
@@ -109,7 +108,7 @@ fn image_cube_by_method() {
 fn image_light_from_the_upper_left() {
     let mut scene = scene([0.0, -40.0, 0.0], parallel(38.0), &[(60.0, 0.0), (200.0, 0.8)]);
     let light = Light::towards(DVec3::new(-1.0, -0.6, 1.0)).expect("it is a direction");
-    scene.shading = Shading::Phong(Phong { light, two_sided: false, ..Phong::default() });
+    scene.shading = Shading::Phong(Phong::default().light(light).two_sided(false));
     check("light-upper-left", &builtin("sphere", 32), &scene);
 }
 

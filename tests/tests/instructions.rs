@@ -1,15 +1,14 @@
 //! Small frames whose instructions are counted: `cargo xtask bench instructions`.
 //!
-//! Each workload renders a frame that does not count, and then one that does, in which one stage or two do most of
-//! the work. They are whole frames through the facade, so that the crates below may be rebuilt freely, and
-//! valgrind counts what [`counted_frame`] does and nothing else.
+//! Each workload renders a frame that does not count, and then one that does, in which one stage or two do
+//! most of the work. They are whole frames through the facade, so that the crates below may be rebuilt
+//! freely, and valgrind counts what [`counted_frame`] does and nothing else.
 //!
 //! This is no test of its own: without arguments, as `cargo test` runs it, it only draws all frames.
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Frame, ImageDesc, Phong, Projection, RenderSettings, Renderer, Scene, Shading,
-    TransferFunction, backend_named, io,
+    Camera, Frame, ImageDesc, Projection, Renderer, Scene, TransferFunction, backend_named, io,
 };
 
 /// A frame that is counted, and how to come there.
@@ -50,7 +49,7 @@ const WORKLOADS: &[Workload] = &[
         image_side: 64,
         change: orbit,
     },
-    // Where most is hidden.
+    // Where most is occluded.
     Workload {
         name: "opaque",
         volume: ("neuron", 64),
@@ -120,18 +119,16 @@ fn counted_frame(renderer: &mut Renderer, scene: &Scene) -> Frame {
 fn scene(workload: &Workload) -> Scene {
     let side = workload.volume.1 as f64;
     let projection = Projection::Orthographic { view_height: 1.2 * side };
-    Scene {
-        transfer: transfer(workload.opacity, 90.0),
-        shading: Shading::Phong(Phong::default()),
-        camera: Camera::new(workload.eye * side, DVec3::ZERO, DVec3::Z, projection)
+    Scene::new(
+        transfer(workload.opacity, 90.0),
+        Camera::new(workload.eye * side, DVec3::ZERO, DVec3::Z, projection)
             .expect("the eye is off the axis"),
-        image: ImageDesc {
-            width: workload.image_side,
-            height: workload.image_side,
-            background: [0.0; 4],
-        },
-        settings: RenderSettings::default(),
-    }
+    )
+    .image(ImageDesc {
+        width: workload.image_side,
+        height: workload.image_side,
+        background: [0.0; 4],
+    })
 }
 
 fn transfer(opacity: f64, foot: f64) -> TransferFunction {

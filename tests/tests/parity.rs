@@ -1,9 +1,8 @@
-//! Every backend against the float64 reference, on scenes at random: the tolerances of SPEC §9.
+//! Every backend against the float64 reference, on scenes at random: the tolerances of model §9.
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
-    Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, Shading,
-    TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Method, Projection, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_numbered_seed;
 use slabsplat_tests::exact_settings;
@@ -89,14 +88,14 @@ fn needles(ratio: f64, method: Method) -> (Volume, Scene) {
     let target = steps * DVec3::new(1.0, 1.0, 2.8);
     let eye = target + 5.0 * ratio * DVec3::new(-0.6, 0.5, -0.4);
     let projection = Projection::Orthographic { view_height: 8.0 };
-    let settings = RenderSettings { method, ..exact_settings() };
-    let scene = Scene {
-        transfer: TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0, 0.8, 0.5])])
+    let settings = exact_settings().method(method);
+    let scene = Scene::new(
+        TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0, 0.8, 0.5])])
             .expect("the points are finite"),
-        shading: Shading::None,
-        camera: Camera::new(eye, target, DVec3::Y, projection).expect("the eye is off the y axis"),
-        image: ImageDesc { width: 24, height: 24, background: [0.0; 4] },
-        settings,
-    };
+        Camera::new(eye, target, DVec3::Y, projection).expect("the eye is off the y axis"),
+    )
+    .shading(Shading::None)
+    .image(ImageDesc { width: 24, height: 24, background: [0.0; 4] })
+    .settings(settings);
     (volume, scene)
 }

@@ -1,28 +1,14 @@
-//! The benchmark scenes on real data, which lie beside the project's checkout. Where they do not, the
-//! tests say that they were skipped.
+//! The scenes on real data. Where their volumes are not, the tests say that they were skipped.
 
 use slabsplat::{Frame, OpenScene, Renderer, backend_named, io};
-use std::io::Write;
-use std::path::{Path, PathBuf};
 
-fn scenes_dir() -> Option<PathBuf> {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scenes");
-    if !dir.is_dir() {
-        // Not by println!, which the test runner keeps to itself where a test passes.
-        let what = "skipped: the scenes on real data are not there:";
-        let _ = writeln!(std::io::stderr(), "{what} {}", dir.display());
-        return None;
-    }
-    Some(dir)
-}
-
-/// Renders a scene at a quarter of its size.
-fn render(dir: &Path, name: &str) -> Frame {
-    let file = io::read_scene(&dir.join(name)).expect("the scene is valid");
+/// Renders a scene at a quarter of its size, if its volume is there.
+fn render(name: &str) -> Option<Frame> {
+    let file = io::read_scene(&slabsplat_testdata::scene(name)?).expect("the scene is valid");
     let OpenScene { volume, mut scene, .. } = OpenScene::open(&file).expect("its volume is there");
     (scene.image.width, scene.image.height) = (128, 128);
     let backend = backend_named("cpu").expect("the CPU is always there");
-    Renderer::new(volume, backend).render(&scene).expect("the scene can be drawn")
+    Some(Renderer::new(volume, backend).render(&scene).expect("the scene can be drawn"))
 }
 
 fn share_of_pixels(frame: &Frame, is_meant: impl Fn(&[f32; 4]) -> bool) -> f64 {
@@ -33,8 +19,7 @@ fn share_of_pixels(frame: &Frame, is_meant: impl Fn(&[f32; 4]) -> bool) -> f64 {
 /// 1.62 million voxels lie above the foot of the ramp, and what they hide is opaque.
 #[test]
 fn brain_is_opaque() {
-    let Some(dir) = scenes_dir() else { return };
-    let frame = render(&dir, "brain.toml");
+    let Some(frame) = render("brain") else { return };
     assert_eq!(frame.stats.n_voxels, 1_617_157);
     let opaque = share_of_pixels(&frame, |pixel| 0.99 < pixel[3]);
     let empty = share_of_pixels(&frame, |pixel| pixel[3] == 0.0);
@@ -50,18 +35,16 @@ fn brain_is_opaque() {
 
 #[test]
 fn haze_hides_nothing() {
-    let Some(dir) = scenes_dir() else { return };
-    let frame = render(&dir, "brain-haze.toml");
+    let Some(frame) = render("brain-haze") else { return };
     assert!(1_800_000 < frame.stats.n_voxels, "{}", frame.stats.n_voxels);
-    assert_eq!(frame.stats.n_full_tiles, 0);
+    assert_eq!(frame.stats.n_saturated_tiles, 0);
     let seen = share_of_pixels(&frame, |pixel| 0.1 < pixel[3]);
     assert!((0.25..0.5).contains(&seen), "{seen}");
 }
 
 #[test]
 fn embryo_in_perspective() {
-    let Some(dir) = scenes_dir() else { return };
-    let frame = render(&dir, "embryo-perspective.toml");
+    let Some(frame) = render("embryo-perspective") else { return };
     let opaque = share_of_pixels(&frame, |pixel| 0.99 < pixel[3]);
     assert!((0.1..0.5).contains(&opaque), "{opaque}");
 }

@@ -10,17 +10,14 @@ use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{Kernel, ReferenceImage, render};
 
 fn scene(camera: Camera, settings: RenderSettings) -> Scene {
-    Scene {
-        transfer: TransferFunction::new(
-            vec![(0.0, [0.0]), (1.0, [0.6])],
-            vec![(0.0, [0.2, 0.4, 0.8])],
-        )
-        .expect("the points rise"),
-        shading: Shading::None,
+    Scene::new(
+        TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.6])], vec![(0.0, [0.2, 0.4, 0.8])])
+            .expect("the points rise"),
         camera,
-        image: ImageDesc { width: 21, height: 21, background: [0.0; 4] },
-        settings,
-    }
+    )
+    .shading(Shading::None)
+    .image(ImageDesc { width: 21, height: 21, background: [0.0; 4] })
+    .settings(settings)
 }
 
 fn orthographic(target: DVec3, view_height: f64) -> Camera {
@@ -40,7 +37,7 @@ fn wavy() -> Volume {
 }
 
 fn settings(method: Method, compositing: Compositing) -> RenderSettings {
-    RenderSettings { method, compositing, ..RenderSettings::default() }
+    RenderSettings::default().method(method).compositing(compositing)
 }
 
 fn assert_same(a: &ReferenceImage, b: &ReferenceImage, tolerance: f64) {
@@ -94,13 +91,13 @@ fn render_nothing_but_background() {
     }
 }
 
-/// SPEC §3: two thin slabs composited have exactly the opacity of one thick one, so in `extinction`
+/// model §3: two thin slabs composited have exactly the opacity of one thick one, so in `extinction`
 /// the opacity of a picture does not depend on the slab width, nor on the method.
 #[test]
 fn render_extinction_opacity_is_additive() {
     let volume = wavy();
     let of = |method, slab_width| {
-        let settings = RenderSettings { slab_width, ..settings(method, Compositing::Extinction) };
+        let settings = settings(method, Compositing::Extinction).slab_width(slab_width);
         render(&volume, &scene(orthographic(DVec3::new(2.5, 2.0, 3.0), 9.0), settings))
     };
     let thin = of(Method::ImageAligned, 0.3);
@@ -169,8 +166,7 @@ fn render_does_not_depend_on_world_unit() {
     let grid = Grid::with_spacing(small.grid().dims(), [7.0; 3]).unwrap();
     let large = small.clone().with_grid(grid).unwrap();
     for &method in Method::ALL {
-        let settings =
-            RenderSettings { slab_width: 0.8, ..settings(method, Compositing::Extinction) };
+        let settings = settings(method, Compositing::Extinction).slab_width(0.8);
         let center = small.grid().center_in_world();
         let a = render(&small, &scene(orthographic(center, 9.0), settings.clone()));
         let eye = 7.0 * (center + DVec3::new(3.0, 4.0, 12.0));
@@ -180,7 +176,7 @@ fn render_does_not_depend_on_world_unit() {
     }
 }
 
-/// SPEC §5: a volume shrunk to a few pixels keeps its sum, wherever between the pixels it lies.
+/// model §5: a volume shrunk to a few pixels keeps its sum, wherever between the pixels it lies.
 #[test]
 fn render_minified_volume_keeps_its_sum() {
     let volume = wavy();
@@ -219,12 +215,10 @@ fn render_odd_values() {
 fn render_normalization_spares_the_base() {
     let volume = wavy();
     let of = |normalization| {
-        let settings = RenderSettings {
-            normalization,
-            slab_width: 0.5,
-            kernel: KernelName("crawfis-max".into()),
-            ..settings(Method::ImageAligned, Compositing::Separate)
-        };
+        let settings = settings(Method::ImageAligned, Compositing::Separate)
+            .normalization(normalization)
+            .slab_width(0.5)
+            .kernel(KernelName("crawfis-max".into()));
         render(&volume, &scene(orthographic(DVec3::ONE, 9.0), settings))
     };
     assert_eq!(of(Normalization::None), of(Normalization::Product));

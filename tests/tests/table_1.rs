@@ -1,6 +1,6 @@
 //! Table 1 of the paper: two rays through a binary face, as arithmetic with eqs. 2 and 3.
 //!
-//! Printed beside what follows is what the paper prints. Its second ray slips at sheet 5 (SPEC §4).
+//! Printed beside what follows is what the paper prints. Its second ray slips at sheet 5 (model §4).
 
 use slabsplat_core::Compositing;
 use slabsplat_tests::reference::{Premultiplied, SheetSums};

@@ -1,4 +1,4 @@
-//! What the section table and early termination cost in a picture (SPEC §9).
+//! What the section table and early termination cost in a picture (model §9).
 
 use slabsplat::{Lookup, Method, RenderSettings};
 use slabsplat_tests::paper_scenes::{CubeView, cube, paper_settings};
@@ -10,14 +10,14 @@ const FROM_CPU: f32 = 1e-3;
 
 fn largest_difference(sections: u32, lookup: Lookup) -> f64 {
     // So many radial samples that only the offsets count.
-    let settings = RenderSettings { sections, lookup, radial_samples: 2048, ..paper_settings() };
+    let settings = paper_settings().sections(sections).lookup(lookup).radial_samples(2048);
     let view = CubeView { angle_degrees: 45.0, opacity: 1.0, ambient: 0.0, settings };
     let (volume, scene) = cube(&view);
     reference::render(&volume, &scene).compare(&render("cpu", &volume, &scene)).max
 }
 
-/// SPEC §9 for the solid cube at w = 1: 128 nearest 3.8·10⁻³, 512 nearest 1.0·10⁻³, 128 linear
-/// 7·10⁻⁵. Bounds are those that SPEC sets; the order of the three is checked too.
+/// model §9 for the solid cube at w = 1: 128 nearest 3.8·10⁻³, 512 nearest 1.0·10⁻³, 128 linear
+/// 7·10⁻⁵. Bounds are those of the model; the order of the three is checked too.
 #[test]
 fn table_quantisation() {
     let paper = largest_difference(128, Lookup::Nearest);
@@ -38,12 +38,10 @@ fn opacity_cutoff_keeps_its_promise() {
         Method::ALL.iter().flat_map(|m| [0.7, 0.9, 0.99, 1.0 - 1e-5].map(|cutoff| (m, cutoff)))
     {
         let render_with = |backend: &str, opacity_cutoff| {
-            let settings = RenderSettings {
-                method,
-                opacity_cutoff,
-                tolerance: 0.0,
-                ..RenderSettings::default()
-            };
+            let settings = RenderSettings::default()
+                .method(method)
+                .opacity_cutoff(opacity_cutoff)
+                .tolerance(0.0);
             let view = CubeView { angle_degrees: 30.0, opacity: 0.3, ambient: 0.5, settings };
             let (volume, scene) = cube(&view);
             render(backend, &volume, &scene)

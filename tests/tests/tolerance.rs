@@ -1,5 +1,5 @@
-//! What a tolerance may change: the reference with sections folded against the reference with all of them
-//! (`docs/algorithm.md`, "Sections by opacity").
+//! What a tolerance may change: the reference with sections merged against the reference with all of them
+//! (model §7).
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
@@ -11,7 +11,8 @@ use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{ReferenceImage, render, render_within_tolerance};
 use slabsplat_tests::render::render as by_backend;
 
-/// The part of a tolerance that the CPU backend may use up with simpler footprints: shorter polynomials, and products.
+/// The part of a tolerance that the CPU backend may use up with simpler footprints: shorter polynomials, and
+/// products.
 const SHARE_OF_FOOTPRINTS: f64 = 0.15;
 
 const TOLERANCES: [f64; 4] = [1e-4, 1e-3, 1e-2, 5e-2];
@@ -20,8 +21,8 @@ const TOLERANCES: [f64; 4] = [1e-4, 1e-3, 1e-2, 5e-2];
 fn worst_share(volume: &Volume, scene: &Scene) -> f64 {
     let exact = render(volume, scene);
     let share = |tolerance: f64| {
-        let settings = RenderSettings { tolerance, ..scene.settings.clone() };
-        let scene = Scene { settings, ..scene.clone() };
+        let settings = scene.settings.clone().tolerance(tolerance);
+        let scene = scene.clone().settings(settings);
         exact.compare_reference(&render_within_tolerance(volume, &scene)).max / tolerance
     };
     TOLERANCES.into_iter().map(share).fold(0.0, f64::max)
@@ -36,7 +37,7 @@ fn black_to_white(alpha: f64) -> TransferFunction {
 fn tolerance_on_random_scenes() {
     let mut worst = 0.0_f64;
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
-        for kind in SceneKind::share(seed).filter(folds) {
+        for kind in SceneKind::share(seed).filter(merges) {
             let (volume, mut scene) = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (14, 14);
             scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
@@ -51,16 +52,16 @@ fn tolerance_on_random_scenes() {
         }
     });
     println!("at most {worst:.2} of the tolerance");
-    assert!(0.01 < worst, "nothing was folded");
+    assert!(0.01 < worst, "nothing was merged");
 }
 
-/// The CPU backend folds what the definition says: as far from the reference that folds as it may be without a
-/// tolerance, and from the exact one as far more as the tolerance.
+/// The CPU backend merges what the definition says: as far from the reference that merges as it may be
+/// without a tolerance, and from the exact one as far more as the tolerance.
 #[test]
 fn tolerance_on_the_cpu() {
     let (mut worst, mut worst_share, mut worst_from_exact) = (0.0_f64, 0.0_f64, 0.0_f64);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
-        let kinds = SceneKind::share(seed).filter(folds);
+        let kinds = SceneKind::share(seed).filter(merges);
         for (kind, tolerance) in kinds.flat_map(|kind| TOLERANCES.map(|t| (kind, t))) {
             let (volume, mut scene) = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (16, 16);
@@ -70,22 +71,22 @@ fn tolerance_on_the_cpu() {
                 scene.transfer = black_to_white(0.1 * rng.f64());
             }
             let image = by_backend("cpu", &volume, &scene);
-            let folded = render_within_tolerance(&volume, &scene).compare(&image);
+            let merged = render_within_tolerance(&volume, &scene).compare(&image);
             let exact = render(&volume, &scene).compare(&image);
-            let share = (folded.max - 1e-3) / tolerance;
+            let share = (merged.max - 1e-3) / tolerance;
             assert!(share < SHARE_OF_FOOTPRINTS, "{share} of {tolerance}: {kind:?}");
             worst_share = worst_share.max(share);
             assert!(exact.max < 1e-3 + tolerance, "{}: {kind:?} {tolerance}", exact.max);
-            worst = worst.max(folded.max);
+            worst = worst.max(merged.max);
             worst_from_exact = worst_from_exact.max(exact.max / tolerance);
         }
     });
     println!(
-        "at most {worst:.1e} from what folds, {worst_share:.2} tolerances beyond 1e-3; {worst_from_exact:.2} tolerances from exact"
+        "at most {worst:.1e} from what merges, {worst_share:.2} tolerances beyond 1e-3; {worst_from_exact:.2} tolerances from exact"
     );
 }
 
-fn folds(kind: &SceneKind) -> bool {
+fn merges(kind: &SceneKind) -> bool {
     kind.method == Method::ImageAligned
         && kind.compositing == Compositing::Extinction
         && kind.normalization == Normalization::None
@@ -106,13 +107,10 @@ fn tolerance_on_alternating_layers() {
             let target = grid.center_in_world();
             let projection = Projection::Orthographic { view_height: 1.0 };
             let camera = Camera::new(target - 90.0 * DVec3::Z, target, DVec3::Y, projection);
-            let scene = Scene {
-                transfer: black_to_white(alpha),
-                shading: Shading::None,
-                camera: camera.expect("up is not forward"),
-                image: ImageDesc { width: 2, height: 2, background: [0.0; 4] },
-                settings: RenderSettings { slab_width, ..RenderSettings::default() },
-            };
+            let scene = Scene::new(black_to_white(alpha), camera.expect("up is not forward"))
+                .shading(Shading::None)
+                .image(ImageDesc { width: 2, height: 2, background: [0.0; 4] })
+                .settings(RenderSettings::default().slab_width(slab_width));
             worst = worst.max(worst_share(&volume, &scene));
         }
     }
@@ -120,7 +118,7 @@ fn tolerance_on_alternating_layers() {
     assert!(0.1 < worst && worst <= 1.0, "{worst} of the tolerance");
 }
 
-/// A block in perspective, seen along its edges by slabs out of step with it: what is folded moves
+/// A block in perspective, seen along its edges by slabs out of step with it: what is merged moves
 /// sideways.
 #[test]
 fn tolerance_on_edges_in_perspective() {
@@ -134,21 +132,18 @@ fn tolerance_on_edges_in_perspective() {
         let target = grid.center_in_world() + 2.0 * DVec3::X;
         let projection = Projection::Perspective { fov_y_radians: 0.9 };
         let camera = Camera::new(target - 16.0 * DVec3::Z, target, DVec3::Y, projection);
-        let scene = Scene {
-            transfer: black_to_white(alpha),
-            shading: Shading::None,
-            camera: camera.expect("up is not forward"),
-            image: ImageDesc { width: 18, height: 18, background: [0.0; 4] },
-            settings: RenderSettings { slab_width, ..RenderSettings::default() },
-        };
+        let scene = Scene::new(black_to_white(alpha), camera.expect("up is not forward"))
+            .shading(Shading::None)
+            .image(ImageDesc { width: 18, height: 18, background: [0.0; 4] })
+            .settings(RenderSettings::default().slab_width(slab_width));
         worst = worst.max(worst_share(&volume, &scene));
     }
     println!("at most {worst:.2} of the tolerance");
     assert!(worst <= 1.0, "{worst} of the tolerance");
 }
 
-/// Walls as thin as a voxel or two, seen along them: what products are off by adds up over their depth. Along planes of
-/// the grid, where their edges may lie a third of a voxel further out, and along others.
+/// Walls as thin as a voxel or two, seen along them: what products are off by adds up over their depth. Along
+/// planes of the grid, where their edges may lie a third of a voxel further out, and along others.
 #[test]
 fn tolerance_on_walls_seen_along() {
     for_each_seed(1, |mut rng| {
@@ -174,14 +169,12 @@ fn tolerance_on_walls_seen_along() {
                 let camera =
                     Camera::new(eye, center, forward.cross(DVec3::new(0.3, 0.2, 0.9)), projection);
                 let opacity = vec![(0.0, [0.0]), (0.5, [0.0]), (1.0, [alpha])];
-                let scene = Scene {
-                    transfer: TransferFunction::new(opacity, vec![(0.0, [1.0; 3])])
-                        .expect("rising"),
-                    shading: Shading::None,
-                    camera: camera.expect("up is not forward"),
-                    image: ImageDesc { width: 40, height: 40, background: [0.0; 4] },
-                    settings: RenderSettings::default(),
-                };
+                let scene = Scene::new(
+                    TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("rising"),
+                    camera.expect("up is not forward"),
+                )
+                .shading(Shading::None)
+                .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] });
                 let (exact, image) = (render(&volume, &scene), by_backend("cpu", &volume, &scene));
                 let difference = exact.compare(&image).max;
                 let nearby = outside_of_neighbours(&exact, &image);

@@ -1,15 +1,16 @@
 //! `cargo xtask ci`: what must pass before a change is handed in.
 //!
 //! Beside lint and test it builds each crate without features, and with each feature alone.
-//! A build of the whole workspace unites the features, and so hides one that does not stand by itself; it unites those
-//! of dependencies too, and so a crate that has no features is built alone as well.
+//! A build of the whole workspace unites the features, and so hides one that does not stand by itself; it
+//! unites those of dependencies too, and so a crate that has no features is built alone as well.
 
 use anyhow::{Result, ensure};
 
+use xtask::process::{cargo, run as run_command};
+use xtask::workspace::{self, Package, Workspace};
+
 use crate::lint;
-use crate::process::{cargo, run as run_command};
 use crate::test::{self, Test};
-use crate::workspace::{self, Package};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
@@ -18,10 +19,9 @@ pub(crate) fn run() -> Result<()> {
 }
 
 fn check_features() -> Result<()> {
-    let root = workspace::root();
     let mut failed = Vec::new();
-    for build in workspace::packages(root)?.iter().flat_map(feature_builds) {
-        if run_command(cargo(root).arg("check").args(&build)).is_err() {
+    for build in Workspace::read()?.packages.iter().flat_map(feature_builds) {
+        if run_command(cargo(workspace::root()).arg("check").args(&build)).is_err() {
             failed.push(build.join(" "));
         }
     }
@@ -32,7 +32,7 @@ fn check_features() -> Result<()> {
 /// The arguments of one build per feature, and of one without.
 fn feature_builds(package: &Package) -> Vec<Vec<String>> {
     let bare = ["--package", &package.name, "--no-default-features"].map(str::to_owned).to_vec();
-    let alone = package.features.iter().filter(|feature| *feature != "default").map(|feature| {
+    let alone = package.features.keys().filter(|feature| *feature != "default").map(|feature| {
         let mut build = bare.clone();
         build.extend(["--features".to_owned(), feature.clone()]);
         build
@@ -43,12 +43,13 @@ fn feature_builds(package: &Package) -> Vec<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde::de::IgnoredAny;
 
     fn check(features: &[&str], expected: &[&str]) {
-        let mut package = Package::named("a");
-        package.features = features.iter().map(ToString::to_string).collect();
+        let features = features.iter().map(|name| ((*name).to_owned(), IgnoredAny)).collect();
+        let package = Package { name: "a".to_owned(), features, ..Package::default() };
         let builds: Vec<String> = feature_builds(&package).iter().map(|b| b.join(" ")).collect();
-        assert_eq!(builds, expected, "features {features:?}");
+        assert_eq!(builds, expected, "features of {expected:?}");
     }
 
     #[test]

@@ -7,8 +7,10 @@ use std::path::Path;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::process::{cargo, run as run_command};
-use crate::{dependencies, tidy, workspace};
+use xtask::process::{cargo, run as run_command};
+use xtask::workspace::{self, Workspace};
+
+use crate::{dependencies, tidy};
 
 type Step = fn(&Path) -> Result<()>;
 
@@ -43,7 +45,7 @@ fn check_tidy(root: &Path) -> Result<()> {
 }
 
 fn check_dependencies(root: &Path) -> Result<()> {
-    report(&dependencies::check(&workspace::packages(root)?))
+    report(&dependencies::check(root, &Workspace::read()?.packages)?)
 }
 
 fn check_clippy(root: &Path) -> Result<()> {

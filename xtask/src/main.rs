@@ -5,10 +5,9 @@
 //! ```
 //!
 //! Each command is a file of its own name; `cargo xtask` without arguments lists them.
+//! What measures is the program `slabsplat-bench`, in `xtask/bench`, which is built once somebody measures.
 //! The rules about this repository that no compiler knows are [`tidy`] (files) and [`dependencies`] (crates).
 //! Both run as tests too, so that a plain `cargo test` finds what they find.
-//!
-//! Nothing here is part of the renderer, and no crate may depend on it.
 
 mod lint;
 mod test;
@@ -19,35 +18,23 @@ mod ci;
 mod dependencies;
 mod tidy;
 
-mod apt;
-mod process;
-mod vulkan;
-mod workspace;
+mod system;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use bench::Bench;
 use test::Test;
 
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   lint                     rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
-  test [ARGS]              set up what the tests need, then `cargo test ARGS`, of all packages unless some are named
+  test [ARGS]              `cargo test ARGS`, of all packages unless some are named
+  test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
-  bench [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
-  bench peers              frames of slabsplat and of VTK's ray caster by turns, and their ratios
-                           [--frames N] frames a run, [--pairs N] runs of each
-  bench scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
-                           [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
-  bench instructions       count what small frames take and compare it with what is recorded, as `test` does
-                           [--record] instead of comparing
+  bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
   ci                       lint, test, and each crate and each feature of it built alone
   help                     print this
-
-A filter for the benchmarks, or another option of theirs, follows `--`:
-  cargo xtask bench cpu -- toss --save-baseline before
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
 with SLABSPLAT_REQUIRE_GPU in the environment they fail.
@@ -75,7 +62,7 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Test),
-    Bench(Bench),
+    Bench(Vec<OsString>),
     Ci,
     Help,
 }
@@ -84,7 +71,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
-        Task::Bench(bench) => bench::run(bench),
+        Task::Bench(args) => bench::run(args),
         Task::Ci => ci::run(),
         Task::Help => {
             print!("{USAGE}");
@@ -97,8 +84,8 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let command = args.next().ok_or("a command is missing")?;
     let rest: Vec<OsString> = args.collect();
     let task = match command.to_str() {
-        Some("test") => return test::parse(rest).map(Task::Test),
-        Some("bench") => return bench::parse(rest).map(Task::Bench),
+        Some("test") => return test::parse(&rest).map(Task::Test),
+        Some("bench") => return Ok(Task::Bench(rest)),
         Some("lint") => Task::Lint,
         Some("ci") => Task::Ci,
         Some("help" | "--help" | "-h") => Task::Help,
@@ -126,8 +113,7 @@ mod tests {
         check(&["lint"], Ok(Task::Lint));
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
-        let cpu = Bench::Criterion(bench::Processor::Cpu, vec!["--".into(), "toss".into()]);
-        check(&["bench", "cpu", "--", "toss"], Ok(Task::Bench(cpu)));
+        check(&["bench", "cpu", "--help"], Ok(Task::Bench(vec!["cpu".into(), "--help".into()])));
         check(&["test"], Ok(Task::Test(Test::default())));
     }
 

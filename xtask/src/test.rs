@@ -1,8 +1,8 @@
 //! `cargo xtask test`: the tests of all crates, on a machine that has only Rust.
 //!
-//! What the tests need beside that is installed here, before they start; a step that finds its work done does nothing.
-//! Cargo fetches most of it; the steps beside are [`vulkan`], a driver for the tests of the GPU backends, and valgrind,
-//! which counts [`instructions`] once all tests have passed.
+//! Cargo fetches what all of them need. Some need system packages beside, a Vulkan driver and valgrind:
+//! [`system`] says what is missing, and installs it if `--install` says so. Once all tests have passed,
+//! instructions are counted.
 //!
 //! Tests at random have fixed seeds. `--seeds` gives them others, as many as one has time for: [`Seeds`].
 
@@ -10,14 +10,16 @@ use std::ffi::OsString;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::Result;
+use xtask::process::{REPEATABLE, cargo, run as run_command};
+use xtask::workspace;
 
-use crate::bench::instructions;
-use crate::process::{cargo, run as run_command};
-use crate::{vulkan, workspace};
+use crate::{bench, system};
 
 /// What is to be tested.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Test {
+    /// Whether system packages that are missing are to be installed.
+    installs: bool,
     seeds: Option<Seeds>,
     /// For cargo.
     args: Vec<OsString>,
@@ -33,6 +35,11 @@ struct Seeds {
 impl Seeds {
     const VARIABLE: &str = "SLABSPLAT_SEEDS";
 
+    /// As many as the text says.
+    fn parse(n: &str) -> Option<Self> {
+        n.parse().ok().filter(|n| (1..=1_000_000).contains(n)).map(Self::fresh)
+    }
+
     /// As many as that, which nobody has tried yet: they are counted on from the seconds that it is.
     fn fresh(n: u64) -> Self {
         let now = SystemTime::now().duration_since(UNIX_EPOCH);
@@ -46,26 +53,25 @@ impl std::fmt::Display for Seeds {
     }
 }
 
-pub(crate) fn parse(args: Vec<OsString>) -> Result<Test, String> {
-    let [flag, n, rest @ ..] = args.as_slice() else {
-        return match args.first() {
-            Some(flag) if flag == "--seeds" => Err("`--seeds` takes a number".to_owned()),
-            _ => Ok(Test { seeds: None, args }),
-        };
-    };
-    if flag != "--seeds" {
-        return Ok(Test { seeds: None, args });
-    }
-    match n.to_str().and_then(|n| n.parse().ok()) {
-        Some(n @ 1..=1_000_000) => Ok(Test { seeds: Some(Seeds::fresh(n)), args: rest.to_vec() }),
-        _ => Err(format!("`--seeds` takes a number from 1 to 1000000, not `{}`", n.display())),
+/// Our own flags come first; what follows them is for cargo.
+pub(crate) fn parse(args: &[OsString]) -> Result<Test, String> {
+    match args {
+        [flag, rest @ ..] if flag == "--install" => Ok(Test { installs: true, ..parse(rest)? }),
+        [flag, n, rest @ ..] if flag == "--seeds" => {
+            let seeds = n.to_str().and_then(Seeds::parse).ok_or_else(|| {
+                format!("`--seeds` takes a number from 1 to 1000000, not `{}`", n.display())
+            })?;
+            Ok(Test { seeds: Some(seeds), ..parse(rest)? })
+        }
+        [flag] if flag == "--seeds" => Err("`--seeds` takes a number".to_owned()),
+        _ => Ok(Test { args: args.to_vec(), ..Test::default() }),
     }
 }
 
-pub(crate) fn run(Test { seeds, args }: &Test) -> Result<()> {
-    vulkan::set_up()?;
+pub(crate) fn run(Test { installs, seeds, args }: &Test) -> Result<()> {
+    system::set_up(*installs);
     // Whoever asks for some tests, or for other seeds, does not ask for this one.
-    let counts = args.is_empty() && seeds.is_none() && instructions::set_up();
+    let counts = args.is_empty() && seeds.is_none() && system::has_valgrind();
     let mut test = cargo(workspace::root());
     // One failure must not hide the next.
     test.args(["test", "--no-fail-fast"]);
@@ -75,7 +81,7 @@ pub(crate) fn run(Test { seeds, args }: &Test) -> Result<()> {
     }
     if counts {
         // The same build serves both.
-        let (variable, value) = instructions::REPEATABLE;
+        let (variable, value) = REPEATABLE;
         test.env(variable, value);
     }
     // Cargo takes both without complaint, and then tests all packages.
@@ -83,7 +89,7 @@ pub(crate) fn run(Test { seeds, args }: &Test) -> Result<()> {
         test.arg("--workspace");
     }
     run_command(test.args(args))?;
-    if counts { instructions::compare() } else { Ok(()) }
+    if counts { bench::run(&["instructions"]) } else { Ok(()) }
 }
 
 /// Whether the caller wants some packages only; what follows `--` is for the tests, not for cargo.
@@ -102,14 +108,25 @@ mod tests {
     }
 
     #[test]
-    fn parse_seeds() {
-        let parse = |args: &[&str]| parse(args.iter().map(OsString::from).collect());
-        assert_eq!(parse(&[]), Ok(Test::default()));
-        let args = || ["-p", "xtask"].map(OsString::from).to_vec();
-        assert_eq!(parse(&["-p", "xtask"]), Ok(Test { seeds: None, args: args() }));
-        let test = parse(&["--seeds", "200", "-p", "xtask"]).unwrap();
-        assert_eq!((test.seeds.map(|seeds| seeds.n), test.args), (Some(200), args()));
-        for bad in [&["--seeds"][..], &["--seeds", "many"], &["--seeds", "0"]] {
+    fn parse_flags_before_arguments() {
+        let parse =
+            |args: &str| parse(&args.split_whitespace().map(OsString::from).collect::<Vec<_>>());
+        let check = |args: &str, installs: bool, n_seeds: Option<u64>, rest: &str| {
+            let test = parse(args).unwrap();
+            assert_eq!(test.installs, installs, "{args}");
+            assert_eq!(test.seeds.map(|seeds| seeds.n), n_seeds, "{args}");
+            assert!(
+                test.args.iter().map(OsString::as_os_str).eq(rest.split_whitespace()),
+                "{args}"
+            );
+        };
+        check("", false, None, "");
+        check("-p xtask", false, None, "-p xtask");
+        check("--install -p xtask", true, None, "-p xtask");
+        check("--seeds 200 -p xtask", false, Some(200), "-p xtask");
+        check("--seeds 7 --install", true, Some(7), "");
+        check("-p xtask --install", false, None, "-p xtask --install");
+        for bad in ["--seeds", "--seeds many", "--seeds 0", "--install --seeds 2000000"] {
             let error = parse(bad).unwrap_err();
             assert!(error.starts_with("`--seeds` takes a number"), "{error}");
         }

@@ -1,136 +1,109 @@
-//! What cargo knows about the workspace, as far as the other modules ask: packages, what they use, features, benchmarks.
+//! What cargo knows about the workspace, as far as the tools ask: packages, what they use, features,
+//! benchmarks.
 //!
-//! Read from `cargo metadata --no-deps`, which parses manifests only: it needs neither a lock file nor a network.
+//! Read from `cargo metadata --no-deps`, which parses manifests only: it needs neither a lock file nor a
+//! network.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
-use serde_json::Value;
+use anyhow::{Context, Result};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::process::{cargo, output};
 
-#[derive(Clone, Debug)]
-pub(crate) struct Package {
-    pub(crate) name: String,
-    pub(crate) dependencies: Vec<Dependency>,
-    pub(crate) features: Vec<String>,
-    pub(crate) benches: Vec<String>,
+/// The workspace.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Workspace {
+    /// Its members.
+    pub packages: Vec<Package>,
+    /// Where cargo puts what it builds.
+    pub target_directory: PathBuf,
 }
 
-#[derive(Clone, Debug)]
-pub(crate) struct Dependency {
+/// A member of the workspace.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub struct Package {
+    /// As its manifest says.
+    pub name: String,
+    /// Where that manifest is.
+    pub manifest_path: PathBuf,
+    /// What it uses, its tests and build script included.
+    pub dependencies: Vec<Dependency>,
+    /// Features by name; what they switch on does not matter here.
+    pub features: BTreeMap<String, IgnoredAny>,
+    /// Libraries, programs, tests, benchmarks.
+    pub targets: Vec<Target>,
+}
+
+/// Something that a package uses.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Dependency {
     /// As the registry or the workspace knows it, however the manifest renames it.
-    pub(crate) name: String,
-    pub(crate) kind: DependencyKind,
+    pub name: String,
+    /// Who sees it; `None` stands for the library or program itself.
+    pub kind: Option<DependencyKind>,
 }
 
-/// Who sees a dependency: the library or program, its tests, examples and benchmarks, or its build script.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum DependencyKind {
-    Normal,
+/// Who sees a dependency if the library or program does not.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DependencyKind {
+    /// Tests, examples and benchmarks.
     Dev,
+    /// The build script.
     Build,
 }
 
+/// Something that cargo builds of a package.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Target {
+    /// As `--test` or `--bench` takes it.
+    pub name: String,
+    /// As cargo calls it: `["lib"]`, `["bench"]`.
+    pub kind: Vec<String>,
+}
+
+impl Workspace {
+    /// Asks cargo.
+    ///
+    /// # Errors
+    /// If a manifest is wrong.
+    pub fn read() -> Result<Self> {
+        let metadata = ["metadata", "--no-deps", "--format-version", "1"];
+        parse(&output(cargo(root()).args(metadata))?)
+    }
+}
+
+impl Package {
+    /// Names of the benchmarks.
+    pub fn benches(&self) -> impl Iterator<Item = &str> {
+        let benches = self.targets.iter().filter(|target| target.kind == ["bench"]);
+        benches.map(|target| target.name.as_str())
+    }
+}
+
 /// The directory of the workspace's manifest.
-pub(crate) fn root() -> &'static Path {
+#[must_use]
+pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace's directory")
 }
 
-/// What lies beside a checkout, where it does: scenes on real data, and scripts that run other renderers.
-pub(crate) fn shared() -> PathBuf {
-    root().parent().unwrap_or(root()).join("shared")
-}
-
-/// The members of the workspace, by name.
-pub(crate) fn packages(root: &Path) -> Result<Vec<Package>> {
-    parse(&metadata(root)?).context("cannot read `cargo metadata`")
-}
-
-/// Where cargo puts what it builds.
-pub(crate) fn target_directory(root: &Path) -> Result<PathBuf> {
-    let metadata: Value = serde_json::from_str(&metadata(root)?)?;
-    Ok(string(&metadata, "target_directory")?.into())
-}
-
-fn metadata(root: &Path) -> Result<String> {
-    output(cargo(root).args(["metadata", "--no-deps", "--format-version", "1"]))
-}
-
-fn parse(metadata: &str) -> Result<Vec<Package>> {
-    let metadata: Value = serde_json::from_str(metadata)?;
-    let mut packages: Vec<Package> =
-        array(&metadata, "packages")?.iter().map(parse_package).collect::<Result<_>>()?;
-    packages.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(packages)
-}
-
-fn parse_package(package: &Value) -> Result<Package> {
-    let features = package["features"].as_object().context("`features` is no table")?;
-    let is_bench = |target: &&Value| target["kind"] == serde_json::json!(["bench"]);
-    Ok(Package {
-        name: string(package, "name")?,
-        dependencies: array(package, "dependencies")?
-            .iter()
-            .map(parse_dependency)
-            .collect::<Result<_>>()?,
-        features: features.keys().cloned().collect(),
-        benches: array(package, "targets")?
-            .iter()
-            .filter(is_bench)
-            .map(|target| string(target, "name"))
-            .collect::<Result<_>>()?,
-    })
-}
-
-fn parse_dependency(dependency: &Value) -> Result<Dependency> {
-    let kind = match dependency["kind"].as_str() {
-        None => DependencyKind::Normal,
-        Some("dev") => DependencyKind::Dev,
-        Some("build") => DependencyKind::Build,
-        Some(other) => bail!("there is no kind of dependency `{other}`"),
-    };
-    Ok(Dependency { name: string(dependency, "name")?, kind })
-}
-
-fn array<'a>(value: &'a Value, key: &str) -> Result<&'a Vec<Value>> {
-    value[key].as_array().with_context(|| format!("`{key}` is no list"))
-}
-
-fn string(value: &Value, key: &str) -> Result<String> {
-    Ok(value[key].as_str().with_context(|| format!("`{key}` is no string"))?.to_owned())
-}
-
-#[cfg(test)]
-impl Package {
-    pub(crate) fn named(name: &str) -> Self {
-        Self { name: name.to_owned(), dependencies: vec![], features: vec![], benches: vec![] }
-    }
-
-    pub(crate) fn with(self, dependency: &str) -> Self {
-        self.with_kind(dependency, DependencyKind::Normal)
-    }
-
-    pub(crate) fn with_dev(self, dependency: &str) -> Self {
-        self.with_kind(dependency, DependencyKind::Dev)
-    }
-
-    pub(crate) fn with_build(self, dependency: &str) -> Self {
-        self.with_kind(dependency, DependencyKind::Build)
-    }
-
-    fn with_kind(mut self, dependency: &str, kind: DependencyKind) -> Self {
-        self.dependencies.push(Dependency { name: dependency.to_owned(), kind });
-        self
-    }
+fn parse(metadata: &str) -> Result<Workspace> {
+    let mut workspace: Workspace =
+        serde_json::from_str(metadata).context("cannot read `cargo metadata`")?;
+    workspace.packages.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(workspace)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const METADATA: &str = r#"{ "packages": [ {
+    const METADATA: &str = r#"{ "target_directory": "/t", "packages": [ {
         "name": "a",
+        "manifest_path": "/a/Cargo.toml",
         "dependencies": [
             { "name": "glam", "kind": null },
             { "name": "fastrand", "kind": "dev" },
@@ -142,24 +115,18 @@ mod tests {
 
     #[test]
     fn parse_one_package() {
-        let packages = parse(METADATA).unwrap();
-        let package = &packages[0];
+        let workspace = parse(METADATA).unwrap();
+        let package = &workspace.packages[0];
         assert_eq!(package.name, "a", "name");
-        assert_eq!(package.features, ["default", "simd"], "features");
-        assert_eq!(package.benches, ["toss"], "benches, without the library");
-        let kinds: Vec<(&str, DependencyKind)> =
-            package.dependencies.iter().map(|d| (d.name.as_str(), d.kind)).collect();
-        let expected = [
-            ("glam", DependencyKind::Normal),
-            ("fastrand", DependencyKind::Dev),
-            ("naga", DependencyKind::Build),
-        ];
-        assert_eq!(kinds, expected, "dependencies");
+        assert!(package.features.keys().eq(["default", "simd"]), "features");
+        assert!(package.benches().eq(["toss"]), "benches, without the library");
+        let kinds: Vec<_> = package.dependencies.iter().map(|d| d.kind).collect();
+        assert_eq!(kinds, [None, Some(DependencyKind::Dev), Some(DependencyKind::Build)]);
     }
 
     #[test]
-    fn packages_of_this_workspace() {
-        let packages = packages(root()).unwrap();
+    fn read_this_workspace() {
+        let packages = Workspace::read().unwrap().packages;
         assert!(packages.iter().any(|package| package.name == "xtask"), "xtask is a member");
     }
 }

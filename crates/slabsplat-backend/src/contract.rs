@@ -1,7 +1,7 @@
 //! The trait, and what goes through it. The crate's documentation is the contract.
 
 use crate::FramePlan;
-use slabsplat_core::Image;
+use slabsplat_core::{Image, Method};
 use std::task::Poll;
 use thiserror::Error;
 
@@ -30,6 +30,8 @@ pub struct Caps {
     pub name: &'static str,
     /// What executes the frames, for people.
     pub device: String,
+    /// The methods that it has; it refuses the others.
+    pub methods: &'static [Method],
 }
 
 /// Names a submitted frame.
@@ -48,22 +50,22 @@ pub struct Frame {
 }
 
 /// What a frame drew. Counts are exact and the same in every run on one backend; another may cut the
-/// image into other tiles, and find other splats hidden.
+/// image into other tiles, and find other splats occluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameStats {
     /// Voxels that were relevant.
     pub n_voxels: u64,
-    /// Those of them that were left out before anything was done with them, since all that they could touch was full
-    /// or outside of the image. A backend that does not cull voxels has none.
-    pub n_hidden: u64,
+    /// Those of them that were culled before anything was done with them, since all that they could touch was
+    /// saturated or outside of the image. A backend that does not cull voxels has none.
+    pub n_occluded: u64,
     /// Sections or whole footprints that were splatted, once for every tile that they touch.
     pub n_splats: u64,
-    /// Those that were not, since all pixels that they could touch on a tile were full.
+    /// Those that were not, since all pixels that they could touch on a tile were saturated.
     pub n_culled: u64,
     /// Tiles that any splat touches.
     pub n_tiles: u64,
-    /// Tiles that were full before their last sheet.
-    pub n_full_tiles: u64,
+    /// Tiles that were saturated before their last sheet.
+    pub n_saturated_tiles: u64,
 }
 
 /// What a frame cost; differs from run to run.

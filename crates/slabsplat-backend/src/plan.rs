@@ -1,10 +1,11 @@
 //! What to draw, decided and checked.
 
 use slabsplat_core::{
-    Compositing, ImageDesc, IsoRange, Shading, SlabGrid, SliceOrder, TransferFunction, View, Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, SlabGrid, SliceOrder, TransferFunction, View,
+    Volume,
 };
 use slabsplat_kernel::{
-    CubicSectionTable, FootprintShape, FootprintTable, SectionLevels, SectionTable,
+    CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
 };
 use std::sync::Arc;
 
@@ -19,8 +20,8 @@ pub struct FramePlan<'a> {
     pub relevant: Vec<IsoRange>,
     /// Their opacity and colour.
     pub transfer: &'a TransferFunction,
-    /// What light does to that colour.
-    pub shading: Shading,
+    /// What light does to that colour, if there is any.
+    pub light: Option<BlinnPhong>,
     /// View space and pixels.
     pub view: View,
     /// Size and background of the picture.
@@ -31,35 +32,56 @@ pub struct FramePlan<'a> {
     pub shape: FootprintShape,
     /// What a sheet sums, and how that becomes a pixel.
     pub compositing: Compositing,
-    /// Opacity from which a pixel counts as full.
+    /// Opacity from which a pixel counts as saturated.
     pub opacity_cutoff: f32,
     /// What is splatted, and into which sheets.
     pub splats: Splats,
 }
 
-/// A permission, which a backend need not make use of: what lies beyond the faces that a voxel's level spares is
-/// folded onto its first and its last section (`docs/algorithm.md`, "Sections by opacity").
+/// A permission, which a backend need not make use of: faces that do not split a voxel's kernel are skipped,
+/// and what lies beyond them is merged into its first and its last section (model §7).
 #[derive(Clone, Debug)]
-pub struct FewerSections {
-    /// Which faces cut a voxel's kernel, by its extinction.
-    pub levels: SectionLevels,
-    /// Folded sections: a slab as wide as the kernel cuts all that lies before or behind a face.
+pub struct MergedSections {
+    /// Which faces split a voxel's kernel, by its extinction.
+    pub levels: SplitLevels,
+    /// Sections with all that lies before or behind a face: those of a slab as wide as the kernel.
     pub table: Arc<SectionTable>,
-    /// By how much any channel of a pixel may differ for it.
-    pub tolerance: f64,
+    /// What this and other short cuts may make a pixel differ by.
+    pub budget: ErrorBudget,
 }
 
-/// What is splatted, and into which sheets (SPEC §4).
+/// The slabs of a frame, and how they lie to kernels and to the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slabs {
+    /// Where they are.
+    pub grid: SlabGrid,
+    /// The first slab whose sections are drawn: those before it lie before the near depth.
+    pub first_drawn: usize,
+    /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
+    /// thick meets up to ⌈k⌉ + 1 of them.
+    pub n_before: usize,
+}
+
+/// What is splatted, and into which sheets (model §4).
 #[derive(Clone, Debug)]
 pub enum Splats {
+    /// Voxels are classified and shaded, and sheets sum their colours.
+    Colors(ColorSplats),
+    /// Sheets sum densities, and their pixels are classified and shaded.
+    Densities(DensitySplats),
+}
+
+/// Coloured splats.
+#[derive(Clone, Debug)]
+pub enum ColorSplats {
     /// `image-aligned`: sections, into the slabs that they come from.
     Sections {
         /// The slabs.
-        slabs: SlabGrid,
+        slabs: Slabs,
         /// The sections.
         table: Arc<SectionTable>,
-        /// How few of them a backend may splat for a voxel, and the sections that it needs for that.
-        fewer: Option<FewerSections>,
+        /// Which of them a backend may merge, and the sections that it needs for that.
+        merged: Option<MergedSections>,
     },
     /// `axis-aligned`: whole footprints, into the grid's slices.
     Slices {
@@ -73,12 +95,21 @@ pub enum Splats {
         /// The footprint.
         table: Arc<FootprintTable>,
     },
-    /// `post-classified`: sections, into the slabs that they come from; each adds its weight, and its weight
-    /// times the voxel's value.
-    Densities {
-        /// The slabs.
-        slabs: SlabGrid,
-        /// The sections, smooth enough for differences between pixels.
-        table: Arc<CubicSectionTable>,
-    },
+}
+
+/// `post-classified`: sections, into the slabs that they come from; each adds its weight, and its weight
+/// times the voxel's value.
+#[derive(Clone, Debug)]
+pub struct DensitySplats {
+    /// The slabs.
+    pub slabs: Slabs,
+    /// The sections, smooth enough for differences between pixels.
+    pub table: Arc<CubicSectionTable>,
+}
+
+impl FramePlan<'_> {
+    /// Half the thickness of a voxel's kernel along the viewing direction, in world units.
+    pub fn half_depth(&self) -> f64 {
+        self.radius * self.shape.half_depth
+    }
 }

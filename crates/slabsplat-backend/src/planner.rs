@@ -1,13 +1,13 @@
 //! Makes frame plans, and keeps the tables that the next frame can use again.
 
-use crate::{FewerSections, FramePlan, Splats};
+use crate::{Cached, ColorSplats, DensitySplats, FramePlan, MergedSections, Slabs, Splats};
 use slabsplat_core::{
-    ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading, ShadingError,
-    SlabGrid, SliceOrder, TooManySlabs, View, ViewError, Volume,
+    BlinnPhong, ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading,
+    ShadingError, SlabGrid, SliceOrder, TooManySlabs, View, ViewError, Volume,
 };
 use slabsplat_kernel::{
-    CubicSectionTable, FootprintShape, FootprintTable, Kernel, LevelView, SectionDesc,
-    SectionLevels, SectionTable, TableDesc, UnknownKernel, kernel_named,
+    CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, SectionDesc,
+    SectionTable, SplitLevels, SplitView, TableDesc, UnknownKernel, kernel_named,
 };
 use std::sync::Arc;
 use thiserror::Error;
@@ -39,10 +39,10 @@ pub enum PlanError {
 /// from one frame to the next, so the last ones are kept.
 #[derive(Debug, Default)]
 pub struct Planner {
-    sections: Option<(TableKey, Arc<SectionTable>)>,
-    folded: Option<(TableKey, Arc<SectionTable>)>,
-    footprint: Option<(TableKey, Arc<FootprintTable>)>,
-    cubic: Option<(TableKey, Arc<CubicSectionTable>)>,
+    sections: Cached<TableKey, Arc<SectionTable>>,
+    merged: Cached<TableKey, Arc<SectionTable>>,
+    footprint: Cached<TableKey, Arc<FootprintTable>>,
+    cubic: Cached<TableKey, Arc<CubicSectionTable>>,
 }
 
 /// Everything that the tables are made from.
@@ -91,28 +91,34 @@ impl Planner {
         let view = View::new(volume.grid(), &scene.camera, &scene.image)?;
         let shape = FootprintShape::new(volume.grid(), view.axes());
         settings.check_hierarchy(shape.kappa)?;
+        let half_depth = kernel.radius() * shape.half_depth;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let splats = match key.settings.method {
-            Method::ImageAligned => Splats::Sections {
-                slabs: slabs_of(volume, &view, &shape, kernel.radius(), &key.settings)?,
-                fewer: self.fewer_sections(&*kernel, &key, &view, &shape, volume.grid().unit()),
+            Method::ImageAligned => Splats::Colors(ColorSplats::Sections {
+                slabs: slabs_of(volume, &view, half_depth, &key.settings)?,
+                merged: self.merged_sections(&*kernel, &key, &view, &shape, volume.grid().unit()),
                 table: self.section_table(&*kernel, key),
-            },
-            Method::AxisAligned => Splats::Slices {
+            }),
+            Method::AxisAligned => Splats::Colors(ColorSplats::Slices {
                 order: SliceOrder::new(volume.grid(), view.axes().forward),
                 table: self.footprint_table(&*kernel, key),
-            },
-            Method::EverySample => Splats::Voxels { table: self.footprint_table(&*kernel, key) },
-            Method::PostClassified => Splats::Densities {
-                slabs: slabs_of(volume, &view, &shape, kernel.radius(), &key.settings)?,
+            }),
+            Method::EverySample => {
+                Splats::Colors(ColorSplats::Voxels { table: self.footprint_table(&*kernel, key) })
+            }
+            Method::PostClassified => Splats::Densities(DensitySplats {
+                slabs: slabs_of(volume, &view, half_depth, &key.settings)?,
                 table: self.cubic_table(&*kernel, key),
-            },
+            }),
         };
         Ok(FramePlan {
             volume,
             relevant: scene.transfer.iso_ranges(),
             transfer: &scene.transfer,
-            shading: scene.shading,
+            light: match scene.shading {
+                Shading::None => None,
+                Shading::Phong(phong) => Some(BlinnPhong::new(phong, view.axes().forward)),
+            },
             view,
             image: scene.image,
             radius: kernel.radius(),
@@ -123,48 +129,51 @@ impl Planner {
         })
     }
 
-    fn fewer_sections(
+    fn merged_sections(
         &mut self,
         kernel: &dyn Kernel,
         key: &TableKey,
         view: &View,
         shape: &FootprintShape,
         unit: f64,
-    ) -> Option<FewerSections> {
-        let tolerance = key.settings.tolerance;
+    ) -> Option<MergedSections> {
         let layer_depth = shape.half_depth / unit;
-        let view = LevelView { layer_depth, steepest_ray: view.steepest_ray() };
-        let levels = SectionLevels::new(&key.settings, kernel, view);
+        let view = SplitView { layer_depth, steepest_ray: view.steepest_ray() };
+        let levels = SplitLevels::new(&key.settings, kernel, view);
         if levels.are_all_last() {
             return None;
         }
-        let table = keep(&mut self.folded, key.clone(), |key| {
-            key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa)
+        let table = self.merged.made_of(key.clone(), |key| {
+            Arc::new(key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa))
         });
-        Some(FewerSections { levels, table, tolerance })
+        let table = table.clone();
+        Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) })
     }
 
     fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
-        keep(&mut self.sections, key, |key| key.sections_of(kernel, key.settings.slab_width))
+        let table = |key: &TableKey| Arc::new(key.sections_of(kernel, key.settings.slab_width));
+        self.sections.made_of(key, table).clone()
     }
 
     /// Sections that were normalised would no longer measure lengths, so these never are.
     fn cubic_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<CubicSectionTable> {
-        keep(&mut self.cubic, key, |TableKey { kappa, settings }| {
-            CubicSectionTable::new(&SectionDesc {
+        let table = |TableKey { kappa, settings }: &TableKey| {
+            Arc::new(CubicSectionTable::new(&SectionDesc {
                 kernel,
                 width: settings.slab_width,
                 kappa: *kappa,
                 normalization: Normalization::None,
                 base_width: settings.base_slab_width,
-            })
-        })
+            }))
+        };
+        self.cubic.made_of(key, table).clone()
     }
 
     fn footprint_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<FootprintTable> {
-        keep(&mut self.footprint, key, |TableKey { kappa, settings }| {
-            FootprintTable::new(kernel, *kappa, settings.radial_samples)
-        })
+        let table = |TableKey { kappa, settings }: &TableKey| {
+            Arc::new(FootprintTable::new(kernel, *kappa, settings.radial_samples))
+        };
+        self.footprint.made_of(key, table).clone()
     }
 }
 
@@ -175,33 +184,37 @@ fn rounded(kappa: f64) -> f64 {
     f64::from_bits(up & !((1 << dropped_bits) - 1))
 }
 
-/// What `kept` holds, if it was made from `key`; otherwise makes it anew.
-fn keep<T>(
-    kept: &mut Option<(TableKey, Arc<T>)>,
-    key: TableKey,
-    make: impl FnOnce(&TableKey) -> T,
-) -> Arc<T> {
-    match kept {
-        Some((made_from, table)) if *made_from == key => table.clone(),
-        _ => {
-            let table = Arc::new(make(&key));
-            *kept = Some((key, table.clone()));
-            table
-        }
-    }
-}
-
 fn slabs_of(
     volume: &Volume,
     view: &View,
-    shape: &FootprintShape,
-    radius: f64,
+    half_depth: f64,
     settings: &RenderSettings,
-) -> Result<SlabGrid, TooManySlabs> {
-    let grid = volume.grid();
-    let [near, far] = view.from_index(grid).depth_range(grid);
-    let reach = radius * shape.half_depth;
-    SlabGrid::covering([near - reach, far + reach], settings.slab_width * grid.unit())
+) -> Result<Slabs, TooManySlabs> {
+    let volume_grid = volume.grid();
+    let [near, far] = view.from_index(volume_grid).depth_range(volume_grid);
+    let thickness = settings.slab_width * volume_grid.unit();
+    let grid = SlabGrid::covering([near - half_depth, far + half_depth], thickness)?;
+    // As backends round it: a kernel of a cubic grid is as thick from everywhere, up to rounding errors.
+    let n_met = 2.0 * f64::from(half_depth as f32) / thickness;
+    Ok(Slabs {
+        grid,
+        first_drawn: first_drawn(view, &grid),
+        n_before: (n_met.ceil() as usize).min(grid.n_slabs()),
+    })
+}
+
+/// Slabs are drawn from one on.
+fn first_drawn(view: &View, slabs: &SlabGrid) -> usize {
+    let (mut lo, mut hi) = (0, slabs.n_slabs());
+    while lo < hi {
+        let middle = lo.midpoint(hi);
+        if view.draws_slab(slabs.faces(middle)) {
+            hi = middle;
+        } else {
+            lo = middle + 1;
+        }
+    }
+    lo
 }
 
 #[cfg(test)]
@@ -220,18 +233,16 @@ mod tests {
     fn scene(settings: RenderSettings) -> Scene {
         let projection = Projection::Orthographic { view_height: 8.0 };
         let camera = Camera::new(DVec3::Z * 20.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
-        Scene {
-            transfer: TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap(),
-            shading: Shading::None,
-            camera,
-            image: ImageDesc { width: 8, height: 8, background: [0.0; 4] },
-            settings,
-        }
+        let transfer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap();
+        Scene::new(transfer, camera)
+            .shading(Shading::None)
+            .image(ImageDesc { width: 8, height: 8, background: [0.0; 4] })
+            .settings(settings)
     }
 
     fn table(planner: &mut Planner, scene: &Scene) -> Arc<SectionTable> {
         match planner.plan(&volume(), scene).unwrap().splats {
-            Splats::Sections { table, .. } => table,
+            Splats::Colors(ColorSplats::Sections { table, .. }) => table,
             other => panic!("{other:?}"),
         }
     }
@@ -246,6 +257,24 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &turned), "the grid is cubic");
         scene.settings.slab_width = 2.0;
         assert!(!Arc::ptr_eq(&first, &table(&mut planner, &scene)));
+    }
+
+    /// A kernel of a cubic grid is four slabs thick from everywhere. A rounding error must not make it five:
+    /// each slab would look back at one bucket more.
+    #[test]
+    fn planner_rounds_what_a_kernel_is_thick() {
+        let mut planner = Planner::default();
+        let volume = volume();
+        for step in 0..300 {
+            let mut scene = scene(RenderSettings::default());
+            scene.camera = scene.camera.orbited(0.02 * f64::from(step));
+            match planner.plan(&volume, &scene).unwrap().splats {
+                Splats::Colors(ColorSplats::Sections { slabs, .. }) => {
+                    assert_eq!(slabs.n_before, 4, "{step}");
+                }
+                other => panic!("{other:?}"),
+            }
+        }
     }
 
     #[test]
@@ -266,12 +295,12 @@ mod tests {
         };
         let good = RenderSettings::default();
         let kernel = KernelName("box".into());
-        check(RenderSettings { kernel, ..good.clone() }, "no kernel \"box\"");
+        check(good.clone().kernel(kernel), "no kernel \"box\"");
         let mut huge = scene(good.clone());
         (huge.image.width, huge.image.height) = (u32::MAX, u32::MAX);
         let err = Planner::default().plan(&volume(), &huge).unwrap_err();
         assert!(matches!(err, PlanError::Image(_)), "{err}");
-        check(RenderSettings { slab_width: -1.0, ..good.clone() }, "slab_width");
-        check(RenderSettings { slab_width: 1e-9, ..good }, "sheets");
+        check(good.clone().slab_width(-1.0), "slab_width");
+        check(good.slab_width(1e-9), "sheets");
     }
 }

@@ -93,6 +93,7 @@ fn device_json(device: &FoundDevice) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat::Method;
 
     fn card() -> FoundDevice {
         FoundDevice {
@@ -115,7 +116,7 @@ mod tests {
 
     #[test]
     fn backends_text() {
-        let caps = Caps { name: "ash", device: "Fake 3000".to_owned() };
+        let caps = Caps { name: "ash", device: "Fake 3000".to_owned(), methods: Method::ALL };
         let expected = "\
 backend  device     driver    kind      largest binding  memory  timed
 ash      Fake 3000  fake 1.0  discrete  2.0 GiB          -       yes

@@ -1,7 +1,7 @@
 //! `slabsplat bench`: how long a frame takes on this machine, while the camera turns.
 //!
-//! It is a user's own measure, and what a comparison with other programs is made of: the time of a frame is all
-//! that [`Renderer::render`] takes, the plan included. Benchmarks of parts of it are cargo's.
+//! It is a user's own measure, and what a comparison with other programs is made of: the time of a frame is
+//! all that [`Renderer::render`] takes, the plan included. Benchmarks of parts of it are cargo's.
 
 use crate::flags::SceneFlags;
 use crate::progress::Progress;
@@ -14,10 +14,10 @@ use std::time::Instant;
 
 /// Time frames while the camera turns
 ///
-/// The camera turns by one degree a frame about its target, around its up vector, so that every frame does all that
-/// a new camera asks for. Two frames come first and do not count, one degree before the scene's camera and at
-/// it: they read, sort and make tables, as the first frame of a program does. Counts and memory are those of the
-/// last frame.
+/// The camera turns by one degree a frame about its target, around its up vector, so that every frame does
+/// all that a new camera asks for. Two frames come first and do not count, one degree before the scene's
+/// camera and at it: they read, sort and make tables, as the first frame of a program does. Counts and memory
+/// are those of the last frame.
 #[derive(Args)]
 pub(crate) struct BenchArgs {
     /// Frames that are timed, the first of them one degree from the scene's camera
@@ -59,7 +59,7 @@ fn time_frames(renderer: &mut Renderer, scene: &Scene, n_frames: u16) -> Result<
     let progress = Progress::start("measuring", usize::from(N_WARM_UPS) + usize::from(n_frames));
     let caps = renderer.caps().clone();
     let mut time_at = |degrees: f64| -> Result<(Frame, f64)> {
-        let turned = Scene { camera: scene.camera.orbited(degrees.to_radians()), ..scene.clone() };
+        let turned = scene.clone().camera(scene.camera.orbited(degrees.to_radians()));
         let started = Instant::now();
         let frame = renderer.render(&turned)?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
@@ -138,7 +138,7 @@ impl Report {
                 .collect::<Vec<_>>(),
             "n_voxels": stats.n_voxels,
             "n_splats": stats.n_splats,
-            "n_hidden": stats.n_hidden,
+            "n_occluded": stats.n_occluded,
             "n_culled": stats.n_culled,
             "resident_bytes": cost.resident_bytes,
         })
@@ -181,7 +181,7 @@ fn median(numbers: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat::{FrameCost, FrameStats, Image, StageTime};
+    use slabsplat::{FrameCost, FrameStats, Image, Method, StageTime};
 
     fn frame(stages: &[(&'static str, f64)]) -> Frame {
         let stages = stages.iter().map(|&(name, ms)| StageTime { name, ms }).collect();
@@ -196,7 +196,7 @@ mod tests {
         let mut frames = TimedFrames::new(frame(&[("project", 1.0), ("splat", 9.0)]), 30.0);
         frames.push(frame(&[("project", 2.0), ("splat", 7.0)]), 10.0);
         frames.push(frame(&[("project", 4.0), ("splat", 8.0)]), 20.25);
-        let caps = Caps { name: "ash", device: "Fake 3000".to_owned() };
+        let caps = Caps { name: "ash", device: "Fake 3000".to_owned(), methods: Method::ALL };
         Report::of("a.toml".to_owned(), &caps, frames)
     }
 
@@ -211,7 +211,7 @@ fastest       10.000 ms
 project        2.000 ms
 splat          8.000 ms
 voxels             1
-hidden             0
+occluded           0
 splatted          22
 culled           333
 resident  1023 bytes

@@ -23,7 +23,7 @@ pub(crate) fn complete() {
     if let Some(name) = args.next() {
         command.arg0(name);
     }
-    // It only returns if that is not possible, and then the complaints have to be borne.
+    // It only returns if that is not possible, and then the diagnostics have to be borne.
     let _ = command.args(args).env(VARIABLE, "/nonexistent").exec();
 }
 

@@ -11,7 +11,7 @@ pub(crate) fn text(frame: &Frame, caps: &Caps) -> String {
     let Frame { stats, cost, .. } = frame;
     let mut rows = stage_rows(cost.stages.iter().map(|stage| (stage.name, stage.ms)));
     rows.extend(splat_rows(stats));
-    rows.extend([count("tiles", stats.n_tiles), count("full tiles", stats.n_full_tiles)]);
+    rows.extend([count("tiles", stats.n_tiles), count("saturated tiles", stats.n_saturated_tiles)]);
     rows.extend([("resident", resident(cost)), ("backend", executor(caps))]);
     columns::pairs(rows).trim_end().to_owned()
 }
@@ -34,7 +34,7 @@ pub(crate) fn stage_rows(stages: impl Iterator<Item = (&'static str, f64)>) -> V
 pub(crate) fn splat_rows(stats: &FrameStats) -> [Row; 4] {
     [
         count("voxels", stats.n_voxels),
-        count("hidden", stats.n_hidden),
+        count("occluded", stats.n_occluded),
         count("splatted", stats.n_splats),
         count("culled", stats.n_culled),
     ]
@@ -61,18 +61,18 @@ pub(crate) fn resident(cost: &FrameCost) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat::{Image, StageTime};
+    use slabsplat::{Image, Method, StageTime};
 
     fn frame(stages: Vec<StageTime>) -> Frame {
         Frame {
             image: Image::filled(1, 1, [0.0; 4]),
             stats: FrameStats {
                 n_voxels: 1,
-                n_hidden: 0,
+                n_occluded: 0,
                 n_splats: 22,
                 n_culled: 333,
                 n_tiles: 4,
-                n_full_tiles: 5,
+                n_saturated_tiles: 5,
             },
             cost: FrameCost { stages, resident_bytes: 3 << 20 },
         }
@@ -80,22 +80,22 @@ mod tests {
 
     #[test]
     fn stats_are_aligned() {
-        let caps = Caps { name: "ash", device: "Fake 3000".to_owned() };
+        let caps = Caps { name: "ash", device: "Fake 3000".to_owned(), methods: Method::ALL };
         let stages =
             vec![StageTime { name: "project", ms: 0.25 }, StageTime { name: "splat", ms: 12.5 }];
         let expected = "\
-project          0.250 ms
-splat           12.500 ms
-voxels               1
-hidden               0
-splatted            22
-culled             333
-tiles                4
-full tiles           5
-resident    3.0 MiB (3145728 bytes)
-backend     ash on Fake 3000";
+project               0.250 ms
+splat                12.500 ms
+voxels                    1
+occluded                  0
+splatted                 22
+culled                  333
+tiles                     4
+saturated tiles           5
+resident         3.0 MiB (3145728 bytes)
+backend          ash on Fake 3000";
         assert_eq!(text(&frame(stages), &caps), expected);
         let untimed = text(&frame(Vec::new()), &caps);
-        assert!(untimed.starts_with("stages      not timed: the device has no timestamps\n"));
+        assert!(untimed.starts_with("stages           not timed: the device has no timestamps\n"));
     }
 }

@@ -62,7 +62,8 @@ impl ImageDesc {
     /// The same, if such a picture can be made.
     ///
     /// # Errors
-    /// If a side is 0 or over 32768, there are more than 2²⁷ pixels, or a background channel is outside 0 … 1.
+    /// If a side is 0 or over 32768, there are more than 2²⁷ pixels, or a background channel is outside 0 …
+    /// 1.
     pub fn checked(self) -> Result<Self, ImageError> {
         let Self { width, height, background } = self;
         let is_side = |side: u32| (1..=MAX_SIDE).contains(&side);

@@ -15,8 +15,8 @@
 //!
 //! # Reading order
 //!
-//! `grid`, `sample`, `volume`; `camera`, `transfer`, `extinction`, `shading`, `settings`, `scene`; `view`,
-//! `slabs`, `slices`; `image`.
+//! `grid`, `sample`, `volume`; `camera`, `transfer`, `compositing`, `shading`; `settings_table`,
+//! `interval`, `choices`, `settings`; `scene`; `view`, `slabs`, `slices`; `image`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -33,11 +33,16 @@ mod sample;
 mod volume;
 
 mod camera;
-mod extinction;
-mod scene;
-mod settings;
+mod compositing;
 mod shading;
 mod transfer;
+
+mod choices;
+mod interval;
+mod settings;
+mod settings_table;
+
+mod scene;
 
 mod slabs;
 mod slices;
@@ -46,15 +51,16 @@ mod view;
 mod image;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
-pub use extinction::{MAX_OPACITY, extinction};
+pub use choices::{Compositing, KernelName, Lookup, Method, Normalization, NotAChoice};
+pub use compositing::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
+pub use interval::{Interval, OutOfRange};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
-pub use settings::{
-    Compositing, KernelName, Lookup, Method, Normalization, RenderSettings, SettingsError,
-};
-pub use shading::{Light, LightDirection, Phong, Shading, ShadingError};
+pub use settings::{RenderSettings, SettingsError};
+pub use settings_table::{Access, Field, Setting, Settings};
+pub use shading::{BlinnPhong, Light, LightDirection, Phong, Shading, ShadingError};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};

@@ -1,7 +1,12 @@
-//! What light does to a voxel. The arithmetic is in `slabsplat-traverse`, once a voxel and frame.
+//! What light does to a colour (model §6).
+
+use std::fmt;
 
 use glam::DVec3;
 use thiserror::Error;
+
+use crate::settings_table::{Settings, settings};
+use crate::{Interval, OutOfRange};
 
 /// How a voxel's colour is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,22 +17,37 @@ pub enum Shading {
     Phong(Phong),
 }
 
-/// Blinn–Phong: `c·(k_a + k_d·n·l) + k_s·(n·h)^s`, clamped to 0 … 1 (SPEC §6).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Phong {
-    /// `k_a`, light from everywhere.
-    pub ambient: f64,
-    /// `k_d`, light from the lamp, scattered.
-    pub diffuse: f64,
-    /// `k_s`, light from the lamp, mirrored.
-    pub specular: f64,
-    /// `s`, how sharp the highlight is.
-    pub shininess: f64,
-    /// Whether a surface is lit from behind too: both products by their absolute values.
-    pub two_sided: bool,
-    /// Where the light comes from.
-    pub light: Light,
+settings! {
+    /// Blinn–Phong: `c·(k_a + k_d·n·l) + k_s·(n·h)^s`, clamped to 0 … 1 (model §6).
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    #[non_exhaustive]
+    pub struct Phong {
+        /// Ambient light, which comes from everywhere.
+        /// `k_a`.
+        ambient: f64 = 0.1, number("K", COEFFICIENTS);
+
+        /// Diffuse light, which a surface scatters.
+        /// `k_d`.
+        diffuse: f64 = 0.7, number("K", COEFFICIENTS);
+
+        /// Specular light, which a surface mirrors.
+        /// `k_s`.
+        specular: f64 = 0.2, number("K", COEFFICIENTS);
+
+        /// How sharp the highlight is.
+        /// The exponent `s`.
+        shininess: f64 = 20.0, number("EXPONENT", COEFFICIENTS);
+
+        /// Whether a surface is lit from behind too.
+        /// The absolute values of both products then count.
+        two_sided: bool = true, switch;
+
+        /// Where the light comes from: headlight, or a direction towards it.
+        light: Light = Light::Headlight, light;
+    }
 }
+
+const COEFFICIENTS: Interval = Interval::at_least(0.0);
 
 /// A light infinitely far away.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,29 +72,11 @@ pub struct LightDirection(DVec3);
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ShadingError {
     /// A coefficient is negative, NaN or infinite.
-    #[error("{name} must be a finite number of at least 0, not {value}")]
-    BadCoefficient {
-        /// Which coefficient.
-        name: &'static str,
-        /// What was given.
-        value: f64,
-    },
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
     /// The light's direction is zero or not finite.
     #[error("the light's direction must be a finite vector other than zero, not {0}")]
     BadLight(DVec3),
-}
-
-impl Default for Phong {
-    fn default() -> Self {
-        Self {
-            ambient: 0.1,
-            diffuse: 0.7,
-            specular: 0.2,
-            shininess: 20.0,
-            two_sided: true,
-            light: Light::Headlight,
-        }
-    }
 }
 
 impl Phong {
@@ -83,15 +85,27 @@ impl Phong {
     /// # Errors
     /// If a coefficient is negative or not finite.
     pub fn checked(self) -> Result<Self, ShadingError> {
-        let coefficients = [
-            ("ambient", self.ambient),
-            ("diffuse", self.diffuse),
-            ("specular", self.specular),
-            ("shininess", self.shininess),
-        ];
-        match coefficients.into_iter().find(|(_, v)| !v.is_finite() || *v < 0.0) {
-            Some((name, value)) => Err(ShadingError::BadCoefficient { name, value }),
-            None => Ok(self),
+        self.check_ranges()?;
+        Ok(self)
+    }
+}
+
+impl ShadingError {
+    /// The name of the setting that a person should look at.
+    pub fn setting(&self) -> &'static str {
+        match self {
+            Self::OutOfRange(OutOfRange { name, .. }) => name,
+            Self::BadLight(_) => "light",
+        }
+    }
+}
+
+impl fmt::Display for Light {
+    /// As a flag takes it: `headlight`, or three numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Headlight => f.write_str("headlight"),
+            Self::Direction(LightDirection(DVec3 { x, y, z })) => write!(f, "{x},{y},{z}"),
         }
     }
 }
@@ -123,6 +137,40 @@ impl Light {
     }
 }
 
+/// [`Phong`] for one viewer, who is infinitely far away, as the light is. Normals are in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlinnPhong {
+    /// The coefficients.
+    pub phong: Phong,
+    /// `l`, the direction towards the light.
+    pub to_light: DVec3,
+    /// `h`, half way between light and viewer; zero if the light shines straight at the viewer.
+    pub halfway: DVec3,
+}
+
+impl BlinnPhong {
+    /// For a viewer who looks along `forward`, of length 1.
+    pub fn new(phong: Phong, forward: DVec3) -> Self {
+        let (to_light, halfway) = (phong.light.to_light(forward), phong.light.halfway(forward));
+        Self { phong, to_light, halfway }
+    }
+
+    /// What `color` becomes on a surface with that normal, which is no longer than 1: a faint surface has a
+    /// shorter one, and gets less than the full light.
+    #[inline]
+    pub fn lit(&self, color: DVec3, normal: DVec3) -> DVec3 {
+        let Phong { ambient, diffuse, specular, shininess, two_sided, .. } = self.phong;
+        let facing = |direction: DVec3| {
+            let product = normal.dot(direction);
+            if two_sided { product.abs() } else { product.max(0.0) }
+        };
+        let n_l = facing(self.to_light);
+        let highlight =
+            if 0.0 < n_l { specular * facing(self.halfway).powf(shininess) } else { 0.0 };
+        (color * (ambient + diffuse * n_l) + highlight).clamp(DVec3::ZERO, DVec3::ONE)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -131,7 +179,7 @@ mod tests {
     fn phong_rejects_bad_coefficients() {
         assert!(Phong::default().checked().is_ok());
         for bad in [-0.1, f64::NAN, f64::INFINITY] {
-            let err = Phong { shininess: bad, ..Phong::default() }.checked().unwrap_err();
+            let err = Phong::default().shininess(bad).checked().unwrap_err();
             assert!(err.to_string().starts_with("shininess"), "{err}");
         }
     }

@@ -1,4 +1,4 @@
-//! Slabs parallel to the image plane (paper §3.2, SPEC §3).
+//! Slabs parallel to the image plane (paper §3.2, model §3).
 
 use thiserror::Error;
 

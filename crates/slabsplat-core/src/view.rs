@@ -8,7 +8,7 @@ use thiserror::Error;
 ///
 /// Points in view space are (right, up, depth) in world units: right and up from the optical axis,
 /// depth along it *from the grid's centre*, so that turning the camera about the volume
-/// leaves the slabs where they are (SPEC §3).
+/// leaves the slabs where they are (model §3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     axes: ViewAxes,
@@ -130,7 +130,7 @@ impl View {
         }
     }
 
-    /// By how much footprints are widened where a pixel covers more than a voxel step (SPEC §5).
+    /// By how much footprints are widened where a pixel covers more than a voxel step (model §5).
     pub fn stretch(&self, pixels_per_world: f64) -> f64 {
         (1.0 / (pixels_per_world * self.unit)).max(1.0)
     }

@@ -1,12 +1,12 @@
-//! Whole frames by each method, of a ball in 96³ voxels: opaque, where most of it is hidden, and a haze,
+//! Whole frames by each method, of a ball in 96³ voxels: opaque, where most of it is occluded, and a haze,
 //! where every section counts.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use slabsplat_backend::{Backend, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Method, Phong, Projection, RenderSettings, Scaling, Scene, Shading,
-    TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, TransferFunction,
+    Volume,
 };
 use slabsplat_cpu::CpuBackend;
 use std::sync::Arc;
@@ -29,17 +29,13 @@ fn scene(opacity: f64, method: Method) -> Scene {
     let projection = Projection::Orthographic { view_height: SIDE as f64 };
     let target = DVec3::splat(0.5 * SIDE as f64);
     let eye = target + DVec3::new(300.0, 200.0, 100.0);
-    Scene {
-        transfer: TransferFunction::new(
-            vec![(0.0, [0.0]), (1.0, [opacity])],
-            vec![(0.0, [0.9, 0.8, 0.7])],
-        )
-        .expect("the points are sorted"),
-        shading: Shading::Phong(Phong::default()),
-        camera: Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis"),
-        image: ImageDesc { width: 256, height: 256, background: [0.0; 4] },
-        settings: RenderSettings { method, ..RenderSettings::default() },
-    }
+    let color = vec![(0.0, [0.9, 0.8, 0.7])];
+    let transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [opacity])], color)
+        .expect("the points are sorted");
+    let camera = Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis");
+    Scene::new(transfer, camera)
+        .image(ImageDesc { width: 256, height: 256, background: [0.0; 4] })
+        .settings(RenderSettings::default().method(method))
 }
 
 fn frame(c: &mut Criterion) {

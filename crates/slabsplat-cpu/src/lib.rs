@@ -3,24 +3,33 @@
 //! # How a frame is made
 //!
 //! 1. Find the relevant voxels, if they are not those of the last plan (`slabsplat-traverse`).
-//! 2. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for what full parts of the image
-//!    hide: *project* and *shade* their voxels and *toss* them onto square tiles of the image, in parallel.
-//! 3. For every tile, in parallel: sort its voxels by slab, and then, slab by slab from the eye, *splat* the sections into a
-//!    sheet of the tile's size and *composite* it.
+//! 2. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for what saturated parts
+//!    of the image hide: *project* and *shade* their voxels and *toss* them onto square tiles of the image,
+//!    in parallel.
+//! 3. For every tile, in parallel: sort its voxels by slab, and then, slab by slab from the eye, *splat* the
+//!    sections into a sheet of the tile's size and *composite* it.
 //!
-//! A sheet that covers a tile stays in the first-level cache, so the full-screen sheets of the paper
-//! and their traffic vanish. Blocks of pixels that are full take no more, and a tile of them stops. Tiles share nothing:
-//! there are no atomics, and each pixel's sum has one order, whatever the number of threads.
+//! A sheet that covers a tile stays in the first-level cache, so the full-screen sheets of the paper and
+//! their traffic vanish. Blocks of pixels that are saturated take no more, and a tile of them stops. Tiles
+//! share nothing: there are no atomics, and each pixel's sum has one order, whatever the number of threads.
 //!
-//! The inner loops are written once, over vectors of `fearless_simd`, and compiled for every set of instructions that there
-//! may be; which one runs is found out when the backend is made.
+//! The inner loops are written once, over vectors of `fearless_simd`, and compiled for every set of
+//! instructions that there may be; which one runs is found out when the backend is made.
 //!
-//! # Reading order
+//! # Floors
 //!
-//! `frame`, `relevant`, `polynomials`, `raster`, `voxel`, `stopwatch`; `image_aligned`, `whole` with `axis_aligned` and
-//! `every_sample`; `tiles`, `tile`, `blocks`, `by_sheet`, `workspace`; `sheet`, `quad`, `weights`, `splat`, `product`, `knots`,
-//! `composite`.
-//! `post_classified` is a frame of its own, with sheets of densities.
+//! Modules only use modules below them, and `cargo xtask lint` checks it:
+//!
+//! | floor | holds |
+//! | --- | --- |
+//! | `frame` | dispatch to a method, and what every frame has |
+//! | `methods` | the four methods: image-aligned, axis-aligned, every-sample, densities |
+//! | `separable` | sections by separable footprints, a short cut of image-aligned |
+//! | `sections` | sections of eight voxels at a time, and their splatting |
+//! | `footprints` | where a footprint lies, how it weighs pixels, the inner loop |
+//! | `voxels` | the list, a voxel, and voxels by the sheet they go to first |
+//! | `pixels` | tiles, sheets, compositing |
+//! | `workspaces`, `stopwatch` | what threads keep, how long stages take |
 //!
 //! ```
 //! use slabsplat_backend::Backend;
@@ -29,34 +38,19 @@
 //! assert_eq!(CpuBackend::new().caps().name, "cpu");
 //! ```
 
+mod footprints;
 mod frame;
-mod polynomials;
-mod raster;
-mod relevant;
+mod methods;
+mod pixels;
+mod sections;
+mod separable;
 mod stopwatch;
-mod voxel;
-
-mod axis_aligned;
-mod every_sample;
-mod image_aligned;
-mod post_classified;
-mod whole;
-
-mod blocks;
-mod by_sheet;
-mod composite;
-mod knots;
-mod product;
-mod quad;
-mod sheet;
-mod splat;
-mod tile;
-mod tiles;
-mod weights;
-mod workspace;
+mod voxels;
+mod workspaces;
 
 use fearless_simd::Level;
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, FramePlan};
+use slabsplat_core::Method;
 use std::collections::VecDeque;
 use std::task::Poll;
 
@@ -77,6 +71,7 @@ impl CpuBackend {
             caps: Caps {
                 name: "cpu",
                 device: format!("{} CPU threads", rayon::current_num_threads()),
+                methods: Method::ALL,
             },
             level: Level::new(),
             buffers: frame::Buffers::default(),

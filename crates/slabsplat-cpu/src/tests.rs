@@ -5,8 +5,8 @@ use fearless_simd::Level;
 use slabsplat_backend::Planner;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, Image, ImageDesc, KernelName, Method, Phong, Projection,
-    RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, Image, ImageDesc, KernelName, Method, Projection, RenderSettings,
+    Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use std::sync::Arc;
@@ -50,18 +50,12 @@ fn scene(rng: &mut fastrand::Rng, grid: &Grid, settings: RenderSettings) -> Scen
         Projection::Perspective { fov_y_radians: 0.1 + 0.4 * rng.f64() }
     };
     let opacity = if rng.bool() { 0.08 } else { 0.9 };
-    Scene {
-        transfer: TransferFunction::new(
-            vec![(60.0, [0.0]), (255.0, [opacity])],
-            vec![(0.0, [0.9, 0.3, 0.1]), (255.0, [0.2, 0.9, 1.0])],
-        )
-        .unwrap(),
-        shading: Shading::Phong(Phong::default()),
-        camera: Camera::new(eye, target, DVec3::Y, projection).unwrap(),
+    let color = vec![(0.0, [0.9, 0.3, 0.1]), (255.0, [0.2, 0.9, 1.0])];
+    let transfer = TransferFunction::new(vec![(60.0, [0.0]), (255.0, [opacity])], color).unwrap();
+    Scene::new(transfer, Camera::new(eye, target, DVec3::Y, projection).unwrap())
         // The right and lower tiles lie partly outside.
-        image: ImageDesc { width: 75, height: 50, background: [0.0; 4] },
-        settings,
-    }
+        .image(ImageDesc { width: 75, height: 50, background: [0.0; 4] })
+        .settings(settings)
 }
 
 fn render(level: Level, volume: &Arc<Volume>, scene: &Scene) -> Image {
@@ -75,8 +69,8 @@ fn render(level: Level, volume: &Arc<Volume>, scene: &Scene) -> Image {
     }
 }
 
-/// Every method, kernel and compositing, on grids whose footprints are circles, leaning ellipses, and cut at a
-/// slant.
+/// Every method, kernel and compositing, on grids whose footprints are circles, leaning ellipses, and cut at
+/// a slant.
 #[test]
 fn cpu_levels_agree_with_scalar() {
     for_each_seed(1, |mut rng| {
@@ -85,14 +79,12 @@ fn cpu_levels_agree_with_scalar() {
             for &compositing in Compositing::ALL {
                 for kernel in ["gaussian", "crawfis-max"] {
                     let spacing = if rng.bool() { [1.0; 3] } else { [1.0, 1.4, 2.1] };
-                    let settings = RenderSettings {
-                        method,
-                        compositing,
-                        kernel: KernelName(kernel.into()),
-                        slab_width: [0.5, 1.0, 2.3][rng.usize(..3)],
-                        tolerance: [0.0, 0.05][rng.usize(..2)],
-                        ..RenderSettings::default()
-                    };
+                    let settings = RenderSettings::default()
+                        .method(method)
+                        .compositing(compositing)
+                        .kernel(KernelName(kernel.into()))
+                        .slab_width([0.5, 1.0, 2.3][rng.usize(..3)])
+                        .tolerance([0.0, 0.05][rng.usize(..2)]);
                     let volume = noise(&mut rng, spacing);
                     let scene = scene(&mut rng, volume.grid(), settings);
                     let expected = render(Level::fallback(), &volume, &scene);
@@ -110,8 +102,9 @@ fn cpu_levels_agree_with_scalar() {
     });
 }
 
-/// Folding moves extinction in depth and loses none of it, also where a voxel goes to a slab before all that its kernel
-/// meets, which may lie in the range of depth before: so it is with slabs thicker than a kernel's reach.
+/// Merging moves extinction in depth and loses none of it, also where a voxel goes to a slab before all that
+/// its kernel meets, which may lie in the range of depth before: so it is with slabs thicker than half a
+/// kernel.
 #[test]
 fn cpu_keeps_the_opacity_of_faint_voxels() {
     // Of many numbers of slices some have a brick at the front of a range and behind the front of its slab.
@@ -125,14 +118,13 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
         let projection = Projection::Orthographic { view_height: 4.0 };
         let eye = target - DVec3::Z * 200.0;
         let of_tolerance = |opacity: f64, tolerance: f64| {
-            let scene = Scene {
-                transfer: TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [1.0; 3])])
-                    .unwrap(),
-                shading: Shading::None,
-                camera: Camera::new(eye, target, DVec3::Y, projection).unwrap(),
-                image: ImageDesc { width: 32, height: 32, background: [0.0; 4] },
-                settings: RenderSettings { tolerance, slab_width, ..RenderSettings::default() },
-            };
+            let opacity = vec![(0.0, [opacity])];
+            let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).unwrap();
+            let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
+            let scene = Scene::new(transfer, camera)
+                .shading(Shading::None)
+                .image(ImageDesc { width: 32, height: 32, background: [0.0; 4] })
+                .settings(RenderSettings::default().tolerance(tolerance).slab_width(slab_width));
             render(Level::new(), &volume, &scene)
         };
         for opacity in [0.001, 0.004, 0.01] {
@@ -144,15 +136,15 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
     }
 }
 
-/// Frames that were drawn before find all the memory that they need. On one thread: which tile falls to which one
-/// is chance, and each has a workspace.
+/// Frames that were drawn before find all the memory that they need. On one thread: which tile falls to which
+/// one is chance, and each has a workspace.
 #[test]
 fn cpu_buffers_do_not_grow_once_warm() {
     for_each_seed(1, |mut rng| {
         let volume = noise(&mut rng, [1.0; 3]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         for &method in Method::ALL {
-            let settings = RenderSettings { method, ..RenderSettings::default() };
+            let settings = RenderSettings::default().method(method);
             let mut scenes: Vec<Scene> =
                 (0..4).map(|_| scene(&mut rng, volume.grid(), settings.clone())).collect();
             let transfer = scenes[0].transfer.clone();
@@ -172,5 +164,36 @@ fn cpu_buffers_do_not_grow_once_warm() {
             let warm = turn()[3];
             assert_eq!(turn(), [warm; 4], "{method:?}");
         }
+    });
+}
+
+/// Each method may hold all voxels, and a method that is not drawn any more holds none.
+#[test]
+fn cpu_keeps_nothing_for_other_methods() {
+    for_each_seed(1, |mut rng| {
+        let volume = noise(&mut rng, [1.0; 3]);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let first = scene(&mut rng, volume.grid(), RenderSettings::default());
+        let resident_bytes = |methods: &[Method]| {
+            let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
+            let mut bytes = 0;
+            for &method in methods {
+                let settings = RenderSettings::default().method(method);
+                let scene = first.clone().settings(settings);
+                let plan = planner.plan(&volume, &scene).unwrap();
+                let frame = pool.install(|| backend.submit(&plan)).unwrap();
+                if let Poll::Ready(frame) = backend.poll_image(frame).unwrap() {
+                    bytes = frame.cost.resident_bytes;
+                }
+            }
+            bytes
+        };
+        let alone = resident_bytes(&[Method::EverySample]);
+        assert_eq!(resident_bytes(&[Method::AxisAligned, Method::EverySample]), alone);
+        assert_eq!(resident_bytes(&[Method::ImageAligned, Method::EverySample]), alone);
+        // The list of relevant voxels stays, which densities have no use for.
+        let list_kept = resident_bytes(&[Method::EverySample, Method::PostClassified]);
+        let without = resident_bytes(&[Method::ImageAligned, Method::PostClassified]);
+        assert_eq!(list_kept, without);
     });
 }

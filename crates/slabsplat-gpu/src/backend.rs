@@ -17,7 +17,7 @@ use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, Splats,
     StageTime,
 };
-use slabsplat_core::Image;
+use slabsplat_core::{Image, Method};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::task::Poll;
@@ -54,7 +54,7 @@ impl<D: Device> GpuBackend<D> {
     pub fn new(name: &'static str, device: D) -> Self {
         let info = device.info();
         Self {
-            caps: Caps { name, device: info.name.clone() },
+            caps: Caps { name, device: info.name.clone(), methods: METHODS },
             memory: Memory::default(),
             known: None,
             list: VoxelList::new(info),
@@ -161,12 +161,12 @@ impl<D: Device> GpuBackend<D> {
         }
         let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
         let stats = FrameStats {
-            n_hidden: 0,
+            n_occluded: 0,
             n_voxels: counts.n_voxels.into(),
             n_splats: wide(counts.n_splatted),
             n_culled: wide(counts.n_culled),
             n_tiles: counts.n_tiles.into(),
-            n_full_tiles: counts.n_full_tiles.into(),
+            n_saturated_tiles: counts.n_saturated_tiles.into(),
         };
         let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime { name, ms }).collect();
         let cost = FrameCost { stages, resident_bytes: self.memory.resident_bytes() };
@@ -183,16 +183,19 @@ fn max_visits(kind: DeviceKind) -> u32 {
     }
 }
 
+/// What there are shaders for.
+const METHODS: &[Method] = &[Method::ImageAligned, Method::AxisAligned, Method::EverySample];
+
 impl<D: Device> Backend for GpuBackend<D> {
     fn caps(&self) -> &Caps {
         &self.caps
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
-        if matches!(plan.splats, Splats::Densities { .. }) {
+        let Splats::Colors(splats) = &plan.splats else {
             return Err(self.unable("its shaders do not know the method \"post-classified\""));
-        }
-        let mut job = Job::new(plan, self.known(plan), self.list.records.most());
+        };
+        let mut job = Job::new(plan, splats, self.known(plan), self.list.records.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
         let frame = FrameId(self.n_submitted);
@@ -264,16 +267,13 @@ mod tests {
         let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
         let volume = Arc::new(Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap());
         let projection = Projection::Orthographic { view_height: 4.0 };
-        let scene = Scene {
-            transfer: TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap(),
-            shading: Shading::None,
-            camera: Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap(),
-            image: ImageDesc { width: 4, height: 4, background: [0.0; 4] },
-            settings: RenderSettings {
-                method: Method::PostClassified,
-                ..RenderSettings::default()
-            },
-        };
+        let scene = Scene::new(
+            TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap(),
+            Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap(),
+        )
+        .shading(Shading::None)
+        .image(ImageDesc { width: 4, height: 4, background: [0.0; 4] })
+        .settings(RenderSettings::default().method(Method::PostClassified));
         let plan = Planner::default().plan(&volume, &scene).unwrap();
         let error = GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err();
         let text = error.to_string();

@@ -50,13 +50,9 @@ impl Classification {
     }
 }
 
-/// The number by which the shaders know the compositing.
+/// The number by which the shaders know the compositing: its place among all of them.
 pub(crate) fn compositing_code(compositing: Compositing) -> u32 {
-    match compositing {
-        Compositing::Separate => 0,
-        Compositing::Associated => 1,
-        Compositing::Extinction => 2,
-    }
+    compositing as u32
 }
 
 /// The iso-ranges as ranges of keys, rising.

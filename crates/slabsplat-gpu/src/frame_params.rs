@@ -3,16 +3,11 @@
 
 use crate::classification::compositing_code;
 use crate::params::{Frame, TILE_SIDE, flag};
-use slabsplat_backend::{FramePlan, Splats};
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Lookup, Phong, Shading, SlabGrid, SliceOrder};
+use slabsplat_backend::{ColorSplats, FramePlan, Slabs};
+use slabsplat_core::{BlinnPhong, Lookup, SliceOrder};
 
-/// Why no plan with densities comes this far.
-pub(crate) const DENSITIES_ARE_REFUSED: &str =
-    "the backend refuses densities before it makes a job";
-
-/// What the shaders read of `plan`, whose table has `row_len` quads in a row.
-pub(crate) fn frame_params(plan: &FramePlan<'_>, row_len: u32) -> Frame {
+/// What the shaders read of `plan`, whose splats are these, and whose table has `row_len` quads in a row.
+pub(crate) fn frame_params(plan: &FramePlan<'_>, splats: &ColorSplats, row_len: u32) -> Frame {
     let mut frame = Frame {
         opacity_cutoff: plan.opacity_cutoff,
         compositing: compositing_code(plan.compositing),
@@ -22,9 +17,9 @@ pub(crate) fn frame_params(plan: &FramePlan<'_>, row_len: u32) -> Frame {
     };
     put_view(plan, &mut frame);
     put_footprint(plan, &mut frame);
-    put_sheets(plan, &mut frame);
-    if let Shading::Phong(phong) = plan.shading {
-        put_light(&phong, plan.view.axes().forward, &mut frame);
+    put_sheets(plan, splats, &mut frame);
+    if let Some(light) = &plan.light {
+        put_light(light, &mut frame);
     }
     frame
 }
@@ -55,7 +50,7 @@ fn put_view(plan: &FramePlan<'_>, frame: &mut Frame) {
 fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
     let (shape, unit) = (&plan.shape, plan.volume.grid().unit());
     frame.radius = plan.radius as f32;
-    frame.reach = (plan.radius * shape.half_depth / unit) as f32;
+    frame.half_depth = (plan.half_depth() / unit) as f32;
     frame.index_per_depth = (shape.index_per_depth * unit) as f32;
     frame.is_tilted = flag(shape.is_tilted(plan.radius));
     frame.across = (shape.across * unit * unit) as f32;
@@ -66,10 +61,10 @@ fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
     frame.half_extent = shape.half_extent.map(|c| (c / unit) as f32);
 }
 
-fn put_sheets(plan: &FramePlan<'_>, frame: &mut Frame) {
-    frame.method = method_code(&plan.splats);
-    match &plan.splats {
-        Splats::Sections { slabs, table, .. } => {
+fn put_sheets(plan: &FramePlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
+    frame.method = method_code(splats);
+    match splats {
+        ColorSplats::Sections { slabs, table, .. } => {
             put_slabs(plan, slabs, frame);
             let rows = table.rows();
             frame.samples_per_index = table.samples_per_index();
@@ -78,49 +73,33 @@ fn put_sheets(plan: &FramePlan<'_>, frame: &mut Frame) {
             frame.is_mirrored = flag(rows.mirrored);
             frame.is_nearest = flag(table.lookup() == Lookup::Nearest);
         }
-        Splats::Slices { order, table } => {
+        ColorSplats::Slices { order, table } => {
             put_slices(order, frame);
             frame.samples_per_index = table.samples_per_index();
         }
-        Splats::Voxels { table } => {
+        ColorSplats::Voxels { table } => {
             frame.n_sheets = 1;
             frame.samples_per_index = table.samples_per_index();
         }
-        Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
     }
 }
 
 /// The number by which the shaders know the method.
-fn method_code(splats: &Splats) -> u32 {
+fn method_code(splats: &ColorSplats) -> u32 {
     match splats {
-        Splats::Sections { .. } => 0,
-        Splats::Slices { .. } => 1,
-        Splats::Voxels { .. } => 2,
-        Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
+        ColorSplats::Sections { .. } => 0,
+        ColorSplats::Slices { .. } => 1,
+        ColorSplats::Voxels { .. } => 2,
     }
 }
 
-fn put_slabs(plan: &FramePlan<'_>, slabs: &SlabGrid, frame: &mut Frame) {
-    let reach = plan.radius * plan.shape.half_depth;
-    frame.n_sheets = slabs.n_slabs() as u32;
-    frame.slab_thickness = (slabs.thickness() / plan.volume.grid().unit()) as f32;
-    frame.first_slab = (slabs.front(0) / slabs.thickness()).round() as i32;
-    frame.n_slabs_before = (2.0 * reach / slabs.thickness()).ceil() as u32;
-    frame.first_drawn = first_drawn(plan, slabs);
-}
-
-/// Slabs are drawn from one on.
-fn first_drawn(plan: &FramePlan<'_>, slabs: &SlabGrid) -> u32 {
-    let (mut lo, mut hi) = (0, slabs.n_slabs());
-    while lo < hi {
-        let middle = lo.midpoint(hi);
-        if plan.view.draws_slab(slabs.faces(middle)) {
-            hi = middle;
-        } else {
-            lo = middle + 1;
-        }
-    }
-    lo as u32
+fn put_slabs(plan: &FramePlan<'_>, slabs: &Slabs, frame: &mut Frame) {
+    let Slabs { grid, first_drawn, n_before } = *slabs;
+    frame.n_sheets = grid.n_slabs() as u32;
+    frame.slab_thickness = (grid.thickness() / plan.volume.grid().unit()) as f32;
+    frame.first_slab = (grid.front(0) / grid.thickness()).round() as i32;
+    frame.n_slabs_before = n_before as u32;
+    frame.first_drawn = first_drawn as u32;
 }
 
 fn put_slices(order: &SliceOrder, frame: &mut Frame) {
@@ -129,11 +108,11 @@ fn put_slices(order: &SliceOrder, frame: &mut Frame) {
 }
 
 /// A light and a viewer, both infinitely far away.
-fn put_light(phong: &Phong, forward: DVec3, frame: &mut Frame) {
+fn put_light(BlinnPhong { phong, to_light, halfway }: &BlinnPhong, frame: &mut Frame) {
     frame.is_lit = 1;
     frame.is_two_sided = flag(phong.two_sided);
-    frame.to_light = phong.light.to_light(forward).as_vec3().to_array();
-    frame.halfway = phong.light.halfway(forward).as_vec3().to_array();
+    frame.to_light = to_light.as_vec3().to_array();
+    frame.halfway = halfway.as_vec3().to_array();
     let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
     [frame.ambient, frame.diffuse, frame.specular, frame.shininess] =
         coefficients.map(|c| c as f32);

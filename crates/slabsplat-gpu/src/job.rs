@@ -1,14 +1,14 @@
-//! A frame to be made: all of a plan that the device must be told, in the shaders' own terms, so that the plan
-//! can go.
+//! A frame to be made: all of a plan that the device must be told, in the shaders' own terms, so that the
+//! plan can go.
 
 use crate::classification::Classification;
 use crate::depth_params::DepthSort;
-use crate::frame_params::{DENSITIES_ARE_REFUSED, frame_params};
+use crate::frame_params::frame_params;
 use crate::number::Numbers;
 use crate::params::{Frame, TILE_SIDE};
 use crate::samples::KeyCounts;
 use crate::section_table::{Quad, footprint_quads, section_quads};
-use slabsplat_backend::{FramePlan, Splats};
+use slabsplat_backend::{ColorSplats, FramePlan};
 use slabsplat_core::Volume;
 use slabsplat_kernel::{FootprintTable, SectionTable};
 use std::sync::Arc;
@@ -76,16 +76,21 @@ impl Table {
 }
 
 impl Job {
-    /// What `plan` asks for, of a volume that is known. The list should stay below `most_voxels`, if it can.
-    pub(crate) fn new(plan: &FramePlan<'_>, known: Arc<KnownVolume>, most_voxels: u64) -> Self {
-        let table = match &plan.splats {
-            Splats::Sections { table, .. } => Table::Sections(table.clone()),
-            Splats::Slices { table, .. } | Splats::Voxels { table } => {
+    /// What `plan` asks for, whose splats are these, of a volume that is known. The list should stay below
+    /// `most_voxels`, if it can.
+    pub(crate) fn new(
+        plan: &FramePlan<'_>,
+        splats: &ColorSplats,
+        known: Arc<KnownVolume>,
+        most_voxels: u64,
+    ) -> Self {
+        let table = match splats {
+            ColorSplats::Sections { table, .. } => Table::Sections(table.clone()),
+            ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table } => {
                 Table::Footprint(table.clone())
             }
-            Splats::Densities { .. } => unreachable!("bug: {DENSITIES_ARE_REFUSED}"),
         };
-        let sorts_by_depth = matches!(plan.splats, Splats::Voxels { .. });
+        let sorts_by_depth = matches!(splats, ColorSplats::Voxels { .. });
         let classification = Classification::new(plan, &known.numbers);
         let n_relevant = known.key_counts.at_most(&classification.key_ranges).max(1);
         let granule = (n_relevant / 8).next_power_of_two();
@@ -93,7 +98,7 @@ impl Job {
         Self {
             max_voxels,
             classification,
-            frame: frame_params(plan, table.row_len()),
+            frame: frame_params(plan, splats, table.row_len()),
             depth_sort: sorts_by_depth.then(|| DepthSort::new(plan)),
             table,
             known,
@@ -104,8 +109,8 @@ impl Job {
         self.frame.n_tiles[0] * self.frame.n_tiles[1]
     }
 
-    /// About how many splats are tossed: each voxel, as often as a footprint at the grid's centre touches tiles.
-    /// Close-ups may need more, which shows when it is too late, or far less.
+    /// About how many splats are tossed: each voxel, as often as a footprint at the grid's centre touches
+    /// tiles. Close-ups may need more, which shows when it is too late, or far less.
     pub(crate) fn expected_splats(&self) -> u64 {
         let frame = &self.frame;
         let distance = if frame.is_perspective == 1 { frame.eye_distance.max(1.0) } else { 1.0 };

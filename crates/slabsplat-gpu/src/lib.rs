@@ -1,6 +1,6 @@
-//! A frame on a GPU, as data: which buffers, which shaders, in which order, how many workgroups. It is written
-//! down once, here, and executed by whatever implements [`Device`]; with a device, [`GpuBackend`] is a
-//! backend like any other.
+//! A frame on a GPU, as data: which buffers, which shaders, in which order, how many workgroups. It is
+//! written down once, here, and executed by whatever implements [`Device`]; with a device, [`GpuBackend`] is
+//! a backend like any other.
 //!
 //! # How a frame is made
 //!
@@ -12,7 +12,8 @@
 //! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
 //! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
 //!    keeps the order from front to back within each.
-//! 5. *Splat*: a workgroup renders a tile, sheet by sheet, in registers, and stops when all pixels are full.
+//! 5. *Splat*: a workgroup renders a tile, sheet by sheet, in registers, and stops when all pixels are
+//!    saturated.
 //!
 //! Sorts and sums are stable and take no part in races, so a frame gives the same bits every time.
 //! Classification compares samples as the integers that they are, and positions of the transfer function
@@ -20,15 +21,15 @@
 //!
 //! # What a third device would have to write
 //!
-//! The five functions of [`Device`]: make and destroy buffers, begin work, hand bytes back. Shaders come as WGSL
-//! and as SPIR-V (`slabsplat-shaders`), passes as a list of shader, buffer slices and workgroup counts.
+//! The five functions of [`Device`]: make and destroy buffers, begin work, hand bytes back. Shaders come as
+//! WGSL and as SPIR-V (`slabsplat-shaders`), passes as a list of shader, buffer slices and workgroup counts.
 //!
 //! # Reading order
 //!
-//! `device`; `voxel_list`, `frame_passes` and `frame_memory`, which are the frame, with `pass_list`, `sums`, `chunks` and
-//! `memory` below them; `backend` and `job`; `params`, `frame_params`, `depth_params`,
-//! `classification`, `number`, `samples` and `section_table`, which say a plan in the shaders' terms.
-//! The stages themselves are in `shaders/`.
+//! `device`; `voxel_list`, `frame_passes` and `frame_memory`, which are the frame, with `pass_list`, `sums`,
+//! `chunks` and `memory` below them; `backend` and `job`; `params`, `frame_params`, `depth_params`,
+//! `classification`, `number`, `samples` and `section_table`, which say a plan in the shaders' terms. The
+//! stages themselves are in `shaders/`.
 
 mod device;
 

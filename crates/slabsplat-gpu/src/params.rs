@@ -25,7 +25,7 @@ pub(crate) struct Frame {
     pub(crate) eye_distance: f32,
     pub(crate) near: f32,
     pub(crate) radius: f32,
-    pub(crate) reach: f32,
+    pub(crate) half_depth: f32,
     pub(crate) index_per_depth: f32,
     pub(crate) is_tilted: u32,
     pub(crate) across: f32,
@@ -115,7 +115,7 @@ pub(crate) struct Counts {
     pub(crate) n_splatted: [u32; 2],
     pub(crate) n_culled: [u32; 2],
     pub(crate) n_tiles: u32,
-    pub(crate) n_full_tiles: u32,
+    pub(crate) n_saturated_tiles: u32,
     /// Tiles that need another round.
     pub(crate) n_paused_tiles: u32,
     /// Not 0 if the driver cut a loop short.
@@ -138,6 +138,8 @@ pub(crate) const TILE_SIDE: u32 = 8;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::classification::compositing_code;
+    use slabsplat_core::Compositing;
     use slabsplat_shaders::{STRUCTS, StructLayout};
     use std::mem::offset_of;
 
@@ -173,7 +175,7 @@ mod tests {
             eye_distance,
             near,
             radius,
-            reach,
+            half_depth,
             index_per_depth,
             is_tilted,
             across,
@@ -245,13 +247,20 @@ mod tests {
         let source: String = slabsplat_shaders::ALL.iter().map(|shader| shader.wgsl).collect();
         let declares = |line: String| assert!(source.contains(&line), "{line}");
         declares(format!("const TILE_SIDE: u32 = {TILE_SIDE}u;"));
+        for &compositing in Compositing::ALL {
+            let (name, code) = (compositing.name().to_uppercase(), compositing_code(compositing));
+            declares(format!("const COMPOSITING_{name}: u32 = {code}u;"));
+        }
         declares(format!("const COUNT_VOXELS: u32 = {COUNT_VOXELS}u;"));
         declares(format!("const COUNT_SPLATS: u32 = {COUNT_SPLATS}u;"));
         let slot = |offset: usize| offset / size_of::<u32>();
         declares(format!("COUNT_SPLATTED: u32 = {}u", slot(offset_of!(Counts, n_splatted))));
         declares(format!("COUNT_CULLED: u32 = {}u", slot(offset_of!(Counts, n_culled))));
         declares(format!("COUNT_TILES: u32 = {}u", slot(offset_of!(Counts, n_tiles))));
-        declares(format!("COUNT_FULL_TILES: u32 = {}u", slot(offset_of!(Counts, n_full_tiles))));
+        declares(format!(
+            "COUNT_FULL_TILES: u32 = {}u",
+            slot(offset_of!(Counts, n_saturated_tiles))
+        ));
         declares(format!(
             "COUNT_PAUSED_TILES: u32 = {}u",
             slot(offset_of!(Counts, n_paused_tiles))

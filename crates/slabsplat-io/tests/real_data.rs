@@ -1,7 +1,6 @@
-//! Real volumes, as their README describes them, and the scenes that show them.
+//! Real volumes, as the README beside them describes them, and the scenes that show them.
 
-use std::io::Write;
-use std::path::PathBuf;
+use std::path::Path;
 
 use slabsplat_core::{SampleType, Volume};
 use slabsplat_io::{LoadedVolume, VolumeFormat, VolumeSource, read_scene, read_volume};
@@ -121,24 +120,9 @@ const VOLUMES: &[Expected] = &[
     },
 ];
 
-/// A file of the folder `shared` beside the checkout; without the folder, says that the test is
-/// skipped.
-fn shared(path: &str) -> Option<PathBuf> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    if !root.is_dir() {
-        // Not by println!, which the test runner keeps to itself where a test passes.
-        let _ = writeln!(
-            std::io::stderr(),
-            "skipped: {} is absent, and with it {path}",
-            root.display()
-        );
-        return None;
-    }
-    Some(root.join(path))
-}
-
+/// The volume, where it is; otherwise a sentence says that it is skipped.
 fn load(path: &str) -> Option<LoadedVolume> {
-    shared(&format!("data/{path}")).map(|path| read_volume(&path).expect("the file is valid"))
+    slabsplat_testdata::volume(path).map(|path| read_volume(&path).expect("the file is valid"))
 }
 
 fn mean(volume: &Volume) -> f64 {
@@ -149,9 +133,7 @@ fn mean(volume: &Volume) -> f64 {
 #[test]
 fn real_volumes_are_as_described() {
     for expected in VOLUMES {
-        let Some(loaded) = load(expected.path) else {
-            return;
-        };
+        let Some(loaded) = load(expected.path) else { continue };
         let (path, volume) = (expected.path, &loaded.volume);
         assert_eq!(volume.grid().dims(), expected.dims, "{path}");
         assert_eq!(volume.sample_type(), expected.sample_type, "{path}");
@@ -206,10 +188,8 @@ fn real_lps_becomes_ras() {
 
 #[test]
 fn real_scenes_parse() {
-    for name in ["brain", "brain-haze", "embryo-perspective"] {
-        let Some(path) = shared(&format!("scenes/{name}.toml")) else {
-            return;
-        };
+    for &name in slabsplat_testdata::SCENES {
+        let Some(path) = slabsplat_testdata::scene(name) else { continue };
         let scene = read_scene(&path).unwrap();
         let VolumeSource::File(volume) = &scene.volume else { panic!("{name} has a file") };
         assert!(volume.is_file(), "{}", volume.display());
@@ -220,10 +200,10 @@ fn real_scenes_parse() {
 
 #[test]
 fn real_files_of_other_formats_are_refused() {
-    for path in ["data/mha/fuel.mha", "data/tiff/neuron_409x415x119_uint8.tif", "data/README.md"] {
-        let Some(path) = shared(path) else {
-            return;
-        };
+    let volumes = ["mha/fuel.mha", "tiff/neuron_409x415x119_uint8.tif"];
+    let volumes = volumes.into_iter().filter_map(slabsplat_testdata::volume);
+    let text = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    for path in volumes.chain([text]) {
         let err = read_volume(&path).unwrap_err().to_string();
         assert!(err.contains("is not a volume file that can be read"), "{err}");
     }

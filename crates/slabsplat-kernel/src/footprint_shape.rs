@@ -3,7 +3,7 @@
 //!
 //! In index space the kernel stays a ball and the rays get a new direction and a new length, so one
 //! radial table serves every grid. Slab faces may then cut the rays obliquely: *tilt* says how the
-//! offset of the cut changes over the footprint. `docs/algorithm.md` derives the two forms.
+//! offset of the cut changes over the footprint. Model §2 has the two forms.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Grid, ViewAxes};
@@ -54,6 +54,12 @@ impl FootprintShape {
             half_extent: [extent(axes.right), extent(axes.up)],
             half_depth: extent(axes.forward),
         }
+    }
+
+    /// Whether the axes of footprints are not those of the image. A cubic grid has upright circles, up to
+    /// rounding errors.
+    pub fn is_sheared(&self) -> bool {
+        1e-9 < self.lean.abs() * (self.across / self.along).sqrt()
     }
 
     /// Whether slab faces cut the rays at different offsets within a footprint of `radius`.

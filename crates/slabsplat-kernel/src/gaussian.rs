@@ -1,4 +1,4 @@
-//! The paper's kernel (eq. 3), with base 2 instead of its printed base e (SPEC §2).
+//! The paper's kernel (eq. 3), with base 2 instead of its printed base e (model §2).
 
 use crate::Kernel;
 use crate::kernel::half_chord;

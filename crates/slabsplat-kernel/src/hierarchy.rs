@@ -3,7 +3,7 @@
 //!
 //! Level `n` has the width `base·2ⁿ`. Its section is made of the two of level `n − 1` that it covers,
 //! `h_f` in front and `h_b` behind. Widths between levels interpolate the *darkening*, the ratio of
-//! the normalised to the plain section. `docs/algorithm.md` has the cases that the paper leaves open.
+//! the normalised to the plain section. Model §2 has the cases that the paper leaves open.
 
 use crate::SectionDesc;
 use slabsplat_core::Normalization;

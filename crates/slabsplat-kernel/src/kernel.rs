@@ -12,7 +12,7 @@ pub trait Kernel: Debug + Send + Sync {
     /// The name that scene files and flags use.
     fn name(&self) -> &'static str;
 
-    /// `R`: the kernel is 0 from here on, in voxel steps.
+    /// `R`: the kernel is 0 from here on, in voxel steps; at most [`MAX_RADIUS`].
     fn radius(&self) -> f64;
 
     /// `h(r)` at the distance `r ≥ 0` from the voxel.
@@ -26,6 +26,10 @@ pub trait Kernel: Debug + Send + Sync {
         self.line_integral(rho, -self.radius(), self.radius())
     }
 }
+
+/// The largest support of a kernel, in voxel steps: errors of sections are added up over so many layers of
+/// voxels ([`ErrorBudget`](crate::ErrorBudget)), and tables of densities have cells for it.
+pub const MAX_RADIUS: f64 = 2.0;
 
 /// The names of all kernels, the default first.
 pub const KERNEL_NAMES: &[&str] = &["gaussian", "crawfis-max"];
@@ -62,13 +66,15 @@ mod tests {
     #[test]
     fn kernel_names_are_found() {
         for &name in KERNEL_NAMES {
-            assert_eq!(kernel_named(name).unwrap().name(), name);
+            let kernel = kernel_named(name).unwrap();
+            assert_eq!(kernel.name(), name);
+            assert!(kernel.radius() <= MAX_RADIUS, "{name}");
         }
         let err = kernel_named("box").unwrap_err().to_string();
         assert_eq!(err, "there is no kernel \"box\"; there are gaussian, crawfis-max");
     }
 
-    /// SPEC §2: `F(0)` of both kernels.
+    /// model §2: `F(0)` of both kernels.
     #[test]
     fn kernel_footprint_at_center() {
         for (name, expected) in [("gaussian", 0.4456), ("crawfis-max", 0.6999)] {
@@ -77,7 +83,7 @@ mod tests {
         }
     }
 
-    /// SPEC §2: `∫h dV` of both kernels, by the midpoint rule over spherical shells.
+    /// model §2: `∫h dV` of both kernels, by the midpoint rule over spherical shells.
     #[test]
     fn kernel_integrates_to_one() {
         for (name, expected) in [("gaussian", 0.9993), ("crawfis-max", 1.0000)] {
@@ -92,7 +98,7 @@ mod tests {
         }
     }
 
-    /// SPEC §2: the range of `Σh`, searched on a fine lattice within one cell.
+    /// model §2: the range of `Σh`, searched on a fine lattice within one cell.
     #[test]
     fn kernel_ripple() {
         for (name, lo, hi) in [("gaussian", 0.993, 1.004), ("crawfis-max", 0.998, 1.005)] {

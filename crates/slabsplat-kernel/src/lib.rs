@@ -11,8 +11,9 @@
 //!
 //! # Reading order
 //!
-//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`, `section_levels`; `section_table`,
-//! `cubic_section_table`, `footprint_table`, `radial_polynomials`, `section_products`; `footprint_shape`.
+//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `error_budget`, `split_levels`;
+//! `section_table`, `cubic_section_table`, `footprint_table`, `radial_polynomials`, `separable_sections`;
+//! `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -42,24 +43,27 @@ mod gaussian;
 
 mod hierarchy;
 mod section;
-mod section_levels;
+
+mod error_budget;
+mod split_levels;
 
 mod cubic_section_table;
 mod footprint_table;
 mod radial_polynomials;
-mod section_products;
 mod section_table;
+mod separable_sections;
 
 mod footprint_shape;
 
 pub use crawfis_max::CrawfisMax;
-pub use cubic_section_table::{CubicSectionTable, cubic_at};
+pub use cubic_section_table::CubicSectionTable;
+pub use error_budget::ErrorBudget;
 pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;
-pub use kernel::{KERNEL_NAMES, Kernel, UnknownKernel, kernel_named};
-pub use radial_polynomials::{MAX_COEFFICIENTS, Powers, RadialPolynomials, chord_units_per_index};
+pub use kernel::{KERNEL_NAMES, Kernel, MAX_RADIUS, UnknownKernel, kernel_named};
+pub use radial_polynomials::{Degree, MAX_COEFFICIENTS, RadialPolynomials, chord_units_per_index};
 pub use section::SectionDesc;
-pub use section_levels::{LevelView, SectionLevels, SlabCuts};
-pub use section_products::SectionProducts;
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};
+pub use separable_sections::SeparableSections;
+pub use split_levels::{SlabSplit, SplitLevels, SplitView};

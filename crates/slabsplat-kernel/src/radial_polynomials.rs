@@ -1,9 +1,9 @@
 //! The rows of a table as polynomials of the squared distance, for backends with wide registers.
 //!
-//! A look-up in a [`SectionTable`] needs a square root, and two loads from places that differ for every pixel: the
-//! one thing that vector units are bad at. A polynomial in `ρ²` needs neither: `ρ²` is what a pixel's place gives
-//! at once, a handful of multiply-adds do 4, 8 or 16 pixels at a time, and a row blended from two neighbouring rows is
-//! the polynomial with the blended coefficients.
+//! A look-up in a [`SectionTable`] needs a square root, and two loads from places that differ for every
+//! pixel: the one thing that vector units are bad at. A polynomial in `ρ²` needs neither: `ρ²` is what a
+//! pixel's place gives at once, a handful of multiply-adds do 4, 8 or 16 pixels at a time, and a row blended
+//! from two neighbouring rows is the polynomial with the blended coefficients.
 //!
 //! A truncated kernel ends with a step: what is left of it at `R` counts as far as the ray is inside the ball
 //! and the slab, and that length, the *chord*, has kinks where a slab's face meets the ball, and ends like a
@@ -11,9 +11,9 @@
 //! of the chord instead of a power: some ten thousandths of a weight, and yet the most that would be wrong
 //! with an opaque voxel's edge, where nothing hides it.
 //!
-//! A row is fitted by least squares with more weight towards the ends of its disc, `(1 − y²)^(−3/4)` for `y` from −1 at
-//! its centre to 1 at its edge. With equal weights the errors there would be twice as large, and are what shows: at
-//! the edge of an opaque voxel, or all over a row of them.
+//! A row is fitted by least squares with more weight towards the ends of its disc, `(1 − y²)^(−3/4)` for `y`
+//! from −1 at its centre to 1 at its edge. With equal weights the errors there would be twice as large, and
+//! are what shows: at the edge of an opaque voxel, or all over a row of them.
 
 use crate::{FootprintTable, SectionTable, lerp_radial};
 use slabsplat_core::extinction;
@@ -21,13 +21,13 @@ use slabsplat_core::extinction;
 /// Most coefficients of a polynomial.
 pub const MAX_COEFFICIENTS: usize = 12;
 
-/// How long polynomials are.
+/// Of what degree polynomials are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Powers {
+pub enum Degree {
     /// Powers up to the seventh.
-    Few,
+    Low,
     /// Powers up to the tenth, and the chord.
-    Many,
+    High,
 }
 
 /// Places in a disc at which a row is fitted.
@@ -40,7 +40,7 @@ const NO_CHORD: f64 = 1e-9;
 /// [`weight`](Self::weight).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialPolynomials {
-    /// From the constant on; 0 from the eighth on if powers are few.
+    /// From the constant on; 0 from the eighth on if the degree is low.
     rows: Vec<[f32; MAX_COEFFICIENTS]>,
     errors: Errors,
 }
@@ -56,28 +56,28 @@ struct Errors {
 
 impl RadialPolynomials {
     /// Fits the rows of a table of sections; row `n` is the table's.
-    pub fn of_sections(table: &SectionTable, powers: Powers) -> Self {
+    pub fn of_sections(table: &SectionTable, degree: Degree) -> Self {
         let units = chord_units_per_index(table.rows().radius.into());
         let faces = |row_idx| table.faces_of_row(row_idx).map(|face| face * units);
-        Self::of_rows(&table.all_rows(), faces, powers)
+        Self::of_rows(&table.all_rows(), faces, degree)
     }
 
     /// Fits a footprint: one row.
-    pub fn of_footprint(table: &FootprintTable, powers: Powers) -> Self {
-        Self::of_rows(&[table.row()], |_| WHOLE, powers)
+    pub fn of_footprint(table: &FootprintTable, degree: Degree) -> Self {
+        Self::of_rows(&[table.row()], |_| WHOLE, degree)
     }
 
-    /// Fits one row over the whole disc by few powers.
+    /// Fits one row over the whole disc by a low degree.
     pub(crate) fn short(row: &[f32]) -> [f32; MAX_COEFFICIENTS] {
-        Basis::new().fit(row, 1.0, WHOLE, Powers::Few).0
+        Basis::new().fit(row, 1.0, WHOLE, Degree::Low).0
     }
 
-    fn of_rows(rows: &[&[f32]], faces: impl Fn(usize) -> [f64; 2], powers: Powers) -> Self {
+    fn of_rows(rows: &[&[f32]], faces: impl Fn(usize) -> [f64; 2], degree: Degree) -> Self {
         let discs: Vec<f64> = rows.iter().map(|row| disc_of(row)).collect();
         let basis = Basis::new();
         let mut errors = Errors::default();
         let fit = |idx: usize| {
-            let (row, of_row) = basis.fit(rows[idx], domain(&discs, idx), faces(idx), powers);
+            let (row, of_row) = basis.fit(rows[idx], domain(&discs, idx), faces(idx), degree);
             errors = errors.max(of_row);
             row
         };
@@ -101,7 +101,8 @@ impl RadialPolynomials {
         &self.rows[row_idx]
     }
 
-    /// The coefficients of the last row; in a table of slabs as wide as the kernel, those of the whole footprint.
+    /// The coefficients of the last row; in a table of slabs as wide as the kernel, those of the whole
+    /// footprint.
     #[inline]
     pub fn last_row(&self) -> &[f32; MAX_COEFFICIENTS] {
         &self.rows[self.rows.len() - 1]
@@ -141,7 +142,8 @@ pub(crate) fn polynomial(coefficients: &[f32], x: f32) -> f32 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
-/// Where a row's disc ends, as a part of `R²`: rows begin at the edge, with a 0 for every place outside of it.
+/// Where a row's disc ends, as a part of `R²`: rows begin at the edge, with a 0 for every place outside of
+/// it.
 fn disc_of(row: &[f32]) -> f64 {
     let n_samples = row.len() - 2;
     let n_outside = row.iter().take_while(|weight| **weight == 0.0).count();
@@ -149,8 +151,8 @@ fn disc_of(row: &[f32]) -> f64 {
     (1.0 - edge * edge).max(0.0)
 }
 
-/// Over what part of `R²` a row is fitted: where it or a neighbour, with which it may be blended, is not 0; and
-/// at least over a half, as the powers of a polynomial that fits a small part cancel to the last digit.
+/// Over what part of `R²` a row is fitted: where it or a neighbour, with which it may be blended, is not 0;
+/// and at least over a half, as the powers of a polynomial that fits a small part cancel to the last digit.
 fn domain(discs: &[f64], idx: usize) -> f64 {
     let near = &discs[idx.saturating_sub(1)..(idx + 2).min(discs.len())];
     near.iter().fold(0.5, |domain: f64, disc| domain.max(*disc))
@@ -230,16 +232,16 @@ impl Basis {
         row: &[f32],
         domain: f64,
         faces: [f64; 2],
-        powers: Powers,
+        degree: Degree,
     ) -> ([f32; MAX_COEFFICIENTS], Errors) {
         let n_samples = (row.len() - 2) as f64;
         let exact: Vec<f64> = self.at_nodes(|y| {
             let half_chord = (1.0 - 0.5 * (y + 1.0) * domain).max(0.0).sqrt();
             f64::from(lerp_radial(row, (half_chord * n_samples) as f32))
         });
-        let (n_powers, has_chord) = match powers {
-            Powers::Few => (8, false),
-            Powers::Many => (MAX_COEFFICIENTS - 1, true),
+        let (n_powers, has_chord) = match degree {
+            Degree::Low => (8, false),
+            Degree::High => (MAX_COEFFICIENTS - 1, true),
         };
         let mut parts = self.parts_of(&exact, n_powers);
         let chord = if has_chord {
@@ -332,18 +334,18 @@ mod tests {
 
     /// Largest and mean difference from the exact integral over the whole disc of radius `R`, at rows and
     /// half way between them.
-    fn errors(name: &str, width: f64, normalization: Normalization, powers: Powers) -> (f64, f64) {
+    fn errors(name: &str, width: f64, normalization: Normalization, degree: Degree) -> (f64, f64) {
         let kernel = kernel_named(name).unwrap();
         let desc =
             SectionDesc { kernel: &*kernel, width, kappa: 1.0, normalization, base_width: 0.5 };
         let table = TableDesc { sections: 128, radial_samples: 256, lookup: Lookup::Linear };
         let table = SectionTable::new(&desc, table);
-        let polynomials = RadialPolynomials::of_sections(&table, powers);
+        let polynomials = RadialPolynomials::of_sections(&table, degree);
         let radius = kernel.radius();
         let (mut worst, mut sum, mut n) = (0.0_f64, 0.0, 0.0);
         for step in 1..2 * table.n_rows() - 2 {
-            let reach = 0.5 * step as f64 / f64::from(table.rows().rows_per_index);
-            let front = reach - radius - width;
+            let depth = 0.5 * step as f64 / f64::from(table.rows().rows_per_index);
+            let front = depth - radius - width;
             let near = (-(front + width)).max(front).max(0.0);
             for i in 0..200 {
                 let part = (f64::from(i) + 0.4) / 200.0;
@@ -367,18 +369,18 @@ mod tests {
     fn polynomials_are_the_sections() {
         for &name in KERNEL_NAMES {
             for width in [0.25, 0.5, 1.0, 2.0, 4.0] {
-                for powers in [Powers::Many, Powers::Few] {
-                    let (worst, mean) = errors(name, width, Normalization::None, powers);
-                    println!("{name} w={width} {powers:?}: {worst:.1e} (mean {mean:.1e})");
-                    let most = match (powers, name) {
-                        (Powers::Many, _) => [2e-4, 1.5e-5],
-                        (Powers::Few, "gaussian") => [3e-4, 3e-5],
-                        (Powers::Few, _) => [1e-3, 2e-4],
+                for degree in [Degree::High, Degree::Low] {
+                    let (worst, mean) = errors(name, width, Normalization::None, degree);
+                    println!("{name} w={width} {degree:?}: {worst:.1e} (mean {mean:.1e})");
+                    let most = match (degree, name) {
+                        (Degree::High, _) => [2e-4, 1.5e-5],
+                        (Degree::Low, "gaussian") => [3e-4, 3e-5],
+                        (Degree::Low, _) => [1e-3, 2e-4],
                     };
-                    assert!(worst < most[0] && mean < most[1], "{name} w={width} {powers:?}");
+                    assert!(worst < most[0] && mean < most[1], "{name} w={width} {degree:?}");
                 }
             }
-            let (worst, mean) = errors(name, 2.0, Normalization::Product, Powers::Many);
+            let (worst, mean) = errors(name, 2.0, Normalization::Product, Degree::High);
             println!("{name} product: {worst:.1e} (mean {mean:.1e})");
             assert!(worst < 2e-4 && mean < 1.5e-5, "{name} product");
         }
@@ -411,7 +413,7 @@ mod tests {
             let (kernel, normalization) = (&*kernel, Normalization::None);
             let desc = SectionDesc { kernel, width, kappa, normalization, base_width: 0.5 };
             let fit =
-                RadialPolynomials::of_sections(&SectionTable::new(&desc, table), Powers::Many);
+                RadialPolynomials::of_sections(&SectionTable::new(&desc, table), Degree::High);
             println!("κ = {kappa}, w = {width}: {:.1e}", fit.pixel_error());
             assert!(fit.pixel_error() < 1.5e-4, "κ = {kappa}, w = {width}: {}", fit.pixel_error());
         }
@@ -421,16 +423,16 @@ mod tests {
     fn polynomials_know_their_errors() {
         for &name in KERNEL_NAMES {
             let table = FootprintTable::new(&*kernel_named(name).unwrap(), 1.0, 256);
-            let [few, many] = [Powers::Few, Powers::Many]
-                .map(|powers| RadialPolynomials::of_footprint(&table, powers));
-            assert!(few.row(0)[8..] == [0.0; 4] && many.row(0)[11] != 0.0);
-            assert!(0.0 < many.error() && many.error() < few.error(), "{name}");
+            let [low, high] = [Degree::Low, Degree::High]
+                .map(|degree| RadialPolynomials::of_footprint(&table, degree));
+            assert!(low.row(0)[8..] == [0.0; 4] && high.row(0)[11] != 0.0);
+            assert!(0.0 < high.error() && high.error() < low.error(), "{name}");
             let n_samples = (table.row().len() - 2) as f64;
             for step in 0..300 {
                 let part = (f64::from(step) + 0.5) / 300.0;
                 let half_chord = (1.0 - part).sqrt() * n_samples;
                 let weight = f64::from(lerp_radial(table.row(), half_chord as f32));
-                for fit in [&few, &many] {
+                for fit in [&low, &high] {
                     let off = f64::from(fit.weight(
                         0,
                         (2.0 * part - 1.0) as f32,

@@ -1,4 +1,4 @@
-//! The exact section of a kernel by a slab (paper §3.2, SPEC §2): slow, and right by definition.
+//! The exact section of a kernel by a slab (paper §3.2, model §2): slow, and right by definition.
 
 use crate::Kernel;
 use crate::hierarchy::Hierarchy;

@@ -1,14 +1,13 @@
 //! The section table (paper §3.2, figure 5): a kernel's sections by one slab width, sampled along the
 //! radius and along the offset of the slab from the voxel.
 //!
-//! A row holds one section from its edge to its middle, at equal steps of the *half chord*
-//! `√(R² − ρ²)`. A truncated kernel ends like a square root of the distance from its edge, which equal
-//! steps of `ρ` miss by far; over the half chord it is smooth from end to end. The rows stand
-//! `(2R + w)/sections` apart in offset, all in index space. A plain section looks the same from both sides, so only half of the
-//! rows are stored, named by their *reach*: how deep the slab reaches into the kernel from the nearer
-//! end. A slab wider than the kernel cuts nothing more at reach `2R` than at any deeper one, so
-//! that is where its rows end. A normalised section is not symmetric (`hierarchy.rs`) and has all
-//! its rows.
+//! A row holds one section from its edge to its middle, at equal steps of the *half chord* `√(R² − ρ²)`. A
+//! truncated kernel ends like a square root of the distance from its edge, which equal steps of `ρ` miss by
+//! far; over the half chord it is smooth from end to end. The rows stand `(2R + w)/sections` apart in offset,
+//! all in index space. A plain section looks the same from both sides, so only half of the rows are stored,
+//! named by their *depth*: how far into the kernel the slab goes from the nearer end. A slab wider than the
+//! kernel cuts nothing more at depth `2R` than at any larger one, so that is where its rows end. A normalised
+//! section is not symmetric (`hierarchy.rs`) and has all its rows.
 
 use crate::SectionDesc;
 use crate::kernel::half_chord;
@@ -45,11 +44,11 @@ pub struct SectionTable {
 pub struct RowMap {
     /// The kernel's radius in index units.
     pub radius: f32,
-    /// Rows per index unit that the slab reaches into the kernel.
+    /// Rows per index unit of depth.
     pub rows_per_index: f32,
     /// The last row, with the fraction at which the kernel ends.
     pub last_row: f32,
-    /// Whether the reach is measured from the nearer end, or always from the front.
+    /// Whether the depth is measured from the nearer end, or always from the front.
     pub mirrored: bool,
 }
 
@@ -152,8 +151,8 @@ impl SectionTable {
         self.lookup
     }
 
-    /// The row at or below the section between two faces, and how far it is to the next one, 0 … 1. Where that is
-    /// 0 there need not be a next one.
+    /// The row at or below the section between two faces, and how far it is to the next one, 0 … 1. Where
+    /// that is 0 there need not be a next one.
     #[inline(always)]
     pub fn row_at(&self, front: f32, back: f32) -> (usize, f32) {
         let position = self.rows.position(front, back);
@@ -177,8 +176,8 @@ impl RowMap {
     #[inline(always)]
     fn position(self, front: f32, back: f32) -> f32 {
         let from_front = back + self.radius;
-        let reach = if self.mirrored { from_front.min(self.radius - front) } else { from_front };
-        (reach * self.rows_per_index).clamp(0.0, self.last_row)
+        let depth = if self.mirrored { from_front.min(self.radius - front) } else { from_front };
+        (depth * self.rows_per_index).clamp(0.0, self.last_row)
     }
 }
 

@@ -150,8 +150,8 @@ mod tests {
             let bytes: Vec<u8> = shader.spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
             child.stdin.take().unwrap().write_all(&bytes).unwrap();
             let output = child.wait_with_output().unwrap();
-            let complaint = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "{}: {complaint}", shader.name);
+            let diagnostic = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "{}: {diagnostic}", shader.name);
         }
     }
 }

@@ -3,12 +3,12 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Phong, Projection, Scaling, Shading, TransferFunction,
+    BlinnPhong, Camera, Compositing, Grid, ImageDesc, Phong, Projection, Scaling, TransferFunction,
     View, Volume,
 };
 use slabsplat_traverse::{
-    BrickRanges, BrickView, Classification, DepthOrder, RelevantList, Shader, TileBuckets,
-    TileGrid, TileRect,
+    BrickRanges, BrickView, Classification, DepthOrder, RelevantList, TileBuckets, TileGrid,
+    TileRect, VoxelLighting,
 };
 
 const SIDE: usize = 128;
@@ -63,10 +63,10 @@ fn stages(c: &mut Criterion) {
         });
     });
     let classification = Classification::new(&transfer, Compositing::Extinction, &volume);
-    let shading = Shading::Phong(Phong::default());
-    let shader = Shader::new(&classification, &volume, &shading, view.axes().forward);
+    let light = BlinnPhong::new(Phong::default(), view.axes().forward);
+    let lighting = VoxelLighting::new(&classification, &volume, Some(&light));
     let mut colors = Vec::new();
-    group.bench_function("shade", |b| b.iter(|| shader.shade(&list, &mut colors)));
+    group.bench_function("shade", |b| b.iter(|| lighting.shade(&list, &mut colors)));
     let mut points = Vec::new();
     group.bench_function("project", |b| {
         b.iter(|| BrickView::new(grid, &view).project(&list, &mut points));

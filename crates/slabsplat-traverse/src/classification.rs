@@ -1,10 +1,10 @@
-//! Samples to colour and opacity, once a transfer function (SPEC §6).
+//! Samples to colour and opacity, once a transfer function (model §6).
 //!
 //! Samples of 8 and 16 bits have so few values that all of them are classified beforehand, in 64 bits;
 //! a voxel then takes one look at a table of 4 KiB or 1 MiB. Others are classified when they are met.
 
 use crate::order::Ordered;
-use slabsplat_core::{Compositing, SampleType, Scaling, TransferFunction, Volume, extinction};
+use slabsplat_core::{Compositing, SampleType, Scaling, TransferFunction, Volume};
 
 /// What is seen of every sample: red, green and blue, and the weight that is summed over a sheet, which
 /// is `α`, or `μ = −ln(1 − α)` for `extinction`.
@@ -15,7 +15,6 @@ pub struct Classification {
     transfer: TransferFunction,
     compositing: Compositing,
     scaling: Scaling,
-    sample_type: SampleType,
     /// By rank of the sample; empty for wide types.
     table: Vec<[f32; 4]>,
 }
@@ -27,7 +26,6 @@ impl Classification {
             transfer: transfer.clone(),
             compositing,
             scaling: volume.scaling(),
-            sample_type: volume.sample_type(),
             table: Vec::new(),
         };
         classification.table = match volume.sample_type() {
@@ -38,19 +36,6 @@ impl Classification {
             SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => Vec::new(),
         };
         classification
-    }
-
-    /// Whether [`new`](Self::new) would give the same.
-    pub fn is_of(
-        &self,
-        transfer: &TransferFunction,
-        compositing: Compositing,
-        volume: &Volume,
-    ) -> bool {
-        self.compositing == compositing
-            && self.scaling == volume.scaling()
-            && self.sample_type == volume.sample_type()
-            && self.transfer == *transfer
     }
 
     /// How sheets are summed.
@@ -80,10 +65,7 @@ impl Classification {
 
     fn of_value(&self, value: f64) -> [f32; 4] {
         let opacity = self.transfer.opacity(value);
-        let weight = match self.compositing {
-            Compositing::Separate | Compositing::Associated => opacity,
-            Compositing::Extinction => extinction(opacity),
-        };
+        let weight = self.compositing.weight(opacity);
         let [r, g, b] = self.transfer.color(value);
         [r, g, b, weight].map(|channel| channel as f32)
     }

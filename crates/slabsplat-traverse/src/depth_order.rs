@@ -13,7 +13,8 @@ use slabsplat_core::{Grid, View};
 /// Steps of the rounding grid per `unit`.
 const STEPS_PER_UNIT: f64 = (1 << 20) as f64;
 
-/// The voxels of a list in the order of depth, front to back; then bottom to top, left to right. Made to be used again.
+/// The voxels of a list in the order of depth, front to back; then bottom to top, left to right. Made to be
+/// used again.
 #[derive(Clone, Debug, Default)]
 pub struct DepthOrder {
     /// Depth, up and right in steps of the rounding grid, and the place in the list; sorted.

@@ -1,4 +1,4 @@
-//! Surface normals from central differences (SPEC §6), a row of a brick at a time.
+//! Surface normals from central differences (model §6), a row of a brick at a time.
 //!
 //! ```text
 //! for each of 8 voxels along x

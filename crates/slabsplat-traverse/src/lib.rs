@@ -9,10 +9,10 @@
 //! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, kept up to date by
 //!   difference;
 //! - `classification`: samples to colour and opacity, once a transfer function;
-//! - `lamp`, `shade`: Blinn–Phong, once a voxel and frame;
+//! - `blinn_phong`, `shade`: Blinn–Phong, once a voxel and frame;
 //! - `project`: index space to view space, voxels and whole bricks;
 //! - `depth_order`: what `every-sample` composites by (`axis-aligned` goes by slices, in core);
-//! - `toss`: buckets instead of a sort (§7), by image tile and then by slab.
+//! - `buckets`, `toss`: buckets instead of a sort (§7), by image tile and then by slab.
 //!
 //! Every stage is parallel, and gives the same result for any number of threads. Nothing here knows
 //! kernels' weights or draws a pixel.
@@ -43,11 +43,12 @@ mod membership;
 mod relevant_list;
 mod relevant_update;
 
+mod blinn_phong;
 mod classification;
-mod lamp;
 mod project;
 mod shade;
 
+mod buckets;
 mod depth_order;
 mod toss;
 
@@ -58,10 +59,11 @@ mod tests;
 
 pub use brick_ranges::BrickRanges;
 pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
+pub use buckets::Buckets;
 pub use classification::Classification;
 pub use depth_order::DepthOrder;
 pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
-pub use shade::Shader;
-pub use toss::{PixelRect, Throw, TileBuckets, TileGrid, TileRect, TileToss};
+pub use shade::VoxelLighting;
+pub use toss::{PixelRect, TileBuckets, TileEntry, TileGrid, TileRect, TileToss};
 pub use voxel::{NORMAL_STEPS, VoxelRecord};

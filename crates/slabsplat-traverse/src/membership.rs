@@ -1,4 +1,16 @@
 //! Which voxels of a brick have values in the iso-ranges, as bits.
+//!
+//! ```text
+//! for each row of eight voxels:
+//!     bits = 0
+//!     for each iso-range [lo, hi], as samples of the volume's own type:
+//!         bits |= lo ≤ sample and sample ≤ hi, eight at once
+//! ```
+//!
+//! 1. Samples are compared as they are, in their own type: no value is computed, and a range's ends are
+//!    exact.
+//! 2. A brick is only asked about the ranges that its least and largest value leave open (`brick_ranges.rs`).
+//! 3. A row is a byte: how many there are, and where, takes single instructions.
 
 use crate::bricks::N_ROWS;
 use crate::order::{Ordered, samples_in};

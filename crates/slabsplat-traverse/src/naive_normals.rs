@@ -1,4 +1,4 @@
-//! Normals by the definition (SPEC §6), a voxel at a time in 64 bits: what `gradient` is tested against.
+//! Normals by the definition (model §6), a voxel at a time in 64 bits: what `gradient` is tested against.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Sample, Volume, with_samples};

@@ -1,4 +1,14 @@
 //! Voxels to view space. What follows, the scale of the slab and the pixel, depends on the slab.
+//!
+//! ```text
+//! once a view:   steps along x of a brick, and the starts of its 64 rows, from its first voxel     64 bits
+//! once a brick:  its first voxel = M·(i, j, k) + o, as a rounded number and what rounding lost     64 bits
+//! once a voxel:  first voxel + (row + step along x + what was lost)                                32 bits
+//! ```
+//!
+//! 1. A voxel takes three vector additions instead of a matrix.
+//! 2. Small numbers are added to each other first, so that a voxel is off by the rounding of its place alone,
+//!    however far the grid's corner is from its centre.
 
 use crate::bricks::N_ROWS;
 use crate::{BRICK_SIDE, Brick, BrickGrid, RelevantList, VoxelRecord};

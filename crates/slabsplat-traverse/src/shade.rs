@@ -1,40 +1,34 @@
-//! Shading (SPEC §6), once a voxel and frame.
+//! Shading (model §6), once a voxel and frame.
 //!
-//! What comes out is what a sheet sums (SPEC §3): the voxel's colour and opacity in the form that the
+//! What comes out is what a sheet sums (model §3): the voxel's colour and opacity in the form that the
 //! compositing wants, so that splatting is the same four multiply-adds for all three.
 //!
 //! Voxels go eight at a time through arithmetic of 32 bits. That costs some 10⁻⁶ of a colour, and less
 //! than `shininess` · 2·10⁻⁷ of a highlight, which is less than the keeping of normals in 16 bits does.
 
-use crate::lamp::{Lamp, Light8};
+use crate::blinn_phong::{BlinnPhong8, Light8};
 use crate::order::Ordered;
 use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord};
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Shading, Volume, with_samples};
+use slabsplat_core::{BlinnPhong, Volume, with_samples};
 
 /// Everything that a voxel's colour depends on in one frame, but for the voxel.
 #[derive(Clone, Copy, Debug)]
-pub struct Shader<'a> {
+pub struct VoxelLighting<'a> {
     classification: &'a Classification,
     volume: &'a Volume,
     grid: BrickGrid,
-    lamp: Option<Lamp>,
+    blinn_phong: Option<BlinnPhong8>,
 }
 
-impl<'a> Shader<'a> {
-    /// Lights `volume`, which is the one classified. `forward` is the viewing direction, of length 1; the
-    /// viewer is at `−forward`.
+impl<'a> VoxelLighting<'a> {
+    /// Lights `volume`, which is the one classified, if there is any light.
     pub fn new(
         classification: &'a Classification,
         volume: &'a Volume,
-        shading: &Shading,
-        forward: DVec3,
+        light: Option<&BlinnPhong>,
     ) -> Self {
-        let lamp = match shading {
-            Shading::None => None,
-            Shading::Phong(phong) => Some(Lamp::new(phong, forward)),
-        };
-        Self { classification, volume, grid: BrickGrid::new(volume.grid()), lamp }
+        let blinn_phong = light.map(BlinnPhong8::new);
+        Self { classification, volume, grid: BrickGrid::new(volume.grid()), blinn_phong }
     }
 
     /// Writes red, green, blue and opacity of all voxels of `list` into `colors`, in parallel.
@@ -50,10 +44,10 @@ impl<'a> Shader<'a> {
     /// for `extinction`. There are as many `records` as `colors`.
     pub fn shade_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
-        let is_weighted = self.classification.compositing() != Compositing::Separate;
-        match (&self.lamp, is_weighted) {
-            (Some(lamp), true) => light_up(lamp, records, colors, |weight| weight),
-            (Some(lamp), false) => light_up(lamp, records, colors, |_| 1.0),
+        let is_weighted = self.classification.compositing().weights_colors();
+        match (&self.blinn_phong, is_weighted) {
+            (Some(blinn_phong), true) => light_up(blinn_phong, records, colors, |weight| weight),
+            (Some(blinn_phong), false) => light_up(blinn_phong, records, colors, |_| 1.0),
             (None, true) => {
                 for [r, g, b, weight] in colors {
                     [r, g, b].into_iter().for_each(|channel| *channel *= *weight);
@@ -82,7 +76,7 @@ impl<'a> Shader<'a> {
 /// Lights classified `colors`, and weights them by what `factor_of` makes of their weights.
 #[inline]
 fn light_up(
-    lamp: &Lamp,
+    blinn_phong: &BlinnPhong8,
     records: &[VoxelRecord],
     colors: &mut [[f32; 4]],
     factor_of: impl Fn(f32) -> f32,
@@ -90,24 +84,22 @@ fn light_up(
     let (eights, rest) = records.as_chunks();
     let (color_eights, color_rest) = colors.as_chunks_mut::<8>();
     for (records, colors) in eights.iter().zip(color_eights) {
-        lay_on(&lamp.on(records), colors, &factor_of);
+        lay_on(&blinn_phong.on(records), colors, &factor_of);
     }
     let mut last = [VoxelRecord::default(); 8];
     last[..rest.len()].copy_from_slice(rest);
-    lay_on(&lamp.on(&last), color_rest, &factor_of);
+    lay_on(&blinn_phong.on(&last), color_rest, &factor_of);
 }
 
 /// Lays light on up to eight colours.
 #[inline]
 fn lay_on(light: &Light8, colors: &mut [[f32; 4]], factor_of: impl Fn(f32) -> f32) {
-    for ((color, scattered), mirrored) in
-        colors.iter_mut().zip(&light.scattered).zip(&light.mirrored)
-    {
+    for ((color, diffuse), specular) in colors.iter_mut().zip(&light.diffuse).zip(&light.specular) {
         let weight = color[3];
         let factor = factor_of(weight);
         // The weight goes along, so that the four are one vector, and is put back.
         for channel in &mut *color {
-            let lit = *channel * scattered + mirrored;
+            let lit = *channel * diffuse + specular;
             *channel = if lit < 1.0 { lit } else { 1.0 } * factor;
         }
         color[3] = weight;
@@ -119,7 +111,8 @@ mod tests {
     use super::*;
     use crate::tests::{random_ranges, random_volume};
     use crate::{BrickRanges, RelevantList};
-    use slabsplat_core::{Grid, Light, Phong, Scaling, TransferFunction};
+    use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{Compositing, Grid, Light, Phong, Scaling, TransferFunction};
     use slabsplat_seeds::for_each_seed;
 
     #[test]
@@ -131,10 +124,10 @@ mod tests {
             let transfer =
                 TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, color)]).unwrap();
             let classification = Classification::new(&transfer, compositing, &volume);
-            let shader = Shader::new(&classification, &volume, &Shading::None, DVec3::Z);
+            let lighting = VoxelLighting::new(&classification, &volume, None);
             let mut colors = [[0.0; 4]];
             let brick = Brick { brick_idx: 0, first: 0, n_voxels: 1 };
-            shader.shade_brick(&brick, &[VoxelRecord::default()], &mut colors);
+            lighting.shade_brick(&brick, &[VoxelRecord::default()], &mut colors);
             for (actual, expected) in colors[0].iter().zip(expected) {
                 assert!((f64::from(*actual) - expected).abs() < 1e-6, "{colors:?}");
             }
@@ -147,7 +140,7 @@ mod tests {
         check(1.0, Compositing::Extinction, [0.2 * most, 0.4 * most, 0.8 * most, most]);
     }
 
-    /// SPEC §6 word by word, in 64 bits, for a normal of length 1 or 0.
+    /// model §6 word by word, in 64 bits, for a normal of length 1 or 0.
     fn naive_phong(phong: &Phong, color: DVec3, normal: DVec3, forward: DVec3) -> DVec3 {
         let to_light = phong.light.to_light(forward);
         let halfway = (to_light - forward).normalize_or_zero();
@@ -155,25 +148,24 @@ mod tests {
             let product = normal.dot(direction);
             if phong.two_sided { product.abs() } else { product.max(0.0) }
         };
-        let mirrored = if 0.0 < product(to_light) {
+        let specular = if 0.0 < product(to_light) {
             phong.specular * product(halfway).powf(phong.shininess)
         } else {
             0.0
         };
-        let lit = color * (phong.ambient + phong.diffuse * product(to_light)) + mirrored;
+        let lit = color * (phong.ambient + phong.diffuse * product(to_light)) + specular;
         lit.clamp(DVec3::ZERO, DVec3::ONE)
     }
 
     fn random_phong(rng: &mut fastrand::Rng) -> Phong {
         let direction = DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5);
-        Phong {
-            ambient: rng.f64(),
-            diffuse: rng.f64(),
-            specular: rng.f64(),
-            shininess: [0.0, 1.0, 20.0, 7.5, 100.0][rng.usize(0..5)],
-            two_sided: rng.bool(),
-            light: if rng.bool() { Light::Headlight } else { Light::towards(direction).unwrap() },
-        }
+        Phong::default()
+            .ambient(rng.f64())
+            .diffuse(rng.f64())
+            .specular(rng.f64())
+            .shininess([0.0, 1.0, 20.0, 7.5, 100.0][rng.usize(0..5)])
+            .two_sided(rng.bool())
+            .light(if rng.bool() { Light::Headlight } else { Light::towards(direction).unwrap() })
     }
 
     /// Of a weighted colour; opacities stay far from 1, so that weights stay below 2. A highlight of
@@ -197,9 +189,10 @@ mod tests {
                 list.update(&volume, &BrickRanges::new(&volume), &ranges);
 
                 let classification = Classification::new(&transfer, compositing, &volume);
-                let shading = Shading::Phong(phong);
+                let light = BlinnPhong::new(phong, forward);
                 let mut colors = Vec::new();
-                Shader::new(&classification, &volume, &shading, forward).shade(&list, &mut colors);
+                VoxelLighting::new(&classification, &volume, Some(&light))
+                    .shade(&list, &mut colors);
 
                 for brick in list.bricks() {
                     for (&record, &actual) in

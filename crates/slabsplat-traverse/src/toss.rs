@@ -1,11 +1,12 @@
-//! The bucket toss (paper §7), instead of a sort: its first level, a bucket for every image tile. The second, a bucket
-//! for every slab, is the tile's own.
+//! The bucket toss (paper §7), instead of a sort: its first level, a bucket for every image tile. The second,
+//! a bucket for every slab, is the tile's own.
 //!
-//! It is a counting sort: linear, and stable, so that a bucket holds its voxels in the order of the list
-//! whatever the number of threads. It works on runs of the list that do not depend on that number. What a run tosses stays
-//! where it is; a tile's bucket is the chain of what each run holds for it. That costs no second pass, and no two
-//! threads ever write to one place.
+//! A bucket holds its voxels in the order of the list whatever the number of threads, as the toss works on
+//! runs of the list that do not depend on that number. What a run tosses stays where it is; a tile's bucket
+//! is the chain of what each run holds for it. That costs no second pass, and no two threads ever write to
+//! one place.
 
+use crate::Buckets;
 use rayon::prelude::*;
 
 /// The image cut into square tiles.
@@ -43,16 +44,18 @@ impl TileRect {
 }
 
 /// A run of splats, or their names, by the tile on which they fall. Made to be used again.
-#[derive(Debug, Default)]
-pub struct TileToss<T> {
-    /// `splats[starts[tile]..starts[tile + 1]]` fall on a tile.
-    starts: Vec<u32>,
-    splats: Vec<T>,
+#[derive(Debug)]
+pub struct TileToss<T>(Buckets<T>);
+
+impl<T> Default for TileToss<T> {
+    fn default() -> Self {
+        Self(Buckets::default())
+    }
 }
 
 /// A splat that falls on a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Throw {
+pub struct TileEntry {
     /// The tile.
     pub tile: u32,
     /// The splat's name.
@@ -69,7 +72,7 @@ pub struct TileBuckets {
 
 #[derive(Debug, Default)]
 struct Run {
-    throws: Vec<Throw>,
+    entries: Vec<TileEntry>,
     toss: TileToss<u32>,
 }
 
@@ -94,8 +97,8 @@ impl TileGrid {
         [tile_idx % self.n_x, tile_idx / self.n_x].map(|tile| tile << self.side_log2)
     }
 
-    /// The pixels that have their centres within `min ..= max`, given in pixels, or hardly outside; `None` if there are
-    /// none on any tile.
+    /// The pixels that have their centres within `min ..= max`, given in pixels, or hardly outside; `None` if
+    /// there are none on any tile.
     #[inline(always)]
     pub fn pixels_within(&self, min: [f32; 2], max: [f32; 2]) -> Option<PixelRect> {
         let n_tiles = [self.n_x, self.n_y];
@@ -120,9 +123,10 @@ impl TileGrid {
 
     /// Appends every tile of a rectangle, which must hold one, with a splat's name, to what is to be tossed.
     ///
-    /// Nearly all splats fall on one tile, two or four, and nobody can guess on how many: they take no branch.
+    /// Nearly all splats fall on one tile, two or four, and nobody can guess on how many: they take no
+    /// branch.
     #[inline(always)]
-    pub fn push(&self, rect: TileRect, name: u32, onto: &mut Vec<Throw>) {
+    pub fn push(&self, rect: TileRect, name: u32, onto: &mut Vec<TileEntry>) {
         let [left, top] = rect.min.map(u32::from);
         let [width, height] =
             [0, 1].map(|axis| 1 + u32::from(rect.max[axis]) - u32::from(rect.min[axis]));
@@ -131,7 +135,7 @@ impl TileGrid {
         if width <= 2 && height <= 2 {
             let second = if width == 2 { first + 1 } else { first + n_x };
             let four =
-                [first, second, first + n_x, first + n_x + 1].map(|tile| Throw { tile, name });
+                [first, second, first + n_x, first + n_x + 1].map(|tile| TileEntry { tile, name });
             let end = onto.len() + (width * height) as usize;
             onto.extend_from_slice(&four);
             onto.truncate(end);
@@ -139,44 +143,27 @@ impl TileGrid {
         }
         for row in 0..height {
             let start = first + row * n_x;
-            onto.extend((start..start + width).map(|tile| Throw { tile, name }));
+            onto.extend((start..start + width).map(|tile| TileEntry { tile, name }));
         }
     }
 }
 
 impl<T: Copy + Default> TileToss<T> {
     /// Tosses splats, of which `splat` gives one by its name.
-    pub fn toss(&mut self, tiles: &TileGrid, throws: &[Throw], splat: impl Fn(u32) -> T) {
-        let Self { starts, splats } = self;
-        // One entry more than counts need: while splats are placed, `starts[tile + 1]` is where the tile's next
-        // one goes, and ends up as where the tile after it starts.
-        starts.clear();
-        starts.resize(tiles.n_tiles() + 2, 0);
-        for throw in throws {
-            starts[throw.tile as usize + 2] += 1;
-        }
-        accumulate(starts);
-        if splats.len() < throws.len() {
-            // There are many of these: twice as much as is needed would be felt.
-            splats.reserve_exact(throws.len() + throws.len() / 8 - splats.len());
-            splats.resize(throws.len(), T::default());
-        }
-        for throw in throws {
-            let next = &mut starts[throw.tile as usize + 1];
-            splats[*next as usize] = splat(throw.name);
-            *next += 1;
-        }
+    pub fn toss(&mut self, tiles: &TileGrid, entries: &[TileEntry], splat: impl Fn(u32) -> T) {
+        let runs = std::iter::once(entries);
+        self.0.sort(tiles.n_tiles(), runs, |entry| entry.tile as usize, |entry| splat(entry.name));
     }
 
     /// The splats on a tile, in the order of the run.
     #[inline]
     pub fn on_tile(&self, tile_idx: usize) -> &[T] {
-        &self.splats[self.starts[tile_idx] as usize..self.starts[tile_idx + 1] as usize]
+        self.0.items_of(tile_idx..tile_idx + 1)
     }
 
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
-        self.starts.capacity() * size_of::<u32>() + self.splats.capacity() * size_of::<T>()
+        self.0.resident_bytes()
     }
 }
 
@@ -198,16 +185,16 @@ impl TileBuckets {
             self.runs.resize_with(self.n_runs, Run::default);
         }
         let runs = self.runs[..self.n_runs].par_iter_mut().enumerate();
-        runs.for_each(|(run_idx, Run { throws, toss })| {
+        runs.for_each(|(run_idx, Run { entries, toss })| {
             let first = run_idx * run_len;
-            throws.clear();
+            entries.clear();
             for splat in first..(first + run_len).min(n_splats) {
                 let rect = rect_of(splat);
                 if rect != TileRect::EMPTY {
-                    tiles.push(rect, (splat - first) as u32, throws);
+                    tiles.push(rect, (splat - first) as u32, entries);
                 }
             }
-            toss.toss(tiles, throws, |name| name);
+            toss.toss(tiles, entries, |name| name);
         });
     }
 
@@ -227,7 +214,7 @@ impl TileBuckets {
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
         let bytes =
-            |run: &Run| run.throws.capacity() * size_of::<Throw>() + run.toss.resident_bytes();
+            |run: &Run| run.entries.capacity() * size_of::<TileEntry>() + run.toss.resident_bytes();
         self.runs.iter().map(bytes).sum()
     }
 }
@@ -235,8 +222,8 @@ impl TileBuckets {
 /// What lies exactly on a pixel's centre must count on both sides alike, or pictures would not be symmetric.
 const MARGIN: f32 = 1.0 / 1024.0;
 
-/// The whole number nearest to `at`, 0 … `most`; pixel `p` has its centre at `p + ½`, so this is the first pixel whose
-/// centre lies behind `at`. NaN gives 0.
+/// The whole number nearest to `at`, 0 … `most`; pixel `p` has its centre at `p + ½`, so this is the first
+/// pixel whose centre lies behind `at`. NaN gives 0.
 ///
 /// Adding 2²³ rounds to whole numbers and leaves them in the low bits, at a fraction of what a cast costs.
 #[inline(always)]
@@ -244,15 +231,6 @@ fn nearest(at: f32, most: f32) -> u32 {
     let inside = if 0.0 < at { at } else { 0.0 };
     let inside = if inside < most { inside } else { most };
     (inside + 8_388_608.0).to_bits() & 0x7f_ffff
-}
-
-/// Turns counts into the places where buckets start; `counts[0]` is 0.
-fn accumulate(counts: &mut [u32]) {
-    let mut sum = 0;
-    for count in counts {
-        sum += *count;
-        *count = sum;
-    }
 }
 
 #[cfg(test)]

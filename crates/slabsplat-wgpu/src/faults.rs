@@ -1,8 +1,9 @@
 //! What went wrong, noted where wgpu tells it.
 //!
-//! wgpu's calls return no errors: it hands them to a handler, which panics unless another is set. Ours
-//! notes them, and the call that caused them, or the next, returns them. Outside of browsers the handler is called before
-//! the call returns; in a browser later, which is why no error scopes are used: who would wait for them?
+//! wgpu's calls return no errors: it hands them to a handler, which panics unless another is set. Ours notes
+//! them, and the call that caused them, or the next, returns them. Outside of browsers the handler is called
+//! before the call returns; in a browser later, which is why no error scopes are used: who would wait for
+//! them?
 
 use slabsplat_gpu::DeviceError;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

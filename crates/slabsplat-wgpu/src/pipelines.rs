@@ -43,7 +43,8 @@ fn make(device: &wgpu::Device, shader: &Shader) -> Pipeline {
         module: &module,
         entry_point: Some(shader.name),
         compilation_options: wgpu::PipelineCompilationOptions {
-            // The shaders read nothing that they did not write, and some drivers take a second to compile the zeroing.
+            // The shaders read nothing that they did not write, and some drivers take a second to compile the
+            // zeroing.
             zero_initialize_workgroup_memory: false,
             ..wgpu::PipelineCompilationOptions::default()
         },

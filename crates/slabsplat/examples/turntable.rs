@@ -1,4 +1,5 @@
-//! A series of frames around a volume, as for a film: `cargo run --release -p slabsplat --example turntable [DIR]`.
+//! A series of frames around a volume, as for a film: `cargo run --release -p slabsplat --example turntable
+//! [DIR]`.
 
 use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, io};
 use std::error::Error;

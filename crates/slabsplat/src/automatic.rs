@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Phong, Projection, RenderSettings, Sample, Scaling, Scene, Shading,
-    TransferFunction, Volume, with_samples,
+    Camera, Grid, ImageDesc, Projection, RenderSettings, Sample, Scaling, Scene, TransferFunction,
+    Volume, with_samples,
 };
 
 /// Defaults that fit one volume.
@@ -32,7 +32,7 @@ const COLORS: [[f64; 3]; 3] = [[0.55, 0.25, 0.2], [0.85, 0.55, 0.45], [1.0, 0.93
 /// Vertical field of view of the automatic perspective camera.
 const FOV_Y_RADIANS: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
-/// Voxel steps around the grid that kernels reach into.
+/// Voxel steps around the grid that kernels cover.
 const MARGIN_VOXELS: f64 = 2.0;
 
 impl Automatic {
@@ -55,13 +55,9 @@ impl Automatic {
 
     /// The defaults as a whole scene: orthographic, lit by a headlight.
     pub fn scene(&self, image: ImageDesc, settings: RenderSettings) -> Scene {
-        Scene {
-            transfer: self.transfer.clone(),
-            shading: Shading::Phong(Phong::default()),
-            camera: self.camera(&image, false),
-            image,
-            settings,
-        }
+        Scene::new(self.transfer.clone(), self.camera(&image, false))
+            .image(image)
+            .settings(settings)
     }
 }
 
@@ -89,11 +85,11 @@ fn fitting_height(grid: &Grid, to_eye: DVec3, aspect: f64) -> f64 {
     let target = grid.center_in_world();
     let right = (-to_eye).cross(DVec3::Z).normalize();
     let up = right.cross(-to_eye);
-    let reach = |axis: DVec3| {
+    let extent = |axis: DVec3| {
         let farthest = corners(grid).map(|c| (c - target).dot(axis).abs()).fold(0.0, f64::max);
         farthest + MARGIN_VOXELS * grid.unit()
     };
-    2.0 * reach(up).max(reach(right) / aspect)
+    2.0 * extent(up).max(extent(right) / aspect)
 }
 
 fn corners(grid: &Grid) -> impl Iterator<Item = DVec3> + '_ {

@@ -28,8 +28,8 @@
 //! # Features
 //!
 //! - `cpu` (default): the CPU backend.
-//! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where there
-//!   is no driver, [`found_backends`] says so, and `auto` takes the CPU.
+//! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where
+//!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
 //!
 //! # Reading order

@@ -29,7 +29,7 @@ pub enum RenderError {
 }
 
 impl Renderer {
-    /// A renderer of `volume`. What is done once a volume, such as sorting its voxels by value, is
+    /// A renderer of `volume`. What is done once a volume, such as listing its relevant voxels, is
     /// done with the first frame.
     pub fn new(volume: impl Into<Arc<Volume>>, backend: Box<dyn Backend>) -> Self {
         Self { volume: volume.into(), planner: Planner::default(), backend, fallback: None }
@@ -57,8 +57,8 @@ impl Renderer {
     }
 
     /// The same, but for [`render`](Self::render): where its backend runs out of memory, is lost or cannot
-    /// make a frame, `fallback` makes another, once, which draws that frame and all that follow. Frames that were
-    /// submitted before and not taken are gone with the backend.
+    /// make a frame, `fallback` makes another, once, which draws that frame and all that follow. Frames that
+    /// were submitted before and not taken are gone with the backend.
     pub fn with_fallback(
         self,
         fallback: impl FnOnce(&BackendError) -> Box<dyn Backend> + Send + 'static,
@@ -139,7 +139,7 @@ fn would_pass_elsewhere(error: &BackendError) -> bool {
 mod tests {
     use super::*;
     use crate::Automatic;
-    use slabsplat_core::{Grid, Image, ImageDesc, KernelName, RenderSettings, Scaling};
+    use slabsplat_core::{Grid, Image, ImageDesc, KernelName, Method, RenderSettings, Scaling};
     use std::sync::Mutex;
 
     /// Draws pictures of one colour, until it fails with `error` where `fails_in` says.
@@ -189,7 +189,7 @@ mod tests {
     }
 
     fn fake(color: f32, n_good: u64, fails_in: Call, error: BackendError) -> Box<dyn Backend> {
-        let caps = Caps { name: "fake", device: "Fake 3000".to_owned() };
+        let caps = Caps { name: "fake", device: "Fake 3000".to_owned(), methods: Method::ALL };
         Box::new(Fake { caps, color, n_good, fails_in, error, n_submitted: 0 })
     }
 

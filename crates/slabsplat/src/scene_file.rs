@@ -47,13 +47,13 @@ impl OpenScene {
         let LoadedVolume { volume, warnings, .. } = loaded;
         let fallback = fitting_camera(volume.grid(), &file.image, file.camera.is_perspective());
         let automatic = || Automatic::new(&volume).transfer().clone();
-        let scene = Scene {
-            transfer: file.transfer.clone().unwrap_or_else(automatic),
-            shading: file.shading,
-            camera: file.camera.complete(&fallback)?,
-            image: file.image,
-            settings: file.settings.clone(),
-        };
+        let scene = Scene::new(
+            file.transfer.clone().unwrap_or_else(automatic),
+            file.camera.complete(&fallback)?,
+        )
+        .shading(file.shading)
+        .image(file.image)
+        .settings(file.settings.clone());
         Ok(Self { volume, scene, backend: file.backend.clone(), warnings })
     }
 }

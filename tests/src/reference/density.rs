@@ -1,4 +1,4 @@
-//! The method `post-classified`, as `docs/algorithm.md` has it: every voxel that is not NaN is splatted into every
+//! The method `post-classified`, as model §8 has it: every voxel that is not NaN is splatted into every
 //! slab that it meets, and a pixel is classified by the density that comes of it.
 
 use super::view::View;
@@ -83,8 +83,8 @@ impl<'a> Frame<'a> {
         frame
     }
 
-    /// Slabs `n` from `z_c + n·w·unit`, from one that no kernel meets to another, so that each that matters has a
-    /// neighbour.
+    /// Slabs `n` from `z_c + n·w·unit`, from one that no kernel meets to another, so that each that matters
+    /// has a neighbour.
     fn slabs(&self, center_depth: f64) -> Vec<f64> {
         let thickness = self.width * self.unit;
         let [near, far] = ends(self.voxels.iter().map(|v| v.center_in_view.z));
@@ -167,8 +167,8 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// All that are not NaN. An infinite one counts as the least or the largest of all finite values and of the transfer
-/// function's points.
+/// All that are not NaN. An infinite one counts as the least or the largest of all finite values and of the
+/// transfer function's points.
 fn voxels(volume: &Volume, scene: &Scene, view: &View, finite: [f64; 2]) -> Vec<Voxel> {
     let grid = volume.grid();
     let opacities = scene.transfer.opacity_points().points().iter().map(|p| p.0);

@@ -1,8 +1,8 @@
-//! What is drawn in which sheet, by each of the three methods (SPEC §4, `docs/algorithm.md`).
+//! What is drawn in which sheet, by each of the three methods (model §4).
 
 use super::sheet::MAX_OPACITY;
 use super::view::View;
-use super::{Cut, Hierarchy, Kernel, KernelInView, fold, gradient_in_world, shaded_color};
+use super::{Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, merge, shaded_color};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Grid, Method, Scene, Volume};
 
@@ -71,8 +71,8 @@ impl Frame {
             sheets: Vec::new(),
         };
         frame.sheets = match settings.method {
-            Method::ImageAligned if fold::applies(settings, tolerance) => {
-                fold::folded_slabs(&frame, grid, settings, tolerance)
+            Method::ImageAligned if merge::applies(settings, tolerance) => {
+                merge::merged_slabs(&frame, grid, settings, tolerance)
             }
             Method::ImageAligned => frame.slabs(grid, settings.slab_width),
             Method::AxisAligned => frame.slices(grid),

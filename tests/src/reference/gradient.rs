@@ -1,10 +1,10 @@
-//! Gradients by differences in index space (SPEC §6).
+//! Gradients by differences in index space (model §6).
 
 use slabsplat_core::Volume;
 use slabsplat_core::glam::DVec3;
 
-/// The gradient at a voxel in world space: per world unit, `A⁻ᵀ` times the differences. SPEC does not
-/// say what it is next to an infinite value; there is no surface to speak of, so it is 0.
+/// The gradient at a voxel in world space: per world unit, `A⁻ᵀ` times the differences; 0 next to an infinite
+/// value, where there is no surface to speak of.
 pub fn gradient_in_world(volume: &Volume, coords: [usize; 3]) -> DVec3 {
     let in_index = DVec3::from_array([0, 1, 2].map(|axis| difference(volume, coords, axis)));
     if !in_index.is_finite() {

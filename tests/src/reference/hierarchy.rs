@@ -1,4 +1,4 @@
-//! The slab hierarchy and its normalisation (paper §3.2, eqs. 6–8; SPEC §2).
+//! The slab hierarchy and its normalisation (paper §3.2, eqs. 6–8; model §2).
 
 use slabsplat_core::Normalization;
 

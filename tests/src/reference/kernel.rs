@@ -1,4 +1,4 @@
-//! The kernels of SPEC §2 and their integrals along a ray.
+//! The kernels of model §2 and their integrals along a ray.
 //!
 //! The integrals are numerical and know no closed form, so that they check the closed forms of the
 //! renderer under test. Both kernels are smooth but for a few radii; the quadrature is split where
@@ -29,7 +29,7 @@ static SHORT_RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new
 const CRAWFIS_MAX_JOINT: f64 = 0.88;
 
 impl Kernel {
-    /// The kernel that SPEC gives that name.
+    /// The kernel that the model gives that name.
     ///
     /// # Panics
     /// If it gives it to none.

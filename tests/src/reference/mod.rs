@@ -1,4 +1,4 @@
-//! The reference: SPEC computed by brute force in 64-bit floats, written to be read.
+//! The reference: `docs/model.md` computed by brute force in 64-bit floats, written to be read.
 //!
 //! There are no tables, tiles or early exits. Every section weight is a numerical integral of the
 //! kernel along the pixel's ray, and the only things left out are those that contribute exactly
@@ -6,10 +6,9 @@
 //! trade accuracy for speed (`sections`, `radial_samples`, `lookup`, `opacity_cutoff`) are ignored,
 //! and so is `tolerance`, but for [`render_within_tolerance`].
 //!
-//! Reading order, by SPEC's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
+//! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together;
-//! `fold` (§7) is what a tolerance changes. `density` is the method `post-classified`, of which SPEC knows nothing and
-//! `docs/algorithm.md` all.
+//! `merge` (§7) is what a tolerance changes, and `density` (§8) the method `post-classified`.
 
 mod gradient;
 mod hierarchy;
@@ -21,16 +20,16 @@ mod sheet;
 mod view;
 
 mod density;
-mod fold;
 mod frame;
 mod image;
+mod merge;
 mod row;
 
-pub use fold::fraction_beyond;
 pub use gradient::gradient_in_world;
 pub use hierarchy::Hierarchy;
 pub use image::{Difference, ReferenceImage};
 pub use kernel::Kernel;
+pub use merge::fraction_beyond;
 pub use quadrature::GaussLegendre;
 pub use section::{Cut, KernelInView};
 pub use shade::{shaded_by_normal, shaded_color};
@@ -42,7 +41,7 @@ use slabsplat_core::{Method, Scene, Volume};
 /// The picture of `scene` with `volume` in it.
 ///
 /// # Panics
-/// If the scene names a kernel that SPEC §2 does not list.
+/// If the scene names a kernel that model §2 does not list.
 pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
     if scene.settings.method == Method::PostClassified {
         return density::render(volume, scene);
@@ -50,8 +49,7 @@ pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
     picture(&frame::Frame::new(volume, scene, 0.0), scene)
 }
 
-/// The same, with sections folded as far as `settings.tolerance` allows (`docs/algorithm.md`,
-/// "Sections by opacity").
+/// The same, with sections merged as far as `settings.tolerance` allows (model §7).
 ///
 /// # Panics
 /// As [`render`].

@@ -1,6 +1,6 @@
-//! Section weights on any grid (SPEC §2, "Section", and §5 on minification).
+//! Section weights on any grid (model §2, "Section", and §5 on minification).
 //!
-//! A section is computed as SPEC defines it: the integral of the kernel, a sphere in index space,
+//! A section is computed as the model defines it: the integral of the kernel, a sphere in index space,
 //! over the depths that lie in the slab, per `unit`.
 
 use super::{Hierarchy, Kernel};

@@ -1,4 +1,4 @@
-//! Blinn–Phong as SPEC §6 has it.
+//! Blinn–Phong as model §6 has it.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Phong, Shading};
@@ -51,15 +51,11 @@ mod tests {
     use super::*;
     use slabsplat_core::Light;
 
-    const PHONG: Phong = Phong {
-        ambient: 0.1,
-        diffuse: 0.6,
-        specular: 0.2,
-        shininess: 3.0,
-        two_sided: false,
-        light: Light::Headlight,
-    };
     const RED: [f64; 3] = [0.5, 0.0, 0.0];
+
+    fn phong() -> Phong {
+        Phong::default().ambient(0.1).diffuse(0.6).specular(0.2).shininess(3.0).two_sided(false)
+    }
 
     fn towards(direction: DVec3) -> Light {
         Light::towards(direction).expect("the direction is not zero")
@@ -73,33 +69,33 @@ mod tests {
 
     #[test]
     fn shade_facing_oblique_and_averted() {
-        check(PHONG, DVec3::Z * -5.0, [0.5 * 0.7 + 0.2, 0.2, 0.2]);
+        check(phong(), DVec3::Z * -5.0, [0.5 * 0.7 + 0.2, 0.2, 0.2]);
         let oblique = DVec3::new(0.6, 0.0, -0.8);
-        check(PHONG, oblique, [0.5 * (0.1 + 0.48) + 0.2 * 0.512, 0.2 * 0.512, 0.2 * 0.512]);
-        check(PHONG, -oblique, [0.05, 0.0, 0.0]);
-        let two_sided = Phong { two_sided: true, ..PHONG };
+        check(phong(), oblique, [0.5 * (0.1 + 0.48) + 0.2 * 0.512, 0.2 * 0.512, 0.2 * 0.512]);
+        check(phong(), -oblique, [0.05, 0.0, 0.0]);
+        let two_sided = phong().two_sided(true);
         check(two_sided, -oblique, [0.5 * (0.1 + 0.48) + 0.2 * 0.512, 0.2 * 0.512, 0.2 * 0.512]);
     }
 
     #[test]
     fn shade_zero_gradient_gets_ambient_alone() {
-        check(PHONG, DVec3::ZERO, [0.05, 0.0, 0.0]);
-        check(Phong { shininess: 0.0, ..PHONG }, DVec3::ZERO, [0.05, 0.0, 0.0]);
+        check(phong(), DVec3::ZERO, [0.05, 0.0, 0.0]);
+        check(phong().shininess(0.0), DVec3::ZERO, [0.05, 0.0, 0.0]);
     }
 
     #[test]
     fn shade_lamp_from_the_side_and_behind() {
-        let side = Phong { light: towards(DVec3::X), ..PHONG };
+        let side = phong().light(towards(DVec3::X));
         let half = 0.5_f64.sqrt().powi(3) * 0.2;
         check(side, DVec3::NEG_X, [0.5 * 0.7 + half, half, half]);
         check(side, DVec3::NEG_Z, [0.05, 0.0, 0.0]);
-        let behind = Phong { light: towards(DVec3::NEG_Z), two_sided: true, ..PHONG };
+        let behind = phong().light(towards(DVec3::NEG_Z)).two_sided(true);
         check(behind, DVec3::NEG_Z, [0.5 * 0.7, 0.0, 0.0]);
     }
 
     #[test]
     fn shade_is_clamped_and_optional() {
-        let bright = Phong { specular: 9.0, ..PHONG };
+        let bright = phong().specular(9.0);
         check(bright, DVec3::NEG_Z, [1.0; 3]);
         assert_eq!(shaded_color(&Shading::None, RED, DVec3::X, DVec3::X), RED);
     }

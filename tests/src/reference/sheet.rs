@@ -1,4 +1,4 @@
-//! How a sheet's sums become premultiplied colour, and how sheets are composited (SPEC §3).
+//! How a sheet's sums become premultiplied colour, and how sheets are composited (model §3).
 
 use slabsplat_core::Compositing;
 
@@ -121,7 +121,7 @@ mod tests {
         }
     }
 
-    /// SPEC §3: in `extinction`, two slabs composited have the opacity of the one that holds both.
+    /// model §3: in `extinction`, two slabs composited have the opacity of the one that holds both.
     #[test]
     fn sheet_extinction_is_additive() {
         let (front, back) = ((0.3, 0.7, 0.9), (0.6, 0.5, 0.1));

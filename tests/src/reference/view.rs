@@ -1,4 +1,4 @@
-//! Where things are in view space, and what a pixel covers there (SPEC §§1, 5).
+//! Where things are in view space, and what a pixel covers there (model §§1, 5).
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Camera, ImageDesc, Projection, ViewAxes};
@@ -65,7 +65,8 @@ impl View {
         }
     }
 
-    /// Where the ray of a pixel is at `depth`, right of and above the image's middle. The pixel may lie beside the image.
+    /// Where the ray of a pixel is at `depth`, right of and above the image's middle. The pixel may lie
+    /// beside the image.
     pub(super) fn ray_in_view(&self, [x, y]: [i64; 2], depth: f64) -> [f64; 2] {
         let from_middle = [
             x as f64 + 0.5 - 0.5 * f64::from(self.width),

@@ -1,16 +1,25 @@
 //! Dependency rules: who may use whom, and which crates of others stay where.
 //!
 //! The rules are the three tables in [`tables`]; the code here only compares manifests with them.
-//! Layers hold because this fails when they do not: a backend that could see a file reader would one day call it.
-//! Dev-dependencies are free, as tests may compare with anything, but for the crates on top, which would close a circle.
+//! Layers hold because this fails when they do not: a backend that could see a file reader would one day call
+//! it.
+//! Dev-dependencies are free, as tests may compare with anything, but for the crates on top, which would
+//! close a circle.
 
+mod modules;
 mod tables;
 
-use crate::workspace::{Dependency, DependencyKind, Package};
+use anyhow::Result;
+use std::path::Path;
 use tables::{CLOSED, EXTERNALS, LAYERS, Layer, TOP, Users};
+use xtask::workspace::{Dependency, DependencyKind, Package};
 
-/// All violations, one line each.
-pub(crate) fn check(packages: &[Package]) -> Vec<String> {
+/// All violations in the workspace at `root`, one line each.
+pub(crate) fn check(root: &Path, packages: &[Package]) -> Result<Vec<String>> {
+    Ok([violations(packages), modules::check(root)?].concat())
+}
+
+fn violations(packages: &[Package]) -> Vec<String> {
     let rules = [unknown_crates, broken_layers, circles, open_closed, misplaced_externals];
     packages
         .iter()
@@ -39,7 +48,7 @@ fn broken_layers(package: &Package) -> Vec<String> {
 
 fn circles(package: &Package) -> Vec<String> {
     let Some(layer) = layer(&package.name) else { return Vec::new() };
-    let dev = package.dependencies.iter().filter(|d| d.kind == DependencyKind::Dev);
+    let dev = package.dependencies.iter().filter(|d| d.kind == Some(DependencyKind::Dev));
     dev.map(|dependency| dependency.name.as_str())
         .filter(|name| TOP.contains(name) && !layer.may_use.contains(name))
         .map(|name| {
@@ -80,8 +89,8 @@ fn misplaced_externals(package: &Package) -> Vec<String> {
 /// Who uses the dependency, as the tables call it.
 fn user(package: &Package, dependency: &Dependency) -> String {
     match dependency.kind {
-        DependencyKind::Build => format!("{}/build.rs", package.name),
-        DependencyKind::Normal | DependencyKind::Dev => package.name.clone(),
+        Some(DependencyKind::Build) => format!("{}/build.rs", package.name),
+        Some(DependencyKind::Dev) | None => package.name.clone(),
     }
 }
 
@@ -103,7 +112,7 @@ impl Users {
 
 /// What the package is built with; its tests may use more.
 fn used(package: &Package) -> impl Iterator<Item = &Dependency> {
-    package.dependencies.iter().filter(|dependency| dependency.kind != DependencyKind::Dev)
+    package.dependencies.iter().filter(|dependency| dependency.kind != Some(DependencyKind::Dev))
 }
 
 fn names_used(package: &Package) -> impl Iterator<Item = &str> {
@@ -133,98 +142,117 @@ fn forbidden(package: &Package, dependency: &str, why: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::workspace;
+    use xtask::workspace::Workspace;
 
-    fn check_one(package: Package, expected: &[&str]) {
-        let found = check(&[package]);
+    /// What is found of a package that `uses` others, as `glam dev:fastrand build:naga`: nothing, or one
+    /// line each that starts as expected.
+    fn check_one(name: &str, uses: &str, expected: &[&str]) {
+        let dependency = |word: &str| {
+            let (kind, name) = match word.split_once(':') {
+                Some(("dev", name)) => (Some(DependencyKind::Dev), name),
+                Some((_, name)) => (Some(DependencyKind::Build), name),
+                None => (None, word),
+            };
+            Dependency { name: name.to_owned(), kind }
+        };
+        let dependencies = uses.split_whitespace().map(dependency).collect();
+        let package = Package { name: name.to_owned(), dependencies, ..Package::default() };
+        let found = violations(&[package]);
         assert_eq!(found.len(), expected.len(), "one finding each: {found:?}");
         for (found, expected) in found.iter().zip(expected) {
-            assert!(found.starts_with(expected), "{found:?} starts with {expected:?}");
+            let start = format!("`{expected}");
+            assert!(found.starts_with(&start), "{found:?} starts with {start:?}");
         }
     }
 
     #[test]
     fn dependencies_of_this_workspace() {
-        let violations = check(&workspace::packages(workspace::root()).unwrap());
+        let violations = violations(&Workspace::read().unwrap().packages);
         assert!(violations.is_empty(), "{}", violations.join("\n"));
     }
 
     #[test]
     fn unknown_crate() {
-        let expected = "`slabsplat-vr` has no place among the layers: add it to the table";
-        check_one(Package::named("slabsplat-vr"), &[expected]);
+        check_one("slabsplat-vr", "", &["slabsplat-vr` has no place among the layers: add it to"]);
     }
 
     #[test]
     fn layer_downwards() {
-        check_one(Package::named("slabsplat-cpu").with("slabsplat-traverse"), &[]);
-        check_one(Package::named("slabsplat-cli").with("slabsplat").with("clap"), &[]);
+        check_one("slabsplat-cpu", "slabsplat-traverse", &[]);
+        check_one("slabsplat-cli", "slabsplat clap", &[]);
     }
 
     #[test]
     fn layer_upwards() {
-        let expected = "`slabsplat-backend` must not depend on `slabsplat-traverse`: it may use \
-             `slabsplat-core`, `slabsplat-kernel`, because the contract";
-        check_one(Package::named("slabsplat-backend").with("slabsplat-traverse"), &[expected]);
-        let expected = "`slabsplat-core` must not depend on `slabsplat-new`: it may use none";
-        let other = "`slabsplat-core` must not depend on `xtask`";
-        check_one(
-            Package::named("slabsplat-core").with("slabsplat-new").with("xtask"),
-            &[expected, other],
-        );
-        let expected = "`slabsplat-wgpu` must not depend on `slabsplat-ash`: it may use \
-             `slabsplat-gpu`, `slabsplat-shaders`, because it executes";
-        check_one(Package::named("slabsplat-wgpu").with("slabsplat-ash"), &[expected]);
-        let expected = "`slabsplat-shaders` must not depend on `slabsplat-core`: it may use none";
-        check_one(Package::named("slabsplat-shaders").with_build("slabsplat-core"), &[expected]);
-        let expected = "`slabsplat-cli` must not depend on `slabsplat-io`: it may use `slabsplat`";
-        check_one(Package::named("slabsplat-cli").with("slabsplat-io"), &[expected]);
+        let cases = [
+            (
+                "slabsplat-backend",
+                "slabsplat-traverse",
+                "it may use `slabsplat-core`, `slabsplat-kernel`, because the contract",
+            ),
+            ("slabsplat-core", "slabsplat-new", "it may use none"),
+            ("slabsplat-core", "xtask", "it may use none"),
+            (
+                "slabsplat-wgpu",
+                "slabsplat-ash",
+                "it may use `slabsplat-gpu`, `slabsplat-shaders`, because it executes",
+            ),
+            ("slabsplat-cli", "slabsplat-io", "it may use `slabsplat`"),
+            ("xtask", "slabsplat-bench", "it may use none"),
+        ];
+        for (name, uses, why) in cases {
+            let expected = format!("{name}` must not depend on `{uses}`: {why}");
+            check_one(name, uses, &[&expected]);
+        }
+        let expected = "slabsplat-shaders` must not depend on `slabsplat-core`: it may use none";
+        check_one("slabsplat-shaders", "build:slabsplat-core", &[expected]);
     }
 
     #[test]
     fn dev_dependency_circle() {
-        check_one(Package::named("slabsplat-kernel").with_dev("slabsplat-io"), &[]);
-        let expected = "`slabsplat-kernel` must not depend on `slabsplat`: even its tests";
-        check_one(Package::named("slabsplat-kernel").with_dev("slabsplat"), &[expected]);
-        check_one(Package::named("slabsplat-tests").with_dev("slabsplat-cli"), &[]);
+        check_one("slabsplat-kernel", "dev:slabsplat-io", &[]);
+        let expected = "slabsplat-kernel` must not depend on `slabsplat`: even its tests";
+        check_one("slabsplat-kernel", "dev:slabsplat", &[expected]);
+        check_one("slabsplat-tests", "dev:slabsplat-cli", &[]);
     }
 
     #[test]
     fn closed_crates() {
-        let expected = "`slabsplat-core` must not depend on `libm`: of others it may use \
+        let expected = "slabsplat-core` must not depend on `libm`: of others it may use \
              `bytemuck`, `glam`, `thiserror`";
-        check_one(Package::named("slabsplat-core").with("libm"), &[expected]);
-        check_one(Package::named("slabsplat-kernel").with("libm"), &[]);
-        check_one(Package::named("slabsplat-core").with_dev("fastrand"), &[]);
+        check_one("slabsplat-core", "libm", &[expected]);
+        check_one("slabsplat-kernel", "libm", &[]);
+        check_one("slabsplat-core", "dev:fastrand", &[]);
     }
 
     #[test]
     fn externals_only_where_they_belong() {
-        let expected = "`slabsplat` must not depend on `toml`: it belongs to `slabsplat-io` only";
-        check_one(Package::named("slabsplat").with("toml"), &[expected]);
-        let expected = "`slabsplat-backend` must not depend on `rayon`: it is kept out of";
-        check_one(Package::named("slabsplat-backend").with("rayon"), &[expected]);
-        let expected = "`slabsplat-io` must not depend on `anyhow`: it belongs to";
-        check_one(Package::named("slabsplat-io").with("anyhow"), &[expected]);
-        let expected = "`slabsplat-io` must not depend on `indicatif`: it belongs to";
-        check_one(Package::named("slabsplat-io").with("indicatif"), &[expected]);
+        let cases = [
+            ("slabsplat", "toml", "it belongs to `slabsplat-io`, `xtask`, `slabsplat-bench` only"),
+            ("slabsplat-backend", "rayon", "it is kept out of"),
+            ("slabsplat-io", "anyhow", "it belongs to"),
+            ("slabsplat-io", "indicatif", "it belongs to"),
+            ("slabsplat-shaders", "naga", "it belongs to `slabsplat-shaders/build.rs` only"),
+        ];
+        for (name, uses, why) in cases {
+            check_one(name, uses, &[&format!("{name}` must not depend on `{uses}`: {why}")]);
+        }
     }
+
     #[test]
     fn externals_of_build_scripts() {
-        check_one(Package::named("slabsplat-shaders").with_build("naga").with_build("anyhow"), &[]);
-        let expected = "`slabsplat-shaders` must not depend on `naga`: it belongs to \
-             `slabsplat-shaders/build.rs` only";
-        check_one(Package::named("slabsplat-shaders").with("naga"), &[expected]);
-        let expected = "`slabsplat-wgpu/build.rs` must not depend on `naga`: it belongs to";
-        check_one(Package::named("slabsplat-wgpu").with_build("naga"), &[expected]);
-        let expected = "`slabsplat-wgpu/build.rs` must not depend on `wgpu`: it belongs to";
-        check_one(Package::named("slabsplat-wgpu").with_build("wgpu"), &[expected]);
+        check_one("slabsplat-shaders", "build:naga build:anyhow", &[]);
+        for name in ["naga", "wgpu"] {
+            let expected =
+                format!("slabsplat-wgpu/build.rs` must not depend on `{name}`: it belongs");
+            check_one("slabsplat-wgpu", &format!("build:{name}"), &[&expected]);
+        }
     }
 
     /// A row that names a crate wrongly would forbid or allow nothing.
     #[test]
     fn tables_name_crates_of_this_workspace() {
-        let packages = workspace::packages(workspace::root()).unwrap();
+        let packages = Workspace::read().unwrap().packages;
         let rows = LAYERS.iter().flat_map(|layer| layer.may_use.iter().chain([&layer.name]));
         let users = EXTERNALS.iter().flat_map(|external| match external.users {
             Users::Only(users) => users,

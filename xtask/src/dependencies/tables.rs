@@ -1,8 +1,8 @@
 //! The dependency rules themselves: who may use whom, and which crates of others stay where.
 //!
 //! A crate of the workspace has a row in [`LAYERS`]; most rows need no more.
-//! The build script of a crate counts as a user of its own, called `crate/build.rs`, where crates of others are
-//! concerned: it runs on the machine that builds, and what it uses is not in the library.
+//! The build script of a crate counts as a user of its own, called `crate/build.rs`, where crates of others
+//! are concerned: it runs on the machine that builds, and what it uses is not in the library.
 
 /// Where to add a row.
 pub(super) const FILE: &str = file!();
@@ -14,12 +14,39 @@ pub(super) struct Layer {
     pub(super) why: &'static str,
 }
 
+/// The modules at the top of a crate, floor by floor.
+pub(super) struct Floors {
+    /// Where the crate's root lies.
+    pub(super) folder: &'static str,
+    /// Modules of one floor may use each other, but for circles, and those of all floors before.
+    pub(super) from_below: &'static [&'static [&'static str]],
+}
+
+pub(super) const FLOORS: &[Floors] = &[Floors {
+    folder: "crates/slabsplat-cpu/src",
+    from_below: &[
+        &["stopwatch", "workspaces"],
+        &["pixels"],
+        &["voxels"],
+        &["footprints"],
+        &["sections"],
+        &["separable"],
+        &["methods"],
+        &["frame"],
+    ],
+}];
+
 pub(super) const LAYERS: &[Layer] = &[
     Layer { name: "slabsplat-core", may_use: &[], why: "all others stand on it" },
     Layer {
         name: "slabsplat-seeds",
         may_use: &[],
         why: "tests of every crate take their seeds from it",
+    },
+    Layer {
+        name: "slabsplat-testdata",
+        may_use: &[],
+        why: "tests of every crate, and what measures, ask it where volumes are",
     },
     Layer {
         name: "slabsplat-kernel",
@@ -94,10 +121,16 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat",
             "slabsplat-cli",
             "slabsplat-seeds",
+            "slabsplat-testdata",
         ],
         why: "tests look everywhere but into the tooling",
     },
     Layer { name: "xtask", may_use: &[], why: "lint must run while the renderer does not build" },
+    Layer {
+        name: "slabsplat-bench",
+        may_use: &["xtask", "slabsplat-testdata"],
+        why: "it starts programs and measures them from outside, as other renderers are measured",
+    },
 ];
 
 const EXECUTOR: &[&str] = &["slabsplat-gpu", "slabsplat-shaders"];
@@ -169,13 +202,13 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "ash", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
     External { name: "gpu-allocator", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
     External { name: "image", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "serde", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "toml", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "serde", users: Users::Only(CODERS), why: CODECS },
+    External { name: "toml", users: Users::Only(CODERS), why: CODECS },
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External {
         name: "plotters",
-        users: Users::Only(&["xtask"]),
+        users: Users::Only(&["slabsplat-bench"]),
         why: "plots are for the documentation, and no program carries them",
     },
     External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
@@ -188,6 +221,7 @@ pub(super) const EXTERNALS: &[External] = &[
             "slabsplat-shaders/build.rs",
             "slabsplat-tests",
             "xtask",
+            "slabsplat-bench",
         ]),
         why: "a library's errors are an enum that the caller can act on",
     },
@@ -195,4 +229,5 @@ pub(super) const EXTERNALS: &[External] = &[
 
 const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
 const CODECS: &str = "file formats stay in one crate";
+const CODERS: &[&str] = &["slabsplat-io", "xtask", "slabsplat-bench"];
 const TERMINAL: &str = "only the program talks to a terminal";

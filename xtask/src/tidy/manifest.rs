@@ -1,147 +1,112 @@
 //! Rules for manifests: what a crate is called, and that all crates have the same lints.
 
+use toml::{Table, Value};
+
 use super::{File, Finding};
 
 /// The only crate that may contain unsafe code, and so cannot inherit the lints, which forbid it.
+/// It repeats all others.
 const UNSAFE_CRATE: &str = "slabsplat-ash";
-
-/// What is denied there instead: unsafe code that does not say why it is sound.
-const UNSAFE_LINTS: &[(&str, &str)] =
-    &[("rust", "unsafe_op_in_unsafe_fn"), ("clippy", "undocumented_unsafe_blocks")];
+const UNSAFE_LINT: &str = "unsafe_code";
 
 /// Whoever knows a crate's name knows its directory.
 pub(super) fn crate_name(file: &File) -> Vec<Finding> {
     let parts: Vec<&str> = file.path.split('/').collect();
-    let (["crates", directory, "Cargo.toml"], Some(text)) = (parts.as_slice(), &file.text) else {
+    let (["crates", directory, "Cargo.toml"], Some(name)) = (parts.as_slice(), package(file))
+    else {
         return Vec::new();
     };
-    let name = value(text, "package", "name").unwrap_or("\"\"");
-    if name == format!("\"{directory}\"") {
+    if name == *directory {
         return Vec::new();
     }
-    vec![file.finding(format!("the crate is called {name}, its directory \"{directory}\""))]
+    vec![file.finding(format!("the crate is called {name}, its directory {directory}"))]
 }
 
-/// Lints are set once, for all; the one crate that must set its own repeats them.
+/// Lints are set once, for all.
 pub(super) fn lints(files: &[File]) -> Vec<Finding> {
-    let workspace = files.iter().find(|file| file.path == "Cargo.toml");
-    let workspace = workspace.and_then(|file| file.text.as_deref()).unwrap_or_default();
-    files.iter().flat_map(|file| package_lints(file, workspace)).collect()
+    let workspace = files.iter().find(|file| file.path == "Cargo.toml").and_then(manifest);
+    let of_workspace =
+        workspace.as_ref().and_then(|manifest| manifest.get("workspace")?.get("lints"));
+    let Some(Value::Table(of_workspace)) = of_workspace else { return Vec::new() };
+    files.iter().filter_map(|file| other_lints(file, of_workspace)).collect()
 }
 
-fn package_lints(file: &File, workspace: &str) -> Vec<Finding> {
-    let is_manifest = file.path.rsplit('/').next() == Some("Cargo.toml");
-    let Some(manifest) = file.text.as_deref().filter(|_| is_manifest) else { return Vec::new() };
-    let Some(name) = value(manifest, "package", "name") else { return Vec::new() };
-    if value(manifest, "lints", "workspace") == Some("true") {
-        return Vec::new();
+fn other_lints(file: &File, of_workspace: &Table) -> Option<Finding> {
+    let name = package(file)?;
+    let lints = manifest(file)?.remove("lints");
+    let (expected, message) = if name == UNSAFE_CRATE {
+        (but_unsafe(of_workspace), "`[lints]` must be the workspace's, but for unsafe code")
+    } else {
+        let inherited = Table::from_iter([("workspace".to_owned(), Value::Boolean(true))]);
+        (inherited, "must inherit the lints: `[lints]`, then `workspace = true`")
+    };
+    (lints != Some(Value::Table(expected))).then(|| file.finding(message))
+}
+
+fn but_unsafe(lints: &Table) -> Table {
+    let mut lints = lints.clone();
+    if let Some(Value::Table(rust)) = lints.get_mut("rust") {
+        rust.remove(UNSAFE_LINT);
     }
-    if name == format!("\"{UNSAFE_CRATE}\"") {
-        return lost_lints(file, manifest, workspace);
-    }
-    vec![file.finding("must inherit the lints: `[lints]`, then `workspace = true`")]
+    lints
 }
 
-/// The lints that a manifest with tables of its own lacks, or sets otherwise.
-fn lost_lints(file: &File, manifest: &str, workspace: &str) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for tool in ["rust", "rustdoc", "clippy"] {
-        let inherited = entries(workspace, &format!("workspace.lints.{tool}"))
-            .filter(|(lint, _)| *lint != "unsafe_code");
-        let own = UNSAFE_LINTS.iter().filter(|(of, _)| *of == tool);
-        for (lint, level) in inherited.chain(own.map(|(_, lint)| (*lint, "\"deny\""))) {
-            if value(manifest, &format!("lints.{tool}"), lint) != Some(level) {
-                let message = format!("`[lints.{tool}]` must say `{lint} = {level}`");
-                findings.push(file.finding(message));
-            }
-        }
-    }
-    findings
+/// The name of the package whose manifest this is.
+fn package(file: &File) -> Option<String> {
+    Some(manifest(file)?.get("package")?.get("name")?.as_str()?.to_owned())
 }
 
-/// What a manifest sets `key` to in `[section]`, as it stands there.
-fn value<'a>(manifest: &'a str, section: &str, key: &str) -> Option<&'a str> {
-    entries(manifest, section).find_map(|(name, value)| (name == key).then_some(value))
-}
-
-/// The keys of `[section]` and what they are set to, as far as a key fits on a line.
-fn entries<'a>(
-    manifest: &'a str,
-    section: &str,
-) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
-    let header = format!("[{section}]");
-    let lines = manifest.lines().map(str::trim).skip_while(move |line| *line != header).skip(1);
-    lines
-        .take_while(|line| !line.starts_with('['))
-        .filter(|line| !line.starts_with('#'))
-        .filter_map(|line| line.split_once('='))
-        .map(|(name, value)| (name.trim(), value.trim()))
+/// Cargo complains of one that cannot be read.
+fn manifest(file: &File) -> Option<Table> {
+    let is_manifest = file.path == "Cargo.toml" || file.path.ends_with("/Cargo.toml");
+    file.text.as_deref().filter(|_| is_manifest)?.parse().ok()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{NONE, lines_found};
     use super::*;
+
+    fn named(path: &str, name: &str, rest: &str) -> File {
+        File::new(path, format!("[package]\nname = \"{name}\"\n{rest}").into_bytes())
+    }
 
     #[test]
     fn crate_name_is_directory() {
-        let manifest = "[package]\nname = \"slabsplat-core\"\n";
-        let check = |path: &str| lines_found(crate_name, path, manifest);
-        assert_eq!(check("crates/slabsplat-core/Cargo.toml"), NONE, "the same");
-        assert_eq!(check("crates/core/Cargo.toml"), [0], "another");
-        assert_eq!(check("tests/Cargo.toml"), NONE, "not under crates");
-    }
-
-    const WORKSPACE: &str = "[workspace]\n\
-        [workspace.lints.rust]\nmissing_docs = \"deny\"\nunsafe_code = \"forbid\"\n\n\
-        [workspace.lints.clippy]\nall = { level = \"deny\", priority = -1 }\n# a = 1\n\n\
-        [profile.dev]\nopt-level = 1\n";
-
-    fn check_lints(name: &str, tables: &str, expected: &[&str]) {
-        let manifest = format!("[package]\nname = \"{name}\"\n{tables}");
-        let package = File::new(&format!("crates/{name}/Cargo.toml"), manifest.into_bytes());
-        let workspace = File::new("Cargo.toml", WORKSPACE.as_bytes().to_vec());
-        let found = lints(&[workspace, package]);
-        let found: Vec<&str> = found.iter().map(|finding| finding.message.as_str()).collect();
-        assert_eq!(found, expected, "{name} with {tables:?}");
+        let check = |path: &str, n_findings: usize| {
+            assert_eq!(crate_name(&named(path, "slabsplat-core", "")).len(), n_findings, "{path}");
+        };
+        check("crates/slabsplat-core/Cargo.toml", 0);
+        check("crates/core/Cargo.toml", 1);
+        check("tests/Cargo.toml", 0);
     }
 
     #[test]
-    fn lints_inherited() {
-        let missing = ["must inherit the lints: `[lints]`, then `workspace = true`"];
-        check_lints("a", "[lints]\nworkspace = true\n", &[]);
-        check_lints("a", "[lints.rust]\nmissing_docs = \"deny\"\n", &missing);
-        check_lints("a", "[dependencies]\nworkspace = true\n", &missing);
-    }
-
-    #[test]
-    fn lints_repeated() {
-        let rust =
-            "[lints.rust]\nmissing_docs = \"deny\"\nunsafe_op_in_unsafe_fn = \"deny\"\na = 1\n";
-        let clippy = "[lints.clippy]\nall = { level = \"deny\", priority = -1 }\n\
-                      undocumented_unsafe_blocks = \"deny\"\n";
-        check_lints(UNSAFE_CRATE, &format!("{rust}{clippy}"), &[]);
-        check_lints(UNSAFE_CRATE, "[lints]\nworkspace = true\n", &[]);
-    }
-
-    #[test]
-    fn lints_lost() {
-        let rust = "[lints.rust]\nmissing_docs = \"warn\"\nunsafe_op_in_unsafe_fn = \"deny\"\n";
-        let expected = [
-            "`[lints.rust]` must say `missing_docs = \"deny\"`",
-            "`[lints.clippy]` must say `all = { level = \"deny\", priority = -1 }`",
-            "`[lints.clippy]` must say `undocumented_unsafe_blocks = \"deny\"`",
-        ];
-        check_lints(UNSAFE_CRATE, rust, &expected);
+    fn lints_inherited_or_repeated() {
+        let workspace = "[workspace.lints.rust]\nmissing_docs = \"deny\"\nunsafe_code = \"forbid\"\n\
+            [workspace.lints.clippy]\nall = { level = \"deny\", priority = -1 }\n";
+        let check = |name: &str, tables: &str, n_findings: usize| {
+            let workspace = File::new("Cargo.toml", workspace.as_bytes().to_vec());
+            let found = lints(&[workspace, named("a/Cargo.toml", name, tables)]);
+            assert_eq!(found.len(), n_findings, "{name} with {tables:?}: {found:?}");
+        };
+        let inherited = "[lints]\nworkspace = true\n";
+        let repeated = "[lints.rust]\nmissing_docs = \"deny\"\n\
+            [lints.clippy]\nall = { level = \"deny\", priority = -1 }\n";
+        check("a", inherited, 0);
+        check("a", "", 1);
+        check("a", "[dependencies]\nworkspace = true\n", 1);
+        check("a", repeated, 1);
+        check(UNSAFE_CRATE, repeated, 0);
+        check(UNSAFE_CRATE, "[lints.rust]\nmissing_docs = \"deny\"\n", 1);
     }
 
     /// The rule would be content with a workspace that it cannot read.
     #[test]
     fn lints_of_this_workspace_are_read() {
-        let manifest =
-            std::fs::read_to_string(crate::workspace::root().join("Cargo.toml")).unwrap();
-        let level = value(&manifest, "workspace.lints.rust", "unsafe_code");
-        assert_eq!(level, Some("\"forbid\""), "unsafe code is forbidden in all other crates");
-        assert!(entries(&manifest, "workspace.lints.clippy").count() > 1, "clippy's lints");
+        let path = xtask::workspace::root().join("Cargo.toml");
+        let manifest = manifest(&File::new("Cargo.toml", std::fs::read(path).unwrap())).unwrap();
+        let lints = &manifest["workspace"]["lints"];
+        assert_eq!(lints["rust"][UNSAFE_LINT].as_str(), Some("forbid"), "in all other crates");
+        assert!(lints["clippy"].as_table().is_some_and(|lints| 1 < lints.len()), "clippy's");
     }
 }

@@ -3,8 +3,8 @@
 use anyhow::Result;
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Compositing, ImageDesc, KernelName, Light, Method, Phong, Projection, RenderSettings,
-    Scene, Shading, Sweep, TransferFunction,
+    Camera, Compositing, ImageDesc, Light, Method, Phong, Projection, RenderSettings, Scene,
+    Shading, Sweep, TransferFunction,
 };
 
 /// Width and height of the demo's pictures.
@@ -113,13 +113,10 @@ impl Shot {
         let eye = DVec3::from_array(self.to_eye).normalize() * DISTANCE;
         let projection = Projection::Orthographic { view_height: self.view_height };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection)?;
-        Ok(Scene {
-            transfer: TransferFunction::new(opacity, self.color.to_vec())?,
-            shading: Shading::Phong(self.phong(&camera)?),
-            camera,
-            image: ImageDesc { width: SIDE_PIXELS, height: SIDE_PIXELS, background: BACKGROUND },
-            settings: RenderSettings { method, ..RenderSettings::default() },
-        })
+        Ok(Scene::new(TransferFunction::new(opacity, self.color.to_vec())?, camera)
+            .shading(Shading::Phong(self.phong(&camera)?))
+            .image(ImageDesc { width: SIDE_PIXELS, height: SIDE_PIXELS, background: BACKGROUND })
+            .settings(RenderSettings::default().method(method)))
     }
 
     fn phong(&self, camera: &Camera) -> Result<Phong> {
@@ -128,7 +125,14 @@ impl Shot {
         let axes = camera.axes();
         let light = axes.right * right + axes.up * up - axes.forward * towards_eye;
         let light = Light::towards(light)?;
-        Ok(Phong { ambient, diffuse, specular, shininess, two_sided: false, light }.checked()?)
+        Ok(Phong::default()
+            .ambient(ambient)
+            .diffuse(diffuse)
+            .specular(specular)
+            .shininess(shininess)
+            .two_sided(false)
+            .light(light)
+            .checked()?)
     }
 }
 
@@ -138,27 +142,13 @@ pub(super) fn popping_scene() -> Result<Scene> {
     let eye = DVec3::Z * DISTANCE;
     let projection = Projection::Orthographic { view_height: 34.0 };
     let transfer = vec![(0.0, [0.0]), (255.0, [0.5])];
-    let light = Light::Headlight;
-    Ok(Scene {
-        transfer: TransferFunction::new(transfer, vec![(0.0, [1.0; 3])])?,
-        shading: Shading::Phong(Phong {
-            ambient: 0.0,
-            diffuse: 1.0,
-            specular: 0.0,
-            shininess: 1.0,
-            two_sided: false,
-            light,
-        }),
-        camera: Camera::new(eye, DVec3::ZERO, DVec3::Y, projection)?,
-        image: ImageDesc {
-            width: METER_SIDE_PIXELS,
-            height: METER_SIDE_PIXELS,
-            background: [0.0; 4],
-        },
-        settings: RenderSettings {
-            compositing: Compositing::Separate,
-            kernel: KernelName::default(),
-            ..RenderSettings::default()
-        },
-    })
+    let transfer = TransferFunction::new(transfer, vec![(0.0, [1.0; 3])])?;
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection)?;
+    let diffuse =
+        Phong::default().ambient(0.0).diffuse(1.0).specular(0.0).shininess(1.0).two_sided(false);
+    let (width, height) = (METER_SIDE_PIXELS, METER_SIDE_PIXELS);
+    Ok(Scene::new(transfer, camera)
+        .shading(Shading::Phong(diffuse))
+        .image(ImageDesc { width, height, background: [0.0; 4] })
+        .settings(RenderSettings::default().compositing(Compositing::Separate)))
 }

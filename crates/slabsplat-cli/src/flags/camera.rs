@@ -2,7 +2,8 @@
 
 use super::values::{self, Background};
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::glam::DVec3;
 use slabsplat::io::{ProjectionKind, SceneFile};
 
@@ -10,8 +11,8 @@ use slabsplat::io::{ProjectionKind, SceneFile};
 #[command(next_help_heading = "Camera and image")]
 pub(super) struct CameraFlags {
     /// Parallel rays, or rays from the eye
-    #[arg(long)]
-    projection: Option<ProjectionName>,
+    #[arg(long, value_parser = projection_parser())]
+    projection: Option<ProjectionKind>,
 
     /// Where the picture is taken from, in world units
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -48,18 +49,10 @@ pub(super) struct CameraFlags {
     background: Option<Background>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum ProjectionName {
-    Orthographic,
-    Perspective,
-}
-
 impl CameraFlags {
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
         let camera = &mut file.camera;
-        if let Some(name) = self.projection {
-            camera.projection = Some(name.kind());
-        }
+        camera.projection = self.projection.or(camera.projection);
         camera.eye = self.eye.or(camera.eye);
         camera.target = self.target.or(camera.target);
         camera.up = self.up.or(camera.up);
@@ -74,11 +67,7 @@ impl CameraFlags {
     }
 }
 
-impl ProjectionName {
-    fn kind(self) -> ProjectionKind {
-        match self {
-            Self::Orthographic => ProjectionKind::Orthographic,
-            Self::Perspective => ProjectionKind::Perspective,
-        }
-    }
+fn projection_parser() -> impl TypedValueParser<Value = ProjectionKind> {
+    PossibleValuesParser::new(ProjectionKind::NAMES)
+        .try_map(|name| ProjectionKind::from_name(&name))
 }

@@ -1,10 +1,11 @@
 //! Flags of `[classify]` and `[shading]`.
 
+use super::table::{TableFlags, flag_name};
 use super::values::{self, ColorPoints, OpacityPoints};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use slabsplat::io::{self, SceneFile};
-use slabsplat::{Automatic, Light, Phong, Shading, TransferFunction, Volume};
+use slabsplat::{Automatic, Phong, Shading, TransferFunction, Volume};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -36,29 +37,8 @@ pub(super) struct LookFlags {
     #[arg(long, value_name = "MODEL")]
     shading: Option<Model>,
 
-    /// Light from everywhere
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
-    ambient: Option<f64>,
-
-    /// Light from the lamp, scattered
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
-    diffuse: Option<f64>,
-
-    /// Light from the lamp, mirrored
-    #[arg(long, value_name = "K", allow_hyphen_values = true)]
-    specular: Option<f64>,
-
-    /// How sharp the highlight is
-    #[arg(long, value_name = "EXPONENT", allow_hyphen_values = true)]
-    shininess: Option<f64>,
-
-    /// Whether surfaces are lit from behind too
-    #[arg(long, value_name = "BOOL")]
-    two_sided: Option<bool>,
-
-    /// headlight, or a direction towards the light
-    #[arg(long, value_name = "X,Y,Z", value_parser = values::light, allow_hyphen_values = true)]
-    light: Option<Light>,
+    #[command(flatten)]
+    phong: TableFlags<Phong>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -107,30 +87,12 @@ impl LookFlags {
             (Some(Model::Phong), Shading::None) => Phong::default(),
             (_, Shading::Phong(phong)) => phong,
         };
-        let phong = Phong {
-            ambient: self.ambient.unwrap_or(phong.ambient),
-            diffuse: self.diffuse.unwrap_or(phong.diffuse),
-            specular: self.specular.unwrap_or(phong.specular),
-            shininess: self.shininess.unwrap_or(phong.shininess),
-            two_sided: self.two_sided.unwrap_or(phong.two_sided),
-            light: self.light.unwrap_or(phong.light),
-        };
-        Ok(Shading::Phong(phong.checked()?))
+        Ok(Shading::Phong(self.phong.lay_over(phong).checked()?))
     }
 
     /// Without shading, a flag about light would be a wish not granted.
     fn unlit(&self) -> Result<()> {
-        let given = [
-            ("--ambient", self.ambient.is_some()),
-            ("--diffuse", self.diffuse.is_some()),
-            ("--specular", self.specular.is_some()),
-            ("--shininess", self.shininess.is_some()),
-            ("--two-sided", self.two_sided.is_some()),
-            ("--light", self.light.is_some()),
-        ];
-        match given.iter().find(|(_, is_given)| *is_given) {
-            Some((flag, _)) => bail!("{flag} does nothing without shading: add --shading phong"),
-            None => Ok(()),
-        }
+        let Some(name) = self.phong.names().next() else { return Ok(()) };
+        bail!("--{} does nothing without shading: add --shading phong", flag_name(name))
     }
 }

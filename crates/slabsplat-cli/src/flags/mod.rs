@@ -1,11 +1,13 @@
 //! A flag for every key of a scene file. What a flag says overrides what the file says.
 //!
-//! One struct for one table of the file; each lays its flags over that part of the scene.
+//! One struct for one table of the file; each lays its flags over that part of the scene. `table` makes the
+//! flags of what is a row in a table of settings.
 
 mod camera;
 mod look;
 mod raw;
 mod settings;
+mod table;
 pub(crate) mod values;
 
 pub(crate) use raw::RawFlags;
@@ -77,6 +79,6 @@ impl SceneFlags {
 
     /// The method that a flag names; the scene's does not count.
     pub(crate) fn method(&self) -> Option<slabsplat::Method> {
-        self.settings.method
+        self.settings.method()
     }
 }

@@ -1,8 +1,8 @@
-//! Values of flags: vectors, colours, points of a transfer function, names. Their errors are clap's to
+//! Values of flags: vectors, colours, points of a transfer function, types. Their errors are clap's to
 //! print, so they are plain sentences.
 
+use slabsplat::SampleType;
 use slabsplat::glam::DVec3;
-use slabsplat::{Compositing, Lookup, Method, Normalization, SampleType};
 
 /// Value and opacity, of each point of a transfer function.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,39 +99,12 @@ fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| format!("{text:?} is not a number"))
 }
 
-/// Makes the parser of a closed set of names.
-macro_rules! one_of {
-    ($(#[$doc:meta])* $name:ident, $ty:ty, $all:expr) => {
-        $(#[$doc])*
-        pub(crate) fn $name(text: &str) -> Result<$ty, String> {
-            <$ty>::from_name(text).ok_or_else(|| {
-                let names = $all.iter().map(|choice| choice.name()).collect::<Vec<_>>();
-                format!("choose one of {}", names.join(", "))
-            })
-        }
-    };
+/// The name of a sample type.
+pub(crate) fn sample_type(text: &str) -> Result<SampleType, String> {
+    SampleType::from_name(text).ok_or_else(|| {
+        format!("choose one of {}", SampleType::ALL.map(SampleType::name).join(", "))
+    })
 }
-
-one_of!(
-    /// The name of a method.
-    method, Method, Method::ALL
-);
-one_of!(
-    /// The name of a way to composite.
-    compositing, Compositing, Compositing::ALL
-);
-one_of!(
-    /// The name of a normalisation.
-    normalization, Normalization, Normalization::ALL
-);
-one_of!(
-    /// The name of a way to look a section up.
-    lookup, Lookup, Lookup::ALL
-);
-one_of!(
-    /// The name of a sample type.
-    sample_type, SampleType, SampleType::ALL
-);
 
 #[cfg(test)]
 mod tests {
@@ -149,7 +122,7 @@ mod tests {
         );
         assert_eq!(color("-5:0,0,1;"), Ok(ColorPoints(vec![(-5.0, [0.0, 0.0, 1.0])])));
         assert_eq!(light("0,-2,0"), Ok(slabsplat::Light::towards(-DVec3::Y).unwrap()));
-        assert_eq!(method("axis-aligned"), Ok(Method::AxisAligned));
+        assert_eq!(sample_type("int16"), Ok(SampleType::I16));
     }
 
     #[test]
@@ -165,6 +138,6 @@ mod tests {
         check(color("0:1,1").map(drop), "expected 3 numbers");
         check(light("sun").map(drop), "or headlight");
         check(light("0,0,0").map(drop), "other than zero");
-        check(method("splat").map(drop), "image-aligned, axis-aligned, every-sample");
+        check(sample_type("int12").map(drop), "uint8, int8, uint16");
     }
 }

@@ -1,6 +1,6 @@
 //! `slabsplat bench`.
 
-use crate::{answer, complaint, json, slabsplat, text};
+use crate::{answer, diagnostic, json, slabsplat, text};
 
 const SMALL: &str = "--width 24 --height 16 --backend cpu";
 
@@ -17,7 +17,7 @@ fn bench_json_has_all_keys() {
         "median_ms",
         "min_ms",
         "n_culled",
-        "n_hidden",
+        "n_occluded",
         "n_splats",
         "n_voxels",
         "resident_bytes",
@@ -69,7 +69,7 @@ fn bench_takes_scenes_and_flags() {
     std::fs::write(dir.path().join("a.toml"), scene).unwrap();
     let report = json(dir.path(), "bench a.toml --frames 1 --height 7 --json");
     assert_eq!([&report["width"], &report["height"]], [9, 7]);
-    let line = complaint(dir.path(), "bench a.toml --frames 1 --slab-width 1e-9");
+    let line = diagnostic(dir.path(), "bench a.toml --frames 1 --slab-width 1e-9");
     assert!(line.contains("a.toml: ") && line.contains("sheets"), "{line}");
 }
 

@@ -1,13 +1,13 @@
 //! Bad input: one plain line on stderr, exit code 1 (2 for usage), nothing half-written.
 
-use crate::{complaint, names_in, slabsplat, text};
+use crate::{diagnostic, names_in, slabsplat, text};
 
 #[test]
 fn error_in_scene_names_key_and_line() {
     let dir = tempfile::tempdir().unwrap();
     let scene = "[volume]\ngenerate = \"cube\"\n[render]\nslab_with = 1.0\n";
     std::fs::write(dir.path().join("a.toml"), scene).unwrap();
-    let line = complaint(dir.path(), "render a.toml -o a.png");
+    let line = diagnostic(dir.path(), "render a.toml -o a.png");
     assert!(line.contains("a.toml:4") && line.contains("slab_with"), "{line}");
     assert_eq!(names_in(dir.path()), ["a.toml"], "nothing is written");
 }
@@ -24,7 +24,7 @@ fn error_of_a_scene_names_it() {
     ] {
         let scene = format!("[volume]\ngenerate = \"cube\"\n{rest}\n");
         std::fs::write(dir.path().join("a.toml"), scene).unwrap();
-        let line = complaint(dir.path(), "render a.toml -o a.png");
+        let line = diagnostic(dir.path(), "render a.toml -o a.png");
         assert!(line.contains("a.toml: ") && line.contains(expected), "{line}");
     }
 }
@@ -88,7 +88,7 @@ fn errors_say_what_and_where() {
         ("demo empty.nrrd", "empty.nrrd"),
         ("demo empty.nrrd/below", "empty.nrrd"),
     ] {
-        let line = complaint(dir.path(), args);
+        let line = diagnostic(dir.path(), args);
         assert!(line.contains(expected), "{args}: {line}");
         assert_eq!(names_in(dir.path()), files, "{args} leaves nothing behind");
     }
@@ -98,7 +98,7 @@ fn errors_say_what_and_where() {
 fn errors_keep_the_old_picture() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.png"), "old").unwrap();
-    complaint(dir.path(), "render missing.nrrd -o a.png");
+    diagnostic(dir.path(), "render missing.nrrd -o a.png");
     assert_eq!(std::fs::read(dir.path().join("a.png")).unwrap(), b"old");
 }
 

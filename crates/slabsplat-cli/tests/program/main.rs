@@ -4,6 +4,7 @@ mod backends;
 mod bench;
 mod demo;
 mod errors;
+mod help;
 mod info;
 mod popping;
 mod render;
@@ -44,7 +45,7 @@ fn json(directory: &Path, args: &str) -> serde_json::Value {
 }
 
 /// Runs the program where it must fail as the world's fault, in one line, which is returned.
-fn complaint(directory: &Path, args: &str) -> String {
+fn diagnostic(directory: &Path, args: &str) -> String {
     let output = slabsplat(directory, args);
     let stderr = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{args}: {stderr}");

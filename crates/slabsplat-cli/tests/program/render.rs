@@ -1,6 +1,6 @@
 //! `slabsplat render`.
 
-use crate::{answer, complaint, names_in, slabsplat, text};
+use crate::{answer, diagnostic, names_in, slabsplat, text};
 use std::path::Path;
 
 const SMALL: &str = "--width 24 --height 16";
@@ -55,7 +55,7 @@ fn render_stats_of_the_cpu() {
         assert!(value(stage).ends_with(" ms"), "{told}");
     }
     assert_eq!(value("voxels"), "4096");
-    for count in ["hidden", "splatted", "culled", "tiles", "full tiles"] {
+    for count in ["occluded", "splatted", "culled", "tiles", "saturated tiles"] {
         assert!(value(count).parse::<u64>().is_ok(), "{count} in {told}");
     }
     assert!(value("resident").ends_with(" bytes)"), "{told}");
@@ -71,7 +71,7 @@ fn render_by_each_backend() {
         let name = backend["name"].as_str().unwrap();
         let args = format!("render builtin:cube {SMALL} --backend {name} -o {name}.png");
         if let Some(reason) = backend["unavailable"].as_str() {
-            let line = complaint(dir.path(), &args);
+            let line = diagnostic(dir.path(), &args);
             assert!(line.contains(&format!("\"{name}\" is not available: {reason}")), "{line}");
             continue;
         }
@@ -88,8 +88,8 @@ fn render_backend_of_the_scene() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("cray.toml"), format!("{SCENE}backend = \"cray\"\n")).unwrap();
     std::fs::write(dir.path().join("auto.toml"), format!("{SCENE}backend = \"auto\"\n")).unwrap();
-    assert!(complaint(dir.path(), "render cray.toml -o a.png").contains("\"cray\""));
-    assert!(complaint(dir.path(), "render auto.toml --backend cray -o a.png").contains("cray"));
+    assert!(diagnostic(dir.path(), "render cray.toml -o a.png").contains("\"cray\""));
+    assert!(diagnostic(dir.path(), "render auto.toml --backend cray -o a.png").contains("cray"));
     bytes_of(dir.path(), "cray.toml --backend cpu -o cpu.png");
     bytes_of(dir.path(), "auto.toml -o auto.png");
 }

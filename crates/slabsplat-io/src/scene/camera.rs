@@ -1,7 +1,7 @@
 //! A camera with parts left out, to be filled in once the volume is known.
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Camera, CameraError, Projection};
+use slabsplat_core::{Camera, CameraError, NotAChoice, Projection};
 
 /// How depth changes size, without the numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,20 +33,19 @@ pub struct CameraDesc {
 const DEFAULT_FOV_Y_DEGREES: f64 = 30.0;
 
 impl ProjectionKind {
-    /// Both of them.
-    pub const ALL: &[Self] = &[Self::Orthographic, Self::Perspective];
+    /// The names of both.
+    pub const NAMES: &[&'static str] = &["orthographic", "perspective"];
 
-    /// The name that scene files and flags use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Orthographic => "orthographic",
-            Self::Perspective => "perspective",
+    /// The kind that scene files and flags name so.
+    ///
+    /// # Errors
+    /// If there is none.
+    pub fn from_name(name: &str) -> Result<Self, NotAChoice> {
+        match name {
+            "orthographic" => Ok(Self::Orthographic),
+            "perspective" => Ok(Self::Perspective),
+            _ => Err(NotAChoice { word: name.to_owned(), choices: Self::NAMES }),
         }
-    }
-
-    /// The kind of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 }
 

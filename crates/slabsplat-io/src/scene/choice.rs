@@ -4,46 +4,17 @@ use std::fmt;
 
 use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use slabsplat_core::Light;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Light, Lookup, Method, Normalization};
 
 use super::camera::ProjectionKind;
 
-/// A closed set of names.
-pub(super) trait Choice: Copy + 'static {
-    const CHOICES: &'static [Self];
-
-    fn word(self) -> &'static str;
-}
-
-macro_rules! impl_choice {
-    ($($ty:ty),*) => {$(
-        impl Choice for $ty {
-            const CHOICES: &'static [Self] = Self::ALL;
-
-            fn word(self) -> &'static str {
-                self.name()
-            }
-        }
-    )*};
-}
-
-impl_choice!(Method, Compositing, Normalization, Lookup, ProjectionKind);
-
-/// One of the names of `T`.
-pub(super) fn choice<'de, D: Deserializer<'de>, T: Choice>(d: D) -> Result<T, D::Error> {
-    let word = String::deserialize(d)?;
-    T::CHOICES.iter().copied().find(|choice| choice.word() == word).ok_or_else(|| {
-        let words: Vec<&str> = T::CHOICES.iter().map(|choice| choice.word()).collect();
-        D::Error::custom(format!("{word:?} is not a choice here: use one of {}", words.join(", ")))
-    })
-}
-
-/// The same for a key that has no default.
-pub(super) fn maybe_choice<'de, D: Deserializer<'de>, T: Choice>(
+/// Orthographic or perspective, for a key that has no default.
+pub(super) fn projection<'de, D: Deserializer<'de>>(
     d: D,
-) -> Result<Option<T>, D::Error> {
-    choice(d).map(Some)
+) -> Result<Option<ProjectionKind>, D::Error> {
+    let word = String::deserialize(d)?;
+    ProjectionKind::from_name(&word).map(Some).map_err(D::Error::custom)
 }
 
 /// `"headlight"`, or the direction towards the light.

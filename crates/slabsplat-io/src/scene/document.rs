@@ -4,12 +4,11 @@
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use slabsplat_core::{
-    Compositing, ImageDesc, Light, Lookup, Method, Normalization, Phong, RenderSettings,
-};
+use slabsplat_core::{ImageDesc, Phong, RenderSettings, Settings};
 
 use super::camera::ProjectionKind;
-use super::choice::{choice, light, maybe_choice};
+use super::choice::projection;
+use super::settings_section::{Section, SettingsSection, keys};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -17,13 +16,13 @@ pub(super) struct Document {
     pub(super) volume: Option<VolumeSection>,
     pub(super) classify: Option<ClassifySection>,
     #[serde(default)]
-    pub(super) shading: ShadingSection,
+    pub(super) shading: SettingsSection<Phong>,
     #[serde(default)]
     pub(super) camera: CameraSection,
     #[serde(default)]
     pub(super) image: ImageSection,
     #[serde(default)]
-    pub(super) render: RenderSection,
+    pub(super) render: SettingsSection<RenderSettings>,
 }
 
 /// Either `path` or `generate`.
@@ -47,23 +46,10 @@ pub(super) struct ClassifySection {
     pub(super) file: Option<PathBuf>,
 }
 
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub(super) struct ShadingSection {
-    pub(super) model: String,
-    pub(super) ambient: f64,
-    pub(super) diffuse: f64,
-    pub(super) specular: f64,
-    pub(super) shininess: f64,
-    pub(super) two_sided: bool,
-    #[serde(deserialize_with = "light")]
-    pub(super) light: Light,
-}
-
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct CameraSection {
-    #[serde(deserialize_with = "maybe_choice")]
+    #[serde(deserialize_with = "projection")]
     pub(super) projection: Option<ProjectionKind>,
     pub(super) eye: Option<[f64; 3]>,
     pub(super) target: Option<[f64; 3]>,
@@ -81,58 +67,19 @@ pub(super) struct ImageSection {
     pub(super) background: [f32; 4],
 }
 
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub(super) struct RenderSection {
-    #[serde(deserialize_with = "choice")]
-    pub(super) method: Method,
-    pub(super) kernel: String,
-    pub(super) slab_width: f64,
-    #[serde(deserialize_with = "choice")]
-    pub(super) compositing: Compositing,
-    #[serde(deserialize_with = "choice")]
-    pub(super) normalization: Normalization,
-    pub(super) base_slab_width: f64,
-    pub(super) sections: u32,
-    pub(super) radial_samples: u32,
-    #[serde(deserialize_with = "choice")]
-    pub(super) lookup: Lookup,
-    pub(super) opacity_cutoff: f64,
-    pub(super) tolerance: f64,
-    pub(super) backend: String,
+impl Section for Phong {
+    const KEYS: &'static [&'static str] =
+        &keys::<Self, { Self::ROWS.len() + 1 }>(Self::ROWS, "model");
 }
 
-impl Default for ShadingSection {
-    fn default() -> Self {
-        let Phong { ambient, diffuse, specular, shininess, two_sided, light } = Phong::default();
-        let model = "phong".to_owned();
-        Self { model, ambient, diffuse, specular, shininess, two_sided, light }
-    }
+impl Section for RenderSettings {
+    const KEYS: &'static [&'static str] =
+        &keys::<Self, { Self::ROWS.len() + 1 }>(Self::ROWS, "backend");
 }
 
 impl Default for ImageSection {
     fn default() -> Self {
         let ImageDesc { width, height, background } = ImageDesc::default();
         Self { width, height, background }
-    }
-}
-
-impl Default for RenderSection {
-    fn default() -> Self {
-        let settings = RenderSettings::default();
-        Self {
-            method: settings.method,
-            kernel: settings.kernel.0.into_owned(),
-            slab_width: settings.slab_width,
-            compositing: settings.compositing,
-            normalization: settings.normalization,
-            base_slab_width: settings.base_slab_width,
-            sections: settings.sections,
-            radial_samples: settings.radial_samples,
-            lookup: settings.lookup,
-            opacity_cutoff: settings.opacity_cutoff,
-            tolerance: settings.tolerance,
-            backend: "cpu".to_owned(),
-        }
     }
 }

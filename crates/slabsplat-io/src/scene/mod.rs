@@ -1,19 +1,20 @@
-//! Scene files (SPEC §8): everything that decides a pixel, as TOML.
+//! Scene files (`docs/example.toml`): everything that decides a pixel, as TOML.
 //!
-//! Reading order: this file (what a scene file says), `document` and `choice` (how it spells it),
-//! `sections` (what that means), `camera`, `preset` and `color_map` (transfer functions from
-//! elsewhere), `complaint` (what a file does wrong, and in which line).
+//! Reading order: this file (what a scene file says), `document`, `settings_section` and `choice` (how it
+//! spells it), `sections` (what that means), `camera`, `preset` and `color_map` (transfer functions from
+//! elsewhere), `diagnostic` (what a file does wrong, and in which line).
 
 mod document;
 
 mod choice;
 mod sections;
+mod settings_section;
 
 mod camera;
 mod color_map;
 mod preset;
 
-mod complaint;
+mod diagnostic;
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +25,7 @@ pub use color_map::read_color_map;
 pub use preset::{PRESET_NAMES, preset_transfer};
 
 use crate::{IoError, LoadedVolume, VolumeFormat, builtin_volume, read_volume, text};
-use complaint::{Complaint, from_toml};
+use diagnostic::{Diagnostic, from_toml};
 use document::Document;
 
 /// What a scene file says. What it leaves to the volume is `None`: the transfer function, and the
@@ -70,7 +71,7 @@ pub enum VolumeSource {
 /// The message names the key and the line.
 pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
     let text = text::read(path)?;
-    let in_file = |complaint: Complaint| complaint.in_file(path, &text);
+    let in_file = |diagnostic: Diagnostic| diagnostic.in_file(path, &text);
     let document: Document =
         toml::from_str(&text).map_err(|error| in_file(from_toml(&error, &text)))?;
     let folder = path.parent().unwrap_or(Path::new(""));

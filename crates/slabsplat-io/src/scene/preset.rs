@@ -1,8 +1,8 @@
 //! Transfer functions for common kinds of volumes, by name.
 //!
-//! Those for CT are in Hounsfield units (air −1000, water 0, soft tissue 20 … 80, vessels with
-//! contrast agent 150 … 400, spongy bone from 150, cortical bone 500 … 1900). MR has no such scale, and `gray` no meaning: both are for volumes
-//! of 8 bits, 0 … 255.
+//! Those for CT are in Hounsfield units (air −1000, water 0, soft tissue 20 … 80, vessels with contrast agent
+//! 150 … 400, spongy bone from 150, cortical bone 500 … 1900). MR has no such scale, and `gray` no meaning:
+//! both are for volumes of 8 bits, 0 … 255.
 
 use slabsplat_core::TransferFunction;
 

@@ -4,7 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Light, Lookup, Method, Normalization, Shading};
+use slabsplat_core::{
+    Compositing, Field, KernelName, Light, Lookup, Method, Normalization, Phong, Setting, Settings,
+    Shading,
+};
 
 use super::*;
 
@@ -101,6 +104,56 @@ fn scene_has_every_key() {
     assert_eq!(scene.backend, "auto");
 }
 
+/// Each row alone, with another value than the default.
+#[test]
+fn scene_reads_every_setting() {
+    for row in RenderSettings::ROWS {
+        let settings = changed(row);
+        let text = format!("{SMALL}[render]\n{} = {}", row.name, toml_of(row, &settings));
+        assert_eq!(read(&text).unwrap().settings, settings, "{text}");
+    }
+    for row in Phong::ROWS {
+        let phong = changed(row);
+        let text = format!("{SMALL}[shading]\n{} = {}", row.name, toml_of(row, &phong));
+        assert_eq!(read(&text).unwrap().shading, Shading::Phong(phong), "{text}");
+    }
+}
+
+/// The defaults, but for one row.
+fn changed<S: Settings>(row: &Setting<S>) -> S {
+    let mut settings = S::default();
+    let text = row.text(&settings);
+    match &row.field {
+        Field::Choice { names, set, .. } => {
+            set(&mut settings, names.iter().find(|name| **name != text).unwrap()).unwrap();
+        }
+        Field::Kernel(access) => (access.set)(&mut settings, KernelName("crawfis-max".into())),
+        Field::Number { access, .. } => {
+            let half = 0.5 * (access.get)(&settings);
+            (access.set)(&mut settings, half);
+        }
+        Field::Count { access, .. } => {
+            let half = (access.get)(&settings) / 2;
+            (access.set)(&mut settings, half);
+        }
+        Field::Switch(access) => {
+            let other = !(access.get)(&settings);
+            (access.set)(&mut settings, other);
+        }
+        Field::Light(access) => (access.set)(&mut settings, Light::towards(DVec3::Z).unwrap()),
+    }
+    settings
+}
+
+fn toml_of<S>(row: &Setting<S>, settings: &S) -> String {
+    let text = row.text(settings);
+    match row.field {
+        Field::Choice { .. } | Field::Kernel(_) => format!("{text:?}"),
+        Field::Light(_) => format!("[{text}]"),
+        Field::Number { .. } | Field::Count { .. } | Field::Switch(_) => text,
+    }
+}
+
 #[test]
 fn scene_defaults() {
     let scene = read(SMALL).unwrap();
@@ -110,7 +163,7 @@ fn scene_defaults() {
     assert_eq!(scene.camera, CameraDesc::default());
     assert_eq!(scene.image, ImageDesc::default());
     assert_eq!(scene.settings, RenderSettings::default());
-    assert_eq!(scene.shading, Shading::Phong(slabsplat_core::Phong::default()));
+    assert_eq!(scene.shading, Shading::Phong(Phong::default()));
     assert_eq!(scene.backend, "cpu");
     let unshaded = read(&format!("{SMALL}[shading]\nmodel = \"none\"")).unwrap();
     assert_eq!(unshaded.shading, Shading::None);
@@ -141,6 +194,11 @@ fn scene_unknown_keys_are_named() {
         "scene.toml:6: unknown key \"slabwidth\" in [render]; did you mean \"slab_width\"?",
     );
     check(
+        &format!("{SMALL}\n[shading]\n\nlamp = 1.0\n"),
+        "scene.toml:7: unknown key \"lamp\" in [shading]; known are ambient, diffuse, specular, \
+         shininess, two_sided, light, model",
+    );
+    check(
         &format!("{SMALL}\n[rendr]\nslab_width = 1.0\n"),
         "scene.toml:5: unknown section [rendr]; did you mean \"render\"?",
     );
@@ -163,7 +221,7 @@ fn scene_bad_values_name_their_line() {
         assert!(!err.contains('\n'), "{err} should be one line");
     };
     check("[render]\nmethod = \"raycast\"", ":5: \"raycast\" is not a choice here: use one of ima");
-    check("[render]\nslab_width = -1.0", ":5: slab_width must be a positive number");
+    check("[render]\nslab_width = -1.0", ":5: slab_width must be above 0");
     check("[render]\nslab_width = nan", ":5: slab_width");
     check("[render]\nsections = -3", ":5: invalid value");
     check("[render]\nsections = 1", ":5: sections must be between 2 and 4096");
@@ -175,6 +233,9 @@ fn scene_bad_values_name_their_line() {
     check("[image]\nbackground = [0, 0, 0, 2]", ":5: the background");
     check("[shading]\nambient = -1", ":5: ambient");
     check("[shading]\nmodel = \"toon\"", ":5: \"toon\" is not a choice");
+    check("[shading]\ntwo_sided = 1", ":5: invalid type: integer");
+    check("[render]\nbackend = 1", ":5: invalid type: integer");
+    check("[[render]]", ":4: invalid type: sequence, expected a section");
     check("[shading]\nlight = \"sun\"", ":5: \"sun\" is no light");
     check("[shading]\nlight = [0, 0, 0]", ":5: the light's direction");
     check("[camera]\nfov_y = 180", ":5: fov_y");

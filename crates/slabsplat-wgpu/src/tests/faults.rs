@@ -57,7 +57,7 @@ fn device_destroyed_with_work_in_flight_is_lost() {
     check_lost(&mut device, before);
 }
 
-/// The messages of `device_told_nonsense_is_lost`, which are no complaints.
+/// The messages of `device_told_nonsense_is_lost`, which are no diagnostics.
 static EXPECTED: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
 #[test]

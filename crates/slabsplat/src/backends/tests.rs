@@ -3,6 +3,7 @@
 use super::gpu::Opened;
 use super::*;
 use slabsplat_backend::{BackendError, Caps, Frame, FrameId, FramePlan};
+use slabsplat_core::Method;
 use std::task::Poll;
 
 /// A backend that has a name and nothing else.
@@ -23,7 +24,7 @@ impl Backend for Named {
 }
 
 fn opened(name: &'static str, is_fast: bool) -> Result<Opened, String> {
-    let caps = Caps { name, device: "Fake 3000".to_owned() };
+    let caps = Caps { name, device: "Fake 3000".to_owned(), methods: Method::ALL };
     Ok(Opened { backend: Box::new(Named(caps)), is_fast })
 }
 

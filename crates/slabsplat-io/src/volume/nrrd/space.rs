@@ -1,5 +1,5 @@
 //! Where the voxels lie. World space is RAS+: an axis that points left or to the back changes sign,
-//! a space that does not say where the body is stays as it is (SPEC §1).
+//! a space that does not say where the body is stays as it is (model §1).
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 

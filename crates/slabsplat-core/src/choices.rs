@@ -1,0 +1,133 @@
+//! Settings that are one of a few names: methods, compositing, normalisation, lookup; and kernels, whose
+//! names `slabsplat-kernel` knows.
+
+use std::borrow::Cow;
+
+use thiserror::Error;
+
+/// Which voxels are added and which are composited (model §4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// The paper's (§3.2): kernel sections summed in slabs parallel to the image.
+    ImageAligned,
+    /// The traditional sheet buffer (§3.1): whole footprints summed in the grid's slices.
+    AxisAligned,
+    /// The original (§1): whole footprints composited one voxel at a time.
+    EverySample,
+    /// Sections of density summed in slabs parallel to the image, classified and shaded pixel by pixel
+    /// (Mueller, Möller & Crawfis, "Splatting Without the Blur", IEEE Visualization '99).
+    PostClassified,
+}
+
+/// How a sheet's sums become colour and opacity (model §3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Compositing {
+    /// Colour and opacity are summed apart and multiplied (eqs. 4–7, Table 1).
+    Separate,
+    /// Opacity-weighted colour is summed (eq. 2).
+    Associated,
+    /// Extinction is summed: opacity does not depend on the slab width.
+    Extinction,
+}
+
+/// How thick sections are darkened so that they look like the thin ones they stand for (eqs. 6–8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Normalization {
+    /// Not at all.
+    None,
+    /// `h_f + h_b − (2 h_b h_f + ½ h_b² h_f)`, the text taken literally.
+    Paper,
+    /// `√(h_f² + h_b² − ½ h_b² h_f)`: eqs. 6–8 compare products of two footprints.
+    Product,
+}
+
+/// How a section's offset is looked up in the section table (§3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Lookup {
+    /// The nearest section, as in the paper.
+    Nearest,
+    /// Linearly between the two neighbouring sections.
+    Linear,
+}
+
+/// The name of a kernel; `slabsplat-kernel` knows which there are.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct KernelName(pub Cow<'static, str>);
+
+/// A word that is none of those to choose from.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("{word:?} is not a choice here: use one of {}", choices.join(", "))]
+pub struct NotAChoice {
+    /// What was given.
+    pub word: String,
+    /// What there is.
+    pub choices: &'static [&'static str],
+}
+
+impl Default for KernelName {
+    fn default() -> Self {
+        Self(Cow::Borrowed("gaussian"))
+    }
+}
+
+/// Gives a fieldless enum its names, as scene files and flags spell them.
+macro_rules! named {
+    ($ty:ident { $($variant:ident = $name:literal),* $(,)? }) => {
+        impl $ty {
+            /// Every choice, in the order of the model.
+            pub const ALL: &[Self] = &[$(Self::$variant),*];
+
+            /// The name of every choice, in the same order.
+            pub const NAMES: &[&'static str] = &[$($name),*];
+
+            /// The name that scene files and flags use.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),* }
+            }
+
+            /// The choice of that name.
+            ///
+            /// # Errors
+            /// If there is none.
+            pub fn from_name(name: &str) -> Result<Self, NotAChoice> {
+                let not_a_choice = || NotAChoice { word: name.to_owned(), choices: Self::NAMES };
+                Self::ALL.iter().copied().find(|choice| choice.name() == name).ok_or_else(not_a_choice)
+            }
+        }
+
+        impl std::fmt::Display for $ty {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str(self.name())
+            }
+        }
+    };
+}
+
+named!(Method {
+    ImageAligned = "image-aligned",
+    AxisAligned = "axis-aligned",
+    EverySample = "every-sample",
+    PostClassified = "post-classified",
+});
+named!(Compositing {
+    Separate = "separate",
+    Associated = "associated",
+    Extinction = "extinction",
+});
+named!(Normalization { None = "none", Paper = "paper", Product = "product" });
+named!(Lookup { Nearest = "nearest", Linear = "linear" });
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_round_trip() {
+        for &m in Method::ALL {
+            assert_eq!(Method::from_name(m.name()), Ok(m));
+        }
+        assert_eq!(Compositing::from_name("extinction"), Ok(Compositing::Extinction));
+        let error = Normalization::from_name("both").unwrap_err().to_string();
+        assert_eq!(error, "\"both\" is not a choice here: use one of none, paper, product");
+    }
+}

@@ -1,0 +1,81 @@
+//! The compositing models (model §3): what a sheet sums of a voxel, and how sums become a pixel.
+//!
+//! This is the one place that says what they mean. Backends have loops of their own, for vectors and for
+//! shaders, and tests hold those against [`Compositing::resolve`]. Whoever adds a model adds it here and is
+//! told by the compiler where else it must be handled: the matches on [`Compositing`] have no arm for all
+//! others.
+
+use crate::Compositing;
+
+/// Opacity from which on extinction stays what it is: at 1 it would be infinite.
+pub const MAX_OPACITY: f64 = 1.0 - 1e-6;
+
+/// `μ = −ln(1 − α)` of an opacity, 0 to 1; at most that of [`MAX_OPACITY`], 13.8.
+///
+/// ```
+/// assert_eq!(slabsplat_core::extinction(0.0), 0.0);
+/// assert!((slabsplat_core::extinction(0.5) - 0.5_f64.ln().abs()).abs() < 1e-15);
+/// assert!(slabsplat_core::extinction(1.0) < 13.82);
+/// ```
+pub fn extinction(opacity: f64) -> f64 {
+    -(-opacity.min(MAX_OPACITY)).ln_1p()
+}
+
+impl Compositing {
+    /// What a sheet sums of an opacity: `α`, or `μ = −ln(1 − α)`.
+    #[inline]
+    pub fn weight(self, opacity: f64) -> f64 {
+        match self {
+            Self::Separate | Self::Associated => opacity,
+            Self::Extinction => extinction(opacity),
+        }
+    }
+
+    /// Whether a sheet sums colours times their [`weight`](Self::weight); if not, as they are.
+    #[inline]
+    pub fn weights_colors(self) -> bool {
+        match self {
+            Self::Separate => false,
+            Self::Associated | Self::Extinction => true,
+        }
+    }
+
+    /// Whether what is summed is an extinction, which has no bound that a pixel can see; if not, it is an
+    /// opacity.
+    #[inline]
+    pub fn sums_extinction(self) -> bool {
+        match self {
+            Self::Separate | Self::Associated => false,
+            Self::Extinction => true,
+        }
+    }
+
+    /// The premultiplied colour and opacity of a sheet's sums of colour and weight (eqs. 2, 4–7). A weight of
+    /// 0 or less, which only the `paper` normalisation can give, counts as nothing.
+    ///
+    /// ```
+    /// use slabsplat_core::Compositing;
+    ///
+    /// let sums = [0.4, 0.2, 0.0, 0.5];
+    /// assert_eq!(Compositing::Separate.resolve(sums), [0.2, 0.1, 0.0, 0.5]);
+    /// assert_eq!(Compositing::Associated.resolve(sums), sums);
+    /// let [.., opacity] = Compositing::Extinction.resolve(sums);
+    /// assert!((opacity - (1.0 - (-0.5_f64).exp())).abs() < 1e-15);
+    /// ```
+    #[inline]
+    pub fn resolve(self, [r, g, b, weight]: [f64; 4]) -> [f64; 4] {
+        let (factor, opacity) = match self {
+            Self::Separate => {
+                let opacity = weight.clamp(0.0, 1.0);
+                let [r, g, b] = [r, g, b].map(|sum| opacity * sum.clamp(0.0, 1.0));
+                return [r, g, b, opacity];
+            }
+            Self::Associated => ((1.0 / weight).min(1.0), weight.min(1.0)),
+            Self::Extinction => (-(-weight).exp_m1() / weight, -(-weight).exp_m1()),
+        };
+        if weight <= 0.0 {
+            return [0.0; 4];
+        }
+        [factor * r, factor * g, factor * b, opacity]
+    }
+}

@@ -1,0 +1,99 @@
+//! From view space to pixels: where a splat lies, and the ellipse that it covers.
+
+use slabsplat_backend::FramePlan;
+use slabsplat_core::View;
+use slabsplat_kernel::FootprintShape;
+
+/// Everything about pixels that all splats of a frame share.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Raster {
+    view: View,
+    shape: FootprintShape,
+    center: [f32; 2],
+    /// The kernel's radius in index space.
+    pub(crate) radius: f32,
+    /// Half the thickness of a voxel's kernel along the viewing direction, in world units.
+    pub(crate) half_depth: f32,
+    /// Least depth at which anything is drawn.
+    pub(crate) near: f32,
+    /// Index-space length of a ray over one world unit of depth.
+    pub(crate) index_per_depth: f32,
+    /// Whether slab faces cut the rays of a footprint at different offsets.
+    pub(crate) is_tilted: bool,
+    /// Whether the axes of footprints are not those of the image.
+    pub(crate) is_sheared: bool,
+}
+
+/// The footprint in pixels, at one depth; y runs downwards.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct PixelShape {
+    /// `2·(ρ/R)² = across·(X + lean·Y)² + along·Y²`, 0 at the centre and 2 at the kernel's edge.
+    pub(crate) across: f32,
+    pub(crate) lean: f32,
+    pub(crate) along: f32,
+    /// By how many index units a slab face is cut later, per pixel.
+    pub(crate) tilt: [f32; 2],
+    /// Half the width and height of the ellipse `ρ = 1`.
+    pub(crate) half_extent: [f32; 2],
+    /// Pixels per world unit.
+    pub(crate) scale: f32,
+    /// What weights are multiplied with: 1, or less if the footprint is stretched.
+    pub(crate) gain: f32,
+}
+
+impl Raster {
+    pub(crate) fn new(plan: &FramePlan<'_>) -> Self {
+        let FramePlan { view, shape, radius, .. } = *plan;
+        Self {
+            view,
+            shape,
+            center: view.image_size().map(|side| 0.5 * side as f32),
+            radius: radius as f32,
+            half_depth: plan.half_depth() as f32,
+            near: view.near_depth() as f32,
+            index_per_depth: shape.index_per_depth as f32,
+            is_tilted: shape.is_tilted(radius),
+            is_sheared: shape.is_sheared(),
+        }
+    }
+
+    /// The footprint at a depth from the grid's centre, which must not lie before `near`.
+    #[inline]
+    pub(crate) fn shape_at(&self, depth: f64) -> PixelShape {
+        let scale = self.view.pixels_per_world(depth);
+        let stretch = self.view.stretch(scale);
+        let pixels = scale * stretch;
+        let FootprintShape { across, lean, along, .. } = self.shape;
+        let [right, up] = self.shape.tilt.map(|c| (c / pixels) as f32);
+        let radius_in_pixels = f64::from(self.radius) * pixels;
+        let form = 2.0 / (radius_in_pixels * radius_in_pixels);
+        PixelShape {
+            across: (form * across) as f32,
+            lean: -lean as f32,
+            along: (form * along) as f32,
+            tilt: [right, -up],
+            half_extent: self.shape.half_extent.map(|c| (c * pixels) as f32),
+            scale: scale as f32,
+            gain: (1.0 / (stretch * stretch)) as f32,
+        }
+    }
+
+    /// Where the optical axis is, in pixels from the image's upper left corner.
+    pub(crate) fn center(&self) -> [f32; 2] {
+        self.center
+    }
+
+    /// Where a point of view space lies, in pixels from the image's upper left corner.
+    #[inline]
+    pub(crate) fn pixel_of(&self, shape: &PixelShape, [right, up, _]: [f32; 3]) -> [f32; 2] {
+        [self.center[0] + right * shape.scale, self.center[1] - up * shape.scale]
+    }
+
+    /// The rectangle of pixels that a whole kernel covers there: its least and its largest corner.
+    #[inline]
+    pub(crate) fn bounds(&self, shape: &PixelShape, point: [f32; 3]) -> [[f32; 2]; 2] {
+        let at = self.pixel_of(shape, point);
+        let half = shape.half_extent.map(|extent| extent * self.radius);
+        [[at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]]]
+    }
+}

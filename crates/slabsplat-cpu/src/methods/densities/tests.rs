@@ -1,0 +1,85 @@
+//! The selection of voxels against the definition, which splats them all.
+
+use super::*;
+use fastrand::Rng;
+use slabsplat_backend::{Planner, Splats};
+use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
+use slabsplat_core::{
+    Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, TransferFunction,
+};
+use slabsplat_seeds::for_each_seed;
+use std::sync::Arc;
+
+#[test]
+fn selection_changes_no_bit() {
+    for_each_seed(1, |mut rng| {
+        let (mut n_left_out, mut n_seen) = (0, 0);
+        for _ in 0..60 {
+            let volume = Arc::new(blobs(&mut rng));
+            let scene = scene(&mut rng, volume.grid());
+            let plan = Planner::default().plan(&volume, &scene).unwrap();
+            let Splats::Densities(splats) = &plan.splats else { panic!("{:?}", plan.splats) };
+            let mut tiles = Tiles::new(plan.view.image_size());
+            let (mut buffers, mut watch) = (Buffers::default(), Stopwatch::start());
+            let n_selected = render(&plan, splats, &mut tiles, &mut buffers, &mut watch);
+            let selected = tiles.image([0.0; 4]);
+            let Buffers { finite, tossed, workspaces, .. } = &mut buffers;
+            let frame = DensityFrame::new(&plan, splats, *finite.value().unwrap());
+            let all: Vec<u32> = (0..volume.grid().n_voxels() as u32).collect();
+            tiles.clear();
+            draw(&frame, &all, &mut tiles, tossed, workspaces, &mut watch);
+            assert!(tiles.image([0.0; 4]) == selected, "{scene:?}");
+            n_left_out += all.len() as u64 - n_selected;
+            n_seen += u32::from(selected.pixels().iter().any(|pixel| 0.0 < pixel[3]));
+        }
+        println!("{n_left_out} voxels left out, {n_seen} pictures not empty");
+        assert!(10_000 < n_left_out && 30 < n_seen, "{n_left_out} {n_seen}");
+    });
+}
+
+/// Plateaus of the values 0 to 5 in balls, with air of value 1 around them.
+fn blobs(rng: &mut Rng) -> Volume {
+    let dims = [0; 3].map(|_| rng.usize(12..26));
+    let balls: Vec<_> = (0..2)
+        .map(|_| (dims.map(|n| n as f64 * rng.f64()), 1.0 + 4.0 * rng.f64(), rng.u8(0..6)))
+        .collect();
+    let lean = |rng: &mut Rng| 0.5 * rng.f64() - 0.25;
+    let columns = DMat3::from_cols(
+        DVec3::new(1.0, lean(rng), 0.0),
+        DVec3::new(lean(rng), 1.0 + rng.f64(), 0.0),
+        DVec3::new(0.0, lean(rng), 1.0),
+    );
+    let grid = Grid::new(dims, DAffine3::from_mat3(columns)).unwrap();
+    let value = |idx: usize| {
+        let at = DVec3::from_array(grid.voxel_coords(idx).map(|c| c as f64));
+        let inside = |(center, radius, _): &&([f64; 3], f64, u8)| {
+            at.distance(DVec3::from_array(*center)) < *radius
+        };
+        balls.iter().find(inside).map_or(1, |ball| ball.2)
+    };
+    let samples: Vec<u8> = (0..grid.n_voxels()).map(value).collect();
+    Volume::new(grid, samples.into(), Scaling { slope: 0.3, intercept: -0.1 }).unwrap()
+}
+
+/// Something visible between two values, from a step or from 0, often just at the value of a plateau.
+fn scene(rng: &mut Rng, grid: &Grid) -> Scene {
+    let step = |plateau: u8| 0.3 * f64::from(plateau) - 0.1;
+    let [lo, hi] = [step(rng.u8(1..4)), step(rng.u8(4..6))];
+    let rise = if rng.bool() { 0.0 } else { 0.5 };
+    let opacity = vec![(lo, [0.0]), (lo, [rise]), (hi, [0.7]), (hi, [0.0])];
+    let eye = grid.center_in_world() + 60.0 * DVec3::new(rng.f64(), rng.f64(), 0.3 + rng.f64());
+    let target = grid.center_in_world();
+    let projection = if rng.bool() {
+        Projection::Orthographic { view_height: [9.0, 25.0, 90.0][rng.usize(..3)] }
+    } else {
+        Projection::Perspective { fov_y_radians: [0.3, 0.6, 1.6][rng.usize(..3)] }
+    };
+    let color = vec![(lo, [1.0; 3]), (hi, [0.2; 3])];
+    let transfer = TransferFunction::new(opacity, color).unwrap();
+    let settings = RenderSettings::default()
+        .method(Method::PostClassified)
+        .slab_width([0.4, 1.0, 2.0][rng.usize(..3)]);
+    Scene::new(transfer, Camera::new(eye, target, DVec3::Y, projection).unwrap())
+        .image(ImageDesc { width: 70, height: 50, background: [0.0; 4] })
+        .settings(settings)
+}

@@ -1,0 +1,201 @@
+//! Voxels into tiles, a range of depth at a time: cull, project, shade, toss.
+//!
+//! ```text
+//! for every 32 bricks of the range, in parallel:
+//!     for each brick that is not behind saturated blocks:
+//!         project its voxels (project.rs of slabsplat-traverse)
+//!         for each that is not behind saturated blocks: enter it for the tiles that it may touch
+//!         shade those; find their slabs, eight at a time; make voxels of them
+//!     toss the voxels onto tiles: a counting sort of the entries
+//! ```
+//!
+//! 1. Neither a brick nor a voxel that is occluded is shaded or tossed, and a brick not even projected (the
+//!    culling of Mueller et al. 1999).
+//! 2. All buffers are as large as one range needs, and are used again.
+//! 3. What 32 bricks toss stays with their task; a tile reads the chain of tasks, so that nothing is merged.
+
+use super::occlusion::{Occlusion, Visibility};
+use super::setup::Setup;
+use crate::methods::Stage;
+use crate::sections::span::{Span, SpannedVoxel};
+use crate::voxels::by_sheet::N_AT_ONCE;
+use crate::voxels::voxel::Voxel;
+use crate::workspaces::Workspaces;
+use fearless_simd::{Simd, dispatch};
+use rayon::prelude::*;
+use slabsplat_traverse::{Brick, TileEntry, TileGrid, TileToss, VoxelRecord};
+use std::cell::Cell;
+use std::ops::Range;
+
+/// Bricks that one task takes in. It depends on nothing, or the order of sums would.
+const BRICKS_PER_TASK: usize = 32;
+
+/// The voxels of a range, by tile.
+#[derive(Debug, Default)]
+pub(super) struct Intake {
+    tasks: Vec<TileToss<SpannedVoxel>>,
+    n_tasks: usize,
+}
+
+/// What came of a range.
+pub(super) struct IntakeSummary {
+    /// Voxels that were culled, as nothing of them is to be seen.
+    pub(super) n_occluded: u64,
+    /// The slabs to which the others go first, if there are any.
+    pub(super) first_slabs: Option<Range<usize>>,
+}
+
+/// What a thread needs to take bricks in.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    /// Of one task.
+    voxels: Vec<SpannedVoxel>,
+    entries: Vec<TileEntry>,
+    /// The least and the largest.
+    spans: [Span; 2],
+    /// Of one brick: all its points.
+    points: Vec<[f32; 3]>,
+    /// Those that are not culled, one after the other in `points`, and what they are made of.
+    records: Vec<VoxelRecord>,
+    colors: Vec<[f32; 4]>,
+}
+
+impl Intake {
+    /// Takes in the voxels of `bricks`, whose second numbers are their places in the list.
+    pub(super) fn take(
+        &mut self,
+        stage: &Stage<'_>,
+        setup: &Setup<'_>,
+        tiles: &TileGrid,
+        occlusion: &Occlusion,
+        bricks: &[(u32, u32)],
+        scratches: &mut Workspaces<Scratch>,
+    ) -> IntakeSummary {
+        self.n_tasks = bricks.len().div_ceil(BRICKS_PER_TASK);
+        if self.tasks.len() < self.n_tasks {
+            self.tasks.resize_with(self.n_tasks, TileToss::default);
+        }
+        let scratches = scratches.for_all_threads();
+        let tasks = self.tasks[..self.n_tasks].par_iter_mut();
+        let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
+        let taken = work.map(|(toss, bricks)| {
+            let scratch = &mut *scratches.of_this_thread();
+            scratch.clear();
+            let mut n_occluded = 0;
+            dispatch!(stage.level, simd => {
+                for &(_, place) in bricks {
+                    let brick = &stage.list.bricks()[place as usize];
+                    n_occluded += scratch.take_brick(simd, stage, setup, tiles, occlusion, brick);
+                }
+            });
+            toss.toss(tiles, &scratch.entries, |voxel| scratch.voxels[voxel as usize]);
+            (n_occluded, scratch.spans)
+        });
+        let both = |(n, [a, b]): (u64, [Span; 2]), (m, [c, d]): (u64, [Span; 2])| {
+            (n + m, [a.min(c), b.max(d)])
+        };
+        let (n_occluded, spans) = taken.reduce(|| (0, NO_SPANS), both);
+        let [first, last] = spans.map(Span::first);
+        IntakeSummary { n_occluded, first_slabs: (spans != NO_SPANS).then_some(first..last + 1) }
+    }
+
+    /// The voxels on a tile, in runs, in the order of the list.
+    pub(super) fn on_tile(&self, tile_idx: usize) -> impl Iterator<Item = &[SpannedVoxel]> + Clone {
+        self.tasks[..self.n_tasks].iter().map(move |toss| toss.on_tile(tile_idx))
+    }
+
+    pub(super) fn resident_bytes(&self) -> usize {
+        self.tasks.iter().map(TileToss::resident_bytes).sum()
+    }
+}
+
+/// The least and the largest of no span at all.
+const NO_SPANS: [Span; 2] = [Span(u32::MAX), Span(0)];
+
+impl Scratch {
+    /// Makes it ready for another task.
+    fn clear(&mut self) {
+        self.voxels.clear();
+        self.entries.clear();
+        self.spans = NO_SPANS;
+    }
+
+    /// Adds a brick's voxels, projected and shaded; returns how many were culled.
+    #[inline(always)]
+    fn take_brick<S: Simd>(
+        &mut self,
+        simd: S,
+        stage: &Stage<'_>,
+        setup: &Setup<'_>,
+        tiles: &TileGrid,
+        occlusion: &Occlusion,
+        brick: &Brick,
+    ) -> u64 {
+        let records = stage.list.voxels_of(brick);
+        let bounds = setup.slabs.bounds_of_brick(&stage.bricks.bounds(brick));
+        let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
+        let visibility = pixels.map_or(Visibility::None, |pixels| occlusion.visibility(&pixels));
+        if visibility == Visibility::None {
+            return records.len() as u64;
+        }
+        self.points.resize(records.len(), [0.0; 3]);
+        stage.bricks.project_brick(brick, records, &mut self.points);
+        self.cull(setup, tiles, (visibility == Visibility::Partial).then_some(occlusion), records);
+        self.colors.resize(self.records.len(), [0.0; 4]);
+        stage.lighting.shade_brick(brick, &self.records, &mut self.colors);
+        self.make_voxels(simd, setup);
+        (records.len() - self.records.len()) as u64
+    }
+
+    /// Keeps the records and points of voxels that may be seen, and enters them for their tiles. None is
+    /// occluded where there is no `occlusion`.
+    #[inline(always)]
+    fn cull(
+        &mut self,
+        setup: &Setup<'_>,
+        tiles: &TileGrid,
+        occlusion: Option<&Occlusion>,
+        records: &[VoxelRecord],
+    ) {
+        let Self { voxels, entries, points, records: kept, .. } = self;
+        let first = voxels.len();
+        kept.clear();
+        let points = Cell::from_mut(points.as_mut_slice()).as_slice_of_cells();
+        for (record, point) in records.iter().zip(points) {
+            let point = point.get();
+            let Some([min, max]) = setup.slabs.bounds_of_voxel(point) else { continue };
+            let Some(pixels) = tiles.pixels_within(min, max) else { continue };
+            if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
+                continue;
+            }
+            tiles.push(tiles.tiles_of(&pixels), (first + kept.len()) as u32, entries);
+            points[kept.len()].set(point);
+            kept.push(*record);
+        }
+    }
+
+    /// Makes voxels of what was kept of a brick.
+    #[inline(always)]
+    fn make_voxels<S: Simd>(&mut self, simd: S, setup: &Setup<'_>) {
+        let points = self.points[..self.records.len()].chunks(N_AT_ONCE);
+        for (points, colors) in points.zip(self.colors.chunks(N_AT_ONCE)) {
+            // Where there are fewer than eight, the first stands for the others.
+            let mut depths = [points[0][2]; N_AT_ONCE];
+            let mut extinctions = [colors[0][3]; N_AT_ONCE];
+            depths.iter_mut().zip(points).for_each(|(depth, point)| *depth = point[2]);
+            extinctions.iter_mut().zip(colors).for_each(|(sum, color)| *sum = color[3]);
+            let spans = setup.spans.spans(simd, &depths, &extinctions);
+            let parts = points.iter().zip(colors).zip(spans);
+            let voxel = |((&point, &color), sheets)| Voxel { point, sheets, color };
+            self.voxels.extend(parts.map(voxel));
+            let [least, largest] = &mut self.spans;
+            least.0 = spans.iter().fold(least.0, |least, span| least.min(span.0));
+            largest.0 = spans.iter().fold(largest.0, |largest, span| largest.max(span.0));
+        }
+    }
+
+    pub(super) fn resident_bytes(&self) -> usize {
+        self.voxels.capacity() * size_of::<SpannedVoxel>()
+            + self.entries.capacity() * size_of::<TileEntry>()
+    }
+}

@@ -1,0 +1,98 @@
+//! The slabs of a frame as the image sees them: which of them a kernel meets, and the pixels that it covers
+//! there.
+
+use super::slab_shapes::SlabShapes;
+use crate::footprints::raster::{PixelShape, Raster};
+use slabsplat_backend::Slabs;
+use slabsplat_core::SlabGrid;
+use slabsplat_traverse::BrickBounds;
+
+/// How thick a range of slabs is, in voxel steps: some three bricks. Thinner, and most voxels would wait for
+/// another range; thicker, and more is taken in that turns out to be occluded.
+const RANGE_THICKNESS: f64 = 32.0;
+
+/// Slabs, and the shapes of footprints in them.
+pub(super) struct SlabView<'a> {
+    pub(super) grid: &'a SlabGrid,
+    pub(super) raster: &'a Raster,
+    pub(super) shapes: &'a SlabShapes,
+    /// The first slab whose sections are drawn.
+    pub(super) first_drawn: usize,
+    /// How many slabs before a slab the voxels may start whose sections it holds.
+    pub(super) n_before: usize,
+    /// How many slabs are gone through at a time.
+    pub(super) n_per_range: usize,
+}
+
+impl<'a> SlabView<'a> {
+    pub(super) fn new(
+        slabs: &'a Slabs,
+        raster: &'a Raster,
+        shapes: &'a SlabShapes,
+        unit: f64,
+    ) -> Self {
+        let Slabs { grid, first_drawn, n_before } = slabs;
+        let n_per_range = (RANGE_THICKNESS * unit / grid.thickness()) as usize;
+        Self {
+            grid,
+            raster,
+            shapes,
+            first_drawn: *first_drawn,
+            n_before: *n_before,
+            n_per_range: n_per_range.clamp(1, grid.n_slabs()),
+        }
+    }
+
+    /// The first and the last slab that the kernel of a voxel at that depth meets.
+    #[inline]
+    pub(super) fn meeting(&self, depth: f32) -> [usize; 2] {
+        let half_depth = self.raster.half_depth;
+        self.grid.meeting(f64::from(depth - half_depth), f64::from(depth + half_depth))
+    }
+
+    /// The footprint of a slab's sections.
+    #[inline]
+    pub(super) fn shape(&self, slab: usize) -> PixelShape {
+        self.shapes.of(self.raster, self.grid, slab)
+    }
+
+    /// The pixels that sections of a brick's voxels may touch: the least and the largest corner; `None` if
+    /// none of them is drawn.
+    pub(super) fn bounds_of_brick(&self, bounds: &BrickBounds) -> Option<[[f32; 2]; 2]> {
+        let BrickBounds { center, half_extents } = *bounds;
+        let ends = [center[2] - half_extents[2], center[2] + half_extents[2]];
+        let first = self.meeting(ends[0])[0].max(self.first_drawn);
+        let last = self.meeting(ends[1])[1];
+        if last < first {
+            return None;
+        }
+        let corner = |sign: f32| [0, 1, 2].map(|axis| center[axis] + sign * half_extents[axis]);
+        let shapes = [first, last].map(|slab| self.shape(slab));
+        let all = shapes.iter().flat_map(|shape| {
+            [corner(-1.0), corner(1.0)].map(|point| self.raster.bounds(shape, point))
+        });
+        all.reduce(union)
+    }
+
+    /// The pixels that a voxel's sections may touch. Their place and size change monotonically with their
+    /// slabs' depth, so that the first and the last one bound all of them.
+    #[inline(always)]
+    pub(super) fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {
+        if let (Some(only), 0) = (self.shapes.only(), self.first_drawn) {
+            return Some(self.raster.bounds(only, point));
+        }
+        let [first, last] = self.meeting(point[2]);
+        let first = first.max(self.first_drawn);
+        if last < first {
+            return None;
+        }
+        let [near, far] = [first, last].map(|slab| self.raster.bounds(&self.shape(slab), point));
+        Some(union(near, far))
+    }
+}
+
+/// The least rectangle around two.
+#[inline(always)]
+fn union([min, max]: [[f32; 2]; 2], [a, b]: [[f32; 2]; 2]) -> [[f32; 2]; 2] {
+    [[0, 1].map(|axis| a[axis].min(min[axis])), [0, 1].map(|axis| b[axis].max(max[axis]))]
+}

@@ -1,0 +1,48 @@
+//! What the two traditional methods share: all relevant voxels at once, tossed by their whole footprints.
+
+use super::Stage;
+use crate::footprints::raster::Raster;
+use crate::voxels::voxel::Voxel;
+use slabsplat_traverse::{BRICK_SIDE, TileBuckets, TileGrid, TileRect};
+
+const VOXELS_PER_BRICK: usize = BRICK_SIDE * BRICK_SIDE * BRICK_SIDE;
+
+/// Shades and projects all relevant voxels; `sheet_of` tells by its coordinates to which sheet a voxel goes.
+pub(super) fn shade<S: Copy + Default + Send + Sync>(
+    stage: &Stage<'_>,
+    sheet_of: impl Fn([usize; 3]) -> S + Sync,
+    voxels: &mut Vec<Voxel<S>>,
+) {
+    let Stage { list, bricks, lighting, .. } = stage;
+    voxels.resize(list.len(), Voxel::default());
+    list.fill_by_brick(voxels, |brick, records, voxels| {
+        let mut points = [[0.0; 3]; VOXELS_PER_BRICK];
+        bricks.project_brick(brick, records, &mut points[..records.len()]);
+        let mut colors = [[0.0; 4]; VOXELS_PER_BRICK];
+        lighting.shade_brick(brick, records, &mut colors[..records.len()]);
+        let shaded = points.into_iter().zip(colors);
+        for ((voxel, &record), (point, color)) in voxels.iter_mut().zip(records).zip(shaded) {
+            let sheets = sheet_of(list.voxel_coords(brick, record));
+            *voxel = Voxel { point, sheets, color };
+        }
+    });
+}
+
+/// Tosses `n_splats` voxels onto the tiles that their footprints touch, in the order in which `point` tells
+/// where they are.
+pub(super) fn toss(
+    raster: &Raster,
+    tiles: &TileGrid,
+    n_splats: usize,
+    point: impl Fn(usize) -> [f32; 3] + Sync,
+    splats: &mut TileBuckets,
+) {
+    splats.toss(tiles, n_splats, |splat| {
+        let point = point(splat);
+        if point[2] < raster.near {
+            return TileRect::EMPTY;
+        }
+        let [min, max] = raster.bounds(&raster.shape_at(point[2].into()), point);
+        tiles.pixels_within(min, max).map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
+    });
+}

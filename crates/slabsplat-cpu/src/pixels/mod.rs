@@ -1,0 +1,11 @@
+//! Pixels: how a tile of the image and a sheet over it are kept, and how a sheet goes behind what is there.
+//!
+//! Reading order: `rectangle`, `quad`, `blocks`, `sheet`, `compositing`, `tile`, `tiles`.
+
+pub(crate) mod blocks;
+mod compositing;
+pub(crate) mod quad;
+pub(crate) mod rectangle;
+pub(crate) mod sheet;
+pub(crate) mod tile;
+pub(crate) mod tiles;

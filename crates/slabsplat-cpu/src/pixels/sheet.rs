@@ -1,0 +1,36 @@
+//! A sheet over one tile: the sums of model §3.
+
+use super::blocks::Blocks;
+use super::quad::{QUAD, Quad};
+use super::rectangle::TILE_SIDE;
+use std::ops::Range;
+
+/// A row of a tile's pixels.
+pub(crate) type Row = [Quad; TILE_SIDE / QUAD];
+
+/// All pixels of a tile.
+pub(crate) type Pixels = [Row; TILE_SIDE];
+
+/// Four sums a pixel.
+#[derive(Debug)]
+pub(crate) struct Sheet {
+    pub(crate) sums: Box<Pixels>,
+    /// Where any of them may differ from 0.
+    pub(crate) touched: Blocks,
+}
+
+impl Default for Sheet {
+    fn default() -> Self {
+        Self { sums: Box::new([[Quad::ZERO; TILE_SIDE / QUAD]; TILE_SIDE]), touched: Blocks::NONE }
+    }
+}
+
+impl Sheet {
+    pub(crate) const BYTES: usize = size_of::<Pixels>();
+
+    /// Rows, to be added to; what that touches must be told to `touched`.
+    #[inline(always)]
+    pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [Row] {
+        &mut self.sums[rows]
+    }
+}

@@ -1,0 +1,188 @@
+//! A square of the image, rendered by one thread at a time.
+
+use super::blocks::{BLOCK_SIDE, Blocks};
+use super::compositing::put_behind;
+use super::quad::{QUAD, Quad};
+use super::rectangle::{PixelBox, TILE_SIDE};
+use super::sheet::{Pixels, Sheet};
+use fearless_simd::Simd;
+use slabsplat_core::{Compositing, over};
+use std::ops::Range;
+
+const _: () = assert!(BLOCK_SIDE == QUAD, "a block is a quad wide");
+
+/// The composited pixels of a tile.
+#[derive(Clone, Debug)]
+pub(crate) struct Tile {
+    /// The image pixel in the upper left corner.
+    pub(crate) origin: [usize; 2],
+    /// Columns and rows that are inside the image.
+    inside: [usize; 2],
+    /// The blocks that hold pixels which may still change.
+    pub(crate) open: Blocks,
+    /// Premultiplied colour and opacity. Pixels outside of the image are opaque from the start.
+    pub(crate) pixels: Box<Pixels>,
+    pub(crate) stats: TileStats,
+}
+
+/// What a tile took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct TileStats {
+    pub(crate) n_splats: u64,
+    /// Splats that could touch no open pixel.
+    pub(crate) n_culled: u64,
+}
+
+impl Tile {
+    /// An empty tile of an image.
+    pub(crate) fn new(origin: [usize; 2], image_size: [u32; 2]) -> Self {
+        let mut tile = Self {
+            origin,
+            inside: [0, 1].map(|axis| TILE_SIDE.min(image_size[axis] as usize - origin[axis])),
+            open: Blocks::NONE,
+            pixels: Sheet::default().sums,
+            stats: TileStats::default(),
+        };
+        tile.clear();
+        tile
+    }
+
+    /// Makes it empty again.
+    pub(crate) fn clear(&mut self) {
+        let [n_columns, n_rows] = self.inside;
+        for (row_idx, row) in self.pixels.iter_mut().enumerate() {
+            for (quad_idx, quad) in row.iter_mut().enumerate() {
+                *quad = Quad::ZERO;
+                for pixel in 0..QUAD {
+                    if n_rows <= row_idx || n_columns <= quad_idx * QUAD + pixel {
+                        quad.set_pixel(pixel, [0.0, 0.0, 0.0, 1.0]);
+                    }
+                }
+            }
+        }
+        let columns = n_columns.div_ceil(BLOCK_SIDE);
+        let rows = n_rows.div_ceil(BLOCK_SIDE);
+        self.open = Blocks::first([columns, rows]);
+        self.stats = TileStats::default();
+    }
+
+    /// Whether no pixel may change any more.
+    pub(crate) fn is_saturated(&self) -> bool {
+        self.open.is_empty()
+    }
+
+    /// The blocks that a splat on a box of pixels meets, if any of them is open; counts it either way.
+    #[inline(always)]
+    pub(crate) fn accept(&mut self, pixels: &PixelBox) -> Option<Blocks> {
+        let blocks = Blocks::meeting(pixels);
+        let is_open = self.open.meets(blocks);
+        let count = if is_open { &mut self.stats.n_splats } else { &mut self.stats.n_culled };
+        *count += 1;
+        is_open.then_some(blocks)
+    }
+
+    /// Puts a sheet behind what is already there, empties it, and closes the blocks whose pixels are all at
+    /// least as opaque as `cutoff`.
+    #[inline(always)]
+    pub(crate) fn put_behind<S: Simd>(
+        &mut self,
+        simd: S,
+        compositing: Compositing,
+        sheet: &mut Sheet,
+        cutoff: f32,
+    ) {
+        for [column, row] in std::mem::take(&mut sheet.touched).iter() {
+            let rows = row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE;
+            let least = self.put_column_behind(simd, compositing, sheet, rows, column);
+            if cutoff <= least {
+                self.open.remove([column, row]);
+            }
+        }
+    }
+
+    /// Puts what a sheet holds in a box behind what is already there, and empties it. Closes nothing.
+    #[inline(always)]
+    pub(crate) fn put_box_behind<S: Simd>(
+        &mut self,
+        simd: S,
+        compositing: Compositing,
+        sheet: &mut Sheet,
+        pixels: &PixelBox,
+    ) {
+        sheet.touched = Blocks::NONE;
+        let [columns, rows] =
+            [0, 1].map(|axis| usize::from(pixels.min[axis])..usize::from(pixels.end[axis]));
+        let rows = rows.start & !1..rows.end.next_multiple_of(2);
+        for quad in columns.start / QUAD..usize::div_ceil(columns.end, QUAD) {
+            self.put_column_behind(simd, compositing, sheet, rows.clone(), quad);
+        }
+    }
+
+    /// Closes the blocks whose pixels are all at least as opaque as `cutoff`.
+    pub(crate) fn close_saturated_blocks(&mut self, cutoff: f32) {
+        self.open.iter().for_each(|block| self.close_if_saturated(block, cutoff));
+    }
+
+    /// The pixels of a block that are inside the image, as columns and rows.
+    pub(crate) fn pixels_of(&self, block: [usize; 2]) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let [columns, rows] = [0, 1].map(|axis| {
+            let first = block[axis] * BLOCK_SIDE;
+            first..(first + BLOCK_SIDE).min(self.inside[axis])
+        });
+        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
+    }
+
+    /// Puts premultiplied colour and opacity behind what a pixel holds: `C ← C + (1 − A)·c`, `A ← A + (1 −
+    /// A)·a`.
+    #[inline]
+    pub(crate) fn put_pixel_behind(&mut self, [column, row]: [usize; 2], behind: [f32; 4]) {
+        let quad = &mut self.pixels[row][column / QUAD];
+        let mut pixel = quad.pixel(column % QUAD);
+        let through = 1.0 - pixel[3];
+        for (channel, behind) in pixel.iter_mut().zip(behind) {
+            *channel += through * behind;
+        }
+        quad.set_pixel(column % QUAD, pixel);
+    }
+
+    /// Closes a block if all its pixels are at least as opaque as `cutoff`.
+    pub(crate) fn close_if_saturated(&mut self, [column, row]: [usize; 2], cutoff: f32) {
+        let mut rows = self.pixels[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE].iter();
+        if rows.all(|row| row[column].opacities().iter().all(|opacity| cutoff <= *opacity)) {
+            self.open.remove([column, row]);
+        }
+    }
+
+    /// An even number of rows of one quad; returns the least opacity that any of their pixels has then.
+    #[inline(always)]
+    fn put_column_behind<S: Simd>(
+        &mut self,
+        simd: S,
+        compositing: Compositing,
+        sheet: &mut Sheet,
+        rows: Range<usize>,
+        quad: usize,
+    ) -> f32 {
+        let mut least = f32::INFINITY;
+        let pixels = self.pixels[rows.clone()].as_chunks_mut::<2>().0;
+        for ([p, q], [s, t]) in pixels.iter_mut().zip(sheet.sums[rows].as_chunks_mut::<2>().0) {
+            let pixels = [&mut p[quad], &mut q[quad]];
+            let opacity = put_behind(simd, compositing, pixels, [&mut s[quad], &mut t[quad]]);
+            least = if opacity < least { opacity } else { least };
+        }
+        least
+    }
+
+    /// Copies the part of the tile that is inside the image, before what is `behind`, to the image's rows
+    /// from the tile's first on.
+    pub(crate) fn copy_to(&self, rows: &mut [[f32; 4]], width: usize, behind: [f32; 4]) {
+        let left = self.origin[0];
+        let [n_columns, n_rows] = self.inside;
+        for (row, quads) in rows.chunks_mut(width).zip(self.pixels.iter()).take(n_rows) {
+            let pixels = &mut row[left..left + n_columns];
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = over(quads[column / QUAD].pixel(column % QUAD), behind);
+            }
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The image as tiles, kept from frame to frame.
+
+use super::rectangle::TILE_SIDE;
+use super::tile::Tile;
+use crate::workspaces::Workspaces;
+use rayon::prelude::*;
+use slabsplat_backend::FrameStats;
+use slabsplat_core::Image;
+use slabsplat_traverse::TileGrid;
+
+/// All tiles of an image, row by row.
+#[derive(Debug)]
+pub(crate) struct Tiles {
+    pub(crate) grid: TileGrid,
+    pub(crate) tiles: Vec<Tile>,
+    image_size: [u32; 2],
+}
+
+impl Tiles {
+    pub(crate) fn new(image_size: [u32; 2]) -> Self {
+        let grid = TileGrid::new(image_size, TILE_SIDE);
+        let tile = |tile_idx| Tile::new(grid.origin(tile_idx), image_size);
+        Self { grid, tiles: (0..grid.n_tiles()).map(tile).collect(), image_size }
+    }
+
+    /// Makes them empty again.
+    pub(crate) fn clear(&mut self) {
+        self.tiles.par_iter_mut().for_each(Tile::clear);
+    }
+
+    /// Calls `work` with every tile, in parallel.
+    pub(crate) fn for_each<W: Default + Send>(
+        &mut self,
+        workspaces: &mut Workspaces<W>,
+        work: impl Fn(usize, &mut Tile, &mut W) + Sync,
+    ) {
+        let mut nothing = vec![(); self.tiles.len()];
+        let work = |tile_idx, tile: &mut Tile, (): &mut (), workspace: &mut W| {
+            work(tile_idx, tile, workspace);
+        };
+        self.for_each_with(&mut nothing, workspaces, work);
+    }
+
+    /// The same, with something more of each tile.
+    pub(crate) fn for_each_with<T: Send, W: Default + Send>(
+        &mut self,
+        of_tiles: &mut [T],
+        workspaces: &mut Workspaces<W>,
+        work: impl Fn(usize, &mut Tile, &mut T, &mut W) + Sync,
+    ) {
+        let workspaces = workspaces.for_all_threads();
+        let tiles = self.tiles.par_iter_mut().zip(of_tiles).enumerate().with_max_len(1);
+        tiles.for_each(|(tile_idx, (tile, of_tile))| {
+            work(tile_idx, tile, of_tile, &mut workspaces.of_this_thread());
+        });
+    }
+
+    /// The picture, before what is `behind` it.
+    pub(crate) fn image(&self, behind: [f32; 4]) -> Image {
+        let [width, height] = self.image_size;
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        let rows = image.pixels_mut().par_chunks_mut(width as usize * TILE_SIDE);
+        rows.zip(self.tiles.par_chunks(self.grid.n_x)).for_each(|(rows, tiles)| {
+            tiles.iter().for_each(|tile| tile.copy_to(rows, width as usize, behind));
+        });
+        image
+    }
+
+    /// What was drawn, but for what does not concern tiles.
+    pub(crate) fn stats(&self) -> FrameStats {
+        let mut stats = FrameStats::default();
+        for tile in &self.tiles {
+            stats.n_splats += tile.stats.n_splats;
+            stats.n_culled += tile.stats.n_culled;
+            stats.n_tiles += u64::from(0 < tile.stats.n_splats);
+            stats.n_saturated_tiles += u64::from(tile.is_saturated());
+        }
+        stats
+    }
+
+    pub(crate) fn resident_bytes(&self) -> usize {
+        let bytes = |tile: &Tile| size_of::<Tile>() + size_of_val(&*tile.pixels);
+        self.tiles.iter().map(bytes).sum()
+    }
+}

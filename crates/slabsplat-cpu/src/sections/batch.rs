@@ -1,0 +1,125 @@
+//! What a section needs before its pixels can be visited, for eight voxels at a time: where it lies, how far
+//! its disc reaches, which rows of the table it blends.
+//!
+//! ```text
+//! for eight voxels at once:
+//!     where the slab's faces cut each; whether it is drawn here
+//!     the disc in which a slab cuts a ball: ρ_max² = R² − (distance to the nearer face)²
+//!     the section's place in its table, in rows
+//!     the pixels that the disc may touch on the tile
+//! ```
+//!
+//! It takes a square root and a chain of other steps. Side by side they cost little, and the inner loop finds
+//! everything ready.
+
+use super::cut::{Components, Cuts, Kind, SlabCut, Voxels};
+use crate::pixels::rectangle::{MARGIN, PixelBox, pixel};
+use crate::pixels::tile::Tile;
+use crate::voxels::by_sheet::N_AT_ONCE;
+use fearless_simd::{Simd, f32x8, prelude::*};
+
+/// What eight voxels have in a slab.
+pub(crate) struct SectionBatch {
+    /// Which of them are drawn, a bit each.
+    pub(crate) drawn: u64,
+    /// Centres, in pixels from the tile's upper left corner.
+    pub(crate) centers: [[f32; N_AT_ONCE]; 2],
+    /// Columns and rows, from the first to behind the last: left, top, right, bottom.
+    pub(crate) pixels: [[u32; N_AT_ONCE]; 4],
+    /// Index units from the voxels to the faces that cut them.
+    pub(crate) faces: [[f32; N_AT_ONCE]; 2],
+    /// Whether other faces were skipped, a bit each.
+    pub(crate) is_merged: u64,
+    /// Where their discs end, `2·(ρ/R)² − 1`.
+    pub(crate) edges: [f32; N_AT_ONCE],
+    /// Where in their table they are, in rows.
+    pub(crate) rows: [f32; N_AT_ONCE],
+}
+
+impl SlabCut<'_> {
+    /// Prepares the voxels from `first` on.
+    #[inline(always)]
+    pub(super) fn prepare<S: Simd>(
+        &self,
+        simd: S,
+        kind: Kind,
+        run: Voxels<'_>,
+        first: usize,
+        tile: &Tile,
+    ) -> SectionBatch {
+        let voxels = Components::of(simd, run.at_once(first));
+        let n_left = (run.len - first).min(N_AT_ONCE);
+        let mut batch = SectionBatch { drawn: u64::MAX >> (64 - n_left), ..SectionBatch::EMPTY };
+        let rho_max = if kind == Kind::Whole {
+            f32x8::splat(simd, self.sections.raster.radius)
+        } else {
+            batch.cut(simd, self, &self.cuts_of(simd, &voxels))
+        };
+        batch.place(simd, self, rho_max, self.centers_of(simd, &voxels, tile));
+        batch
+    }
+}
+
+impl SectionBatch {
+    const EMPTY: Self = Self {
+        drawn: 0,
+        centers: [[0.0; N_AT_ONCE]; 2],
+        pixels: [[0; N_AT_ONCE]; 4],
+        faces: [[0.0; N_AT_ONCE]; 2],
+        is_merged: 0,
+        edges: [1.0; N_AT_ONCE],
+        rows: [0.0; N_AT_ONCE],
+    };
+
+    /// Notes how faces cut the voxels; returns the radii of their discs.
+    #[inline(always)]
+    fn cut<S: Simd>(&mut self, simd: S, slab: &SlabCut<'_>, cuts: &Cuts<S>) -> f32x8<S> {
+        let sections = slab.sections;
+        let [front, back] = cuts.faces;
+        // The disc in which a slab between two faces cuts a ball.
+        let nearest = front.max(-back).max(f32x8::splat(simd, 0.0));
+        let is_cut = nearest.simd_lt(f32x8::splat(simd, sections.half_depth_in_index));
+        self.drawn &= (cuts.is_drawn & is_cut).to_bitmask();
+        self.is_merged = cuts.is_merged.to_bitmask();
+        front.store_slice(&mut self.faces[0]);
+        back.store_slice(&mut self.faces[1]);
+        let radius = sections.raster.radius;
+        if sections.raster.is_tilted {
+            // Somewhere in the footprint it is cut in its middle.
+            return f32x8::splat(simd, radius);
+        }
+        let disc_squared = f32x8::splat(simd, radius * radius) - nearest * nearest;
+        let edges =
+            disc_squared * f32x8::splat(simd, sections.edge_per_disc) - f32x8::splat(simd, 1.0);
+        edges.store_slice(&mut self.edges);
+        sections.rows_of(simd, cuts.faces, cuts.is_merged).store_slice(&mut self.rows);
+        disc_squared.max(f32x8::splat(simd, 0.0)).sqrt()
+    }
+
+    /// Notes the pixels that discs around `centers` may touch.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        slab: &SlabCut<'_>,
+        rho_max: f32x8<S>,
+        centers: [f32x8<S>; 2],
+    ) {
+        for (axis, center) in centers.into_iter().enumerate() {
+            let half = rho_max * f32x8::splat(simd, slab.shape.half_extent[axis])
+                + f32x8::splat(simd, MARGIN);
+            let (first, end) = (pixel(simd, center - half), pixel(simd, center + half));
+            self.drawn &= first.simd_lt(end).to_bitmask();
+            first.store_slice(&mut self.pixels[axis]);
+            end.store_slice(&mut self.pixels[axis + 2]);
+            center.store_slice(&mut self.centers[axis]);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn pixels_of(&self, idx: usize) -> PixelBox {
+        let [left, top, right, bottom] = &self.pixels;
+        let min = [left[idx] as u8, top[idx] as u8];
+        PixelBox { min, end: [right[idx] as u8, bottom[idx] as u8] }
+    }
+}

@@ -1,0 +1,9 @@
+//! The sections that a slab cuts out of kernels (paper §3.2): from eight voxels at a time to the inner loop.
+//!
+//! Reading order: `span`, `shared`, `cut`, `batch`, `splat`.
+
+pub(crate) mod batch;
+pub(crate) mod cut;
+pub(crate) mod shared;
+pub(crate) mod span;
+pub(crate) mod splat;

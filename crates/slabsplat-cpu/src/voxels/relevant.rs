@@ -1,0 +1,36 @@
+//! The relevant voxels of the last plan, kept for the next one.
+
+use slabsplat_backend::{ByIdentity, Cached};
+use slabsplat_core::{IsoRange, Volume};
+use slabsplat_traverse::{BrickRanges, RelevantList};
+use std::sync::Arc;
+
+/// What is kept between frames; nothing before the first.
+#[derive(Debug, Default)]
+pub(crate) struct Relevant(Cached<ByIdentity<Volume>, OfVolume>);
+
+#[derive(Debug)]
+struct OfVolume {
+    brick_ranges: BrickRanges,
+    list: RelevantList,
+}
+
+impl Relevant {
+    /// The voxels of `volume` with values in `ranges`. The bricks of a new volume are
+    /// looked through; new ranges change the list by their difference from the last ones.
+    pub(crate) fn voxels(&mut self, volume: &Arc<Volume>, ranges: &[IsoRange]) -> &RelevantList {
+        let OfVolume { brick_ranges, list } = self.0.made_of(ByIdentity::of(volume), |_| {
+            OfVolume { brick_ranges: BrickRanges::new(volume), list: RelevantList::default() }
+        });
+        if list.ranges() != ranges {
+            list.update(volume, brick_ranges, ranges);
+        }
+        list
+    }
+
+    /// Bytes held beside the volume.
+    pub(crate) fn resident_bytes(&self) -> usize {
+        let bytes = |of: &OfVolume| of.brick_ranges.resident_bytes() + of.list.resident_bytes();
+        self.0.value().map_or(0, bytes)
+    }
+}

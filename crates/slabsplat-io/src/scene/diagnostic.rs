@@ -1,0 +1,153 @@
+//! What a scene file does wrong, in one line that a person can act on: the line of the file, and
+//! for a misspelt key, the key that was meant.
+
+use std::path::Path;
+
+use crate::IoError;
+
+/// Something wrong with a scene file.
+#[derive(Debug, PartialEq)]
+pub(super) struct Diagnostic {
+    what: String,
+    place: Place,
+}
+
+#[derive(Debug, PartialEq)]
+enum Place {
+    Unknown,
+    Line(usize),
+    /// A key of a section; an empty key is the section itself.
+    Key(&'static str, &'static str),
+}
+
+impl Diagnostic {
+    /// About a key of a section, or with an empty key, about the section.
+    pub(super) fn at(section: &'static str, key: &'static str, what: impl Into<String>) -> Self {
+        Self { what: what.into(), place: Place::Key(section, key) }
+    }
+
+    /// About the scene as a whole.
+    pub(super) fn general(what: impl Into<String>) -> Self {
+        Self { what: what.into(), place: Place::Unknown }
+    }
+
+    /// The error, with the line in which the key stands.
+    pub(super) fn in_file(self, path: &Path, text: &str) -> IoError {
+        let line = match self.place {
+            Place::Unknown => None,
+            Place::Line(line) => Some(line),
+            Place::Key(section, key) => line_of_key(text, section, key),
+        };
+        IoError::Scene { path: path.to_owned(), line, what: self.what }
+    }
+}
+
+/// Puts an error of the TOML reader into our words.
+pub(super) fn from_toml(error: &toml::de::Error, text: &str) -> Diagnostic {
+    let line =
+        error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
+    let what = line
+        .and_then(|line| unknown_key(error.message(), text, line))
+        .unwrap_or_else(|| error.message().lines().collect::<Vec<_>>().join("; "));
+    Diagnostic { what, place: line.map_or(Place::Unknown, Place::Line) }
+}
+
+/// Takes serde's ``unknown field `a`, expected one of `b`, `c` `` apart.
+fn unknown_key(message: &str, text: &str, line: usize) -> Option<String> {
+    let quoted = message.strip_prefix("unknown field ")?;
+    let mut names = quoted.split('`').skip(1).step_by(2);
+    let key = names.next()?;
+    let known: Vec<&str> = names.collect();
+    let advice = match nearest(key, &known) {
+        Some(name) => format!("did you mean {name:?}?"),
+        None => format!("known are {}", known.join(", ")),
+    };
+    // A section that is not known is a key of the document.
+    Some(match section_of_line(text, line) {
+        Some(section) if section != key => format!("unknown key {key:?} in [{section}]; {advice}"),
+        Some(_) => format!("unknown section [{key}]; {advice}"),
+        None => format!("unknown key {key:?}; {advice}"),
+    })
+}
+
+/// The known name that `key` most looks like, if it does at all.
+fn nearest<'n>(key: &str, known: &[&'n str]) -> Option<&'n str> {
+    let distance = |name: &str| edit_distance(&key.to_lowercase(), name);
+    let best = known.iter().copied().min_by_key(|name| distance(name))?;
+    (distance(best) <= 1 + best.len() / 4).then_some(best)
+}
+
+/// Letters to add, drop or change (Levenshtein).
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (n_before, from) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = n_before + 1;
+        for (idx, &to) in b.iter().enumerate() {
+            let change = diagonal + usize::from(from != to);
+            diagonal = row[idx + 1];
+            row[idx + 1] = change.min(diagonal + 1).min(row[idx] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// The section that a line is in, or opens.
+fn section_of_line(text: &str, line: usize) -> Option<&str> {
+    let mut before = text.lines().take(line).collect::<Vec<_>>().into_iter().rev();
+    before.find_map(section_name)
+}
+
+fn section_name(line: &str) -> Option<&str> {
+    let rest = line.trim_start().strip_prefix('[')?;
+    let (name, _) = rest.trim_start_matches('[').split_once(']')?;
+    let is_name = name.chars().all(|c| c.is_ascii_alphanumeric() || " _-.\"".contains(c));
+    // A line of numbers in an array begins with a bracket as well.
+    let is_number = name.trim().parse::<f64>().is_ok();
+    (is_name && !is_number && !name.trim().is_empty()).then(|| name.trim())
+}
+
+/// The line, counted from 1, where a section sets a key; else where it begins.
+fn line_of_key(text: &str, section: &str, key: &str) -> Option<usize> {
+    let sets_key = |line: &str| {
+        let name = line.split_once('=').map(|(name, _)| name.trim());
+        name.is_some_and(|name| name == key)
+    };
+    let mut in_section = false;
+    let mut section_line = None;
+    for (idx, line) in text.lines().enumerate() {
+        if let Some(name) = section_name(line) {
+            in_section = name == section;
+            if in_section {
+                section_line = Some(idx + 1);
+            }
+        } else if in_section && sets_key(line) {
+            return Some(idx + 1);
+        }
+    }
+    section_line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn complaint_finds_the_nearest_key() {
+        let known = ["slab_width", "sections", "method"];
+        assert_eq!(nearest("slabwidth", &known), Some("slab_width"));
+        assert_eq!(nearest("Section", &known), Some("sections"));
+        assert_eq!(nearest("brightness", &known), None);
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+    }
+
+    #[test]
+    fn complaint_finds_the_line() {
+        let text = "[a]\nx = 1\n[b]\ny = [\n  [1.0]\n]\n\n# x = 3\nx = 2\n";
+        assert_eq!(line_of_key(text, "b", "x"), Some(9));
+        assert_eq!(line_of_key(text, "b", "z"), Some(3));
+        assert_eq!(line_of_key(text, "c", "x"), None);
+        assert_eq!(section_of_line(text, 9), Some("b"));
+    }
+}

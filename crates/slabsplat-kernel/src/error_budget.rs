@@ -1,0 +1,94 @@
+//! What a pixel may be off, and what may spend it: the one table of it.
+//!
+//! | spent by | at most | where | why so much |
+//! | --- | --- | --- | --- |
+//! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
+//! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
+//! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
+//! | polynomials, exact pictures | 5·10⁻⁴ for a voxel: half of what a pixel may be | `slabsplat-cpu` | else the table is read |
+//! | polynomials of low degree, exact pictures | 1.5·10⁻⁴ for a voxel | `slabsplat-cpu` | faint voxels alone may spend it |
+//!
+//! Each share is for one voxel or one face, and a pixel sees several; `docs/numerics.md` has what they add up
+//! to: of the tolerance of 0.05 that pictures have by default, 0.02 at most in random scenes, and 2 of 255 in
+//! scans.
+
+use slabsplat_core::{Method, Normalization, RenderSettings};
+
+/// What one picture may be off, and by whom.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorBudget {
+    tolerance: f64,
+}
+
+/// No pixel sees more layers of voxels than this merged across one face: a kernel has a support of
+/// [`MAX_RADIUS`](crate::MAX_RADIUS) steps, and layers lie one step apart.
+const LAYERS_PER_FACE: f64 = crate::MAX_RADIUS;
+
+impl ErrorBudget {
+    /// What a voxel's sections by polynomials of low degree may be off together, times its extinction, in any
+    /// picture.
+    pub const LOW_DEGREE: f64 = 1.5e-4;
+
+    /// What a pixel may be off for one voxel's section by polynomials, in an exact picture: half of what it
+    /// may be for all voxels (model §9). Sections of a Gaussian stay below a third of that, those of
+    /// `crawfis-max`, which is in two pieces, just below it; normalised ones, products of others or a root of
+    /// them, may be beyond.
+    pub const EXACT_SECTION: f64 = 5e-4;
+
+    /// A kernel whose sections are further from separable ones is not separable; a Gaussian that ends at R =
+    /// 2 is off by 1.5·10⁻³.
+    pub const SEPARABLE_KERNEL: f64 = 5e-3;
+
+    /// The budget of pictures with these settings: none where the picture depends on the slab width by
+    /// definition, and a tolerance has no effect.
+    pub fn new(settings: &RenderSettings) -> Self {
+        let is_additive = settings.method == Method::ImageAligned
+            && settings.compositing.sums_extinction()
+            && settings.normalization == Normalization::None;
+        Self { tolerance: if is_additive { settings.tolerance } else { 0.0 } }
+    }
+
+    /// Extinction that a layer of voxels may have merged across a face.
+    pub fn per_face(self) -> f64 {
+        self.tolerance / LAYERS_PER_FACE
+    }
+
+    /// Extinction of all layers, from a face to the middle of the slab, that may be drawn whole in that slab.
+    pub fn per_thick_slab(self) -> f64 {
+        self.tolerance
+    }
+
+    /// What a voxel's separable section may be off.
+    pub fn separable(self) -> f64 {
+        self.tolerance / 8.0
+    }
+
+    /// What the weight of the most opaque voxel's section by a polynomial may be off.
+    pub fn polynomial(self) -> f64 {
+        self.tolerance / 100.0
+    }
+
+    /// What a pixel may be off for one voxel's section by a polynomial, whatever its extinction.
+    pub fn polynomial_pixel(self) -> f64 {
+        self.tolerance / 20.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::Compositing;
+
+    #[test]
+    fn budget_is_for_additive_pictures() {
+        let settings = RenderSettings::default().tolerance(0.04);
+        assert_eq!(ErrorBudget::new(&settings).per_face(), 0.02);
+        for settings in [
+            settings.clone().method(Method::AxisAligned),
+            settings.clone().compositing(Compositing::Separate),
+            settings.normalization(Normalization::Paper),
+        ] {
+            assert_eq!(ErrorBudget::new(&settings), ErrorBudget { tolerance: 0.0 }, "{settings:?}");
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Blinn–Phong: how much light eight normals send to the viewer.
+
+use crate::{NORMAL_STEPS, VoxelRecord};
+use slabsplat_core::BlinnPhong;
+
+/// [`BlinnPhong`], rounded for eight voxels at a time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlinnPhong8 {
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    shininess: Power,
+    /// Products from which there are highlights.
+    least_facing: f32,
+    two_sided: bool,
+    to_light: [f32; 3],
+    halfway: [f32; 3],
+}
+
+/// What a voxel's colour `c` becomes: `c·diffuse + specular`, at most 1.
+pub(crate) struct Light8 {
+    pub(crate) diffuse: [f32; 8],
+    pub(crate) specular: [f32; 8],
+}
+
+/// An exponent. Highlights mostly have small whole ones, which take a few multiplications for all eight
+/// instead of a call of `powf` each.
+#[derive(Clone, Copy, Debug)]
+enum Power {
+    Whole(u32),
+    Real(f32),
+}
+
+/// Every squaring doubles the relative error, which begins as 10⁻⁷.
+const MAX_WHOLE_POWER: f64 = 256.0;
+
+/// Highlights below this are none. Powers far below it would pass through subnormal numbers, with which
+/// processors are slow.
+const LEAST_HIGHLIGHT: f64 = 1e-9;
+
+impl BlinnPhong8 {
+    pub(crate) fn new(light: &BlinnPhong) -> Self {
+        let BlinnPhong { phong, to_light, halfway } = light;
+        let shininess = phong.shininess;
+        let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
+        Self {
+            ambient: phong.ambient as f32,
+            diffuse: phong.diffuse as f32,
+            specular: phong.specular as f32,
+            shininess: if is_whole {
+                Power::Whole(shininess as u32)
+            } else {
+                Power::Real(shininess as f32)
+            },
+            least_facing: if 0.0 < shininess {
+                LEAST_HIGHLIGHT.powf(1.0 / shininess) as f32
+            } else {
+                0.0
+            },
+            two_sided: phong.two_sided,
+            to_light: to_light.as_vec3().to_array(),
+            halfway: halfway.as_vec3().to_array(),
+        }
+    }
+
+    /// The light on eight voxels. A normal of zero gets the ambient term alone, as its products are zero.
+    #[inline]
+    pub(crate) fn on(&self, records: &[VoxelRecord; 8]) -> Light8 {
+        let mut normals = [[0.0; 8]; 3];
+        for (x, record) in records.iter().enumerate() {
+            for (components, steps) in normals.iter_mut().zip(record.normal) {
+                components[x] = f32::from(steps) * (1.0 / NORMAL_STEPS);
+            }
+        }
+        let to_length_1 = to_length_1(&normals);
+        let n_l = self.facing(&normals, &to_length_1, self.to_light);
+        let mut n_h = self.facing(&normals, &to_length_1, self.halfway);
+        for n_h in &mut n_h {
+            *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
+        }
+        let highlights = self.shininess.of(&n_h);
+        let mut light = Light8 { diffuse: [0.0; 8], specular: [0.0; 8] };
+        for x in 0..8 {
+            light.diffuse[x] = self.ambient + self.diffuse * n_l[x];
+            light.specular[x] = if 0.0 < n_l[x] { self.specular * highlights[x] } else { 0.0 };
+        }
+        light
+    }
+
+    /// Products of normals and a direction, 0 … 1.
+    #[inline]
+    fn facing(
+        &self,
+        [x, y, z]: &[[f32; 8]; 3],
+        to_length_1: &[f32; 8],
+        direction: [f32; 3],
+    ) -> [f32; 8] {
+        // The sign of products is dropped, or negative ones are made 0, by one maximum.
+        let flipped = if self.two_sided { -1.0 } else { 0.0 };
+        let mut products = [0.0; 8];
+        for i in 0..8 {
+            let product = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+            let product = product * to_length_1[i];
+            let product = if flipped * product < product { product } else { flipped * product };
+            products[i] = if product < 1.0 { product } else { 1.0 };
+        }
+        products
+    }
+}
+
+/// What brings normals to length 1, as in [`VoxelRecord::normal_in_world`].
+#[inline]
+fn to_length_1([x, y, z]: &[[f32; 8]; 3]) -> [f32; 8] {
+    let mut factors = [0.0; 8];
+    for i in 0..8 {
+        factors[i] = 1.5 - 0.5 * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+    }
+    factors
+}
+
+impl Power {
+    #[inline]
+    fn of(self, bases: &[f32; 8]) -> [f32; 8] {
+        let mut left = match self {
+            Self::Whole(exponent) => exponent,
+            Self::Real(exponent) => return bases.map(|base| base.powf(exponent)),
+        };
+        let (mut squares, mut result) = (*bases, [1.0; 8]);
+        loop {
+            if left & 1 == 1 {
+                multiply(&mut result, &squares);
+            }
+            left >>= 1;
+            if left == 0 {
+                return result;
+            }
+            let square = squares;
+            multiply(&mut squares, &square);
+        }
+    }
+}
+
+#[inline]
+fn multiply(numbers: &mut [f32; 8], by: &[f32; 8]) {
+    for (number, by) in numbers.iter_mut().zip(by) {
+        *number *= by;
+    }
+}

@@ -1,0 +1,144 @@
+//! Items by bucket: the counting sort behind both levels of the toss (paper §7).
+//!
+//! It is linear, and stable: a bucket holds its items in the order in which they came.
+
+use std::ops::Range;
+
+/// Items by bucket. Made to be used again: it keeps the memory of the fullest sort that it has done.
+#[derive(Debug)]
+pub struct Buckets<T> {
+    /// Where the items of each bucket start, and where the last ones end.
+    starts: Vec<u32>,
+    items: Vec<T>,
+}
+
+impl<T> Default for Buckets<T> {
+    fn default() -> Self {
+        Self { starts: Vec::new(), items: Vec::new() }
+    }
+}
+
+impl<T: Copy + Default> Buckets<T> {
+    /// So many items may be read from any place on that holds one: behind the last one there are others, of
+    /// no meaning.
+    pub const N_AT_ONCE: usize = 8;
+
+    /// Sorts the entries of `runs` into `n_buckets` buckets, of which `bucket_of` tells one for each;
+    /// `item_of` makes of an entry what is held.
+    #[inline(always)]
+    pub fn sort<'a, E: 'a>(
+        &mut self,
+        n_buckets: usize,
+        runs: impl Iterator<Item = &'a [E]> + Clone,
+        bucket_of: impl Fn(&E) -> usize,
+        item_of: impl Fn(&E) -> T,
+    ) {
+        // One entry more than counts need: while items are placed, `starts[bucket + 1]` is where the next one
+        // of a bucket goes, and ends up as where the bucket after it starts.
+        self.starts.clear();
+        self.starts.resize(n_buckets + 2, 0);
+        let starts = self.starts.as_mut_slice();
+        for run in runs.clone() {
+            for entry in run {
+                starts[bucket_of(entry) + 2] += 1;
+            }
+        }
+        let mut sum = 0;
+        for count in starts {
+            sum += *count;
+            *count = sum;
+        }
+        self.make_room(sum as usize + Self::N_AT_ONCE);
+        let (starts, items) = (self.starts.as_mut_slice(), self.items.as_mut_slice());
+        for run in runs {
+            for entry in run {
+                let next = &mut starts[bucket_of(entry) + 1];
+                let place = *next as usize;
+                *next += 1;
+                items[place] = item_of(entry);
+            }
+        }
+    }
+
+    /// There are many of these: twice as much as is needed would be felt.
+    fn make_room(&mut self, n_items: usize) {
+        if self.items.len() < n_items {
+            self.items.reserve_exact(n_items + n_items / 8 - self.items.len());
+            self.items.resize(n_items, T::default());
+        }
+    }
+}
+
+impl<T> Buckets<T> {
+    /// Where the items of some buckets, one behind the other, lie in [`items`](Self::items); none before the
+    /// first sort.
+    #[inline]
+    pub fn places(&self, buckets: Range<usize>) -> Range<usize> {
+        let [start, end] = [buckets.start, buckets.end]
+            .map(|bucket| self.starts.get(bucket).map_or(0, |&s| s as usize));
+        start..end.max(start)
+    }
+
+    /// The first and the last of some buckets that hold anything, unless all are empty or there was no sort.
+    pub fn ends_held(&self, buckets: Range<usize>) -> Option<[usize; 2]> {
+        let starts = self.starts.get(buckets.start..=buckets.end)?;
+        let (first, end) = (*starts.first()?, *starts.last()?);
+        let last_before = |n_before: usize| buckets.start + n_before - 1;
+        (first < end).then(|| {
+            let begins = starts.partition_point(|start| *start <= first);
+            [last_before(begins), last_before(starts.partition_point(|start| *start < end))]
+        })
+    }
+
+    /// The items of some buckets, one behind the other.
+    #[inline]
+    pub fn items_of(&self, buckets: Range<usize>) -> &[T] {
+        &self.items[self.places(buckets)]
+    }
+
+    /// All items, by bucket, and behind them some of no meaning.
+    #[inline(always)]
+    pub fn items(&self) -> &[T] {
+        &self.items
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        self.starts.capacity() * size_of::<u32>() + self.items.capacity() * size_of::<T>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_seeds::for_each_seed;
+
+    #[test]
+    fn buckets_are_a_stable_sort() {
+        for_each_seed(1, |mut rng| {
+            let mut sorted = Buckets::default();
+            assert!(sorted.items_of(0..3).is_empty(), "nothing before the first sort");
+            assert_eq!(sorted.ends_held(0..3), None);
+            for n_items in [0, 1, 7, 500, 20] {
+                let entries: Vec<(usize, u32)> =
+                    (0..n_items).map(|idx| (rng.usize(0..9), idx)).collect();
+                sorted.sort(9, entries.chunks(7), |entry| entry.0, |entry| entry.1);
+                for first in 0..9 {
+                    for end in first..10 {
+                        let mut expected: Vec<_> =
+                            entries.iter().filter(|e| (first..end).contains(&e.0)).collect();
+                        expected.sort_by_key(|entry| entry.0);
+                        let expected: Vec<u32> = expected.iter().map(|entry| entry.1).collect();
+                        assert_eq!(sorted.items_of(first..end), expected, "{first}..{end}");
+                        let readable = sorted.places(first..end).end + Buckets::<u32>::N_AT_ONCE;
+                        assert!(readable <= sorted.items().len());
+                        let held =
+                            || entries.iter().map(|e| e.0).filter(|b| (first..end).contains(b));
+                        let ends = held().min().zip(held().max()).map(|(a, b)| [a, b]);
+                        assert_eq!(sorted.ends_held(first..end), ends);
+                    }
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,168 @@
+//! Merged sections (model §7): what a tolerance leaves of the slab faces.
+//!
+//! A face that has little of a voxel's extinction beyond it does not split the voxel's kernel: what is
+//! beyond is *merged* into the section before it, and drawn in that section's slab.
+
+use super::frame::{Frame, Sheet, SheetSplat, Voxel};
+use super::{Cut, GaussLegendre, Kernel};
+use slabsplat_core::{Compositing, Grid, Normalization, RenderSettings};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+/// Whether these settings make use of a tolerance.
+pub(super) fn applies(settings: &RenderSettings, tolerance: f64) -> bool {
+    0.0 < tolerance
+        && settings.compositing == Compositing::Extinction
+        && settings.normalization == Normalization::None
+}
+
+/// The slabs `n` from `z_c + n·w·unit` again, with what is drawn in each of them.
+pub(super) fn merged_slabs(
+    frame: &Frame,
+    grid: &Grid,
+    settings: &RenderSettings,
+    tolerance: f64,
+) -> Vec<Sheet> {
+    let slabs = Slabs {
+        center: frame.view.view_from_world(grid.center_in_world()).z,
+        width: settings.slab_width,
+        thickness: settings.slab_width * frame.unit,
+    };
+    let levels = Levels::new(frame, tolerance);
+    let mut sheets: BTreeMap<i64, Vec<SheetSplat>> = BTreeMap::new();
+    for (voxel_idx, voxel) in frame.voxels.iter().enumerate() {
+        let drawn = match levels.doublings(voxel, settings.slab_width) {
+            0 => sections(frame, &slabs, voxel, levels.reach(voxel)),
+            n => vec![whole_in_thick_slab(frame, &slabs, voxel, n)],
+        };
+        for (slab, cut) in drawn {
+            sheets.entry(slab).or_default().push(SheetSplat { voxel_idx, cut });
+        }
+    }
+    let sheets = sheets.into_iter().filter_map(|(slab, splats)| {
+        let [front, back] = [slab, slab + 1].map(|face| slabs.face(face));
+        let is_drawn = frame.view.draws_slab(front, back, frame.unit);
+        is_drawn.then_some(Sheet { splats, plane_depth: Some(0.5 * (front + back)) })
+    });
+    sheets.collect()
+}
+
+/// Where the slabs are.
+struct Slabs {
+    center: f64,
+    width: f64,
+    thickness: f64,
+}
+
+impl Slabs {
+    /// The depth of slab `n`'s front face.
+    fn face(&self, n: i64) -> f64 {
+        self.center + n as f64 * self.thickness
+    }
+
+    /// The slab at a depth.
+    fn at(&self, depth: f64) -> i64 {
+        ((depth - self.center) / self.thickness).floor() as i64
+    }
+}
+
+/// All of a voxel, in the slab behind the middle of the one that is 2ⁿ times as thick.
+fn whole_in_thick_slab(frame: &Frame, slabs: &Slabs, voxel: &Voxel, n: u32) -> (i64, Cut) {
+    let (depth, reach) = (voxel.center_in_view.z, frame.kernel.depth_reach);
+    let [first, last] = [slabs.at(depth - reach), slabs.at(depth + reach)];
+    let whole =
+        Cut::Slab { front: slabs.face(first), width: (last + 1 - first) as f64 * slabs.width };
+    let side = 1_i64 << n;
+    (slabs.at(depth).div_euclid(side) * side + side / 2, whole)
+}
+
+/// The sections of a voxel, each with the slab in which it is drawn.
+/// It is cut by the faces that are nearer to its centre than `cut_reach`.
+fn sections(frame: &Frame, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<(i64, Cut)> {
+    let (depth, reach) = (voxel.center_in_view.z, frame.kernel.depth_reach);
+    let home = slabs.at(depth);
+    let met: RangeInclusive<i64> = slabs.at(depth - reach)..=slabs.at(depth + reach);
+    let is_cut = |&face: &i64| (slabs.face(face) - depth).abs() < cut_reach;
+    let mut starts = vec![*met.start()];
+    starts.extend((*met.start() + 1..=*met.end()).filter(is_cut));
+    let ends = starts[1..].iter().copied().chain([*met.end() + 1]);
+    let section = |(&start, end): (&i64, i64)| {
+        // The nearest to the voxel's centre of the slabs that the section covers.
+        let slab = home.clamp(start, end - 1);
+        let width = (end - start) as f64 * slabs.width;
+        (slab, Cut::Slab { front: slabs.face(start), width })
+    };
+    starts.iter().zip(ends).map(section).collect()
+}
+
+/// How far from a voxel's centre faces cut, by its extinction.
+struct Levels {
+    /// `λ·T` at 33 distances from the centre to the kernel's end.
+    merged: Vec<f64>,
+    layer_depth: f64,
+    depth_reach: f64,
+    steepest_ray: f64,
+    tolerance: f64,
+}
+
+impl Levels {
+    fn new(frame: &Frame, tolerance: f64) -> Self {
+        let (kernel, depth_reach) = (frame.kernel.kernel(), frame.kernel.depth_reach);
+        let layer_depth = depth_reach / (kernel.radius() * frame.unit);
+        let beyond = |level: u32| fraction_beyond(kernel, kernel.radius() * share(level));
+        Self {
+            layer_depth,
+            merged: (0..=32).map(|level| layer_depth * beyond(level)).collect(),
+            depth_reach,
+            steepest_ray: frame.view.steepest_ray(),
+            tolerance,
+        }
+    }
+
+    /// By how many doublings the slab is thicker into which a voxel goes whole; 0 if faces may cut it.
+    fn doublings(&self, voxel: &Voxel, slab_width: f64) -> u32 {
+        let is_allowed = |n: &u32| {
+            let layers = 0.5 * slab_width * f64::from(1 << n) + self.layer_depth;
+            self.steepest_ray == 0.0 && voxel.extinction() * layers <= self.tolerance
+        };
+        (1..=2).rev().find(is_allowed).unwrap_or(0)
+    }
+
+    /// The first of the distances beyond which there is little enough.
+    fn reach(&self, voxel: &Voxel) -> f64 {
+        let extinction = voxel.extinction().max(self.steepest_ray);
+        let is_little = |merged: &f64| extinction * merged <= self.tolerance / 2.0;
+        let level = self.merged.iter().position(is_little).unwrap_or(32);
+        share(level as u32) * self.depth_reach
+    }
+}
+
+fn share(level: u32) -> f64 {
+    f64::from(level) / 32.0
+}
+
+/// `T(δ)`: how much of the kernel lies beyond a plane at the distance `δ` from its centre. A shell of
+/// radius `r` has the share `(1 − δ/r)/2` of its area there.
+pub fn fraction_beyond(kernel: Kernel, distance: f64) -> f64 {
+    let shell = |r: f64| 2.0 * PI * r * (r - distance) * kernel.at(r);
+    let end = kernel.radius().max(distance);
+    // Where the two pieces of crawfis-max meet.
+    let joint = 0.88_f64.clamp(distance.min(end), end);
+    let rule = GaussLegendre::new(24);
+    rule.integrate(distance, joint, shell) + rule.integrate(joint, end, shell)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn merge_half_a_kernel_lies_beyond_its_center() {
+        for kernel in [Kernel::Gaussian, Kernel::CrawfisMax] {
+            let half = fraction_beyond(kernel, 0.0);
+            assert!((half - 0.5).abs() < 1e-3, "{kernel:?}: {half}");
+            assert_eq!(fraction_beyond(kernel, kernel.radius()), 0.0);
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! `cargo xtask bench`: everything that measures time or work, and the volumes to measure with.
+//!
+//! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another renderer,
+//! [`scaling`] shows how time grows, [`instructions`] guards against growth unnoticed, and [`data`] fetches a
+//! volume.
+//! Only instructions are judged: times are printed with what they were measured on, and never asserted.
+//!
+//! A program of its own, which `xtask` starts, so that `cargo xtask lint` and `test` need not build it.
+
+mod criterion;
+mod data;
+mod instructions;
+mod options;
+mod peers;
+mod program;
+mod python;
+mod scaling;
+mod table;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use anyhow::Result;
+
+use criterion::Processor;
+
+const USAGE: &str = "\
+Usage: cargo xtask bench [KIND] [ARGS]
+
+  [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
+  peers              frames of slabsplat and of VTK's ray caster by turns, and their ratios
+                     [--frames N] frames a run, [--pairs N] runs of each
+  scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
+                     [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
+  instructions       count what small frames take and compare it with what is recorded, as `test` does
+                     [--record] instead of comparing
+  data               fetch the brain that peers, scaling and some tests show, from PyPI into tests/data
+  help               print this
+
+A filter for the benchmarks, or another option of theirs, follows `--`:
+  cargo xtask bench cpu -- toss --save-baseline before
+";
+
+fn main() -> ExitCode {
+    let task = match parse(std::env::args_os().skip(1).collect()) {
+        Ok(task) => task,
+        Err(message) => {
+            eprint!("error: {message}\n\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match run(&task) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[derive(Debug, PartialEq)]
+enum Task {
+    /// With the arguments that cargo and criterion take.
+    Criterion(Processor, Vec<OsString>),
+    Peers(peers::Options),
+    Scaling(scaling::Options),
+    Instructions(instructions::Task),
+    Data,
+    Help,
+}
+
+fn run(task: &Task) -> Result<()> {
+    match task {
+        Task::Criterion(processor, args) => criterion::run(*processor, args),
+        Task::Peers(options) => peers::run(options),
+        Task::Scaling(options) => scaling::run(options),
+        Task::Instructions(task) => instructions::run(*task),
+        Task::Data => data::fetch(),
+        Task::Help => {
+            print!("{USAGE}");
+            Ok(())
+        }
+    }
+}
+
+/// The first word, if it is a kind of benchmark; a filter of that name stands after `--`.
+fn parse(mut args: Vec<OsString>) -> Result<Task, String> {
+    let kind = args.first().and_then(|arg| arg.to_str()).unwrap_or_default().to_owned();
+    let mut rest = || args.split_off(1);
+    Ok(match kind.as_str() {
+        "cpu" => Task::Criterion(Processor::Cpu, rest()),
+        "gpu" => Task::Criterion(Processor::Gpu, rest()),
+        "peers" => Task::Peers(peers::parse(&rest())?),
+        "scaling" => Task::Scaling(scaling::parse(&rest())?),
+        "instructions" => Task::Instructions(instructions::parse(&rest())?),
+        "data" if rest().is_empty() => Task::Data,
+        "data" => return Err("`data` takes no arguments".to_owned()),
+        "help" | "--help" | "-h" => Task::Help,
+        _ => Task::Criterion(Processor::Any, args),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(args: &[&str]) -> Result<Task, String> {
+        parse(args.iter().map(OsString::from).collect())
+    }
+
+    #[test]
+    fn parse_processors() {
+        let check = |args: &[&str], processor: Processor, rest: &[&str]| {
+            let rest = rest.iter().map(OsString::from).collect();
+            assert_eq!(parsed(args), Ok(Task::Criterion(processor, rest)), "arguments {args:?}");
+        };
+        check(&[], Processor::Any, &[]);
+        check(&["--", "toss"], Processor::Any, &["--", "toss"]);
+        check(&["cpu"], Processor::Cpu, &[]);
+        check(&["gpu", "--", "sort"], Processor::Gpu, &["--", "sort"]);
+        check(&["--", "gpu"], Processor::Any, &["--", "gpu"]);
+    }
+
+    #[test]
+    fn parse_options() {
+        let options = peers::Options { n_frames: 3, n_pairs: 7 };
+        assert_eq!(parsed(&["peers", "--frames", "3", "--pairs", "7"]), Ok(Task::Peers(options)));
+        let record = Task::Instructions(instructions::Task::Record);
+        assert_eq!(parsed(&["instructions", "--record"]), Ok(record));
+        assert_eq!(parsed(&["data"]), Ok(Task::Data));
+        assert_eq!(parsed(&["--help"]), Ok(Task::Help));
+        let wrong = [
+            ["peers", "--frame"],
+            ["scaling", "voxel"],
+            ["instructions", "--recrod"],
+            ["data", "brain"],
+        ];
+        for wrong in wrong {
+            assert!(parsed(&wrong).is_err(), "{wrong:?}");
+        }
+    }
+}

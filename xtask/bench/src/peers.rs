@@ -1,0 +1,199 @@
+//! `cargo xtask bench peers`: slabsplat against VTK's ray caster, on the same scenes on the same machine.
+//!
+//! The peer is what a user without a GPU would pick instead. Both turn the camera by a degree a frame and
+//! time twelve frames or so; here they take turns, so that a machine that grows warm or busy slows both, and
+//! each pair of neighbours is a ratio of its own. The peer is run by `xtask/bench/peers/vtk_raycast.py`.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
+use super::options::parse_counts;
+use super::program::{Program, Run};
+use super::python;
+use super::table::{markdown, median, rounded};
+use xtask::process::output;
+use xtask::workspace::Workspace;
+
+/// How much is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Options {
+    pub(super) n_frames: usize,
+    pub(super) n_pairs: usize,
+}
+
+/// A way to draw the scenes.
+struct Contender {
+    name: &'static str,
+    flags: &'static [&'static str],
+}
+
+const PEERS: &[Contender] = &[
+    Contender { name: "VTK, sample a voxel", flags: &["--sample", "1.0"] },
+    Contender { name: "VTK, two samples a voxel", flags: &["--sample", "0.5"] },
+];
+
+const OURS: &[Contender] = &[
+    Contender { name: "slabsplat", flags: &[] },
+    Contender { name: "slabsplat, exact", flags: &["--tolerance", "0", "--opacity-cutoff", "1"] },
+    Contender { name: "slabsplat, slab width 2", flags: &["--slab-width", "2"] },
+];
+
+/// The peer knows no scene without `[classify]`, and no format but NIfTI, NRRD and MetaImage.
+const SCENES: &[&str] = &["brain", "brain-haze"];
+
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/vtk_raycast.py");
+
+pub(super) fn parse(args: &[OsString]) -> Result<Options, String> {
+    let (mut n_frames, mut n_pairs) = (12, 5);
+    parse_counts(args, &mut [("--frames", &mut n_frames), ("--pairs", &mut n_pairs)])?;
+    Ok(Options { n_frames, n_pairs })
+}
+
+pub(super) fn run(options: &Options) -> Result<()> {
+    let scenes: Vec<(&str, PathBuf)> =
+        SCENES.iter().filter_map(|&name| Some((name, slabsplat_testdata::scene(name)?))).collect();
+    ensure!(!scenes.is_empty(), "there is no scene on which to compare");
+    let arena = Arena {
+        python: python::with_vtk(&Workspace::read()?.target_directory)?,
+        program: Program::built()?,
+        options: *options,
+    };
+    for (name, path) in scenes {
+        println!("\n## {name}\n\n{}", arena.measure(&path)?);
+    }
+    println!("A ratio is the peer's median over ours: above 1, slabsplat is faster.");
+    Ok(())
+}
+
+/// What all contenders are run with.
+struct Arena {
+    python: PathBuf,
+    program: Program,
+    options: Options,
+}
+
+impl Arena {
+    /// The table of a scene.
+    fn measure(&self, scene: &Path) -> Result<String> {
+        let mut ms = vec![Vec::new(); PEERS.len() + OURS.len()];
+        for pair in 0..self.options.n_pairs {
+            for place in turns(pair) {
+                let (name, median_ms) = self.run(place, scene)?;
+                eprintln!("bench: pair {}: {name}: {median_ms:.1} ms", pair + 1);
+                ms[place].push(median_ms);
+            }
+        }
+        Ok(table(&ms))
+    }
+
+    /// The median of the contender at `place`, peers first.
+    fn run(&self, place: usize, scene: &Path) -> Result<(&'static str, f64)> {
+        if let Some(peer) = PEERS.get(place) {
+            return Ok((peer.name, self.run_peer(peer, scene)?));
+        }
+        let ours = &OURS[place - PEERS.len()];
+        let run = Run {
+            input: scene.into(),
+            flags: ours.flags.iter().map(ToString::to_string).collect(),
+            n_frames: self.options.n_frames,
+            n_threads: None,
+        };
+        Ok((ours.name, self.program.bench(&run)?.median_ms))
+    }
+
+    fn run_peer(&self, peer: &Contender, scene: &Path) -> Result<f64> {
+        let mut command = Command::new(&self.python);
+        command.arg(SCRIPT).arg(scene).args(peer.flags);
+        command.args(["--frames", &self.options.n_frames.to_string()]);
+        peer_median_ms(&output(&mut command)?)
+    }
+}
+
+/// The contenders in the order of a pair: a peer next to one of ours, and every other pair backwards, so that
+/// nobody is always the first.
+fn turns(pair: usize) -> Vec<usize> {
+    let n = PEERS.len().max(OURS.len());
+    let mut turns: Vec<usize> = (0..n)
+        .flat_map(|idx| {
+            let peer = (idx < PEERS.len()).then_some(idx);
+            let ours = (idx < OURS.len()).then_some(PEERS.len() + idx);
+            peer.into_iter().chain(ours)
+        })
+        .collect();
+    if pair % 2 == 1 {
+        turns.reverse();
+    }
+    turns
+}
+
+/// The script's last line is JSON; what VTK says before is not.
+fn peer_median_ms(answer: &str) -> Result<f64> {
+    let line = answer.lines().last().context("the peer answers nothing")?;
+    let answer: Value =
+        serde_json::from_str(line).with_context(|| format!("the peer answers {line:?}"))?;
+    answer["median_ms"].as_f64().context("the peer tells no `median_ms`")
+}
+
+/// Milliseconds and then ratios, pair by pair and their medians; `ms` is of each contender, peers first.
+fn table(ms: &[Vec<f64>]) -> String {
+    let n_pairs = ms.first().map_or(0, Vec::len);
+    let pairs = (1..=n_pairs).map(|pair| format!("pair {pair}"));
+    let head: Vec<String> =
+        [String::new()].into_iter().chain(pairs).chain(["median".to_owned()]).collect();
+    let (of_peers, of_ours) = ms.split_at(PEERS.len());
+    let names = PEERS.iter().chain(OURS).map(|contender| format!("{}, ms", contender.name));
+    let mut rows: Vec<Vec<String>> = names.zip(ms).map(|(name, ms)| row(name, ms)).collect();
+    for (peer, peer_ms) in PEERS.iter().zip(of_peers) {
+        for (ours, our_ms) in OURS.iter().zip(of_ours) {
+            let ratios: Vec<f64> = peer_ms.iter().zip(our_ms).map(|(a, b)| a / b).collect();
+            rows.push(row(format!("{} : {}", peer.name, ours.name), &ratios));
+        }
+    }
+    markdown(&head, &rows)
+}
+
+fn row(name: String, numbers: &[f64]) -> Vec<String> {
+    let cells = numbers.iter().chain([&median(numbers)]).map(|&number| rounded(number)).collect();
+    [vec![name], cells].concat()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_of_all_and_alternate() {
+        assert_eq!(turns(0), [0, 2, 1, 3, 4], "peer, ours, peer, ours, ours");
+        assert_eq!(turns(1), [4, 3, 1, 2, 0], "backwards");
+        assert_eq!(turns(2), turns(0));
+    }
+
+    #[test]
+    fn peer_answer_is_its_last_line() {
+        let answer = "Generic Warning: In vtk.cxx\n{\"median_ms\": 141.5, \"threads\": 2}\n";
+        assert_eq!(peer_median_ms(answer).unwrap(), 141.5);
+        for wrong in ["", "no JSON\n", "{}\n"] {
+            assert!(peer_median_ms(wrong).is_err(), "{wrong:?}");
+        }
+    }
+
+    #[test]
+    fn table_has_medians_and_ratios() {
+        let ms = [[100.0, 300.0], [200.0, 600.0], [50.0, 100.0], [80.0, 80.0], [20.0, 60.0]];
+        let text = table(&ms.map(|ms| ms.to_vec()));
+        assert_eq!(text.lines().count(), 2 + 5 + 6, "{text}");
+        for line in [
+            "|  | pair 1 | pair 2 | median |",
+            "| VTK, sample a voxel, ms | 100 | 300 | 200 |",
+            "| slabsplat, slab width 2, ms | 20.0 | 60.0 | 40.0 |",
+            "| VTK, sample a voxel : slabsplat | 2.00 | 3.00 | 2.50 |",
+            "| VTK, two samples a voxel : slabsplat, slab width 2 | 10.0 | 10.0 | 10.0 |",
+        ] {
+            assert!(text.lines().any(|found| found == line), "{line} in\n{text}");
+        }
+    }
+}
