@@ -42,17 +42,19 @@
 //!
 //! # Reading order
 //!
-//! `plan`, `planner`, `contract`, `cached`, `conformance`.
+//! `plan`, `slabs`, `planner`, `contract`, `cached`, `conformance`.
 
 mod cached;
 mod contract;
 mod plan;
 mod planner;
+mod slabs;
 
 #[cfg(feature = "conformance")]
 pub mod conformance;
 
 pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
-pub use plan::{ColorSplats, DensitySplats, FramePlan, MergedSections, Slabs, Splats};
+pub use plan::{ColorSplats, DensitySplats, FramePlan, MergedSections, Splats};
 pub use planner::{PlanError, Planner};
+pub use slabs::Slabs;

@@ -1,8 +1,8 @@
 //! What to draw, decided and checked.
 
+use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, SlabGrid, SliceOrder, TransferFunction, View,
-    Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, SliceOrder, TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -30,6 +30,8 @@ pub struct FramePlan<'a> {
     pub radius: f64,
     /// The kernel's ball as the view sees it.
     pub shape: FootprintShape,
+    /// Half the thickness of a voxel's kernel along the viewing direction, in world units.
+    pub half_depth: f64,
     /// What a sheet sums, and how that becomes a pixel.
     pub compositing: Compositing,
     /// Opacity from which a pixel counts as saturated.
@@ -48,18 +50,6 @@ pub struct MergedSections {
     pub table: Arc<SectionTable>,
     /// What this and other short cuts may make a pixel differ by.
     pub budget: ErrorBudget,
-}
-
-/// The slabs of a frame, and how they lie to kernels and to the eye.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slabs {
-    /// Where they are.
-    pub grid: SlabGrid,
-    /// The first slab whose sections are drawn: those before it lie before the near depth.
-    pub first_drawn: usize,
-    /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
-    /// thick meets up to ⌈k⌉ + 1 of them.
-    pub n_before: usize,
 }
 
 /// What is splatted, and into which sheets (model §4).
@@ -105,11 +95,4 @@ pub struct DensitySplats {
     pub slabs: Slabs,
     /// The sections, smooth enough for differences between pixels.
     pub table: Arc<CubicSectionTable>,
-}
-
-impl FramePlan<'_> {
-    /// Half the thickness of a voxel's kernel along the viewing direction, in world units.
-    pub fn half_depth(&self) -> f64 {
-        self.radius * self.shape.half_depth
-    }
 }

@@ -3,7 +3,7 @@
 use crate::{Cached, ColorSplats, DensitySplats, FramePlan, MergedSections, Slabs, Splats};
 use slabsplat_core::{
     BlinnPhong, ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading,
-    ShadingError, SlabGrid, SliceOrder, TooManySlabs, View, ViewError, Volume,
+    ShadingError, SliceOrder, TooManySlabs, View, ViewError, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, SectionDesc,
@@ -95,7 +95,7 @@ impl Planner {
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let splats = match key.settings.method {
             Method::ImageAligned => Splats::Colors(ColorSplats::Sections {
-                slabs: slabs_of(volume, &view, half_depth, &key.settings)?,
+                slabs: Slabs::new(volume.grid(), &view, half_depth, key.settings.slab_width)?,
                 merged: self.merged_sections(&*kernel, &key, &view, &shape, volume.grid().unit()),
                 table: self.section_table(&*kernel, key),
             }),
@@ -107,7 +107,7 @@ impl Planner {
                 Splats::Colors(ColorSplats::Voxels { table: self.footprint_table(&*kernel, key) })
             }
             Method::PostClassified => Splats::Densities(DensitySplats {
-                slabs: slabs_of(volume, &view, half_depth, &key.settings)?,
+                slabs: Slabs::new(volume.grid(), &view, half_depth, key.settings.slab_width)?,
                 table: self.cubic_table(&*kernel, key),
             }),
         };
@@ -123,6 +123,7 @@ impl Planner {
             image: scene.image,
             radius: kernel.radius(),
             shape,
+            half_depth,
             compositing: scene.settings.compositing,
             opacity_cutoff: scene.settings.opacity_cutoff as f32,
             splats,
@@ -184,39 +185,6 @@ fn rounded(kappa: f64) -> f64 {
     f64::from_bits(up & !((1 << dropped_bits) - 1))
 }
 
-fn slabs_of(
-    volume: &Volume,
-    view: &View,
-    half_depth: f64,
-    settings: &RenderSettings,
-) -> Result<Slabs, TooManySlabs> {
-    let volume_grid = volume.grid();
-    let [near, far] = view.from_index(volume_grid).depth_range(volume_grid);
-    let thickness = settings.slab_width * volume_grid.unit();
-    let grid = SlabGrid::covering([near - half_depth, far + half_depth], thickness)?;
-    // As backends round it: a kernel of a cubic grid is as thick from everywhere, up to rounding errors.
-    let n_met = 2.0 * f64::from(half_depth as f32) / thickness;
-    Ok(Slabs {
-        grid,
-        first_drawn: first_drawn(view, &grid),
-        n_before: (n_met.ceil() as usize).min(grid.n_slabs()),
-    })
-}
-
-/// Slabs are drawn from one on.
-fn first_drawn(view: &View, slabs: &SlabGrid) -> usize {
-    let (mut lo, mut hi) = (0, slabs.n_slabs());
-    while lo < hi {
-        let middle = lo.midpoint(hi);
-        if view.draws_slab(slabs.faces(middle)) {
-            hi = middle;
-        } else {
-            lo = middle + 1;
-        }
-    }
-    lo
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -274,6 +242,33 @@ mod tests {
                 }
                 other => panic!("{other:?}"),
             }
+        }
+    }
+
+    /// Slabs as wide as the kernel cut nothing off, however the grid is stretched, and how deep a layer is
+    /// counts in steps of the grid.
+    #[test]
+    fn planner_merges_sections_of_slabs_as_wide_as_the_kernel() {
+        for spacing in [[1.0; 3], [3.0; 3], [2.0, 2.0, 1.0], [1.0, 1.0, 1.5]] {
+            let grid = Grid::with_spacing([4, 4, 4], spacing).unwrap();
+            let layer_depth = spacing[2] / grid.unit();
+            let volume = Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap();
+            let volume = Arc::new(volume);
+            let scene = scene(RenderSettings::default());
+            let mut planner = Planner::default();
+            let plan = planner.plan(&volume, &scene).unwrap();
+            assert!((plan.half_depth / spacing[2] - 2.0).abs() < 1e-12, "{}", plan.half_depth);
+            let Splats::Colors(ColorSplats::Sections { merged: Some(merged), .. }) = plan.splats
+            else {
+                panic!("{spacing:?}: nothing is merged");
+            };
+            let kernel = kernel_named("gaussian").unwrap();
+            let split_view = SplitView { layer_depth, steepest_ray: 0.0 };
+            let levels = SplitLevels::new(&scene.settings, &*kernel, split_view);
+            assert_eq!(merged.levels, levels, "{spacing:?}");
+            let radius = kernel.radius() as f32;
+            let [whole, half] = [-radius, 0.0].map(|front| merged.table.sample(0.5, front, radius));
+            assert!((whole - 2.0 * half).abs() < 1e-3 * whole, "{spacing:?}: {whole} {half}");
         }
     }
 

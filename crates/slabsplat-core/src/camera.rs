@@ -161,6 +161,11 @@ mod tests {
         assert!(
             turned.orbited(-std::f64::consts::FRAC_PI_2).eye().abs_diff_eq(camera.eye(), 1e-12)
         );
+        let target = DVec3::new(7.0, 2.0, 1.0);
+        let elsewhere = Camera::new(target + DVec3::Z, target, DVec3::Y * 4.0, ORTHO).unwrap();
+        assert_eq!((elsewhere.target(), elsewhere.up()), (target, DVec3::Y * 4.0));
+        let turned = elsewhere.orbited(std::f64::consts::FRAC_PI_2);
+        assert!(turned.eye().abs_diff_eq(target + DVec3::X, 1e-12));
     }
 
     #[test]
@@ -172,9 +177,14 @@ mod tests {
         check(DVec3::Z, DVec3::Z, ORTHO, CameraError::UpIsForward);
         check(DVec3::Z, DVec3::ZERO, ORTHO, CameraError::UpIsForward);
         check(DVec3::NAN, DVec3::Y, ORTHO, CameraError::NotFinite("eye"));
-        let flat = Projection::Orthographic { view_height: 0.0 };
-        check(DVec3::Z, DVec3::Y, flat, CameraError::BadViewHeight(0.0));
-        let wide = Projection::Perspective { fov_y_radians: 4.0 };
-        check(DVec3::Z, DVec3::Y, wide, CameraError::BadFieldOfView(4.0_f64.to_degrees()));
+        for view_height in [0.0, -1.0, 1e-310, f64::INFINITY] {
+            let flat = Projection::Orthographic { view_height };
+            check(DVec3::Z, DVec3::Y, flat, CameraError::BadViewHeight(view_height));
+        }
+        for fov_y_radians in [0.0, -1.0, std::f64::consts::PI, 4.0, f64::INFINITY] {
+            let wide = Projection::Perspective { fov_y_radians };
+            let degrees = fov_y_radians.to_degrees();
+            check(DVec3::Z, DVec3::Y, wide, CameraError::BadFieldOfView(degrees));
+        }
     }
 }

@@ -79,3 +79,51 @@ impl Compositing {
         [factor * r, factor * g, factor * b, opacity]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extinction_is_what_opacity_loses() {
+        assert_eq!(extinction(0.0), 0.0);
+        assert!((extinction(0.5) - 2.0_f64.ln()).abs() < 1e-15);
+        assert!((extinction(1.0) - 1e6_f64.ln()).abs() < 1e-9);
+        for opacity in [1e-12, 0.3, 0.99, MAX_OPACITY] {
+            let [.., resolved] =
+                Compositing::Extinction.resolve([0.0, 0.0, 0.0, extinction(opacity)]);
+            assert!((resolved / opacity - 1.0).abs() < 1e-12, "{opacity}");
+        }
+    }
+
+    #[test]
+    fn sheets_sum_weights_and_weighted_colors() {
+        for &compositing in Compositing::ALL {
+            let sums_extinction = compositing == Compositing::Extinction;
+            assert_eq!(compositing.sums_extinction(), sums_extinction);
+            assert_eq!(compositing.weights_colors(), compositing != Compositing::Separate);
+            let weight = if sums_extinction { 4.0_f64.ln() } else { 0.75 };
+            assert!((compositing.weight(0.75) - weight).abs() < 1e-12, "{compositing}");
+        }
+    }
+
+    #[test]
+    fn sums_resolve_to_premultiplied_colors() {
+        let check = |compositing: Compositing, sums: [f64; 4], expected: [f64; 4]| {
+            let resolved = compositing.resolve(sums);
+            let differs = |(a, b): (&f64, f64)| 1e-12 < (a - b).abs();
+            assert!(!resolved.iter().zip(expected).any(differs), "{compositing}: {resolved:?}");
+        };
+        check(Compositing::Separate, [2.0, -1.0, 0.5, 0.5], [0.5, 0.0, 0.25, 0.5]);
+        check(Compositing::Separate, [0.5, 1.0, 0.0, 2.0], [0.5, 1.0, 0.0, 1.0]);
+        check(Compositing::Associated, [0.4, 0.2, 0.1, 0.5], [0.4, 0.2, 0.1, 0.5]);
+        check(Compositing::Associated, [0.4, 0.2, 0.1, 2.0], [0.2, 0.1, 0.05, 1.0]);
+        let thick = 2.0_f64.ln();
+        check(Compositing::Extinction, [thick, 0.0, thick / 4.0, thick], [0.5, 0.0, 0.125, 0.5]);
+        for &compositing in Compositing::ALL {
+            for weight in [0.0, -0.5] {
+                check(compositing, [0.5, 0.5, 0.5, weight], [0.0; 4]);
+            }
+        }
+    }
+}

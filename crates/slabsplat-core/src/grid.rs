@@ -191,4 +191,36 @@ mod tests {
             assert_eq!(Grid::with_spacing(huge, [1.0; 3]), Err(GridError::TooLarge(huge)));
         }
     }
+
+    #[test]
+    fn grid_rejects_what_rounding_would_lose() {
+        let check = |spacing: [f64; 3], lean: f64, origin: DVec3, is_good: bool| {
+            let mut columns = DMat3::from_diagonal(DVec3::from_array(spacing));
+            columns.y_axis.x = lean;
+            let map = DAffine3 { matrix3: columns, translation: origin };
+            let text = format!("{spacing:?} {lean} {origin}");
+            assert_eq!(Grid::new([2; 3], map).is_ok(), is_good, "{text}");
+        };
+        check([1.0; 3], 0.0, DVec3::X * 0.9e10, true);
+        check([1.0; 3], 0.0, DVec3::X * 1.1e10, false);
+        check([100.0; 3], 0.0, DVec3::X * 0.9e12, true);
+        check([100.0, 1.0, 100.0], 0.0, DVec3::X * 0.9e12, false);
+        check([1.0; 3], 0.0, DVec3::NAN, false);
+        check([1.0; 3], 0.0, DVec3::NEG_INFINITY, false);
+        // The sine between the columns, whatever their lengths are.
+        for scale in [1e-3, 1.0, 1e3] {
+            check([scale; 3], 0.9e6 * scale, DVec3::ZERO, true);
+            check([scale; 3], 1.1e6 * scale, DVec3::ZERO, false);
+        }
+        check([1.0, 1.0, 1e12], 0.0, DVec3::ZERO, true);
+        check([1.0, 1.0, 1.1e12], 0.0, DVec3::ZERO, false);
+    }
+
+    #[test]
+    fn grid_center_is_halfway_to_the_last_voxel() {
+        let map = DAffine3 { translation: DVec3::ONE, ..DAffine3::from_scale(DVec3::NEG_Z + 2.0) };
+        let grid = Grid::new([3, 4, 5], map).unwrap();
+        let last = grid.world_from_index().transform_point3(DVec3::new(2.0, 3.0, 4.0));
+        assert_eq!(grid.center_in_world(), DVec3::ONE.midpoint(last));
+    }
 }

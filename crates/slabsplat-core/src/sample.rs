@@ -161,5 +161,6 @@ mod tests {
     fn samples_know_their_type() {
         assert_eq!(Samples::from(vec![1_i16]).sample_type(), SampleType::I16);
         assert_eq!(Samples::from(vec![1.0_f64, 2.0]).len(), 2);
+        assert!(Samples::U8(vec![]).is_empty() && !Samples::U8(vec![0]).is_empty());
     }
 }

@@ -203,4 +203,46 @@ mod tests {
         assert_eq!(aside, DVec3::X);
         assert_eq!(Light::towards(DVec3::Z).unwrap().halfway(DVec3::Z), DVec3::ZERO);
     }
+
+    /// The light stands to the right, and the viewer looks along −z.
+    #[test]
+    fn lit_adds_ambient_diffuse_and_highlight() {
+        let phong = Phong::default()
+            .ambient(0.1)
+            .diffuse(0.5)
+            .specular(0.25)
+            .shininess(2.0)
+            .light(Light::towards(DVec3::X).unwrap());
+        let check = |two_sided: bool, normal: DVec3, expected: f64| {
+            let shaded = BlinnPhong::new(phong.two_sided(two_sided), DVec3::NEG_Z);
+            let lit = shaded.lit(DVec3::new(1.0, 0.5, 0.0), normal);
+            let highlight = shaded.lit(DVec3::ZERO, normal).x;
+            let colored = expected - highlight;
+            let expected = DVec3::new(expected, 0.5 * colored + highlight, highlight);
+            assert!(lit.abs_diff_eq(expected, 1e-12), "{two_sided} {normal}: {lit} {expected}");
+        };
+        // h lies half way between x and z, and cos² 45° is a half.
+        check(false, DVec3::X, 0.1 + 0.5 + 0.25 * 0.5);
+        check(false, DVec3::X * 0.5, 0.1 + 0.25 + 0.25 * 0.125);
+        check(false, DVec3::new(1.0, 0.0, 1.0).normalize(), 0.1 + 0.5 * 0.5_f64.sqrt() + 0.25);
+        // No light falls on it, so none is reflected.
+        check(false, DVec3::Z, 0.1);
+        check(true, DVec3::Z, 0.1);
+        check(false, DVec3::NEG_X, 0.1);
+        check(true, DVec3::NEG_X, 0.1 + 0.5 + 0.25 * 0.5);
+        let bright = BlinnPhong::new(phong.ambient(3.0), DVec3::NEG_Z);
+        assert_eq!(bright.lit(DVec3::ONE, DVec3::X), DVec3::ONE);
+    }
+
+    #[test]
+    fn shading_names_what_to_look_at() {
+        let bad_light = Light::towards(DVec3::ZERO).unwrap_err();
+        let bad_diffuse = Phong::default().diffuse(-1.0).checked().unwrap_err();
+        assert_eq!([bad_light, bad_diffuse].map(|err| err.setting()), ["light", "diffuse"]);
+        let light = Light::towards(DVec3::new(0.0, -2.0, 0.0)).unwrap();
+        assert_eq!(
+            [Light::Headlight, light].map(|light| light.to_string()),
+            ["headlight", "0,-1,0"]
+        );
+    }
 }

@@ -230,6 +230,12 @@ mod tests {
         let t = transfer(&[(0.0, 0.0), (5.0, 0.0), (5.0, 1.0), (9.0, 1.0)]);
         assert_eq!(t.opacity(5.0_f64.next_down()), 0.0);
         assert_eq!(t.opacity(5.0), 1.0);
+        let points = [(0.0, [0.0]), (5.0, [0.0]), (5.0, [1.0]), (9.0, [1.0])];
+        assert_eq!(t.opacity_points().points(), points);
+        let color = vec![(1.0, [0.0, 0.2, 0.4]), (3.0, [1.0, 0.4, 0.4])];
+        let t = TransferFunction::new(vec![(0.0, [1.0])], color).unwrap();
+        let expected = [0.5, 0.3, 0.4];
+        assert!(t.color(2.0).iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12));
     }
 
     /// The ranges must hold exactly the values whose opacity is above 0. Within a rounding error of a
@@ -258,7 +264,9 @@ mod tests {
                 let visible = 0.0 < t.opacity(value);
                 assert!(is_inside(value) || !visible, "{value} in {ranges:?} of {points:?}");
             }
-            assert!(ranges.windows(2).all(|w| w[0].hi < w[1].lo), "{ranges:?}");
+            assert!(ranges.iter().all(|range| range.lo <= range.hi), "{ranges:?}");
+            // What touches is one.
+            assert!(ranges.windows(2).all(|w| w[0].hi.next_up() < w[1].lo), "{ranges:?}");
         }
     }
 

@@ -50,7 +50,7 @@ fn put_view(plan: &FramePlan<'_>, frame: &mut Frame) {
 fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
     let (shape, unit) = (&plan.shape, plan.volume.grid().unit());
     frame.radius = plan.radius as f32;
-    frame.half_depth = (plan.half_depth() / unit) as f32;
+    frame.half_depth = (plan.half_depth / unit) as f32;
     frame.index_per_depth = (shape.index_per_depth * unit) as f32;
     frame.is_tilted = flag(shape.is_tilted(plan.radius));
     frame.across = (shape.across * unit * unit) as f32;

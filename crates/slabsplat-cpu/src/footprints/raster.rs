@@ -49,7 +49,7 @@ impl Raster {
             shape,
             center: view.image_size().map(|side| 0.5 * side as f32),
             radius: radius as f32,
-            half_depth: plan.half_depth() as f32,
+            half_depth: plan.half_depth as f32,
             near: view.near_depth() as f32,
             index_per_depth: shape.index_per_depth as f32,
             is_tilted: shape.is_tilted(radius),

@@ -1,0 +1,108 @@
+//! The slabs of a frame, and how they lie to kernels and to the eye.
+
+use slabsplat_core::{Grid, SlabGrid, TooManySlabs, View};
+
+/// The slabs of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slabs {
+    /// Where they are.
+    pub grid: SlabGrid,
+    /// The first slab whose sections are drawn: those before it lie before the near depth.
+    pub first_drawn: usize,
+    /// How many slabs before a slab the voxels may start whose sections it holds: a kernel that is k slabs
+    /// thick meets up to ⌈k⌉ + 1 of them.
+    pub n_before: usize,
+}
+
+impl Slabs {
+    /// The slabs, `width` units wide, of all kernels of `half_depth` world units on the grid's points.
+    pub(crate) fn new(
+        points: &Grid,
+        view: &View,
+        half_depth: f64,
+        width: f64,
+    ) -> Result<Self, TooManySlabs> {
+        let [near, far] = view.from_index(points).depth_range(points);
+        let thickness = width * points.unit();
+        let grid = SlabGrid::covering([near - half_depth, far + half_depth], thickness)?;
+        // As backends round it: a kernel of a cubic grid is as thick from everywhere, up to rounding errors.
+        let n_met = 2.0 * f64::from(half_depth as f32) / thickness;
+        Ok(Self {
+            grid,
+            first_drawn: first_drawn(view, &grid),
+            n_before: (n_met.ceil() as usize).min(grid.n_slabs()),
+        })
+    }
+}
+
+/// Slabs are drawn from one on.
+fn first_drawn(view: &View, slabs: &SlabGrid) -> usize {
+    let (mut lo, mut hi) = (0, slabs.n_slabs());
+    while lo < hi {
+        let middle = lo.midpoint(hi);
+        if view.draws_slab(slabs.faces(middle)) {
+            hi = middle;
+        } else {
+            lo = middle + 1;
+        }
+    }
+    lo
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{Camera, ImageDesc, Projection};
+
+    /// Eleven voxels of a cubic grid on the axis that the camera looks along, the middle one at depth 0.
+    fn row_of_voxels(spacing: f64) -> Grid {
+        Grid::with_spacing([1, 1, 11], [spacing; 3]).unwrap()
+    }
+
+    fn view(grid: &Grid, distance: f64, projection: Projection) -> View {
+        let [eye, up] = [DVec3::Z * distance, DVec3::Y];
+        let camera = Camera::new(eye, DVec3::ZERO, up, projection).unwrap();
+        let image = ImageDesc { width: 8, height: 8, background: [0.0; 4] };
+        View::new(grid, &camera, &image).unwrap()
+    }
+
+    #[test]
+    fn slabs_cover_all_kernels() {
+        for (spacing, width, n_before) in
+            [(1.0, 1.0, 4), (3.0, 1.0, 4), (0.5, 1.6, 3), (1.0, 9.0, 1)]
+        {
+            let grid = row_of_voxels(spacing);
+            let view = view(&grid, 99.0, Projection::Orthographic { view_height: 8.0 });
+            let slabs = Slabs::new(&grid, &view, 2.0 * spacing, width).unwrap();
+            assert_eq!(slabs.n_before, n_before, "{spacing} {width}");
+            assert_eq!(slabs.grid.thickness(), spacing * width);
+            let [first, last] = [0, slabs.grid.n_slabs() - 1].map(|slab| slabs.grid.faces(slab));
+            let end = 7.0 * spacing;
+            assert!(first[0] <= -end && -end < first[1], "{spacing} {width}: {first:?}");
+            assert!(last[0] < end && end <= last[1], "{spacing} {width}: {last:?}");
+        }
+    }
+
+    /// From before all slabs, through all of them, to behind them.
+    #[test]
+    fn slabs_are_drawn_from_the_near_depth_on() {
+        let grid = row_of_voxels(1.0);
+        let perspective = Projection::Perspective { fov_y_radians: 0.8 };
+        let orthographic = Projection::Orthographic { view_height: 8.0 };
+        for projection in [orthographic, perspective] {
+            let mut firsts = Vec::new();
+            for step in 1..60 {
+                let view = view(&grid, 0.25 * f64::from(step), projection);
+                let Slabs { grid: slabs, first_drawn, .. } =
+                    Slabs::new(&grid, &view, 2.0, 0.7).unwrap();
+                for slab in 0..slabs.n_slabs() {
+                    assert_eq!(view.draws_slab(slabs.faces(slab)), first_drawn <= slab, "{step}");
+                }
+                firsts.push(first_drawn);
+            }
+            assert!(firsts.is_sorted_by(|a, b| b <= a) && firsts[0] > 9, "{firsts:?}");
+            assert_eq!(firsts.last(), Some(&0), "{firsts:?}");
+        }
+    }
+}
