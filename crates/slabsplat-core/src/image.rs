@@ -159,8 +159,26 @@ mod tests {
     }
 
     #[test]
+    fn image_background_is_premultiplied() {
+        let desc = ImageDesc { background: [1.0, 0.5, 0.25, 0.5], ..ImageDesc::default() };
+        assert_eq!(desc.premultiplied_background(), [0.5, 0.25, 0.125, 0.5]);
+    }
+
+    #[test]
+    fn image_pixels_stand_row_by_row() {
+        let mut image = Image::filled(3, 2, [0.0; 4]);
+        assert_eq!((image.width(), image.height(), image.pixels().len()), (3, 2, 6));
+        for (idx, pixel) in image.pixels_mut().iter_mut().enumerate() {
+            *pixel = [idx as f32; 4];
+        }
+        let rows = [0, 1].map(|y| [0, 1, 2].map(|x| image.pixel(x, y)[0]));
+        assert_eq!(rows, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+        assert_eq!(image.pixels()[4], image.pixel(1, 1));
+    }
+
+    #[test]
     fn image_differences() {
-        let a = Image::filled(2, 1, [0.0; 4]);
+        let a = Image::filled(2, 1, [1.0; 4]);
         let mut b = a.clone();
         b.pixels_mut()[1][2] = 0.5;
         assert_eq!(a.max_difference(&b), 0.5);

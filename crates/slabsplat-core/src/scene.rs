@@ -78,3 +78,35 @@ impl Scene {
         Self { settings, ..self }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Projection;
+    use glam::DVec3;
+
+    #[test]
+    fn scene_setters_set_their_field() {
+        let transfer = |opacity: f64| {
+            TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [1.0; 3])]).unwrap()
+        };
+        let camera = |eye: DVec3| {
+            let projection = Projection::Orthographic { view_height: 1.0 };
+            Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).unwrap()
+        };
+        let expected = Scene {
+            transfer: transfer(0.5),
+            shading: Shading::None,
+            camera: camera(DVec3::X),
+            image: ImageDesc { width: 7, height: 5, background: [1.0; 4] },
+            settings: RenderSettings::default().sections(9),
+        };
+        let scene = Scene::new(transfer(0.25), camera(DVec3::Z))
+            .transfer(expected.transfer.clone())
+            .shading(expected.shading)
+            .camera(expected.camera)
+            .image(expected.image)
+            .settings(expected.settings.clone());
+        assert_eq!(scene, expected);
+    }
+}

@@ -141,22 +141,44 @@ mod tests {
         assert!(good().checked().is_ok());
         let plain = good().slab_width(1e9).base_slab_width(1e-9);
         assert!(plain.checked().is_ok(), "only a hierarchy has limits");
-        for bad in [
-            good().slab_width(0.0),
-            good().slab_width(f64::NAN),
-            good().slab_width(1e308),
-            good().base_slab_width(-1.0),
-            good().sections(1),
-            good().radial_samples(1 << 20),
-            good().opacity_cutoff(1.5),
-            good().tolerance(-1e-9),
-            good().tolerance(1.0),
-            good().tolerance(f64::NAN),
-            good().normalization(Normalization::Paper).slab_width(1e9),
-            good().normalization(Normalization::Product).base_slab_width(1e-9),
+        for (setting, bad) in [
+            ("slab_width", good().slab_width(0.0)),
+            ("slab_width", good().slab_width(f64::NAN)),
+            ("slab_width", good().slab_width(1e308)),
+            ("base_slab_width", good().base_slab_width(-1.0)),
+            ("sections", good().sections(1)),
+            ("radial_samples", good().radial_samples(1 << 20)),
+            ("opacity_cutoff", good().opacity_cutoff(1.5)),
+            ("tolerance", good().tolerance(-1e-9)),
+            ("tolerance", good().tolerance(1.0)),
+            ("tolerance", good().tolerance(f64::NAN)),
+            ("normalization", good().normalization(Normalization::Paper).slab_width(1e9)),
+            ("normalization", good().normalization(Normalization::Product).base_slab_width(1e-9)),
         ] {
             let error = bad.clone().checked().unwrap_err();
-            assert!(error.to_string().contains(error.setting()), "{bad:?}: {error}");
+            assert_eq!(error.setting(), setting, "{bad:?}");
+            assert!(error.to_string().contains(setting), "{bad:?}: {error}");
         }
+    }
+
+    #[test]
+    fn settings_limit_the_slab_hierarchy() {
+        let check = |slab_width: f64, base_slab_width: f64, kappa: f64, is_permitted: bool| {
+            let settings = RenderSettings::default()
+                .normalization(Normalization::Product)
+                .slab_width(slab_width)
+                .base_slab_width(base_slab_width);
+            let result = settings.check_hierarchy(kappa);
+            assert_eq!(result.is_ok(), is_permitted, "{slab_width} {base_slab_width} {kappa}");
+        };
+        check(128.0, 1.0 / 32.0, 1.0, true);
+        check(128.5, 1.0 / 32.0, 1.0, false);
+        check(128.0, 1.0 / 33.0, 1.0, false);
+        // Slabs of the base width need no hierarchy.
+        check(1e9, 1e9, 1.0, true);
+        // Along these rays a slab is as thick as 1.5 times as many steps; it never counts as thinner.
+        check(85.0, 0.5, 1.5, true);
+        check(86.0, 0.5, 1.5, false);
+        check(129.0, 0.5, 0.5, false);
     }
 }

@@ -103,12 +103,42 @@ mod tests {
         assert_eq!(slabs.meeting(-2.0, 2.0), [2, 5], "a voxel on a face");
         assert_eq!(slabs.meeting(-1.5, 2.5), [2, 6]);
         assert_eq!(slabs.meeting(-4.0, 4.0), [0, 7]);
+        assert_eq!(
+            slabs.meeting(-9.0, 9.0),
+            [0, 7],
+            "what lies before or behind counts as the ends"
+        );
+    }
+
+    #[test]
+    fn slabs_meet_depths_between_their_faces() {
+        for thickness in [0.3, 0.5, 2.0] {
+            let slabs = SlabGrid::covering([-7.1, 9.2], thickness).unwrap();
+            for slab_idx in 0..slabs.n_slabs() {
+                let [front, back] = slabs.faces(slab_idx);
+                assert!((back - front - slabs.thickness()).abs() < 1e-12, "{slab_idx}");
+            }
+            for [near, far] in [[-7.1, 9.2], [-3.3, -0.7], [0.1, 0.2], [1.1, 5.3]] {
+                let is_met = |&slab_idx: &usize| {
+                    let [front, back] = slabs.faces(slab_idx);
+                    front < far && near < back
+                };
+                let met: Vec<usize> = (0..slabs.n_slabs()).filter(is_met).collect();
+                let [first, last] = slabs.meeting(near, far);
+                assert_eq!(met, (first..=last).collect::<Vec<_>>(), "{thickness} {near} {far}");
+            }
+        }
     }
 
     #[test]
     fn slabs_too_thin_are_refused() {
         let err = SlabGrid::covering([-100.0, 100.0], 1e-9).unwrap_err();
         assert!(err.to_string().contains("more than 4194304"), "{err}");
+        let half = f64::from(MAX_SLABS / 2);
+        let n_slabs =
+            |near: f64| SlabGrid::covering([near, half], 1.0).map(|slabs| slabs.n_slabs());
+        assert_eq!(n_slabs(-half), Ok(4_194_304));
+        assert!(n_slabs(-half - 1.0).is_err());
         assert!(SlabGrid::covering([-100.0, 100.0], 1e9).is_ok());
     }
 }

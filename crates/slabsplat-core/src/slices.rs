@@ -50,6 +50,7 @@ mod tests {
         };
         assert_eq!(order(44.9), SliceOrder { axis: 2, is_reversed: false, n_slices: 5 });
         assert_eq!(order(45.1), SliceOrder { axis: 0, is_reversed: true, n_slices: 3 });
-        assert_eq!(order(45.1).sheet_of([0, 0, 0]), 2);
+        assert_eq!([0, 1, 2].map(|x| order(45.1).sheet_of([x, 3, 4])), [2, 1, 0]);
+        assert_eq!([0, 1, 4].map(|z| order(44.9).sheet_of([2, 3, z])), [0, 1, 4]);
     }
 }

@@ -217,6 +217,19 @@ mod tests {
         assert_eq!(view.near_depth(), -20.0);
         assert!(view.draws_slab([-500.0, -19.9]) && !view.draws_slab([-21.0, -20.0]));
         assert_eq!(view.pixels_per_world(0.0), 2.0);
+        assert_eq!(view.image_size(), [40, 20]);
+    }
+
+    #[test]
+    fn view_of_coarse_voxels_from_aside() {
+        let grid = Grid::with_spacing([3, 3, 3], [2.0; 3]).unwrap();
+        let eye = grid.center_in_world() + DVec3::new(1.0, 0.5, 20.0);
+        let projection = Projection::Orthographic { view_height: 10.0 };
+        let camera = Camera::new(eye, eye - DVec3::Z, DVec3::Y, projection).unwrap();
+        let view = View::new(&grid, &camera, &ImageDesc::default()).unwrap();
+        let middle = view.from_index(&grid).transform(DVec3::ONE);
+        assert!(middle.abs_diff_eq(DVec3::new(-1.0, -0.5, 0.0), 1e-12), "{middle}");
+        assert_eq!(view.stretch(0.125), 4.0, "a step is a quarter of a pixel");
     }
 
     #[test]
