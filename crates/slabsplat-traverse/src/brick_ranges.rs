@@ -112,6 +112,7 @@ fn fold<T: Ordered>(least: &mut [T], most: &mut [T], row: &[T]) {
 mod tests {
     use super::*;
     use crate::tests::random_volume;
+    use slabsplat_core::Grid;
     use slabsplat_seeds::for_each_seed;
 
     #[test]
@@ -139,5 +140,15 @@ mod tests {
                 }
             }
         });
+    }
+
+    #[test]
+    fn brick_ranges_take_two_numbers_a_brick() {
+        let grid = Grid::with_spacing([17, 8, 50], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 17 * 8 * 50].into(), Scaling::IDENTITY).unwrap();
+        let ranges = BrickRanges::new(&volume);
+        assert_eq!(ranges.n_bricks(), 3 * 7);
+        let least = ranges.n_bricks() * size_of::<[f64; 2]>();
+        assert!((least..2 * least).contains(&ranges.resident_bytes()));
     }
 }

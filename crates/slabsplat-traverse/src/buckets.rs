@@ -119,6 +119,8 @@ mod tests {
             let mut sorted = Buckets::default();
             assert!(sorted.items_of(0..3).is_empty(), "nothing before the first sort");
             assert_eq!(sorted.ends_held(0..3), None);
+            sorted.sort(1, [&[8, 9][..]].into_iter(), |_| 0, |&entry| entry);
+            assert_eq!(sorted.items_of(0..1), [8, 9]);
             for n_items in [0, 1, 7, 500, 20] {
                 let entries: Vec<(usize, u32)> =
                     (0..n_items).map(|idx| (rng.usize(0..9), idx)).collect();
@@ -140,5 +142,17 @@ mod tests {
                 }
             }
         });
+    }
+
+    #[test]
+    fn buckets_take_hardly_more_than_they_need() {
+        let mut sorted = Buckets::default();
+        for n_items in [1000, 3000, 10_000] {
+            let entries: Vec<usize> = (0..n_items).collect();
+            sorted.sort(1000, [&entries[..]].into_iter(), |&idx| idx % 1000, |&idx| idx as u32);
+            let needed = (1000 + n_items) * size_of::<u32>();
+            let bytes = sorted.resident_bytes();
+            assert!((needed..needed + needed / 8).contains(&bytes), "{bytes} of {needed}");
+        }
     }
 }

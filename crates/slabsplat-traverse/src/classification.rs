@@ -70,3 +70,28 @@ impl Classification {
         [r, g, b, weight].map(|channel| channel as f32)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::{Grid, Samples};
+
+    #[test]
+    fn classification_holds_a_table_of_narrow_samples() {
+        let transfer = TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap();
+        let check = |samples: Samples, n_entries: usize| {
+            let grid = Grid::with_spacing([1; 3], [1.0; 3]).unwrap();
+            let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
+            let classification = Classification::new(&transfer, Compositing::Separate, &volume);
+            let least = n_entries * size_of::<[f32; 4]>();
+            let bytes = classification.resident_bytes();
+            assert!((least..=2 * least).contains(&bytes), "{bytes} bytes of {n_entries} entries");
+        };
+        check(vec![1_u8].into(), 1 << 8);
+        check(vec![1_i8].into(), 1 << 8);
+        check(vec![1_u16].into(), 1 << 16);
+        check(vec![1_i16].into(), 1 << 16);
+        check(vec![1_u32].into(), 0);
+        check(vec![1.0_f32].into(), 0);
+    }
+}

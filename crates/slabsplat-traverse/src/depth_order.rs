@@ -113,5 +113,7 @@ mod tests {
         order.update(&grid, &view, &list);
         let places: Vec<usize> = (0..order.len()).map(|nth| order.place(nth)).collect();
         assert_eq!(places, [5, 7, 4, 1, 6, 3, 0, 2]);
+        assert!(DepthOrder::default().is_empty() && !order.is_empty());
+        assert!((8 * 4 * size_of::<i64>()..512).contains(&order.resident_bytes()));
     }
 }

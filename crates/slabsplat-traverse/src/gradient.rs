@@ -299,6 +299,7 @@ mod tests {
         check(vec![1_u8].into(), DMat3::IDENTITY, true);
         check(vec![1_i16].into(), sheared(3.0), true);
         check(vec![1_u16].into(), DMat3::from_diagonal(DVec3::new(1e-9, 1.0, -1e9)), true);
+        check(vec![1_u16].into(), DMat3::from_diagonal(DVec3::new(1e-3, 1e-3, 1e-3)), true);
         check(vec![1_i8].into(), sheared(30.0), false);
         for wide in
             [vec![1_u32].into(), vec![1_i32].into(), vec![1.0_f32].into(), vec![1.0_f64].into()]

@@ -159,6 +159,7 @@ mod tests {
             let records = list.voxels_of(brick);
             brick_view.project_brick(brick, records, &mut points);
             let BrickBounds { center, half_extents } = brick_view.bounds(brick);
+            let mut farthest = [0.0_f64; 3];
             for (&record, &point) in records.iter().zip(&points) {
                 let coords = list.voxel_coords(brick, record).map(|c| c as f64);
                 let expected = view_from_index.transform(DVec3::from(coords));
@@ -167,7 +168,12 @@ mod tests {
                 for axis in 0..3 {
                     let from_center = f64::from(point[axis]) - f64::from(center[axis]);
                     assert!(from_center.abs() <= f64::from(half_extents[axis]), "{from_center}");
+                    farthest[axis] = farthest[axis].max(from_center.abs());
                 }
+            }
+            for (farthest, half_extent) in farthest.into_iter().zip(half_extents) {
+                let beyond = f64::from(half_extent) - farthest;
+                assert!(beyond < 1e-3 * longest_step, "nothing comes near a face: {beyond}");
             }
         }
     }

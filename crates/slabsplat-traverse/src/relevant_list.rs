@@ -129,6 +129,7 @@ mod tests {
     use crate::naive_normals::naive_normal;
     use crate::tests::{random_ranges, random_volume};
     use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{Grid, Scaling};
     use slabsplat_seeds::for_each_seed;
 
     fn relevant(volume: &Volume, ranges: &[IsoRange]) -> Vec<usize> {
@@ -208,6 +209,23 @@ mod tests {
                 assert!(normal.distance(naive_normal(&volume, voxel_idx)) < 2.7e-5);
             }
         });
+    }
+
+    #[test]
+    fn relevant_list_of_everything() {
+        let grid = Grid::with_spacing([9, 8, 40], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, vec![5_u8; 2880].into(), Scaling::IDENTITY).unwrap();
+        let mut list = RelevantList::default();
+        assert!(list.is_empty() && list.ranges().is_empty());
+        let ranges = [IsoRange { lo: 5.0, hi: 6.0 }];
+        list.update(&volume, &BrickRanges::new(&volume), &ranges);
+        assert!(!list.is_empty());
+        assert_eq!((list.len(), list.bricks().len()), (2880, 10));
+        assert_eq!((list.ranges(), list.grid()), (&ranges[..], &BrickGrid::new(&grid)));
+        let by_brick = list.bricks().iter().flat_map(|brick| list.voxels_of(brick));
+        assert!(by_brick.eq(list.records()));
+        let least = 2880 * size_of::<VoxelRecord>() + 10 * size_of::<Brick>();
+        assert!((least..2 * least).contains(&list.resident_bytes()));
     }
 
     #[test]

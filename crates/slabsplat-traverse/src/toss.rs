@@ -271,6 +271,46 @@ mod tests {
         });
     }
 
+    /// Enough runs to balance the load, but none whose starts outweigh its splats or whose entries leave 32
+    /// bits.
+    #[test]
+    fn toss_takes_runs_of_middle_length() {
+        let check = |n_splats: usize, size: [u32; 2], n_runs: usize| {
+            let mut buckets = TileBuckets::default();
+            buckets.toss(&TileGrid::new(size, 1), n_splats, |_| TileRect::EMPTY);
+            assert_eq!(buckets.n_runs, n_runs, "{n_splats} splats on {size:?} tiles");
+        };
+        check(1 << 14, [5, 7], 1);
+        check(40_000, [5, 7], 3);
+        check(1 << 22, [5, 7], 64);
+        check(300_000, [150, 150], 4);
+        check(10_000, [1024, 1024], 3);
+    }
+
+    #[test]
+    fn toss_holds_entries_and_names() {
+        let tiles = TileGrid::new([5, 7], 1);
+        let mut buckets = TileBuckets::default();
+        buckets.toss(&tiles, 16_000, |splat| {
+            let tile = [splat as u16 % 5, splat as u16 % 7];
+            TileRect { min: tile, max: tile }
+        });
+        let least = 16_000 * (size_of::<TileEntry>() + size_of::<u32>());
+        assert!((least..3 * least).contains(&buckets.resident_bytes()));
+        let run = &buckets.runs[0];
+        assert!(run.toss.resident_bytes() < buckets.resident_bytes());
+    }
+
+    #[test]
+    fn tiles_stand_row_by_row() {
+        let tiles = TileGrid::new([100, 70], 16);
+        assert_eq!((tiles.n_x, tiles.n_y, tiles.n_tiles()), (7, 5, 35));
+        assert_eq!(
+            [0, 6, 7, 34].map(|tile| tiles.origin(tile)),
+            [[0, 0], [96, 0], [0, 16], [96, 64]]
+        );
+    }
+
     #[test]
     fn toss_touches_pixels_with_centers_inside() {
         let tiles = TileGrid::new([64, 32], 16);
@@ -286,6 +326,7 @@ mod tests {
         none([0.0, 0.0], [0.4, 0.4]);
         none([64.0, 0.0], [70.0, 5.0]);
         none([-9.0, 0.0], [-1.0, 5.0]);
+        none([0.0, -9.0], [5.0, -1.0]);
         none([f32::NAN; 2], [f32::NAN; 2]);
     }
 }
