@@ -6,6 +6,7 @@ use slabsplat_core::{
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
+    TiltedSections,
 };
 use std::sync::Arc;
 
@@ -65,14 +66,7 @@ pub enum Splats {
 #[derive(Clone, Debug)]
 pub enum ColorSplats {
     /// `image-aligned`: sections, into the slabs that they come from.
-    Sections {
-        /// The slabs.
-        slabs: Slabs,
-        /// The sections.
-        table: Arc<SectionTable>,
-        /// Which of them a backend may merge, and the sections that it needs for that.
-        merged: Option<MergedSections>,
-    },
+    Sections(SectionSplats),
     /// `axis-aligned`: whole footprints, into the grid's slices.
     Slices {
         /// The slices.
@@ -85,6 +79,20 @@ pub enum ColorSplats {
         /// The footprint.
         table: Arc<FootprintTable>,
     },
+}
+
+/// `image-aligned`: the sections of voxels.
+#[derive(Clone, Debug)]
+pub struct SectionSplats {
+    /// The slabs.
+    pub slabs: Slabs,
+    /// The sections.
+    pub table: Arc<SectionTable>,
+    /// The same without a table, where slab faces cut the rays of a footprint at different offsets, if the
+    /// kernel allows it.
+    pub tilted: Option<TiltedSections>,
+    /// Which of them a backend may merge, and the sections that it needs for that.
+    pub merged: Option<MergedSections>,
 }
 
 /// `post-classified`: sections, into the slabs that they come from; each adds its weight, and its weight

@@ -1,13 +1,15 @@
 //! Makes frame plans, and keeps the tables that the next frame can use again.
 
-use crate::{Cached, ColorSplats, DensitySplats, FramePlan, MergedSections, Slabs, Splats};
+use crate::{
+    Cached, ColorSplats, DensitySplats, FramePlan, MergedSections, SectionSplats, Slabs, Splats,
+};
 use slabsplat_core::{
-    BlinnPhong, ImageError, Method, Normalization, RenderSettings, Scene, SettingsError, Shading,
-    ShadingError, SliceOrder, TooManySlabs, View, ViewError, Volume,
+    BlinnPhong, ImageError, Lookup, Method, Normalization, RenderSettings, Scene, SettingsError,
+    Shading, ShadingError, SliceOrder, TooManySlabs, View, ViewError, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, SectionDesc,
-    SectionTable, SplitLevels, SplitView, TableDesc, UnknownKernel, kernel_named,
+    SectionTable, SplitLevels, SplitView, TableDesc, TiltedSections, UnknownKernel, kernel_named,
 };
 use std::sync::Arc;
 use thiserror::Error;
@@ -43,6 +45,7 @@ pub struct Planner {
     merged: Cached<TableKey, Arc<SectionTable>>,
     footprint: Cached<TableKey, Arc<FootprintTable>>,
     cubic: Cached<TableKey, Arc<CubicSectionTable>>,
+    tilted: Cached<TableKey, Option<TiltedSections>>,
 }
 
 /// Everything that the tables are made from.
@@ -94,11 +97,12 @@ impl Planner {
         let half_depth = kernel.radius() * shape.half_depth;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let splats = match key.settings.method {
-            Method::ImageAligned => Splats::Colors(ColorSplats::Sections {
+            Method::ImageAligned => Splats::Colors(ColorSplats::Sections(SectionSplats {
                 slabs: Slabs::new(volume.grid(), &view, half_depth, key.settings.slab_width)?,
                 merged: self.merged_sections(&*kernel, &key, &view, &shape, volume.grid().unit()),
+                tilted: self.tilted_sections(&*kernel, &key, &shape),
                 table: self.section_table(&*kernel, key),
-            }),
+            })),
             Method::AxisAligned => Splats::Colors(ColorSplats::Slices {
                 order: SliceOrder::new(volume.grid(), view.axes().forward),
                 table: self.footprint_table(&*kernel, key),
@@ -149,6 +153,23 @@ impl Planner {
         });
         let table = table.clone();
         Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) })
+    }
+
+    /// Of what the definition leaves to a table, only that is without one which no setting of tables changes.
+    fn tilted_sections(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+        shape: &FootprintShape,
+    ) -> Option<TiltedSections> {
+        let TableKey { kappa, settings } = key;
+        let reads_table = settings.lookup == Lookup::Nearest
+            || settings.normalization != Normalization::None
+            || !shape.is_tilted(kernel.radius());
+        if reads_table {
+            return None;
+        }
+        self.tilted.made_of(key.clone(), |_| TiltedSections::new(kernel, *kappa)).clone()
     }
 
     fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
@@ -210,7 +231,7 @@ mod tests {
 
     fn table(planner: &mut Planner, scene: &Scene) -> Arc<SectionTable> {
         match planner.plan(&volume(), scene).unwrap().splats {
-            Splats::Colors(ColorSplats::Sections { table, .. }) => table,
+            Splats::Colors(ColorSplats::Sections(SectionSplats { table, .. })) => table,
             other => panic!("{other:?}"),
         }
     }
@@ -237,7 +258,7 @@ mod tests {
             let mut scene = scene(RenderSettings::default());
             scene.camera = scene.camera.orbited(0.02 * f64::from(step));
             match planner.plan(&volume, &scene).unwrap().splats {
-                Splats::Colors(ColorSplats::Sections { slabs, .. }) => {
+                Splats::Colors(ColorSplats::Sections(SectionSplats { slabs, .. })) => {
                     assert_eq!(slabs.n_before, 4, "{step}");
                 }
                 other => panic!("{other:?}"),
@@ -258,10 +279,10 @@ mod tests {
             let mut planner = Planner::default();
             let plan = planner.plan(&volume, &scene).unwrap();
             assert!((plan.half_depth / spacing[2] - 2.0).abs() < 1e-12, "{}", plan.half_depth);
-            let Splats::Colors(ColorSplats::Sections { merged: Some(merged), .. }) = plan.splats
-            else {
-                panic!("{spacing:?}: nothing is merged");
+            let Splats::Colors(ColorSplats::Sections(sections)) = plan.splats else {
+                panic!("{:?}", plan.splats);
             };
+            let merged = sections.merged.expect("faint voxels are whole");
             let kernel = kernel_named("gaussian").unwrap();
             let split_view = SplitView { layer_depth, steepest_ray: 0.0 };
             let levels = SplitLevels::new(&scene.settings, &*kernel, split_view);

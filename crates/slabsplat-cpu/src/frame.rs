@@ -62,7 +62,7 @@ impl OfMethods {
     /// Frees what only methods need that these splats are not of: each may hold all voxels.
     fn forget_others(&mut self, splats: &Splats) {
         let Self { image_aligned, axis_aligned, every_sample, densities, .. } = self;
-        if !matches!(splats, Splats::Colors(ColorSplats::Sections { .. })) {
+        if !matches!(splats, Splats::Colors(ColorSplats::Sections(_))) {
             *image_aligned = image_aligned::Buffers::default();
         }
         if !matches!(splats, Splats::Colors(ColorSplats::Slices { .. })) {
@@ -101,9 +101,8 @@ impl OfMethods {
         watch.done("list");
         let mut n_occluded = 0;
         match splats {
-            ColorSplats::Sections { slabs, table, merged } => {
+            ColorSplats::Sections(sections) => {
                 let buffers = &mut self.image_aligned;
-                let sections = (slabs, table, merged.as_ref());
                 n_occluded = image_aligned::render(&stage, sections, tiles, buffers, watch);
             }
             ColorSplats::Slices { order, table } => {

@@ -3,7 +3,7 @@
 
 use crate::classification::compositing_code;
 use crate::params::{Frame, TILE_SIDE, flag};
-use slabsplat_backend::{ColorSplats, FramePlan, Slabs};
+use slabsplat_backend::{ColorSplats, FramePlan, SectionSplats, Slabs};
 use slabsplat_core::{BlinnPhong, Lookup, SliceOrder};
 
 /// What the shaders read of `plan`, whose splats are these, and whose table has `row_len` quads in a row.
@@ -64,7 +64,7 @@ fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
 fn put_sheets(plan: &FramePlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
     frame.method = method_code(splats);
     match splats {
-        ColorSplats::Sections { slabs, table, .. } => {
+        ColorSplats::Sections(SectionSplats { slabs, table, .. }) => {
             put_slabs(plan, slabs, frame);
             let rows = table.rows();
             frame.samples_per_index = table.samples_per_index();
@@ -87,7 +87,7 @@ fn put_sheets(plan: &FramePlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
 /// The number by which the shaders know the method.
 fn method_code(splats: &ColorSplats) -> u32 {
     match splats {
-        ColorSplats::Sections { .. } => 0,
+        ColorSplats::Sections(_) => 0,
         ColorSplats::Slices { .. } => 1,
         ColorSplats::Voxels { .. } => 2,
     }

@@ -85,7 +85,7 @@ impl Job {
         most_voxels: u64,
     ) -> Self {
         let table = match splats {
-            ColorSplats::Sections { table, .. } => Table::Sections(table.clone()),
+            ColorSplats::Sections(sections) => Table::Sections(sections.table.clone()),
             ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table } => {
                 Table::Footprint(table.clone())
             }

@@ -72,6 +72,14 @@ impl RadialPolynomials {
         Basis::new().fit(row, 1.0, WHOLE, Degree::Low).0
     }
 
+    /// The first `N` coefficients in `x`, −1 to 1, of a smooth function.
+    pub(crate) fn smooth<const N: usize>(function: impl Fn(f64) -> f64) -> [f32; N] {
+        let basis = Basis::new();
+        let parts = basis.parts_of(&basis.at_nodes(function), N);
+        let powers = basis.in_powers(&parts, 1.0);
+        std::array::from_fn(|power| powers[power] as f32)
+    }
+
     fn of_rows(rows: &[&[f32]], faces: impl Fn(usize) -> [f64; 2], degree: Degree) -> Self {
         let discs: Vec<f64> = rows.iter().map(|row| disc_of(row)).collect();
         let basis = Basis::new();

@@ -23,7 +23,7 @@ use slabsplat_kernel::{MAX_COEFFICIENTS, SectionTable};
 const MAX_LANES: usize = 16;
 
 /// `0.5, 1.5, …`: the centres of pixels.
-const CENTERS: [f32; MAX_LANES] = {
+pub(super) const CENTERS: [f32; MAX_LANES] = {
     let mut centers = [0.0; MAX_LANES];
     let mut lane = 0;
     while lane < MAX_LANES {
@@ -112,12 +112,11 @@ fn pair<S: Simd, V: Lanes<S>>(simd: S, [c0, c1]: [f32; 2], x: V) -> V {
 
 /// `c₀ + c₁·x + c₂·x² + c₃·x³`.
 #[inline(always)]
-fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) -> V {
+pub(super) fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) -> V {
     pair(simd, [c2, c3], x).mul_add(x2, pair(simd, [c0, c1], x))
 }
 
-/// Sections that are read from the table, for every pixel by itself: slab faces may cut a footprint's rays at
-/// different offsets, or polynomials may not be good enough.
+/// Sections that are read from the table, for every pixel by itself: no polynomials may be good enough.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ByTable<'a> {
     pub(crate) table: &'a SectionTable,

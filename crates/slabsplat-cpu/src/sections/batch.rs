@@ -12,7 +12,8 @@
 //! It takes a square root and a chain of other steps. Side by side they cost little, and the inner loop finds
 //! everything ready.
 
-use super::cut::{Components, Cuts, Kind, SlabCut, Voxels};
+use super::cut::{Components, Cuts, SlabCut, Voxels};
+use super::shared::Kind;
 use crate::pixels::rectangle::{MARGIN, PixelBox, pixel};
 use crate::pixels::tile::Tile;
 use crate::voxels::by_sheet::N_AT_ONCE;

@@ -20,17 +20,6 @@ pub(crate) struct SlabCut<'a> {
     pub(crate) faces: [f32; 2],
 }
 
-/// What voxels are like that are prepared together.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// They are drawn whole.
-    Whole,
-    /// Slabs cut them at one depth for all of a footprint.
-    Upright,
-    /// Their sections are read from the table, pixel by pixel.
-    ByTable,
-}
-
 /// Eight voxels, component by component.
 pub(crate) struct Components<S: Simd> {
     pub(crate) right: f32x8<S>,

@@ -4,13 +4,26 @@ use crate::footprints::polynomials::PolynomialPair;
 use crate::footprints::raster::Raster;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use slabsplat_core::{Compositing, Lookup};
-use slabsplat_kernel::{SectionTable, chord_units_per_index};
+use slabsplat_kernel::{SectionTable, TiltedSections, chord_units_per_index};
 
 /// A table of sections, and what was fitted to it.
 #[derive(Clone, Copy)]
 pub(crate) struct Fitted<'a> {
     pub(crate) table: &'a SectionTable,
     pub(crate) polynomials: &'a PolynomialPair,
+}
+
+/// What voxels are like that are prepared together.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// They are drawn whole.
+    Whole,
+    /// Slabs cut them at one depth for all of a footprint.
+    Upright,
+    /// Slabs cut them at a depth that differs from pixel to pixel.
+    Tilted,
+    /// Their sections are read from the table, pixel by pixel.
+    ByTable,
 }
 
 /// The sections of a frame.
@@ -26,9 +39,10 @@ pub(crate) struct Sections<'a> {
     pub(crate) edge_per_disc: f32,
     /// Units of chords in an index unit.
     pub(crate) chord_units_per_index: f32,
-    /// Whether they are read from the table pixel by pixel: no polynomial is good enough, or slabs cut
-    /// footprints at an offset that differs from pixel to pixel.
-    pub(crate) reads_table: bool,
+    /// Sections by slabs that cut footprints at an offset that differs from pixel to pixel.
+    pub(crate) tilted: Option<&'a TiltedSections>,
+    /// How the voxels that slabs cut are drawn: from the table, if no polynomial is good enough.
+    pub(crate) kind: Kind,
     /// Sections of voxels of no more extinction are drawn by polynomials of low degree.
     pub(crate) most_of_low_degree: f32,
 }
@@ -40,6 +54,7 @@ impl<'a> Sections<'a> {
         compositing: Compositing,
         slabs: Fitted<'a>,
         merged: Option<Fitted<'a>>,
+        tilted: Option<&'a TiltedSections>,
         n_sections: usize,
     ) -> Self {
         let is_exact = merged.is_some() || slabs.polynomials.are_exact(compositing);
@@ -51,7 +66,12 @@ impl<'a> Sections<'a> {
             half_depth_in_index: raster.half_depth * raster.index_per_depth,
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
             chord_units_per_index: chord_units_per_index(raster.radius.into()) as f32,
-            reads_table: raster.is_tilted || !is_exact,
+            tilted,
+            kind: match (raster.is_tilted, tilted) {
+                (true, Some(_)) => Kind::Tilted,
+                (false, _) if is_exact => Kind::Upright,
+                _ => Kind::ByTable,
+            },
             // Only where colours are weighted with it do errors shrink with the extinction.
             most_of_low_degree: if compositing.weights_colors() {
                 most(&slabs).min(merged.as_ref().map_or(f32::INFINITY, most))

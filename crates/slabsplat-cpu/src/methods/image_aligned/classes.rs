@@ -3,7 +3,7 @@
 //! A tile keeps them apart, so that a slab does not look at voxels that it cannot hold, and a loop has one
 //! kind of section.
 
-use crate::sections::cut::Kind;
+use crate::sections::shared::Kind;
 use crate::sections::span::SpannedVoxel;
 
 /// Classes of spans: one slab, up to three, more.
@@ -18,8 +18,8 @@ pub(super) struct Classes {
     pub(super) most_of_separable: f32,
     /// Whether sections may be merged; a voxel with one slab is then drawn whole.
     pub(super) is_merged: bool,
-    /// Whether sections are read from the table pixel by pixel.
-    pub(super) reads_table: bool,
+    /// How voxels are drawn that are not whole.
+    pub(super) kind: Kind,
     /// How many slabs before a slab any voxel may start that is drawn in it.
     pub(super) n_before: usize,
 }
@@ -44,8 +44,7 @@ impl Classes {
     pub(super) fn kind_of(&self, class: usize) -> Kind {
         match class % N_SPAN_CLASSES {
             0 if self.is_merged => Kind::Whole,
-            _ if self.reads_table => Kind::ByTable,
-            _ => Kind::Upright,
+            _ => self.kind,
         }
     }
 

@@ -41,10 +41,8 @@ use intake::{Intake, Scratch};
 use occlusion::Occlusion;
 use rayon::prelude::*;
 use setup::{Prepared, Setup};
-use slabsplat_backend::{MergedSections, Slabs};
-use slabsplat_kernel::SectionTable;
+use slabsplat_backend::SectionSplats;
 use slabsplat_traverse::Brick;
-use std::sync::Arc;
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
@@ -63,13 +61,13 @@ pub(crate) struct Buffers {
 /// Renders into empty tiles; returns how many voxels were never tossed, being occluded.
 pub(crate) fn render(
     stage: &Stage<'_>,
-    (slabs, table, merged): (&Slabs, &Arc<SectionTable>, Option<&MergedSections>),
+    splats: &SectionSplats,
     tiles: &mut Tiles,
     buffers: &mut Buffers,
     watch: &mut Stopwatch,
 ) -> u64 {
     let Buffers { prepared, bricks, intake, scratches, occlusion, waiting, workspaces } = buffers;
-    let setup = &Setup::new(stage, slabs, table, merged, prepared);
+    let setup = &Setup::new(stage, splats, prepared);
     sort_bricks(stage, setup, bricks);
     watch.done("bricks");
     occlusion.start(stage.plan.view.image_size(), &tiles.tiles);

@@ -8,9 +8,8 @@ use crate::footprints::polynomials::SectionPolynomials;
 use crate::methods::Stage;
 use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
-use slabsplat_backend::{MergedSections, Slabs};
-use slabsplat_kernel::{SectionTable, SeparableSections};
-use std::sync::Arc;
+use slabsplat_backend::SectionSplats;
+use slabsplat_kernel::SeparableSections;
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
@@ -37,12 +36,11 @@ pub(super) struct Setup<'a> {
 impl<'a> Setup<'a> {
     pub(super) fn new(
         stage: &'a Stage<'_>,
-        slabs: &'a Slabs,
-        table: &'a Arc<SectionTable>,
-        merged: Option<&'a MergedSections>,
+        SectionSplats { slabs, table, merged, tilted }: &'a SectionSplats,
         prepared: &'a mut Prepared,
     ) -> Self {
         let (raster, plan) = (&stage.raster, stage.plan);
+        let (merged, tilted) = (merged.as_ref(), tilted.as_ref());
         let budget = merged.map(|merged| merged.budget);
         let fitted = Fitted { table, polynomials: prepared.sections.of(table, budget) };
         let fitted_merged = merged.map(|merged| Fitted {
@@ -50,7 +48,8 @@ impl<'a> Setup<'a> {
             polynomials: prepared.merged.of(&merged.table, budget),
         });
         let n_sections = slabs.n_before + 1;
-        let sections = Sections::new(raster, plan.compositing, fitted, fitted_merged, n_sections);
+        let sections =
+            Sections::new(raster, plan.compositing, fitted, fitted_merged, tilted, n_sections);
         let upright = merged.filter(|_| !raster.is_sheared && !raster.is_tilted);
         let separable = upright.and_then(|merged| prepared.separable.of([table, &merged.table]));
         prepared.shapes.update(raster, &plan.view, &slabs.grid, separable);
@@ -64,7 +63,7 @@ impl<'a> Setup<'a> {
                         most_extinction(separable, budget)
                     }),
                 is_merged: merged.is_some(),
-                reads_table: sections.reads_table,
+                kind: sections.kind,
                 n_before: slabs.n_before,
             },
             slabs,
