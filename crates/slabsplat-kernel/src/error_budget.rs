@@ -82,7 +82,10 @@ mod tests {
     #[test]
     fn budget_is_for_additive_pictures() {
         let settings = RenderSettings::default().tolerance(0.04);
-        assert_eq!(ErrorBudget::new(&settings).per_face(), 0.02);
+        let budget = ErrorBudget::new(&settings);
+        assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
+        assert_eq!(budget.separable(), 0.005);
+        assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
         for settings in [
             settings.clone().method(Method::AxisAligned),
             settings.clone().compositing(Compositing::Separate),

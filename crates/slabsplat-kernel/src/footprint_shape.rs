@@ -102,6 +102,46 @@ mod tests {
         assert!((shape.half_depth - 0.5).abs() < 1e-12);
     }
 
+    /// What counts is how far a lean moves the rim of a footprint, in widths of it.
+    #[test]
+    fn footprint_shape_of_turned_grid_is_sheared() {
+        let is_sheared = |spacing: [f64; 3], roll: f64| {
+            let grid = Grid::with_spacing([4; 3], spacing).unwrap();
+            let projection = Projection::Orthographic { view_height: 1.0 };
+            let up = DVec3::new(roll, 1.0, 0.0);
+            let camera = Camera::new(DVec3::Z, DVec3::ZERO, up, projection).unwrap();
+            FootprintShape::new(&grid, &camera.axes()).is_sheared()
+        };
+        assert!(!is_sheared([1.0, 2.0, 3.0], 0.0));
+        assert!(is_sheared([1.0, 2.0, 3.0], 0.3) && is_sheared([1.0, 2.0, 3.0], -0.3));
+        assert!(is_sheared([1e-6, 1.0, 1.0], 1e-10), "a ten thousandth of the width");
+        assert!(!is_sheared([1.0, 1.1, 1.0], 1e-10));
+        let aside = axes(DVec3::new(3.0, 1.0, 2.0));
+        let cubic = Grid::with_spacing([4; 3], [1e-6; 3]).unwrap();
+        assert!(!FootprintShape::new(&cubic, &aside).is_sheared());
+        assert!(FootprintShape::new(&sheared(), &aside).is_sheared());
+    }
+
+    #[test]
+    fn footprint_shape_is_tilted_by_what_its_extent_makes_of_a_tilt() {
+        let grid = Grid::with_spacing([4; 3], [1.0; 3]).unwrap();
+        let upright = FootprintShape::new(&grid, &axes(DVec3::X));
+        let check = |tilt: [f64; 2], half_extent: [f64; 2], expected: bool| {
+            for [tilt, half_extent] in [[tilt, half_extent], [tilt, half_extent].map(swapped)] {
+                let shape = FootprintShape { tilt, half_extent, ..upright };
+                assert_eq!(shape.is_tilted(2.0), expected, "{tilt:?} {half_extent:?}");
+            }
+        };
+        check([0.1, 0.0], [1e-4, 9.0], true);
+        check([-0.1, 0.0], [1e-4, 9.0], true);
+        check([0.1, 0.0], [1e-5, 9.0], false);
+        check([0.1, 0.1], [4e-5, 4e-5], true);
+    }
+
+    fn swapped([a, b]: [f64; 2]) -> [f64; 2] {
+        [b, a]
+    }
+
     /// Both forms against their definition: the distance of a ray from the origin in index space,
     /// and where on the ray its nearest point is.
     #[test]

@@ -74,7 +74,20 @@ mod tests {
     use crate::Gaussian;
 
     fn desc(normalization: Normalization, width: f64) -> SectionDesc<'static> {
-        SectionDesc { kernel: &Gaussian, width, kappa: 1.0, normalization, base_width: 0.5 }
+        SectionDesc { kernel: &Gaussian, width, kappa: KAPPA, normalization, base_width: 0.5 }
+    }
+
+    const KAPPA: f64 = 1.25;
+
+    #[test]
+    fn hierarchy_without_normalization_adds_up() {
+        for width in [1.0, 2.5, 16.0] {
+            let section = &desc(Normalization::None, width);
+            for front in [-2.1, -0.3, 1.2] {
+                let darkening = Hierarchy { section, rho: 0.4 }.darkening(front);
+                assert!((darkening - 1.0).abs() < 1e-12, "{width} {front}: {darkening}");
+            }
+        }
     }
 
     /// Eq. 6, for one voxel of opacity ½: what two slabs composite is what the joined slab shows.
@@ -83,7 +96,7 @@ mod tests {
         for (rho, front) in [(0.0, -1.0), (0.4, -0.7), (1.1, 0.2)] {
             let thin = desc(Normalization::Product, 0.5);
             let h_f = thin.weight(rho, front);
-            let h_b = thin.weight(rho, front + 0.5);
+            let h_b = thin.weight(rho, front + 0.5 * KAPPA);
             let composited = h_f * h_f * ALPHA + (1.0 - ALPHA * h_f) * h_b * h_b * ALPHA;
             let joined = desc(Normalization::Product, 1.0).weight(rho, front);
             assert!((joined * joined * ALPHA - composited).abs() < 1e-14, "{rho} {front}");
@@ -95,7 +108,7 @@ mod tests {
     fn hierarchy_paper_subtracts_equation_8() {
         let (rho, front) = (0.3, -0.6);
         let thin = desc(Normalization::Paper, 0.5);
-        let (h_f, h_b) = (thin.weight(rho, front), thin.weight(rho, front + 0.5));
+        let (h_f, h_b) = (thin.weight(rho, front), thin.weight(rho, front + 0.5 * KAPPA));
         let expected = h_f + h_b - (2.0 * h_b * h_f + 0.5 * h_b * h_b * h_f);
         let joined = desc(Normalization::Paper, 1.0).weight(rho, front);
         assert!((joined - expected).abs() < 1e-14);

@@ -83,6 +83,16 @@ mod tests {
         }
     }
 
+    #[test]
+    fn kernel_ends_at_its_radius() {
+        for &name in KERNEL_NAMES {
+            let kernel = kernel_named(name).unwrap();
+            let radius = kernel.radius();
+            assert!(0.0 < kernel.value(radius - 1e-3), "{name}");
+            assert_eq!([radius, 2.0 * radius].map(|r| kernel.value(r)), [0.0; 2], "{name}");
+        }
+    }
+
     /// model §2: `∫h dV` of both kernels, by the midpoint rule over spherical shells.
     #[test]
     fn kernel_integrates_to_one() {

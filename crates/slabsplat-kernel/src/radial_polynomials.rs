@@ -394,6 +394,45 @@ mod tests {
         }
     }
 
+    /// Over all extinctions that a voxel may have; between a faint and an opaque one it is a bound.
+    #[test]
+    fn errors_of_pixels_are_the_most_that_shows() {
+        for (weight, slack) in [(0.0, 1.01), (0.02, 1.4), (0.3, 1.01), (1.0, 1.01)] {
+            for off in [1e-4, -1e-4] {
+                let shows = |step: i32| {
+                    let mu = extinction(1.0) * f64::from(step) / 1000.0;
+                    ((-mu * weight).exp() - (-mu * (weight + off)).exp()).abs()
+                };
+                let most = (0..=1000).map(shows).fold(0.0, f64::max);
+                let Errors { of_weight, of_pixel } = Errors::of(off, weight);
+                let ratio = of_pixel / most;
+                assert!((0.99..slack).contains(&ratio), "{off} of {weight}: {ratio}");
+                assert_eq!(of_weight, 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn polynomials_of_neighboring_rows() {
+        let kernel = kernel_named("gaussian").unwrap();
+        let (kernel, normalization) = (&*kernel, Normalization::None);
+        let desc = SectionDesc { kernel, width: 4.0, kappa: 1.0, normalization, base_width: 0.5 };
+        let table = TableDesc { sections: 8, radial_samples: 64, lookup: Lookup::Linear };
+        let table = SectionTable::new(&desc, table);
+        let fit = RadialPolynomials::of_sections(&table, Degree::High);
+        let last = table.n_rows() - 1;
+        for row_idx in 0..last {
+            assert_eq!(fit.around(row_idx), [fit.row(row_idx), fit.row(row_idx + 1)]);
+            assert_ne!(fit.row(row_idx), fit.row(row_idx + 1));
+        }
+        assert_eq!(fit.around(last), [fit.last_row(); 2]);
+        let footprint = FootprintTable::new(kernel, 1.0, 64);
+        let whole = RadialPolynomials::of_footprint(&footprint, Degree::High);
+        for (a, b) in fit.last_row().iter().zip(whole.row(0)) {
+            assert!((a - b).abs() < 1e-6, "{a} {b}");
+        }
+    }
+
     #[test]
     fn disc_ends_before_the_zeros() {
         // Eleven samples from the edge to the middle, and the last once more.
@@ -423,7 +462,8 @@ mod tests {
             let fit =
                 RadialPolynomials::of_sections(&SectionTable::new(&desc, table), Degree::High);
             println!("κ = {kappa}, w = {width}: {:.1e}", fit.pixel_error());
-            assert!(fit.pixel_error() < 1.5e-4, "κ = {kappa}, w = {width}: {}", fit.pixel_error());
+            let error = fit.pixel_error();
+            assert!(0.0 < error && error < 1.5e-4, "κ = {kappa}, w = {width}: {error}");
         }
     }
 

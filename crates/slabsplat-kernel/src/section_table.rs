@@ -331,6 +331,83 @@ mod tests {
         assert_eq!(plain.sample(0.4, -1.2, -0.2), plain.sample(0.4, 0.2, 1.2));
     }
 
+    #[test]
+    fn section_table_rows_are_sections_between_their_faces() {
+        let desc = SectionDesc { kappa: 0.8, ..desc("crawfis-max", 0.7, Normalization::None) };
+        let table = SectionTable::new(&desc, DEFAULT);
+        let rows = table.all_rows();
+        assert_eq!((rows.len(), table.row_len()), (table.n_rows(), 258));
+        assert_eq!(rows.concat(), table.weights());
+        for (row_idx, row) in rows.into_iter().enumerate() {
+            let [front, back] = table.faces_of_row(row_idx);
+            assert!((back - front - desc.width_in_index()).abs() < 1e-12, "{row_idx}");
+            for rho in [0.0, 0.4, 1.1, 1.5] {
+                let half_chord = half_chord(desc.kernel.radius(), rho) as f32;
+                let read = lerp_radial(row, half_chord * table.samples_per_index());
+                let error = (f64::from(read) - desc.weight(rho, front)).abs();
+                assert!(error < 1e-4, "{row_idx} {rho}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn section_table_reads_the_nearest_row_or_two() {
+        let desc = desc("gaussian", 1.0, Normalization::None);
+        for (lookup, near, far) in
+            [(Lookup::Nearest, (9, 0.0), (10, 0.0)), (Lookup::Linear, (9, 0.25), (9, 0.75))]
+        {
+            let table = SectionTable::new(&desc, TableDesc { lookup, ..PAPER });
+            let at = |rows: f64| {
+                let [front, back] = [0, 1].map(|face| {
+                    table.faces_of_row(9)[face] + rows / f64::from(table.rows().rows_per_index)
+                });
+                let (row_idx, t) = table.row_at(front as f32, back as f32);
+                (row_idx, (64.0 * t).round() / 64.0)
+            };
+            assert_eq!((at(0.25), at(0.75)), (near, far), "{lookup}");
+        }
+    }
+
+    /// Never further apart than the paper's of the thinnest slabs, nor than a quarter of a slab.
+    #[test]
+    fn section_table_rows_are_close() {
+        let rows = |width: f64, table: TableDesc| {
+            SectionTable::new(&desc("gaussian", width, Normalization::None), table).n_rows()
+        };
+        let coarse = TableDesc { radial_samples: 2, ..DEFAULT };
+        assert_eq!(rows(4.0, coarse), 129, "4/128 apart over a depth of 2 + 4/2");
+        assert_eq!(rows(1.0, coarse), 81, "4/128 apart over a depth of 2 + 1/2");
+        assert_eq!(rows(0.04, coarse), 203, "0.04/4 apart over a depth of 2 + 0.04/2");
+        assert_eq!(rows(1e-12, coarse), 2049, "4/4096 apart over a depth of 2");
+        let nearest = TableDesc { lookup: Lookup::Nearest, ..coarse };
+        assert_eq!(rows(1e-12, nearest), 65, "half of the paper's");
+        assert_eq!(rows(9.0, nearest), 65, "half of the paper's");
+    }
+
+    /// A polygon through them has the parabola's area.
+    #[test]
+    fn fitted_values_are_right_on_average() {
+        let parabola: Vec<f64> = (0..6).map(|x: i32| f64::from(3 * x * x - 5 * x)).collect();
+        let fitted: Vec<f64> = fitted(&parabola).collect();
+        assert_eq!([fitted[0], fitted[5]], [parabola[0], parabola[5]], "the ends stay");
+        let integral = |x: f64| x * x * x - 2.5 * x * x;
+        for (x, pair) in fitted.windows(2).enumerate().take(4).skip(1) {
+            let x = x as f64;
+            let area = 0.5 * (pair[0] + pair[1]);
+            assert!((area - (integral(x + 1.0) - integral(x))).abs() < 1e-12, "{x}: {area}");
+        }
+    }
+
+    #[test]
+    fn lerp_radial_draws_lines_between_samples() {
+        let row = [0.0, 1.0, 5.0, 3.0, 3.0];
+        for (position, expected) in
+            [(0.0, 0.0), (0.5, 0.5), (1.0, 1.0), (1.25, 2.0), (1.75, 4.0), (2.5, 4.0), (3.0, 3.0)]
+        {
+            assert_eq!(lerp_radial(&row, position), expected, "{position}");
+        }
+    }
+
     /// A slab of 10¹² steps cuts what one of 4 does, and one no wider than the base is plain.
     #[test]
     fn section_table_of_extreme_widths() {

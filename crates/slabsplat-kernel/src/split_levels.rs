@@ -234,6 +234,23 @@ mod tests {
         }
     }
 
+    /// Each bound is the greatest extinction that is split like this.
+    #[test]
+    fn levels_end_at_their_bounds() {
+        let levels = levels(2e-3, UPRIGHT);
+        for (split, &most) in levels.max_extinctions.iter().enumerate().take(N_SPLITS - 1) {
+            assert_eq!(levels.split(most), SPLITS[split], "{most}");
+            assert_eq!(levels.split(most.next_up()), SPLITS[split + 1], "{most}");
+        }
+    }
+
+    /// Of four slabs the last is one slab behind that behind their middle.
+    #[test]
+    fn levels_bring_voxels_few_slabs_forward() {
+        assert_eq!(levels(2e-3, UPRIGHT).split(0.0).n_slabs, 4.0);
+        assert_eq!(SplitLevels::MOST_SLABS_BEFORE, 3 - 2);
+    }
+
     #[test]
     fn levels_in_perspective_have_no_thick_slabs() {
         let levels = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 1e-9 });
@@ -246,6 +263,8 @@ mod tests {
         let upright = levels(2e-3, UPRIGHT);
         assert_eq!(level(&steep, 1e-6), level(&upright, 0.4));
         assert_eq!(level(&steep, 2.0), level(&upright, 2.0));
+        let steepest = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 13.0 });
+        assert!(!steepest.are_all_last(), "the last face but one is skipped by more than that");
     }
 
     #[test]
