@@ -326,6 +326,24 @@ mod tests {
     }
 
     #[test]
+    fn normal_where_two_components_sum_to_the_third() {
+        let grid = Grid::with_spacing([3; 3], [1.0; 3]).unwrap();
+        for gradient in [[1, 1, 2], [1, 2, 1], [2, 1, 1]] {
+            let value = |idx: usize| {
+                let [x, y, z] = grid.voxel_coords(idx).map(|c| c as u8);
+                gradient[0] * x + gradient[1] * y + gradient[2] * z
+            };
+            let narrow: Vec<u8> = (0..27).map(value).collect();
+            let wide: Vec<f64> = narrow.iter().map(|&sample| sample.into()).collect();
+            let expected = -DVec3::from(gradient.map(f64::from)).normalize();
+            for samples in [Samples::U8(narrow), Samples::F64(wide)] {
+                let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
+                assert!(normals(&volume)[13].distance(expected) < MAX_ERROR, "{volume:?}");
+            }
+        }
+    }
+
+    #[test]
     fn normal_is_one_sided_beside_nan() {
         let row = |samples: Vec<f32>| {
             let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();

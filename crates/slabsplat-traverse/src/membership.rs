@@ -126,4 +126,13 @@ mod tests {
         assert_eq!(short_row_mask(&row[..4], &ranges), 0b1101);
         assert_eq!(row_mask(&[f32::NAN; 8], &[[f32::NEG_INFINITY, f32::INFINITY]]), 0);
     }
+
+    #[test]
+    fn brick_mask_has_the_places_of_records() {
+        let places = [0, 1, 9, 63, 64, 510, 511];
+        let records = places.map(|place| VoxelRecord { place, ..VoxelRecord::default() });
+        let mask = BrickMask::of_records(&records);
+        assert!((0..512).filter(|&place| mask.has(place)).eq(places));
+        assert_eq!((mask.count(), BrickMask::ALL.count()), (7, 512));
+    }
 }

@@ -228,6 +228,24 @@ mod tests {
         assert!((least..2 * least).contains(&list.resident_bytes()));
     }
 
+    /// Voxels of ten values, as many of each.
+    #[test]
+    fn relevant_list_keeps_some_room() {
+        let grid = Grid::with_spacing([80, 10, 10], [1.0; 3]).unwrap();
+        let samples: Vec<u8> = (0..8000).map(|idx| (idx % 10) as u8).collect();
+        let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+        let brick_ranges = BrickRanges::new(&volume);
+        let mut list = RelevantList::default();
+        let mut bytes_of_values_below = |end: f64| {
+            list.update(&volume, &brick_ranges, &[IsoRange { lo: 0.0, hi: end - 1.0 }]);
+            list.resident_bytes()
+        };
+        let all = bytes_of_values_below(10.0);
+        assert_eq!(bytes_of_values_below(8.0), all, "for those that may come back");
+        assert_eq!(bytes_of_values_below(9.0), all, "one has come back");
+        assert!(bytes_of_values_below(7.0) < all * 3 / 4, "they are too many");
+    }
+
     #[test]
     fn relevant_list_does_not_depend_on_threads() {
         for_each_seed(1, |mut rng| {
