@@ -120,9 +120,11 @@ mod tests {
             let weight = |width| desc(normalization, width).weight(0.2, -0.9);
             let darkening =
                 |width| weight(width) / desc(Normalization::None, width).weight(0.2, -0.9);
-            let between = darkening(1.25);
-            let expected = 0.75 * darkening(1.0) + 0.25 * darkening(2.0);
-            assert!((between - expected).abs() < 1e-12, "{normalization}");
+            for below in [0.5, 1.0, 2.0] {
+                let expected = 0.75 * darkening(below) + 0.25 * darkening(2.0 * below);
+                let difference = darkening(1.25 * below) - expected;
+                assert!(difference.abs() < 1e-12, "{normalization} {below}");
+            }
             assert!((darkening(1.0 + 1e-9) - darkening(1.0)).abs() < 1e-8, "continuous at a level");
             assert!((darkening(2.0 - 1e-9) - darkening(2.0)).abs() < 1e-8, "continuous at a level");
         }
