@@ -382,6 +382,8 @@ mod tests {
         let nearest = TableDesc { lookup: Lookup::Nearest, ..coarse };
         assert_eq!(rows(1e-12, nearest), 65, "half of the paper's");
         assert_eq!(rows(9.0, nearest), 65, "half of the paper's");
+        let smaller = desc("crawfis-max", 1e-12, Normalization::None);
+        assert_eq!(SectionTable::new(&smaller, coarse).n_rows(), 2049, "a 4096th of its extent");
     }
 
     /// A polygon through them has the parabola's area.
