@@ -128,18 +128,18 @@ mod tests {
         assert_eq!(points, [[0.0, 0.0, -2.0], [0.0, 0.0, 0.0], [0.0, 0.0, 2.0]]);
     }
 
-    /// Long rods, so that voxels are a thousand steps from the centre.
+    /// Long rods, so that voxels are a thousand steps from the centre; steps may be tiny or huge.
     #[test]
     fn project_is_the_definition() {
         for_each_seed(1, |mut rng| {
-            for _ in 0..30 {
+            for scale in [1e-6, 1.0, 1e6].repeat(10) {
                 let mut dims = [1 + rng.usize(0..10), 1 + rng.usize(0..10), 2000];
                 rng.shuffle(&mut dims);
                 let mut column = || DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5);
-                let matrix = DMat3::from_cols(column(), column(), column());
+                let matrix = scale * DMat3::from_cols(column(), column(), column());
                 let Ok(grid) = Grid::new(dims, DAffine3::from_mat3(matrix)) else { continue };
-                let eye = grid.center_in_world() + column() * 900.0;
-                let projection = Projection::Orthographic { view_height: 5.0 };
+                let eye = grid.center_in_world() + column() * 900.0 * scale;
+                let projection = Projection::Orthographic { view_height: 5.0 * scale };
                 let up = column();
                 let camera = Camera::new(eye, grid.center_in_world(), up, projection).unwrap();
                 let view = View::new(&grid, &camera, &ImageDesc::default()).unwrap();

@@ -244,6 +244,7 @@ mod tests {
         assert_eq!(bytes_of_values_below(8.0), all, "for those that may come back");
         assert_eq!(bytes_of_values_below(9.0), all, "one has come back");
         assert!(bytes_of_values_below(7.0) < all * 3 / 4, "they are too many");
+        assert_eq!(bytes_of_values_below(10.0), all, "no more than is needed");
     }
 
     #[test]
