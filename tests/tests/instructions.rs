@@ -6,9 +6,10 @@
 //!
 //! This is no test of its own: without arguments, as `cargo test` runs it, it only draws all frames.
 
-use slabsplat::glam::DVec3;
+use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
-    Camera, Frame, ImageDesc, Projection, Renderer, Scene, TransferFunction, backend_named, io,
+    Camera, Frame, Grid, ImageDesc, Projection, Renderer, Scene, TransferFunction, backend_named,
+    io,
 };
 
 /// A frame that is counted, and how to come there.
@@ -16,6 +17,8 @@ struct Workload {
     name: &'static str,
     /// A built-in volume, and voxels along its side.
     volume: (&'static str, usize),
+    /// By what its steps are longer.
+    stretch: DVec3,
     /// Where it is seen from, in sides of the volume.
     eye: DVec3,
     /// Opacity of the largest value.
@@ -32,6 +35,7 @@ const WORKLOADS: &[Workload] = &[
     Workload {
         name: "classify",
         volume: ("sphere", 64),
+        stretch: DVec3::ONE,
         eye: ASLANT,
         opacity: 0.5,
         image_side: 16,
@@ -44,6 +48,7 @@ const WORKLOADS: &[Workload] = &[
     Workload {
         name: "toss",
         volume: ("cube", 64),
+        stretch: DVec3::ONE,
         eye: DVec3::new(3.0, 0.0, 0.0),
         opacity: 1.0,
         image_side: 64,
@@ -53,6 +58,7 @@ const WORKLOADS: &[Workload] = &[
     Workload {
         name: "opaque",
         volume: ("neuron", 64),
+        stretch: DVec3::ONE,
         eye: ASLANT,
         opacity: 0.8,
         image_side: 96,
@@ -62,8 +68,19 @@ const WORKLOADS: &[Workload] = &[
     Workload {
         name: "haze",
         volume: ("sphere", 32),
+        stretch: DVec3::ONE,
         eye: ASLANT,
         opacity: 0.02,
+        image_side: 96,
+        change: orbit,
+    },
+    // Where slabs cut footprints at a slant, and these lean.
+    Workload {
+        name: "tilted",
+        volume: ("sphere", 32),
+        stretch: DVec3::new(1.0, 1.2, 1.5),
+        eye: ASLANT,
+        opacity: 0.9,
         image_side: 96,
         change: orbit,
     },
@@ -71,6 +88,7 @@ const WORKLOADS: &[Workload] = &[
     Workload {
         name: "section-table",
         volume: ("cube", 4),
+        stretch: DVec3::ONE,
         eye: ASLANT,
         opacity: 0.5,
         image_side: 8,
@@ -101,6 +119,9 @@ fn named(name: &str) -> &'static Workload {
 fn run(workload: &Workload) {
     let (name, size) = workload.volume;
     let volume = io::builtin_volume(name, Some(size)).expect("the volume is built in");
+    let stretch = DAffine3::from_scale(workload.stretch);
+    let grid = Grid::new(volume.grid().dims(), stretch * volume.grid().world_from_index());
+    let volume = volume.with_grid(grid.expect("no step is 0")).expect("there are as many voxels");
     let backend = backend_named("cpu").expect("the CPU is always there");
     let mut renderer = Renderer::new(volume, backend);
     let mut scene = scene(workload);

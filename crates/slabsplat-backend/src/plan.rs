@@ -66,7 +66,7 @@ pub enum Splats {
 #[derive(Clone, Debug)]
 pub enum ColorSplats {
     /// `image-aligned`: sections, into the slabs that they come from.
-    Sections(SectionSplats),
+    Sections(Box<SectionSplats>),
     /// `axis-aligned`: whole footprints, into the grid's slices.
     Slices {
         /// The slices.
@@ -90,7 +90,7 @@ pub struct SectionSplats {
     pub table: Arc<SectionTable>,
     /// The same without a table, where slab faces cut the rays of a footprint at different offsets, if the
     /// kernel allows it.
-    pub tilted: Option<TiltedSections>,
+    pub tilted: Option<Arc<TiltedSections>>,
     /// Which of them a backend may merge, and the sections that it needs for that.
     pub merged: Option<MergedSections>,
 }

@@ -45,7 +45,7 @@ pub struct Planner {
     merged: Cached<TableKey, Arc<SectionTable>>,
     footprint: Cached<TableKey, Arc<FootprintTable>>,
     cubic: Cached<TableKey, Arc<CubicSectionTable>>,
-    tilted: Cached<TableKey, Option<TiltedSections>>,
+    tilted: Cached<TableKey, Option<Arc<TiltedSections>>>,
 }
 
 /// Everything that the tables are made from.
@@ -97,12 +97,20 @@ impl Planner {
         let half_depth = kernel.radius() * shape.half_depth;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let splats = match key.settings.method {
-            Method::ImageAligned => Splats::Colors(ColorSplats::Sections(SectionSplats {
-                slabs: Slabs::new(volume.grid(), &view, half_depth, key.settings.slab_width)?,
-                merged: self.merged_sections(&*kernel, &key, &view, &shape, volume.grid().unit()),
-                tilted: self.tilted_sections(&*kernel, &key, &shape),
-                table: self.section_table(&*kernel, key),
-            })),
+            Method::ImageAligned => {
+                Splats::Colors(ColorSplats::Sections(Box::new(SectionSplats {
+                    slabs: Slabs::new(volume.grid(), &view, half_depth, key.settings.slab_width)?,
+                    merged: self.merged_sections(
+                        &*kernel,
+                        &key,
+                        &view,
+                        &shape,
+                        volume.grid().unit(),
+                    ),
+                    tilted: self.tilted_sections(&*kernel, &key, &shape),
+                    table: self.section_table(&*kernel, key),
+                })))
+            }
             Method::AxisAligned => Splats::Colors(ColorSplats::Slices {
                 order: SliceOrder::new(volume.grid(), view.axes().forward),
                 table: self.footprint_table(&*kernel, key),
@@ -161,7 +169,7 @@ impl Planner {
         kernel: &dyn Kernel,
         key: &TableKey,
         shape: &FootprintShape,
-    ) -> Option<TiltedSections> {
+    ) -> Option<Arc<TiltedSections>> {
         let TableKey { kappa, settings } = key;
         let reads_table = settings.lookup == Lookup::Nearest
             || settings.normalization != Normalization::None
@@ -169,7 +177,8 @@ impl Planner {
         if reads_table {
             return None;
         }
-        self.tilted.made_of(key.clone(), |_| TiltedSections::new(kernel, *kappa)).clone()
+        let made = |_: &TableKey| TiltedSections::new(kernel, *kappa).map(Arc::new);
+        self.tilted.made_of(key.clone(), made).clone()
     }
 
     fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
@@ -231,7 +240,7 @@ mod tests {
 
     fn table(planner: &mut Planner, scene: &Scene) -> Arc<SectionTable> {
         match planner.plan(&volume(), scene).unwrap().splats {
-            Splats::Colors(ColorSplats::Sections(SectionSplats { table, .. })) => table,
+            Splats::Colors(ColorSplats::Sections(sections)) => sections.table,
             other => panic!("{other:?}"),
         }
     }
@@ -258,8 +267,8 @@ mod tests {
             let mut scene = scene(RenderSettings::default());
             scene.camera = scene.camera.orbited(0.02 * f64::from(step));
             match planner.plan(&volume, &scene).unwrap().splats {
-                Splats::Colors(ColorSplats::Sections(SectionSplats { slabs, .. })) => {
-                    assert_eq!(slabs.n_before, 4, "{step}");
+                Splats::Colors(ColorSplats::Sections(sections)) => {
+                    assert_eq!(sections.slabs.n_before, 4, "{step}");
                 }
                 other => panic!("{other:?}"),
             }

@@ -64,7 +64,8 @@ fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
 fn put_sheets(plan: &FramePlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
     frame.method = method_code(splats);
     match splats {
-        ColorSplats::Sections(SectionSplats { slabs, table, .. }) => {
+        ColorSplats::Sections(sections) => {
+            let SectionSplats { slabs, table, .. } = &**sections;
             put_slabs(plan, slabs, frame);
             let rows = table.rows();
             frame.samples_per_index = table.samples_per_index();

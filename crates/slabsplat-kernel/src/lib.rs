@@ -13,7 +13,7 @@
 //!
 //! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `error_budget`, `split_levels`;
 //! `section_table`, `cubic_section_table`, `footprint_table`, `radial_polynomials`, `separable_sections`,
-//! `tilted_sections`; `footprint_shape`.
+//! `separable_shapes`, `tilted_sections`; `footprint_shape`.
 //!
 //! ```
 //! use slabsplat_core::{Lookup, Normalization};
@@ -52,6 +52,7 @@ mod footprint_table;
 mod radial_polynomials;
 mod section_table;
 mod separable_sections;
+mod separable_shapes;
 mod tilted_sections;
 
 mod footprint_shape;
@@ -67,5 +68,6 @@ pub use radial_polynomials::{Degree, MAX_COEFFICIENTS, RadialPolynomials, chord_
 pub use section::SectionDesc;
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};
 pub use separable_sections::SeparableSections;
+pub use separable_shapes::SeparableShapes;
 pub use split_levels::{SlabSplit, SplitLevels, SplitView};
 pub use tilted_sections::TiltedSections;

@@ -19,6 +19,9 @@ const N_PLACES: usize = 20;
 /// Rounds of the power iteration; the second singular value is a few hundredths of the first at most.
 const N_ROUNDS: usize = 8;
 
+/// Steps through a kernel over which variances are summed.
+const N_STEPS: usize = 128;
+
 /// Samples of the profile, from its edge to its middle.
 const N_SAMPLES: usize = 256;
 
@@ -26,12 +29,15 @@ const N_SAMPLES: usize = 256;
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeparableSections {
     profile: [f32; MAX_COEFFICIENTS],
-    /// Of each row of the sections, and then of the merged ones: its factor, and how much more the next row
-    /// has.
-    factors: Vec<[f32; 2]>,
-    n_sections: usize,
+    whole: f32,
+    masses: [f32; N_POWERS],
+    moments: [f32; N_POWERS],
+    radius: f64,
     error: f64,
 }
+
+/// Coefficients of functions of a face; they are smooth.
+const N_POWERS: usize = 9;
 
 impl SeparableSections {
     /// Those of sections, and of what lies beyond a face; the last row of `merged` must be the whole
@@ -43,21 +49,32 @@ impl SeparableSections {
         let at_places: Vec<f64> =
             (0..N_PLACES).map(|place| value(&profile, place_of(place))).collect();
         let mut error = 0.0_f64;
-        let mut factor = |row: &&[f32]| {
+        let mut mass = |row: &&[f32]| {
             let integral = integral_of(row, radius);
             for (i, j) in pairs() {
                 let product = integral * at_places[i] * at_places[j];
                 error = error.max((weight(row, i, j) - product).abs());
             }
-            integral as f32
+            integral
         };
-        let mut factors = Vec::new();
-        for rows in [&section_rows, &merged_rows] {
-            let of_rows: Vec<f32> = rows.iter().map(&mut factor).collect();
-            let next = of_rows.iter().skip(1).chain(of_rows.last());
-            factors.extend(of_rows.iter().zip(next).map(|(factor, next)| [*factor, next - factor]));
+        section_rows.iter().for_each(|row| _ = mass(row));
+        // What lies before a face, as the slab is as wide as the kernel.
+        let masses: Vec<f64> = merged_rows.iter().map(mass).collect();
+        let steps_per_index = f64::from(merged.rows().rows_per_index);
+        let moments = moments_of(&masses, steps_per_index, radius);
+        let whole = masses[masses.len() - 1];
+        let face_of = |x: f64| radius * (0.5 * (x + 1.0)).sqrt();
+        let at = |values: &[f64], face: f64| cubic(values, (face + radius) * steps_per_index);
+        Self {
+            profile,
+            whole: whole as f32,
+            masses: RadialPolynomials::smooth(|x| {
+                (at(&masses, face_of(x)) - 0.5 * whole) / face_of(x)
+            }),
+            moments: RadialPolynomials::smooth(|x| at(&moments, face_of(x))),
+            radius,
+            error,
         }
-        Self { profile, factors, n_sections: section_rows.len(), error }
     }
 
     /// The coefficients of `g` as a polynomial in `x = 2·(u/R)² − 1`, from the constant on, `u` index units
@@ -71,29 +88,114 @@ impl SeparableSections {
         value(&self.profile, part)
     }
 
-    /// The factor of every row of the sections, and then of the merged ones: a section's integral over the
-    /// image; and how much more the next row has.
-    #[inline(always)]
-    pub fn factors(&self) -> &[[f32; 2]] {
-        &self.factors
+    /// `∫ u²·g(u) du / ∫ g(u) du`, as a part of `R²`.
+    pub fn profile_variance(&self) -> f64 {
+        let n = 4 * N_PLACES;
+        let part = |place: usize| (place as f64 + 0.5) / n as f64;
+        let sum = |power: i32| -> f64 {
+            (0..n).map(|place| part(place).powi(power) * self.profile_at(part(place))).sum()
+        };
+        sum(2) / sum(0)
     }
 
-    /// Where the rows of the merged sections start.
+    /// What lies before a face `s` index units behind the voxel, across the slab, of the integral of a whole
+    /// footprint over the image, is half of it and `s·p(x)`: the coefficients of `p` in `x = 2·(s/R)² − 1`,
+    /// from the constant on. The factor of a section is what its two faces differ by.
     #[inline(always)]
-    pub fn first_merged(&self) -> u32 {
-        self.n_sections as u32
+    pub fn masses(&self) -> &[f32; N_POWERS] {
+        &self.masses
+    }
+
+    /// The same times how far behind the voxel it lies, a polynomial in `x`. What the faces of a section
+    /// differ by, over its factor, is where its middle lies.
+    #[inline(always)]
+    pub fn moments(&self) -> &[f32; N_POWERS] {
+        &self.moments
+    }
+
+    /// The factor of the section between two faces, and the same times how far its middle lies behind the
+    /// voxel; faces beyond the kernel are at its ends.
+    pub fn factor_and_moment(&self, faces: [f64; 2]) -> [f64; 2] {
+        let at = |face: f64| {
+            let face = face.clamp(-self.radius, self.radius);
+            let x = (2.0 * (face / self.radius).powi(2) - 1.0) as f32;
+            let [mass, moment] = [&self.masses, &self.moments].map(|c| f64::from(polynomial(c, x)));
+            [face * mass, moment]
+        };
+        let [front, back] = faces.map(at);
+        [back[0] - front[0], back[1] - front[1]]
+    }
+
+    /// The kernel's radius in index units.
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// How much of the kernel's variance across slabs is left within sections by slabs of `width` index
+    /// units, in the mean of all sections: 0 for the thinnest, 1 for the thickest.
+    pub(crate) fn variance_left(&self, width: f64) -> f64 {
+        let step = (2.0 * self.radius + width) / N_STEPS as f64;
+        // A whole kernel's first moment is 0, and what its sections have lost of its variance is that of
+        // their middles.
+        let (mut of_middles, mut sum) = (0.0, 0.0);
+        for place in 0..N_STEPS {
+            let back = (place as f64 + 0.5) * step - self.radius;
+            let [factor, moment] = self.factor_and_moment([back - width, back]);
+            if 0.0 < factor {
+                of_middles += moment * moment / factor;
+                sum += factor;
+            }
+        }
+        (1.0 - of_middles / (sum * self.variance())).clamp(0.0, 1.0)
+    }
+
+    /// The kernel's variance across slabs, in squared index units.
+    fn variance(&self) -> f64 {
+        let step = 2.0 * self.radius / N_STEPS as f64;
+        let front = |place: usize| place as f64 * step - self.radius;
+        let part = |place: usize| {
+            let [_, moment] = self.factor_and_moment([front(place), front(place + 1)]);
+            (front(place) + 0.5 * step) * moment
+        };
+        (0..N_STEPS).map(part).sum::<f64>() / f64::from(self.whole)
     }
 
     /// The factor of a whole footprint.
     #[inline(always)]
     pub fn whole(&self) -> f32 {
-        self.factors[self.factors.len() - 1][0]
+        self.whole
     }
 
     /// By how much any weight of any section is off at most.
     pub fn error(&self) -> f64 {
         self.error
     }
+}
+
+/// The value at a place among others, by the cubic through the four around it.
+fn cubic(values: &[f64], place: f64) -> f64 {
+    let last = values.len() - 1;
+    let place = place.clamp(0.0, last as f64);
+    let step = (place as usize).min(last.saturating_sub(1));
+    let t = place - step as f64;
+    let at = |idx: usize| values[idx.min(last)];
+    let [a, b, c, d] = [at(step.saturating_sub(1)), at(step), at(step + 1), at(step + 2)];
+    let slopes = [0.5 * (c - a), 0.5 * (d - b)];
+    let (rest, bend) = (1.0 - t, t * (1.0 - t));
+    rest * b + t * c + bend * (rest * (slopes[0] - (c - b)) - t * (slopes[1] - (c - b)))
+}
+
+/// `∫ s dm` up to each step, by parts: `s·m − ∫ m ds`.
+fn moments_of(masses: &[f64], steps_per_index: f64, radius: f64) -> Vec<f64> {
+    let step = 1.0 / steps_per_index;
+    let mut integral = 0.0;
+    let moment = |idx: usize| {
+        if 0 < idx {
+            integral += 0.5 * step * (masses[idx - 1] + masses[idx]);
+        }
+        (idx as f64 * step - radius) * masses[idx] - integral
+    };
+    (0..masses.len()).map(moment).collect()
 }
 
 /// The middle of one of `N_PLACES` equal parts, as a part of `R`.
@@ -183,9 +285,7 @@ mod tests {
                 for step in 0..60 {
                     let front = -rows.radius - 1.0 + 0.05 * step as f32;
                     let back = front + width as f32;
-                    let (row, t) = table.row_at(front, back);
-                    let [factor, more] = separable.factors()[row].map(f64::from);
-                    let factor = factor + f64::from(t) * more;
+                    let [factor, _] = separable.factor_and_moment([front, back].map(f64::from));
                     let mut lost = 0.0;
                     let n = 90;
                     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
@@ -205,6 +305,63 @@ mod tests {
                 assert!(most_lost < 1e-3, "{name} {width}: {most_lost}");
             }
         }
+    }
+
+    #[test]
+    fn separable_profile_has_the_area_of_one() {
+        for &name in KERNEL_NAMES {
+            let (separable, table) = separable(name, 1.0);
+            let n = 2000;
+            let places = (0..n).map(|place| 2.0 * (f64::from(place) + 0.5) / f64::from(n) - 1.0);
+            let sum: f64 = places.map(|part| separable.profile_at(part)).sum();
+            let area = sum * 2.0 * f64::from(table.rows().radius) / f64::from(n);
+            assert!((area - 1.0).abs() < 1e-3, "{name}: {area}");
+            assert_eq!([-1.0, 1.0, 1.5].map(|part| separable.profile_at(part)), [0.0; 3]);
+            for part in [0.0, 0.3, -0.9] {
+                let value = polynomial(separable.profile(), (2.0 * part * part - 1.0) as f32);
+                assert!((separable.profile_at(part) - f64::from(value)).abs() < 1e-6, "{part}");
+            }
+        }
+    }
+
+    /// Sections that follow each other have all of the kernel together, and a half of it lies to one side.
+    #[test]
+    fn separable_factors_sum_to_the_whole() {
+        for &name in KERNEL_NAMES {
+            let (separable, _) = separable(name, 1.0);
+            let whole = f64::from(separable.whole());
+            for width in [0.1, 0.7, 3.0] {
+                let faces =
+                    |slab: i32| [f64::from(slab) * width - 9.0, f64::from(slab + 1) * width - 9.0];
+                let sections: Vec<[f64; 2]> =
+                    (0..200).map(|slab| separable.factor_and_moment(faces(slab))).collect();
+                let sum = |of: usize| sections.iter().map(|section| section[of]).sum::<f64>();
+                assert!((sum(0) - whole).abs() < 1e-5, "{name} {width}: {}", sum(0));
+                assert!(sum(1).abs() < 1e-5, "{name} {width}: {}", sum(1));
+            }
+            let [half, moment] = separable.factor_and_moment([-9.0, 0.0]);
+            assert!((half - 0.5 * whole).abs() < 1e-5);
+            let mirrored = separable.factor_and_moment([0.0, 9.0]);
+            assert!((mirrored[0] - half).abs() < 1e-5 && (mirrored[1] + moment).abs() < 1e-5);
+            assert!(-0.5 < moment / half && moment / half < -0.3, "{name}: {}", moment / half);
+        }
+    }
+
+    /// A Gaussian's variance is `1/(4·ln 2)`, some of which is beyond its end.
+    #[test]
+    fn separable_variance_is_lost_between_sections() {
+        let (separable, _) = separable("gaussian", 1.0);
+        assert!(
+            (separable.variance() - 0.25 / 2.0_f64.ln()).abs() < 0.02,
+            "{}",
+            separable.variance()
+        );
+        let part = separable.profile_variance() * separable.radius().powi(2);
+        assert!((part - 0.25 / 2.0_f64.ln()).abs() < 0.02, "{part}");
+        // What is as dense everywhere within a section has a twelfth of its squared width.
+        let left = separable.variance_left(0.2) * separable.variance();
+        assert!((left - 0.04 / 12.0).abs() < 2e-4, "{left}");
+        assert!(0.98 < separable.variance_left(100.0));
     }
 
     /// What its end at `R` leaves of the Gaussian's being a product.

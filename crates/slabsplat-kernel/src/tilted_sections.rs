@@ -1,5 +1,5 @@
-//! Sections whose slab faces cut the rays of a footprint at different offsets (model §2), for kernels that are
-//! a product.
+//! Sections whose slab faces cut the rays of a footprint at different offsets (model §2), for kernels that
+//! are a product.
 //!
 //! Where a grid's steps differ in length, faces are *tilted* against rays in index space, and a section's
 //! weight depends on two numbers of a pixel: its distance from the centre, and the offset of the cut. A

@@ -62,8 +62,10 @@ impl<T: Copy + Default> Buckets<T> {
 
     /// There are many of these: twice as much as is needed would be felt.
     fn make_room(&mut self, n_items: usize) {
-        if self.items.len() < n_items {
+        if self.items.capacity() < n_items {
             self.items.reserve_exact(n_items + n_items / 8 - self.items.len());
+        }
+        if self.items.len() < n_items {
             self.items.resize(n_items, T::default());
         }
     }
@@ -112,6 +114,20 @@ impl<T> Buckets<T> {
 mod tests {
     use super::*;
     use slabsplat_seeds::for_each_seed;
+
+    /// Most frames have a few items more than the last; they fit beside.
+    #[test]
+    fn buckets_have_room_for_an_eighth_more() {
+        let mut sorted = Buckets::default();
+        let sort = |sorted: &mut Buckets<u32>, n_items: usize| {
+            let entries = vec![0_u32; n_items];
+            sorted.sort(1, [entries.as_slice()].into_iter(), |_| 0, |&entry| entry);
+            sorted.items.capacity()
+        };
+        let capacity = sort(&mut sorted, 8000);
+        assert_eq!([8001, 8500, 8990].map(|n_items| sort(&mut sorted, n_items)), [capacity; 3]);
+        assert!(capacity < sort(&mut sorted, 9500));
+    }
 
     #[test]
     fn buckets_are_a_stable_sort() {

@@ -8,7 +8,7 @@ use slabsplat_kernel::FootprintShape;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Raster {
     view: View,
-    shape: FootprintShape,
+    pub(crate) shape: FootprintShape,
     center: [f32; 2],
     /// The kernel's radius in index space.
     pub(crate) radius: f32,
@@ -60,11 +60,16 @@ impl Raster {
     /// The footprint at a depth from the grid's centre, which must not lie before `near`.
     #[inline]
     pub(crate) fn shape_at(&self, depth: f64) -> PixelShape {
+        self.shape_like(&self.shape, depth)
+    }
+
+    /// A footprint of another shape, at a depth.
+    pub(crate) fn shape_like(&self, shape: &FootprintShape, depth: f64) -> PixelShape {
         let scale = self.view.pixels_per_world(depth);
         let stretch = self.view.stretch(scale);
         let pixels = scale * stretch;
-        let FootprintShape { across, lean, along, .. } = self.shape;
-        let [right, up] = self.shape.tilt.map(|c| (c / pixels) as f32);
+        let FootprintShape { across, lean, along, .. } = *shape;
+        let [right, up] = shape.tilt.map(|c| (c / pixels) as f32);
         let radius_in_pixels = f64::from(self.radius) * pixels;
         let form = 2.0 / (radius_in_pixels * radius_in_pixels);
         PixelShape {
@@ -72,7 +77,7 @@ impl Raster {
             lean: -lean as f32,
             along: (form * along) as f32,
             tilt: [right, -up],
-            half_extent: self.shape.half_extent.map(|c| (c * pixels) as f32),
+            half_extent: shape.half_extent.map(|c| (c * pixels) as f32),
             scale: scale as f32,
             gain: (1.0 / (stretch * stretch)) as f32,
         }

@@ -57,6 +57,21 @@ pub(crate) fn splat<S: Simd>(
     }
 }
 
+/// The same as a function of its own, for weights that take longer than a call.
+#[inline(never)]
+pub(crate) fn splat_outlined<S: Simd>(
+    simd: S,
+    sheet: &mut Sheet,
+    shape: &PixelShape,
+    footprint: &Footprint,
+    weigh: &impl Weigh<S>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || splat(simd, sheet, shape, footprint, weigh),
+    );
+}
+
 /// A polynomial in `x`, before it is known how much of one it takes.
 #[derive(Clone, Copy)]
 pub(crate) struct AnyPolynomial<'a> {

@@ -1,5 +1,5 @@
-//! The weights of a section whose slab's faces cut the rays of its footprint at different offsets, on a row of
-//! pixels.
+//! The weights of a section whose slab's faces cut the rays of its footprint at different offsets, on a row
+//! of pixels.
 //!
 //! ```text
 //! x      = across·(dx + lean·dy)² + along·dy² − 1              (2·(ρ/R)² − 1, at most 1)
@@ -11,7 +11,7 @@
 //! Outside of the ball both faces are clamped to one place, and the weight is 0.
 
 use super::raster::PixelShape;
-use super::weights::{CENTERS, Lanes, Weigh, four};
+use super::weights::{CENTERS, Lanes, Weigh, nine};
 use fearless_simd::Simd;
 use slabsplat_kernel::TiltedSections;
 
@@ -56,15 +56,4 @@ impl Tilted<'_> {
         let x = (s * form).mul_add(s, V::splat(simd, -1.0));
         s * nine(simd, self.sections.along(), x)
     }
-}
-
-/// `c₀ + c₁·x + … + c₈·x⁸`.
-#[inline(always)]
-fn nine<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 9], x: V) -> V {
-    let [c0, c1, c2, c3, c4, c5, c6, c7, c8] = *coefficients;
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let low = four(simd, [c0, c1, c2, c3], x, x2);
-    let high = four(simd, [c4, c5, c6, c7], x, x2);
-    V::splat(simd, c8).mul_add(x4, high).mul_add(x4, low)
 }

@@ -112,8 +112,19 @@ fn pair<S: Simd, V: Lanes<S>>(simd: S, [c0, c1]: [f32; 2], x: V) -> V {
 
 /// `c₀ + c₁·x + c₂·x² + c₃·x³`.
 #[inline(always)]
-pub(super) fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) -> V {
+fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) -> V {
     pair(simd, [c2, c3], x).mul_add(x2, pair(simd, [c0, c1], x))
+}
+
+/// `c₀ + c₁·x + … + c₈·x⁸`.
+#[inline(always)]
+pub(crate) fn nine<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 9], x: V) -> V {
+    let [c0, c1, c2, c3, c4, c5, c6, c7, c8] = *coefficients;
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let low = four(simd, [c0, c1, c2, c3], x, x2);
+    let high = four(simd, [c4, c5, c6, c7], x, x2);
+    V::splat(simd, c8).mul_add(x4, high).mul_add(x4, low)
 }
 
 /// Sections that are read from the table, for every pixel by itself: no polynomials may be good enough.

@@ -36,7 +36,13 @@ impl PixelBox {
 /// Adding 2²³ rounds to whole numbers and leaves them in the low bits.
 #[inline(always)]
 pub(crate) fn pixel<S: Simd>(simd: S, at: f32x8<S>) -> u32x8<S> {
-    let inside = at.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, TILE_SIDE as f32));
+    column(simd, at, TILE_SIDE)
+}
+
+/// The same among `n_columns`, 256 at most.
+#[inline(always)]
+pub(crate) fn column<S: Simd>(simd: S, at: f32x8<S>, n_columns: usize) -> u32x8<S> {
+    let inside = at.max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, n_columns as f32));
     let rounded: u32x8<S> = (inside + f32x8::splat(simd, 8_388_608.0)).bitcast();
     rounded & u32x8::splat(simd, 0xff)
 }

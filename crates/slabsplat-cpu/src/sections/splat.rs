@@ -11,7 +11,7 @@
 use super::batch::SectionBatch;
 use super::cut::{SlabCut, Voxels, bits};
 use super::shared::{Kind, Sections};
-use crate::footprints::splat::{AnyPolynomial, Footprint, splat};
+use crate::footprints::splat::{AnyPolynomial, Footprint, splat_outlined};
 use crate::footprints::tilted::Tilted;
 use crate::footprints::weights::ByTable;
 use crate::pixels::rectangle::PixelBox;
@@ -93,12 +93,12 @@ impl SlabCut<'_> {
             Kind::ByTable => {
                 let (table, radius) = (fitted.table, raster.radius);
                 let by_table = ByTable { table, radius, faces: *faces, edge: *edge };
-                return splat(simd, sheet, &self.shape, footprint, &by_table);
+                return splat_outlined(simd, sheet, &self.shape, footprint, &by_table);
             }
             Kind::Tilted => {
                 let Some(sections) = self.sections.tilted else { return };
                 let tilted = Tilted { sections, radius: raster.radius, faces: *faces };
-                return splat(simd, sheet, &self.shape, footprint, &tilted);
+                return splat_outlined(simd, sheet, &self.shape, footprint, &tilted);
             }
             Kind::Whole => AnyPolynomial::whole(polynomials.last_row()),
             Kind::Upright => {

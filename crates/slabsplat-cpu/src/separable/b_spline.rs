@@ -16,9 +16,8 @@
 
 use crate::footprints::raster::PixelShape;
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
-use crate::pixels::quad::{QUAD, Quad};
-use crate::pixels::rectangle::TILE_SIDE;
-use crate::pixels::sheet::{Row, Sheet};
+use crate::pixels::quad::Quad;
+use crate::pixels::sheet::Sheet;
 use crate::voxels::by_sheet::N_AT_ONCE;
 use fearless_simd::{Simd, f32x8, f32x16, prelude::*, u32x8};
 use slabsplat_kernel::SeparableSections;
@@ -45,18 +44,42 @@ pub(crate) const N_TOUCHED: usize = 4;
 /// What is summed of a sheet by separable footprints, and its pixels are yet to be reconstructed from; 0
 /// between slabs.
 #[derive(Debug, Default)]
-pub(crate) struct Coefficients(pub(super) Vec<Row>);
+pub(crate) struct Coefficients {
+    pub(super) quads: Vec<Quad>,
+    /// The columns of quads that were added to, a bit each.
+    pub(super) touched: u32,
+}
 
 impl Coefficients {
-    /// Makes sure that there are as many rows.
-    pub(crate) fn grow(&mut self, n_rows: usize) {
-        if self.0.len() < n_rows {
-            self.0.resize(n_rows, [Quad::ZERO; TILE_SIDE / QUAD]);
+    /// Makes sure that there are as many quads.
+    pub(crate) fn grow(&mut self, n_quads: usize) {
+        if self.quads.len() < n_quads {
+            self.quads.resize(n_quads, Quad::ZERO);
+        }
+    }
+
+    /// Rows of that many quads, and the columns that were added to, a bit each.
+    #[inline(always)]
+    pub(super) fn rows_mut<const WIDTH: usize>(&mut self) -> (&mut [[Quad; WIDTH]], &mut u32) {
+        (self.quads.as_chunks_mut().0, &mut self.touched)
+    }
+
+    /// Empties them.
+    #[inline(always)]
+    pub(super) fn clear<const WIDTH: usize>(&mut self, n_rows: usize) {
+        let (rows, touched) = self.rows_mut::<WIDTH>();
+        let touched = std::mem::take(touched);
+        for row in &mut rows[..n_rows] {
+            for (column, quad) in row.iter_mut().enumerate() {
+                if touched >> column & 1 == 1 {
+                    *quad = Quad::ZERO;
+                }
+            }
         }
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.0.capacity() * size_of::<Row>()
+        self.quads.capacity() * size_of::<Quad>()
     }
 }
 
@@ -153,10 +176,11 @@ impl RowSpline {
         &self,
         simd: S,
         Sheet { sums, touched }: &mut Sheet,
-        Coefficients(coefficients): &mut Coefficients,
+        coefficients: &mut Coefficients,
     ) {
+        let (all_rows, _) = coefficients.rows_mut::<BLOCKS_ACROSS>();
         for [column, row] in touched.iter() {
-            let rows = &coefficients[row * self.per_block + self.first..];
+            let rows = &all_rows[self.first_row_of(row)..];
             let Some(pixels) = sums[row * BLOCK_SIDE..].first_chunk_mut::<BLOCK_SIDE>() else {
                 continue;
             };
@@ -164,7 +188,7 @@ impl RowSpline {
             for (sum, pixels) in block.iter_mut().zip(pixels.iter()) {
                 *sum = f32x16::from_slice(simd, &pixels[column].0);
             }
-            for (taps, row) in self.taps[..self.n_taps].iter().zip(rows) {
+            for (taps, row) in self.taps().iter().zip(rows) {
                 let coefficient = f32x16::from_slice(simd, &row[column].0);
                 for (sum, tap) in block.iter_mut().zip(taps) {
                     *sum = coefficient.mul_add(f32x16::splat(simd, *tap), *sum);
@@ -174,14 +198,19 @@ impl RowSpline {
                 sum.store_slice(&mut pixels[column].0);
             }
         }
-        let columns = (0..BLOCKS_ACROSS).fold(0, |columns, row| columns | touched.row(row));
-        for row in &mut coefficients[..self.n_rows()] {
-            for (column, quad) in row.iter_mut().enumerate() {
-                if columns >> column & 1 == 1 {
-                    *quad = Quad::ZERO;
-                }
-            }
-        }
+        coefficients.clear::<BLOCKS_ACROSS>(self.n_rows());
+    }
+
+    /// The rows of coefficients that count for a row of blocks are those from this one on.
+    #[inline(always)]
+    pub(super) fn first_row_of(&self, row: usize) -> usize {
+        row * self.per_block + self.first
+    }
+
+    /// How much these rows count for each row of pixels in the block.
+    #[inline(always)]
+    pub(super) fn taps(&self) -> &[[f32; BLOCK_SIDE]] {
+        &self.taps[..self.n_taps]
     }
 }
 

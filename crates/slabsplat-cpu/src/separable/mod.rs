@@ -4,8 +4,10 @@
 //! `methods/image_aligned/advance.rs`, and the class of voxels that may be drawn so, has a slower renderer
 //! and, to within the tolerance, the same pictures.
 //!
-//! Reading order: `footprint`, `b_spline`, `sections`.
+//! Reading order: `footprint`, `b_spline`, `shear`, `slab`, `sections`.
 
 pub(crate) mod b_spline;
 mod footprint;
 pub(crate) mod sections;
+mod shear;
+pub(crate) mod slab;

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! for every eight voxels of a class that the slab may cut:
-//!     how much of each lies in the slab: a factor, from two numbers of a table
+//!     how much of each lies in the slab, a factor, and where its middle lies: polynomials of both faces
 //!     the columns that its footprint may touch; four rows of coefficients, and its weight in each
 //!     for each that is drawn and meets an open block:
 //!         four rows of coefficients += weight·factor·g(x)·colour (footprint.rs)
@@ -11,31 +11,39 @@
 //! ```
 //!
 //! The same as `sections/batch.rs` and `sections/splat.rs` do for others, but for what makes it cheap: all
-//! sections have one shape, and differ by a factor.
+//! sections of a frame have one shape, and whole footprints another if slabs are tilted; they differ by a factor
+//! and, then, in place.
 
-use super::b_spline::{Coefficients, N_TOUCHED, RowSpline, WORST_ERROR};
+use super::b_spline::{Coefficients, N_TOUCHED, WORST_ERROR};
 use super::footprint::SeparableFootprint;
-use crate::footprints::weights::Polynomial;
-use crate::pixels::rectangle::{MARGIN, PixelBox, pixel};
+use super::shear;
+use super::slab::SeparableSlab;
+use crate::footprints::weights::{Polynomial, nine};
+use crate::pixels::blocks::BLOCKS_ACROSS;
+use crate::pixels::quad::QUAD;
+use crate::pixels::rectangle::{MARGIN, PixelBox, column, pixel};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
-use crate::sections::cut::{Components, SlabCut, Voxels, bits};
-use crate::sections::shared::Kind;
+use crate::sections::cut::{Components, Cuts, SlabCut, Voxels, bits};
+use crate::sections::shared::{Kind, Sections};
 use crate::voxels::by_sheet::N_AT_ONCE;
-use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use slabsplat_backend::{ByIdentity, Cached};
-use slabsplat_kernel::{ErrorBudget, SectionTable, SeparableSections};
+use slabsplat_kernel::{ErrorBudget, SectionTable, SeparableSections, SeparableShapes};
 use std::sync::Arc;
 
 /// Separable sections of the last plan's tables, cached for the next one.
 #[derive(Debug, Default)]
 pub(crate) struct SeparableTables(Cached<[ByIdentity<SectionTable>; 2], SeparableSections>);
 
-/// How the sections in a slab are drawn by separable footprints.
+/// How the sections of voxels in a slab are drawn by separable footprints: whole ones, or what slabs cut.
 #[derive(Clone, Copy)]
 pub(crate) struct AsSeparable<'a> {
     pub(crate) sections: &'a SeparableSections,
-    pub(crate) spline: &'a RowSpline,
+    pub(crate) slab: &'a SeparableSlab,
+    /// How far right and down a section's middle lies, in pixels, if the mean of what it holds lies one index
+    /// unit behind the voxel, across the slab.
+    pub(crate) drift: [f32; 2],
 }
 
 /// Footprints of no more pixels from left to right lie on three quads, three times in four or more often.
@@ -45,10 +53,12 @@ const WIDEST_OF_THREE: f32 = 10.0;
 struct SeparableBatch {
     /// Which of them are drawn, a bit each.
     drawn: u64,
-    /// Centres, in pixels from the tile's left side.
+    /// Centres, in columns of coefficients.
     centers: [f32; N_AT_ONCE],
     /// Left, top, right, bottom.
     pixels: [[u32; N_AT_ONCE]; 4],
+    /// Columns of coefficients, from the first to behind the last.
+    columns: [[u32; N_AT_ONCE]; 2],
     /// The first row of coefficients.
     first_rows: [u32; N_AT_ONCE],
     /// How much each row of coefficients takes.
@@ -66,12 +76,21 @@ impl SeparableTables {
 }
 
 /// The most extinction of a voxel whose sections may be drawn by separable footprints.
-pub(crate) fn most_extinction(sections: &SeparableSections, budget: ErrorBudget) -> f32 {
+pub(crate) fn most_extinction(
+    sections: &SeparableSections,
+    shapes: &SeparableShapes,
+    budget: ErrorBudget,
+) -> f32 {
     let peak = f64::from(sections.whole()) * sections.profile_at(0.0).powi(2);
-    (budget.separable() / (sections.error() + WORST_ERROR * peak)) as f32
+    (budget.separable() / (shapes.error + WORST_ERROR * peak)) as f32
 }
 
 impl AsSeparable<'_> {
+    /// Whether footprints have the same shape as others of the slab.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        std::ptr::eq(self.slab, other.slab)
+    }
+
     /// Adds the sections of voxels to the coefficients.
     #[inline(always)]
     pub(crate) fn add_sections<S: Simd>(
@@ -82,18 +101,20 @@ impl AsSeparable<'_> {
         tile: &mut Tile,
         (sheet, coefficients): (&mut Sheet, &mut Coefficients),
     ) {
-        let width = 2.0 * slab.sections.raster.radius * slab.shape.half_extent[0];
-        let onto = (sheet, coefficients);
-        if width <= WIDEST_OF_THREE {
-            self.add_in_windows::<S, 3>(simd, (slab, kind), voxels, tile, onto);
+        let width = 2.0 * slab.sections.raster.radius * self.slab.half_width;
+        let (slab, onto) = ((slab, kind), (sheet, coefficients));
+        if self.slab.is_sheared {
+            self.add_in_windows::<S, 4, { shear::WIDTH }>(simd, slab, voxels, tile, onto);
+        } else if width <= WIDEST_OF_THREE {
+            self.add_in_windows::<S, 3, BLOCKS_ACROSS>(simd, slab, voxels, tile, onto);
         } else {
-            self.add_in_windows::<S, 4>(simd, (slab, kind), voxels, tile, onto);
+            self.add_in_windows::<S, 4, BLOCKS_ACROSS>(simd, slab, voxels, tile, onto);
         }
     }
 
-    /// The same, `WINDOW` quads at once.
+    /// The same, `WINDOW` quads at once, of `WIDTH` in a row of coefficients.
     #[inline(always)]
-    fn add_in_windows<S: Simd, const WINDOW: usize>(
+    fn add_in_windows<S: Simd, const WINDOW: usize, const WIDTH: usize>(
         self,
         simd: S,
         (slab, kind): (&SlabCut<'_>, Kind),
@@ -103,6 +124,7 @@ impl AsSeparable<'_> {
     ) {
         let profile = self.sections.profile();
         let profile = Polynomial::<8, false> { coefficients: profile, edge: 1.0, faces: [0.0; 2] };
+        let (rows, touched) = coefficients.rows_mut();
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
             let batch = self.prepare(simd, (slab, kind), voxels, first, tile);
             for idx in bits(batch.drawn) {
@@ -112,12 +134,13 @@ impl AsSeparable<'_> {
                 sheet.touched.add(blocks);
                 let footprint = SeparableFootprint {
                     center: batch.centers[idx],
-                    columns: [left, right],
+                    columns: batch.columns.each_ref().map(|columns| columns[idx] as u8),
                     first_row: batch.first_rows[idx] as usize,
                     weights: batch.weights.each_ref().map(|weights| weights[idx]),
                     color: voxels.voxel(first + idx).color,
                 };
-                footprint.add_to::<S, WINDOW>(simd, coefficients, &slab.shape, &profile);
+                let shape = &self.slab.shape;
+                footprint.add_to::<S, WINDOW, WIDTH>(simd, (rows, touched), shape, &profile);
             }
         }
     }
@@ -131,53 +154,75 @@ impl AsSeparable<'_> {
         first: usize,
         tile: &Tile,
     ) -> SeparableBatch {
+        let SeparableSlab { shape, half_width, ref spline, is_sheared } = *self.slab;
+        let radius = slab.sections.raster.radius;
         let voxels = Components::of(simd, run.at_once(first));
         let mut drawn = u64::MAX >> (64 - (run.len - first).min(N_AT_ONCE));
+        let [mut x, mut y] = slab.centers_of(simd, &voxels, tile);
         let factors = if kind == Kind::Whole {
             f32x8::splat(simd, self.sections.whole())
         } else {
-            let (factors, is_cut) = self.factors_of(simd, slab, &voxels);
-            drawn &= is_cut;
+            let cuts = slab.cuts_of(simd, &voxels);
+            let Factors { factors, middles, is_cut } = self.factors_of(simd, slab, &cuts);
+            drawn &= (cuts.is_drawn & is_cut).to_bitmask();
+            let [right, down] = self.drift;
+            x = middles.mul_add(f32x8::splat(simd, right), x);
+            y = middles.mul_add(f32x8::splat(simd, down), y);
             factors
         };
-        let centers = slab.centers_of(simd, &voxels, tile);
         let mut pixels = [[0; N_AT_ONCE]; 4];
-        for (axis, center) in centers.into_iter().enumerate() {
-            let half = slab.sections.raster.radius * slab.shape.half_extent[axis] + MARGIN;
+        for (axis, center) in [x, y].into_iter().enumerate() {
+            let half = radius * shape.half_extent[axis] + MARGIN;
             let (first, end) = (pixel(simd, center - half), pixel(simd, center + half));
             drawn &= first.simd_lt(end).to_bitmask();
             first.store_slice(&mut pixels[axis]);
             end.store_slice(&mut pixels[axis + 2]);
         }
-        let [x, y] = centers;
-        let (first_rows, weights) = self.spline.touched(simd, y, factors * slab.shape.gain);
-        SeparableBatch { drawn, centers: x.into(), pixels, first_rows, weights }
+        let mut columns = [pixels[0], pixels[2]];
+        if is_sheared {
+            let left = shear::Columns::of(shape.lean, tile).left();
+            x = y.mul_add(f32x8::splat(simd, shape.lean), x + left);
+            let half = radius * half_width + MARGIN;
+            let n_columns = shear::WIDTH * QUAD;
+            column(simd, x - half, n_columns).store_slice(&mut columns[0]);
+            column(simd, x + half, n_columns).store_slice(&mut columns[1]);
+        }
+        let (first_rows, weights) = spline.touched(simd, y, factors * shape.gain);
+        SeparableBatch { drawn, centers: x.into(), pixels, columns, first_rows, weights }
     }
 
-    /// How much of eight voxels' extinction lies in the slab, and which of them it cuts, a bit each.
+    /// How much of eight voxels' extinction lies in the slab, and how far behind them it lies in the mean.
     #[inline(always)]
-    fn factors_of<S: Simd>(
-        self,
-        simd: S,
-        slab: &SlabCut<'_>,
-        voxels: &Components<S>,
-    ) -> (f32x8<S>, u64) {
-        let cuts = slab.cuts_of(simd, voxels);
+    fn factors_of<S: Simd>(self, simd: S, slab: &SlabCut<'_>, cuts: &Cuts<S>) -> Factors<S> {
+        let Sections { raster, half_depth_in_index, .. } = slab.sections;
         let [front, back] = cuts.faces;
-        let nearest = front.max(-back);
-        let is_cut = nearest.simd_lt(f32x8::splat(simd, slab.sections.half_depth_in_index));
-        let places = slab.sections.rows_of(simd, cuts.faces, cuts.is_merged);
-        let rows = places.floor();
-        let first_merged = u32x8::splat(simd, self.sections.first_merged());
-        let zero = u32x8::splat(simd, 0);
-        let rows_idx: u32x8<S> = rows.to_int();
-        let idxs = rows_idx + cuts.is_merged.select(first_merged, zero);
-        let (mut factors, mut more) = ([0.0; N_AT_ONCE], [0.0; N_AT_ONCE]);
-        for (lane, idx) in <[u32; N_AT_ONCE]>::from(idxs).into_iter().enumerate() {
-            [factors[lane], more[lane]] = self.sections.factors()[idx as usize];
-        }
-        let (factors, more) = (f32x8::from_slice(simd, &factors), f32x8::from_slice(simd, &more));
-        let factors = (places - rows).mul_add(more, factors);
-        (factors, (cuts.is_drawn & is_cut).to_bitmask())
+        let is_cut = front.max(-back).simd_lt(f32x8::splat(simd, *half_depth_in_index));
+        // Faces are where they cut the ray through the voxel; across the slab they are nearer.
+        let nearer = raster.radius / half_depth_in_index;
+        let most = f32x8::splat(simd, raster.radius);
+        let front = (front * nearer).max(-most).min(most);
+        let back = (back * nearer).max(-most).min(most);
+        let form = 2.0 / (raster.radius * raster.radius);
+        let of_front = (front * form).mul_add(front, f32x8::splat(simd, -1.0));
+        let of_back = (back * form).mul_add(back, f32x8::splat(simd, -1.0));
+        let masses = self.sections.masses();
+        let factors = back * nine(simd, masses, of_back) - front * nine(simd, masses, of_front);
+        let middles = if self.drift == [0.0; 2] {
+            f32x8::splat(simd, 0.0)
+        } else {
+            let moments = self.sections.moments();
+            let moments = nine(simd, moments, of_back) - nine(simd, moments, of_front);
+            // Of next to nothing rounding would put the middle anywhere.
+            (moments / factors.max(f32x8::splat(simd, f32::MIN_POSITIVE))).max(front).min(back)
+        };
+        Factors { factors, middles, is_cut }
     }
+}
+
+/// What eight voxels have in a slab, before it is known where that lies.
+struct Factors<S: Simd> {
+    factors: f32x8<S>,
+    /// In index units behind the voxels, across the slab.
+    middles: f32x8<S>,
+    is_cut: mask32x8<S>,
 }

@@ -8,8 +8,10 @@ use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::sections::cut::SlabCut;
+use crate::sections::shared::Kind;
 use crate::sections::span::SpannedVoxel;
 use crate::separable::b_spline::Coefficients;
+use crate::separable::sections::AsSeparable;
 use crate::voxels::by_sheet::BySheet;
 use crate::workspaces::Workspaces;
 use fearless_simd::{Simd, dispatch};
@@ -73,7 +75,7 @@ fn advance<S: Simd>(
     if starts.is_empty() {
         return;
     }
-    workspace.coefficients.grow(setup.slabs.shapes.n_coefficient_rows());
+    workspace.coefficients.grow(setup.slabs.shapes.n_coefficients());
     let first = starts.start.max(range.slabs.start).max(setup.slabs.first_drawn);
     for slab in first..range.slabs.end.min(starts.end + setup.slabs.n_before) {
         add_slab(simd, slab, setup, tile, workspace);
@@ -97,19 +99,25 @@ fn add_slab<S: Simd>(
     let Setup { slabs, classes, sections, .. } = setup;
     let faces = slabs.grid.faces(slab).map(|face| face as f32);
     let cut = SlabCut { sections, slab, shape: slabs.shape(slab), faces };
-    let separable = setup.as_separable(slab);
+    let [whole, cut_by_slab] = setup.as_separable(slab);
+    // Coefficients are of footprints of one shape at a time.
+    let mut pending: Option<AsSeparable<'_>> = None;
     for class in 0..N_CLASSES {
         let first = slab.saturating_sub(classes.n_before(class));
         let (voxels, kind) = (voxels.starting_in(class, first..slab + 1), classes.kind_of(class));
-        match &separable {
+        let separable = if kind == Kind::Whole { whole } else { cut_by_slab };
+        match separable {
             Some(separable) if Classes::may_be_separable(class) => {
+                if let Some(other) = pending.replace(separable).filter(|p| !p.is_like(&separable)) {
+                    other.slab.reconstruct(simd, tile, sheet, coefficients);
+                }
                 separable.add_sections(simd, (&cut, kind), voxels, tile, (sheet, coefficients));
             }
             _ => cut.add_sections(simd, kind, voxels, tile, sheet),
         }
     }
-    if let Some(separable) = separable {
-        separable.spline.reconstruct(simd, sheet, coefficients);
+    if let Some(separable) = pending {
+        separable.slab.reconstruct(simd, tile, sheet, coefficients);
     }
 }
 

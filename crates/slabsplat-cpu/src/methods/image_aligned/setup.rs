@@ -8,8 +8,9 @@ use crate::footprints::polynomials::SectionPolynomials;
 use crate::methods::Stage;
 use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
+use crate::separable::slab::SeparableSlab;
 use slabsplat_backend::SectionSplats;
-use slabsplat_kernel::SeparableSections;
+use slabsplat_kernel::{SeparableSections, SeparableShapes};
 
 /// What is kept from frame to frame.
 #[derive(Debug, Default)]
@@ -30,7 +31,7 @@ pub(super) struct Setup<'a> {
     pub(super) classes: Classes,
     /// What they are drawn by.
     pub(super) sections: Sections<'a>,
-    separable: Option<&'a SeparableSections>,
+    separable: Option<(&'a SeparableSections, SeparableShapes)>,
 }
 
 impl<'a> Setup<'a> {
@@ -40,7 +41,7 @@ impl<'a> Setup<'a> {
         prepared: &'a mut Prepared,
     ) -> Self {
         let (raster, plan) = (&stage.raster, stage.plan);
-        let (merged, tilted) = (merged.as_ref(), tilted.as_ref());
+        let (merged, tilted) = (merged.as_ref(), tilted.as_deref());
         let budget = merged.map(|merged| merged.budget);
         let fitted = Fitted { table, polynomials: prepared.sections.of(table, budget) };
         let fitted_merged = merged.map(|merged| Fitted {
@@ -50,17 +51,21 @@ impl<'a> Setup<'a> {
         let n_sections = slabs.n_before + 1;
         let sections =
             Sections::new(raster, plan.compositing, fitted, fitted_merged, tilted, n_sections);
-        let upright = merged.filter(|_| !raster.is_sheared && !raster.is_tilted);
-        let separable = upright.and_then(|merged| prepared.separable.of([table, &merged.table]));
-        prepared.shapes.update(raster, &plan.view, &slabs.grid, separable);
+        let separable = merged.and_then(|merged| prepared.separable.of([table, &merged.table]));
+        let thickness = slabs.grid.thickness();
+        let separable = separable.map(|sections| {
+            (sections, SeparableShapes::new(sections, table, &raster.shape, thickness))
+        });
+        let with_shapes = separable.as_ref().map(|(sections, shapes)| (*sections, shapes));
+        prepared.shapes.update(raster, &plan.view, &slabs.grid, with_shapes);
         let slabs = SlabView::new(slabs, raster, &prepared.shapes, plan.volume.grid().unit());
         Self {
             spans: SpanFinder::new(&slabs, merged.map(|merged| &merged.levels)),
             classes: Classes {
-                most_of_separable: separable
+                most_of_separable: with_shapes
                     .zip(budget)
-                    .map_or(f32::NEG_INFINITY, |(separable, budget)| {
-                        most_extinction(separable, budget)
+                    .map_or(f32::NEG_INFINITY, |((sections, shapes), budget)| {
+                        most_extinction(sections, shapes, budget)
                     }),
                 is_merged: merged.is_some(),
                 kind: sections.kind,
@@ -72,9 +77,16 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// How sections in a slab are drawn by separable footprints, if they are.
+    /// How sections in a slab are drawn by separable footprints, if they are: whole ones, and what it cuts.
     #[inline(always)]
-    pub(super) fn as_separable(&self, slab: usize) -> Option<AsSeparable<'a>> {
-        Some(AsSeparable { sections: self.separable?, spline: self.slabs.shapes.spline(slab)? })
+    pub(super) fn as_separable<'s>(&'s self, slab: usize) -> [Option<AsSeparable<'s>>; 2] {
+        let Some((sections, shapes)) = &self.separable else { return [None; 2] };
+        let [whole, cut] = self.slabs.shapes.separable(slab);
+        let drawn = |slab: &'s SeparableSlab| {
+            let [right, up] = shapes.drift.map(|drift| drift as f32 * slab.pixels_per_world());
+            AsSeparable { sections, slab, drift: [right, -up] }
+        };
+        let cut = if shapes.cut == shapes.whole { whole } else { cut };
+        [whole.map(drawn), cut.map(drawn)]
     }
 }

@@ -1,17 +1,18 @@
 //! The footprint of every slab: sections are projected at their slab's middle depth (paper §3.2, end).
 
 use crate::footprints::raster::{PixelShape, Raster};
-use crate::separable::b_spline::RowSpline;
+use crate::separable::slab::SeparableSlab;
 use slabsplat_core::{SlabGrid, View};
-use slabsplat_kernel::SeparableSections;
+use slabsplat_kernel::{FootprintShape, SeparableSections, SeparableShapes};
 
 /// What a frame's slabs look like; made once a frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SlabShapes {
     /// One for each slab, or a single one if they are all alike; none if there are too many.
     shapes: Vec<PixelShape>,
-    /// How separable footprints are splatted there; as many as shapes, or none.
-    splines: Vec<Option<RowSpline>>,
+    /// How separable footprints are drawn there, if they are: whole ones, and what slabs cut; as many as
+    /// shapes, or none.
+    separable: Vec<[Option<SeparableSlab>; 2]>,
 }
 
 /// Most slabs whose shapes are kept: half a megabyte.
@@ -24,7 +25,7 @@ impl SlabShapes {
         raster: &Raster,
         view: &View,
         slabs: &SlabGrid,
-        separable: Option<&SeparableSections>,
+        separable: Option<(&SeparableSections, &SeparableShapes)>,
     ) {
         let n_shapes = match slabs.n_slabs() {
             n_slabs if !view.is_perspective() => n_slabs.min(1),
@@ -33,9 +34,11 @@ impl SlabShapes {
         };
         self.shapes.clear();
         self.shapes.extend((0..n_shapes).map(|slab| raster.shape_at(slabs.middle(slab))));
-        self.splines.clear();
-        if let Some(separable) = separable {
-            self.splines.extend(self.shapes.iter().map(|shape| RowSpline::new(shape, separable)));
+        self.separable.clear();
+        if let Some((sections, shapes)) = separable {
+            let of_slab =
+                |slab: usize| separable_slab(raster, slabs.middle(slab), sections, shapes);
+            self.separable.extend((0..n_shapes).map(of_slab));
         }
     }
 
@@ -48,16 +51,17 @@ impl SlabShapes {
         }
     }
 
-    /// How separable footprints are splatted in a slab, if they are.
+    /// How separable footprints are drawn in a slab, if they are: whole ones, and what it cuts.
     #[inline]
-    pub(super) fn spline(&self, slab: usize) -> Option<&RowSpline> {
-        let idx = if self.splines.len() == 1 { 0 } else { slab };
-        self.splines.get(idx)?.as_ref()
+    pub(super) fn separable(&self, slab: usize) -> [Option<&SeparableSlab>; 2] {
+        let idx = if self.separable.len() == 1 { 0 } else { slab };
+        self.separable.get(idx).map_or([None; 2], |slab| slab.each_ref().map(Option::as_ref))
     }
 
-    /// Most rows of coefficients that any slab has on a tile.
-    pub(super) fn n_coefficient_rows(&self) -> usize {
-        self.splines.iter().flatten().map(RowSpline::n_rows).max().unwrap_or(0)
+    /// Most quads of coefficients that any slab has on a tile.
+    pub(super) fn n_coefficients(&self) -> usize {
+        let slabs = self.separable.iter().flatten().flatten();
+        slabs.map(SeparableSlab::n_quads).max().unwrap_or(0)
     }
 
     /// The footprint of a slab; of no meaning for one that is not drawn.
@@ -69,4 +73,19 @@ impl SlabShapes {
             shapes => shapes[slab],
         }
     }
+}
+
+/// Whole footprints at a depth, and what slabs cut.
+fn separable_slab(
+    raster: &Raster,
+    depth: f64,
+    sections: &SeparableSections,
+    shapes: &SeparableShapes,
+) -> [Option<SeparableSlab>; 2] {
+    let of = |shape: &FootprintShape, gain: f64| {
+        let mut pixels = raster.shape_like(shape, depth);
+        pixels.gain *= gain as f32;
+        SeparableSlab::new(pixels, shape.is_sheared(), sections)
+    };
+    [of(&shapes.whole, 1.0), of(&shapes.cut, shapes.cut_gain)]
 }
