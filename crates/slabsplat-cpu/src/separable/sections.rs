@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The same as `sections/batch.rs` and `sections/splat.rs` do for others, but for what makes it cheap: all
-//! sections of a frame have one shape, and whole footprints another if slabs are tilted; they differ by a factor
-//! and, then, in place.
+//! sections of a frame have one shape, and whole footprints another if slabs are tilted. They differ by a
+//! factor and, then, in place.
 
 use super::b_spline::{Coefficients, N_TOUCHED, WORST_ERROR};
 use super::footprint::SeparableFootprint;
