@@ -11,7 +11,7 @@
 // of the list, which moves along it with the sheets. `every-sample` has no sheets: there, all splats of the
 // list form one run, and each is put behind the pixel by itself.
 //
-// A tile that has visited many splats pauses after a sheet, and the next dispatch goes on with it: systems
+// A tile that has visited many splats pauses after a sheet, and the next dispatch continues it: systems
 // reset devices that do not answer for seconds.
 
 //#include "shared/step.wgsl"
@@ -224,7 +224,7 @@ fn composite(
     return Composited(pixel, begin, sheet, STATE_DONE);
 }
 
-// The sheet at which the tile begins, or goes on.
+// The sheet at which the tile begins, or continues.
 fn first_sheet(todo: TileWork) -> u32 {
     if todo.state == STATE_PAUSED || todo.end <= todo.begin {
         return todo.sheet;

@@ -1,4 +1,4 @@
-// Which voxels are relevant. Both passes of the classification ask, and must be told the same.
+// Which voxels are relevant. Both passes of the classification ask, and must get the same answer.
 //
 // Whoever includes this declares `transfer`, whose first `n_ranges` elements are the ends of iso-ranges as
 // keys: the least one (high word, low word), then the largest.

@@ -1,4 +1,4 @@
-// What one dispatch is told beside the frame: which part of the work it does. A dispatch covers a number
+// The parameters of one dispatch, beside the frame: which part of the work it does. A dispatch covers a number
 // of elements that the host knows; how many of them there really are, only the device may know.
 
 struct Step {

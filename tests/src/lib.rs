@@ -15,8 +15,8 @@ pub mod random_scene;
 
 use slabsplat_core::RenderSettings;
 
-/// Nothing is left out that could be told from rounding, for tests that measure the rest: every section is
-/// splatted, and only what lies behind 0.99999 is hidden.
+/// Nothing is culled that is more than rounding, for tests that measure the rest: every section is splatted,
+/// and only what lies behind 0.99999 is occluded.
 pub fn exact_settings() -> RenderSettings {
     RenderSettings::default().opacity_cutoff(1.0 - 1e-5).tolerance(0.0)
 }

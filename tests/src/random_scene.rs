@@ -2,7 +2,7 @@
 //!
 //! They are meant to be ugly: noisy values next to smooth ones, NaN and infinite voxels, slab widths
 //! that fit nothing, eyes inside the volume, volumes shrunk to a few pixels. What is left out is what
-//! no tolerance can hold, because it hangs on the last bit: slices that tie for the method
+//! no tolerance can hold, because it depends on the last bit: slices that tie for the method
 //! `axis-aligned`, and transfer functions with steps.
 
 mod camera;

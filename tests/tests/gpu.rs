@@ -154,7 +154,7 @@ fn small_bindings_give_the_same_bits() {
     }
 }
 
-/// What does not fit is an error that says how much it needs and has, and the backend goes on.
+/// What does not fit is an error that says how much it needs and has, and the backend continues.
 #[test]
 fn what_does_not_fit_is_an_error() {
     let _alone = alone();

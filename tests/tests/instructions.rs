@@ -74,7 +74,7 @@ const WORKLOADS: &[Workload] = &[
         image_side: 96,
         change: orbit,
     },
-    // Where slabs cut footprints at a slant, and these lean.
+    // Where slabs are tilted, and footprints sheared.
     Workload {
         name: "tilted",
         volume: ("sphere", 32),

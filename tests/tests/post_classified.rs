@@ -169,7 +169,7 @@ fn step_on_a_ramp_across_the_image() {
     }
 }
 
-/// A ramp in depth: the colour tells at which value the ray stopped.
+/// A ramp in depth: the colour says at which value the ray stopped.
 #[test]
 fn step_on_a_ramp_in_depth() {
     let dims = [10, 10, 24];

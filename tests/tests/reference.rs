@@ -142,7 +142,7 @@ fn render_perspective_from_afar_is_orthographic() {
 fn render_does_not_depend_on_storage() {
     let wavy = wavy();
     let [nx, ny, nz] = wavy.grid().dims();
-    // Axes (k, −i, j): a turn, told by the matrix.
+    // Axes (k, −i, j): a turn, by the matrix.
     let matrix = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::Y);
     let origin = DVec3::new(nx as f64 - 1.0, 0.0, 0.0);
     let grid = Grid::new([nz, nx, ny], DAffine3::from_mat3_translation(matrix, origin)).unwrap();

@@ -187,7 +187,7 @@ fn tolerance_on_walls_seen_along() {
     });
 }
 
-/// Grids of unequal steps, sheared ones too, seen from anywhere: short cuts for tilted slabs and leaning
+/// Grids of unequal steps, sheared ones too, seen from anywhere: short cuts for tilted slabs and sheared
 /// footprints, against the CPU's own exact picture, which parity holds against the reference.
 #[test]
 fn tolerance_on_stretched_grids() {

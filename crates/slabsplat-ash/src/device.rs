@@ -169,8 +169,8 @@ impl AshDevice {
         }
     }
 
-    /// Tells the caller of a fault; after any but a want of memory the device is not used again.
-    fn told<T>(&mut self, result: Result<T, Fault>, n_bytes: u64) -> Result<T, DeviceError> {
+    /// Reports a fault to the caller; after any but a want of memory the device is not used again.
+    fn reported<T>(&mut self, result: Result<T, Fault>, n_bytes: u64) -> Result<T, DeviceError> {
         result.map_err(|fault| {
             if let Fault::Driver(reason) = &fault {
                 self.lost = Some(reason.clone());
@@ -192,7 +192,7 @@ impl Device for AshDevice {
             return Err(DeviceError::OutOfMemory { bytes: size });
         }
         let created = self.create(label, size);
-        self.told(created, size)
+        self.reported(created, size)
     }
 
     fn destroy_buffer(&mut self, buffer: BufferId) {
@@ -204,7 +204,7 @@ impl Device for AshDevice {
         self.check_is_there()?;
         let written: u64 = work.writes.iter().map(|write| write.bytes.len() as u64).sum();
         let begun = self.begin_or_make_room(work);
-        self.told(begun, written + readback::n_bytes(&work.reads))
+        self.reported(begun, written + readback::n_bytes(&work.reads))
     }
 
     /// Work whose results were taken already, or that brings none, is ready with nothing.
@@ -212,7 +212,7 @@ impl Device for AshDevice {
         self.check_is_there()?;
         assert!(work.0 <= self.timeline.last(), "usage: {work:?} was not submitted");
         let retired = self.retire();
-        let done = self.told(retired, 0)?;
+        let done = self.reported(retired, 0)?;
         if done < work.0 {
             return Ok(Poll::Pending);
         }

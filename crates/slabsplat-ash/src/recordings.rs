@@ -1,4 +1,4 @@
-//! Lists of passes as commands, kept to be submitted again: frame after frame runs the same passes.
+//! Lists of passes as commands, cached to be submitted again: frame after frame runs the same passes.
 
 use crate::buffers::Buffers;
 use crate::check;
@@ -62,10 +62,10 @@ impl Recordings {
         passes: &[Pass],
         sources: Sources<'_>,
     ) -> Result<RecordingIdx, Fault> {
-        let kept = self.all.iter().position(|recording| {
+        let cached = self.all.iter().position(|recording| {
             recording.is_valid && !recording.is_in_flight && recording.is_of(passes)
         });
-        if let Some(place) = kept {
+        if let Some(place) = cached {
             return Ok(RecordingIdx(place));
         }
         let place = self.free_place()?;

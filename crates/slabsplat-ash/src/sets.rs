@@ -1,4 +1,4 @@
-//! Descriptor sets: which slices of buffers a shader is bound to. They are kept, for most passes see the
+//! Descriptor sets: which slices of buffers a shader is bound to. They are cached, for most passes see the
 //! same in every frame.
 
 use crate::context::Context;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 /// Sets that a pool of descriptors has room for.
 const SETS_PER_POOL: u32 = 16;
-/// Sets that are kept though no recording uses them.
+/// Sets that are cached though no recording uses them.
 const MAX_IDLE_SETS: usize = 512;
 
 /// A descriptor set that is filled in. Whoever has an `Arc` of it may submit commands with it.
@@ -77,7 +77,7 @@ impl Sets {
         }
     }
 
-    /// How many are kept.
+    /// How many are cached.
     #[cfg(test)]
     pub(crate) fn n_filled(&self) -> usize {
         self.filled.len()

@@ -1,4 +1,4 @@
-//! What was made of something, kept for as long as it is made of the same.
+//! What was made of something, cached for as long as it is made of the same.
 
 use std::sync::{Arc, Weak};
 
@@ -14,8 +14,8 @@ impl<K, V> Default for Cached<K, V> {
 }
 
 impl<K: PartialEq, V> Cached<K, V> {
-    /// The value made of `key`. If the one that is kept was made of another, it is dropped first, as two need
-    /// not fit at a time, and `make` makes it anew.
+    /// The value made of `key`. A cached one made of another key is dropped first, as two need not fit
+    /// at a time, and `make` makes it anew.
     pub fn made_of(&mut self, key: K, make: impl FnOnce(&K) -> V) -> &mut V {
         if !self.0.as_ref().is_some_and(|(made_of, _)| *made_of == key) {
             self.0 = None;
@@ -27,7 +27,7 @@ impl<K: PartialEq, V> Cached<K, V> {
         &mut self.0.get_or_insert_with(made).1
     }
 
-    /// What is kept, whatever it was made of.
+    /// What is cached, whatever it was made of.
     pub fn value(&self) -> Option<&V> {
         self.0.as_ref().map(|(_, value)| value)
     }

@@ -89,7 +89,7 @@ fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
     }
 }
 
-/// What is kept of one volume or transfer function must not show in the next frame.
+/// What is cached of one volume or transfer function must not show in the next frame.
 fn volumes_take_turns(backend: &mut dyn Backend) {
     for &method in backend.caps().methods {
         let plain = scene(method, Compositing::Extinction);
@@ -133,7 +133,7 @@ fn methods_are_those_told(backend: &mut dyn Backend) {
         match backend.submit(&plan) {
             Ok(frame) if has_it => drop(wait(backend, frame)),
             Err(BackendError::Unable { .. }) if !has_it => {}
-            other => panic!("{method}, told {has_it}: {other:?}"),
+            other => panic!("{method}, reported as {has_it}: {other:?}"),
         }
     }
 }

@@ -12,7 +12,7 @@
 //!   The backend finds them, shades, projects, tosses and splats. It never reads a file, never drops a
 //!   relevant voxel (unless it lies behind the plan's opacity cut-off), never changes a method that it
 //!   finds slow.
-//! - **What is kept.** A backend may keep whatever it made of a volume, a transfer function or a table for
+//! - **What is cached.** A backend may cache whatever it made of a volume, a transfer function or a table for
 //!   the next plan that holds the same; it holds one volume at a time.
 //! - **Saturated pixels.** A pixel whose opacity has reached the plan's cut-off may stay as it is: what lies
 //!   behind adds at most what the cut-off leaves of 1. How many pixels stop at a time is the backend's own

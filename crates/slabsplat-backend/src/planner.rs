@@ -38,7 +38,7 @@ pub enum PlanError {
 }
 
 /// Makes frame plans. Tables of sections cost a millisecond or more, and seldom change
-/// from one frame to the next, so the last ones are kept.
+/// from one frame to the next, so the last ones are cached.
 #[derive(Debug, Default)]
 pub struct Planner {
     sections: Cached<TableKey, Arc<SectionTable>>,

@@ -4,7 +4,7 @@
 /// is none.
 ///
 /// wgpu opens Vulkan with all that screens need; then Mesa asks Wayland for the screen, and Wayland's library
-/// complains on stderr, several times, if it is not told where sockets are, as in a container or over ssh. A
+/// complains on stderr, several times, if it is not set, as in a container or over ssh. A
 /// folder that does not exist is answer enough. It is set from outside since no safe code can change the
 /// environment from within.
 #[cfg(all(target_os = "linux", feature = "wgpu"))]

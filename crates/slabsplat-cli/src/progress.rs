@@ -33,7 +33,7 @@ fn current() -> MutexGuard<'static, Option<ProgressBar>> {
 /// A bar that is wiped away when dropped. There is one at a time.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    /// Dropped first, which tells the watcher to end.
+    /// Dropped first, which ends the watcher.
     done: Option<Sender<()>>,
     watcher: Option<JoinHandle<()>>,
 }

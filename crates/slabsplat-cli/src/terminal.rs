@@ -20,17 +20,17 @@ pub(crate) fn answer(text: &str) -> Result<()> {
     }
 }
 
-/// Tells people something on stderr. If they cannot be told, there is nobody to tell that.
+/// Prints a line on stderr. If that fails, there is nobody to report it to.
 pub(crate) fn say(line: Arguments<'_>) {
     let _ = progress::suspended(|| writeln!(io::stderr().lock(), "{line}"));
 }
 
-/// Tells what was assumed about a file.
+/// Reports what was assumed about a file.
 pub(crate) fn warn_all(warnings: &[String]) {
     warnings.iter().for_each(|warning| warn(warning));
 }
 
-/// Tells of something that is not as it should be, and does not stop the work.
+/// Reports something that is not as it should be, and does not stop the work.
 pub(crate) fn warn(warning: &str) {
     say(format_args!("warning: {}", flattened(warning)));
 }

@@ -1,8 +1,8 @@
 //! The compositing models (model §3): what a sheet sums of a voxel, and how sums become a pixel.
 //!
 //! This is the one place that says what they mean. Backends have loops of their own, for vectors and for
-//! shaders, and tests hold those against [`Compositing::resolve`]. Whoever adds a model adds it here and is
-//! told by the compiler where else it must be handled: the matches on [`Compositing`] have no arm for all
+//! shaders, and tests hold those against [`Compositing::resolve`]. Whoever adds a model adds it here, and
+//! the compiler names where else it must be handled: the matches on [`Compositing`] have no arm for all
 //! others.
 
 use crate::Compositing;

@@ -1,4 +1,4 @@
-//! Which numbers a setting may be, and how a person is told.
+//! Which numbers a setting may be, and how an error says so.
 
 use std::fmt;
 

@@ -57,7 +57,7 @@ pub enum VolumeError {
     },
 }
 
-/// What a look at all values of a volume tells.
+/// What a pass over all values of a volume finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Smallest and largest value; `None` if every voxel is NaN. May be infinite.

@@ -12,7 +12,7 @@ use slabsplat_backend::{
 use slabsplat_core::{Compositing, TransferFunction, Volume};
 use slabsplat_traverse::{BrickView, Classification, VoxelLighting};
 
-/// What is kept from frame to frame: what need not be made anew, and memory.
+/// What is cached from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     tiles: Cached<[u32; 2], Tiles>,

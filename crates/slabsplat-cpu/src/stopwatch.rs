@@ -14,7 +14,7 @@ impl Stopwatch {
         Self { last: Instant::now(), stages: Vec::new() }
     }
 
-    /// The stage that began with the last call, or at the start, is done. One that comes again goes on.
+    /// The stage that began with the last call, or at the start, is done. One that comes again continues.
     pub(crate) fn done(&mut self, name: &'static str) {
         let now = Instant::now();
         let ms = (now - self.last).as_secs_f64() * 1e3;

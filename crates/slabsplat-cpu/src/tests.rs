@@ -69,7 +69,7 @@ fn render(level: Level, volume: &Arc<Volume>, scene: &Scene) -> Image {
     }
 }
 
-/// Every method, kernel and compositing, on grids whose footprints are circles, leaning ellipses, and cut at
+/// Every method, kernel and compositing, on grids whose footprints are circles, sheared ellipses, and cut at
 /// a slant.
 #[test]
 fn cpu_levels_agree_with_scalar() {

@@ -1,4 +1,4 @@
-//! What threads work with, kept from tile to tile and from frame to frame.
+//! What threads work with, retained from tile to tile and from frame to frame.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -25,7 +25,7 @@ impl<W: Default> Workspaces<W> {
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The sum of what `number_of` tells of each.
+    /// The sum of what `number_of` returns of each.
     pub(crate) fn sum_of(&self, number_of: impl Fn(&W) -> usize) -> usize {
         let locked = |workspace: &Mutex<W>| workspace.lock().map_or(0, |w| number_of(&w));
         self.0.iter().map(locked).sum()

@@ -45,7 +45,7 @@ struct UnderWay {
     work: WorkId,
     /// Splats that there was room for.
     max_splats: u64,
-    /// How often each tile was gone on with.
+    /// How often each tile was continued.
     n_rounds: u32,
 }
 

@@ -56,7 +56,7 @@ pub struct DeviceInfo {
     pub max_buffer_bytes: u64,
     /// Bytes that a slice's offset must be a multiple of; a power of two, at most 256.
     pub offset_alignment: u64,
-    /// Bytes of memory that buffers can be in, if the interface tells.
+    /// Bytes of memory that buffers can be in, if the interface reports them.
     pub memory_bytes: Option<u64>,
     /// Whether passes can be timed.
     pub has_timestamps: bool,

@@ -28,7 +28,7 @@ pub(crate) struct FrameMemory {
     /// How many splats there is room for.
     pub(crate) max_splats: u64,
     pub(crate) work: Buffer,
-    /// How often each tile is gone on with.
+    /// How often each tile is continued.
     pub(crate) n_rounds: u32,
     /// The picture, in bands of whole tiles.
     pub(crate) bands: Vec<Buffer>,

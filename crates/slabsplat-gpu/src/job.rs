@@ -1,4 +1,4 @@
-//! A frame to be made: all of a plan that the device must be told, in the shaders' own terms, so that the
+//! A frame to be made: all of a plan that the device needs, in the shaders' own terms, so that the
 //! plan can go.
 
 use crate::classification::Classification;
@@ -13,7 +13,7 @@ use slabsplat_core::Volume;
 use slabsplat_kernel::{FootprintTable, SectionTable};
 use std::sync::Arc;
 
-/// A volume, and what one look at all its samples tells.
+/// A volume, and what one pass over all its samples finds.
 #[derive(Debug)]
 pub(crate) struct KnownVolume {
     pub(crate) volume: Arc<Volume>,

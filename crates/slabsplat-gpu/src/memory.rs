@@ -79,7 +79,7 @@ impl Memory {
         buffers.for_each(|buffer| self.free(device, buffer));
     }
 
-    /// Asks for no more than the device has, as far as it tells: drivers may accept, and then swap.
+    /// Asks for no more than the device has, as far as it reports: drivers may accept, and then swap.
     fn check<D: Device>(
         &self,
         device: &D,

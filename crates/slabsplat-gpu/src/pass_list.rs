@@ -1,4 +1,4 @@
-//! Passes, and the small struct that tells each which part of the work it does.
+//! Passes, and the small struct that says to each which part of the work it does.
 
 use crate::memory::{Buffer, Memory};
 use crate::params::Step;

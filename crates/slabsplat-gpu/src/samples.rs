@@ -60,14 +60,14 @@ impl Piece {
     }
 }
 
-/// How many samples there are of each key, or of each run of keys that agree in their upper 16 bits. It tells
+/// How many samples there are of each key, or of each run of keys that agree in their upper 16 bits. It says
 /// at once how many voxels can be relevant, before the device has counted.
 #[derive(Clone, Debug)]
 pub(crate) struct KeyCounts {
     counts: Vec<u32>,
     /// The least key that there can be.
     first_key: u64,
-    /// Lower bits of a key, which are not told apart.
+    /// Lower bits of a key, which are not distinguished.
     dropped_bits: u32,
 }
 

@@ -63,7 +63,7 @@ fn folder_with_data() -> tempfile::TempDir {
     dir
 }
 
-/// The most address space that this process ever had, where the system tells.
+/// The most address space that this process ever had, where the system reports it.
 fn peak_bytes() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:"))?;

@@ -34,7 +34,7 @@ pub fn for_each_seed(n_fixed: u64, mut test: impl FnMut(Rng)) {
     for_each_numbered_seed(n_fixed, |_, rng| test(rng));
 }
 
-/// The same for tests that deal out a large number of cases among seeds: `test` is told the seed, too.
+/// The same for tests that deal out a large number of cases among seeds: `test` gets the seed, too.
 ///
 /// # Panics
 /// As [`for_each_seed`].

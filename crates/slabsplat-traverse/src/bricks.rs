@@ -1,7 +1,7 @@
-//! The volume cut into bricks of 8³ voxels, which is how relevant voxels are kept and culled.
+//! The volume cut into bricks of 8³ voxels, which is how relevant voxels are stored and culled.
 //!
 //! A brick is small enough that its voxels share much (whether they are relevant, whether they are in
-//! view, what a cache line brings), and large enough that what is kept of it weighs nothing.
+//! view, what a cache line brings), and large enough that what is stored of it weighs nothing.
 
 use crate::VoxelRecord;
 use slabsplat_core::Grid;

@@ -23,7 +23,7 @@ impl<T: Copy + Default> Buckets<T> {
     /// no meaning.
     pub const N_AT_ONCE: usize = 8;
 
-    /// Sorts the entries of `runs` into `n_buckets` buckets, of which `bucket_of` tells one for each;
+    /// Sorts the entries of `runs` into `n_buckets` buckets, of which `bucket_of` returns one for each;
     /// `item_of` makes of an entry what is held.
     #[inline(always)]
     pub fn sort<'a, E: 'a>(

@@ -9,7 +9,7 @@ use slabsplat_core::{Compositing, SampleType, Scaling, TransferFunction, Volume}
 /// What is seen of every sample: red, green and blue, and the weight that is summed over a sheet, which
 /// is `α`, or `μ = −ln(1 − α)` for `extinction`.
 ///
-/// To be kept while the transfer function, the compositing, and the volume's type and scaling stay.
+/// To be cached while the transfer function, the compositing, and the volume's type and scaling stay.
 #[derive(Clone, Debug)]
 pub struct Classification {
     transfer: TransferFunction,

@@ -9,10 +9,10 @@
 //!
 //! 1. There are no branches on voxels: where a neighbour is missing (which is NaN, for types that have it),
 //!    the voxel itself stands in for it, and the difference counts whole instead of half.
-//! 2. Samples are read as they are; a slope only tells which way up is, an intercept nothing.
+//! 2. Samples are read as they are; of a slope only the sign counts, and an intercept does not.
 //! 3. Samples of 8 and 16 bits take 32-bit floats, in which their differences are exact. All others, and
 //!    sheared grids, in which parts of `A⁻ᵀ d` cancel, take 64 bits up to the division, after which 32 do:
-//!    normals are kept to 2.7·10⁻⁵.
+//!    normals are stored to 2.7·10⁻⁵.
 //! 4. The division keeps squares of faint or steep gradients from leaving the range of 32-bit floats.
 //!
 //! The price: all 8 voxels are computed where some are asked for.

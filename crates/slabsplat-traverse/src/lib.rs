@@ -2,7 +2,7 @@
 //!
 //! The way of the data through this crate is its reading order:
 //!
-//! - `bricks`, `voxel`: how the volume is cut up, and what is kept of a voxel;
+//! - `bricks`, `voxel`: how the volume is cut up, and what is stored of a voxel;
 //! - `order`: iso-ranges of values as ranges of samples;
 //! - `brick_ranges`: the least and the largest value of every brick, once a volume;
 //! - `membership`, `gradient`: which voxels of a brick are relevant, and their normals;

@@ -18,7 +18,7 @@ use crate::{BRICK_SIDE, BrickGrid, VoxelRecord};
 use slabsplat_core::{IsoRange, Volume};
 use std::ops::Range;
 
-/// Tells which voxels are inside of iso-ranges.
+/// Decides which voxels are inside of iso-ranges.
 pub(crate) struct Membership<'a, T> {
     samples: &'a [T],
     grid: BrickGrid,

@@ -18,8 +18,8 @@ use slabsplat_core::{Grid, View, ViewFromIndex};
 /// A grid's bricks in view space: `[right, up, depth]` in world units; depth counts from the grid's
 /// centre.
 ///
-/// A brick's first voxel is transformed in 64 bits, and what it loses as a 32-bit number is kept; it goes to
-/// the steps within the brick, at most 7 along each axis, whose sum is then added to the rest. So there is
+/// A brick's first voxel is transformed in 64 bits, and what a 32-bit number loses of it is stored; it goes
+/// into the steps within the brick, at most 7 along each axis, whose sum is then added to the rest. So there is
 /// one rounding of any weight, the last: 6·10⁻⁵ of a voxel step a thousand steps from the centre.
 #[derive(Clone, Debug)]
 pub struct BrickView {

@@ -1,6 +1,6 @@
 //! `L_r`, the list of relevant voxels, and its update by difference (paper §4).
 //!
-//! The paper keeps the list in the order of values, where an iso-range is one run. Ours is kept brick by
+//! The paper keeps the list in the order of values, where an iso-range is one run. Ours is stored brick by
 //! brick, in memory order: neighbours in the list are then neighbours in space, so that gradients, shading
 //! and the toss run through caches instead of around them, and a brick can be culled whole. A changed
 //! range only touches bricks that hold values at its ends (`relevant_update.rs`).
@@ -83,7 +83,7 @@ impl RelevantList {
             + self.records.capacity() * size_of::<VoxelRecord>()
     }
 
-    /// Makes the list that of `ranges` (disjoint, rising), and tells what changed. `volume` and
+    /// Makes the list that of `ranges` (disjoint, rising), and returns what changed. `volume` and
     /// `brick_ranges` must be those of every earlier update.
     pub fn update(
         &mut self,

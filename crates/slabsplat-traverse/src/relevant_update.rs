@@ -139,7 +139,7 @@ impl<T: Ordered> Step<'_, T> {
             start += chunk.n_kept;
         }
         records.truncate(start);
-        // Room is kept for ranges that go to and fro, but not much of it.
+        // Room is retained for ranges that go to and fro, but not much of it.
         if 4 * records.len() < 3 * records.capacity() {
             records.shrink_to_fit();
         }

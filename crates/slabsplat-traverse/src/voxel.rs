@@ -1,4 +1,4 @@
-//! What is kept of a relevant voxel between frames: where it is in its brick, and which way its surface
+//! What is stored of a relevant voxel between frames: where it is in its brick, and which way its surface
 //! faces.
 
 use crate::BRICK_SIDE;
@@ -15,7 +15,7 @@ pub struct VoxelRecord {
 
 const _: () = assert!(size_of::<VoxelRecord>() == 8, "a relevant voxel takes 8 bytes");
 
-/// A component of a normal is kept in steps of this part of 1, so a normal is off by at most 2.7·10⁻⁵.
+/// A component of a normal is stored in steps of this part of 1, so a normal is off by at most 2.7·10⁻⁵.
 pub const NORMAL_STEPS: f32 = 32767.0;
 
 impl VoxelRecord {

@@ -1,4 +1,4 @@
-//! Bind groups, kept as long as their buffers are there: most passes bind what they bound a frame ago.
+//! Bind groups, cached as long as their buffers are there: most passes bind what they bound a frame ago.
 
 use crate::buffers::Buffers;
 use crate::pipelines::Pipeline;
@@ -26,8 +26,8 @@ impl BindGroups {
         pass: &Pass,
     ) -> wgpu::BindGroup {
         let of_shader = self.by_shader.get(pass.shader.name);
-        if let Some(kept) = of_shader.and_then(|groups| groups.get(pass.bindings.as_slice())) {
-            return kept.clone();
+        if let Some(cached) = of_shader.and_then(|groups| groups.get(pass.bindings.as_slice())) {
+            return cached.clone();
         }
         if self.n_kept == MOST {
             self.by_shader.clear();

@@ -41,7 +41,7 @@ impl Buffers {
     }
 }
 
-/// Makes a buffer, or tells that there is no memory for it.
+/// Makes a buffer, or reports that there is no memory for it.
 pub(crate) fn make(
     gpu: &Gpu,
     label: &'static str,

@@ -1,4 +1,4 @@
-//! What went wrong, noted where wgpu tells it.
+//! What went wrong, noted where wgpu reports it.
 //!
 //! wgpu's calls return no errors: it hands them to a handler, which panics unless another is set. Ours notes
 //! them, and the call that caused them, or the next, returns them. Outside of browsers the handler is called

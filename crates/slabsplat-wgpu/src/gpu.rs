@@ -25,7 +25,7 @@ impl Gpu {
         Self { info, device, queue, faults }
     }
 
-    /// Lets wgpu call back for whatever is finished, without waiting, and tells whether the device is
+    /// Lets wgpu call back for whatever is finished, without waiting, and returns whether the device is
     /// still there.
     pub(crate) fn look_around(&self) -> Result<(), DeviceError> {
         // A lost device is left alone: wgpu would only fail again.
@@ -40,9 +40,9 @@ impl Gpu {
     }
 
     fn poll(&self, how: wgpu::PollType) {
-        // If the driver loses the device, wgpu 30 first tells our callback and then panics, holding no lock.
+        // If the driver loses the device, wgpu 30 first calls our callback and then panics, holding no lock.
         let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(how)));
-        // The only errors are that time is up and that a submission was none, and then wgpu has told why.
+        // The only errors are that time is up and that a submission was none, and then wgpu has reported why.
         if polled.is_err() {
             self.faults.lose("wgpu panicked when asked what is done");
         }

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 /// Sizes are rounded up to this, so that one buffer serves frames of about one size.
 const GRAIN_BYTES: u64 = 64 << 10;
 
-/// Buffers that are kept: as many as there can be works in flight, and some that wait to be taken.
+/// Buffers that are retained: as many as there can be works in flight, and some that wait to be taken.
 const MOST_FREE: usize = 8;
 
 /// Read-back buffers that no work uses.
@@ -71,7 +71,7 @@ impl ReadBack {
         slice.map_async(wgpu::MapMode::Read, move |mapped| signal.set(mapped.is_ok()));
     }
 
-    /// The bytes, once the signal is there; none if it tells of a failure.
+    /// The bytes, once the signal is there; none if it reports a failure.
     pub(crate) fn bytes(&self, n_bytes: u64, signal: &Signal) -> Option<wgpu::BufferView> {
         if !signal.is_good() {
             return None;

@@ -6,7 +6,7 @@ use crate::gpu::Gpu;
 /// As many as the largest query set has room for.
 const MOST_STAGES: usize = wgpu::QUERY_SET_MAX_QUERIES as usize / 2;
 
-/// Timers that are kept: as many as there can be works in flight, and some that wait to be taken.
+/// Timers that are retained: as many as there can be works in flight, and some that wait to be taken.
 const MOST_FREE: usize = 8;
 
 /// Timers that no work uses.
@@ -69,7 +69,7 @@ impl Timer {
         Self { queries, results, n_stages }
     }
 
-    /// What a compute pass is told.
+    /// The timestamps of a compute pass.
     pub(crate) fn around_stage(&self, stage: usize) -> wgpu::ComputePassTimestampWrites<'_> {
         let begin = 2 * stage as u32;
         wgpu::ComputePassTimestampWrites {

@@ -101,7 +101,7 @@ fn corners(grid: &Grid) -> impl Iterator<Item = DVec3> + '_ {
 }
 
 fn transfer_of(volume: &Volume) -> TransferFunction {
-    // Without two values that can be told apart, all is visible.
+    // Without two values that can be distinguished, all is visible.
     let flat = || (vec![(0.0, [RAMP_OPACITY[0]])], vec![(0.0, COLORS[2])]);
     let ramp = Histogram::of(volume).and_then(|histogram| histogram.ramp());
     let (opacity, color) = ramp.unwrap_or_else(flat);

@@ -1,4 +1,4 @@
-//! A volume and what is kept of it between frames.
+//! A volume and what is cached of it between frames.
 
 use crate::{Choice, NoBackend, choose_backend};
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
@@ -35,7 +35,7 @@ impl Renderer {
         Self { volume: volume.into(), planner: Planner::default(), backend, fallback: None }
     }
 
-    /// A renderer of `volume` on the backend called `name`. With `auto`, the CPU goes on where a graphics
+    /// A renderer of `volume` on the backend called `name`. With `auto`, the CPU continues where a graphics
     /// card fails; `tell` is given a sentence for people whenever one could not be used.
     ///
     /// # Errors
@@ -76,7 +76,7 @@ impl Renderer {
         self.backend.caps()
     }
 
-    /// Goes on with another volume, on the same backend: opening one may take longer than a frame.
+    /// Continues with another volume, on the same backend: opening one may take longer than a frame.
     pub fn set_volume(&mut self, volume: impl Into<Arc<Volume>>) {
         self.volume = volume.into();
     }
@@ -221,28 +221,28 @@ mod tests {
         (volume, scene)
     }
 
-    /// Renders three frames, the second of which fails, and gives their colours and what was told.
+    /// Renders three frames, the second of which fails, and returns their colours and what was reported.
     fn colors(fails_in: Call, error: BackendError) -> ([f32; 3], Vec<String>) {
         let (volume, scene) = volume_and_scene();
-        let told = Arc::new(Mutex::new(Vec::new()));
-        let teller = told.clone();
+        let reports = Arc::new(Mutex::new(Vec::new()));
+        let reporter = reports.clone();
         let mut renderer =
             Renderer::new(volume, fake(0.25, 1, fails_in, error)).with_fallback(move |error| {
-                teller.lock().unwrap().push(error.to_string());
+                reporter.lock().unwrap().push(error.to_string());
                 fake(0.75, 9, Call::Submit, lost())
             });
         let colors = [(); 3].map(|()| renderer.render(&scene).unwrap().image.pixel(0, 0)[0]);
-        let told = told.lock().unwrap().clone();
-        (colors, told)
+        let reports = reports.lock().unwrap().clone();
+        (colors, reports)
     }
 
     #[test]
     fn fallback_draws_the_frame_again_and_all_after() {
         for error in [lost(), out_of_memory(), unable()] {
             for fails_in in [Call::Submit, Call::Poll] {
-                let (colors, told) = colors(fails_in, error.clone());
+                let (colors, reports) = colors(fails_in, error.clone());
                 assert_eq!(colors, [0.25, 0.75, 0.75], "{error}");
-                assert_eq!(told, [error.to_string()], "told once");
+                assert_eq!(reports, [error.to_string()], "reported once");
             }
         }
     }

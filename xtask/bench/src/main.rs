@@ -28,7 +28,7 @@ const USAGE: &str = "\
 Usage: cargo xtask bench [KIND] [ARGS]
 
   [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
-  peers              frames of slabsplat and of VTK's ray caster by turns, and their ratios
+  peers              frames of slabsplat and of VTK's ray caster alternately, and their ratios
                      [--frames N] frames a run, [--pairs N] runs of each
   scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
                      [--frames N] frames a point, [--voxels N] the largest number of relevant voxels

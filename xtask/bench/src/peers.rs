@@ -135,7 +135,7 @@ fn peer_median_ms(answer: &str) -> Result<f64> {
     let line = answer.lines().last().context("the peer answers nothing")?;
     let answer: Value =
         serde_json::from_str(line).with_context(|| format!("the peer answers {line:?}"))?;
-    answer["median_ms"].as_f64().context("the peer tells no `median_ms`")
+    answer["median_ms"].as_f64().context("the peer reports no `median_ms`")
 }
 
 /// Milliseconds and then ratios, pair by pair and their medians; `ms` is of each contender, peers first.

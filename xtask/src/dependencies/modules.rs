@@ -33,7 +33,7 @@ fn violations_in(floors: &Floors, uses: &Uses) -> Vec<String> {
         .collect();
     violations.extend(uses.keys().filter_map(|module| {
         let circle = path_between(uses, module, module)?;
-        // A circle is told once, from its first module on.
+        // A circle is reported once, from its first module on.
         let is_first = circle.iter().all(|other| module <= other);
         is_first.then(|| format!("modules use each other in a circle: `{}`", circle.join("`, `")))
     }));

@@ -76,7 +76,7 @@ pub(super) const LAYERS: &[Layer] = &[
     Layer {
         name: "slabsplat-shaders",
         may_use: &[],
-        why: "a shader is told all by its bindings, and its layouts are compared from above",
+        why: "a shader gets all by its bindings, and its layouts are compared from above",
     },
     Layer {
         name: "slabsplat-gpu",

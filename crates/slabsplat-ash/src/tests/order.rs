@@ -51,7 +51,7 @@ fn passes_of_many_lists_take_turns() {
     });
 }
 
-/// Sums of sums: each submission goes on with what the last one left.
+/// Sums of sums: each submission continues with what the last one left.
 #[test]
 fn passes_see_what_earlier_submissions_wrote() {
     on_device(|device| {

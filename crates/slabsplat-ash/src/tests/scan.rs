@@ -12,7 +12,7 @@ pub(super) struct Scan {
     pub(super) elements: Slice,
     totals: Slice,
     counts: Slice,
-    /// In two places: what each of the passes is told.
+    /// In two places: the parameters of each pass.
     steps: BufferId,
     step_words: [Vec<u32>; 2],
     step_offset: u64,

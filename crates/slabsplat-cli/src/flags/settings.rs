@@ -12,7 +12,7 @@ pub(super) struct SettingsFlags {
     #[command(flatten)]
     rows: TableFlags<RenderSettings>,
 
-    // Not clap's to check: a scene may name a backend, too, and is told the same.
+    // Not clap's to check: a scene may name a backend, too, and gets the same answer.
     #[arg(long, value_name = "NAME", help = backend_help())]
     backend: Option<String>,
 }

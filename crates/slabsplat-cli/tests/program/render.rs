@@ -43,23 +43,23 @@ fn render_stats_of_the_cpu() {
     let dir = tempfile::tempdir().unwrap();
     let args = format!("render builtin:cube {SMALL} --backend cpu --stats -o cube.png");
     let output = slabsplat(dir.path(), &args);
-    let told = text(&output.stderr);
-    assert!(output.status.success() && output.stdout.is_empty(), "{told}");
-    let (picture, stats) = told.split_once('\n').unwrap();
-    assert!(picture.starts_with("cube.png: 24 x 16 pixels"), "{told}");
+    let stderr = text(&output.stderr);
+    assert!(output.status.success() && output.stdout.is_empty(), "{stderr}");
+    let (picture, stats) = stderr.split_once('\n').unwrap();
+    assert!(picture.starts_with("cube.png: 24 x 16 pixels"), "{stderr}");
     let value = |key: &str| {
         let line = stats.lines().find(|line| line.starts_with(&format!("{key} ")));
-        line.unwrap_or_else(|| panic!("{key} in {told}"))[key.len()..].trim()
+        line.unwrap_or_else(|| panic!("{key} in {stderr}"))[key.len()..].trim()
     };
     for stage in ["list", "bricks", "intake", "splat", "image"] {
-        assert!(value(stage).ends_with(" ms"), "{told}");
+        assert!(value(stage).ends_with(" ms"), "{stderr}");
     }
     assert_eq!(value("voxels"), "4096");
     for count in ["occluded", "splatted", "culled", "tiles", "saturated tiles"] {
-        assert!(value(count).parse::<u64>().is_ok(), "{count} in {told}");
+        assert!(value(count).parse::<u64>().is_ok(), "{count} in {stderr}");
     }
-    assert!(value("resident").ends_with(" bytes)"), "{told}");
-    assert!(value("backend").starts_with("cpu on "), "{told}");
+    assert!(value("resident").ends_with(" bytes)"), "{stderr}");
+    assert!(value("backend").starts_with("cpu on "), "{stderr}");
 }
 
 /// A backend on a GPU draws and says so, or says why it cannot.
@@ -76,9 +76,9 @@ fn render_by_each_backend() {
             continue;
         }
         let output = slabsplat(dir.path(), &args);
-        let told = text(&output.stderr);
-        assert!(output.status.success() && told.contains("4096 voxels drawn"), "{told}");
-        assert_eq!(told.contains(&format!(" ms, {name} on ")), name != "cpu", "{told}");
+        let stderr = text(&output.stderr);
+        assert!(output.status.success() && stderr.contains("4096 voxels drawn"), "{stderr}");
+        assert_eq!(stderr.contains(&format!(" ms, {name} on ")), name != "cpu", "{stderr}");
     }
 }
 
@@ -195,7 +195,7 @@ fn render_raw_as_described() {
 fn render_of_nothing_says_so() {
     let dir = tempfile::tempdir().unwrap();
     let output = slabsplat(dir.path(), "render builtin:cube --opacity 300:0,400:1 -o a.png");
-    let told = text(&output.stderr);
-    assert!(output.status.success() && told.contains("nothing is visible"), "{told}");
-    assert!(told.contains("0 to 255"), "{told}");
+    let stderr = text(&output.stderr);
+    assert!(output.status.success() && stderr.contains("nothing is visible"), "{stderr}");
+    assert!(stderr.contains("0 to 255"), "{stderr}");
 }

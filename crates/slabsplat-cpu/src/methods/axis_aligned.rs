@@ -17,7 +17,7 @@ use slabsplat_kernel::FootprintTable;
 use slabsplat_traverse::TileBuckets;
 use std::sync::Arc;
 
-/// What is kept from frame to frame.
+/// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     polynomials: FootprintPolynomials,

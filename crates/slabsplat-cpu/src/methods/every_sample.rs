@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Voxels between two looks at which blocks are saturated: a look costs about as much as a voxel.
 const LOOK_EVERY: usize = 256;
 
-/// What is kept from frame to frame.
+/// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     polynomials: FootprintPolynomials,

@@ -7,7 +7,7 @@ use slabsplat_traverse::{BRICK_SIDE, TileBuckets, TileGrid, TileRect};
 
 const VOXELS_PER_BRICK: usize = BRICK_SIDE * BRICK_SIDE * BRICK_SIDE;
 
-/// Shades and projects all relevant voxels; `sheet_of` tells by its coordinates to which sheet a voxel goes.
+/// Shades and projects all relevant voxels; `sheet_of` returns the sheet of a voxel by its coordinates.
 pub(super) fn shade<S: Copy + Default + Send + Sync>(
     stage: &Stage<'_>,
     sheet_of: impl Fn([usize; 3]) -> S + Sync,
@@ -28,7 +28,7 @@ pub(super) fn shade<S: Copy + Default + Send + Sync>(
     });
 }
 
-/// Tosses `n_splats` voxels onto the tiles that their footprints touch, in the order in which `point` tells
+/// Tosses `n_splats` voxels onto the tiles that their footprints touch, in the order in which `point` returns
 /// where they are.
 pub(super) fn toss(
     raster: &Raster,

@@ -20,7 +20,7 @@ use slabsplat_core::Compositing;
 /// Pixels that are composited at once.
 const OCTET: usize = 8;
 
-/// Puts eight sums behind eight pixels, empties the sums, and tells the least opacity of the eight.
+/// Puts eight sums behind eight pixels, empties the sums, and returns the least opacity of the eight.
 #[inline(always)]
 pub(crate) fn put_behind<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Pixels: how a tile of the image and a sheet over it are kept, and how a sheet goes behind what is there.
+//! Pixels: how a tile of the image and a sheet over it are stored, and how a sheet goes behind what is there.
 //!
 //! Reading order: `rectangle`, `quad`, `blocks`, `sheet`, `compositing`, `tile`, `tiles`.
 

@@ -28,7 +28,7 @@ impl Default for Sheet {
 impl Sheet {
     pub(crate) const BYTES: usize = size_of::<Pixels>();
 
-    /// Rows, to be added to; what that touches must be told to `touched`.
+    /// Rows, to be added to; what that touches must be added to `touched`.
     #[inline(always)]
     pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [Row] {
         &mut self.sums[rows]

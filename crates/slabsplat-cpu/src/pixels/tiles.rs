@@ -1,4 +1,4 @@
-//! The image as tiles, kept from frame to frame.
+//! The image as tiles, retained from frame to frame.
 
 use super::rectangle::TILE_SIDE;
 use super::tile::Tile;

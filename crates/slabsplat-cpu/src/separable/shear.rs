@@ -1,4 +1,4 @@
-//! Separable footprints whose axes are not those of the image, in columns that lean as they do.
+//! Separable footprints whose axes are not those of the image, in sheared columns.
 //!
 //! `g(√across·(X + lean·Y))·g(√along·Y)` is no product of a column and a row of pixels, but it is one of a
 //! column of `u = X + lean·Y` and a row. So coefficients have columns of `u`, and a row of pixels reads those
@@ -26,14 +26,14 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 /// The variance of a cubic B-spline, in squared pixels.
 pub(super) const VARIANCE: f32 = 1.0 / 3.0;
 
-/// Footprints may lean by no more columns a row.
+/// Footprints may be sheared by no more columns a row.
 pub(super) const MOST_LEAN: f32 = 1.0;
 
-/// Quads in a row of coefficients: those of a tile, as many as its rows may lean to either side together, and
-/// what the spline needs beside.
+/// Quads in a row of coefficients: those of a tile, as many as the shear moves its rows, and what the spline
+/// needs beside.
 pub(super) const WIDTH: usize = 2 * BLOCKS_ACROSS + 2;
 
-/// Columns that lean, on one tile.
+/// Sheared columns on one tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Columns {
     lean: f64,

@@ -14,7 +14,7 @@ use slabsplat_kernel::SeparableSections;
 pub(crate) struct SeparableSlab {
     /// Their ellipse, and what weights are multiplied with.
     pub(super) shape: PixelShape,
-    /// How wide they are in columns that lean as they do, as a part of their radius in index units.
+    /// How wide they are in columns that are sheared as they are, as a part of their radius in index units.
     pub(super) half_width: f32,
     pub(super) spline: RowSpline,
     pub(super) is_sheared: bool,
@@ -25,7 +25,7 @@ pub(crate) struct SeparableSlab {
 const LEAST_COLUMNS: f32 = 4.25;
 
 impl SeparableSlab {
-    /// `None` if they are too small or too large, or lean too much.
+    /// `None` if they are too small, too large, or sheared too much.
     pub(crate) fn new(
         mut shape: PixelShape,
         is_sheared: bool,
@@ -160,7 +160,7 @@ mod tests {
         slab.reconstruct(simd, tile, sheet, coefficients);
     }
 
-    /// For footprints of every size and lean, also outside of the tile; and what is left behind is nothing.
+    /// For footprints of every size and shear, also outside of the tile; and what is left behind is nothing.
     #[test]
     fn separable_is_what_b_spline_holds() {
         for_each_seed(1, |mut rng| {

@@ -34,7 +34,7 @@ impl<V> Default for BySheet<V> {
 }
 
 impl<V: Copy + Default> BySheet<V> {
-    /// Sorts the voxels of `runs`, of which `key_of` tells the class, below `n_classes`, and the sheet, one
+    /// Sorts the voxels of `runs`, of which `key_of` returns the class, below `n_classes`, and the sheet, one
     /// of `sheets`; forgets others.
     pub(crate) fn sort<'a>(
         &mut self,

@@ -1,4 +1,5 @@
-//! Voxels on their way to tiles: which are relevant, what is kept of each, and the second level of the toss.
+//! Voxels on their way to tiles: which are relevant, what is stored of each, and the second level of the
+//! toss.
 //!
 //! Reading order: `relevant`, `voxel`, `by_sheet`.
 

@@ -1,11 +1,11 @@
-//! The relevant voxels of the last plan, kept for the next one.
+//! The relevant voxels of the last plan, cached for the next one.
 
 use slabsplat_backend::{ByIdentity, Cached};
 use slabsplat_core::{IsoRange, Volume};
 use slabsplat_traverse::{BrickRanges, RelevantList};
 use std::sync::Arc;
 
-/// What is kept between frames; nothing before the first.
+/// What is cached between frames; nothing before the first.
 #[derive(Debug, Default)]
 pub(crate) struct Relevant(Cached<ByIdentity<Volume>, OfVolume>);
 

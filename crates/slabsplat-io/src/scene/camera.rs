@@ -60,7 +60,7 @@ impl CameraDesc {
 
     /// The camera with what is left out taken from `fallback`: a target alone moves the fallback's
     /// eye along, and a fallback of the other projection lends the size that it shows at the target.
-    /// The fallback's kind counts where nothing given tells the projection.
+    /// The fallback's kind counts where nothing given names the projection.
     ///
     /// # Errors
     /// If the parts do not make a camera.

@@ -5,7 +5,7 @@ use crate::WgpuDevice;
 use slabsplat_gpu::{Device, DeviceError, Work, Write};
 use std::sync::Mutex;
 
-/// Every call tells that the device is lost, now and ever after.
+/// Every call reports that the device is lost, now and ever after.
 fn check_lost(device: &mut WgpuDevice, work: slabsplat_gpu::WorkId) -> String {
     let mut reasons = Vec::new();
     for _ in 0..2 {

@@ -70,7 +70,7 @@ pub struct Choice {
     pub backend: Box<dyn Backend>,
     /// Which better ones should have worked and did not, and why; sentences for people.
     pub notes: Vec<String>,
-    /// What makes another backend, should the device of this one fail. Only `auto` goes on with
+    /// What makes another backend, should the device of this one fail. Only `auto` continues with
     /// another: who names a backend wants that one or none.
     pub fallback: Option<fn() -> Box<dyn Backend>>,
 }

@@ -63,7 +63,7 @@ fn compare() -> Result<()> {
     let findings = findings(&recorded.counts, &now.counts);
     ensure!(
         findings.is_empty(),
-        "{}\n{}`callgrind_annotate` tells more of the files in {}; \
+        "{}\n{}`callgrind_annotate` says more of the files in {}; \
          if it must be, record the new counts by `cargo xtask bench instructions --record`",
         findings.join("\n"),
         new_compiler(&recorded.rustc, &now.rustc),

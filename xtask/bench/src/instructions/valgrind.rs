@@ -1,4 +1,4 @@
-//! Counting by valgrind's callgrind, which is told to count in one function only.
+//! Counting by valgrind's callgrind, which counts in one function only.
 //!
 //! valgrind is called here rather than by iai-callgrind or its like: those want a runner of just their
 //! version to be installed, and what they do more than this, caches and baselines, nothing here asks for.
@@ -53,7 +53,7 @@ fn built(root: &Path) -> Result<PathBuf> {
     program.with_context(|| format!("cargo built no program `{TARGET}`"))
 }
 
-/// The program of a target, if this message of cargo's tells it.
+/// The program of a target, if this message of cargo's names it.
 fn program_in(message: &str, target: &str) -> Option<PathBuf> {
     let message: Value = serde_json::from_str(message).ok()?;
     let is_meant = message["reason"] == "compiler-artifact" && message["target"]["name"] == target;
@@ -71,17 +71,17 @@ fn count_one(program: &Path, name: &str, profile: &Path) -> Result<u64> {
         .args(["--count", name])
         .output()
         .context("cannot start valgrind")?;
-    let told = String::from_utf8_lossy(&valgrind.stderr);
-    ensure!(valgrind.status.success(), "valgrind failed on {name}: {}", told.trim());
-    let count = collected(&told).with_context(|| format!("valgrind counts nothing: {told}"))?;
+    let stderr = String::from_utf8_lossy(&valgrind.stderr);
+    ensure!(valgrind.status.success(), "valgrind failed on {name}: {}", stderr.trim());
+    let count = collected(&stderr).with_context(|| format!("valgrind counts nothing: {stderr}"))?;
     // The function is not called that any more, or was inlined.
     ensure!(0 < count, "valgrind does not find `{COUNTED}` in {}", program.display());
     Ok(count)
 }
 
 /// The number in `==123== Collected : 4567`.
-fn collected(told: &str) -> Option<u64> {
-    let line = told.lines().find_map(|line| line.split_once("Collected :"));
+fn collected(stderr: &str) -> Option<u64> {
+    let line = stderr.lines().find_map(|line| line.split_once("Collected :"));
     line?.1.split_whitespace().next()?.parse().ok()
 }
 
@@ -91,8 +91,8 @@ mod tests {
 
     #[test]
     fn collected_among_other_lines() {
-        let told = "==7== Events    : Ir\n==7== Collected : 4567\n==7== \n";
-        assert_eq!(collected(told), Some(4567));
+        let stderr = "==7== Events    : Ir\n==7== Collected : 4567\n==7== \n";
+        assert_eq!(collected(stderr), Some(4567));
         assert_eq!(collected("==7== nothing"), None);
     }
 

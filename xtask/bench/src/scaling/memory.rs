@@ -22,7 +22,7 @@ pub(super) fn check(n_relevant: u64) -> Result<()> {
     Ok(())
 }
 
-/// As Linux tells.
+/// As Linux reports.
 fn available() -> Option<u64> {
     available_in(&fs::read_to_string("/proc/meminfo").ok()?)
 }

@@ -55,7 +55,7 @@ use tile::Workspace;
 use values::finite_range;
 use voxel::DensityVoxel;
 
-/// What is kept from frame to frame.
+/// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     finite: Cached<ByIdentity<Volume>, Option<[f64; 2]>>,

@@ -76,7 +76,7 @@ impl Sheet {
         self.sums[row][column]
     }
 
-    /// Adds a section where the sheet is summed. Tells whether that is anywhere.
+    /// Adds a section where the sheet is summed. Returns whether that is anywhere.
     #[inline(always)]
     pub(super) fn add(
         &mut self,

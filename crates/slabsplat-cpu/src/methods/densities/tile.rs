@@ -110,7 +110,7 @@ impl DensityFrame<'_> {
         Section { center, radius, rho_max, value: voxel.value }
     }
 
-    /// Adds the section of a voxel between two faces, in index units from its centre. Tells whether it fell
+    /// Adds the section of a voxel between two faces, in index units from its centre. Returns whether it fell
     /// on anything that is summed.
     #[inline]
     fn add(
@@ -197,7 +197,7 @@ impl Sheets {
         self.behind.clear();
     }
 
-    /// Goes on by a slab: what was behind is here.
+    /// Advances by a slab: what was behind is here.
     fn advance(&mut self) {
         std::mem::swap(&mut self.before, &mut self.here);
         std::mem::swap(&mut self.here, &mut self.behind);

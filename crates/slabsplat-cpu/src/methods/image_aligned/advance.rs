@@ -1,4 +1,4 @@
-//! A tile goes on through a range of slabs: splat the sections of a slab, composite the sheet, next.
+//! A tile advances through a range of slabs: splat the sections of a slab, composite the sheet, next.
 
 use super::classes::{Classes, N_CLASSES};
 use super::intake::Intake;

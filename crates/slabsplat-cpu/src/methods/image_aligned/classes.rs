@@ -12,7 +12,7 @@ const N_SPAN_CLASSES: usize = 3;
 /// First come the classes that may be drawn by separable footprints, by their spans, then the others.
 pub(super) const N_CLASSES: usize = 2 * N_SPAN_CLASSES;
 
-/// What tells the class of a voxel, and what a class is like.
+/// What decides the class of a voxel, and what a class is like.
 pub(super) struct Classes {
     /// Voxels of no more extinction may be drawn by separable footprints.
     pub(super) most_of_separable: f32,

@@ -174,7 +174,7 @@ impl Scratch {
         }
     }
 
-    /// Makes voxels of what was kept of a brick.
+    /// Makes voxels of what is left of a brick.
     #[inline(always)]
     fn make_voxels<S: Simd>(&mut self, simd: S, setup: &Setup<'_>) {
         let points = self.points[..self.records.len()].chunks(N_AT_ONCE);

@@ -44,7 +44,7 @@ use setup::{Prepared, Setup};
 use slabsplat_backend::SectionSplats;
 use slabsplat_traverse::Brick;
 
-/// What is kept from frame to frame.
+/// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     prepared: Prepared,
@@ -88,7 +88,7 @@ pub(crate) fn render(
             None => waited,
         };
         watch.done("intake");
-        // The last range goes on until no voxel is left that was taken in.
+        // The last range continues until no voxel is left that was taken in.
         let end = behind
             .first()
             .map_or(setup.slabs.grid.n_slabs(), |next| next.0 as usize * setup.slabs.n_per_range);

@@ -5,7 +5,7 @@
 //! A block is saturated once all its pixels are as opaque as the plan's cut-off: what lies behind it is not
 //! drawn. The map changes between ranges of depth only, so that all threads see the same one.
 //!
-//! It is kept as a table of sums (Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH '84): how many
+//! It is stored as a table of sums (Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH '84): how many
 //! blocks of a rectangle are open takes four of them, whatever its size.
 
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};

@@ -12,7 +12,7 @@ use crate::separable::slab::SeparableSlab;
 use slabsplat_backend::SectionSplats;
 use slabsplat_kernel::{SeparableSections, SeparableShapes};
 
-/// What is kept from frame to frame.
+/// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct Prepared {
     sections: SectionPolynomials,

@@ -15,7 +15,7 @@ pub(super) struct SlabShapes {
     separable: Vec<[Option<SeparableSlab>; 2]>,
 }
 
-/// Most slabs whose shapes are kept: half a megabyte.
+/// Most slabs whose shapes are cached: half a megabyte.
 const MAX_KEPT: usize = 1 << 13;
 
 impl SlabShapes {

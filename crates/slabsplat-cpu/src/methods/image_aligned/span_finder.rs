@@ -60,7 +60,7 @@ impl<'a> SpanFinder<'a> {
         let split_half_depth = shares * self.half_depth;
         let near = ((depths - split_half_depth) * self.slabs_per_depth).floor();
         let far = (((depths + split_half_depth) * self.slabs_per_depth).ceil() - 1.0).max(near);
-        // A voxel that has as many slabs as can be told is drawn in all that it meets, to be sure.
+        // A voxel that has as many slabs as a span can hold is drawn in all that it meets, to be sure.
         let all = f32x8::splat(simd, Span::ALL as f32);
         let is_all = shares.simd_ge(f32x8::splat(simd, 1.0)) | (far - near).simd_ge(all);
         let first =
