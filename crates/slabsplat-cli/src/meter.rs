@@ -21,15 +21,18 @@ pub(crate) fn measure(
 /// One line for each method.
 pub(crate) fn table(reports: &[PoppingReport]) -> String {
     let mut text =
-        "method           pop ratio  largest change  median change  between\n".to_owned();
+        "method           pop ratio  jitter  largest step  largest change  median change  between\n"
+            .to_owned();
     for report in reports {
-        let ratio = report.pop_ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
+        let [ratio, jitter] = [report.pop_ratio, report.jitter]
+            .map(|ratio| ratio.map_or("-".to_owned(), |ratio| format!("{ratio:.2}")));
         let [from, to] = report.at_degrees.map(degrees);
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:<15}  {ratio:>9}  {:>14.6}  {:>13.6}  {from} and {to} degrees",
+            "{:<15}  {ratio:>9}  {jitter:>6}  {:>12.0}  {:>14.6}  {:>13.6}  {from} and {to} degrees",
             report.method.name(),
+            255.0 * report.largest_step,
             report.largest,
             report.median,
         );
@@ -56,12 +59,14 @@ mod tests {
             largest: 0.5,
             median: 0.375,
             pop_ratio: None,
+            jitter: Some(0.5),
+            largest_step: 0.25,
             at_degrees: [0.1 + 0.2, 45.0],
         };
         let text = table(&[report]);
         let (head, line) = text.split_once('\n').unwrap();
         assert!(line.ends_with("0.3 and 45 degrees\n"), "{line}");
-        for word in ["pop ratio", "largest change", "median change"] {
+        for word in ["pop ratio", "jitter", "largest step", "largest change", "median change"] {
             let end = head.find(word).unwrap() + word.len();
             assert_ne!(&line[end - 1..end], " ", "{word} ends over a digit: {line}");
             assert_eq!(&line[end..end + 1], " ", "{word} ends with its number: {line}");

@@ -11,8 +11,10 @@ use slabsplat::{Method, PoppingReport, Sweep};
 
 /// Turn the camera in equal steps and measure by how much the picture changes in each
 ///
-/// The pop ratio is the largest change over the median one: near 1 means that nothing pops. All methods
-/// are measured, or the one that --method names. The camera turns about its target around its up vector.
+/// The pop ratio is the largest change over the median one: near 1 means that nothing pops. Jitter is the
+/// mean second difference of frames over the mean first one: 0 if every pixel changes evenly, 2 if all
+/// flicker. The largest step is that of one channel of one pixel, of 255. All methods are measured, or the
+/// one that --method names. The camera turns about its target around its up vector.
 #[derive(Args)]
 pub(crate) struct PoppingArgs {
     /// First angle in degrees, from the scene's camera
@@ -58,6 +60,8 @@ fn json_of(sweep: Sweep, reports: &[PoppingReport]) -> Value {
             "pop_ratio": report.pop_ratio,
             "largest_change": report.largest,
             "median_change": report.median,
+            "jitter": report.jitter,
+            "largest_step": report.largest_step,
             "at_degrees": report.at_degrees.map(meter::degrees),
             "changes": report.changes,
         })

@@ -19,8 +19,8 @@ use slabsplat_core::{Grid, View, ViewFromIndex};
 /// centre.
 ///
 /// A brick's first voxel is transformed in 64 bits, and what a 32-bit number loses of it is stored; it goes
-/// into the steps within the brick, at most 7 along each axis, whose sum is then added to the rest. So there is
-/// one rounding of any weight, the last: 6·10⁻⁵ of a voxel step a thousand steps from the centre.
+/// into the steps within the brick, at most 7 along each axis, whose sum is then added to the rest. So there
+/// is one rounding of any weight, the last: 6·10⁻⁵ of a voxel step a thousand steps from the centre.
 #[derive(Clone, Debug)]
 pub struct BrickView {
     view_from_index: ViewFromIndex,

@@ -1,11 +1,15 @@
-//! The popping meter: figures 2 and 6 of the paper as one number.
+//! The popping meter: figures 2 and 6 of the paper as one number, and two that see what it cannot.
 //!
 //! The camera turns about its target in equal steps. Between two frames the picture changes; if the
 //! method is sound, by about as much in every step. The *pop ratio* is the largest change over the
 //! median one: near 1 where nothing pops, large where one step changes far more than the others.
+//!
+//! What flickers in every frame has a pop ratio of 1. *Jitter* is the mean second difference of frames over
+//! the mean first one: 0 if every pixel changes evenly, 2 if all go to and fro, and with the speed of the
+//! camera it falls for whatever moves smoothly. The *largest step* is that of a single pixel.
 
 use crate::{RenderError, Renderer};
-use slabsplat_core::{Method, Scene};
+use slabsplat_core::{Image, Method, Scene};
 use thiserror::Error;
 
 /// A turn of the camera about its target, around its up vector.
@@ -47,6 +51,10 @@ pub struct PoppingReport {
     pub median: f64,
     /// Largest over median; `None` if the median is 0, as for an empty picture.
     pub pop_ratio: Option<f64>,
+    /// Mean second difference of frames over mean first difference; `None` if nothing changes.
+    pub jitter: Option<f64>,
+    /// The largest change of one channel of one pixel between two frames, 0 to 1.
+    pub largest_step: f64,
     /// The two angles between which the largest change happened, from the scene's camera.
     pub at_degrees: [f64; 2],
 }
@@ -100,20 +108,42 @@ pub fn measure_popping(
 ) -> Result<PoppingReport, RenderError> {
     let mut scene_at = scene.clone();
     scene_at.settings.method = method;
-    let mut changes = Vec::with_capacity(sweep.n_frames());
-    let mut before = None;
+    let mut differences = Differences::default();
+    let (mut before, mut before_that) = (None, None);
     for frame_idx in 0..sweep.n_frames() {
         scene_at.camera = scene.camera.orbited(sweep.degrees(frame_idx).to_radians());
         let image = renderer.render(&scene_at)?.image;
-        if let Some(before) = before.replace(image.clone()) {
-            changes.push(image.mean_difference(&before));
-        }
+        differences.add(&image, before.as_ref(), before_that.as_ref());
+        (before_that, before) = (before, Some(image));
         progress();
     }
-    Ok(report(method, sweep, changes))
+    Ok(report(method, sweep, differences))
 }
 
-fn report(method: Method, sweep: Sweep, changes: Vec<f64>) -> PoppingReport {
+/// What frames differ by, from one to the next.
+#[derive(Debug, Default)]
+struct Differences {
+    /// Mean first and second differences.
+    first: Vec<f64>,
+    second: Vec<f64>,
+    largest_step: f32,
+}
+
+impl Differences {
+    fn add(&mut self, image: &Image, before: Option<&Image>, before_that: Option<&Image>) {
+        if let Some(before) = before {
+            self.first.push(image.mean_difference(before));
+            self.largest_step = self.largest_step.max(image.max_difference(before));
+            let second = before_that.map(|that| image.mean_second_difference(before, that));
+            self.second.extend(second);
+        }
+    }
+}
+
+fn report(method: Method, sweep: Sweep, differences: Differences) -> PoppingReport {
+    let Differences { first: changes, second, largest_step } = differences;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let mean_change = mean(&changes);
     let (step_idx, largest) = changes
         .iter()
         .copied()
@@ -128,6 +158,8 @@ fn report(method: Method, sweep: Sweep, changes: Vec<f64>) -> PoppingReport {
         largest,
         median,
         pop_ratio: (0.0 < median).then(|| largest / median),
+        jitter: (0.0 < mean_change).then(|| mean(&second) / mean_change),
+        largest_step: largest_step.into(),
         at_degrees: [sweep.degrees(step_idx), sweep.degrees(step_idx + 1)],
         changes,
     }
@@ -155,10 +187,31 @@ mod tests {
     #[test]
     fn popping_report_finds_the_step() {
         let sweep = Sweep { from_degrees: 10.0, to_degrees: 14.0, step_degrees: 1.0 };
-        let read = report(Method::AxisAligned, sweep, vec![0.2, 0.1, 0.8, 0.3]);
+        let of = |first: &[f64]| Differences { first: first.to_vec(), ..Differences::default() };
+        let read = report(Method::AxisAligned, sweep, of(&[0.2, 0.1, 0.8, 0.3]));
         assert_eq!((read.largest, read.median), (0.8, 0.25));
         assert_eq!(read.pop_ratio, Some(0.8 / 0.25));
         assert_eq!(read.at_degrees, [12.0, 13.0]);
-        assert_eq!(report(Method::AxisAligned, sweep, vec![0.0; 3]).pop_ratio, None);
+        let still = report(Method::AxisAligned, sweep, of(&[0.0; 3]));
+        assert_eq!((still.pop_ratio, still.jitter), (None, None));
+    }
+
+    /// One pixel of two goes to and fro, or rises evenly: the change is the same, and so is the pop ratio.
+    #[test]
+    fn popping_report_sees_what_flickers() {
+        let sweep = Sweep { from_degrees: 0.0, to_degrees: 4.0, step_degrees: 1.0 };
+        let of = |values: [f32; 5]| {
+            let frames = values.map(|value| Image::filled(1, 1, [value; 4]));
+            let mut differences = Differences::default();
+            for (idx, frame) in frames.iter().enumerate() {
+                let earlier = |n: usize| idx.checked_sub(n).map(|idx| &frames[idx]);
+                differences.add(frame, earlier(1), earlier(2));
+            }
+            report(Method::ImageAligned, sweep, differences)
+        };
+        let (flickers, rises) = (of([0.0, 0.25, 0.0, 0.25, 0.0]), of([0.0, 0.25, 0.5, 0.75, 1.0]));
+        assert_eq!([flickers.pop_ratio, rises.pop_ratio], [Some(1.0); 2]);
+        assert_eq!([flickers.jitter, rises.jitter], [Some(2.0), Some(0.0)]);
+        assert_eq!([flickers.largest_step, rises.largest_step], [0.25; 2]);
     }
 }

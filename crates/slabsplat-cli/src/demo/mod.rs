@@ -67,7 +67,8 @@ fn measure(renderer: &mut Renderer) -> Result<()> {
     let reports = meter::measure(renderer, &scene, Method::ALL, CUBE_TURN)?;
     terminal::answer(&format!(
         "\nThe cube turns from {} to {} degrees in steps of {}. By how much does the picture change in a \
-         step?\nThe pop ratio is the largest change over the median: near 1, nothing pops.\n\n{}",
+         step?\nThe pop ratio is the largest change over the median: near 1, nothing pops. Jitter is how unevenly \
+         pixels change: near 0, nothing flickers.\n\n{}",
         CUBE_TURN.from_degrees,
         CUBE_TURN.to_degrees,
         CUBE_TURN.step_degrees,

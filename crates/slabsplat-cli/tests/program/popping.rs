@@ -20,6 +20,10 @@ fn popping_json_shows_the_pop() {
     assert!(5.0 * ratio(0) < ratio(1), "axis-aligned pops: {} and {}", ratio(0), ratio(1));
     assert_eq!(methods[0]["changes"].as_array().unwrap().len(), 6);
     assert!(methods[1]["median_change"].as_f64() < methods[1]["largest_change"].as_f64());
+    let jitter = |idx: usize| methods[idx]["jitter"].as_f64().unwrap();
+    assert!(jitter(0) < jitter(1) && jitter(1) < 2.0, "{} and {}", jitter(0), jitter(1));
+    let step = |idx: usize| methods[idx]["largest_step"].as_f64().unwrap();
+    assert!(0.0 < step(0) && step(0) < step(1), "{} and {}", step(0), step(1));
     let at: Vec<f64> = serde_json::from_value(methods[1]["at_degrees"].clone()).unwrap();
     assert!(at == [44.0, 45.0] || at == [45.0, 46.0], "{at:?}");
 }
@@ -38,5 +42,7 @@ fn popping_of_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let args = format!("popping builtin:cube {TURN} --opacity 0:0 --json");
     let report = json(dir.path(), &args);
-    assert_eq!(report["methods"][0]["pop_ratio"], value!(null));
+    let method = &report["methods"][0];
+    assert_eq!([&method["pop_ratio"], &method["jitter"]], [&value!(null); 2]);
+    assert_eq!(method["largest_step"], value!(0.0));
 }

@@ -43,11 +43,14 @@ impl<'a> Setup<'a> {
         let (raster, plan) = (&stage.raster, stage.plan);
         let (merged, tilted) = (merged.as_ref(), tilted.as_deref());
         let budget = merged.map(|merged| merged.budget);
-        let fitted = Fitted { table, polynomials: prepared.sections.of(table, budget) };
         let fitted_merged = merged.map(|merged| Fitted {
             table: &merged.table,
             polynomials: prepared.merged.of(&merged.table, budget),
         });
+        // Tilted sections need no polynomials of a table, which on a grid that turns are new every frame.
+        let fitted = fitted_merged
+            .filter(|_| tilted.is_some())
+            .unwrap_or_else(|| Fitted { table, polynomials: prepared.sections.of(table, budget) });
         let n_sections = slabs.n_before + 1;
         let sections =
             Sections::new(raster, plan.compositing, fitted, fitted_merged, tilted, n_sections);
