@@ -302,6 +302,36 @@ mod tests {
         }
     }
 
+    /// Only where slabs are tilted, and only where no setting of tables shows in the picture.
+    #[test]
+    fn planner_draws_tilted_sections_without_a_table() {
+        let check = |spacing: [f64; 3], settings: RenderSettings, expected: bool| {
+            let grid = Grid::with_spacing([4, 4, 4], spacing).unwrap();
+            let volume = Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap();
+            let mut scene = scene(settings);
+            scene.camera = scene.camera.orbited(0.5);
+            let (volume, mut planner) = (Arc::new(volume), Planner::default());
+            match planner.plan(&volume, &scene).unwrap().splats {
+                Splats::Colors(ColorSplats::Sections(sections)) => {
+                    assert_eq!(
+                        sections.tilted.is_some(),
+                        expected,
+                        "{spacing:?} {:?}",
+                        scene.settings
+                    );
+                }
+                other => panic!("{other:?}"),
+            }
+        };
+        let (cubic, stretched) = ([1.0; 3], [1.0, 1.0, 2.0]);
+        let settings = RenderSettings::default();
+        check(stretched, settings.clone(), true);
+        check(cubic, settings.clone(), false);
+        check(stretched, settings.clone().lookup(Lookup::Nearest), false);
+        check(stretched, settings.clone().normalization(Normalization::Product), false);
+        check(stretched, settings.kernel(KernelName("crawfis-max".into())), false);
+    }
+
     #[test]
     fn planner_rounds_kappa_by_its_size() {
         for kappa in [1.0, 1.0_f64.next_down(), 1.0_f64.next_up()] {

@@ -347,6 +347,21 @@ mod tests {
         }
     }
 
+    /// What backends compute by vectors is what `factor_and_moment` says.
+    #[test]
+    fn separable_factors_are_polynomials_of_faces() {
+        let (separable, _) = separable("gaussian", 1.0);
+        for face in [-1.4_f32, 0.3, 1.9] {
+            let x = 2.0 * (face / separable.radius() as f32).powi(2) - 1.0;
+            let before = 0.5 * separable.whole() + face * polynomial(separable.masses(), x);
+            let moment = polynomial(separable.moments(), x) - polynomial(separable.moments(), 1.0);
+            let expected = separable.factor_and_moment([-9.0, face.into()]);
+            let off = [before, moment].map(f64::from);
+            assert!((off[0] - expected[0]).abs() < 1e-5, "{face}: {before} {expected:?}");
+            assert!((off[1] - expected[1]).abs() < 1e-5, "{face}: {moment} {expected:?}");
+        }
+    }
+
     /// A Gaussian's variance is `1/(4·ln 2)`, some of which is beyond its end.
     #[test]
     fn separable_variance_is_lost_between_sections() {
