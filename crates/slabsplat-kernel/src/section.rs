@@ -81,6 +81,25 @@ mod tests {
         }
     }
 
+    /// A slab that only touches the ball from without does not meet it.
+    #[test]
+    fn section_meets_what_it_weighs() {
+        let kernel = kernel_named("gaussian").unwrap();
+        for (kappa, width) in [(1.0, 1.0), (0.5, 1.0), (1.3, 0.4)] {
+            let desc = SectionDesc {
+                kernel: &*kernel,
+                width,
+                kappa,
+                normalization: Normalization::None,
+                base_width: 0.5,
+            };
+            for front in [-9.0, -2.0 - width * kappa, -2.0, -1.9, 0.0, 1.9, 2.0, 9.0] {
+                let weighs = 0.0 < desc.plain(0.0, front, width);
+                assert_eq!(desc.meets(front, width), weighs, "{kappa} {width} {front}");
+            }
+        }
+    }
+
     #[test]
     fn section_sums_to_footprint() {
         for &name in KERNEL_NAMES {
