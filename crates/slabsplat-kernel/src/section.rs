@@ -54,6 +54,11 @@ mod tests {
     use super::*;
     use crate::{KERNEL_NAMES, kernel_named};
 
+    fn plain(kernel: &dyn Kernel, kappa: f64, width: f64) -> SectionDesc<'_> {
+        let normalization = Normalization::None;
+        SectionDesc { kernel, width, kappa, normalization, base_width: 0.5 }
+    }
+
     /// Simpson's rule on the kernel itself, which the closed forms must agree with.
     fn integral_by_simpson(kernel: &dyn Kernel, rho: f64, a: f64, b: f64) -> f64 {
         let n = 20_000;
@@ -86,13 +91,7 @@ mod tests {
     fn section_meets_what_it_weighs() {
         let kernel = kernel_named("gaussian").unwrap();
         for (kappa, width) in [(1.0, 1.0), (0.5, 1.0), (1.3, 0.4)] {
-            let desc = SectionDesc {
-                kernel: &*kernel,
-                width,
-                kappa,
-                normalization: Normalization::None,
-                base_width: 0.5,
-            };
+            let desc = plain(&*kernel, kappa, width);
             for front in [-9.0, -2.0 - width * kappa, -2.0, -1.9, 0.0, 1.9, 2.0, 9.0] {
                 let weighs = 0.0 < desc.plain(0.0, front, width);
                 assert_eq!(desc.meets(front, width), weighs, "{kappa} {width} {front}");
@@ -105,13 +104,7 @@ mod tests {
         for &name in KERNEL_NAMES {
             let kernel = kernel_named(name).unwrap();
             for (kappa, width) in [(1.0, 0.5), (0.7, 1.0), (1.3, 0.4)] {
-                let desc = SectionDesc {
-                    kernel: &*kernel,
-                    width,
-                    kappa,
-                    normalization: Normalization::None,
-                    base_width: 0.5,
-                };
+                let desc = plain(&*kernel, kappa, width);
                 let sum: f64 = (-20..20)
                     .map(|slab| (f64::from(slab) + 0.37) * desc.width_in_index())
                     .map(|front| desc.weight(0.6, front))
