@@ -55,6 +55,9 @@ pub mod conformance;
 
 pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
-pub use plan::{ColorSplats, DensitySplats, FramePlan, MergedSections, SectionSplats, Splats};
+pub use plan::{
+    ColorSplats, DensitySplats, FramePlan, MergedSections, SectionSplats, SeparableDensities,
+    SmoothSections, Splats,
+};
 pub use planner::{PlanError, Planner};
 pub use slabs::Slabs;

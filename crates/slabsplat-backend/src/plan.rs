@@ -59,7 +59,7 @@ pub enum Splats {
     /// Voxels are classified and shaded, and sheets sum their colours.
     Colors(ColorSplats),
     /// Sheets sum densities, and their pixels are classified and shaded.
-    Densities(DensitySplats),
+    Densities(Box<DensitySplats>),
 }
 
 /// Coloured splats.
@@ -95,12 +95,40 @@ pub struct SectionSplats {
     pub merged: Option<MergedSections>,
 }
 
-/// `post-classified`: sections, into the slabs that they come from; each adds its weight, and its weight
+/// `post-classified`: sections, into the sheets that they come from; each adds its weight, and its weight
 /// times the voxel's value.
 #[derive(Clone, Debug)]
 pub struct DensitySplats {
-    /// The slabs.
+    /// What sheets are of: halves of slabs.
     pub slabs: Slabs,
-    /// The sections, smooth enough for differences between pixels.
-    pub table: Arc<CubicSectionTable>,
+    /// The sections.
+    pub table: Arc<SectionTable>,
+    /// The same, smooth enough for differences between pixels.
+    pub smooth: SmoothSections,
+    /// What a backend may take for sections instead, and the whole footprints that it needs for that.
+    pub separable: Option<SeparableDensities>,
+}
+
+impl DensitySplats {
+    /// Sheets of densities in a slab (model §8).
+    pub const SHEETS_PER_SLAB: f64 = 2.0;
+}
+
+/// Sections without the kinks that a table has.
+#[derive(Clone, Debug)]
+pub enum SmoothSections {
+    /// Of a kernel that is a product.
+    Product(Arc<TiltedSections>),
+    /// Of any kernel.
+    Table(Arc<CubicSectionTable>),
+}
+
+/// A permission, which a backend need not make use of: sections as a function of the column times one of the
+/// row.
+#[derive(Clone, Debug)]
+pub struct SeparableDensities {
+    /// Sections with all that lies before or behind a face: those of a slab as wide as the kernel.
+    pub whole: Arc<SectionTable>,
+    /// What that may make a section differ by.
+    pub budget: ErrorBudget,
 }

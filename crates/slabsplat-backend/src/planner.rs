@@ -1,7 +1,8 @@
 //! Makes frame plans, and keeps the tables that the next frame can use again.
 
 use crate::{
-    Cached, ColorSplats, DensitySplats, FramePlan, MergedSections, SectionSplats, Slabs, Splats,
+    Cached, ColorSplats, DensitySplats, FramePlan, MergedSections, SectionSplats,
+    SeparableDensities, Slabs, SmoothSections, Splats,
 };
 use slabsplat_core::{
     BlinnPhong, ImageError, Lookup, Method, Normalization, RenderSettings, Scene, SettingsError,
@@ -42,7 +43,7 @@ pub enum PlanError {
 #[derive(Debug, Default)]
 pub struct Planner {
     sections: Cached<TableKey, Arc<SectionTable>>,
-    merged: Cached<TableKey, Arc<SectionTable>>,
+    whole: Cached<TableKey, Arc<SectionTable>>,
     footprint: Cached<TableKey, Arc<FootprintTable>>,
     cubic: Cached<TableKey, Arc<CubicSectionTable>>,
     tilted: Cached<TableKey, Option<Arc<TiltedSections>>>,
@@ -118,10 +119,11 @@ impl Planner {
             Method::EverySample => {
                 Splats::Colors(ColorSplats::Voxels { table: self.footprint_table(&*kernel, key) })
             }
-            Method::PostClassified => Splats::Densities(DensitySplats {
-                slabs: Slabs::new(volume.grid(), &view, half_depth, key.settings.slab_width)?,
-                table: self.cubic_table(&*kernel, key),
-            }),
+            Method::PostClassified => {
+                let width = DensitySplats::SHEETS_PER_SLAB.recip() * key.settings.slab_width;
+                let slabs = Slabs::new(volume.grid(), &view, half_depth, width)?;
+                Splats::Densities(Box::new(self.densities(&*kernel, key, slabs)))
+            }
         };
         Ok(FramePlan {
             volume,
@@ -156,11 +158,16 @@ impl Planner {
         if levels.are_all_last() {
             return None;
         }
-        let table = self.merged.made_of(key.clone(), |key| {
+        let table = self.whole_table(kernel, key);
+        Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) })
+    }
+
+    /// Sections with all that lies before or behind a face.
+    fn whole_table(&mut self, kernel: &dyn Kernel, key: &TableKey) -> Arc<SectionTable> {
+        let table = self.whole.made_of(key.clone(), |key| {
             Arc::new(key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa))
         });
-        let table = table.clone();
-        Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) })
+        table.clone()
     }
 
     /// Of what the definition leaves to a table, only that is without one which no setting of tables changes.
@@ -170,14 +177,23 @@ impl Planner {
         key: &TableKey,
         shape: &FootprintShape,
     ) -> Option<Arc<TiltedSections>> {
-        let TableKey { kappa, settings } = key;
+        let settings = &key.settings;
         let reads_table = settings.lookup == Lookup::Nearest
             || settings.normalization != Normalization::None
             || !shape.is_tilted(kernel.radius());
         if reads_table {
             return None;
         }
-        let made = |_: &TableKey| TiltedSections::new(kernel, *kappa).map(Arc::new);
+        self.product_sections(kernel, key)
+    }
+
+    /// `None` if the kernel is no product.
+    fn product_sections(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+    ) -> Option<Arc<TiltedSections>> {
+        let made = |key: &TableKey| TiltedSections::new(kernel, key.kappa).map(Arc::new);
         self.tilted.made_of(key.clone(), made).clone()
     }
 
@@ -187,6 +203,33 @@ impl Planner {
     }
 
     /// Sections that were normalised would no longer measure lengths, so these never are.
+    fn densities(
+        &mut self,
+        kernel: &dyn Kernel,
+        TableKey { kappa, settings }: TableKey,
+        slabs: Slabs,
+    ) -> DensitySplats {
+        let width = DensitySplats::SHEETS_PER_SLAB.recip() * settings.slab_width;
+        let settings =
+            settings.normalization(Normalization::None).lookup(Lookup::Linear).slab_width(width);
+        let budget = ErrorBudget::of_densities(&settings);
+        let key = TableKey { kappa, settings };
+        let product = self.product_sections(kernel, &key);
+        let separable = product
+            .as_ref()
+            .filter(|_| 0.0 < budget.separable())
+            .map(|_| SeparableDensities { whole: self.whole_table(kernel, &key), budget });
+        DensitySplats {
+            slabs,
+            smooth: match product {
+                Some(sections) => SmoothSections::Product(sections),
+                None => SmoothSections::Table(self.cubic_table(kernel, key.clone())),
+            },
+            separable,
+            table: self.section_table(kernel, key),
+        }
+    }
+
     fn cubic_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<CubicSectionTable> {
         let table = |TableKey { kappa, settings }: &TableKey| {
             Arc::new(CubicSectionTable::new(&SectionDesc {

@@ -6,7 +6,7 @@ use glam::DVec3;
 use thiserror::Error;
 
 use crate::settings_table::{Settings, settings};
-use crate::{Interval, OutOfRange};
+use crate::{Interval, OutOfRange, ViewAxes};
 
 /// How a voxel's colour is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,6 +153,12 @@ impl BlinnPhong {
     pub fn new(phong: Phong, forward: DVec3) -> Self {
         let (to_light, halfway) = (phong.light.to_light(forward), phong.light.halfway(forward));
         Self { phong, to_light, halfway }
+    }
+
+    /// The same light by other directions: to the right, upwards and forward.
+    pub fn seen_along(&self, axes: &ViewAxes) -> Self {
+        let seen = |v: DVec3| DVec3::new(v.dot(axes.right), v.dot(axes.up), v.dot(axes.forward));
+        Self { phong: self.phong, to_light: seen(self.to_light), halfway: seen(self.halfway) }
     }
 
     /// What `color` becomes on a surface with that normal, which is no longer than 1: a faint surface has a

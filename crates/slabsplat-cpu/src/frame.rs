@@ -15,7 +15,8 @@ use slabsplat_traverse::{BrickView, Classification, VoxelLighting};
 /// What is cached from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
-    tiles: Cached<[u32; 2], Tiles>,
+    /// Of an image of that size, with that border.
+    tiles: Cached<([u32; 2], usize), Tiles>,
     of_methods: OfMethods,
 }
 
@@ -40,15 +41,20 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     let mut watch = Stopwatch::start();
     let image_size = plan.view.image_size();
     let Buffers { tiles, of_methods } = buffers;
-    let tiles = tiles.made_of(image_size, |_| Tiles::new(image_size));
+    let border = match &plan.splats {
+        Splats::Colors(_) => 0,
+        Splats::Densities(_) => densities::BORDER,
+    };
+    let tiles = tiles.made_of((image_size, border), |_| Tiles::new(image_size, border));
     tiles.clear();
     of_methods.forget_others(&plan.splats);
     let Drawn { n_voxels, n_occluded } = match &plan.splats {
         Splats::Colors(splats) => of_methods.colors(plan, splats, level, tiles, &mut watch),
         Splats::Densities(splats) => {
             let buffers = &mut of_methods.densities;
-            let n_voxels = densities::render(plan, splats, tiles, buffers, &mut watch);
-            Drawn { n_voxels, n_occluded: 0 }
+            let [n_voxels, n_occluded] =
+                densities::render(plan, level, splats, tiles, buffers, &mut watch);
+            Drawn { n_voxels, n_occluded }
         }
     };
     let stats = FrameStats { n_voxels, n_occluded, ..tiles.stats() };
@@ -93,7 +99,7 @@ impl OfMethods {
         let stage = Stage {
             plan,
             level,
-            raster: Raster::new(plan),
+            raster: Raster::new(plan, 0),
             list: relevant.voxels(volume, &plan.relevant),
             bricks: BrickView::new(volume.grid(), &plan.view),
             lighting: VoxelLighting::new(classification, volume, plan.light.as_ref()),

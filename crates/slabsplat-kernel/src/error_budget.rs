@@ -4,6 +4,7 @@
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
+//! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
 //! | polynomials, exact pictures | 5·10⁻⁴ for a voxel: half of what a pixel may be | `slabsplat-cpu` | else the table is read |
 //! | polynomials of low degree, exact pictures | 1.5·10⁻⁴ for a voxel | `slabsplat-cpu` | faint voxels alone may spend it |
@@ -46,6 +47,12 @@ impl ErrorBudget {
             && settings.compositing.sums_extinction()
             && settings.normalization == Normalization::None;
         Self { tolerance: if is_additive { settings.tolerance } else { 0.0 } }
+    }
+
+    /// The budget of densities, whose sections are never normalised: what a section may be off there changes
+    /// by how much a voxel counts in a mean of values, and not how much there is.
+    pub fn of_densities(settings: &RenderSettings) -> Self {
+        Self { tolerance: settings.tolerance }
     }
 
     /// Extinction that a layer of voxels may have merged across a face.

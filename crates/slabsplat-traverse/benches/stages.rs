@@ -74,7 +74,7 @@ fn stages(c: &mut Criterion) {
     let mut order = DepthOrder::default();
     group.bench_function("depth_order", |b| b.iter(|| order.update(grid, &view, &list)));
 
-    let tiles = TileGrid::new(view.image_size(), 16);
+    let tiles = TileGrid::new(view.image_size(), 16, 0);
     let rect_of = |splat: usize| {
         let [right, up, _] = points[splat];
         let at = [256.0 + 2.6 * right, 256.0 - 2.6 * up];

@@ -1,11 +1,21 @@
-//! Blinn–Phong: how much light eight normals send to the viewer.
+//! Blinn–Phong (model §6): how much light eight normals send to the viewer.
 
 use crate::{NORMAL_STEPS, VoxelRecord};
 use slabsplat_core::BlinnPhong;
 
-/// [`BlinnPhong`], rounded for eight voxels at a time.
+/// [`BlinnPhong`], rounded for eight normals at a time.
+///
+/// ```
+/// use slabsplat_core::{BlinnPhong, Phong, glam::DVec3};
+/// use slabsplat_traverse::BlinnPhong8;
+///
+/// let headlight = BlinnPhong::new(Phong::default().ambient(0.1).diffuse(0.5), DVec3::NEG_Z);
+/// // All eight face the viewer.
+/// let light = BlinnPhong8::new(&headlight).of_normals(&[[0.0; 8], [0.0; 8], [1.0; 8]]);
+/// assert!((light.diffuse[7] - 0.6).abs() < 1e-6);
+/// ```
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BlinnPhong8 {
+pub struct BlinnPhong8 {
     ambient: f32,
     diffuse: f32,
     specular: f32,
@@ -17,10 +27,13 @@ pub(crate) struct BlinnPhong8 {
     halfway: [f32; 3],
 }
 
-/// What a voxel's colour `c` becomes: `c·diffuse + specular`, at most 1.
-pub(crate) struct Light8 {
-    pub(crate) diffuse: [f32; 8],
-    pub(crate) specular: [f32; 8],
+/// What a colour `c` becomes: `c·diffuse + specular`, at most 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Light8 {
+    /// Ambient and diffuse light.
+    pub diffuse: [f32; 8],
+    /// Highlights.
+    pub specular: [f32; 8],
 }
 
 /// An exponent. Highlights mostly have small whole ones, which take a few multiplications for all eight
@@ -39,7 +52,8 @@ const MAX_WHOLE_POWER: f64 = 256.0;
 const LEAST_HIGHLIGHT: f64 = 1e-9;
 
 impl BlinnPhong8 {
-    pub(crate) fn new(light: &BlinnPhong) -> Self {
+    /// The same light.
+    pub fn new(light: &BlinnPhong) -> Self {
         let BlinnPhong { phong, to_light, halfway } = light;
         let shininess = phong.shininess;
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
@@ -72,9 +86,20 @@ impl BlinnPhong8 {
                 components[x] = f32::from(steps) * (1.0 / NORMAL_STEPS);
             }
         }
-        let to_length_1 = to_length_1(&normals);
-        let n_l = self.facing(&normals, &to_length_1, self.to_light);
-        let mut n_h = self.facing(&normals, &to_length_1, self.halfway);
+        self.light(&normals, &to_length_1(&normals))
+    }
+
+    /// The light on eight normals, x, y and z in world space, none longer than 1: a shorter one gets less. One
+    /// of zero gets the ambient term alone.
+    #[inline(always)]
+    pub fn of_normals(&self, normals: &[[f32; 8]; 3]) -> Light8 {
+        self.light(normals, &[1.0; 8])
+    }
+
+    #[inline(always)]
+    fn light(&self, normals: &[[f32; 8]; 3], to_length_1: &[f32; 8]) -> Light8 {
+        let n_l = self.facing(normals, to_length_1, self.to_light);
+        let mut n_h = self.facing(normals, to_length_1, self.halfway);
         for n_h in &mut n_h {
             *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
         }

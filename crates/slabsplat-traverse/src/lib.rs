@@ -57,6 +57,7 @@ mod naive_normals;
 #[cfg(test)]
 mod tests;
 
+pub use blinn_phong::{BlinnPhong8, Light8};
 pub use brick_ranges::BrickRanges;
 pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use buckets::Buckets;

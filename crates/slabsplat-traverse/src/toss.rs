@@ -10,10 +10,17 @@ use crate::Buckets;
 use rayon::prelude::*;
 
 /// The image cut into square tiles.
+///
+/// Tiles may have a border, which is their neighbours' and holds what they need to know of them. Pixels are
+/// then counted from the corner of the image's own border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TileGrid {
-    /// The binary logarithm of a tile's side in pixels.
-    side_log2: u32,
+    /// Pixels from a tile to the next.
+    step: u32,
+    /// Pixels of a tile on either side that are its neighbours'.
+    border: u32,
+    /// `2³²/step`, rounded up: a multiplication is cheaper than a division.
+    per_step: u64,
     /// Tiles in a row.
     pub n_x: usize,
     /// Rows of tiles.
@@ -77,14 +84,38 @@ struct Run {
 }
 
 impl TileGrid {
-    /// Tiles of `side` pixels that cover an image.
+    /// Tiles of `side` pixels that cover an image, of which `border` on either side are their neighbours'.
     ///
     /// # Panics
-    /// If `side` is not a power of two.
-    pub fn new([width, height]: [u32; 2], side: usize) -> Self {
-        assert!(side.is_power_of_two(), "tiles of {side} pixels");
-        let across = |pixels: u32| (pixels as usize).div_ceil(side);
-        Self { side_log2: side.ilog2(), n_x: across(width), n_y: across(height) }
+    /// If a tile has no pixel of its own.
+    pub fn new([width, height]: [u32; 2], side: usize, border: usize) -> Self {
+        assert!(2 * border < side, "tiles of {side} pixels with borders of {border}");
+        let step = (side - 2 * border) as u32;
+        let across = |pixels: u32| pixels.div_ceil(step) as usize;
+        Self {
+            step,
+            border: border as u32,
+            per_step: (1_u64 << 32).div_ceil(step.into()),
+            n_x: across(width),
+            n_y: across(height),
+        }
+    }
+
+    /// Pixels from a tile to the next.
+    #[inline(always)]
+    pub fn step(&self) -> u32 {
+        self.step
+    }
+
+    /// Pixels of a tile on either side that are its neighbours'.
+    pub fn border(&self) -> usize {
+        self.border as usize
+    }
+
+    /// How many whole steps a number of pixels is, for less than 2²⁸ of them.
+    #[inline(always)]
+    fn steps(&self, pixels: u32) -> u32 {
+        ((u64::from(pixels) * self.per_step) >> 32) as u32
     }
 
     /// Number of tiles.
@@ -94,7 +125,7 @@ impl TileGrid {
 
     /// The pixel in the upper left corner of a tile.
     pub fn origin(&self, tile_idx: usize) -> [usize; 2] {
-        [tile_idx % self.n_x, tile_idx / self.n_x].map(|tile| tile << self.side_log2)
+        [tile_idx % self.n_x, tile_idx / self.n_x].map(|tile| tile * self.step as usize)
     }
 
     /// The pixels that have their centres within `min ..= max`, given in pixels, or hardly outside; `None` if
@@ -104,7 +135,7 @@ impl TileGrid {
         let n_tiles = [self.n_x, self.n_y];
         let mut rect = PixelRect { min: [0; 2], end: [0; 2] };
         for axis in 0..2 {
-            let n_pixels = (n_tiles[axis] << self.side_log2) as f32;
+            let n_pixels = (n_tiles[axis] as u32 * self.step + 2 * self.border) as f32;
             rect.min[axis] = nearest(min[axis] - MARGIN, n_pixels);
             rect.end[axis] = nearest(max[axis] + MARGIN, n_pixels);
         }
@@ -115,9 +146,11 @@ impl TileGrid {
     /// The tiles that hold pixels of a rectangle.
     #[inline(always)]
     pub fn tiles_of(&self, pixels: &PixelRect) -> TileRect {
+        let last = [self.n_x, self.n_y].map(|n_tiles| n_tiles as u32 - 1);
+        let of_last = |axis: usize| self.steps(pixels.end[axis] - 1).min(last[axis]) as u16;
         TileRect {
-            min: pixels.min.map(|first| (first >> self.side_log2) as u16),
-            max: pixels.end.map(|end| ((end - 1) >> self.side_log2) as u16),
+            min: pixels.min.map(|first| self.steps(first.saturating_sub(2 * self.border)) as u16),
+            max: [of_last(0), of_last(1)],
         }
     }
 
@@ -248,7 +281,7 @@ mod tests {
     #[test]
     fn toss_is_a_stable_sort_by_tile() {
         for_each_seed(1, |mut rng| {
-            let tiles = TileGrid::new([100, 70], 16);
+            let tiles = TileGrid::new([100, 70], 16, 0);
             let rects: Vec<_> = (0..40_000).map(|_| random_rect(&mut rng, &tiles)).collect();
             let expected = |tile_idx: usize, n_splats: usize| {
                 let (x, y) = ((tile_idx % tiles.n_x) as u16, (tile_idx / tiles.n_x) as u16);
@@ -277,7 +310,7 @@ mod tests {
     fn toss_takes_runs_of_middle_length() {
         let check = |n_splats: usize, size: [u32; 2], n_runs: usize| {
             let mut buckets = TileBuckets::default();
-            buckets.toss(&TileGrid::new(size, 1), n_splats, |_| TileRect::EMPTY);
+            buckets.toss(&TileGrid::new(size, 1, 0), n_splats, |_| TileRect::EMPTY);
             assert_eq!(buckets.n_runs, n_runs, "{n_splats} splats on {size:?} tiles");
         };
         check(1 << 14, [5, 7], 1);
@@ -289,7 +322,7 @@ mod tests {
 
     #[test]
     fn toss_holds_entries_and_names() {
-        let tiles = TileGrid::new([5, 7], 1);
+        let tiles = TileGrid::new([5, 7], 1, 0);
         let mut buckets = TileBuckets::default();
         buckets.toss(&tiles, 16_000, |splat| {
             let tile = [splat as u16 % 5, splat as u16 % 7];
@@ -303,7 +336,7 @@ mod tests {
 
     #[test]
     fn tiles_stand_row_by_row() {
-        let tiles = TileGrid::new([100, 70], 16);
+        let tiles = TileGrid::new([100, 70], 16, 0);
         assert_eq!((tiles.n_x, tiles.n_y, tiles.n_tiles()), (7, 5, 35));
         assert_eq!(
             [0, 6, 7, 34].map(|tile| tiles.origin(tile)),
@@ -311,9 +344,36 @@ mod tests {
         );
     }
 
+    /// Every pixel is on the tiles whose sides hold it, borders too.
+    #[test]
+    fn tiles_with_borders_overlap() {
+        for (side, border) in [(32, 1), (32, 0), (7, 3), (1, 0), (5, 1)] {
+            let size = [70, 9];
+            let tiles = TileGrid::new(size, side, border);
+            let end = size.map(|n| n + 2 * border as u32);
+            for (x, y) in (0..end[0]).flat_map(|x| (0..end[1]).map(move |y| (x, y))) {
+                let pixel = PixelRect { min: [x, y], end: [x + 1, y + 1] };
+                let TileRect { min, max } = tiles.tiles_of(&pixel);
+                for tile in 0..tiles.n_tiles() {
+                    let origin = tiles.origin(tile);
+                    let place = [tile % tiles.n_x, tile / tiles.n_x];
+                    let holds = |axis: usize| {
+                        let at = [x, y][axis] as usize;
+                        (origin[axis]..origin[axis] + side).contains(&at)
+                    };
+                    let is_in = |axis: usize| {
+                        (usize::from(min[axis])..=usize::from(max[axis])).contains(&place[axis])
+                    };
+                    let expected = holds(0) && holds(1);
+                    assert_eq!(is_in(0) && is_in(1), expected, "{side} {border} {x} {y} {tile}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn toss_touches_pixels_with_centers_inside() {
-        let tiles = TileGrid::new([64, 32], 16);
+        let tiles = TileGrid::new([64, 32], 16, 0);
         let check = |min, max, pixels: [[u32; 2]; 2], on: [[u16; 2]; 2]| {
             let rect = PixelRect { min: pixels[0], end: pixels[1] };
             assert_eq!(tiles.pixels_within(min, max), Some(rect));

@@ -1,10 +1,12 @@
 //! The method `post-classified`, as model §8 has it: every voxel that is not NaN is splatted into every
-//! slab that it meets, and a pixel is classified by the density that comes of it.
+//! sheet that it meets, two a slab, and what lies between the densities that come of it is classified.
 
+use super::between_sheets::{Between, InSheet};
+use super::classified_part::part;
 use super::view::View;
 use super::{
     Cut, Hierarchy, Kernel, KernelInView, Premultiplied, ReferenceImage, SheetSums,
-    shaded_by_normal,
+    shaded_by_normals,
 };
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
@@ -13,16 +15,19 @@ use slabsplat_core::{Normalization, Scene, Volume};
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
+/// Places of a part at which it is lit, counted from its middle.
+const LIT_AT: [f64; 4] = [-0.375, -0.125, 0.125, 0.375];
+
 /// What all pixels have in common.
 struct Frame<'a> {
     scene: &'a Scene,
     view: View,
     kernel: KernelInView,
     unit: f64,
-    /// Slab width in `unit`s.
+    /// That of a sheet, half a slab's, in `unit`s.
     width: f64,
     voxels: Vec<Voxel>,
-    /// Front faces of the slabs, in world units.
+    /// Front faces of the sheets, in world units.
     fronts: Vec<f64>,
     /// Below this, per world unit, a gradient does not count in full.
     faint_gradient: f64,
@@ -73,55 +78,55 @@ impl<'a> Frame<'a> {
             view,
             kernel,
             unit: grid.unit(),
-            width: settings.slab_width,
+            width: 0.5 * settings.slab_width,
             voxels: voxels(volume, scene, &view, range),
             fronts: Vec::new(),
             faint_gradient: (FAINT_GRADIENT * (range[1] - range[0]).max(0.0) / grid.unit())
                 .max(f64::MIN_POSITIVE),
         };
-        frame.fronts = frame.slabs(view.view_from_world(grid.center_in_world()).z);
+        frame.fronts = frame.sheets(view.view_from_world(grid.center_in_world()).z);
         frame
     }
 
-    /// Slabs `n` from `z_c + n·w·unit`, from one that no kernel meets to another, so that each that matters
-    /// has a neighbour.
-    fn slabs(&self, center_depth: f64) -> Vec<f64> {
+    /// Sheets from one that no kernel meets to another, so that each that matters has neighbours.
+    fn sheets(&self, center_depth: f64) -> Vec<f64> {
         let thickness = self.width * self.unit;
         let [near, far] = ends(self.voxels.iter().map(|v| v.center_in_view.z));
-        let slab_at = |depth: f64| ((depth - center_depth) / thickness).floor() as i64;
+        let sheet_at = |depth: f64| ((depth - center_depth) / thickness).floor() as i64;
         if self.voxels.is_empty() {
             return Vec::new();
         }
-        let first = slab_at(near - self.kernel.depth_reach) - 1;
-        let last = slab_at(far + self.kernel.depth_reach) + 1;
+        let first = sheet_at(near - self.kernel.depth_reach) - 3;
+        let last = sheet_at(far + self.kernel.depth_reach) + 3;
         (first..=last).map(|n| center_depth + n as f64 * thickness).collect()
     }
 
-    /// The premultiplied RGBA of a pixel, where `sums` are those of a pixel in all slabs.
+    /// The premultiplied RGBA of a pixel, where `sums` are those of a pixel in all sheets.
     fn pixel<'b>(&self, at: [i64; 2], sums: impl Fn([i64; 2]) -> &'b [Sum]) -> [f64; 4] {
         let [x, y] = at;
         let (here, right, left) = (sums(at), sums([x + 1, y]), sums([x - 1, y]));
         let (up, down) = (sums([x, y - 1]), sums([x, y + 1]));
-        let mut pixel = Premultiplied::default();
-        for slab in 1..self.fronts.len().saturating_sub(1) {
-            if here[slab].length <= 0.0 {
-                continue;
+        let in_sheet = |sheet: usize| {
+            if here[sheet].length <= 0.0 {
+                return InSheet::default();
             }
-            let depth = self.fronts[slab] + 0.5 * self.width * self.unit;
-            let density = here[slab].weighted / here[slab].length;
-            let along = |after: &Sum, before: &Sum| difference(&here[slab], density, after, before);
-            let pixel_size = self.view.pixel_size(depth);
-            let d_right = along(&right[slab], &left[slab]) / pixel_size;
-            let d_up = along(&up[slab], &down[slab]) / pixel_size;
-            let d_ray = along(&here[slab + 1], &here[slab - 1]) / (self.width * self.unit);
-            // The way from a pixel to itself in the next slab, for one world unit of depth.
-            let [near, far] = [depth, depth + 1.0].map(|depth| self.view.ray_in_view(at, depth));
-            let lean = [far[0] - near[0], far[1] - near[1]];
-            let d_depth = d_ray - lean[0] * d_right - lean[1] * d_up;
-            let gradient = d_right * self.view.axes.right
-                + d_up * self.view.axes.up
-                + d_depth * self.view.axes.forward;
-            pixel.lay_over(self.classified(&here[slab], density, gradient));
+            let density = here[sheet].weighted / here[sheet].length;
+            let pixel_size = self.view.pixel_size(self.middle(sheet));
+            let slope = |after: &Sum, before: &Sum| {
+                difference(&here[sheet], density, after, before) / pixel_size
+            };
+            InSheet {
+                length: here[sheet].length,
+                density,
+                slopes: [slope(&right[sheet], &left[sheet]), slope(&up[sheet], &down[sheet])],
+            }
+        };
+        let sheets: Vec<InSheet> = (0..here.len()).map(in_sheet).collect();
+        let mut pixel = Premultiplied::default();
+        for six in sheets.array_windows() {
+            if 0.0 < six[2].length || 0.0 < six[3].length {
+                pixel.lay_over(self.classified(at, &Between::new(six)));
+            }
         }
         let [r, g, b, opacity] = self.scene.image.background.map(f64::from);
         pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
@@ -129,7 +134,11 @@ impl<'a> Frame<'a> {
         [r, g, b, pixel.opacity]
     }
 
-    /// The sum of one pixel in the slab behind `front`.
+    fn middle(&self, sheet: usize) -> f64 {
+        self.fronts[sheet] + 0.5 * self.width * self.unit
+    }
+
+    /// The sum of one pixel in the sheet behind `front`.
     fn sum(&self, at: [i64; 2], front: f64) -> Sum {
         let thickness = self.width * self.unit;
         if !self.view.draws_slab(front, front + thickness, self.unit) {
@@ -155,15 +164,34 @@ impl<'a> Frame<'a> {
         sum
     }
 
-    /// The whole of the slab at a pixel counts as of one density.
-    fn classified(&self, sum: &Sum, density: f64, gradient: DVec3) -> Premultiplied {
+    /// The part of a ray between two sheets, in which the density goes from one end to the other.
+    fn classified(&self, at: [i64; 2], between: &Between) -> Premultiplied {
         let Scene { transfer, shading, settings, .. } = self.scene;
-        let normal = -gradient / gradient.length().max(self.faint_gradient);
-        let forward = self.view.axes.forward;
-        let color = shaded_by_normal(shading, transfer.color(density), normal, forward);
         let mut sums = SheetSums::new(settings.compositing);
-        sums.add(sum.length, transfer.opacity(density), color);
+        let densities = between.ends.map(|end| end.density);
+        let Some(part) = part(transfer, settings.compositing, densities) else {
+            return Premultiplied::default();
+        };
+        // What is seen lies evenly around its mean, as far as the part goes on both sides.
+        let seen = 2.0 * part.place.min(1.0 - part.place);
+        let normals = LIT_AT.map(|from_mean| {
+            let gradient = self.gradient(at, between.slopes(part.place + seen * from_mean));
+            -gradient / gradient.length().max(self.faint_gradient)
+        });
+        let color = shaded_by_normals(shading, part.color, &normals, self.view.axes.forward);
+        sums.add_weighted(between.length, part.weight, color);
         sums.finish()
+    }
+
+    /// In world space, from slopes to the right, upwards, and from sheet to sheet along the ray.
+    fn gradient(&self, at: [i64; 2], slopes: DVec3) -> DVec3 {
+        // The way from a pixel to itself one world unit of depth farther.
+        let [near, far] = [1.0, 2.0].map(|depth| self.view.ray_in_view(at, depth));
+        let slant = [far[0] - near[0], far[1] - near[1]];
+        let along_ray = slopes.z / (self.width * self.unit);
+        let along_depth = along_ray - slant[0] * slopes.x - slant[1] * slopes.y;
+        let axes = &self.view.axes;
+        slopes.x * axes.right + slopes.y * axes.up + along_depth * axes.forward
     }
 }
 

@@ -8,7 +8,8 @@
 //!
 //! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together;
-//! `merge` (§7) is what a tolerance changes, and `density` (§8) the method `post-classified`.
+//! `merge` (§7) is what a tolerance changes; `between_sheets`, `classified_part` and `density` (§8) are the
+//! method `post-classified`.
 
 mod gradient;
 mod hierarchy;
@@ -19,6 +20,8 @@ mod shade;
 mod sheet;
 mod view;
 
+mod between_sheets;
+mod classified_part;
 mod density;
 mod frame;
 mod image;
@@ -32,7 +35,7 @@ pub use kernel::Kernel;
 pub use merge::fraction_beyond;
 pub use quadrature::GaussLegendre;
 pub use section::{Cut, KernelInView};
-pub use shade::{shaded_by_normal, shaded_color};
+pub use shade::{shaded_by_normals, shaded_color};
 pub use sheet::{Premultiplied, SheetSums};
 
 use rayon::prelude::*;

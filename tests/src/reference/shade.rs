@@ -12,20 +12,22 @@ pub fn shaded_color(
     forward: DVec3,
 ) -> [f64; 3] {
     let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
-    shaded_by_normal(shading, color, normal, forward)
+    shaded_by_normals(shading, color, &[normal], forward)
 }
 
-/// The same for a normal, of length 1, or shorter where there is less of a surface.
-pub fn shaded_by_normal(
+/// The same with the mean light of some normals, of length 1, or shorter where there is less of a surface.
+pub fn shaded_by_normals(
     shading: &Shading,
     color: [f64; 3],
-    normal: DVec3,
+    normals: &[DVec3],
     forward: DVec3,
 ) -> [f64; 3] {
     let Shading::Phong(phong) = shading else {
         return color;
     };
-    let (diffuse, specular) = lamp_terms(phong, normal, forward);
+    let terms = normals.iter().map(|&normal| lamp_terms(phong, normal, forward));
+    let (diffuse, specular) = terms.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+    let [diffuse, specular] = [diffuse, specular].map(|sum| sum / normals.len() as f64);
     color.map(|c| (c * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0))
 }
 

@@ -24,25 +24,34 @@ pub struct Premultiplied {
     pub opacity: f64,
 }
 
+/// What a sheet sums of an opacity: that, or its extinction.
+pub(super) fn weight(compositing: Compositing, opacity: f64) -> f64 {
+    match compositing {
+        Compositing::Separate | Compositing::Associated => opacity,
+        Compositing::Extinction => -(1.0 - opacity.min(MAX_OPACITY)).ln(),
+    }
+}
+
 impl SheetSums {
     /// An empty sheet.
     pub fn new(compositing: Compositing) -> Self {
         Self { compositing, opacity: 0.0, color: [0.0; 3] }
     }
 
-    /// Adds a voxel's section weight `weight`, times its opacity and its shaded colour.
-    pub fn add(&mut self, weight: f64, opacity: f64, color: [f64; 3]) {
-        let (opacity, color_factor) = match self.compositing {
-            Compositing::Separate => (opacity, 1.0),
-            Compositing::Associated => (opacity, opacity),
-            Compositing::Extinction => {
-                let mu = -(1.0 - opacity.min(MAX_OPACITY)).ln();
-                (mu, mu)
-            }
+    /// Adds a voxel's section weight `section`, times its opacity and its shaded colour.
+    pub fn add(&mut self, section: f64, opacity: f64, color: [f64; 3]) {
+        self.add_weighted(section, weight(self.compositing, opacity), color);
+    }
+
+    /// The same for what a sheet sums of an opacity.
+    pub fn add_weighted(&mut self, section: f64, weight: f64, color: [f64; 3]) {
+        let color_factor = match self.compositing {
+            Compositing::Separate => 1.0,
+            Compositing::Associated | Compositing::Extinction => weight,
         };
-        self.opacity += weight * opacity;
+        self.opacity += section * weight;
         for (sum, channel) in self.color.iter_mut().zip(color) {
-            *sum += weight * color_factor * channel;
+            *sum += section * color_factor * channel;
         }
     }
 

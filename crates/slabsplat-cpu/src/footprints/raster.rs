@@ -9,6 +9,7 @@ use slabsplat_kernel::FootprintShape;
 pub(crate) struct Raster {
     view: View,
     pub(crate) shape: FootprintShape,
+    /// Where the optical axis is, in pixels from the corner of the image's border.
     center: [f32; 2],
     /// The kernel's radius in index space.
     pub(crate) radius: f32,
@@ -42,12 +43,13 @@ pub(crate) struct PixelShape {
 }
 
 impl Raster {
-    pub(crate) fn new(plan: &FramePlan<'_>) -> Self {
+    /// For tiles of which `border` pixels on each side are their neighbours'.
+    pub(crate) fn new(plan: &FramePlan<'_>, border: usize) -> Self {
         let FramePlan { view, shape, radius, .. } = *plan;
         Self {
             view,
             shape,
-            center: view.image_size().map(|side| 0.5 * side as f32),
+            center: view.image_size().map(|side| 0.5 * side as f32 + border as f32),
             radius: radius as f32,
             half_depth: plan.half_depth as f32,
             near: view.near_depth() as f32,
@@ -83,12 +85,12 @@ impl Raster {
         }
     }
 
-    /// Where the optical axis is, in pixels from the image's upper left corner.
+    /// Where the optical axis is, in pixels from the corner of the image's border.
     pub(crate) fn center(&self) -> [f32; 2] {
         self.center
     }
 
-    /// Where a point of view space lies, in pixels from the image's upper left corner.
+    /// Where a point of view space lies, in pixels from the corner of the image's border.
     #[inline]
     pub(crate) fn pixel_of(&self, shape: &PixelShape, [right, up, _]: [f32; 3]) -> [f32; 2] {
         [self.center[0] + right * shape.scale, self.center[1] - up * shape.scale]

@@ -17,7 +17,7 @@
 
 use super::raster::PixelShape;
 use fearless_simd::{Simd, SimdBase, SimdFloat, prelude::*};
-use slabsplat_kernel::{MAX_COEFFICIENTS, SectionTable};
+use slabsplat_kernel::{CubicSectionTable, MAX_COEFFICIENTS, SectionTable};
 
 /// Most lanes of a vector.
 const MAX_LANES: usize = 16;
@@ -168,5 +168,47 @@ impl ByTable<'_> {
         let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
         let [front, back] = self.faces.map(|face| face + later);
         self.table.sample_at(half_chord * self.table.samples_per_index(), front, back)
+    }
+}
+
+/// The same from a table that is read by cubics.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ByCubicTable<'a> {
+    pub(crate) table: &'a CubicSectionTable,
+    /// The kernel's radius in index units.
+    pub(crate) radius: f32,
+    /// Index units from the voxel to the slab's faces, on the ray through the footprint's centre.
+    pub(crate) faces: [f32; 2],
+}
+
+impl<S: Simd> Weigh<S> for ByCubicTable<'_> {
+    /// Pixels right of the centre.
+    #[inline(always)]
+    fn columns<V: Lanes<S>>(&self, simd: S, _: &PixelShape, left: f32) -> V {
+        V::from_slice(simd, &CENTERS[..V::LEN]) + left
+    }
+
+    #[inline(always)]
+    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
+        let mut weights = [0.0; MAX_LANES];
+        for (weight, &dx) in weights.iter_mut().zip(columns.as_slice()) {
+            *weight = self.at(shape, dx, dy);
+        }
+        V::from_slice(simd, &weights[..V::LEN])
+    }
+}
+
+impl ByCubicTable<'_> {
+    /// Out of line: it is called for a pixel at a time, and is no part of a loop over vectors.
+    #[inline(never)]
+    fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {
+        let u = dx + shape.lean * dy;
+        let form = 0.5 * (shape.across * u * u + shape.along * dy * dy);
+        if 1.0 <= form {
+            return 0.0;
+        }
+        let later = shape.tilt[0] * dx + shape.tilt[1] * dy;
+        let rho_squared = self.radius * self.radius * form;
+        self.table.weight(rho_squared, self.faces.map(|face| face + later))
     }
 }

@@ -1,12 +1,13 @@
 //! The methods, each a way from voxels to composited tiles: those that splat colours share a [`Stage`], and
 //! `post-classified` splats densities.
 //!
-//! Reading order: `image_aligned`; `whole_voxels`, `axis_aligned`, `every_sample`; `densities`.
+//! Reading order: `slabs`, `image_aligned`; `whole_voxels`, `axis_aligned`, `every_sample`; `densities`.
 
 pub(crate) mod axis_aligned;
 pub(crate) mod densities;
 pub(crate) mod every_sample;
 pub(crate) mod image_aligned;
+mod slabs;
 mod whole_voxels;
 
 use crate::footprints::raster::Raster;

@@ -17,10 +17,16 @@ const _: () = assert!(BLOCKS_ACROSS * BLOCKS_ACROSS == u64::BITS as usize, "a bi
 impl Blocks {
     pub(crate) const NONE: Self = Self(0);
 
-    /// The first columns and rows of blocks.
-    pub(crate) fn first([n_columns, n_rows]: [usize; 2]) -> Self {
-        let end = [n_columns, n_rows].map(|n| (n * BLOCK_SIDE) as u8);
-        Self::meeting(&PixelBox { min: [0; 2], end })
+    /// These blocks and those that share a side with one of them.
+    pub(crate) fn with_neighbors(self) -> Self {
+        let not_first_column = 0xfefe_fefe_fefe_fefe;
+        let across = self.0 | self.0 << 1 & not_first_column | (self.0 & not_first_column) >> 1;
+        Self(across | self.0 << BLOCKS_ACROSS | self.0 >> BLOCKS_ACROSS)
+    }
+
+    /// The blocks that are in both sets.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 
     /// The blocks that a box of pixels meets, which must not be empty.
@@ -48,6 +54,13 @@ impl Blocks {
     #[inline(always)]
     pub(crate) fn add(&mut self, other: Self) {
         self.0 |= other.0;
+    }
+
+    /// Adds the block of a pixel.
+    #[inline(always)]
+    pub(crate) fn add_of(&mut self, [column, row]: [u8; 2]) {
+        self.0 |=
+            1 << (usize::from(row) / BLOCK_SIDE * BLOCKS_ACROSS + usize::from(column) / BLOCK_SIDE);
     }
 
     #[inline(always)]
@@ -97,8 +110,23 @@ mod tests {
     }
 
     #[test]
+    fn neighbors_of_blocks_share_a_side() {
+        for [column, row] in [[0, 0], [7, 0], [0, 7], [7, 7], [3, 4]] {
+            let mut block = Blocks::NONE;
+            block.add_of([column as u8 * 4 + 3, row as u8 * 4]);
+            let with_neighbors: Vec<[usize; 2]> = block.with_neighbors().iter().collect();
+            let is_near =
+                |other: &[usize; 2]| other[0].abs_diff(column) + other[1].abs_diff(row) < 2;
+            let all = (0..8).flat_map(|row| (0..8).map(move |column| [column, row]));
+            assert_eq!(with_neighbors, all.filter(is_near).collect::<Vec<_>>());
+            assert_eq!(block.with_neighbors().and(block), block);
+        }
+    }
+
+    #[test]
     fn blocks_are_removed() {
-        let mut blocks = Blocks::first([BLOCKS_ACROSS; 2]);
+        let end = [TILE_SIDE as u8; 2];
+        let mut blocks = Blocks::meeting(&PixelBox { min: [0; 2], end });
         for row in 0..BLOCKS_ACROSS {
             for column in 0..BLOCKS_ACROSS {
                 assert!(!blocks.is_empty());

@@ -14,13 +14,18 @@ const _: () = assert!(BLOCK_SIDE == QUAD, "a block is a quad wide");
 /// The composited pixels of a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct Tile {
-    /// The image pixel in the upper left corner.
+    /// The image pixel in the upper left corner, counted from the corner of the image's border.
     pub(crate) origin: [usize; 2],
-    /// Columns and rows that are inside the image.
-    inside: [usize; 2],
+    /// Columns and rows on each side that are other tiles'.
+    border: usize,
+    /// Columns and rows that are inside the image and this tile's own.
+    inside: [Range<usize>; 2],
     /// The blocks that hold pixels which may still change.
     pub(crate) open: Blocks,
-    /// Premultiplied colour and opacity. Pixels outside of the image are opaque from the start.
+    /// The blocks whose sums are needed: those that are open, and of a tile with a border those beside them.
+    pub(crate) needed: Blocks,
+    /// Premultiplied colour and opacity. Pixels outside of the image are opaque from the start, and so are those of
+    /// other tiles.
     pub(crate) pixels: Box<Pixels>,
     pub(crate) stats: TileStats,
 }
@@ -34,12 +39,18 @@ pub(crate) struct TileStats {
 }
 
 impl Tile {
-    /// An empty tile of an image.
-    pub(crate) fn new(origin: [usize; 2], image_size: [u32; 2]) -> Self {
+    /// An empty tile of an image, with `border` pixels on each side that are other tiles'.
+    pub(crate) fn new(origin: [usize; 2], image_size: [u32; 2], border: usize) -> Self {
+        let inside = |axis: usize| {
+            let n_left = image_size[axis] as usize - origin[axis];
+            border..border + n_left.min(TILE_SIDE - 2 * border)
+        };
         let mut tile = Self {
             origin,
-            inside: [0, 1].map(|axis| TILE_SIDE.min(image_size[axis] as usize - origin[axis])),
+            border,
+            inside: [inside(0), inside(1)],
             open: Blocks::NONE,
+            needed: Blocks::NONE,
             pixels: Sheet::default().sums,
             stats: TileStats::default(),
         };
@@ -49,21 +60,29 @@ impl Tile {
 
     /// Makes it empty again.
     pub(crate) fn clear(&mut self) {
-        let [n_columns, n_rows] = self.inside;
+        let [columns, rows] = &self.inside;
         for (row_idx, row) in self.pixels.iter_mut().enumerate() {
             for (quad_idx, quad) in row.iter_mut().enumerate() {
                 *quad = Quad::ZERO;
                 for pixel in 0..QUAD {
-                    if n_rows <= row_idx || n_columns <= quad_idx * QUAD + pixel {
+                    let is_inside =
+                        rows.contains(&row_idx) && columns.contains(&(quad_idx * QUAD + pixel));
+                    if !is_inside {
                         quad.set_pixel(pixel, [0.0, 0.0, 0.0, 1.0]);
                     }
                 }
             }
         }
-        let columns = n_columns.div_ceil(BLOCK_SIDE);
-        let rows = n_rows.div_ceil(BLOCK_SIDE);
-        self.open = Blocks::first([columns, rows]);
+        let min = [columns.start, rows.start].map(|first| first as u8);
+        let end = [columns.end, rows.end].map(|end| end as u8);
+        self.open = Blocks::meeting(&PixelBox { min, end });
+        self.needed = self.needed_for(self.open);
         self.stats = TileStats::default();
+    }
+
+    /// The blocks whose sums are needed while those are open.
+    fn needed_for(&self, open: Blocks) -> Blocks {
+        if self.border == 0 { open } else { open.with_neighbors() }
     }
 
     /// Whether no pixel may change any more.
@@ -71,14 +90,14 @@ impl Tile {
         self.open.is_empty()
     }
 
-    /// The blocks that a splat on a box of pixels meets, if any of them is open; counts it either way.
+    /// The blocks that a splat on a box of pixels meets, if any of them is needed; counts it either way.
     #[inline(always)]
     pub(crate) fn accept(&mut self, pixels: &PixelBox) -> Option<Blocks> {
         let blocks = Blocks::meeting(pixels);
-        let is_open = self.open.meets(blocks);
-        let count = if is_open { &mut self.stats.n_splats } else { &mut self.stats.n_culled };
+        let is_needed = self.needed.meets(blocks);
+        let count = if is_needed { &mut self.stats.n_splats } else { &mut self.stats.n_culled };
         *count += 1;
-        is_open.then_some(blocks)
+        is_needed.then_some(blocks)
     }
 
     /// Puts a sheet behind what is already there, empties it, and closes the blocks whose pixels are all at
@@ -95,7 +114,7 @@ impl Tile {
             let rows = row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE;
             let least = self.put_column_behind(simd, compositing, sheet, rows, column);
             if cutoff <= least {
-                self.open.remove([column, row]);
+                self.close([column, row]);
             }
         }
     }
@@ -123,15 +142,6 @@ impl Tile {
         self.open.iter().for_each(|block| self.close_if_saturated(block, cutoff));
     }
 
-    /// The pixels of a block that are inside the image, as columns and rows.
-    pub(crate) fn pixels_of(&self, block: [usize; 2]) -> impl Iterator<Item = [usize; 2]> + use<> {
-        let [columns, rows] = [0, 1].map(|axis| {
-            let first = block[axis] * BLOCK_SIDE;
-            first..(first + BLOCK_SIDE).min(self.inside[axis])
-        });
-        rows.flat_map(move |row| columns.clone().map(move |column| [column, row]))
-    }
-
     /// Puts premultiplied colour and opacity behind what a pixel holds: `C ← C + (1 − A)·c`, `A ← A + (1 −
     /// A)·a`.
     #[inline]
@@ -149,8 +159,13 @@ impl Tile {
     pub(crate) fn close_if_saturated(&mut self, [column, row]: [usize; 2], cutoff: f32) {
         let mut rows = self.pixels[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE].iter();
         if rows.all(|row| row[column].opacities().iter().all(|opacity| cutoff <= *opacity)) {
-            self.open.remove([column, row]);
+            self.close([column, row]);
         }
+    }
+
+    pub(crate) fn close(&mut self, block: [usize; 2]) {
+        self.open.remove(block);
+        self.needed = self.needed_for(self.open);
     }
 
     /// An even number of rows of one quad; returns the least opacity that any of their pixels has then.
@@ -177,10 +192,11 @@ impl Tile {
     /// from the tile's first on.
     pub(crate) fn copy_to(&self, rows: &mut [[f32; 4]], width: usize, behind: [f32; 4]) {
         let left = self.origin[0];
-        let [n_columns, n_rows] = self.inside;
-        for (row, quads) in rows.chunks_mut(width).zip(self.pixels.iter()).take(n_rows) {
-            let pixels = &mut row[left..left + n_columns];
-            for (column, pixel) in pixels.iter_mut().enumerate() {
+        let [columns, all_rows] = &self.inside;
+        let own = &self.pixels[all_rows.clone()];
+        for (row, quads) in rows.chunks_mut(width).zip(own) {
+            let pixels = &mut row[left..left + columns.len()];
+            for (column, pixel) in columns.clone().zip(pixels) {
                 *pixel = over(quads[column / QUAD].pixel(column % QUAD), behind);
             }
         }

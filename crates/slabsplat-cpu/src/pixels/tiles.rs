@@ -17,9 +17,10 @@ pub(crate) struct Tiles {
 }
 
 impl Tiles {
-    pub(crate) fn new(image_size: [u32; 2]) -> Self {
-        let grid = TileGrid::new(image_size, TILE_SIDE);
-        let tile = |tile_idx| Tile::new(grid.origin(tile_idx), image_size);
+    /// Tiles with `border` pixels of their neighbours' on each side.
+    pub(crate) fn new(image_size: [u32; 2], border: usize) -> Self {
+        let grid = TileGrid::new(image_size, TILE_SIDE, border);
+        let tile = |tile_idx| Tile::new(grid.origin(tile_idx), image_size, border);
         Self { grid, tiles: (0..grid.n_tiles()).map(tile).collect(), image_size }
     }
 
@@ -59,7 +60,7 @@ impl Tiles {
     pub(crate) fn image(&self, behind: [f32; 4]) -> Image {
         let [width, height] = self.image_size;
         let mut image = Image::filled(width, height, [0.0; 4]);
-        let rows = image.pixels_mut().par_chunks_mut(width as usize * TILE_SIDE);
+        let rows = image.pixels_mut().par_chunks_mut(width as usize * self.grid.step() as usize);
         rows.zip(self.tiles.par_chunks(self.grid.n_x)).for_each(|(rows, tiles)| {
             tiles.iter().for_each(|tile| tile.copy_to(rows, width as usize, behind));
         });

@@ -4,7 +4,7 @@ use crate::footprints::polynomials::PolynomialPair;
 use crate::footprints::raster::Raster;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use slabsplat_core::{Compositing, Lookup};
-use slabsplat_kernel::{SectionTable, TiltedSections, chord_units_per_index};
+use slabsplat_kernel::{CubicSectionTable, SectionTable, TiltedSections, chord_units_per_index};
 
 /// A table of sections, and what was fitted to it.
 #[derive(Clone, Copy)]
@@ -24,6 +24,8 @@ pub(crate) enum Kind {
     Tilted,
     /// Their sections are read from the table, pixel by pixel.
     ByTable,
+    /// The same from a table without kinks.
+    ByCubicTable,
 }
 
 /// The sections of a frame.
@@ -41,6 +43,8 @@ pub(crate) struct Sections<'a> {
     pub(crate) chord_units_per_index: f32,
     /// Sections by slabs that cut footprints at an offset that differs from pixel to pixel.
     pub(crate) tilted: Option<&'a TiltedSections>,
+    /// A table to be read instead of the others, if there is one.
+    pub(crate) cubic: Option<&'a CubicSectionTable>,
     /// How the voxels that slabs cut are drawn: from the table, if no polynomial is good enough.
     pub(crate) kind: Kind,
     /// Sections of voxels of no more extinction are drawn by polynomials of low degree.
@@ -52,9 +56,8 @@ impl<'a> Sections<'a> {
     pub(crate) fn new(
         raster: &'a Raster,
         compositing: Compositing,
-        slabs: Fitted<'a>,
-        merged: Option<Fitted<'a>>,
-        tilted: Option<&'a TiltedSections>,
+        (slabs, merged): (Fitted<'a>, Option<Fitted<'a>>),
+        (tilted, cubic): (Option<&'a TiltedSections>, Option<&'a CubicSectionTable>),
         n_sections: usize,
     ) -> Self {
         let is_exact = merged.is_some() || slabs.polynomials.are_exact(compositing);
@@ -67,9 +70,11 @@ impl<'a> Sections<'a> {
             edge_per_disc: 2.0 / (raster.radius * raster.radius),
             chord_units_per_index: chord_units_per_index(raster.radius.into()) as f32,
             tilted,
-            kind: match (raster.is_tilted, tilted) {
-                (true, Some(_)) => Kind::Tilted,
-                (false, _) if is_exact => Kind::Upright,
+            cubic,
+            kind: match (tilted, cubic) {
+                (Some(_), _) => Kind::Tilted,
+                (_, Some(_)) => Kind::ByCubicTable,
+                _ if is_exact && !raster.is_tilted => Kind::Upright,
                 _ => Kind::ByTable,
             },
             // Only where colours are weighted with it do errors shrink with the extinction.

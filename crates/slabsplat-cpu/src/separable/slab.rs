@@ -183,7 +183,7 @@ mod tests {
                 let at =
                     |radius: f32, random: f32| (TILE_SIDE as f32 + 2.0 * radius) * random - radius;
                 let center = [at(width, rng.f32()), at(height, rng.f32())];
-                let tile = Tile::new([0; 2].map(|_| TILE_SIDE * rng.usize(..99)), [9999; 2]);
+                let tile = Tile::new([0; 2].map(|_| TILE_SIDE * rng.usize(..99)), [9999; 2], 0);
                 let (mut sheet, mut coefficients) = Default::default();
                 let by_three = rng.bool();
                 let onto = (&tile, &mut sheet, &mut coefficients);

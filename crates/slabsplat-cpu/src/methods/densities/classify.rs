@@ -1,106 +1,282 @@
-//! From the density at a pixel to what it adds to the picture: opacity, colour, light.
+//! From the sheets of a tile to its pixels: classification between them, light, compositing.
 
-use super::values::ValueScale;
-use slabsplat_backend::FramePlan;
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{BlinnPhong, Compositing, IsoRange, TransferFunction, ViewAxes};
+use super::integrals::Integrals;
+use super::nodes::{AtNodes, LANES, N_NODES, OnPart, Rays8};
+use super::parts::{Part, Slopes};
+use super::rays::Rays;
+use super::sheets::{DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
+use crate::methods::slabs::Sheets;
+use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS, Blocks};
+use crate::pixels::quad::QUAD;
+use crate::pixels::rectangle::TILE_SIDE;
+use crate::pixels::sheet::Sheet;
+use crate::pixels::tile::Tile;
+use crate::sections::cut::bits;
+use fearless_simd::{Simd, f32x8, prelude::*};
+use slabsplat_backend::{FramePlan, Slabs};
+use slabsplat_core::{Compositing, SlabGrid, View};
+use slabsplat_traverse::BlinnPhong8;
 
-/// Classifies and shades densities.
+/// A gradient counts in full from this part of the range of values on, per `unit`: less is the noise of a
+/// plateau, and a normal must not turn about within it.
+const FAINT_GRADIENT: f64 = 1.0 / 256.0;
+
+/// Classifies and shades what lies between sheets.
 pub(super) struct Classifier<'a> {
-    transfer: &'a TransferFunction,
-    scale: ValueScale,
-    compositing: Compositing,
-    light: Option<BlinnPhong>,
-    axes: ViewAxes,
-    /// Where anything is drawn, scaled: from the first end up to the second.
-    drawn: Vec<[f64; 2]>,
-    /// Where the transfer function has a step: value, and scaled.
-    steps: Vec<(f64, f64)>,
+    pub(super) integrals: &'a Integrals,
+    pub(super) compositing: Compositing,
+    /// By directions to the right, upwards and forward.
+    pub(super) light: Option<BlinnPhong8>,
+    /// A gradient from which on surfaces are lit in full: scaled, per world unit.
+    pub(super) faint: f32,
+    /// Sheets in a world unit.
+    pub(super) per_sheet: f32,
+    cutoff: f32,
+    rays: Rays,
+    slabs: &'a SlabGrid,
+    view: View,
+    limits: Limits,
 }
 
-/// Sums of 32-bit floats miss a density by less than this, scaled. A step of the transfer function that lies
-/// on the value of a plateau must not be taken here and missed there, so that a density this far before a
-/// step counts as on it.
-const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
+/// What a thread needs.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    /// Of one slab.
+    parts: Vec<Part>,
+    /// Those that no tile has.
+    rings: Vec<Box<Ring>>,
+}
+
+/// What a frame's values are like, scaled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ScaledValues {
+    /// The extent of the finite ones.
+    pub(super) extent: f64,
+    /// Between these all of them lie.
+    pub(super) ends: [f32; 2],
+}
+
+/// Less of a ray, in `unit`s, may be what separable footprints miss.
+const LEAST_LENGTH: f32 = 1e-3;
 
 impl<'a> Classifier<'a> {
-    pub(super) fn new(plan: &FramePlan<'a>, scale: ValueScale) -> Self {
-        let drawn = |range: &IsoRange| {
-            let [lo, hi] = [range.lo, range.hi].map(|end| scale.unclamped(end));
-            let is_step = starts_with_a_step(plan.transfer, range);
-            [if is_step { lo - ROUNDING } else { lo + ROUNDING }, hi - ROUNDING]
-        };
+    pub(super) fn new(
+        plan: &'a FramePlan<'_>,
+        slabs: &'a Slabs,
+        integrals: &'a Integrals,
+        values: ScaledValues,
+        are_exact: bool,
+    ) -> Self {
+        let faint = FAINT_GRADIENT * values.extent / plan.volume.grid().unit();
         Self {
-            transfer: plan.transfer,
-            scale,
+            integrals,
             compositing: plan.compositing,
-            light: plan.light,
-            axes: *plan.view.axes(),
-            drawn: plan.relevant.iter().map(drawn).collect(),
-            steps: steps(plan.transfer).map(|step| (step, scale.unclamped(step))).collect(),
+            light: plan.light.map(|light| BlinnPhong8::new(&light.seen_along(plan.view.axes()))),
+            // Never 0, which a gradient of 0 would be divided by.
+            faint: (faint as f32).max(f32::MIN_POSITIVE),
+            per_sheet: (1.0 / slabs.grid.thickness()) as f32,
+            cutoff: plan.opacity_cutoff,
+            rays: Rays::new(&plan.view),
+            slabs: &slabs.grid,
+            view: plan.view,
+            limits: Limits {
+                least_length: if are_exact { 0.0 } else { LEAST_LENGTH },
+                values: values.ends,
+            },
         }
     }
 
-    /// Opacity per `unit` at a scaled density, and the density as it is classified; `None` where it is 0.
-    #[inline]
-    pub(super) fn opacity(&self, scaled: f64) -> Option<(f64, f64)> {
-        if !self.drawn.iter().any(|[lo, hi]| *lo <= scaled && scaled < *hi) {
-            return None;
-        }
-        let is_before = |(_, step): &&(f64, f64)| scaled < *step && *step - ROUNDING <= scaled;
-        let value = match self.steps.iter().find(is_before) {
-            Some((value, _)) => *value,
-            None => self.scale.value(scaled),
-        };
-        let opacity = self.transfer.opacity(value);
-        (0.0 < opacity).then_some((opacity, value))
+    /// World units to the right and upwards that the ray of a tile's pixel moves over one unit of depth.
+    #[inline(always)]
+    pub(super) fn slant(&self, [column, row]: [u8; 2], tile: &Tile) -> [f32; 2] {
+        let [x, y] = tile.origin;
+        let pixel = [x + usize::from(column), y + usize::from(row)];
+        self.rays.slant(pixel.map(|at| at - super::BORDER)).map(|slant| slant as f32)
     }
 
-    /// Premultiplied colour and opacity of `length` `unit`s of one density, whose surface faces along
-    /// `normal`, in view space and not longer than 1.
-    #[inline]
-    pub(super) fn premultiplied(
+    /// Classifies what lies between the two sheets in the middle, if `last` is the slab of the last one.
+    #[inline(never)]
+    fn classify<S: Simd>(
         &self,
-        length: f64,
-        (opacity, value): (f64, f64),
-        normal: DVec3,
-    ) -> [f32; 4] {
-        let color = DVec3::from_array(self.transfer.color(value));
-        let color = self.light.map_or(color, |light| light.lit(color, self.in_world(normal)));
-        let weight = length * self.compositing.weight(opacity);
-        let of_color = if self.compositing.weights_colors() { weight } else { length };
-        let [r, g, b] = (of_color * color).to_array();
-        self.compositing.resolve([r, g, b, weight]).map(|channel| channel as f32)
+        simd: S,
+        last: usize,
+        ring: &Ring,
+        tile: &mut Tile,
+        parts: &mut Vec<Part>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.classify_inlined(simd, last, ring, tile, parts),
+        );
     }
 
-    fn in_world(&self, v: DVec3) -> DVec3 {
-        self.axes.right * v.x + self.axes.up * v.y + self.axes.forward * v.z
+    #[inline(always)]
+    fn classify_inlined<S: Simd>(
+        &self,
+        simd: S,
+        last: usize,
+        ring: &Ring,
+        tile: &mut Tile,
+        parts: &mut Vec<Part>,
+    ) {
+        let sheets = ring.up_to(last);
+        let mut blocks = sheets[N_BESIDE].held();
+        blocks.add(sheets[N_BESIDE + 1].held());
+        let blocks = blocks.and(tile.open);
+        let pixels = self.pixel_sizes(last);
+        parts.clear();
+        for block_row in 0..BLOCKS_ACROSS {
+            let columns = blocks.row(block_row);
+            for group in 0..TILE_SIDE / LANES {
+                // A bit for each of the group's two blocks.
+                let of_group = columns >> (group * LANES / BLOCK_SIDE) & 0b11;
+                if of_group == 0 {
+                    continue;
+                }
+                for row in block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE {
+                    let open = open_lanes(tile, row, group, of_group);
+                    if open != 0 {
+                        self.eight(simd, &sheets, [row, group * LANES], open, &pixels, parts);
+                    }
+                }
+            }
+        }
+        self.composite(simd, parts, tile);
+        for block in touched_by(parts).iter() {
+            tile.close_if_saturated(block, self.cutoff);
+        }
     }
-}
 
-/// The visible ranges with room for rounding, by which voxels are to be selected.
-pub(super) fn ranges_with_room(plan: &FramePlan<'_>, scale: &ValueScale) -> Vec<IsoRange> {
-    let room = |range: &IsoRange| {
-        let is_step = starts_with_a_step(plan.transfer, range);
-        let lo = if is_step {
-            scale.value(scale.unclamped(range.lo) - 2.0 * ROUNDING)
+    /// Adds the parts of eight pixels on end that may be seen, as far as they are open, a bit each.
+    #[inline(always)]
+    fn eight<S: Simd>(
+        &self,
+        simd: S,
+        sheets: &[&DensitySheet; N_SHEETS],
+        [row, column]: [usize; 2],
+        open: u64,
+        pixels: &[f32; N_SHEETS],
+        parts: &mut Vec<Part>,
+    ) {
+        let rays = Rays8::of(simd, sheets, row, column);
+        let (length, densities) = (rays.length(), rays.densities());
+        let is_there = length.simd_gt(f32x8::splat(simd, 0.0)).to_bitmask();
+        let seen = self.may_show(simd, densities) & is_there & open;
+        if seen == 0 {
+            return;
+        }
+        let slopes = if self.light.is_some() {
+            rays.slopes(simd, sheets, [row, column], pixels)
         } else {
-            range.lo
+            let zero = f32x8::splat(simd, 0.0);
+            [OnPart { ends: [zero; N_NODES], bulge: zero }; 3]
         };
-        IsoRange { lo: lo.min(range.lo), hi: range.hi }
-    };
-    plan.relevant.iter().map(room).collect()
-}
-
-/// Whether the opacity jumps at the start of a visible range, instead of rising from 0.
-fn starts_with_a_step(transfer: &TransferFunction, range: &IsoRange) -> bool {
-    let is_here = |(x, [opacity]): &(f64, [f64; 1])| *x == range.lo && 0.0 < *opacity;
-    transfer.opacity_points().points().iter().any(is_here)
-}
-
-fn steps(transfer: &TransferFunction) -> impl Iterator<Item = f64> + '_ {
-    fn of<const N: usize>(points: &[(f64, [f64; N])]) -> impl Iterator<Item = f64> + '_ {
-        points.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[0].0)
+        let lengths: [f32; LANES] = length.into();
+        let densities = arrays(densities);
+        let [starts, ends, bulges] = [0, 1, 2].map(|idx| {
+            slopes.map(|slope| -> [f32; LANES] {
+                [slope.ends[0], slope.ends[1], slope.bulge][idx].into()
+            })
+        });
+        for lane in bits(seen) {
+            let of_lane = |slopes: &[[f32; LANES]; 3]| slopes.map(|slope| slope[lane]);
+            parts.push(Part {
+                pixel: [(column + lane) as u8, row as u8],
+                length: lengths[lane],
+                densities: [densities[0][lane], densities[1][lane]],
+                slopes: Slopes {
+                    start: of_lane(&starts),
+                    end: of_lane(&ends),
+                    bulge: of_lane(&bulges),
+                },
+            });
+        }
     }
-    of(transfer.opacity_points().points()).chain(of(transfer.color_points().points()))
+
+    /// In which lanes anything shows between two densities, a bit each.
+    #[inline(always)]
+    fn may_show<S: Simd>(&self, simd: S, [a, b]: AtNodes<S>) -> u64 {
+        let (least, largest) = (a.min(b), a.max(b));
+        let shown = self.integrals.visible().iter().map(|[lo, hi]| {
+            let shows =
+                largest.simd_ge(f32x8::splat(simd, *lo)) & least.simd_le(f32x8::splat(simd, *hi));
+            shows.to_bitmask()
+        });
+        shown.fold(0, |shown, more| shown | more)
+    }
+
+    /// World units between the pixels of six sheets.
+    fn pixel_sizes(&self, last: usize) -> [f32; N_SHEETS] {
+        std::array::from_fn(|idx| {
+            let slab = (last + 1 + idx).saturating_sub(N_SHEETS);
+            // Sheets before the near depth are empty, and have no pixels.
+            let depth = self.slabs.middle(slab).max(self.view.near_depth());
+            (1.0 / self.view.pixels_per_world(depth)) as f32
+        })
+    }
+}
+
+/// The lanes of a group of eight pixels whose blocks are meant and which are not opaque.
+#[inline(always)]
+fn open_lanes(tile: &Tile, row: usize, group: usize, blocks: u64) -> u64 {
+    let mut open = 0;
+    for block in 0..LANES / QUAD {
+        let opacities = tile.pixels[row][group * LANES / QUAD + block].opacities();
+        let is_meant = blocks >> block & 1;
+        for (lane, opacity) in opacities.into_iter().enumerate() {
+            open |= (u64::from(opacity < 1.0) & is_meant) << (block * QUAD + lane);
+        }
+    }
+    open
+}
+
+#[inline(always)]
+fn arrays<S: Simd>(nodes: AtNodes<S>) -> [[f32; LANES]; N_NODES] {
+    nodes.map(Into::into)
+}
+
+/// The blocks in which parts lie.
+fn touched_by(parts: &[Part]) -> Blocks {
+    let mut blocks = Blocks::NONE;
+    for part in parts {
+        blocks.add_of(part.pixel);
+    }
+    blocks
+}
+
+impl Sheets for Classifier<'_> {
+    type Retained = Retained;
+    type Scratch = Scratch;
+
+    const N_BEHIND: usize = N_BESIDE + 1;
+
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        slab: usize,
+        sheet: &mut Sheet,
+        tile: &mut Tile,
+        retained: &mut Retained,
+        scratch: &mut Scratch,
+    ) {
+        if sheet.touched.is_empty() && retained.is_none() {
+            return;
+        }
+        let Scratch { parts, rings } = scratch;
+        let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
+        ring.push(simd, slab, sheet, &self.limits);
+        self.classify(simd, slab, ring, tile, parts);
+    }
+
+    fn release(&self, retained: &mut Retained, scratch: &mut Scratch) {
+        if let Some(mut ring) = retained.take() {
+            ring.clear();
+            scratch.rings.push(ring);
+        }
+    }
+
+    fn scratch_bytes(scratch: &Scratch) -> usize {
+        scratch.rings.len() * Ring::BYTES + scratch.parts.capacity() * size_of::<Part>()
+    }
 }

@@ -9,15 +9,15 @@ use slabsplat_core::{Grid, SlabGrid};
 /// The largest distance along each axis between a voxel and another, where the one adds to the density at a
 /// place, and the other to the density at that place or to one of those that its gradient is taken from.
 ///
-/// The way from one to the other leads from a voxel to a place within its kernel, along the slab, a step to
-/// another pixel or slab, and to a voxel within whose kernel that is. What depends on the view is bounded for
+/// The way from one to the other leads from a voxel to a place within its kernel, along the slab, to the next
+/// pixel and two slabs on, and to a voxel within whose kernel that is. What depends on the view is bounded for
 /// all directions, so that turning the camera leaves the selection as it is.
 pub(super) fn margin(plan: &FramePlan<'_>, raster: &Raster, slabs: &SlabGrid) -> [usize; 3] {
     let grid = plan.volume.grid();
     let farthest = slabs.middle(slabs.n_slabs() - 1).max(raster.near.into());
     let scale = plan.view.pixels_per_world(farthest);
     let stretch = plan.view.stretch(scale);
-    let step = (slabs.thickness() * slant(plan)).max(1.0 / scale);
+    let step = 2.0 * slabs.thickness() * slant(plan) + 1.0 / scale;
     let index_from_world = grid.index_from_world().matrix3;
     let of_axis = |axis: usize| {
         let index_per_world = index_from_world.row(axis).length();

@@ -1,132 +1,145 @@
-//! Splatting without the blur (Mueller, Möller & Crawfis, IEEE Visualization '99): sheets hold densities,
-//! which are classified and shaded pixel by pixel. Model §8.
+//! Splatting without the blur (Mueller, Möller & Crawfis, IEEE Visualization '99): sheets hold densities, and
+//! what lies between them is classified and shaded. Model §8.
 //!
 //! ```text
 //! for each tile, in parallel:
-//!     for each slab from the eye:
-//!         add the slab's sections: length += H, weighted value += H·v
-//!         for each open pixel of the slab before:
-//!             density = weighted value / length; opacity by the transfer function
-//!             if there is any: gradient from this sheet and both its neighbours, light, composite
+//!     for each sheet from the eye, half a slab thick:
+//!         add its sections: length += H, weighted value += H·v                 (methods/slabs)
+//!         put it with the five before it                                       (sheets.rs)
+//!         for each open pixel, between the two sheets in the middle:
+//!             densities in the middle of each                                  (nodes.rs)
+//!             where anything shows between them: slopes on the way             (nodes.rs)
+//!                 mean opacity and colour of all densities on the way          (integrals.rs)
+//!                 light, composite                                             (parts.rs)
 //! ```
 //!
-//! 1. A voxel is splatted only if it has a part in a pixel that may show (`selection`).
+//! 1. A voxel is splatted only if it has a part in a pixel that may show (`selection.rs`), and if that is not
+//!    occluded.
 //! 2. A tile is summed with a border of one pixel, for the gradients. That is a seventh more at 32 pixels a
 //!    side, and tiles need nothing of each other.
-//! 3. A sheet has two numbers a pixel, and three sheets of a tile take 28 KiB.
-//!
-//! The price: every pixel and slab that shows is shaded, which in a haze is far more than there are voxels.
-//!
-//! What is shared with the other methods is where a footprint lies (`raster`), the toss, tiles and the light:
-//! their sheets hold colours.
+//! 3. Most pixels of a sheet show nothing, which eight densities at a time say.
 //!
 //! # Reading order
 //!
-//! `selection` and `margin`; `values`, `voxel`; `summed`, `sheet`; `classify`, `gradient`, `rays`;
-//! `density_frame`, `tile`.
+//! `values`, `margin`, `selection`, `voxels`; `sheets`, `rays`, `nodes`; `integrals`, `parts`; `classify`.
 
 mod margin;
 mod selection;
 mod values;
-mod voxel;
+mod voxels;
 
-mod sheet;
-mod summed;
+mod nodes;
+mod rays;
+mod sheets;
+
+mod integrals;
+mod parts;
 
 mod classify;
-mod gradient;
-mod rays;
-
-mod density_frame;
-mod tile;
 
 #[cfg(test)]
 mod tests;
 
+use super::slabs::{self, SectionsInSlabs, Stage};
+use crate::footprints::raster::Raster;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use crate::workspaces::Workspaces;
-use classify::ranges_with_room;
-use density_frame::DensityFrame;
+use classify::{Classifier, ScaledValues, Scratch};
+use fearless_simd::Level;
+use integrals::Integrals;
+use selection::Selection;
+use sheets::Retained;
 use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan};
-use slabsplat_core::{IsoRange, Volume};
-use slabsplat_traverse::TileBuckets;
-use tile::Workspace;
-use values::finite_range;
-use voxel::DensityVoxel;
+use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
+use slabsplat_traverse::BrickView;
+use values::{ValueScale, finite_range};
+use voxels::Selected;
+
+/// Pixels on each side of a tile that are summed for gradients alone.
+pub(crate) const BORDER: usize = 1;
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     finite: Cached<ByIdentity<Volume>, Option<[f64; 2]>>,
-    /// Places in memory of the voxels that were selected.
-    selected: Cached<SelectedBy, Vec<u32>>,
-    tossed: Tossed,
-    workspaces: Workspaces<Workspace>,
+    selection: Cached<SelectedBy, Selection>,
+    integrals: CachedIntegrals,
+    slabs: slabs::Buffers<Retained, Scratch>,
 }
+
+type CachedIntegrals = Cached<(TransferFunction, Compositing, ValueScale), Integrals>;
 
 /// What a selection of voxels depends on: the volume, the visible ranges, and the margin.
 type SelectedBy = (ByIdentity<Volume>, Vec<IsoRange>, [usize; 3]);
 
-/// The voxels that are splatted, and the tiles on which each falls.
-#[derive(Debug, Default)]
-struct Tossed {
-    voxels: Vec<DensityVoxel>,
-    by_tile: TileBuckets,
+/// What the stages of a frame share.
+struct Frame<'a> {
+    plan: &'a FramePlan<'a>,
+    level: Level,
+    splats: &'a DensitySplats,
+    raster: Raster,
 }
 
-/// Renders into empty tiles; returns how many voxels may have a part in what is seen.
+impl<'a> Frame<'a> {
+    fn new(plan: &'a FramePlan<'_>, level: Level, splats: &'a DensitySplats) -> Self {
+        Self { plan, level, splats, raster: Raster::new(plan, BORDER) }
+    }
+}
+
+/// Renders into empty tiles with borders; returns how many voxels may have a part in what is seen, and how
+/// many of them were never tossed, being occluded.
 pub(crate) fn render(
     plan: &FramePlan<'_>,
+    level: Level,
     splats: &DensitySplats,
     tiles: &mut Tiles,
     buffers: &mut Buffers,
     watch: &mut Stopwatch,
-) -> u64 {
-    let Buffers { finite, selected, tossed, workspaces } = buffers;
+) -> [u64; 2] {
+    let Buffers { finite, selection, integrals, slabs } = buffers;
+    let frame = Frame::new(plan, level, splats);
     let finite = *finite.made_of(ByIdentity::of(plan.volume), |_| finite_range(plan.volume));
-    let frame = DensityFrame::new(plan, splats, finite);
-    let ranges = ranges_with_room(plan, &frame.scale);
-    let margin = margin::margin(plan, &frame.raster, &frame.slabs.grid);
-    let selected_by = (ByIdentity::of(plan.volume), ranges, margin);
-    let selected = selected.made_of(selected_by, |(_, ranges, margin)| {
-        selection::select(plan.volume, ranges, *margin)
+    let margin = margin::margin(plan, &frame.raster, &splats.slabs.grid);
+    let selected_by = (ByIdentity::of(plan.volume), plan.relevant.clone(), margin);
+    let selection = selection.made_of(selected_by, |(_, ranges, margin)| {
+        Selection::new(plan.volume, finite, ranges, *margin)
     });
     watch.done("list");
-    draw(&frame, selected, tiles, tossed, workspaces, watch);
-    selected.len() as u64
+    let n_occluded = draw(&frame, finite, selection, tiles, (slabs, integrals), watch);
+    [selection.n_voxels as u64, n_occluded]
 }
 
-/// Draws the selected voxels, given by their places in memory.
+/// Draws the selected voxels of a volume whose finite values are of that range, if there are any.
 fn draw(
-    frame: &DensityFrame<'_>,
-    selected: &[u32],
+    Frame { plan, level, splats, raster }: &Frame<'_>,
+    finite: Option<[f64; 2]>,
+    selection: &Selection,
     tiles: &mut Tiles,
-    Tossed { voxels, by_tile }: &mut Tossed,
-    workspaces: &mut Workspaces<Workspace>,
+    (slabs, integrals): (&mut slabs::Buffers<Retained, Scratch>, &mut CachedIntegrals),
     watch: &mut Stopwatch,
-) {
-    voxel::project(frame.plan, &frame.scale, selected, voxels);
-    watch.done("project");
-    by_tile.toss(&tiles.grid, voxels.len(), |voxel| frame.tiles_of(&voxels[voxel], &tiles.grid));
-    watch.done("toss");
-    tiles.for_each(workspaces, |tile_idx, tile, workspace| {
-        let runs = by_tile.on_tile(tile_idx).map(|voxel| std::slice::from_ref(&voxels[voxel]));
-        let first_slab = |voxel: &DensityVoxel| frame.slabs_of(voxel)[0];
-        let first_slabs = runs.clone().flatten().map(first_slab);
-        let ends = first_slabs.clone().min().zip(first_slabs.max());
-        let first_slabs = ends.map_or(0..0, |(first, last)| first..last + 1);
-        workspace.voxels.sort(1, first_slabs, runs, |voxel| (0, first_slab(voxel)));
-        frame.render_tile(tile, workspace);
+) -> u64 {
+    let scale = ValueScale::new(finite, plan.transfer);
+    let key = (plan.transfer.clone(), plan.compositing, scale);
+    let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
+        Integrals::new(transfer, *compositing, scale)
     });
-    watch.done("splat");
+    let values = ScaledValues {
+        extent: finite.map_or(0.0, |range| scale.extent(range)),
+        ends: scale.ends(),
+    };
+    let are_exact = splats.separable.is_none();
+    let classifier = Classifier::new(plan, &splats.slabs, integrals, values, are_exact);
+    let voxels = &Selected::new(selection, plan.volume, scale);
+    let bricks = &BrickView::new(plan.volume.grid(), &plan.view);
+    let stage = Stage { plan, level: *level, raster, bricks, voxels };
+    let sections = SectionsInSlabs::of_densities(splats);
+    slabs::render(&stage, &sections, &classifier, tiles, slabs, watch)
 }
 
 impl Buffers {
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.selected.value().map_or(0, |voxels| size_of_val(&voxels[..]))
-            + self.tossed.voxels.capacity() * size_of::<DensityVoxel>()
-            + self.tossed.by_tile.resident_bytes()
-            + self.workspaces.sum_of(Workspace::resident_bytes)
+        self.selection.value().map_or(0, Selection::resident_bytes)
+            + self.integrals.value().map_or(0, Integrals::resident_bytes)
+            + self.slabs.resident_bytes::<Classifier<'_>>()
     }
 }

@@ -1,4 +1,4 @@
-//! The rays of pixels: how they lean against the viewing direction.
+//! The rays of pixels: how they slant against the viewing direction.
 
 use slabsplat_core::View;
 
@@ -26,7 +26,7 @@ impl Rays {
 
     /// World units to the right and upwards that a pixel's ray moves over one world unit of depth.
     #[inline]
-    pub(super) fn lean(&self, [x, y]: [usize; 2]) -> [f64; 2] {
+    pub(super) fn slant(&self, [x, y]: [usize; 2]) -> [f64; 2] {
         [
             (x as f64 + 0.5 - self.center[0]) * self.right_per_depth,
             (self.center[1] - y as f64 - 0.5) * self.right_per_depth,

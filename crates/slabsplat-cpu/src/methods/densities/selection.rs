@@ -1,13 +1,151 @@
 //! Which voxels are splatted: all that can have a part in a pixel that shows.
 //!
-//! A density is a mean of values, so it lies between the least and the largest of those that have a part in
-//! it. Values are coded by where they lie among the visible ranges: `2·n` in the gap below range `n`, `2·n +
-//! 1` inside of it. If all voxels that share a place with a voxel, or a place that a gradient there is taken
-//! from, have one and the same gap for their code, then nothing shows in any of these places, with or without
-//! that voxel, and it is left out. The picture is the same to the last bit.
+//! A sheet's density is a mean of values, so it lies between the least and the largest of those that have a
+//! part in it, and one between sheets not further outside than a twelfth of their distance (model §8). Values
+//! are coded by eight bits, rounded to the side on which more shows. If what may come of the voxels that
+//! share a place with a voxel, or a place that a density or a gradient there is taken from, lies in no
+//! visible range, then nothing shows in any of these places, with or without that voxel, and it is left out.
+//! The picture is the same to the last bit.
 
 use rayon::prelude::*;
 use slabsplat_core::{IsoRange, Volume};
+use slabsplat_traverse::{BRICK_SIDE, Brick, BrickGrid};
+
+/// The voxels that are splatted, by brick.
+#[derive(Debug)]
+pub(super) struct Selection {
+    /// Those that hold any, in memory order.
+    pub(super) bricks: Vec<Brick>,
+    /// Which voxels, a bit each; of all the bricks.
+    masks: Vec<Mask>,
+    pub(super) n_voxels: usize,
+}
+
+/// A brick's voxels: a bit each, by place.
+type Mask = [u64; BRICK_SIDE];
+
+/// How far outside of densities those between them may lie, as a part of their distance.
+const OVERSHOOT: f64 = 1.0 / 12.0;
+
+impl Selection {
+    /// The voxels of `volume` that have a visible density between the values within `margin` steps along every
+    /// axis. `finite` is the range of finite values, `ranges` are the visible ones. NaN voxels are never among
+    /// them.
+    pub(super) fn new(
+        volume: &Volume,
+        finite: Option<[f64; 2]>,
+        ranges: &[IsoRange],
+        margin: [usize; 3],
+    ) -> Self {
+        let coder = Coder::new(finite);
+        let mut codes = Codes::new(volume, &coder);
+        for (axis, margin) in margin.into_iter().enumerate() {
+            codes.widen(axis, margin);
+        }
+        let may_show = coder.visible_pairs(ranges);
+        let grid = BrickGrid::new(volume.grid());
+        let mask = |brick_idx: u32| {
+            let mask = codes.mask(&grid, brick_idx, |idx, least, largest| {
+                may_show[usize::from(least)][usize::from(largest)] && !volume.value(idx).is_nan()
+            });
+            mask.iter().any(|bits| *bits != 0).then_some((brick_idx, mask))
+        };
+        let n_bricks = grid.n_bricks() as u32;
+        let selected: Vec<(u32, Mask)> = (0..n_bricks).into_par_iter().filter_map(mask).collect();
+        let brick = |(first, &(brick_idx, mask)): (usize, &(u32, Mask))| {
+            let n_voxels = mask.iter().map(|bits| bits.count_ones() as u16).sum();
+            Brick { brick_idx, first: first as u32, n_voxels }
+        };
+        let bricks: Vec<Brick> = selected.iter().enumerate().map(brick).collect();
+        Self {
+            n_voxels: bricks.iter().map(|brick| usize::from(brick.n_voxels)).sum(),
+            bricks,
+            masks: selected.into_iter().map(|(_, mask)| mask).collect(),
+        }
+    }
+
+    /// The places of a brick's voxels, rising.
+    pub(super) fn places_of(&self, brick: &Brick) -> impl Iterator<Item = u16> + '_ {
+        let words = self.masks[brick.first as usize].iter().enumerate();
+        words.flat_map(|(word, &bits)| {
+            let first = (word * u64::BITS as usize) as u16;
+            set_bits(bits).map(move |bit| first + bit)
+        })
+    }
+
+    pub(super) fn resident_bytes(&self) -> usize {
+        self.bricks.capacity() * size_of::<Brick>() + self.masks.capacity() * size_of::<Mask>()
+    }
+}
+
+fn set_bits(mut bits: u64) -> impl Iterator<Item = u16> {
+    std::iter::from_fn(move || {
+        let bit = bits.trailing_zeros() as u16;
+        bits &= bits.checked_sub(1)?;
+        Some(bit)
+    })
+}
+
+/// Takes values to codes: finite ones to `FIRST..=LAST`, infinities to what lies beside.
+#[derive(Clone, Copy, Debug)]
+struct Coder {
+    /// Half of the least value, and of the extent of all, so that no difference is infinite.
+    half_least: f64,
+    half_extent: f64,
+}
+
+const FIRST: u8 = 1;
+const LAST: u8 = 253;
+
+/// What a NaN voxel counts as: nothing.
+const NOTHING: (u8, u8) = (u8::MAX, 0);
+
+impl Coder {
+    fn new(finite: Option<[f64; 2]>) -> Self {
+        let [lo, hi] = finite.unwrap_or([0.0; 2]);
+        Self { half_least: 0.5 * lo, half_extent: 0.5 * hi - 0.5 * lo }
+    }
+
+    fn code(&self, value: f64) -> u8 {
+        if value.is_infinite() {
+            return if value < 0.0 { FIRST - 1 } else { LAST + 1 };
+        }
+        let place = (0.5 * value - self.half_least) / self.half_extent;
+        // NaN, where there is one value only, gives the first.
+        FIRST + (place * f64::from(LAST - FIRST)).clamp(0.0, f64::from(LAST - FIRST)) as u8
+    }
+
+    /// What a code's values are at least, and the next one's; half of them. A code's width is added on either
+    /// side for rounding.
+    fn half_ends(&self, code: u8) -> [f64; 2] {
+        let step = self.half_extent / f64::from(LAST - FIRST);
+        let end = |steps: f64| self.half_least + steps * step;
+        match code {
+            ..FIRST => [f64::NEG_INFINITY, end(1.0)],
+            FIRST..=LAST => {
+                let steps = f64::from(code - FIRST);
+                [end(steps - 1.0), end(steps + 2.0)]
+            }
+            _ => [end(f64::from(LAST - FIRST) - 1.0), f64::INFINITY],
+        }
+    }
+
+    /// Whether anything shows between values of a least and a largest code, and as far outside as densities may
+    /// lie.
+    fn visible_pairs(&self, ranges: &[IsoRange]) -> Vec<[bool; 256]> {
+        let is_visible = |least: usize, largest: usize| {
+            let lo = self.half_ends(least as u8)[0];
+            let hi = self.half_ends(largest as u8)[1];
+            let over = OVERSHOOT * (hi - lo);
+            let (lo, hi) = (lo - over, hi + over);
+            ranges.iter().any(|range| 0.5 * range.lo <= hi && lo <= 0.5 * range.hi)
+        };
+        let row = |least: usize| {
+            std::array::from_fn(|largest| least <= largest && is_visible(least, largest))
+        };
+        (0..256).map(row).collect()
+    }
+}
 
 /// Codes of voxels, or of neighbourhoods of them: the least and the largest.
 struct Codes {
@@ -16,57 +154,39 @@ struct Codes {
     largest: Vec<u8>,
 }
 
-/// The voxels of `volume` that have a visible density between the values within `margin` steps along every
-/// axis, in memory order. `ranges` are the visible ones. NaN voxels are never among them.
-pub(super) fn select(volume: &Volume, ranges: &[IsoRange], margin: [usize; 3]) -> Vec<u32> {
-    let mut codes = Codes::new(volume, ranges);
-    for (axis, margin) in margin.into_iter().enumerate() {
-        codes.widen(axis, margin);
-    }
-    let may_show = |voxel_idx: usize| {
-        let (least, largest) = (codes.least[voxel_idx], codes.largest[voxel_idx]);
-        least < largest || (least == largest && is_inside(least))
-    };
-    let chunk = |chunk_idx: usize| {
-        let first = chunk_idx * CHUNK;
-        let end = (first + CHUNK).min(codes.least.len());
-        (first..end)
-            .filter(|&idx| may_show(idx) && !volume.value(idx).is_nan())
-            .map(|idx| idx as u32)
-            .collect::<Vec<_>>()
-    };
-    let n_chunks = codes.least.len().div_ceil(CHUNK);
-    (0..n_chunks).into_par_iter().flat_map_iter(chunk).collect()
-}
-
 /// Voxels that a thread takes on at a time.
 const CHUNK: usize = 1 << 16;
 
-/// What a NaN voxel counts as: nothing.
-const NOTHING: (u8, u8) = (u8::MAX, 0);
-
-fn is_inside(code: u8) -> bool {
-    code % 2 == 1
-}
-
-/// Where `value` lies among `ranges`. More than 127 ranges are one from the last on, which only keeps more
-/// voxels.
-fn code(value: f64, ranges: &[IsoRange]) -> (u8, u8) {
-    if value.is_nan() {
-        return NOTHING;
-    }
-    let n_below = ranges.partition_point(|range| range.hi < value);
-    let is_inside = ranges.get(n_below).is_some_and(|range| range.lo <= value);
-    let code = (2 * n_below + usize::from(is_inside)).min(u8::MAX.into()) as u8;
-    (code, code)
-}
-
 impl Codes {
-    fn new(volume: &Volume, ranges: &[IsoRange]) -> Self {
+    fn new(volume: &Volume, coder: &Coder) -> Self {
         let n_voxels = volume.grid().n_voxels();
         let codes = (0..n_voxels).into_par_iter().with_min_len(CHUNK);
-        let (least, largest) = codes.map(|idx| code(volume.value(idx), ranges)).unzip();
+        let code = |value: f64| {
+            if value.is_nan() { NOTHING } else { (coder.code(value), coder.code(value)) }
+        };
+        let (least, largest) = codes.map(|idx| code(volume.value(idx))).unzip();
         Self { dims: volume.grid().dims(), least, largest }
+    }
+
+    /// The voxels of a brick of which `is_meant`, given their places in memory and their codes.
+    fn mask(
+        &self,
+        grid: &BrickGrid,
+        brick_idx: u32,
+        is_meant: impl Fn(usize, u8, u8) -> bool,
+    ) -> Mask {
+        let origin = grid.origin(brick_idx);
+        let [n_x, n_y, n_z] = grid.size_at(origin);
+        let mut mask = [0; BRICK_SIDE];
+        for (z, y) in (0..n_z).flat_map(|z| (0..n_y).map(move |y| (z, y))) {
+            let first = grid.voxel_idx([origin[0], origin[1] + y, origin[2] + z]);
+            for x in 0..n_x {
+                let idx = first + x;
+                let bit = u64::from(is_meant(idx, self.least[idx], self.largest[idx]));
+                mask[z] |= bit << (y * BRICK_SIDE + x);
+            }
+        }
+        mask
     }
 
     /// Makes every code that of all voxels within `margin` steps along `axis`.
@@ -116,18 +236,21 @@ mod tests {
     use super::*;
     use slabsplat_core::{Grid, Scaling};
     use slabsplat_seeds::for_each_seed;
+    use slabsplat_traverse::VoxelRecord;
 
-    /// Against the definition, one voxel after the other.
+    /// Against the definition, one voxel after the other: all that may show, and nothing that is farther from
+    /// it than codes are wide.
     #[test]
     fn selection_is_a_search_of_every_box() {
         for_each_seed(1, |mut rng| {
             for _ in 0..40 {
-                let dims = [0; 3].map(|_| rng.usize(1..9));
+                let dims = [0; 3].map(|_| rng.usize(1..19));
                 let grid = Grid::with_spacing(dims, [1.0; 3]).unwrap();
                 let common = rng.u8(..4);
                 let value = |rng: &mut fastrand::Rng| match rng.u8(..60) {
                     0 => f32::NAN,
-                    1..6 => f32::from(rng.u8(..9)),
+                    1 => [f32::INFINITY, f32::NEG_INFINITY][rng.usize(..2)],
+                    2..6 => f32::from(rng.u8(..9)),
                     _ => f32::from(common),
                 };
                 let samples: Vec<f32> = (0..grid.n_voxels()).map(|_| value(&mut rng)).collect();
@@ -136,16 +259,34 @@ mod tests {
                     [IsoRange { lo: 0.5, hi: 1.5 }, IsoRange { lo: 5.0, hi: f64::INFINITY }];
                 let margin = [0; 3].map(|_| rng.usize(..6));
                 let margin = [0, 1, 2].map(|axis| margin[axis].min(dims[axis]));
-                let expected: Vec<u32> = (0..grid.n_voxels())
-                    .filter(|&idx| may_show(&volume, &ranges, margin, idx))
-                    .map(|idx| idx as u32)
-                    .collect();
-                assert_eq!(select(&volume, &ranges, margin), expected, "{dims:?} {margin:?}");
+                let finite = Some([0.0, 8.0]);
+                let selection = Selection::new(&volume, finite, &ranges, margin);
+                let bricks = BrickGrid::new(&grid);
+                let mut selected = vec![false; grid.n_voxels()];
+                for brick in &selection.bricks {
+                    assert_eq!(selection.places_of(brick).count(), brick.n_voxels.into());
+                    for place in selection.places_of(brick) {
+                        let record = VoxelRecord { place, normal: [0; 3] };
+                        selected[bricks.voxel_idx(bricks.voxel_coords(brick, record))] = true;
+                    }
+                }
+                assert_eq!(selected.iter().filter(|is| **is).count(), selection.n_voxels);
+                for (idx, is_selected) in selected.into_iter().enumerate() {
+                    let may_show = |room| may_show(&volume, &ranges, margin, room, idx);
+                    assert!(is_selected || !may_show(0.0), "{idx} {dims:?} {margin:?}");
+                    assert!(!is_selected || may_show(0.2), "{idx} {dims:?} {margin:?}");
+                }
             }
         });
     }
 
-    fn may_show(volume: &Volume, ranges: &[IsoRange], margin: [usize; 3], idx: usize) -> bool {
+    fn may_show(
+        volume: &Volume,
+        ranges: &[IsoRange],
+        margin: [usize; 3],
+        room: f64,
+        idx: usize,
+    ) -> bool {
         let grid = volume.grid();
         let at = grid.voxel_coords(idx);
         let is_near = |other: &usize| {
@@ -159,6 +300,8 @@ mod tests {
             .collect();
         let lo = values.iter().copied().fold(f64::INFINITY, f64::min);
         let hi = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        !volume.value(idx).is_nan() && ranges.iter().any(|r| r.lo <= hi && lo <= r.hi)
+        let over = if lo < hi { OVERSHOOT * (hi - lo) } else { 0.0 } + room;
+        let shows = |range: &IsoRange| range.lo <= hi + over && lo - over <= range.hi;
+        !volume.value(idx).is_nan() && ranges.iter().any(shows)
     }
 }

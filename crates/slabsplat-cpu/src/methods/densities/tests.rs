@@ -19,17 +19,23 @@ fn selection_changes_no_bit() {
             let scene = scene(&mut rng, volume.grid());
             let plan = Planner::default().plan(&volume, &scene).unwrap();
             let Splats::Densities(splats) = &plan.splats else { panic!("{:?}", plan.splats) };
-            let mut tiles = Tiles::new(plan.view.image_size());
+            let mut tiles = Tiles::new(plan.view.image_size(), BORDER);
             let (mut buffers, mut watch) = (Buffers::default(), Stopwatch::start());
-            let n_selected = render(&plan, splats, &mut tiles, &mut buffers, &mut watch);
+            let level = Level::new();
+            let [n_selected, _] =
+                render(&plan, level, splats, &mut tiles, &mut buffers, &mut watch);
             let selected = tiles.image([0.0; 4]);
-            let Buffers { finite, tossed, workspaces, .. } = &mut buffers;
-            let frame = DensityFrame::new(&plan, splats, *finite.value().unwrap());
-            let all: Vec<u32> = (0..volume.grid().n_voxels() as u32).collect();
+            // Of a range that all values lie in, nothing is left out.
+            let finite = finite_range(&volume);
+            let everything = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+            let all = Selection::new(&volume, finite, &[everything], [0; 3]);
+            assert_eq!(all.n_voxels, volume.grid().n_voxels());
             tiles.clear();
-            draw(&frame, &all, &mut tiles, tossed, workspaces, &mut watch);
+            let frame = Frame::new(&plan, level, splats);
+            let Buffers { slabs, integrals, .. } = &mut buffers;
+            draw(&frame, finite, &all, &mut tiles, (slabs, integrals), &mut watch);
             assert!(tiles.image([0.0; 4]) == selected, "{scene:?}");
-            n_left_out += all.len() as u64 - n_selected;
+            n_left_out += all.n_voxels as u64 - n_selected;
             n_seen += u32::from(selected.pixels().iter().any(|pixel| 0.0 < pixel[3]));
         }
         println!("{n_left_out} voxels left out, {n_seen} pictures not empty");

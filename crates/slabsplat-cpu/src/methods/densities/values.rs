@@ -33,6 +33,11 @@ impl ValueScale {
         self.unclamped(value.clamp(self.ends[0], self.ends[1])) as f32
     }
 
+    /// The least and the largest of what is summed.
+    pub(super) fn ends(&self) -> [f32; 2] {
+        self.ends.map(|end| self.scaled(end))
+    }
+
     /// Where `value` lies on the scale, be it far outside.
     #[inline]
     pub(super) fn unclamped(&self, value: f64) -> f64 {

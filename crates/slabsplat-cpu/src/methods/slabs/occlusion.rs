@@ -9,9 +9,8 @@
 //! blocks of a rectangle are open takes four of them, whatever its size.
 
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
-use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::tile::Tile;
-use slabsplat_traverse::PixelRect;
+use slabsplat_traverse::{PixelRect, TileGrid, TileRect};
 
 /// The blocks of an image that are not saturated. Made to be used again.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +19,8 @@ pub(super) struct Occlusion {
     /// blocks.
     n_open: Vec<u32>,
     n_columns: usize,
+    /// Pixels from a tile to the next.
+    step: u32,
 }
 
 /// What is to be seen of a part of the image.
@@ -35,10 +36,9 @@ pub(super) enum Visibility {
 
 impl Occlusion {
     /// Makes it that of an image, of whose `tiles`, row by row, none is as yet splatted on.
-    pub(super) fn start(&mut self, image_size: [u32; 2], tiles: &[Tile]) {
-        let n_across = |side: u32| (side as usize).div_ceil(TILE_SIDE) * BLOCKS_ACROSS;
-        let [n_columns, n_rows] = image_size.map(|side| n_across(side) + 1);
-        self.n_columns = n_columns;
+    pub(super) fn start(&mut self, grid: &TileGrid, tiles: &[Tile]) {
+        let [n_columns, n_rows] = [grid.n_x, grid.n_y].map(|n| n * BLOCKS_ACROSS + 1);
+        (self.n_columns, self.step) = (n_columns, grid.step());
         self.n_open.clear();
         self.n_open.resize(n_columns * n_rows, 0);
         self.note(tiles);
@@ -54,7 +54,7 @@ impl Occlusion {
                 let (above, here) = self.n_open[row * n_columns..].split_at_mut(n_columns);
                 let columns = here[1..n_columns].iter_mut().zip(&above[1..]);
                 let are_open = tiles.iter().flat_map(|tile| {
-                    let open = tile.open.row(block_row);
+                    let open = tile.needed.row(block_row);
                     (0..BLOCKS_ACROSS).map(move |column| open >> column & 1)
                 });
                 let mut in_row = 0;
@@ -70,11 +70,15 @@ impl Occlusion {
         self.n_open.capacity() * size_of::<u32>()
     }
 
-    /// How much is to be seen of a rectangle of pixels.
+    /// How much is to be seen of a rectangle of pixels, and the tiles that it lies on.
     #[inline(always)]
-    pub(super) fn visibility(&self, pixels: &PixelRect) -> Visibility {
-        let first = pixels.min.map(|pixel| pixel as usize / BLOCK_SIDE);
-        let end = pixels.end.map(|pixel| (pixel as usize).div_ceil(BLOCK_SIDE));
+    pub(super) fn visibility(&self, pixels: &PixelRect, tiles: &TileRect) -> Visibility {
+        let block = |tile: u16, pixel: u32| {
+            let in_tile = pixel - u32::from(tile) * self.step;
+            usize::from(tile) * BLOCKS_ACROSS + in_tile as usize / BLOCK_SIDE
+        };
+        let first = [0, 1].map(|axis| block(tiles.min[axis], pixels.min[axis]));
+        let end = [0, 1].map(|axis| block(tiles.max[axis], pixels.end[axis] - 1) + 1);
         let above = &self.n_open[first[1] * self.n_columns..];
         let within = &self.n_open[end[1] * self.n_columns..];
         let n_open = within[end[0]] - within[first[0]] - (above[end[0]] - above[first[0]]);
@@ -90,20 +94,18 @@ impl Occlusion {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pixels::tiles::Tiles;
 
     #[test]
     fn occlusion_is_block_by_block() {
-        let size = [2100, 70];
-        let origins = (0..70)
-            .step_by(TILE_SIDE)
-            .flat_map(|y| (0..2100).step_by(TILE_SIDE).map(move |x| [x, y]));
-        let mut tiles: Vec<Tile> = origins.map(|origin| Tile::new(origin, size)).collect();
+        let [other, Tiles { grid, mut tiles, .. }] =
+            [[64; 2], [2100, 70]].map(|size| Tiles::new(size, 0));
         let mut occlusion = Occlusion::default();
-        occlusion
-            .start([64; 2], &[[0, 0], [32, 0], [0, 32], [32, 32]].map(|o| Tile::new(o, [64; 2])));
-        occlusion.start(size, &tiles);
+        occlusion.start(&other.grid, &other.tiles);
+        occlusion.start(&grid, &tiles);
         let visibility = |occlusion: &Occlusion, min: [u32; 2], end: [u32; 2]| {
-            occlusion.visibility(&PixelRect { min, end })
+            let pixels = PixelRect { min, end };
+            occlusion.visibility(&pixels, &grid.tiles_of(&pixels))
         };
         assert_eq!(visibility(&occlusion, [0; 2], [2100, 70]), Visibility::Full);
         assert_eq!(
@@ -116,7 +118,7 @@ mod tests {
             let [column, row] = tile.origin.map(|pixel| pixel / BLOCK_SIDE);
             for block in tile.open.iter().collect::<Vec<_>>() {
                 if [column + block[0], row + block[1]] != [141, 6] {
-                    tile.open.remove(block);
+                    tile.close(block);
                 }
             }
         }

@@ -1,16 +1,20 @@
 //! All that is decided of a frame before its first voxel is looked at.
 
+use super::Stage;
 use super::classes::Classes;
 use super::slab_shapes::SlabShapes;
 use super::slab_view::SlabView;
 use super::span_finder::SpanFinder;
 use crate::footprints::polynomials::SectionPolynomials;
-use crate::methods::Stage;
 use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
 use crate::separable::slab::SeparableSlab;
-use slabsplat_backend::SectionSplats;
-use slabsplat_kernel::{SeparableSections, SeparableShapes};
+use slabsplat_backend::{DensitySplats, SectionSplats, Slabs, SmoothSections};
+use slabsplat_kernel::{
+    CubicSectionTable, ErrorBudget, SectionTable, SeparableSections, SeparableShapes, SplitLevels,
+    TiltedSections,
+};
+use std::sync::Arc;
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
@@ -34,27 +38,65 @@ pub(super) struct Setup<'a> {
     separable: Option<(&'a SeparableSections, SeparableShapes)>,
 }
 
+/// What a frame's sections are made of.
+pub(in crate::methods) struct SectionsInSlabs<'a> {
+    slabs: &'a Slabs,
+    table: &'a Arc<SectionTable>,
+    tilted: Option<&'a TiltedSections>,
+    /// Read for what there are no tilted sections for, instead of the table.
+    cubic: Option<&'a CubicSectionTable>,
+    /// All that lies before or behind a face, and what may be off for that it is drawn otherwise.
+    whole: Option<(&'a Arc<SectionTable>, ErrorBudget)>,
+    /// Which faces may be skipped.
+    levels: Option<&'a SplitLevels>,
+}
+
+impl<'a> SectionsInSlabs<'a> {
+    /// Of voxels that are shaded.
+    pub(in crate::methods) fn of_colors(splats: &'a SectionSplats) -> Self {
+        let SectionSplats { slabs, table, tilted, merged } = splats;
+        Self {
+            slabs,
+            table,
+            tilted: tilted.as_deref(),
+            cubic: None,
+            whole: merged.as_ref().map(|merged| (&merged.table, merged.budget)),
+            levels: merged.as_ref().map(|merged| &merged.levels),
+        }
+    }
+
+    /// Of voxels that have values.
+    pub(in crate::methods) fn of_densities(splats: &'a DensitySplats) -> Self {
+        let DensitySplats { slabs, table, smooth, separable } = splats;
+        let (tilted, cubic) = match smooth {
+            SmoothSections::Product(sections) => (Some(&**sections), None),
+            SmoothSections::Table(table) => (None, Some(&**table)),
+        };
+        let whole = separable.as_ref().map(|separable| (&separable.whole, separable.budget));
+        Self { slabs, table, tilted, cubic, whole, levels: None }
+    }
+}
+
 impl<'a> Setup<'a> {
     pub(super) fn new(
         stage: &'a Stage<'_>,
-        SectionSplats { slabs, table, merged, tilted }: &'a SectionSplats,
+        sections: &SectionsInSlabs<'a>,
         prepared: &'a mut Prepared,
     ) -> Self {
-        let (raster, plan) = (&stage.raster, stage.plan);
-        let (merged, tilted) = (merged.as_ref(), tilted.as_deref());
-        let budget = merged.map(|merged| merged.budget);
-        let fitted_merged = merged.map(|merged| Fitted {
-            table: &merged.table,
-            polynomials: prepared.merged.of(&merged.table, budget),
-        });
+        let SectionsInSlabs { slabs, table, tilted, cubic, whole, levels } = *sections;
+        let (raster, plan) = (stage.raster, stage.plan);
+        let budget = whole.map(|(_, budget)| budget);
+        let fitted_whole = whole
+            .map(|(table, _)| Fitted { table, polynomials: prepared.merged.of(table, budget) });
         // Tilted sections need no polynomials of a table, which on a grid that turns are new every frame.
-        let fitted = fitted_merged
+        let fitted = fitted_whole
             .filter(|_| tilted.is_some())
             .unwrap_or_else(|| Fitted { table, polynomials: prepared.sections.of(table, budget) });
         let n_sections = slabs.n_before + 1;
-        let sections =
-            Sections::new(raster, plan.compositing, fitted, fitted_merged, tilted, n_sections);
-        let separable = merged.and_then(|merged| prepared.separable.of([table, &merged.table]));
+        let smooth = (tilted, cubic);
+        let fitted = (fitted, fitted_whole);
+        let sections = Sections::new(raster, plan.compositing, fitted, smooth, n_sections);
+        let separable = whole.and_then(|(whole, _)| prepared.separable.of([table, whole]));
         let thickness = slabs.grid.thickness();
         let separable = separable.map(|sections| {
             (sections, SeparableShapes::new(sections, table, &raster.shape, thickness))
@@ -63,14 +105,14 @@ impl<'a> Setup<'a> {
         prepared.shapes.update(raster, &plan.view, &slabs.grid, with_shapes);
         let slabs = SlabView::new(slabs, raster, &prepared.shapes, plan.volume.grid().unit());
         Self {
-            spans: SpanFinder::new(&slabs, merged.map(|merged| &merged.levels)),
+            spans: SpanFinder::new(&slabs, levels),
             classes: Classes {
                 most_of_separable: with_shapes
                     .zip(budget)
                     .map_or(f32::NEG_INFINITY, |((sections, shapes), budget)| {
                         most_extinction(sections, shapes, budget)
                     }),
-                is_merged: merged.is_some(),
+                is_merged: levels.is_some(),
                 kind: sections.kind,
                 n_before: slabs.n_before,
             },

@@ -5,7 +5,7 @@
 //!     for each brick that is not behind saturated blocks:
 //!         project its voxels (project.rs of slabsplat-traverse)
 //!         for each that is not behind saturated blocks: enter it for the tiles that it may touch
-//!         shade those; find their slabs, eight at a time; make voxels of them
+//!         colour those; find their slabs, eight at a time; make voxels of them
 //!     toss the voxels onto tiles: a counting sort of the entries
 //! ```
 //!
@@ -14,9 +14,9 @@
 //! 2. All buffers are as large as one range needs, and are used again.
 //! 3. What 32 bricks toss stays with their task; a tile reads the chain of tasks, so that nothing is merged.
 
+use super::Stage;
 use super::occlusion::{Occlusion, Visibility};
 use super::setup::Setup;
-use crate::methods::Stage;
 use crate::sections::span::{Span, SpannedVoxel};
 use crate::voxels::by_sheet::N_AT_ONCE;
 use crate::voxels::voxel::Voxel;
@@ -53,7 +53,8 @@ pub(super) struct Scratch {
     entries: Vec<TileEntry>,
     /// The least and the largest.
     spans: [Span; 2],
-    /// Of one brick: all its points.
+    /// Of one brick: its voxels, where they are not listed; all its points.
+    listed: Vec<VoxelRecord>,
     points: Vec<[f32; 3]>,
     /// Those that are not culled, one after the other in `points`, and what they are made of.
     records: Vec<VoxelRecord>,
@@ -84,7 +85,7 @@ impl Intake {
             let mut n_occluded = 0;
             dispatch!(stage.level, simd => {
                 for &(_, place) in bricks {
-                    let brick = &stage.list.bricks()[place as usize];
+                    let brick = &stage.voxels.bricks()[place as usize];
                     n_occluded += scratch.take_brick(simd, stage, setup, tiles, occlusion, brick);
                 }
             });
@@ -131,20 +132,25 @@ impl Scratch {
         occlusion: &Occlusion,
         brick: &Brick,
     ) -> u64 {
-        let records = stage.list.voxels_of(brick);
         let bounds = setup.slabs.bounds_of_brick(&stage.bricks.bounds(brick));
         let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
-        let visibility = pixels.map_or(Visibility::None, |pixels| occlusion.visibility(&pixels));
+        let visibility = pixels.map_or(Visibility::None, |pixels| {
+            occlusion.visibility(&pixels, &tiles.tiles_of(&pixels))
+        });
         if visibility == Visibility::None {
-            return records.len() as u64;
+            return brick.n_voxels.into();
         }
+        let mut listed = std::mem::take(&mut self.listed);
+        let records = stage.voxels.records_of(brick, &mut listed);
         self.points.resize(records.len(), [0.0; 3]);
         stage.bricks.project_brick(brick, records, &mut self.points);
         self.cull(setup, tiles, (visibility == Visibility::Partial).then_some(occlusion), records);
         self.colors.resize(self.records.len(), [0.0; 4]);
-        stage.lighting.shade_brick(brick, &self.records, &mut self.colors);
+        stage.voxels.color(brick, &self.records, &mut self.colors);
         self.make_voxels(simd, setup);
-        (records.len() - self.records.len()) as u64
+        let n_culled = (records.len() - self.records.len()) as u64;
+        self.listed = listed;
+        n_culled
     }
 
     /// Keeps the records and points of voxels that may be seen, and enters them for their tiles. None is
@@ -165,10 +171,11 @@ impl Scratch {
             let point = point.get();
             let Some([min, max]) = setup.slabs.bounds_of_voxel(point) else { continue };
             let Some(pixels) = tiles.pixels_within(min, max) else { continue };
-            if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
+            let on_tiles = tiles.tiles_of(&pixels);
+            if occlusion.is_some_and(|map| map.visibility(&pixels, &on_tiles) == Visibility::None) {
                 continue;
             }
-            tiles.push(tiles.tiles_of(&pixels), (first + kept.len()) as u32, entries);
+            tiles.push(on_tiles, (first + kept.len()) as u32, entries);
             points[kept.len()].set(point);
             kept.push(*record);
         }

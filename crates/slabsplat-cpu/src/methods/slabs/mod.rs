@@ -1,15 +1,14 @@
-//! The paper's method (§3.2): kernel sections summed in slabs parallel to the image, slab by slab from
-//! the eye.
+//! Through the slabs of a frame, from the eye: what `image-aligned` and `post-classified` share.
 //!
 //! ```text
 //! for each range of slabs, from the eye:
 //!     take in the bricks whose first section lies in it, but for what is occluded (intake.rs):
-//!         project, shade, toss their voxels onto tiles
+//!         project, colour, toss their voxels onto tiles
 //!     for each tile, in parallel (advance.rs):
 //!         toss its voxels by slab
 //!         for each slab of the range:
 //!             splat its sections onto the sheet (sections/splat.rs, separable/sections.rs)
-//!             composite the sheet
+//!             hand the sheet to the method
 //!     note which blocks of pixels are saturated (occlusion.rs)
 //! ```
 //!
@@ -19,6 +18,9 @@
 //! A voxel waits with its tile in the bucket of the first slab that its kernel meets. A slab takes its
 //! sections from that bucket and from those of the few slabs before it, as many as a kernel is thick; so the
 //! work is linear in sections, and a voxel is stored once a tile instead of once a section.
+//!
+//! What a voxel's *colour* is, four numbers that a sheet sums, and what becomes of a sheet, a method says:
+//! [`Voxels`] and [`Sheets`].
 //!
 //! Reading order: `slab_shapes`, `slab_view`, `span_finder`, `classes`, `setup`, `occlusion`, `intake`,
 //! `advance`.
@@ -32,47 +34,103 @@ mod slab_shapes;
 mod slab_view;
 mod span_finder;
 
-use super::Stage;
+use crate::footprints::raster::Raster;
+use crate::pixels::sheet::Sheet;
+use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use crate::workspaces::Workspaces;
-use advance::{Waiting, Workspace};
+use advance::{OfTile, Workspace};
+use fearless_simd::{Level, Simd};
 use intake::{Intake, Scratch};
 use occlusion::Occlusion;
 use rayon::prelude::*;
+pub(super) use setup::SectionsInSlabs;
 use setup::{Prepared, Setup};
-use slabsplat_backend::SectionSplats;
-use slabsplat_traverse::Brick;
+use slabsplat_backend::FramePlan;
+use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
+
+/// What the stages of a frame that goes through slabs share.
+pub(super) struct Stage<'a> {
+    pub(super) plan: &'a FramePlan<'a>,
+    /// The instructions to be used.
+    pub(super) level: Level,
+    pub(super) raster: &'a Raster,
+    pub(super) bricks: &'a BrickView,
+    pub(super) voxels: &'a dyn Voxels,
+}
+
+/// The voxels that are splatted, and what a sheet sums of each.
+pub(super) trait Voxels: Sync {
+    /// The bricks that hold any, in memory order.
+    fn bricks(&self) -> &[Brick];
+
+    /// The voxels of one of the bricks, in memory order; `room` may hold them.
+    fn records_of<'a>(&'a self, brick: &Brick, room: &'a mut Vec<VoxelRecord>)
+    -> &'a [VoxelRecord];
+
+    /// Writes what a sheet sums of some of them, at weight 1.
+    fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]);
+}
+
+/// What becomes of the sheets of a tile.
+pub(super) trait Sheets: Sync {
+    /// What a tile retains from slab to slab.
+    type Retained: Default + Send;
+    /// What a thread needs beside.
+    type Scratch: Default + Send;
+
+    /// For how many slabs behind one its sheet is needed.
+    const N_BEHIND: usize;
+
+    /// Takes what a slab's sections sum to, and leaves the sheet empty.
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        slab: usize,
+        sheet: &mut Sheet,
+        tile: &mut Tile,
+        retained: &mut Self::Retained,
+        scratch: &mut Self::Scratch,
+    );
+
+    /// Frees what a tile retains, if it needs it no more.
+    fn release(&self, retained: &mut Self::Retained, scratch: &mut Self::Scratch);
+
+    /// Bytes that a thread's scratch holds.
+    fn scratch_bytes(scratch: &Self::Scratch) -> usize;
+}
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
-pub(crate) struct Buffers {
+pub(super) struct Buffers<R, S> {
     prepared: Prepared,
     /// The range in which each brick is taken in, and its place in the list; sorted.
     bricks: Vec<(u32, u32)>,
     intake: Intake,
     scratches: Workspaces<Scratch>,
     occlusion: Occlusion,
-    /// Of each tile, the voxels whose last sections are yet to come.
-    waiting: Vec<Waiting>,
-    workspaces: Workspaces<Workspace>,
+    /// Of each tile, the voxels whose last sections are yet to come, and what the method retains.
+    of_tiles: Vec<OfTile<R>>,
+    workspaces: Workspaces<Workspace<S>>,
 }
 
 /// Renders into empty tiles; returns how many voxels were never tossed, being occluded.
-pub(crate) fn render(
+pub(super) fn render<H: Sheets>(
     stage: &Stage<'_>,
-    splats: &SectionSplats,
+    sections: &SectionsInSlabs<'_>,
+    sheets: &H,
     tiles: &mut Tiles,
-    buffers: &mut Buffers,
+    buffers: &mut Buffers<H::Retained, H::Scratch>,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let Buffers { prepared, bricks, intake, scratches, occlusion, waiting, workspaces } = buffers;
-    let setup = &Setup::new(stage, splats, prepared);
+    let Buffers { prepared, bricks, intake, scratches, occlusion, of_tiles, workspaces } = buffers;
+    let setup = &Setup::new(stage, sections, prepared);
     sort_bricks(stage, setup, bricks);
     watch.done("bricks");
-    occlusion.start(stage.plan.view.image_size(), &tiles.tiles);
-    waiting.resize_with(tiles.tiles.len(), Waiting::default);
-    waiting.iter_mut().for_each(Waiting::clear);
+    occlusion.start(&tiles.grid, &tiles.tiles);
+    of_tiles.resize_with(tiles.tiles.len(), OfTile::default);
+    of_tiles.iter_mut().for_each(OfTile::clear);
     let (mut n_occluded, mut start, mut rest) = (0, 0_usize, bricks.as_slice());
     let mut first_slabs = 0..0;
     while let Some(&(range, _)) = rest.first() {
@@ -89,11 +147,11 @@ pub(crate) fn render(
         };
         watch.done("intake");
         // The last range continues until no voxel is left that was taken in.
-        let end = behind
-            .first()
-            .map_or(setup.slabs.grid.n_slabs(), |next| next.0 as usize * setup.slabs.n_per_range);
+        let end = behind.first().map_or(setup.slabs.grid.n_slabs() + H::N_BEHIND, |next| {
+            next.0 as usize * setup.slabs.n_per_range
+        });
         let range = advance::Range { slabs: start..end, first_slabs: first_slabs.clone() };
-        advance::through(&range, stage, setup, (tiles, waiting), intake, workspaces);
+        advance::through(&range, stage, setup, sheets, (tiles, of_tiles), intake, workspaces);
         occlusion.note(&tiles.tiles);
         watch.done("splat");
         (start, rest) = (end, behind);
@@ -110,18 +168,18 @@ fn sort_bricks(stage: &Stage<'_>, setup: &Setup<'_>, bricks: &mut Vec<(u32, u32)
         let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
         first.saturating_sub(n_early) / slabs.n_per_range
     };
-    let listed = stage.list.bricks().par_iter().enumerate();
+    let listed = stage.voxels.bricks().par_iter().enumerate();
     listed.map(|(idx, brick)| (range_of(brick) as u32, idx as u32)).collect_into_vec(bricks);
     bricks.par_sort_unstable();
 }
 
-impl Buffers {
-    pub(crate) fn resident_bytes(&self) -> usize {
+impl<R, S: Default> Buffers<R, S> {
+    pub(super) fn resident_bytes<H: Sheets<Retained = R, Scratch = S>>(&self) -> usize {
         self.intake.resident_bytes()
             + self.scratches.sum_of(Scratch::resident_bytes)
             + self.occlusion.resident_bytes()
             + self.bricks.capacity() * size_of::<(u32, u32)>()
-            + self.waiting.iter().map(Waiting::resident_bytes).sum::<usize>()
-            + self.workspaces.sum_of(Workspace::resident_bytes)
+            + self.of_tiles.iter().map(OfTile::resident_bytes).sum::<usize>()
+            + self.workspaces.sum_of(Workspace::resident_bytes::<H>)
     }
 }

@@ -1,0 +1,349 @@
+//! Pre-integrated classification (Engel, Kraus & Ertl, "High-Quality Pre-Integrated Volume Rendering Using
+//! Hardware-Accelerated Pixel Shading", Graphics Hardware 2001): the mean opacity and colour of a part of a
+//! ray on which the density goes evenly from one value to another (model §8).
+//!
+//! With running integrals over the density a mean is a difference of two:
+//!
+//! ```text
+//! I(x) = ∫ᵡ f(d) dd,   f = μ, μ·r, μ·g, μ·b, μ·d
+//! W = (I(b) − I(a))/(b − a)
+//! ```
+//!
+//! The transfer function's pieces are cut into *cells* on which the weight is nearly a cubic; colours and the
+//! density are linear there, so that all integrals are of one and the same weight, and colours and places are
+//! true means. They are in 64 bits, as differences are taken.
+
+use super::values::ValueScale;
+use slabsplat_core::{Compositing, TransferFunction};
+
+/// What is integrated: the weight, and that times red, green, blue and the density.
+const N_FUNCTIONS: usize = 5;
+
+/// A number for each, in as many lanes as a vector has.
+type Lanes = [f64; 8];
+
+/// Those of the integral of a cubic times a linear function.
+const N_POWERS: usize = 6;
+
+/// A piece of densities.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    start: f64,
+    per_width: f64,
+    /// The integrals up to its start, and from there, in powers of the place in the cell, 0 to 1.
+    powers: [Lanes; N_POWERS],
+}
+
+/// Running integrals of one transfer function.
+#[derive(Debug)]
+pub(super) struct Integrals {
+    /// Rising.
+    cells: Vec<Cell>,
+    /// The first cell that may hold densities from `−END + n·2·END/N_STARTS` on.
+    starts: Vec<u32>,
+    /// Between these anything may show, scaled.
+    visible: Vec<[f32; 2]>,
+    plateaus: Plateaus,
+}
+
+/// Where a density hardly changes along a part, and what it is there.
+#[derive(Debug)]
+struct Plateaus {
+    transfer: TransferFunction,
+    compositing: Compositing,
+    scale: ValueScale,
+    /// Where the transfer function has a step: value, and scaled.
+    steps: Vec<(f64, f64)>,
+}
+
+/// What a part of a ray is in the mean.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Mean {
+    /// Of what the compositing sums.
+    pub(super) weight: f32,
+    /// Of the colour, weighted with that.
+    pub(super) color: [f32; 3],
+    /// Where on the part that weight lies in the mean: 0 at its start, 1 at its end.
+    pub(super) place: f32,
+}
+
+/// Densities, scaled, lie between −1 and 1, and those between them not further outside than a third.
+const END: f64 = 1.5;
+
+/// Parts of the densities that have a first cell each.
+const N_STARTS: usize = 1024;
+
+/// What cubics may miss, of a weight.
+const ERROR: f64 = 1e-5;
+
+/// Least width of a cell: nothing that is narrower than rounding.
+const LEAST_WIDTH: f64 = 1.0 / (1 << 22) as f64;
+
+/// Sums of 32-bit floats miss a density by less than this, scaled. A step of the transfer function that lies
+/// on the value of a plateau must not be taken here and missed there, so that a density this far before a
+/// step counts as on it.
+const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
+
+impl Integrals {
+    pub(super) fn new(
+        transfer: &TransferFunction,
+        compositing: Compositing,
+        scale: &ValueScale,
+    ) -> Self {
+        let at = |scaled: f64| {
+            let value = scale.value(scaled);
+            (compositing.weight(transfer.opacity(value)), transfer.color(value))
+        };
+        let mut cells = Cells { cells: Vec::new(), sums: [0.0; 8], at: &at };
+        let points = points(transfer, scale);
+        points.windows(2).for_each(|pair| cells.add(pair[0], pair[1]));
+        let cells = cells.cells;
+        let first = |start: usize| {
+            let density = END * (2.0 * start as f64 / N_STARTS as f64 - 1.0);
+            cells.partition_point(|cell| cell.start <= density).saturating_sub(1) as u32
+        };
+        let starts = (0..=N_STARTS).map(first).collect();
+        let visible = transfer.iso_ranges().into_iter().map(|range| {
+            let ends = [range.lo, range.hi].map(|end| scale.unclamped(end).clamp(-2.0, 2.0));
+            [(ends[0] - 2.0 * ROUNDING) as f32, (ends[1] + ROUNDING) as f32]
+        });
+        Self {
+            cells,
+            starts,
+            visible: visible.collect(),
+            plateaus: Plateaus {
+                transfer: transfer.clone(),
+                compositing,
+                scale: *scale,
+                steps: steps(transfer).map(|step| (step, scale.unclamped(step))).collect(),
+            },
+        }
+    }
+
+    /// Ranges of scaled densities outside of which nothing shows.
+    pub(super) fn visible(&self) -> &[[f32; 2]] {
+        &self.visible
+    }
+
+    pub(super) fn resident_bytes(&self) -> usize {
+        self.cells.capacity() * size_of::<Cell>() + self.starts.capacity() * size_of::<u32>()
+    }
+
+    /// A part from one scaled density to another; `None` if nothing of it shows.
+    #[inline(never)]
+    pub(super) fn mean(&self, ends: [f32; 2]) -> Option<Mean> {
+        let [a, b] = ends.map(|end| f64::from(end).clamp(-END, END));
+        let width = b - a;
+        if width.abs() <= 2.0 * ROUNDING {
+            return self.plateaus.mean(0.5 * (a + b));
+        }
+        let (at_a, at_b) = (self.up_to(a), self.up_to(b));
+        let mut means = [0.0; 8];
+        for lane in 0..8 {
+            means[lane] = (at_b[lane] - at_a[lane]) / width;
+        }
+        let weight = means[0];
+        if weight <= NOTHING {
+            return None;
+        }
+        let per_weight = 1.0 / weight;
+        Some(Mean {
+            weight: weight as f32,
+            color: [1, 2, 3].map(|channel| (means[channel] * per_weight) as f32),
+            place: ((means[4] * per_weight - a) / width).clamp(0.0, 1.0) as f32,
+        })
+    }
+
+    /// The integrals up to a density.
+    #[inline(never)]
+    fn up_to(&self, density: f64) -> Lanes {
+        let place = (density + END) * (N_STARTS as f64 / (2.0 * END));
+        let mut idx = self.starts[(place as usize).min(N_STARTS)] as usize;
+        while idx + 1 < self.cells.len() && self.cells[idx + 1].start <= density {
+            idx += 1;
+        }
+        let cell = &self.cells[idx];
+        let t = (density - cell.start) * cell.per_width;
+        let mut sums = cell.powers[N_POWERS - 1];
+        for powers in cell.powers[..N_POWERS - 1].iter().rev() {
+            for lane in 0..8 {
+                sums[lane] = sums[lane] * t + powers[lane];
+            }
+        }
+        sums
+    }
+}
+
+/// Weights that no picture shows.
+const NOTHING: f64 = 1e-9;
+
+impl Plateaus {
+    /// A part of one density.
+    #[cold]
+    fn mean(&self, scaled: f64) -> Option<Mean> {
+        let is_before = |(_, step): &&(f64, f64)| scaled < *step && *step - ROUNDING <= scaled;
+        let value = match self.steps.iter().find(is_before) {
+            Some((value, _)) => *value,
+            None => self.scale.value(scaled),
+        };
+        // What falls to 0 at a step on its far side is 0 a rounding before it, too.
+        let behind = self.scale.value(scaled + ROUNDING);
+        let opacity = self.transfer.opacity(value);
+        if opacity <= 0.0 || self.transfer.opacity(value.max(behind)) <= 0.0 {
+            return None;
+        }
+        Some(Mean {
+            weight: self.compositing.weight(opacity) as f32,
+            color: self.transfer.color(value).map(|channel| channel as f32),
+            place: 0.5,
+        })
+    }
+}
+
+/// Cells as they are made.
+struct Cells<'a> {
+    cells: Vec<Cell>,
+    /// The integrals up to here.
+    sums: Lanes,
+    /// Weight and colour at a scaled density.
+    at: &'a dyn Fn(f64) -> (f64, [f64; 3]),
+}
+
+impl Cells<'_> {
+    /// Adds those of a piece between two points of the transfer function.
+    fn add(&mut self, start: f64, end: f64) {
+        let (width, middle) = (end - start, 0.5 * (start + end));
+        let at = |t: f64| (self.at)(start + width * t);
+        let weight = cubic(NODES.map(|node| at(node).0));
+        let [c0, c1, c2, c3] = weight;
+        let is_off = |t: &f64| ERROR < (((c3 * t + c2) * t + c1) * t + c0 - at(*t).0).abs();
+        if LEAST_WIDTH < width && CHECKED.iter().any(is_off) {
+            self.add(start, middle);
+            self.add(middle, end);
+            return;
+        }
+        let [near, far] = [NODES[0], NODES[3]].map(|node| at(node).1);
+        let color = |channel: usize| {
+            let slope = (far[channel] - near[channel]) / (NODES[3] - NODES[0]);
+            [near[channel] - slope * NODES[0], slope]
+        };
+        let factors: [[f64; 2]; N_FUNCTIONS] =
+            [[1.0, 0.0], color(0), color(1), color(2), [start, width]];
+        let mut powers = [[0.0; 8]; N_POWERS];
+        powers[0] = self.sums;
+        for (function, [constant, slope]) in factors.into_iter().enumerate() {
+            for (power, coefficient) in weight.into_iter().enumerate() {
+                let [of_power, of_next] = [power + 1, power + 2].map(|power| width / power as f64);
+                powers[power + 1][function] += of_power * coefficient * constant;
+                powers[power + 2][function] += of_next * coefficient * slope;
+            }
+        }
+        for powers in &powers[1..] {
+            self.sums.iter_mut().zip(powers).for_each(|(sum, term)| *sum += term);
+        }
+        self.cells.push(Cell { start, per_width: 1.0 / width, powers });
+    }
+}
+
+/// Where cubics meet what they stand for: no end, where there may be a step.
+const NODES: [f64; 4] = [0.038, 0.309, 0.691, 0.962];
+
+/// Where they are compared with it.
+const CHECKED: [f64; 6] = [0.002, 0.14, 0.41, 0.59, 0.86, 0.998];
+
+/// The coefficients of the cubic through four values at the nodes.
+fn cubic(values: [f64; 4]) -> [f64; 4] {
+    // Newton's divided differences, and then powers.
+    let mut c = values;
+    for order in 1..4 {
+        for idx in (order..4).rev() {
+            c[idx] = (c[idx] - c[idx - 1]) / (NODES[idx] - NODES[idx - order]);
+        }
+    }
+    let [x0, x1, x2, _] = NODES;
+    [
+        c[0] - c[1] * x0 + c[2] * x0 * x1 - c[3] * x0 * x1 * x2,
+        c[1] - c[2] * (x0 + x1) + c[3] * (x0 * x1 + x0 * x2 + x1 * x2),
+        c[2] - c[3] * (x0 + x1 + x2),
+        c[3],
+    ]
+}
+
+/// The points of both functions, scaled, and both ends; rising, none twice.
+fn points(transfer: &TransferFunction, scale: &ValueScale) -> Vec<f64> {
+    let opacities = transfer.opacity_points().points().iter().map(|point| point.0);
+    let colors = transfer.color_points().points().iter().map(|point| point.0);
+    let scaled = opacities.chain(colors).map(|value| scale.unclamped(value));
+    let mut points: Vec<f64> = scaled.filter(|point| point.abs() < END).collect();
+    points.extend([-END, END]);
+    points.sort_by(f64::total_cmp);
+    points.dedup();
+    points
+}
+
+/// Where either function has a step.
+fn steps(transfer: &TransferFunction) -> impl Iterator<Item = f64> + '_ {
+    fn of<const N: usize>(points: &[(f64, [f64; N])]) -> impl Iterator<Item = f64> + '_ {
+        points.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[0].0)
+    }
+    of(transfer.opacity_points().points()).chain(of(transfer.color_points().points()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_seeds::for_each_seed;
+
+    /// Against a sum over many places of the part.
+    #[test]
+    fn integrals_are_means_over_parts() {
+        for_each_seed(1, |mut rng| {
+            for _ in 0..60 {
+                let mut positions: Vec<f64> = (0..6).map(|_| 100.0 * rng.f64()).collect();
+                positions.sort_by(f64::total_cmp);
+                if rng.bool() {
+                    positions[3] = positions[2];
+                }
+                let opacities = positions.iter().map(|&x| (x, [0.95 * rng.f64()])).collect();
+                let colors = vec![(10.0, [0.9, 0.1, 0.4]), (60.0, [0.2, 0.7, 0.4])];
+                let transfer = TransferFunction::new(opacities, colors).unwrap();
+                let scale = ValueScale::new(Some([0.0, 100.0]), &transfer);
+                let compositing = Compositing::ALL[rng.usize(..Compositing::ALL.len())];
+                let integrals = Integrals::new(&transfer, compositing, &scale);
+                for _ in 0..50 {
+                    let start = 1.8 * rng.f32() - 0.9;
+                    let reach = [1.0, 0.1, 1e-3][rng.usize(..3)];
+                    let ends = [start, start + reach * (rng.f32() - 0.5)];
+                    let mean = integrals.mean(ends).unwrap_or_default();
+                    check(&mean, ends, |density| {
+                        let value = scale.value(density);
+                        let weight = compositing.weight(transfer.opacity(value));
+                        (weight, transfer.color(value))
+                    });
+                }
+            }
+        });
+    }
+
+    fn check(mean: &Mean, ends: [f32; 2], at: impl Fn(f64) -> (f64, [f64; 3])) {
+        const N: usize = 4000;
+        let [start, end] = ends.map(f64::from);
+        let (mut sum, mut red, mut place) = (0.0, 0.0, 0.0);
+        for idx in 0..N {
+            let t = (idx as f64 + 0.5) / N as f64;
+            let (weight, color) = at(start + t * (end - start));
+            sum += weight / N as f64;
+            red += weight * color[0] / N as f64;
+            place += weight * t / N as f64;
+        }
+        // A step lies between two places of the sum.
+        let bound = 3.0 / N as f64;
+        assert!((sum - f64::from(mean.weight)).abs() < bound, "{mean:?} {sum} {ends:?}");
+        if 0.01 < sum && 1e-4 < (end - start).abs() {
+            let [red, place] = [red, place].map(|moment| moment / sum);
+            let off =
+                (red - f64::from(mean.color[0])).abs() + (place - f64::from(mean.place)).abs();
+            assert!(off < 0.02 / sum.min(1.0), "{mean:?} {red} {place} {ends:?}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Parts of rays that may be seen: eight at a time they are classified, lit and composited.
+//!
+//! ```text
+//! for each of eight: mean opacity and colour, and where they lie (integrals.rs)
+//! for all eight at once, at four places of each:
+//!     slopes, normal, light
+//! for each: premultiplied colour and opacity, behind what its pixel holds
+//! ```
+//!
+//! One place is not enough: where the density is largest, in the middle of a thin wall, normals turn round
+//! within a part, and it would be as dark as if it were seen from the side.
+
+use super::classify::Classifier;
+use super::integrals::Mean;
+use super::nodes::LANES;
+use crate::pixels::tile::Tile;
+use fearless_simd::Simd;
+
+/// What lies between two sheets on the ray of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// Column and row in the tile.
+    pub(super) pixel: [u8; 2],
+    /// How much of the ray it is, in `unit`s.
+    pub(super) length: f32,
+    /// The scaled densities where it begins and where it ends.
+    pub(super) densities: [f32; 2],
+    pub(super) slopes: Slopes,
+}
+
+/// Slopes of a part: to the right and upwards per world unit, along the ray per sheet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slopes {
+    /// Where it begins.
+    pub(super) start: [f32; 3],
+    /// Where it ends.
+    pub(super) end: [f32; 3],
+    /// How much more they are half way than in the mean of both.
+    pub(super) bulge: [f32; 3],
+}
+
+/// A number for each of eight parts.
+type Eight = [f32; LANES];
+
+/// Places of a part at which it is lit, counted from its middle: the middles of quarters.
+const LIT_AT: [f32; 4] = [-0.375, -0.125, 0.125, 0.375];
+
+impl Classifier<'_> {
+    /// Puts parts behind what their pixels hold, in their order. A function of its own, as it takes long to
+    /// compile.
+    #[inline(never)]
+    pub(super) fn composite<S: Simd>(&self, simd: S, parts: &[Part], tile: &mut Tile) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.composite_inlined(parts, tile),
+        );
+    }
+
+    #[inline(always)]
+    fn composite_inlined(&self, parts: &[Part], tile: &mut Tile) {
+        for parts in parts.chunks(LANES) {
+            let mut means = [Mean::default(); LANES];
+            for (mean, part) in means.iter_mut().zip(parts) {
+                *mean = self.integrals.mean(part.densities).unwrap_or_default();
+            }
+            let [diffuse, specular] = self.light_on(parts, &means, tile);
+            for (idx, (part, mean)) in parts.iter().zip(means).enumerate() {
+                if 0.0 < mean.weight {
+                    let lit = |channel: f32| (channel * diffuse[idx] + specular[idx]).min(1.0);
+                    let behind = self.resolved(part.length, mean.weight, mean.color.map(lit));
+                    tile.put_pixel_behind(part.pixel.map(usize::from), behind);
+                }
+            }
+        }
+    }
+
+    /// What parts' colours are multiplied with, and what is added to them.
+    #[inline(always)]
+    fn light_on(&self, parts: &[Part], means: &[Mean; LANES], tile: &Tile) -> [Eight; 2] {
+        let Some(light) = &self.light else { return [[1.0; LANES], [0.0; LANES]] };
+        let (mut start, mut change, mut bulge) =
+            ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        let (mut middle, mut seen, mut slant) = ([0.0; LANES], [0.0; LANES], [[0.0; LANES]; 2]);
+        for (idx, (part, mean)) in parts.iter().zip(means).enumerate() {
+            let slopes = &part.slopes;
+            for axis in 0..3 {
+                start[axis][idx] = slopes.start[axis];
+                change[axis][idx] = slopes.end[axis] - slopes.start[axis];
+                bulge[axis][idx] = 4.0 * slopes.bulge[axis];
+            }
+            middle[idx] = mean.place;
+            // What is seen lies evenly around its mean, as far as the part goes on both sides.
+            seen[idx] = 2.0 * mean.place.min(1.0 - mean.place);
+            [slant[0][idx], slant[1][idx]] = self.slant(part.pixel, tile);
+        }
+        let (mut diffuse, mut specular) = ([0.0; LANES], [0.0; LANES]);
+        for at in LIT_AT {
+            let mut slopes = [[0.0; LANES]; 3];
+            for lane in 0..LANES {
+                let place = middle[lane] + seen[lane] * at;
+                let curve = place * (1.0 - place);
+                for axis in 0..3 {
+                    slopes[axis][lane] =
+                        start[axis][lane] + place * change[axis][lane] + curve * bulge[axis][lane];
+                }
+            }
+            let light = light.of_normals(&self.normals(&slopes, &slant));
+            for lane in 0..LANES {
+                diffuse[lane] += 0.25 * light.diffuse[lane];
+                specular[lane] += 0.25 * light.specular[lane];
+            }
+        }
+        [diffuse, specular]
+    }
+
+    /// `−∇d/max(|∇d|, faint)`, to the right, upwards and forward.
+    #[inline(always)]
+    fn normals(&self, [right, up, along]: &[Eight; 3], slant: &[Eight; 2]) -> [Eight; 3] {
+        let mut normals = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            // From a sheet to the next, a pixel moves with its ray.
+            let depth = along[lane] * self.per_sheet
+                - slant[0][lane] * right[lane]
+                - slant[1][lane] * up[lane];
+            let squared = right[lane] * right[lane] + up[lane] * up[lane] + depth * depth;
+            let factor = -1.0 / squared.sqrt().max(self.faint);
+            normals[0][lane] = right[lane] * factor;
+            normals[1][lane] = up[lane] * factor;
+            normals[2][lane] = depth * factor;
+        }
+        normals
+    }
+
+    /// Premultiplied colour and opacity of a part.
+    #[inline(always)]
+    fn resolved(&self, length: f32, weight: f32, [r, g, b]: [f32; 3]) -> [f32; 4] {
+        let of_color = if self.compositing.weights_colors() { length * weight } else { length };
+        let sums = [r * of_color, g * of_color, b * of_color, length * weight];
+        self.compositing.resolve(sums.map(f64::from)).map(|channel| channel as f32)
+    }
+}

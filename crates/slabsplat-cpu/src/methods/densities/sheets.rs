@@ -1,0 +1,134 @@
+//! Sheets of densities over one tile, the last six of them.
+
+use super::voxels::{VALUE, WEIGHT};
+use crate::pixels::blocks::{BLOCK_SIDE, Blocks};
+use crate::pixels::quad::QUAD;
+use crate::pixels::rectangle::TILE_SIDE;
+use crate::pixels::sheet::Sheet;
+use fearless_simd::{Simd, f32x4, prelude::*};
+
+/// How many sheets what lies between the two in the middle is taken from.
+pub(super) const N_SHEETS: usize = 6;
+
+/// Sheets behind the two in the middle, and before them.
+pub(super) const N_BESIDE: usize = N_SHEETS / 2 - 1;
+
+/// A number for each pixel of a tile, with a column of zeros on either side.
+type Plane = [[f32; TILE_SIDE + 2]; TILE_SIDE];
+
+/// What a slab's sections sum to on a tile.
+#[derive(Debug)]
+pub(super) struct DensitySheet {
+    /// `V`, scaled; 0 where there is no length.
+    weighted: Plane,
+    /// `L`.
+    length: Plane,
+    /// Where there may be any.
+    held: Blocks,
+}
+
+/// Six sheets on end.
+#[derive(Debug)]
+pub(super) struct Ring {
+    /// That of slab `n` is at `n` modulo their number.
+    sheets: [DensitySheet; N_SHEETS],
+}
+
+/// What a tile retains from slab to slab.
+pub(super) type Retained = Option<Box<Ring>>;
+
+/// What sums are worth.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    /// Less of a ray is nothing.
+    pub(super) least_length: f32,
+    /// Between these all values lie, and so does each density.
+    pub(super) values: [f32; 2],
+}
+
+impl Default for Ring {
+    fn default() -> Self {
+        let plane = [[0.0; TILE_SIDE + 2]; TILE_SIDE];
+        let sheet = || DensitySheet { weighted: plane, length: plane, held: Blocks::NONE };
+        Self { sheets: std::array::from_fn(|_| sheet()) }
+    }
+}
+
+impl Ring {
+    pub(super) const BYTES: usize = size_of::<Self>();
+
+    /// Makes it empty.
+    pub(super) fn clear(&mut self) {
+        for sheet in &mut self.sheets {
+            for [column, row] in std::mem::take(&mut sheet.held).iter() {
+                for row in row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE {
+                    let columns = 1 + column * BLOCK_SIDE..1 + (column + 1) * BLOCK_SIDE;
+                    sheet.weighted[row][columns.clone()].fill(0.0);
+                    sheet.length[row][columns].fill(0.0);
+                }
+            }
+        }
+    }
+
+    /// Takes the sums of a slab, in the place of the one six slabs before, and empties them.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(
+        &mut self,
+        simd: S,
+        slab: usize,
+        sums: &mut Sheet,
+        limits: &Limits,
+    ) {
+        self.sheets[slab % N_SHEETS].fill(simd, sums, limits);
+    }
+
+    /// All six, from front to back, if the last is that of `slab`.
+    #[inline(always)]
+    pub(super) fn up_to(&self, slab: usize) -> [&DensitySheet; N_SHEETS] {
+        std::array::from_fn(|idx| &self.sheets[(slab + 1 + idx) % N_SHEETS])
+    }
+}
+
+impl DensitySheet {
+    pub(super) fn held(&self) -> Blocks {
+        self.held
+    }
+
+    #[inline(always)]
+    fn fill<S: Simd>(&mut self, simd: S, sums: &mut Sheet, limits: &Limits) {
+        let touched = std::mem::take(&mut sums.touched);
+        let mut changed = self.held;
+        changed.add(touched);
+        self.held = touched;
+        let least = f32x4::splat(simd, limits.least_length);
+        let [lo, hi] = limits.values.map(|end| f32x4::splat(simd, end));
+        let zero = f32x4::splat(simd, 0.0);
+        for [column, block_row] in changed.iter() {
+            for row in block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE {
+                let quad = &mut sums.sums[row][column].0;
+                let (channels, _) = quad.as_chunks::<QUAD>();
+                let length = f32x4::from_slice(simd, &channels[WEIGHT]);
+                let weighted = f32x4::from_slice(simd, &channels[VALUE]);
+                let is_there = length.simd_gt(least);
+                let columns = 1 + column * BLOCK_SIDE..1 + (column + 1) * BLOCK_SIDE;
+                let weighted = weighted.max(lo * length).min(hi * length);
+                let weighted = is_there.select(weighted, zero);
+                weighted.store_slice(&mut self.weighted[row][columns.clone()]);
+                is_there.select(length, zero).store_slice(&mut self.length[row][columns]);
+                *quad = [0.0; 4 * QUAD];
+            }
+        }
+    }
+
+    /// `V` of pixels of a row, from one `by` columns to the right of `column` on.
+    #[inline(always)]
+    pub(super) fn weighted(&self, row: usize, column: usize, by: isize) -> &[f32] {
+        &self.weighted[row][(column + 1).wrapping_add_signed(by)..]
+    }
+
+    /// `L` there.
+    #[inline(always)]
+    pub(super) fn lengths(&self, row: usize, column: usize, by: isize) -> &[f32] {
+        &self.length[row][(column + 1).wrapping_add_signed(by)..]
+    }
+}

@@ -1,0 +1,67 @@
+//! The selected voxels as slabs take them in: each adds its weight to a pixel's length, and its weight times
+//! its value.
+
+use super::selection::Selection;
+use super::values::ValueScale;
+use crate::methods::slabs::Voxels;
+use slabsplat_core::{Sample, Volume, with_samples};
+use slabsplat_traverse::{Brick, BrickGrid, VoxelRecord};
+
+/// Selected voxels of a volume.
+pub(super) struct Selected<'a> {
+    selection: &'a Selection,
+    volume: &'a Volume,
+    scale: ValueScale,
+    grid: BrickGrid,
+}
+
+/// Where a voxel's color has its value, and where its weight.
+pub(super) const VALUE: usize = 0;
+pub(super) const WEIGHT: usize = 3;
+
+impl<'a> Selected<'a> {
+    pub(super) fn new(selection: &'a Selection, volume: &'a Volume, scale: ValueScale) -> Self {
+        Self { selection, volume, scale, grid: BrickGrid::new(volume.grid()) }
+    }
+
+    fn values<T: Sample>(
+        &self,
+        samples: &[T],
+        brick: &Brick,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
+        let [n_x, n_y, _] = self.grid.dims();
+        let start = self.grid.voxel_idx(self.grid.origin(brick.brick_idx));
+        for (color, record) in colors.iter_mut().zip(records) {
+            let [x, y, z] = record.coords_in_brick();
+            let sample = samples[start + (z * n_y + y) * n_x + x];
+            let value = self.volume.scaling().apply(sample.to_f64());
+            *color = [0.0; 4];
+            color[VALUE] = self.scale.scaled(value);
+            color[WEIGHT] = 1.0;
+        }
+    }
+}
+
+impl Voxels for Selected<'_> {
+    fn bricks(&self) -> &[Brick] {
+        &self.selection.bricks
+    }
+
+    fn records_of<'a>(
+        &'a self,
+        brick: &Brick,
+        room: &'a mut Vec<VoxelRecord>,
+    ) -> &'a [VoxelRecord] {
+        room.clear();
+        room.extend(
+            self.selection.places_of(brick).map(|place| VoxelRecord { place, normal: [0; 3] }),
+        );
+        room
+    }
+
+    fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
+        with_samples!(self.volume.samples(), |s| self.values(s, brick, records, colors));
+    }
+}

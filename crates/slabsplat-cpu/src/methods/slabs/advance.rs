@@ -1,0 +1,187 @@
+//! A tile advances through a range of slabs: splat the sections of a slab, composite the sheet, next.
+
+use super::classes::{Classes, N_CLASSES};
+use super::intake::Intake;
+use super::setup::Setup;
+use super::{Sheets, Stage};
+use crate::pixels::sheet::Sheet;
+use crate::pixels::tile::Tile;
+use crate::pixels::tiles::Tiles;
+use crate::sections::cut::SlabCut;
+use crate::sections::shared::Kind;
+use crate::sections::span::SpannedVoxel;
+use crate::separable::b_spline::Coefficients;
+use crate::separable::sections::AsSeparable;
+use crate::voxels::by_sheet::BySheet;
+use crate::workspaces::Workspaces;
+use fearless_simd::{Simd, dispatch};
+
+/// What a thread needs.
+#[derive(Debug, Default)]
+pub(super) struct Workspace<S> {
+    sums: Sums,
+    of_method: S,
+}
+
+/// What the sums of a slab are made with.
+#[derive(Debug, Default)]
+struct Sums {
+    /// Voxels of a tile.
+    voxels: BySheet<SpannedVoxel>,
+    /// Empty between slabs, and so are the coefficients.
+    sheet: Sheet,
+    coefficients: Coefficients,
+}
+
+/// What a tile has from one range of slabs to the next.
+#[derive(Debug, Default)]
+pub(super) struct OfTile<R> {
+    /// Voxels whose last sections are yet to come.
+    waiting: Vec<SpannedVoxel>,
+    /// What the method retains, and the first slab that it needs no more; 0 if it retains nothing.
+    retained: R,
+    needed_until: usize,
+}
+
+/// A range of slabs.
+pub(super) struct Range {
+    pub(super) slabs: std::ops::Range<usize>,
+    /// To these go first all voxels that wait or were taken in.
+    pub(super) first_slabs: std::ops::Range<usize>,
+}
+
+/// Takes all tiles through a range of slabs, in parallel.
+pub(super) fn through<H: Sheets>(
+    range: &Range,
+    stage: &Stage<'_>,
+    setup: &Setup<'_>,
+    sheets: &H,
+    (tiles, of_tiles): (&mut Tiles, &mut [OfTile<H::Retained>]),
+    intake: &Intake,
+    workspaces: &mut Workspaces<Workspace<H::Scratch>>,
+) {
+    tiles.for_each_with(of_tiles, workspaces, |tile_idx, tile, of_tile, workspace| {
+        if tile.is_saturated() {
+            return;
+        }
+        let runs = std::iter::once(of_tile.waiting.as_slice()).chain(intake.on_tile(tile_idx));
+        workspace.sums.voxels.sort(N_CLASSES, range.first_slabs.clone(), runs, |voxel| {
+            (setup.classes.of(voxel), voxel.sheets.first())
+        });
+        dispatch!(stage.level, simd => advance(simd, range, setup, sheets, tile, of_tile, workspace));
+        of_tile.waiting.clear();
+        if !tile.is_saturated() {
+            of_tile.wait(&setup.classes, &workspace.sums.voxels, range.slabs.end);
+        }
+    });
+}
+
+#[inline(always)]
+fn advance<S: Simd, H: Sheets>(
+    simd: S,
+    range: &Range,
+    setup: &Setup<'_>,
+    sheets: &H,
+    tile: &mut Tile,
+    OfTile { retained, needed_until, .. }: &mut OfTile<H::Retained>,
+    Workspace { sums, of_method }: &mut Workspace<H::Scratch>,
+) {
+    let starts = sums.voxels.sheets();
+    sums.coefficients.grow(setup.slabs.shapes.n_coefficients());
+    let n_slabs = setup.slabs.grid.n_slabs();
+    let start = range.slabs.start.max(setup.slabs.first_drawn);
+    let end = if starts.is_empty() { 0 } else { starts.end + setup.slabs.n_before };
+    let end = end.min(n_slabs) + H::N_BEHIND;
+    let mut slab = if range.slabs.start < *needed_until { start } else { start.max(starts.start) };
+    while slab < range.slabs.end.min(end.max(*needed_until)) {
+        if slab < n_slabs {
+            add_slab(simd, slab, setup, tile, sums);
+        }
+        if !sums.sheet.touched.is_empty() {
+            *needed_until = slab + H::N_BEHIND + 1;
+        }
+        sheets.take(simd, slab, &mut sums.sheet, tile, retained, of_method);
+        if tile.is_saturated() {
+            *needed_until = 0;
+            break;
+        }
+        slab += 1;
+    }
+    if *needed_until <= range.slabs.end {
+        *needed_until = 0;
+        sheets.release(retained, of_method);
+    }
+}
+
+/// Adds all sections that a slab cuts to its sheet. A function of its own, as all methods share it and it
+/// takes long to compile.
+#[inline(never)]
+fn add_slab<S: Simd>(simd: S, slab: usize, setup: &Setup<'_>, tile: &mut Tile, sums: &mut Sums) {
+    simd.vectorize(
+        #[inline(always)]
+        || add_slab_inlined(simd, slab, setup, tile, sums),
+    );
+}
+
+#[inline(always)]
+fn add_slab_inlined<S: Simd>(
+    simd: S,
+    slab: usize,
+    setup: &Setup<'_>,
+    tile: &mut Tile,
+    Sums { voxels, sheet, coefficients }: &mut Sums,
+) {
+    let Setup { slabs, classes, sections, .. } = setup;
+    let faces = slabs.grid.faces(slab).map(|face| face as f32);
+    let cut = SlabCut { sections, slab, shape: slabs.shape(slab), faces };
+    let [whole, cut_by_slab] = setup.as_separable(slab);
+    // Coefficients are of footprints of one shape at a time.
+    let mut pending: Option<AsSeparable<'_>> = None;
+    for class in 0..N_CLASSES {
+        let first = slab.saturating_sub(classes.n_before(class));
+        let (voxels, kind) = (voxels.starting_in(class, first..slab + 1), classes.kind_of(class));
+        let separable = if kind == Kind::Whole { whole } else { cut_by_slab };
+        match separable {
+            Some(separable) if Classes::may_be_separable(class) => {
+                if let Some(other) = pending.replace(separable).filter(|p| !p.is_like(&separable)) {
+                    other.slab.reconstruct(simd, tile, sheet, coefficients);
+                }
+                separable.add_sections(simd, (&cut, kind), voxels, tile, (sheet, coefficients));
+            }
+            _ => cut.add_sections(simd, kind, voxels, tile, sheet),
+        }
+    }
+    if let Some(separable) = pending {
+        separable.slab.reconstruct(simd, tile, sheet, coefficients);
+    }
+}
+
+impl<S> Workspace<S> {
+    pub(super) fn resident_bytes<H: Sheets<Scratch = S>>(&self) -> usize {
+        let Sums { voxels, coefficients, .. } = &self.sums;
+        voxels.resident_bytes()
+            + Sheet::BYTES
+            + coefficients.resident_bytes()
+            + H::scratch_bytes(&self.of_method)
+    }
+}
+
+impl<R> OfTile<R> {
+    /// Makes it ready for another frame; the last one left nothing retained.
+    pub(super) fn clear(&mut self) {
+        self.waiting.clear();
+        self.needed_until = 0;
+    }
+
+    /// Adds the voxels that are drawn at `slab` or behind it to those that wait.
+    fn wait(&mut self, classes: &Classes, voxels: &BySheet<SpannedVoxel>, slab: usize) {
+        for class in 0..N_CLASSES {
+            let first = slab.saturating_sub(classes.n_before(class));
+            self.waiting.extend(voxels.starting_in(class, first..usize::MAX).iter());
+        }
+    }
+
+    pub(super) fn resident_bytes(&self) -> usize {
+        self.waiting.capacity() * size_of::<SpannedVoxel>()
+    }
+}

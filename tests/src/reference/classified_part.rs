@@ -1,0 +1,52 @@
+//! The mean opacity and colour of a part of a ray on which the density goes evenly from one value to another
+//! (model §8).
+
+use super::GaussLegendre;
+use super::sheet::weight;
+use slabsplat_core::{Compositing, TransferFunction};
+
+/// What a part of a ray is in the mean.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    /// `W`: of `μ`, or of `α`.
+    pub(super) weight: f64,
+    /// Of the colour, weighted with that.
+    pub(super) color: [f64; 3],
+    /// Where on the part that weight lies in the mean: 0 at its start, 1 at its end.
+    pub(super) place: f64,
+}
+
+/// The part from density `start` to `end`; `None` if nothing of it is visible.
+pub(super) fn part(
+    transfer: &TransferFunction,
+    compositing: Compositing,
+    [start, end]: [f64; 2],
+) -> Option<Part> {
+    let (rule, pieces) = (GaussLegendre::new(N_NODES), pieces(transfer, [start, end]));
+    let mean_of = |term: &dyn Fn(f64, [f64; 3]) -> f64| -> f64 {
+        let at = |place: f64| {
+            let density = start + (end - start) * place;
+            weight(compositing, transfer.opacity(density)) * term(place, transfer.color(density))
+        };
+        pieces.iter().map(|&[from, to]| rule.integrate(from, to, at)).sum()
+    };
+    let weight = mean_of(&|_, _| 1.0);
+    let color = [0, 1, 2].map(|channel| mean_of(&|_, color| color[channel]) / weight);
+    let place = mean_of(&|place, _| place) / weight;
+    (0.0 < weight).then_some(Part { weight, color, place })
+}
+
+/// Nodes of a piece on which the transfer function has no point.
+const N_NODES: usize = 24;
+
+/// The pieces between the points of the transfer function, as places on the part.
+fn pieces(transfer: &TransferFunction, [start, end]: [f64; 2]) -> Vec<[f64; 2]> {
+    let opacities = transfer.opacity_points().points().iter().map(|point| point.0);
+    let colors = transfer.color_points().points().iter().map(|point| point.0);
+    let place = |density: f64| (density - start) / (end - start);
+    let mut places: Vec<f64> =
+        opacities.chain(colors).map(place).filter(|place| 0.0 < *place && *place < 1.0).collect();
+    places.extend([0.0, 1.0]);
+    places.sort_by(f64::total_cmp);
+    places.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
