@@ -89,8 +89,8 @@ impl BlinnPhong8 {
         self.light(&normals, &to_length_1(&normals))
     }
 
-    /// The light on eight normals, x, y and z in world space, none longer than 1: a shorter one gets less. One
-    /// of zero gets the ambient term alone.
+    /// The light on eight normals, x, y and z in world space, none longer than 1: a shorter one gets less.
+    /// One of zero gets the ambient term alone.
     #[inline(always)]
     pub fn of_normals(&self, normals: &[[f32; 8]; 3]) -> Light8 {
         self.light(normals, &[1.0; 8])

@@ -24,8 +24,8 @@ pub(crate) struct Tile {
     pub(crate) open: Blocks,
     /// The blocks whose sums are needed: those that are open, and of a tile with a border those beside them.
     pub(crate) needed: Blocks,
-    /// Premultiplied colour and opacity. Pixels outside of the image are opaque from the start, and so are those of
-    /// other tiles.
+    /// Premultiplied colour and opacity. Pixels outside of the image are opaque from the start, and so are
+    /// those of other tiles.
     pub(crate) pixels: Box<Pixels>,
     pub(crate) stats: TileStats,
 }

@@ -2,7 +2,7 @@
 
 use super::integrals::Integrals;
 use super::nodes::{AtNodes, LANES, N_NODES, OnPart, Rays8};
-use super::parts::{Part, Slopes};
+use super::parts::{Part, PartShader, Slopes};
 use super::rays::Rays;
 use super::sheets::{DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
 use crate::methods::slabs::Sheets;
@@ -14,7 +14,7 @@ use crate::pixels::tile::Tile;
 use crate::sections::cut::bits;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use slabsplat_backend::{FramePlan, Slabs};
-use slabsplat_core::{Compositing, SlabGrid, View};
+use slabsplat_core::{SlabGrid, View};
 use slabsplat_traverse::BlinnPhong8;
 
 /// A gradient counts in full from this part of the range of values on, per `unit`: less is the noise of a
@@ -23,16 +23,8 @@ const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
 /// Classifies and shades what lies between sheets.
 pub(super) struct Classifier<'a> {
-    pub(super) integrals: &'a Integrals,
-    pub(super) compositing: Compositing,
-    /// By directions to the right, upwards and forward.
-    pub(super) light: Option<BlinnPhong8>,
-    /// A gradient from which on surfaces are lit in full: scaled, per world unit.
-    pub(super) faint: f32,
-    /// Sheets in a world unit.
-    pub(super) per_sheet: f32,
+    shader: PartShader<'a>,
     cutoff: f32,
-    rays: Rays,
     slabs: &'a SlabGrid,
     view: View,
     limits: Limits,
@@ -65,18 +57,23 @@ impl<'a> Classifier<'a> {
         slabs: &'a Slabs,
         integrals: &'a Integrals,
         values: ScaledValues,
+        border: usize,
         are_exact: bool,
     ) -> Self {
         let faint = FAINT_GRADIENT * values.extent / plan.volume.grid().unit();
         Self {
-            integrals,
-            compositing: plan.compositing,
-            light: plan.light.map(|light| BlinnPhong8::new(&light.seen_along(plan.view.axes()))),
-            // Never 0, which a gradient of 0 would be divided by.
-            faint: (faint as f32).max(f32::MIN_POSITIVE),
-            per_sheet: (1.0 / slabs.grid.thickness()) as f32,
+            shader: PartShader {
+                integrals,
+                compositing: plan.compositing,
+                light: plan
+                    .light
+                    .map(|light| BlinnPhong8::new(&light.seen_along(plan.view.axes()))),
+                rays: Rays::new(&plan.view, border),
+                // Never 0, which a gradient of 0 would be divided by.
+                faint: (faint as f32).max(f32::MIN_POSITIVE),
+                per_sheet: (1.0 / slabs.grid.thickness()) as f32,
+            },
             cutoff: plan.opacity_cutoff,
-            rays: Rays::new(&plan.view),
             slabs: &slabs.grid,
             view: plan.view,
             limits: Limits {
@@ -84,14 +81,6 @@ impl<'a> Classifier<'a> {
                 values: values.ends,
             },
         }
-    }
-
-    /// World units to the right and upwards that the ray of a tile's pixel moves over one unit of depth.
-    #[inline(always)]
-    pub(super) fn slant(&self, [column, row]: [u8; 2], tile: &Tile) -> [f32; 2] {
-        let [x, y] = tile.origin;
-        let pixel = [x + usize::from(column), y + usize::from(row)];
-        self.rays.slant(pixel.map(|at| at - super::BORDER)).map(|slant| slant as f32)
     }
 
     /// Classifies what lies between the two sheets in the middle, if `last` is the slab of the last one.
@@ -141,7 +130,7 @@ impl<'a> Classifier<'a> {
                 }
             }
         }
-        self.composite(simd, parts, tile);
+        self.shader.composite(simd, parts, tile);
         for block in touched_by(parts).iter() {
             tile.close_if_saturated(block, self.cutoff);
         }
@@ -165,7 +154,7 @@ impl<'a> Classifier<'a> {
         if seen == 0 {
             return;
         }
-        let slopes = if self.light.is_some() {
+        let slopes = if self.shader.light.is_some() {
             rays.slopes(simd, sheets, [row, column], pixels)
         } else {
             let zero = f32x8::splat(simd, 0.0);
@@ -197,7 +186,7 @@ impl<'a> Classifier<'a> {
     #[inline(always)]
     fn may_show<S: Simd>(&self, simd: S, [a, b]: AtNodes<S>) -> u64 {
         let (least, largest) = (a.min(b), a.max(b));
-        let shown = self.integrals.visible().iter().map(|[lo, hi]| {
+        let shown = self.shader.integrals.visible().iter().map(|[lo, hi]| {
             let shows =
                 largest.simd_ge(f32x8::splat(simd, *lo)) & least.simd_le(f32x8::splat(simd, *hi));
             shows.to_bitmask()

@@ -9,9 +9,9 @@ use slabsplat_core::{Grid, SlabGrid};
 /// The largest distance along each axis between a voxel and another, where the one adds to the density at a
 /// place, and the other to the density at that place or to one of those that its gradient is taken from.
 ///
-/// The way from one to the other leads from a voxel to a place within its kernel, along the slab, to the next
-/// pixel and two slabs on, and to a voxel within whose kernel that is. What depends on the view is bounded for
-/// all directions, so that turning the camera leaves the selection as it is.
+/// The way from one to the other leads from a voxel to a place within its kernel, along the slab, to the
+/// next pixel and two slabs on, and to a voxel within whose kernel that is. What depends on the view is
+/// bounded for all directions, so that turning the camera leaves the selection as it is.
 pub(super) fn margin(plan: &FramePlan<'_>, raster: &Raster, slabs: &SlabGrid) -> [usize; 3] {
     let grid = plan.volume.grid();
     let farthest = slabs.middle(slabs.n_slabs() - 1).max(raster.near.into());
@@ -32,7 +32,7 @@ pub(super) fn margin(plan: &FramePlan<'_>, raster: &Raster, slabs: &SlabGrid) ->
 
 /// Length of the ray through a corner of the image over one unit of depth.
 fn slant(plan: &FramePlan<'_>) -> f64 {
-    let per_depth = Rays::new(&plan.view).right_per_depth;
+    let per_depth = Rays::new(&plan.view, 0).right_per_depth;
     let [width, height] = plan.view.image_size().map(f64::from);
     DVec3::new(0.5 * width * per_depth, 0.5 * height * per_depth, 1.0).length()
 }

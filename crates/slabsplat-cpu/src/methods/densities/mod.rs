@@ -128,7 +128,7 @@ fn draw(
         ends: scale.ends(),
     };
     let are_exact = splats.separable.is_none();
-    let classifier = Classifier::new(plan, &splats.slabs, integrals, values, are_exact);
+    let classifier = Classifier::new(plan, &splats.slabs, integrals, values, BORDER, are_exact);
     let voxels = &Selected::new(selection, plan.volume, scale);
     let bricks = &BrickView::new(plan.volume.grid(), &plan.view);
     let stage = Stage { plan, level: *level, raster, bricks, voxels };

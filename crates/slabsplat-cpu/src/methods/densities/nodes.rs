@@ -6,8 +6,8 @@
 //! P(a) = a − (Δ(→ before) + Δ(→ behind))/24,   of the density and of its slopes across the ray
 //! ```
 //!
-//! A sheet's density is a mean over its thickness, and `P` is what a smooth function is in the middle that has
-//! such means. Slopes along the ray are differences of densities, of the fourth order too. Between nodes
+//! A sheet's density is a mean over its thickness, and `P` is what a smooth function is in the middle that
+//! has such means. Slopes along the ray are differences of densities, of the fourth order too. Between nodes
 //! densities are linear, as integrals want them; slopes follow a parabola through what they are half way, or
 //! light would be another in the middle of sheets than between them.
 

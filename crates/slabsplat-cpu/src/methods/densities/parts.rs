@@ -10,11 +10,13 @@
 //! One place is not enough: where the density is largest, in the middle of a thin wall, normals turn round
 //! within a part, and it would be as dark as if it were seen from the side.
 
-use super::classify::Classifier;
-use super::integrals::Mean;
+use super::integrals::{Integrals, Mean};
 use super::nodes::LANES;
+use super::rays::Rays;
 use crate::pixels::tile::Tile;
 use fearless_simd::Simd;
+use slabsplat_core::Compositing;
+use slabsplat_traverse::BlinnPhong8;
 
 /// What lies between two sheets on the ray of a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +47,20 @@ type Eight = [f32; LANES];
 /// Places of a part at which it is lit, counted from its middle: the middles of quarters.
 const LIT_AT: [f32; 4] = [-0.375, -0.125, 0.125, 0.375];
 
-impl Classifier<'_> {
+/// What parts are classified, lit and composited by.
+pub(super) struct PartShader<'a> {
+    pub(super) integrals: &'a Integrals,
+    pub(super) compositing: Compositing,
+    /// By directions to the right, upwards and forward.
+    pub(super) light: Option<BlinnPhong8>,
+    pub(super) rays: Rays,
+    /// A gradient from which on surfaces are lit in full: scaled, per world unit.
+    pub(super) faint: f32,
+    /// Sheets in a world unit.
+    pub(super) per_sheet: f32,
+}
+
+impl PartShader<'_> {
     /// Puts parts behind what their pixels hold, in their order. A function of its own, as it takes long to
     /// compile.
     #[inline(never)]
@@ -72,6 +87,14 @@ impl Classifier<'_> {
                 }
             }
         }
+    }
+
+    /// World units to the right and upwards that the ray of a tile's pixel moves over one unit of depth.
+    #[inline(always)]
+    fn slant(&self, [column, row]: [u8; 2], tile: &Tile) -> [f32; 2] {
+        let [x, y] = tile.origin;
+        let pixel = [x + usize::from(column), y + usize::from(row)];
+        self.rays.slant(pixel).map(|slant| slant as f32)
     }
 
     /// What parts' colours are multiplied with, and what is added to them.

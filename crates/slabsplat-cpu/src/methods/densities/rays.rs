@@ -12,7 +12,8 @@ pub(super) struct Rays {
 }
 
 impl Rays {
-    pub(super) fn new(view: &View) -> Self {
+    /// For pixels that are counted from the corner of a border of that many.
+    pub(super) fn new(view: &View, border: usize) -> Self {
         let right_per_depth = if view.is_perspective() {
             let near = view.near_depth();
             // Pixels grow in proportion to the distance from the eye.
@@ -21,7 +22,10 @@ impl Rays {
         } else {
             0.0
         };
-        Self { center: view.image_size().map(|side| 0.5 * f64::from(side)), right_per_depth }
+        Self {
+            center: view.image_size().map(|side| 0.5 * f64::from(side) + border as f64),
+            right_per_depth,
+        }
     }
 
     /// World units to the right and upwards that a pixel's ray moves over one world unit of depth.

@@ -28,9 +28,9 @@ type Mask = [u64; BRICK_SIDE];
 const OVERSHOOT: f64 = 1.0 / 12.0;
 
 impl Selection {
-    /// The voxels of `volume` that have a visible density between the values within `margin` steps along every
-    /// axis. `finite` is the range of finite values, `ranges` are the visible ones. NaN voxels are never among
-    /// them.
+    /// The voxels of `volume` that have a visible density between the values within `margin` steps along
+    /// every axis. `finite` is the range of finite values, `ranges` are the visible ones. NaN voxels are
+    /// never among them.
     pub(super) fn new(
         volume: &Volume,
         finite: Option<[f64; 2]>,
@@ -130,8 +130,8 @@ impl Coder {
         }
     }
 
-    /// Whether anything shows between values of a least and a largest code, and as far outside as densities may
-    /// lie.
+    /// Whether anything shows between values of a least and a largest code, and as far outside as densities
+    /// may lie.
     fn visible_pairs(&self, ranges: &[IsoRange]) -> Vec<[bool; 256]> {
         let is_visible = |least: usize, largest: usize| {
             let lo = self.half_ends(least as u8)[0];

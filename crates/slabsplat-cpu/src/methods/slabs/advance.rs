@@ -3,7 +3,7 @@
 use super::classes::{Classes, N_CLASSES};
 use super::intake::Intake;
 use super::setup::Setup;
-use super::{Sheets, Stage};
+use super::stage::{Sheets, Stage};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;

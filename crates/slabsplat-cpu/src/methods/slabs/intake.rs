@@ -14,9 +14,9 @@
 //! 2. All buffers are as large as one range needs, and are used again.
 //! 3. What 32 bricks toss stays with their task; a tile reads the chain of tasks, so that nothing is merged.
 
-use super::Stage;
 use super::occlusion::{Occlusion, Visibility};
 use super::setup::Setup;
+use super::stage::Stage;
 use crate::sections::span::{Span, SpannedVoxel};
 use crate::voxels::by_sheet::N_AT_ONCE;
 use crate::voxels::voxel::Voxel;
@@ -134,9 +134,7 @@ impl Scratch {
     ) -> u64 {
         let bounds = setup.slabs.bounds_of_brick(&stage.bricks.bounds(brick));
         let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
-        let visibility = pixels.map_or(Visibility::None, |pixels| {
-            occlusion.visibility(&pixels, &tiles.tiles_of(&pixels))
-        });
+        let visibility = pixels.map_or(Visibility::None, |pixels| occlusion.visibility(&pixels));
         if visibility == Visibility::None {
             return brick.n_voxels.into();
         }
@@ -171,11 +169,10 @@ impl Scratch {
             let point = point.get();
             let Some([min, max]) = setup.slabs.bounds_of_voxel(point) else { continue };
             let Some(pixels) = tiles.pixels_within(min, max) else { continue };
-            let on_tiles = tiles.tiles_of(&pixels);
-            if occlusion.is_some_and(|map| map.visibility(&pixels, &on_tiles) == Visibility::None) {
+            if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
                 continue;
             }
-            tiles.push(on_tiles, (first + kept.len()) as u32, entries);
+            tiles.push(tiles.tiles_of(&pixels), (first + kept.len()) as u32, entries);
             points[kept.len()].set(point);
             kept.push(*record);
         }

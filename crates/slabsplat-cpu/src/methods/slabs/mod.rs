@@ -22,8 +22,8 @@
 //! What a voxel's *colour* is, four numbers that a sheet sums, and what becomes of a sheet, a method says:
 //! [`Voxels`] and [`Sheets`].
 //!
-//! Reading order: `slab_shapes`, `slab_view`, `span_finder`, `classes`, `setup`, `occlusion`, `intake`,
-//! `advance`.
+//! Reading order: `stage`; `slab_shapes`, `slab_view`, `span_finder`, `classes`, `setup`, `occlusion`,
+//! `intake`, `advance`.
 
 mod advance;
 mod classes;
@@ -33,73 +33,19 @@ mod setup;
 mod slab_shapes;
 mod slab_view;
 mod span_finder;
+mod stage;
 
-use crate::footprints::raster::Raster;
-use crate::pixels::sheet::Sheet;
-use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use crate::workspaces::Workspaces;
 use advance::{OfTile, Workspace};
-use fearless_simd::{Level, Simd};
 use intake::{Intake, Scratch};
 use occlusion::Occlusion;
 use rayon::prelude::*;
 pub(super) use setup::SectionsInSlabs;
 use setup::{Prepared, Setup};
-use slabsplat_backend::FramePlan;
-use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
-
-/// What the stages of a frame that goes through slabs share.
-pub(super) struct Stage<'a> {
-    pub(super) plan: &'a FramePlan<'a>,
-    /// The instructions to be used.
-    pub(super) level: Level,
-    pub(super) raster: &'a Raster,
-    pub(super) bricks: &'a BrickView,
-    pub(super) voxels: &'a dyn Voxels,
-}
-
-/// The voxels that are splatted, and what a sheet sums of each.
-pub(super) trait Voxels: Sync {
-    /// The bricks that hold any, in memory order.
-    fn bricks(&self) -> &[Brick];
-
-    /// The voxels of one of the bricks, in memory order; `room` may hold them.
-    fn records_of<'a>(&'a self, brick: &Brick, room: &'a mut Vec<VoxelRecord>)
-    -> &'a [VoxelRecord];
-
-    /// Writes what a sheet sums of some of them, at weight 1.
-    fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]);
-}
-
-/// What becomes of the sheets of a tile.
-pub(super) trait Sheets: Sync {
-    /// What a tile retains from slab to slab.
-    type Retained: Default + Send;
-    /// What a thread needs beside.
-    type Scratch: Default + Send;
-
-    /// For how many slabs behind one its sheet is needed.
-    const N_BEHIND: usize;
-
-    /// Takes what a slab's sections sum to, and leaves the sheet empty.
-    fn take<S: Simd>(
-        &self,
-        simd: S,
-        slab: usize,
-        sheet: &mut Sheet,
-        tile: &mut Tile,
-        retained: &mut Self::Retained,
-        scratch: &mut Self::Scratch,
-    );
-
-    /// Frees what a tile retains, if it needs it no more.
-    fn release(&self, retained: &mut Self::Retained, scratch: &mut Self::Scratch);
-
-    /// Bytes that a thread's scratch holds.
-    fn scratch_bytes(scratch: &Self::Scratch) -> usize;
-}
+use slabsplat_traverse::Brick;
+pub(super) use stage::{Sheets, Stage, Voxels};
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]

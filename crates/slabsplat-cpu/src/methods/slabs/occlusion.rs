@@ -10,7 +10,7 @@
 
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::pixels::tile::Tile;
-use slabsplat_traverse::{PixelRect, TileGrid, TileRect};
+use slabsplat_traverse::{PixelRect, TileGrid};
 
 /// The blocks of an image that are not saturated. Made to be used again.
 #[derive(Clone, Debug, Default)]
@@ -19,8 +19,8 @@ pub(super) struct Occlusion {
     /// blocks.
     n_open: Vec<u32>,
     n_columns: usize,
-    /// Pixels from a tile to the next.
-    step: u32,
+    /// The tiles, if they have borders.
+    with_borders: Option<TileGrid>,
 }
 
 /// What is to be seen of a part of the image.
@@ -38,7 +38,8 @@ impl Occlusion {
     /// Makes it that of an image, of whose `tiles`, row by row, none is as yet splatted on.
     pub(super) fn start(&mut self, grid: &TileGrid, tiles: &[Tile]) {
         let [n_columns, n_rows] = [grid.n_x, grid.n_y].map(|n| n * BLOCKS_ACROSS + 1);
-        (self.n_columns, self.step) = (n_columns, grid.step());
+        self.n_columns = n_columns;
+        self.with_borders = (0 < grid.border()).then_some(*grid);
         self.n_open.clear();
         self.n_open.resize(n_columns * n_rows, 0);
         self.note(tiles);
@@ -70,15 +71,21 @@ impl Occlusion {
         self.n_open.capacity() * size_of::<u32>()
     }
 
-    /// How much is to be seen of a rectangle of pixels, and the tiles that it lies on.
+    /// How much is to be seen of a rectangle of pixels.
     #[inline(always)]
-    pub(super) fn visibility(&self, pixels: &PixelRect, tiles: &TileRect) -> Visibility {
-        let block = |tile: u16, pixel: u32| {
-            let in_tile = pixel - u32::from(tile) * self.step;
-            usize::from(tile) * BLOCKS_ACROSS + in_tile as usize / BLOCK_SIDE
-        };
-        let first = [0, 1].map(|axis| block(tiles.min[axis], pixels.min[axis]));
-        let end = [0, 1].map(|axis| block(tiles.max[axis], pixels.end[axis] - 1) + 1);
+    pub(super) fn visibility(&self, pixels: &PixelRect) -> Visibility {
+        let (mut first, mut last) = (pixels.min, pixels.end.map(|end| end - 1));
+        // Pixels of borders are on two tiles, or four, and have a block on each.
+        if let Some(grid) = &self.with_borders {
+            let tiles = grid.tiles_of(pixels);
+            let twice = 2 * grid.border() as u32;
+            for axis in 0..2 {
+                first[axis] += u32::from(tiles.min[axis]) * twice;
+                last[axis] += u32::from(tiles.max[axis]) * twice;
+            }
+        }
+        let first = first.map(|pixel| pixel as usize / BLOCK_SIDE);
+        let end = last.map(|pixel| pixel as usize / BLOCK_SIDE + 1);
         let above = &self.n_open[first[1] * self.n_columns..];
         let within = &self.n_open[end[1] * self.n_columns..];
         let n_open = within[end[0]] - within[first[0]] - (above[end[0]] - above[first[0]]);
@@ -105,7 +112,7 @@ mod tests {
         occlusion.start(&grid, &tiles);
         let visibility = |occlusion: &Occlusion, min: [u32; 2], end: [u32; 2]| {
             let pixels = PixelRect { min, end };
-            occlusion.visibility(&pixels, &grid.tiles_of(&pixels))
+            occlusion.visibility(&pixels)
         };
         assert_eq!(visibility(&occlusion, [0; 2], [2100, 70]), Visibility::Full);
         assert_eq!(

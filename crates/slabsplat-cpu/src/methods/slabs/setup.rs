@@ -1,10 +1,10 @@
 //! All that is decided of a frame before its first voxel is looked at.
 
-use super::Stage;
 use super::classes::Classes;
 use super::slab_shapes::SlabShapes;
 use super::slab_view::SlabView;
 use super::span_finder::SpanFinder;
+use super::stage::Stage;
 use crate::footprints::polynomials::SectionPolynomials;
 use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};

@@ -1,0 +1,60 @@
+//! What a method says of a frame that goes through slabs: which voxels there are, what a sheet sums of each,
+//! and what becomes of a sheet.
+
+use crate::footprints::raster::Raster;
+use crate::pixels::sheet::Sheet;
+use crate::pixels::tile::Tile;
+use fearless_simd::{Level, Simd};
+use slabsplat_backend::FramePlan;
+use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
+
+/// What the stages of a frame that goes through slabs share.
+pub(in crate::methods) struct Stage<'a> {
+    pub(in crate::methods) plan: &'a FramePlan<'a>,
+    /// The instructions to be used.
+    pub(in crate::methods) level: Level,
+    pub(in crate::methods) raster: &'a Raster,
+    pub(in crate::methods) bricks: &'a BrickView,
+    pub(in crate::methods) voxels: &'a dyn Voxels,
+}
+
+/// The voxels that are splatted, and what a sheet sums of each.
+pub(in crate::methods) trait Voxels: Sync {
+    /// The bricks that hold any, in memory order.
+    fn bricks(&self) -> &[Brick];
+
+    /// The voxels of one of the bricks, in memory order; `room` may hold them.
+    fn records_of<'a>(&'a self, brick: &Brick, room: &'a mut Vec<VoxelRecord>)
+    -> &'a [VoxelRecord];
+
+    /// Writes what a sheet sums of some of them, at weight 1.
+    fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]);
+}
+
+/// What becomes of the sheets of a tile.
+pub(in crate::methods) trait Sheets: Sync {
+    /// What a tile retains from slab to slab.
+    type Retained: Default + Send;
+    /// What a thread needs beside.
+    type Scratch: Default + Send;
+
+    /// For how many slabs behind one its sheet is needed.
+    const N_BEHIND: usize;
+
+    /// Takes what a slab's sections sum to, and leaves the sheet empty.
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        slab: usize,
+        sheet: &mut Sheet,
+        tile: &mut Tile,
+        retained: &mut Self::Retained,
+        scratch: &mut Self::Scratch,
+    );
+
+    /// Frees what a tile retains, if it needs it no more.
+    fn release(&self, retained: &mut Self::Retained, scratch: &mut Self::Scratch);
+
+    /// Bytes that a thread's scratch holds.
+    fn scratch_bytes(scratch: &Self::Scratch) -> usize;
+}
