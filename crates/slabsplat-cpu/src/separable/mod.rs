@@ -1,7 +1,7 @@
 //! Separable footprints: a function of the column times one of the row, summed along rows last.
 //!
 //! All that there is to them is here: whoever deletes this folder, the arm that calls it in
-//! `methods/image_aligned/advance.rs`, and the class of voxels that may be drawn so, has a slower renderer
+//! `methods/slabs/advance.rs`, and the class of voxels that may be drawn so, has a slower renderer
 //! and, to within the tolerance, the same pictures.
 //!
 //! Reading order: `footprint`, `b_spline`, `shear`, `slab`, `sections`.

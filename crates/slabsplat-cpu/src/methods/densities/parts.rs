@@ -16,7 +16,7 @@ use super::rays::Rays;
 use crate::pixels::tile::Tile;
 use fearless_simd::Simd;
 use slabsplat_core::Compositing;
-use slabsplat_traverse::BlinnPhong8;
+use slabsplat_traverse::{BlinnPhong8, Light8};
 
 /// What lies between two sheets on the ray of a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,53 @@ pub(super) struct Slopes {
 /// A number for each of eight parts.
 type Eight = [f32; LANES];
 
+/// Slopes of eight parts, side by side.
+#[derive(Default)]
+struct EightSlopes {
+    start: [Eight; 3],
+    /// From the start to the end.
+    change: [Eight; 3],
+    /// Four times the bulge.
+    bulge: [Eight; 3],
+    /// The middle of what is seen of each, and how much of it is seen.
+    middle: Eight,
+    seen: Eight,
+    /// How the rays are slanted.
+    slant: [Eight; 2],
+}
+
+impl EightSlopes {
+    /// Sets those of one part, of which what is seen lies in the mean at `place`.
+    #[inline(always)]
+    fn set(&mut self, idx: usize, slopes: &Slopes, place: f32, [right, up]: [f32; 2]) {
+        for axis in 0..3 {
+            self.start[axis][idx] = slopes.start[axis];
+            self.change[axis][idx] = slopes.end[axis] - slopes.start[axis];
+            self.bulge[axis][idx] = 4.0 * slopes.bulge[axis];
+        }
+        self.middle[idx] = place;
+        // It lies evenly around its mean, as far as the part goes on both sides.
+        self.seen[idx] = 2.0 * place.min(1.0 - place);
+        (self.slant[0][idx], self.slant[1][idx]) = (right, up);
+    }
+
+    /// The slopes at a place of what is seen, counted from its middle.
+    #[inline(always)]
+    fn slopes_at(&self, at: f32) -> [Eight; 3] {
+        let mut slopes = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let place = self.middle[lane] + self.seen[lane] * at;
+            let curve = place * (1.0 - place);
+            for axis in 0..3 {
+                slopes[axis][lane] = self.start[axis][lane]
+                    + place * self.change[axis][lane]
+                    + curve * self.bulge[axis][lane];
+            }
+        }
+        slopes
+    }
+}
+
 /// Places of a part at which it is lit, counted from its middle: the middles of quarters.
 const LIT_AT: [f32; 4] = [-0.375, -0.125, 0.125, 0.375];
 
@@ -67,18 +114,18 @@ impl PartShader<'_> {
     pub(super) fn composite<S: Simd>(&self, simd: S, parts: &[Part], tile: &mut Tile) {
         simd.vectorize(
             #[inline(always)]
-            || self.composite_inlined(parts, tile),
+            || self.composite_inlined(simd, parts, tile),
         );
     }
 
     #[inline(always)]
-    fn composite_inlined(&self, parts: &[Part], tile: &mut Tile) {
+    fn composite_inlined<S: Simd>(&self, simd: S, parts: &[Part], tile: &mut Tile) {
         for parts in parts.chunks(LANES) {
             let mut means = [Mean::default(); LANES];
             for (mean, part) in means.iter_mut().zip(parts) {
                 *mean = self.integrals.mean(part.densities).unwrap_or_default();
             }
-            let [diffuse, specular] = self.light_on(parts, &means, tile);
+            let [diffuse, specular] = self.light_on(simd, parts, &means, tile);
             for (idx, (part, mean)) in parts.iter().zip(means).enumerate() {
                 if 0.0 < mean.weight {
                     let lit = |channel: f32| (channel * diffuse[idx] + specular[idx]).min(1.0);
@@ -99,41 +146,43 @@ impl PartShader<'_> {
 
     /// What parts' colours are multiplied with, and what is added to them.
     #[inline(always)]
-    fn light_on(&self, parts: &[Part], means: &[Mean; LANES], tile: &Tile) -> [Eight; 2] {
+    fn light_on<S: Simd>(
+        &self,
+        simd: S,
+        parts: &[Part],
+        means: &[Mean; LANES],
+        tile: &Tile,
+    ) -> [Eight; 2] {
         let Some(light) = &self.light else { return [[1.0; LANES], [0.0; LANES]] };
-        let (mut start, mut change, mut bulge) =
-            ([[0.0; LANES]; 3], [[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-        let (mut middle, mut seen, mut slant) = ([0.0; LANES], [0.0; LANES], [[0.0; LANES]; 2]);
+        let mut eight = EightSlopes::default();
         for (idx, (part, mean)) in parts.iter().zip(means).enumerate() {
-            let slopes = &part.slopes;
-            for axis in 0..3 {
-                start[axis][idx] = slopes.start[axis];
-                change[axis][idx] = slopes.end[axis] - slopes.start[axis];
-                bulge[axis][idx] = 4.0 * slopes.bulge[axis];
-            }
-            middle[idx] = mean.place;
-            // What is seen lies evenly around its mean, as far as the part goes on both sides.
-            seen[idx] = 2.0 * mean.place.min(1.0 - mean.place);
-            [slant[0][idx], slant[1][idx]] = self.slant(part.pixel, tile);
+            eight.set(idx, &part.slopes, mean.place, self.slant(part.pixel, tile));
         }
         let (mut diffuse, mut specular) = ([0.0; LANES], [0.0; LANES]);
         for at in LIT_AT {
-            let mut slopes = [[0.0; LANES]; 3];
-            for lane in 0..LANES {
-                let place = middle[lane] + seen[lane] * at;
-                let curve = place * (1.0 - place);
-                for axis in 0..3 {
-                    slopes[axis][lane] =
-                        start[axis][lane] + place * change[axis][lane] + curve * bulge[axis][lane];
-                }
-            }
-            let light = light.of_normals(&self.normals(&slopes, &slant));
+            let light = self.light_at(simd, light, &eight, at);
             for lane in 0..LANES {
                 diffuse[lane] += 0.25 * light.diffuse[lane];
                 specular[lane] += 0.25 * light.specular[lane];
             }
         }
         [diffuse, specular]
+    }
+
+    /// The light at one place of eight parts. A function of its own: four of them in one take long to
+    /// compile.
+    #[inline(never)]
+    fn light_at<S: Simd>(
+        &self,
+        simd: S,
+        light: &BlinnPhong8,
+        eight: &EightSlopes,
+        at: f32,
+    ) -> Light8 {
+        simd.vectorize(
+            #[inline(always)]
+            || light.of_normals(&self.normals(&eight.slopes_at(at), &eight.slant)),
+        )
     }
 
     /// `−∇d/max(|∇d|, faint)`, to the right, upwards and forward.
