@@ -77,17 +77,15 @@ impl EightSlopes {
     /// The slopes at a place of what is seen, counted from its middle.
     #[inline(always)]
     fn slopes_at(&self, at: f32) -> [Eight; 3] {
-        let mut slopes = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let place = self.middle[lane] + self.seen[lane] * at;
-            let curve = place * (1.0 - place);
-            for axis in 0..3 {
-                slopes[axis][lane] = self.start[axis][lane]
-                    + place * self.change[axis][lane]
-                    + curve * self.bulge[axis][lane];
-            }
-        }
-        slopes
+        let place: Eight = std::array::from_fn(|lane| self.middle[lane] + self.seen[lane] * at);
+        let of_axis = |axis: usize| -> Eight {
+            let (start, change, bulge) = (&self.start[axis], &self.change[axis], &self.bulge[axis]);
+            std::array::from_fn(|lane| {
+                let t = place[lane];
+                start[lane] + t * change[lane] + t * (1.0 - t) * bulge[lane]
+            })
+        };
+        [of_axis(0), of_axis(1), of_axis(2)]
     }
 }
 
