@@ -43,6 +43,37 @@ fn check_parity(zoom: f64) {
     println!("{n_scenes} scenes: at most {max:.1e}, {mean:.1e} on average");
 }
 
+/// A section may be another by an eighth of the tolerance, and a density is a mean of many. What an edge of the
+/// transfer function lies next to may go either way: one pixel in 500 may be off by more than the tolerance.
+#[test]
+fn tolerance_of_densities() {
+    let (mut n_changed, mut max, mut max_mean) = (0, 0.0_f32, 0.0_f64);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        for kind in SceneKind::share(seed).filter(|kind| kind.method == Method::PostClassified) {
+            let (volume, mut scene) = random_scene(&mut rng, &kind);
+            scene.camera = zoomed(&scene.camera, 2.0);
+            (scene.image.width, scene.image.height) = (70, 50);
+            let exact = render("cpu", &volume, &scene);
+            let tolerance = RenderSettings::default().tolerance;
+            scene.settings.tolerance = tolerance;
+            let by_default = render("cpu", &volume, &scene);
+            let (difference, mean) =
+                (by_default.max_difference(&exact), by_default.mean_difference(&exact));
+            let is_off = |(a, b): &(&[f32; 4], &[f32; 4])| {
+                (0..4).any(|channel| tolerance < f64::from((a[channel] - b[channel]).abs()))
+            };
+            let n_off = by_default.pixels().iter().zip(exact.pixels()).filter(is_off).count();
+            let what = format!("{kind:?}, w {}", scene.settings.slab_width);
+            assert!(n_off <= exact.pixels().len() / 500, "{n_off} pixels: {what}");
+            assert!(mean < 0.1 * tolerance, "{mean}: {what}");
+            n_changed += u32::from(0.0 < difference);
+            (max, max_mean) = (max.max(difference), max_mean.max(mean));
+        }
+    });
+    println!("{n_changed} pictures changed, by at most {max:.1e}, {max_mean:.1e} on average");
+    assert!(0 < n_changed);
+}
+
 fn zoomed(camera: &Camera, zoom: f64) -> Camera {
     let projection = match camera.projection() {
         Projection::Orthographic { view_height } => {

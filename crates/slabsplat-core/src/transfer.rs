@@ -147,6 +147,12 @@ impl TransferFunction {
         &self.color
     }
 
+    /// The values at which either function has a point; those of opacity first.
+    pub fn positions(&self) -> impl Iterator<Item = f64> + '_ {
+        let opacities = self.opacity.points.iter().map(|point| point.0);
+        opacities.chain(self.color.points.iter().map(|point| point.0))
+    }
+
     /// Opacity per `unit` at `value`, 0 … 1.
     pub fn opacity(&self, value: f64) -> f64 {
         self.opacity.at(value)[0]

@@ -93,6 +93,8 @@ mod tests {
         assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
         assert_eq!(budget.separable(), 0.005);
         assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
+        let separate = settings.clone().compositing(Compositing::Separate);
+        assert_eq!(ErrorBudget::of_densities(&separate), budget, "they are means");
         for settings in [
             settings.clone().method(Method::AxisAligned),
             settings.clone().compositing(Compositing::Separate),

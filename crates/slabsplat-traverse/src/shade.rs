@@ -64,11 +64,8 @@ impl<'a> VoxelLighting<'a> {
         records: &[VoxelRecord],
         colors: &mut [[f32; 4]],
     ) {
-        let [n_x, n_y, _] = self.grid.dims();
-        let start = self.grid.voxel_idx(self.grid.origin(brick.brick_idx));
-        for (color, record) in colors.iter_mut().zip(records) {
-            let [x, y, z] = record.coords_in_brick();
-            *color = self.classification.of(samples[start + (z * n_y + y) * n_x + x]);
+        for (color, idx) in colors.iter_mut().zip(self.grid.voxel_indices(brick, records)) {
+            *color = self.classification.of(samples[idx]);
         }
     }
 }

@@ -41,11 +41,9 @@ const N_NODES: usize = 24;
 
 /// The pieces between the points of the transfer function, as places on the part.
 fn pieces(transfer: &TransferFunction, [start, end]: [f64; 2]) -> Vec<[f64; 2]> {
-    let opacities = transfer.opacity_points().points().iter().map(|point| point.0);
-    let colors = transfer.color_points().points().iter().map(|point| point.0);
     let place = |density: f64| (density - start) / (end - start);
     let mut places: Vec<f64> =
-        opacities.chain(colors).map(place).filter(|place| 0.0 < *place && *place < 1.0).collect();
+        transfer.positions().map(place).filter(|place| 0.0 < *place && *place < 1.0).collect();
     places.extend([0.0, 1.0]);
     places.sort_by(f64::total_cmp);
     places.windows(2).map(|pair| [pair[0], pair[1]]).collect()

@@ -199,10 +199,8 @@ impl<'a> Frame<'a> {
 /// transfer function's points.
 fn voxels(volume: &Volume, scene: &Scene, view: &View, finite: [f64; 2]) -> Vec<Voxel> {
     let grid = volume.grid();
-    let opacities = scene.transfer.opacity_points().points().iter().map(|p| p.0);
-    let colors = scene.transfer.color_points().points().iter().map(|p| p.0);
-    let [lo, hi] =
-        ends(finite.into_iter().filter(|v| v.is_finite()).chain(opacities).chain(colors));
+    let of_values = finite.into_iter().filter(|v| v.is_finite());
+    let [lo, hi] = ends(of_values.chain(scene.transfer.positions()));
     let voxel = |voxel_idx: usize| {
         let center = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
         let center_in_view = view.view_from_world(grid.world_from_index().transform_point3(center));

@@ -127,7 +127,34 @@ pub(crate) fn nine<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 9], x: V)
     V::splat(simd, c8).mul_add(x4, high).mul_add(x4, low)
 }
 
-/// Sections that are read from the table, for every pixel by itself: no polynomials may be good enough.
+/// Weights that are found for every pixel by itself.
+pub(crate) trait WeighPixel {
+    /// The weight of a pixel that far to the right of the centre, and below it.
+    fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32;
+}
+
+/// Whatever weighs pixels weighs rows of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelByPixel<W>(pub(crate) W);
+
+impl<S: Simd, W: WeighPixel> Weigh<S> for PixelByPixel<W> {
+    /// Pixels right of the centre.
+    #[inline(always)]
+    fn columns<V: Lanes<S>>(&self, simd: S, _: &PixelShape, left: f32) -> V {
+        V::from_slice(simd, &CENTERS[..V::LEN]) + left
+    }
+
+    #[inline(always)]
+    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
+        let mut weights = [0.0; MAX_LANES];
+        for (weight, &dx) in weights.iter_mut().zip(columns.as_slice()) {
+            *weight = self.0.at(shape, dx, dy);
+        }
+        V::from_slice(simd, &weights[..V::LEN])
+    }
+}
+
+/// Sections that are read from the table: no polynomials may be good enough.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ByTable<'a> {
     pub(crate) table: &'a SectionTable,
@@ -139,24 +166,7 @@ pub(crate) struct ByTable<'a> {
     pub(crate) edge: f32,
 }
 
-impl<S: Simd> Weigh<S> for ByTable<'_> {
-    /// Pixels right of the centre.
-    #[inline(always)]
-    fn columns<V: Lanes<S>>(&self, simd: S, _: &PixelShape, left: f32) -> V {
-        V::from_slice(simd, &CENTERS[..V::LEN]) + left
-    }
-
-    #[inline(always)]
-    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
-        let mut weights = [0.0; MAX_LANES];
-        for (weight, &dx) in weights.iter_mut().zip(columns.as_slice()) {
-            *weight = self.at(shape, dx, dy);
-        }
-        V::from_slice(simd, &weights[..V::LEN])
-    }
-}
-
-impl ByTable<'_> {
+impl WeighPixel for ByTable<'_> {
     #[inline(always)]
     fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {
         let u = dx + shape.lean * dy;
@@ -181,24 +191,7 @@ pub(crate) struct ByCubicTable<'a> {
     pub(crate) faces: [f32; 2],
 }
 
-impl<S: Simd> Weigh<S> for ByCubicTable<'_> {
-    /// Pixels right of the centre.
-    #[inline(always)]
-    fn columns<V: Lanes<S>>(&self, simd: S, _: &PixelShape, left: f32) -> V {
-        V::from_slice(simd, &CENTERS[..V::LEN]) + left
-    }
-
-    #[inline(always)]
-    fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
-        let mut weights = [0.0; MAX_LANES];
-        for (weight, &dx) in weights.iter_mut().zip(columns.as_slice()) {
-            *weight = self.at(shape, dx, dy);
-        }
-        V::from_slice(simd, &weights[..V::LEN])
-    }
-}
-
-impl ByCubicTable<'_> {
+impl WeighPixel for ByCubicTable<'_> {
     /// Out of line: it is called for a pixel at a time, and is no part of a loop over vectors.
     #[inline(never)]
     fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {

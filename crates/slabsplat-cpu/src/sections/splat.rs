@@ -13,7 +13,7 @@ use super::cut::{SlabCut, Voxels, bits};
 use super::shared::{Kind, Sections};
 use crate::footprints::splat::{AnyPolynomial, Footprint, splat_outlined};
 use crate::footprints::tilted::Tilted;
-use crate::footprints::weights::{ByCubicTable, ByTable};
+use crate::footprints::weights::{ByCubicTable, ByTable, PixelByPixel};
 use crate::pixels::rectangle::PixelBox;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
@@ -93,12 +93,24 @@ impl SlabCut<'_> {
             Kind::ByTable => {
                 let (table, radius) = (fitted.table, raster.radius);
                 let by_table = ByTable { table, radius, faces: *faces, edge: *edge };
-                return splat_outlined(simd, sheet, &self.shape, footprint, &by_table);
+                return splat_outlined(
+                    simd,
+                    sheet,
+                    &self.shape,
+                    footprint,
+                    &PixelByPixel(by_table),
+                );
             }
             Kind::ByCubicTable => {
                 let Some(table) = self.sections.cubic else { return };
                 let by_table = ByCubicTable { table, radius: raster.radius, faces: *faces };
-                return splat_outlined(simd, sheet, &self.shape, footprint, &by_table);
+                return splat_outlined(
+                    simd,
+                    sheet,
+                    &self.shape,
+                    footprint,
+                    &PixelByPixel(by_table),
+                );
             }
             Kind::Tilted => {
                 let Some(sections) = self.sections.tilted else { return };

@@ -271,9 +271,7 @@ fn cubic(values: [f64; 4]) -> [f64; 4] {
 
 /// The points of both functions, scaled, and both ends; rising, none twice.
 fn points(transfer: &TransferFunction, scale: &ValueScale) -> Vec<f64> {
-    let opacities = transfer.opacity_points().points().iter().map(|point| point.0);
-    let colors = transfer.color_points().points().iter().map(|point| point.0);
-    let scaled = opacities.chain(colors).map(|value| scale.unclamped(value));
+    let scaled = transfer.positions().map(|value| scale.unclamped(value));
     let mut points: Vec<f64> = scaled.filter(|point| point.abs() < END).collect();
     points.extend([-END, END]);
     points.sort_by(f64::total_cmp);

@@ -18,7 +18,7 @@ pub(super) struct ValueScale {
 impl ValueScale {
     /// The scale for values of the range `finite`, if there are any, under `transfer`.
     pub(super) fn new(finite: Option<[f64; 2]>, transfer: &TransferFunction) -> Self {
-        let [first, last] = positions(transfer);
+        let [first, last] = ends(transfer);
         let half_middle = 0.25 * first + 0.25 * last;
         let [lo, hi] = finite.unwrap_or([first, last]);
         let ends = [lo.min(first), hi.max(last)];
@@ -57,12 +57,9 @@ impl ValueScale {
 }
 
 /// The first and the last point of either function.
-fn positions(transfer: &TransferFunction) -> [f64; 2] {
-    let opacities = transfer.opacity_points().points().iter().map(|point| point.0);
-    let colors = transfer.color_points().points().iter().map(|point| point.0);
-    opacities
-        .chain(colors)
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
+fn ends(transfer: &TransferFunction) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    transfer.positions().fold(none, |[lo, hi], x| [lo.min(x), hi.max(x)])
 }
 
 /// The least and the largest finite value; `None` if there is none.

@@ -15,7 +15,7 @@ pub(super) struct Selected<'a> {
     grid: BrickGrid,
 }
 
-/// Where a voxel's color has its value, and where its weight.
+/// Where a voxel's colour has its value, and where its weight.
 pub(super) const VALUE: usize = 0;
 pub(super) const WEIGHT: usize = 3;
 
@@ -31,12 +31,8 @@ impl<'a> Selected<'a> {
         records: &[VoxelRecord],
         colors: &mut [[f32; 4]],
     ) {
-        let [n_x, n_y, _] = self.grid.dims();
-        let start = self.grid.voxel_idx(self.grid.origin(brick.brick_idx));
-        for (color, record) in colors.iter_mut().zip(records) {
-            let [x, y, z] = record.coords_in_brick();
-            let sample = samples[start + (z * n_y + y) * n_x + x];
-            let value = self.volume.scaling().apply(sample.to_f64());
+        for (color, idx) in colors.iter_mut().zip(self.grid.voxel_indices(brick, records)) {
+            let value = self.volume.scaling().apply(samples[idx].to_f64());
             *color = [0.0; 4];
             color[VALUE] = self.scale.scaled(value);
             color[WEIGHT] = 1.0;
