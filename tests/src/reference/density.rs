@@ -10,7 +10,7 @@ use super::{
 };
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Normalization, Scene, Volume};
+use slabsplat_core::{Compositing, Normalization, Scene, Volume};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
@@ -174,11 +174,17 @@ impl<'a> Frame<'a> {
         };
         // What is seen lies evenly around its mean, as far as the part goes on both sides.
         let seen = 2.0 * part.place.min(1.0 - part.place);
-        let normals = LIT_AT.map(|from_mean| {
-            let gradient = self.gradient(at, between.slopes(part.place + seen * from_mean));
-            -gradient / gradient.length().max(self.faint_gradient)
+        // What goes through the quarters before counts, where what a sheet sums hides any of itself.
+        let through = match settings.compositing {
+            Compositing::Extinction => (-0.25 * between.length * part.weight).exp(),
+            Compositing::Separate | Compositing::Associated => 1.0,
+        };
+        let quarters = [0, 1, 2, 3].map(|quarter| {
+            let gradient = self.gradient(at, between.slopes(part.place + seen * LIT_AT[quarter]));
+            let normal = -gradient / gradient.length().max(self.faint_gradient);
+            (normal, through.powi(quarter as i32))
         });
-        let color = shaded_by_normals(shading, part.color, &normals, self.view.axes.forward);
+        let color = shaded_by_normals(shading, part.color, &quarters, self.view.axes.forward);
         sums.add_weighted(between.length, part.weight, color);
         sums.finish()
     }

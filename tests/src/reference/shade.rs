@@ -12,22 +12,28 @@ pub fn shaded_color(
     forward: DVec3,
 ) -> [f64; 3] {
     let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
-    shaded_by_normals(shading, color, &[normal], forward)
+    shaded_by_normals(shading, color, &[(normal, 1.0)], forward)
 }
 
-/// The same with the mean light of some normals, of length 1, or shorter where there is less of a surface.
+/// The same with the mean light of some normals, of length 1, or shorter where there is less of a surface, by
+/// their weights.
 pub fn shaded_by_normals(
     shading: &Shading,
     color: [f64; 3],
-    normals: &[DVec3],
+    normals: &[(DVec3, f64)],
     forward: DVec3,
 ) -> [f64; 3] {
     let Shading::Phong(phong) = shading else {
         return color;
     };
-    let terms = normals.iter().map(|&normal| lamp_terms(phong, normal, forward));
-    let (diffuse, specular) = terms.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
-    let [diffuse, specular] = [diffuse, specular].map(|sum| sum / normals.len() as f64);
+    let (mut diffuse, mut specular, mut weights) = (0.0, 0.0, 0.0);
+    for &(normal, weight) in normals {
+        let (of_diffuse, of_specular) = lamp_terms(phong, normal, forward);
+        diffuse += weight * of_diffuse;
+        specular += weight * of_specular;
+        weights += weight;
+    }
+    let [diffuse, specular] = [diffuse, specular].map(|sum| sum / weights);
     color.map(|c| (c * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0))
 }
 

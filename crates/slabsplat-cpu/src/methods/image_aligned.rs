@@ -68,6 +68,7 @@ impl Sheets for Composited {
     type Retained = ();
     type Scratch = ();
 
+    const AT_ONCE: usize = 1;
     const N_BEHIND: usize = 0;
 
     #[inline(always)]

@@ -56,11 +56,9 @@ impl Blocks {
         self.0 |= other.0;
     }
 
-    /// Adds the block of a pixel.
     #[inline(always)]
-    pub(crate) fn add_of(&mut self, [column, row]: [u8; 2]) {
-        self.0 |=
-            1 << (usize::from(row) / BLOCK_SIDE * BLOCKS_ACROSS + usize::from(column) / BLOCK_SIDE);
+    pub(crate) fn add_one(&mut self, [column, row]: [usize; 2]) {
+        self.0 |= 1 << (row * BLOCKS_ACROSS + column);
     }
 
     #[inline(always)]
@@ -113,7 +111,7 @@ mod tests {
     fn neighbors_of_blocks_share_a_side() {
         for [column, row] in [[0, 0], [7, 0], [0, 7], [7, 7], [3, 4]] {
             let mut block = Blocks::NONE;
-            block.add_of([column as u8 * 4 + 3, row as u8 * 4]);
+            block.add_one([column, row]);
             let with_neighbors: Vec<[usize; 2]> = block.with_neighbors().iter().collect();
             let is_near =
                 |other: &[usize; 2]| other[0].abs_diff(column) + other[1].abs_diff(row) < 2;

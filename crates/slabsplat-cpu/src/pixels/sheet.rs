@@ -1,6 +1,6 @@
 //! A sheet over one tile: the sums of model §3.
 
-use super::blocks::Blocks;
+use super::blocks::{BLOCK_SIDE, Blocks};
 use super::quad::{QUAD, Quad};
 use super::rectangle::TILE_SIDE;
 use std::ops::Range;
@@ -27,6 +27,16 @@ impl Default for Sheet {
 
 impl Sheet {
     pub(crate) const BYTES: usize = size_of::<Pixels>();
+
+    /// Empties it.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self) {
+        for [column, row] in std::mem::take(&mut self.touched).iter() {
+            for row in &mut self.sums[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE] {
+                row[column] = Quad::ZERO;
+            }
+        }
+    }
 
     /// Rows, to be added to; what that touches must be added to `touched`.
     #[inline(always)]

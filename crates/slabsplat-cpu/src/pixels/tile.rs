@@ -142,21 +142,8 @@ impl Tile {
         self.open.iter().for_each(|block| self.close_if_saturated(block, cutoff));
     }
 
-    /// Puts premultiplied colour and opacity behind what a pixel holds: `C ← C + (1 − A)·c`, `A ← A + (1 −
-    /// A)·a`.
-    #[inline]
-    pub(crate) fn put_pixel_behind(&mut self, [column, row]: [usize; 2], behind: [f32; 4]) {
-        let quad = &mut self.pixels[row][column / QUAD];
-        let mut pixel = quad.pixel(column % QUAD);
-        let through = 1.0 - pixel[3];
-        for (channel, behind) in pixel.iter_mut().zip(behind) {
-            *channel += through * behind;
-        }
-        quad.set_pixel(column % QUAD, pixel);
-    }
-
     /// Closes a block if all its pixels are at least as opaque as `cutoff`.
-    pub(crate) fn close_if_saturated(&mut self, [column, row]: [usize; 2], cutoff: f32) {
+    fn close_if_saturated(&mut self, [column, row]: [usize; 2], cutoff: f32) {
         let mut rows = self.pixels[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE].iter();
         if rows.all(|row| row[column].opacities().iter().all(|opacity| cutoff <= *opacity)) {
             self.close([column, row]);

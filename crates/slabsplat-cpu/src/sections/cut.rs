@@ -16,6 +16,8 @@ pub(crate) struct SlabCut<'a> {
     pub(crate) slab: usize,
     /// The footprint of its sections.
     pub(crate) shape: PixelShape,
+    /// What voxels' colours are multiplied with: 1, or 0 in channels that have the sums of another slab.
+    pub(crate) channels: [f32; 4],
     /// Depths of its faces.
     pub(crate) faces: [f32; 2],
 }

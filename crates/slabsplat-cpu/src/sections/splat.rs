@@ -70,7 +70,8 @@ impl SlabCut<'_> {
         voxel_color: [f32; 4],
     ) -> Section {
         let mut color = [0.0; 4];
-        (f32x4::from_slice(simd, &voxel_color) * self.shape.gain).store_slice(&mut color);
+        let gains = f32x4::from_slice(simd, &self.channels) * self.shape.gain;
+        (f32x4::from_slice(simd, &voxel_color) * gains).store_slice(&mut color);
         let center = [batch.centers[0][idx], batch.centers[1][idx]];
         Section {
             footprint: Footprint { center, pixels, color },

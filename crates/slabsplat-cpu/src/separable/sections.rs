@@ -27,7 +27,7 @@ use crate::pixels::tile::Tile;
 use crate::sections::cut::{Components, Cuts, SlabCut, Voxels, bits};
 use crate::sections::shared::{Kind, Sections};
 use crate::voxels::by_sheet::N_AT_ONCE;
-use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, mask32x8, prelude::*};
 use slabsplat_backend::{ByIdentity, Cached};
 use slabsplat_kernel::{ErrorBudget, SectionTable, SeparableSections, SeparableShapes};
 use std::sync::Arc;
@@ -49,8 +49,8 @@ pub(crate) struct AsSeparable<'a> {
 /// Footprints of no more pixels from left to right lie on three quads, three times in four or more often.
 const WIDEST_OF_THREE: f32 = 10.0;
 
-/// What eight voxels have in a slab.
-struct SeparableBatch {
+/// What eight voxels have in so many slabs.
+struct SeparableBatch<const N_SLABS: usize> {
     /// Which of them are drawn, a bit each.
     drawn: u64,
     /// Centres, in columns of coefficients.
@@ -63,6 +63,29 @@ struct SeparableBatch {
     first_rows: [u32; N_AT_ONCE],
     /// How much each row of coefficients takes.
     weights: [[f32; N_AT_ONCE]; N_TOUCHED],
+    /// How much of them lies in each slab.
+    factors: [[f32; N_AT_ONCE]; N_SLABS],
+}
+
+impl<const N_SLABS: usize> SeparableBatch<N_SLABS> {
+    /// What a sheet sums of one of the voxels.
+    #[inline(always)]
+    fn color<S: Simd>(
+        &self,
+        simd: S,
+        idx: usize,
+        slabs: &[SlabCut<'_>; N_SLABS],
+        voxel: &[f32; 4],
+    ) -> [f32; 4] {
+        let mut factors = f32x4::splat(simd, 0.0);
+        for (of_slab, slab) in self.factors.iter().zip(slabs) {
+            let channels = f32x4::from_slice(simd, &slab.channels);
+            // Rows have the factor of a single slab.
+            let factor = if N_SLABS == 1 { 1.0 } else { of_slab[idx] };
+            factors = channels.mul_add(f32x4::splat(simd, factor), factors);
+        }
+        (f32x4::from_slice(simd, voxel) * factors).into()
+    }
 }
 
 impl SeparableTables {
@@ -91,33 +114,34 @@ impl AsSeparable<'_> {
         std::ptr::eq(self.slab, other.slab)
     }
 
-    /// Adds the sections of voxels to the coefficients.
+    /// Adds the sections of voxels in a slab to the coefficients, or those in slabs that follow each other and
+    /// cut sections of one shape with their middles at one place.
     #[inline(always)]
-    pub(crate) fn add_sections<S: Simd>(
+    pub(crate) fn add_sections<S: Simd, const N_SLABS: usize>(
         self,
         simd: S,
-        (slab, kind): (&SlabCut<'_>, Kind),
+        (slabs, kind): (&[SlabCut<'_>; N_SLABS], Kind),
         voxels: Voxels<'_>,
         tile: &mut Tile,
         (sheet, coefficients): (&mut Sheet, &mut Coefficients),
     ) {
-        let width = 2.0 * slab.sections.raster.radius * self.slab.half_width;
-        let (slab, onto) = ((slab, kind), (sheet, coefficients));
+        let width = 2.0 * slabs[0].sections.raster.radius * self.slab.half_width;
+        let (slabs, onto) = ((slabs, kind), (sheet, coefficients));
         if self.slab.is_sheared {
-            self.add_in_windows::<S, 4, { shear::WIDTH }>(simd, slab, voxels, tile, onto);
+            self.add_in_windows::<S, N_SLABS, 4, { shear::WIDTH }>(simd, slabs, voxels, tile, onto);
         } else if width <= WIDEST_OF_THREE {
-            self.add_in_windows::<S, 3, BLOCKS_ACROSS>(simd, slab, voxels, tile, onto);
+            self.add_in_windows::<S, N_SLABS, 3, BLOCKS_ACROSS>(simd, slabs, voxels, tile, onto);
         } else {
-            self.add_in_windows::<S, 4, BLOCKS_ACROSS>(simd, slab, voxels, tile, onto);
+            self.add_in_windows::<S, N_SLABS, 4, BLOCKS_ACROSS>(simd, slabs, voxels, tile, onto);
         }
     }
 
     /// The same, `WINDOW` quads at once, of `WIDTH` in a row of coefficients.
     #[inline(always)]
-    fn add_in_windows<S: Simd, const WINDOW: usize, const WIDTH: usize>(
+    fn add_in_windows<S: Simd, const N_SLABS: usize, const WINDOW: usize, const WIDTH: usize>(
         self,
         simd: S,
-        (slab, kind): (&SlabCut<'_>, Kind),
+        (slabs, kind): (&[SlabCut<'_>; N_SLABS], Kind),
         voxels: Voxels<'_>,
         tile: &mut Tile,
         (sheet, coefficients): (&mut Sheet, &mut Coefficients),
@@ -126,7 +150,7 @@ impl AsSeparable<'_> {
         let profile = Polynomial::<8, false> { coefficients: profile, edge: 1.0, faces: [0.0; 2] };
         let (rows, touched) = coefficients.rows_mut();
         for first in (0..voxels.len).step_by(N_AT_ONCE) {
-            let batch = self.prepare(simd, (slab, kind), voxels, first, tile);
+            let batch = self.prepare(simd, (slabs, kind), voxels, first, tile);
             for idx in bits(batch.drawn) {
                 let [left, top, right, bottom] = batch.pixels.each_ref().map(|p| p[idx] as u8);
                 let pixels = PixelBox { min: [left, top], end: [right, bottom] };
@@ -137,7 +161,7 @@ impl AsSeparable<'_> {
                     columns: batch.columns.each_ref().map(|columns| columns[idx] as u8),
                     first_row: batch.first_rows[idx] as usize,
                     weights: batch.weights.each_ref().map(|weights| weights[idx]),
-                    color: voxels.voxel(first + idx).color,
+                    color: batch.color(simd, idx, slabs, &voxels.voxel(first + idx).color),
                 };
                 let shape = &self.slab.shape;
                 footprint.add_to::<S, WINDOW, WIDTH>(simd, (rows, touched), shape, &profile);
@@ -146,30 +170,39 @@ impl AsSeparable<'_> {
     }
 
     #[inline(always)]
-    fn prepare<S: Simd>(
+    fn prepare<S: Simd, const N_SLABS: usize>(
         self,
         simd: S,
-        (slab, kind): (&SlabCut<'_>, Kind),
+        (slabs, kind): (&[SlabCut<'_>; N_SLABS], Kind),
         run: Voxels<'_>,
         first: usize,
         tile: &Tile,
-    ) -> SeparableBatch {
+    ) -> SeparableBatch<N_SLABS> {
+        let slab = &slabs[0];
         let SeparableSlab { shape, half_width, ref spline, is_sheared } = *self.slab;
         let radius = slab.sections.raster.radius;
         let voxels = Components::of(simd, run.at_once(first));
         let mut drawn = u64::MAX >> (64 - (run.len - first).min(N_AT_ONCE));
         let [mut x, mut y] = slab.centers_of(simd, &voxels, tile);
-        let factors = if kind == Kind::Whole {
-            f32x8::splat(simd, self.sections.whole())
-        } else {
-            let cuts = slab.cuts_of(simd, &voxels);
-            let Factors { factors, middles, is_cut } = self.factors_of(simd, slab, &cuts);
-            drawn &= (cuts.is_drawn & is_cut).to_bitmask();
-            let [right, down] = self.drift;
-            x = middles.mul_add(f32x8::splat(simd, right), x);
-            y = middles.mul_add(f32x8::splat(simd, down), y);
-            factors
-        };
+        let mut factors = [f32x8::splat(simd, self.sections.whole()); N_SLABS];
+        if kind != Kind::Whole {
+            let mut are_cut = 0;
+            for (factors, slab) in factors.iter_mut().zip(slabs) {
+                let cuts = slab.cuts_of(simd, &voxels);
+                let of_slab = self.factors_of(simd, slab, &cuts);
+                let is_drawn = cuts.is_drawn & of_slab.is_cut;
+                are_cut |= is_drawn.to_bitmask();
+                *factors = of_slab.factors;
+                if N_SLABS == 1 {
+                    let [right, down] = self.drift;
+                    x = of_slab.middles.mul_add(f32x8::splat(simd, right), x);
+                    y = of_slab.middles.mul_add(f32x8::splat(simd, down), y);
+                } else {
+                    *factors = is_drawn.select(*factors, f32x8::splat(simd, 0.0));
+                }
+            }
+            drawn &= are_cut;
+        }
         let mut pixels = [[0; N_AT_ONCE]; 4];
         for (axis, center) in [x, y].into_iter().enumerate() {
             let half = radius * shape.half_extent[axis] + MARGIN;
@@ -187,8 +220,12 @@ impl AsSeparable<'_> {
             column(simd, x - half, n_columns).store_slice(&mut columns[0]);
             column(simd, x + half, n_columns).store_slice(&mut columns[1]);
         }
-        let (first_rows, weights) = spline.touched(simd, y, factors * shape.gain);
-        SeparableBatch { drawn, centers: x.into(), pixels, columns, first_rows, weights }
+        // Of one slab the rows' weights have the factors, of more their channels have them.
+        let gain = f32x8::splat(simd, shape.gain);
+        let of_rows = if N_SLABS == 1 { factors[0] * gain } else { gain };
+        let (first_rows, weights) = spline.touched(simd, y, of_rows);
+        let factors = factors.map(Into::into);
+        SeparableBatch { drawn, centers: x.into(), pixels, columns, first_rows, weights, factors }
     }
 
     /// How much of eight voxels' extinction lies in the slab, and how far behind them it lies in the mean.

@@ -1,17 +1,16 @@
 //! From the sheets of a tile to its pixels: classification between them, light, compositing.
 
 use super::integrals::Integrals;
-use super::nodes::{AtNodes, LANES, N_NODES, OnPart, Rays8};
-use super::parts::{Part, PartShader, Slopes};
+use super::nodes::{AtNodes, LANES, N_NODES, OnPart, Parts, Rays8};
+use super::parts::PartShader;
 use super::rays::Rays;
-use super::sheets::{DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
+use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
 use crate::methods::slabs::Sheets;
-use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS, Blocks};
+use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::pixels::quad::QUAD;
 use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
-use crate::sections::cut::bits;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use slabsplat_backend::{FramePlan, Slabs};
 use slabsplat_core::{SlabGrid, View};
@@ -30,14 +29,8 @@ pub(super) struct Classifier<'a> {
     limits: Limits,
 }
 
-/// What a thread needs.
-#[derive(Debug, Default)]
-pub(super) struct Scratch {
-    /// Of one slab.
-    parts: Vec<Part>,
-    /// Those that no tile has.
-    rings: Vec<Box<Ring>>,
-}
+/// Rings that no tile has.
+pub(super) type Scratch = Vec<Box<Ring>>;
 
 /// What a frame's values are like, scaled.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +40,9 @@ pub(super) struct ScaledValues {
     /// Between these all of them lie.
     pub(super) ends: [f32; 2],
 }
+
+/// Blocks that eight pixels on end lie in.
+const BLOCKS_PER_GROUP: usize = LANES / BLOCK_SIDE;
 
 /// Less of a ray, in `unit`s, may be what separable footprints miss.
 const LEAST_LENGTH: f32 = 1e-3;
@@ -83,19 +79,20 @@ impl<'a> Classifier<'a> {
         }
     }
 
-    /// Classifies what lies between the two sheets in the middle, if `last` is the slab of the last one.
+    /// Classifies what lies between the two sheets in the middle, if `last` is the slab of the last one, and
+    /// puts it behind what the tile holds. `sums` is empty.
     #[inline(never)]
     fn classify<S: Simd>(
         &self,
         simd: S,
         last: usize,
         ring: &Ring,
+        sums: &mut Sheet,
         tile: &mut Tile,
-        parts: &mut Vec<Part>,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.classify_inlined(simd, last, ring, tile, parts),
+            || self.classify_inlined(simd, last, ring, sums, tile),
         );
     }
 
@@ -105,80 +102,86 @@ impl<'a> Classifier<'a> {
         simd: S,
         last: usize,
         ring: &Ring,
+        sums: &mut Sheet,
         tile: &mut Tile,
-        parts: &mut Vec<Part>,
     ) {
         let sheets = ring.up_to(last);
         let mut blocks = sheets[N_BESIDE].held();
         blocks.add(sheets[N_BESIDE + 1].held());
         let blocks = blocks.and(tile.open);
         let pixels = self.pixel_sizes(last);
-        parts.clear();
         for block_row in 0..BLOCKS_ACROSS {
             let columns = blocks.row(block_row);
             for group in 0..TILE_SIDE / LANES {
                 // A bit for each of the group's two blocks.
-                let of_group = columns >> (group * LANES / BLOCK_SIDE) & 0b11;
+                let of_group = columns >> (group * BLOCKS_PER_GROUP) & 0b11;
                 if of_group == 0 {
                     continue;
                 }
                 for row in block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE {
                     let open = open_lanes(tile, row, group, of_group);
                     if open != 0 {
-                        self.eight(simd, &sheets, [row, group * LANES], open, &pixels, parts);
+                        let parts = self.parts(simd, &sheets, [row, group * LANES], open, &pixels);
+                        if let Some(parts) = parts {
+                            self.sum(simd, &parts, [row, group], tile.origin, sums);
+                        }
                     }
                 }
             }
         }
-        self.shader.composite(simd, parts, tile);
-        for block in touched_by(parts).iter() {
-            tile.close_if_saturated(block, self.cutoff);
-        }
+        tile.put_behind(simd, self.shader.compositing, sums, self.cutoff);
     }
 
-    /// Adds the parts of eight pixels on end that may be seen, as far as they are open, a bit each.
+    /// The parts of eight pixels on end, as far as they are open, a bit each; `None` if nothing of them may
+    /// be seen.
     #[inline(always)]
-    fn eight<S: Simd>(
+    fn parts<S: Simd>(
         &self,
         simd: S,
         sheets: &[&DensitySheet; N_SHEETS],
         [row, column]: [usize; 2],
         open: u64,
         pixels: &[f32; N_SHEETS],
-        parts: &mut Vec<Part>,
-    ) {
+    ) -> Option<Parts<S>> {
         let rays = Rays8::of(simd, sheets, row, column);
-        let (length, densities) = (rays.length(), rays.densities());
-        let is_there = length.simd_gt(f32x8::splat(simd, 0.0)).to_bitmask();
+        let (lengths, densities) = (rays.length(), rays.densities());
+        let zero = f32x8::splat(simd, 0.0);
+        let is_there = lengths.simd_gt(zero).to_bitmask();
         let seen = self.may_show(simd, densities) & is_there & open;
         if seen == 0 {
-            return;
+            return None;
         }
         let slopes = if self.shader.light.is_some() {
             rays.slopes(simd, sheets, [row, column], pixels)
         } else {
-            let zero = f32x8::splat(simd, 0.0);
             [OnPart { ends: [zero; N_NODES], bulge: zero }; 3]
         };
-        let lengths: [f32; LANES] = length.into();
-        let densities = arrays(densities);
-        let [starts, ends, bulges] = [0, 1, 2].map(|idx| {
-            slopes.map(|slope| -> [f32; LANES] {
-                [slope.ends[0], slope.ends[1], slope.bulge][idx].into()
-            })
-        });
-        for lane in bits(seen) {
-            let of_lane = |slopes: &[[f32; LANES]; 3]| slopes.map(|slope| slope[lane]);
-            parts.push(Part {
-                pixel: [(column + lane) as u8, row as u8],
-                length: lengths[lane],
-                densities: [densities[0][lane], densities[1][lane]],
-                slopes: Slopes {
-                    start: of_lane(&starts),
-                    end: of_lane(&ends),
-                    bulge: of_lane(&bulges),
-                },
-            });
+        Some(Parts { lengths, densities, slopes, seen })
+    }
+
+    /// Writes the sums of parts onto a sheet.
+    #[inline(always)]
+    fn sum<S: Simd>(
+        &self,
+        simd: S,
+        parts: &Parts<S>,
+        [row, group]: [usize; 2],
+        [x, y]: [usize; 2],
+        sheet: &mut Sheet,
+    ) {
+        let sums = self.shader.sums(simd, parts, [x + group * LANES, y + row]);
+        let quads = &mut sheet.sums[row][group * BLOCKS_PER_GROUP..][..BLOCKS_PER_GROUP];
+        for (half, quad) in quads.iter_mut().enumerate() {
+            // What is not touched must stay empty.
+            if parts.seen >> (half * QUAD) & 0b1111 == 0 {
+                continue;
+            }
+            let column = group * BLOCKS_PER_GROUP + half;
+            sheet.touched.add_one([column, row / BLOCK_SIDE]);
+            let (channels, _) = quad.0.as_chunks_mut::<QUAD>();
+            for (channel, sums) in channels.iter_mut().zip(&sums) {
+                channel.copy_from_slice(&sums[half * QUAD..][..QUAD]);
+            }
         }
     }
 
@@ -219,24 +222,11 @@ fn open_lanes(tile: &Tile, row: usize, group: usize, blocks: u64) -> u64 {
     open
 }
 
-#[inline(always)]
-fn arrays<S: Simd>(nodes: AtNodes<S>) -> [[f32; LANES]; N_NODES] {
-    nodes.map(Into::into)
-}
-
-/// The blocks in which parts lie.
-fn touched_by(parts: &[Part]) -> Blocks {
-    let mut blocks = Blocks::NONE;
-    for part in parts {
-        blocks.add_of(part.pixel);
-    }
-    blocks
-}
-
 impl Sheets for Classifier<'_> {
     type Retained = Retained;
     type Scratch = Scratch;
 
+    const AT_ONCE: usize = AT_ONCE;
     const N_BEHIND: usize = N_BESIDE + 1;
 
     #[inline(always)]
@@ -247,25 +237,26 @@ impl Sheets for Classifier<'_> {
         sheet: &mut Sheet,
         tile: &mut Tile,
         retained: &mut Retained,
-        scratch: &mut Scratch,
+        rings: &mut Scratch,
     ) {
         if sheet.touched.is_empty() && retained.is_none() {
             return;
         }
-        let Scratch { parts, rings } = scratch;
         let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
         ring.push(simd, slab, sheet, &self.limits);
-        self.classify(simd, slab, ring, tile, parts);
-    }
-
-    fn release(&self, retained: &mut Retained, scratch: &mut Scratch) {
-        if let Some(mut ring) = retained.take() {
-            ring.clear();
-            scratch.rings.push(ring);
+        for last in slab..slab + AT_ONCE {
+            self.classify(simd, last, ring, sheet, tile);
         }
     }
 
-    fn scratch_bytes(scratch: &Scratch) -> usize {
-        scratch.rings.len() * Ring::BYTES + scratch.parts.capacity() * size_of::<Part>()
+    fn release(&self, retained: &mut Retained, rings: &mut Scratch) {
+        if let Some(mut ring) = retained.take() {
+            ring.clear();
+            rings.push(ring);
+        }
+    }
+
+    fn scratch_bytes(rings: &Scratch) -> usize {
+        rings.len() * Ring::BYTES
     }
 }

@@ -13,7 +13,10 @@
 //! density are linear there, so that all integrals are of one and the same weight, and colours and places are
 //! true means. They are in 64 bits, as differences are taken.
 
+use super::nodes::Eight;
 use super::values::ValueScale;
+use crate::sections::cut::bits;
+use fearless_simd::{Simd, f64x8, prelude::*};
 use slabsplat_core::{Compositing, TransferFunction};
 
 /// What is integrated: the weight, and that times red, green, blue and the density.
@@ -25,13 +28,14 @@ type Lanes = [f64; 8];
 /// Those of the integral of a cubic times a linear function.
 const N_POWERS: usize = 6;
 
-/// A piece of densities.
+/// A piece of densities; vectors of it do not cross cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 struct Cell {
-    start: f64,
-    per_width: f64,
     /// The integrals up to its start, and from there, in powers of the place in the cell, 0 to 1.
     powers: [Lanes; N_POWERS],
+    start: f64,
+    per_width: f64,
 }
 
 /// Running integrals of one transfer function.
@@ -58,13 +62,21 @@ struct Plateaus {
 
 /// What a part of a ray is in the mean.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Mean {
+struct Mean {
     /// Of what the compositing sums.
-    pub(super) weight: f32,
+    weight: f32,
     /// Of the colour, weighted with that.
-    pub(super) color: [f32; 3],
+    color: [f32; 3],
     /// Where on the part that weight lies in the mean: 0 at its start, 1 at its end.
-    pub(super) place: f32,
+    place: f32,
+}
+
+/// The same of eight parts: weights and colours of 0 where nothing shows.
+#[derive(Default)]
+pub(super) struct Means {
+    pub(super) weights: Eight,
+    pub(super) colors: [Eight; 3],
+    pub(super) places: Eight,
 }
 
 /// Densities, scaled, lie between −1 and 1, and those between them not further outside than a third.
@@ -129,46 +141,64 @@ impl Integrals {
         self.cells.capacity() * size_of::<Cell>() + self.starts.capacity() * size_of::<u32>()
     }
 
-    /// A part from one scaled density to another; `None` if nothing of it shows.
+    /// Parts from some scaled densities to others, as far as they are `seen`, a bit each. A function of its
+    /// own, as the rest has other vectors.
     #[inline(never)]
-    pub(super) fn mean(&self, ends: [f32; 2]) -> Option<Mean> {
+    pub(super) fn means<S: Simd>(&self, simd: S, [starts, ends]: [Eight; 2], seen: u64) -> Means {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut means = Means::default();
+                for lane in bits(seen) {
+                    let mean = self.mean(simd, [starts[lane], ends[lane]]);
+                    let Some(mean) = mean else { continue };
+                    means.weights[lane] = mean.weight;
+                    means.places[lane] = mean.place;
+                    for (colors, color) in means.colors.iter_mut().zip(mean.color) {
+                        colors[lane] = color;
+                    }
+                }
+                means
+            },
+        )
+    }
+
+    /// A part from one scaled density to another; `None` if nothing of it shows.
+    #[inline(always)]
+    fn mean<S: Simd>(&self, simd: S, ends: [f32; 2]) -> Option<Mean> {
         let [a, b] = ends.map(|end| f64::from(end).clamp(-END, END));
         let width = b - a;
         if width.abs() <= 2.0 * ROUNDING {
             return self.plateaus.mean(0.5 * (a + b));
         }
-        let (at_a, at_b) = (self.up_to(a), self.up_to(b));
-        let mut means = [0.0; 8];
-        for lane in 0..8 {
-            means[lane] = (at_b[lane] - at_a[lane]) / width;
-        }
-        let weight = means[0];
+        let sums: Lanes = (self.up_to(simd, b) - self.up_to(simd, a)).into();
+        let per_width = 1.0 / width;
+        let weight = sums[0] * per_width;
         if weight <= NOTHING {
             return None;
         }
-        let per_weight = 1.0 / weight;
+        let per_sum = 1.0 / sums[0];
         Some(Mean {
             weight: weight as f32,
-            color: [1, 2, 3].map(|channel| (means[channel] * per_weight) as f32),
-            place: ((means[4] * per_weight - a) / width).clamp(0.0, 1.0) as f32,
+            color: [1, 2, 3].map(|channel| (sums[channel] * per_sum) as f32),
+            place: ((sums[4] * per_sum - a) * per_width).clamp(0.0, 1.0) as f32,
         })
     }
 
     /// The integrals up to a density.
-    #[inline(never)]
-    fn up_to(&self, density: f64) -> Lanes {
+    #[inline(always)]
+    fn up_to<S: Simd>(&self, simd: S, density: f64) -> f64x8<S> {
         let place = (density + END) * (N_STARTS as f64 / (2.0 * END));
         let mut idx = self.starts[(place as usize).min(N_STARTS)] as usize;
         while idx + 1 < self.cells.len() && self.cells[idx + 1].start <= density {
             idx += 1;
         }
         let cell = &self.cells[idx];
-        let t = (density - cell.start) * cell.per_width;
-        let mut sums = cell.powers[N_POWERS - 1];
-        for powers in cell.powers[..N_POWERS - 1].iter().rev() {
-            for lane in 0..8 {
-                sums[lane] = sums[lane] * t + powers[lane];
-            }
+        let t = f64x8::splat(simd, (density - cell.start) * cell.per_width);
+        let [rest @ .., last] = &cell.powers;
+        let mut sums = f64x8::from_slice(simd, last);
+        for powers in rest.iter().rev() {
+            sums = sums.mul_add(t, f64x8::from_slice(simd, powers));
         }
         sums
     }
@@ -290,11 +320,13 @@ fn steps(transfer: &TransferFunction) -> impl Iterator<Item = f64> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fearless_simd::{Level, dispatch};
     use slabsplat_seeds::for_each_seed;
 
     /// Against a sum over many places of the part.
     #[test]
     fn integrals_are_means_over_parts() {
+        let level = Level::new();
         for_each_seed(1, |mut rng| {
             for _ in 0..60 {
                 let mut positions: Vec<f64> = (0..6).map(|_| 100.0 * rng.f64()).collect();
@@ -312,8 +344,8 @@ mod tests {
                     let start = 1.8 * rng.f32() - 0.9;
                     let reach = [1.0, 0.1, 1e-3][rng.usize(..3)];
                     let ends = [start, start + reach * (rng.f32() - 0.5)];
-                    let mean = integrals.mean(ends).unwrap_or_default();
-                    check(&mean, ends, |density| {
+                    let mean = dispatch!(level, simd => integrals.mean(simd, ends));
+                    check(&mean.unwrap_or_default(), ends, |density| {
                         let value = scale.value(density);
                         let weight = compositing.weight(transfer.opacity(value));
                         (weight, transfer.color(value))

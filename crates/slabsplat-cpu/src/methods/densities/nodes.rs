@@ -31,6 +31,22 @@ pub(super) struct OnPart<S: Simd> {
     pub(super) bulge: f32x8<S>,
 }
 
+/// A number for each of eight pixels.
+pub(super) type Eight = [f32; LANES];
+
+/// What lies between the nodes on the rays of eight pixels.
+pub(super) struct Parts<S: Simd> {
+    /// How much of the ray it is, in `unit`s.
+    pub(super) lengths: f32x8<S>,
+    /// The scaled densities where they begin and where they end.
+    pub(super) densities: AtNodes<S>,
+    /// Slopes to the right and upwards, per world unit, and along the ray, per sheet; of no meaning where
+    /// there is no light.
+    pub(super) slopes: [OnPart<S>; 3],
+    /// Which of them may be seen, a bit each.
+    pub(super) seen: u64,
+}
+
 /// The rays of eight pixels in six sheets.
 #[derive(Clone, Copy)]
 pub(super) struct Rays8<S: Simd> {
@@ -59,13 +75,13 @@ impl<S: Simd> Rays8<S> {
         row: usize,
         column: usize,
     ) -> Self {
-        let load = |pixels: &[f32]| f32x8::from_slice(simd, &pixels[..LANES]);
         let mut lengths = [f32x8::splat(simd, 0.0); N_SHEETS];
         let (mut densities, mut inverse) = (lengths, lengths);
         for (idx, sheet) in sheets.iter().enumerate() {
-            lengths[idx] = load(sheet.lengths(row, column, 0));
-            inverse[idx] = 1.0 / lengths[idx].max(f32x8::splat(simd, TINY));
-            densities[idx] = load(sheet.weighted(row, column, 0)) * inverse[idx];
+            let [length, weighted] = sheet.eight(simd, row, column, 0);
+            lengths[idx] = length;
+            inverse[idx] = 1.0 / length.max(f32x8::splat(simd, TINY));
+            densities[idx] = weighted * inverse[idx];
         }
         let one = f32x8::splat(simd, 1.0);
         let (mut shares_before, mut shares_behind) = ([one; N_SHEETS - 1], [one; N_SHEETS - 1]);
@@ -91,11 +107,14 @@ impl<S: Simd> Rays8<S> {
     /// What is the mean of each sheet, at the nodes.
     #[inline(always)]
     fn at_nodes(&self, means: &[f32x8<S>; N_SHEETS]) -> AtNodes<S> {
-        [FIRST, FIRST + 1].map(|here| {
-            let before = self.shares_before[here - 1] * (means[here - 1] - means[here]);
-            let behind = self.shares_behind[here] * (means[here + 1] - means[here]);
-            means[here] - (before + behind) * (1.0 / 24.0)
-        })
+        [self.at_node(FIRST, means), self.at_node(FIRST + 1, means)]
+    }
+
+    #[inline(always)]
+    fn at_node(&self, here: usize, means: &[f32x8<S>; N_SHEETS]) -> f32x8<S> {
+        let before = self.shares_before[here - 1] * (means[here - 1] - means[here]);
+        let behind = self.shares_behind[here] * (means[here + 1] - means[here]);
+        means[here] - (before + behind) * (1.0 / 24.0)
     }
 
     /// Where a part begins and ends: a sheet that holds less than the other is as far from it as it holds of
@@ -143,21 +162,25 @@ impl<S: Simd> Rays8<S> {
         let (mut right, mut up) = ([zero; N_SHEETS], [zero; N_SHEETS]);
         for idx in FIRST - 1..FIRST + 3 {
             let here = [self.lengths[idx], self.densities[idx]];
-            let at = |row: usize, by: isize| {
-                let load = |pixels: &[f32]| f32x8::from_slice(simd, &pixels[..LANES]);
-                let sheet = sheets[idx];
-                [load(sheet.lengths(row, column, by)), load(sheet.weighted(row, column, by))]
-            };
+            let sheet = sheets[idx];
+            let after = sheet.eight(simd, row, column, 1);
+            let before = sheet.eight(simd, row, column, -1);
+            let above = sheet.eight(simd, row - 1, column, 0);
+            let below = sheet.eight(simd, row + 1, column, 0);
             let per_pixel = f32x8::splat(simd, 1.0 / pixels[idx]);
-            right[idx] = per_pixel * difference(simd, here, at(row, 1), at(row, -1));
-            up[idx] = per_pixel * difference(simd, here, at(row - 1, 0), at(row + 1, 0));
+            right[idx] = per_pixel * difference(simd, here, after, before);
+            up[idx] = per_pixel * difference(simd, here, above, below);
         }
-        [right, up].map(|means| {
-            let outer = self.shares_before[FIRST - 1] * (means[FIRST - 1] - means[FIRST])
-                + self.shares_behind[FIRST + 1] * (means[FIRST + 2] - means[FIRST + 1]);
-            let bulge = self.evenness() * outer * (-1.0 / 16.0);
-            OnPart { ends: self.part_ends(self.at_nodes(&means)), bulge }
-        })
+        [self.across_part(&right), self.across_part(&up)]
+    }
+
+    /// A slope on the part of which that are the means in sheets.
+    #[inline(always)]
+    fn across_part(&self, means: &[f32x8<S>; N_SHEETS]) -> OnPart<S> {
+        let outer = self.shares_before[FIRST - 1] * (means[FIRST - 1] - means[FIRST])
+            + self.shares_behind[FIRST + 1] * (means[FIRST + 2] - means[FIRST + 1]);
+        let bulge = self.evenness() * outer * (-1.0 / 16.0);
+        OnPart { ends: self.part_ends(self.at_nodes(means)), bulge }
     }
 
     /// `λ`: 1 between sheets that hold as much of the ray, 0 where one holds nothing.
@@ -179,20 +202,32 @@ impl<S: Simd> Rays8<S> {
     #[inline(always)]
     fn along_inlined(&self, simd: S) -> OnPart<S> {
         let d = &self.densities;
-        // Seen from the sheet before, or from the one behind.
-        let forward = |idx: usize| self.shares_behind[idx] * (d[idx + 1] - d[idx]);
-        let backward = |idx: usize| self.shares_before[idx] * (d[idx + 1] - d[idx]);
-        let nodes = [FIRST, FIRST + 1].map(|here| {
-            let (r_behind, r_before) = (self.shares_behind[here], self.shares_before[here - 1]);
-            let near = forward(here) + backward(here - 1);
-            let far = r_behind * forward(here + 1) + r_before * backward(here - 2);
-            let simple = near / (r_behind + r_before).max(f32x8::splat(simd, 1.0));
-            (r_behind * r_before * (5.0 / 48.0)).mul_add(near - far, simple)
-        });
-        let outer = backward(FIRST - 1) + forward(FIRST + 1);
+        let outer = self.backward(FIRST - 1) + self.forward(FIRST + 1);
         let half_way = (d[FIRST + 1] - d[FIRST]) * (7.0 / 6.0) - outer * (1.0 / 12.0);
+        let nodes = [self.slope_at_node(simd, FIRST), self.slope_at_node(simd, FIRST + 1)];
         let ends = self.part_ends(nodes);
         OnPart { ends, bulge: self.evenness() * (half_way - (ends[0] + ends[1]) * 0.5) }
+    }
+
+    #[inline(always)]
+    fn slope_at_node(&self, simd: S, here: usize) -> f32x8<S> {
+        let (r_behind, r_before) = (self.shares_behind[here], self.shares_before[here - 1]);
+        let near = self.forward(here) + self.backward(here - 1);
+        let far = r_behind * self.forward(here + 1) + r_before * self.backward(here - 2);
+        let simple = near / (r_behind + r_before).max(f32x8::splat(simd, 1.0));
+        (r_behind * r_before * (5.0 / 48.0)).mul_add(near - far, simple)
+    }
+
+    /// The change to the next sheet, seen from the one before.
+    #[inline(always)]
+    fn forward(&self, idx: usize) -> f32x8<S> {
+        self.shares_behind[idx] * (self.densities[idx + 1] - self.densities[idx])
+    }
+
+    /// The change to the next sheet, seen from there.
+    #[inline(always)]
+    fn backward(&self, idx: usize) -> f32x8<S> {
+        self.shares_before[idx] * (self.densities[idx + 1] - self.densities[idx])
     }
 }
 

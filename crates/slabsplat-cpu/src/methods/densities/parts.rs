@@ -1,98 +1,81 @@
-//! Parts of rays that may be seen: eight at a time they are classified, lit and composited.
+//! Parts of rays that may be seen: those of eight pixels at once are classified and lit.
 //!
 //! ```text
-//! for each of eight: mean opacity and colour, and where they lie (integrals.rs)
-//! for all eight at once, at four places of each:
-//!     slopes, normal, light
-//! for each: premultiplied colour and opacity, behind what its pixel holds
+//! mean opacity and colour of each, and where they lie (integrals.rs)
+//! at four places of what is seen of each: slopes, normal, light
+//! sums = length · opacity · lit colour, which a sheet sums elsewhere
 //! ```
 //!
 //! One place is not enough: where the density is largest, in the middle of a thin wall, normals turn round
 //! within a part, and it would be as dark as if it were seen from the side.
 
-use super::integrals::{Integrals, Mean};
-use super::nodes::LANES;
+use super::integrals::Integrals;
+use super::nodes::{Eight, LANES, Parts};
 use super::rays::Rays;
-use crate::pixels::tile::Tile;
 use fearless_simd::Simd;
 use slabsplat_core::Compositing;
 use slabsplat_traverse::{BlinnPhong8, Light8};
 
-/// What lies between two sheets on the ray of a pixel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Part {
-    /// Column and row in the tile.
-    pub(super) pixel: [u8; 2],
-    /// How much of the ray it is, in `unit`s.
-    pub(super) length: f32,
-    /// The scaled densities where it begins and where it ends.
-    pub(super) densities: [f32; 2],
-    pub(super) slopes: Slopes,
-}
-
-/// Slopes of a part: to the right and upwards per world unit, along the ray per sheet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Slopes {
-    /// Where it begins.
-    pub(super) start: [f32; 3],
-    /// Where it ends.
-    pub(super) end: [f32; 3],
-    /// How much more they are half way than in the mean of both.
-    pub(super) bulge: [f32; 3],
-}
-
-/// A number for each of eight parts.
-type Eight = [f32; LANES];
-
-/// Slopes of eight parts, side by side.
-#[derive(Default)]
-struct EightSlopes {
-    start: [Eight; 3],
+/// Slopes of eight parts.
+struct Slopes {
+    /// Where they begin: to the right and upwards per world unit, along the ray per sheet.
+    starts: [Eight; 3],
     /// From the start to the end.
-    change: [Eight; 3],
-    /// Four times the bulge.
-    bulge: [Eight; 3],
+    changes: [Eight; 3],
+    /// Four times how much more they are half way than in the mean of both.
+    bulges: [Eight; 3],
     /// The middle of what is seen of each, and how much of it is seen.
-    middle: Eight,
+    middles: Eight,
     seen: Eight,
     /// How the rays are slanted.
-    slant: [Eight; 2],
+    slants: [Eight; 2],
 }
 
-impl EightSlopes {
-    /// Sets those of one part, of which what is seen lies in the mean at `place`.
+impl Slopes {
+    /// Those of parts of which what is seen lies in the mean at those places.
     #[inline(always)]
-    fn set(&mut self, idx: usize, slopes: &Slopes, place: f32, [right, up]: [f32; 2]) {
-        for axis in 0..3 {
-            self.start[axis][idx] = slopes.start[axis];
-            self.change[axis][idx] = slopes.end[axis] - slopes.start[axis];
-            self.bulge[axis][idx] = 4.0 * slopes.bulge[axis];
+    fn of<S: Simd>(parts: &Parts<S>, places: &Eight, slants: [Eight; 2]) -> Self {
+        let mut slopes = Self {
+            starts: [[0.0; LANES]; 3],
+            changes: [[0.0; LANES]; 3],
+            bulges: [[0.0; LANES]; 3],
+            middles: *places,
+            seen: [0.0; LANES],
+            slants,
+        };
+        for (axis, slope) in parts.slopes.iter().enumerate() {
+            let [start, end] = slope.ends;
+            slopes.starts[axis] = start.into();
+            slopes.changes[axis] = (end - start).into();
+            slopes.bulges[axis] = (slope.bulge * 4.0).into();
         }
-        self.middle[idx] = place;
-        // It lies evenly around its mean, as far as the part goes on both sides.
-        self.seen[idx] = 2.0 * place.min(1.0 - place);
-        (self.slant[0][idx], self.slant[1][idx]) = (right, up);
+        for (seen, place) in slopes.seen.iter_mut().zip(places) {
+            // It lies evenly around its mean, as far as the part goes on both sides.
+            *seen = 2.0 * place.min(1.0 - place);
+        }
+        slopes
     }
 
     /// The slopes at a place of what is seen, counted from its middle.
     #[inline(always)]
-    fn slopes_at(&self, at: f32) -> [Eight; 3] {
-        let place: Eight = std::array::from_fn(|lane| self.middle[lane] + self.seen[lane] * at);
-        let of_axis = |axis: usize| -> Eight {
-            let (start, change, bulge) = (&self.start[axis], &self.change[axis], &self.bulge[axis]);
-            std::array::from_fn(|lane| {
-                let t = place[lane];
-                start[lane] + t * change[lane] + t * (1.0 - t) * bulge[lane]
-            })
-        };
-        [of_axis(0), of_axis(1), of_axis(2)]
+    fn at(&self, at: f32) -> [Eight; 3] {
+        let mut slopes = [[0.0; LANES]; 3];
+        for (axis, slopes) in slopes.iter_mut().enumerate() {
+            let (starts, changes) = (&self.starts[axis], &self.changes[axis]);
+            for lane in 0..LANES {
+                let t = self.middles[lane] + self.seen[lane] * at;
+                let curve = t * (1.0 - t) * self.bulges[axis][lane];
+                slopes[lane] = starts[lane] + t * changes[lane] + curve;
+            }
+        }
+        slopes
     }
 }
 
 /// Places of a part at which it is lit, counted from its middle: the middles of quarters.
 const LIT_AT: [f32; 4] = [-0.375, -0.125, 0.125, 0.375];
 
-/// What parts are classified, lit and composited by.
+/// What parts are classified and lit by.
 pub(super) struct PartShader<'a> {
     pub(super) integrals: &'a Integrals,
     pub(super) compositing: Compositing,
@@ -106,92 +89,116 @@ pub(super) struct PartShader<'a> {
 }
 
 impl PartShader<'_> {
-    /// Puts parts behind what their pixels hold, in their order. A function of its own, as it takes long to
-    /// compile.
+    /// What a sheet sums of parts: red, green, blue and weight; of those that may not be seen a weight of 0.
+    /// The first of their pixels is that one.
+    ///
+    /// A function of its own, as it takes long to compile.
     #[inline(never)]
-    pub(super) fn composite<S: Simd>(&self, simd: S, parts: &[Part], tile: &mut Tile) {
+    pub(super) fn sums<S: Simd>(
+        &self,
+        simd: S,
+        parts: &Parts<S>,
+        first_pixel: [usize; 2],
+    ) -> [Eight; 4] {
         simd.vectorize(
             #[inline(always)]
-            || self.composite_inlined(simd, parts, tile),
-        );
+            || self.sums_inlined(simd, parts, first_pixel),
+        )
     }
 
     #[inline(always)]
-    fn composite_inlined<S: Simd>(&self, simd: S, parts: &[Part], tile: &mut Tile) {
-        for parts in parts.chunks(LANES) {
-            let mut means = [Mean::default(); LANES];
-            for (mean, part) in means.iter_mut().zip(parts) {
-                *mean = self.integrals.mean(part.densities).unwrap_or_default();
-            }
-            let [diffuse, specular] = self.light_on(simd, parts, &means, tile);
-            for (idx, (part, mean)) in parts.iter().zip(means).enumerate() {
-                if 0.0 < mean.weight {
-                    let lit = |channel: f32| (channel * diffuse[idx] + specular[idx]).min(1.0);
-                    let behind = self.resolved(part.length, mean.weight, mean.color.map(lit));
-                    tile.put_pixel_behind(part.pixel.map(usize::from), behind);
-                }
+    fn sums_inlined<S: Simd>(
+        &self,
+        simd: S,
+        parts: &Parts<S>,
+        first_pixel: [usize; 2],
+    ) -> [Eight; 4] {
+        let [starts, ends] = parts.densities;
+        let means = self.integrals.means(simd, [starts.into(), ends.into()], parts.seen);
+        let lengths: Eight = parts.lengths.into();
+        let mut sums = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            sums[3][lane] = lengths[lane] * means.weights[lane];
+        }
+        let through = self.through_quarters(&sums[3]);
+        let [diffuse, specular] = self.light_on(simd, parts, &means.places, &through, first_pixel);
+        let of_colors = if self.compositing.weights_colors() { sums[3] } else { lengths };
+        for (sums, colors) in sums.iter_mut().zip(&means.colors) {
+            for lane in 0..LANES {
+                let lit = colors[lane] * diffuse[lane] + specular[lane];
+                let lit = if lit < 1.0 { lit } else { 1.0 };
+                sums[lane] = of_colors[lane] * lit;
             }
         }
+        sums
     }
 
-    /// World units to the right and upwards that the ray of a tile's pixel moves over one unit of depth.
-    #[inline(always)]
-    fn slant(&self, [column, row]: [u8; 2], tile: &Tile) -> [f32; 2] {
-        let [x, y] = tile.origin;
-        let pixel = [x + usize::from(column), y + usize::from(row)];
-        self.rays.slant(pixel).map(|slant| slant as f32)
-    }
-
-    /// What parts' colours are multiplied with, and what is added to them.
+    /// What parts' colours are multiplied with, and what is added to them: the mean of four places, weighted
+    /// with how much light goes through the quarters before them.
     #[inline(always)]
     fn light_on<S: Simd>(
         &self,
         simd: S,
-        parts: &[Part],
-        means: &[Mean; LANES],
-        tile: &Tile,
+        parts: &Parts<S>,
+        places: &Eight,
+        through: &Eight,
+        first_pixel: [usize; 2],
     ) -> [Eight; 2] {
         let Some(light) = &self.light else { return [[1.0; LANES], [0.0; LANES]] };
-        let mut eight = EightSlopes::default();
-        for (idx, (part, mean)) in parts.iter().zip(means).enumerate() {
-            eight.set(idx, &part.slopes, mean.place, self.slant(part.pixel, tile));
-        }
+        let slopes = Slopes::of(parts, places, self.rays.slants(first_pixel));
         let (mut diffuse, mut specular) = ([0.0; LANES], [0.0; LANES]);
+        let mut weights = [0.0; LANES];
+        for lane in 0..LANES {
+            let q = through[lane];
+            weights[lane] = 1.0 / ((1.0 + q) * (1.0 + q * q));
+        }
         for at in LIT_AT {
-            let light = self.light_at(simd, light, &eight, at);
+            let light = self.light_at(simd, light, &slopes, at);
             for lane in 0..LANES {
-                diffuse[lane] += 0.25 * light.diffuse[lane];
-                specular[lane] += 0.25 * light.specular[lane];
+                diffuse[lane] += weights[lane] * light.diffuse[lane];
+                specular[lane] += weights[lane] * light.specular[lane];
+                weights[lane] *= through[lane];
             }
         }
         [diffuse, specular]
     }
 
+    /// How much light goes through a quarter of each part, of which a sheet sums that.
+    #[inline(always)]
+    fn through_quarters(&self, weights: &Eight) -> Eight {
+        if !self.compositing.sums_extinction() {
+            return [1.0; LANES];
+        }
+        let mut through = [0.0; LANES];
+        for (through, weight) in through.iter_mut().zip(weights) {
+            // e^(−τ/4) as the fourth power of 1/e^(τ/16), which is a short series.
+            let x = weight * (1.0 / 16.0);
+            let series = 1.0 + x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x * (1.0 / 24.0))));
+            let root = 1.0 / (series * series);
+            *through = root * root;
+        }
+        through
+    }
+
     /// The light at one place of eight parts. A function of its own: four of them in one take long to
     /// compile.
     #[inline(never)]
-    fn light_at<S: Simd>(
-        &self,
-        simd: S,
-        light: &BlinnPhong8,
-        eight: &EightSlopes,
-        at: f32,
-    ) -> Light8 {
+    fn light_at<S: Simd>(&self, simd: S, light: &BlinnPhong8, slopes: &Slopes, at: f32) -> Light8 {
         simd.vectorize(
             #[inline(always)]
-            || light.of_normals(&self.normals(&eight.slopes_at(at), &eight.slant)),
+            || light.of_normals(&self.normals(&slopes.at(at), &slopes.slants)),
         )
     }
 
     /// `−∇d/max(|∇d|, faint)`, to the right, upwards and forward.
     #[inline(always)]
-    fn normals(&self, [right, up, along]: &[Eight; 3], slant: &[Eight; 2]) -> [Eight; 3] {
+    fn normals(&self, [right, up, along]: &[Eight; 3], slants: &[Eight; 2]) -> [Eight; 3] {
         let mut normals = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             // From a sheet to the next, a pixel moves with its ray.
             let depth = along[lane] * self.per_sheet
-                - slant[0][lane] * right[lane]
-                - slant[1][lane] * up[lane];
+                - slants[0][lane] * right[lane]
+                - slants[1][lane] * up[lane];
             let squared = right[lane] * right[lane] + up[lane] * up[lane] + depth * depth;
             let factor = -1.0 / squared.sqrt().max(self.faint);
             normals[0][lane] = right[lane] * factor;
@@ -199,13 +206,5 @@ impl PartShader<'_> {
             normals[2][lane] = depth * factor;
         }
         normals
-    }
-
-    /// Premultiplied colour and opacity of a part.
-    #[inline(always)]
-    fn resolved(&self, length: f32, weight: f32, [r, g, b]: [f32; 3]) -> [f32; 4] {
-        let of_color = if self.compositing.weights_colors() { length * weight } else { length };
-        let sums = [r * of_color, g * of_color, b * of_color, length * weight];
-        self.compositing.resolve(sums.map(f64::from)).map(|channel| channel as f32)
     }
 }

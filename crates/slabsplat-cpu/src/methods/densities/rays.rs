@@ -1,5 +1,6 @@
 //! The rays of pixels: how they slant against the viewing direction.
 
+use super::nodes::{Eight, LANES};
 use slabsplat_core::View;
 
 /// What a perspective view does to the way from one slab to the next.
@@ -28,8 +29,19 @@ impl Rays {
         }
     }
 
+    /// The same of eight pixels from that one on.
+    #[inline(always)]
+    pub(super) fn slants(&self, [x, y]: [usize; 2]) -> [Eight; 2] {
+        let mut slants = [[0.0; LANES]; 2];
+        let [right, up] = &mut slants;
+        for (lane, (right, up)) in right.iter_mut().zip(up).enumerate() {
+            [*right, *up] = self.slant([x + lane, y]).map(|slant| slant as f32);
+        }
+        slants
+    }
+
     /// World units to the right and upwards that a pixel's ray moves over one world unit of depth.
-    #[inline]
+    #[inline(always)]
     pub(super) fn slant(&self, [x, y]: [usize; 2]) -> [f64; 2] {
         [
             (x as f64 + 0.5 - self.center[0]) * self.right_per_depth,

@@ -1,11 +1,14 @@
 //! Sheets of densities over one tile, the last six of them.
 
-use super::voxels::{VALUE, WEIGHT};
+use super::nodes::LANES;
 use crate::pixels::blocks::{BLOCK_SIDE, Blocks};
 use crate::pixels::quad::QUAD;
 use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
-use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+
+/// Sheets that are summed at once, in two channels each: weighted values, and lengths.
+pub(super) const AT_ONCE: usize = 2;
 
 /// How many sheets what lies between the two in the middle is taken from.
 pub(super) const N_SHEETS: usize = 6;
@@ -27,11 +30,14 @@ pub(super) struct DensitySheet {
     held: Blocks,
 }
 
-/// Six sheets on end.
+/// Sheets are retained until those behind them have come, which they do two at a time.
+const N_RETAINED: usize = N_SHEETS + AT_ONCE - 1;
+
+/// Sheets on end.
 #[derive(Debug)]
 pub(super) struct Ring {
     /// That of slab `n` is at `n` modulo their number.
-    sheets: [DensitySheet; N_SHEETS],
+    sheets: [DensitySheet; N_RETAINED],
 }
 
 /// What a tile retains from slab to slab.
@@ -70,8 +76,8 @@ impl Ring {
         }
     }
 
-    /// Takes the sums of a slab, in the place of the one six slabs before, and empties them.
-    #[inline(always)]
+    /// Takes the sums of a slab and the next in the place of the oldest, and empties them.
+    #[inline(never)]
     pub(super) fn push<S: Simd>(
         &mut self,
         simd: S,
@@ -79,13 +85,22 @@ impl Ring {
         sums: &mut Sheet,
         limits: &Limits,
     ) {
-        self.sheets[slab % N_SHEETS].fill(simd, sums, limits);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for channels in 0..AT_ONCE {
+                    self.sheets[(slab + channels) % N_RETAINED].fill(simd, sums, channels, limits);
+                }
+                sums.clear();
+            },
+        );
     }
 
-    /// All six, from front to back, if the last is that of `slab`.
+    /// Six of them, from front to back, of which the last is that of `slab`.
     #[inline(always)]
     pub(super) fn up_to(&self, slab: usize) -> [&DensitySheet; N_SHEETS] {
-        std::array::from_fn(|idx| &self.sheets[(slab + 1 + idx) % N_SHEETS])
+        let first = slab + N_RETAINED + 1 - N_SHEETS;
+        std::array::from_fn(|idx| &self.sheets[(first + idx) % N_RETAINED])
     }
 }
 
@@ -94,41 +109,44 @@ impl DensitySheet {
         self.held
     }
 
+    /// Makes it what the first or the second two channels of sums hold.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S, sums: &mut Sheet, limits: &Limits) {
-        let touched = std::mem::take(&mut sums.touched);
+    fn fill<S: Simd>(&mut self, simd: S, sums: &Sheet, channels: usize, limits: &Limits) {
         let mut changed = self.held;
-        changed.add(touched);
-        self.held = touched;
+        changed.add(sums.touched);
+        self.held = sums.touched;
         let least = f32x4::splat(simd, limits.least_length);
         let [lo, hi] = limits.values.map(|end| f32x4::splat(simd, end));
         let zero = f32x4::splat(simd, 0.0);
         for [column, block_row] in changed.iter() {
             for row in block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE {
-                let quad = &mut sums.sums[row][column].0;
-                let (channels, _) = quad.as_chunks::<QUAD>();
-                let length = f32x4::from_slice(simd, &channels[WEIGHT]);
-                let weighted = f32x4::from_slice(simd, &channels[VALUE]);
+                let (of_quad, _) = sums.sums[row][column].0.as_chunks::<QUAD>();
+                let weighted = f32x4::from_slice(simd, &of_quad[2 * channels]);
+                let length = f32x4::from_slice(simd, &of_quad[2 * channels + 1]);
                 let is_there = length.simd_gt(least);
                 let columns = 1 + column * BLOCK_SIDE..1 + (column + 1) * BLOCK_SIDE;
                 let weighted = weighted.max(lo * length).min(hi * length);
                 let weighted = is_there.select(weighted, zero);
                 weighted.store_slice(&mut self.weighted[row][columns.clone()]);
                 is_there.select(length, zero).store_slice(&mut self.length[row][columns]);
-                *quad = [0.0; 4 * QUAD];
             }
         }
     }
 
-    /// `V` of pixels of a row, from one `by` columns to the right of `column` on.
+    /// `L` and `V` of eight pixels of a row, from one `by` columns to the right of `column` on.
     #[inline(always)]
-    pub(super) fn weighted(&self, row: usize, column: usize, by: isize) -> &[f32] {
-        &self.weighted[row][(column + 1).wrapping_add_signed(by)..]
-    }
-
-    /// `L` there.
-    #[inline(always)]
-    pub(super) fn lengths(&self, row: usize, column: usize, by: isize) -> &[f32] {
-        &self.length[row][(column + 1).wrapping_add_signed(by)..]
+    pub(super) fn eight<S: Simd>(
+        &self,
+        simd: S,
+        row: usize,
+        column: usize,
+        by: isize,
+    ) -> [f32x8<S>; 2] {
+        let first = (column + 1).wrapping_add_signed(by);
+        let columns = first..first + LANES;
+        [
+            f32x8::from_slice(simd, &self.length[row][columns.clone()]),
+            f32x8::from_slice(simd, &self.weighted[row][columns]),
+        ]
     }
 }

@@ -1,5 +1,5 @@
 //! The selected voxels as slabs take them in: each adds its weight to a pixel's length, and its weight times
-//! its value.
+//! its value, in two channels for each of two sheets.
 
 use super::selection::Selection;
 use super::values::ValueScale;
@@ -15,10 +15,6 @@ pub(super) struct Selected<'a> {
     grid: BrickGrid,
 }
 
-/// Where a voxel's colour has its value, and where its weight.
-pub(super) const VALUE: usize = 0;
-pub(super) const WEIGHT: usize = 3;
-
 impl<'a> Selected<'a> {
     pub(super) fn new(selection: &'a Selection, volume: &'a Volume, scale: ValueScale) -> Self {
         Self { selection, volume, scale, grid: BrickGrid::new(volume.grid()) }
@@ -33,9 +29,8 @@ impl<'a> Selected<'a> {
     ) {
         for (color, idx) in colors.iter_mut().zip(self.grid.voxel_indices(brick, records)) {
             let value = self.volume.scaling().apply(samples[idx].to_f64());
-            *color = [0.0; 4];
-            color[VALUE] = self.scale.scaled(value);
-            color[WEIGHT] = 1.0;
+            let value = self.scale.scaled(value);
+            *color = [value, 1.0, value, 1.0];
         }
     }
 }

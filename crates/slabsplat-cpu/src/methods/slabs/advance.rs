@@ -7,7 +7,6 @@ use super::stage::{Sheets, Stage};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
-use crate::sections::cut::SlabCut;
 use crate::sections::shared::Kind;
 use crate::sections::span::SpannedVoxel;
 use crate::separable::b_spline::Coefficients;
@@ -92,20 +91,24 @@ fn advance<S: Simd, H: Sheets>(
     let start = range.slabs.start.max(setup.slabs.first_drawn);
     let end = if starts.is_empty() { 0 } else { starts.end + setup.slabs.n_before };
     let end = end.min(n_slabs) + H::N_BEHIND;
-    let mut slab = if range.slabs.start < *needed_until { start } else { start.max(starts.start) };
+    let start = if range.slabs.start < *needed_until { start } else { start.max(starts.start) };
+    let mut slab = start / H::AT_ONCE * H::AT_ONCE;
     while slab < range.slabs.end.min(end.max(*needed_until)) {
         if slab < n_slabs {
-            add_slab(simd, slab, setup, tile, sums);
+            match H::AT_ONCE {
+                1 => add_slab(simd, slab, [1.0; 4], setup, tile, sums),
+                _ => add_pair(simd, slab, setup, tile, sums),
+            }
         }
         if !sums.sheet.touched.is_empty() {
-            *needed_until = slab + H::N_BEHIND + 1;
+            *needed_until = slab + H::AT_ONCE + H::N_BEHIND;
         }
         sheets.take(simd, slab, &mut sums.sheet, tile, retained, of_method);
         if tile.is_saturated() {
             *needed_until = 0;
             break;
         }
-        slab += 1;
+        slab += H::AT_ONCE;
     }
     if *needed_until <= range.slabs.end {
         *needed_until = 0;
@@ -113,13 +116,69 @@ fn advance<S: Simd, H: Sheets>(
     }
 }
 
-/// Adds all sections that a slab cuts to its sheet. A function of its own, as all methods share it and it
-/// takes long to compile.
+/// The channels of a sheet that has the sums of two slabs, of the first and of the second.
+const OF_PAIR: [[f32; 4]; 2] = [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]];
+
+/// Adds all sections that a slab or the next one cuts to their sheet. Where footprints are separable and of
+/// one shape, one goes for both: their weights differ by a factor, which their channels have.
 #[inline(never)]
-fn add_slab<S: Simd>(simd: S, slab: usize, setup: &Setup<'_>, tile: &mut Tile, sums: &mut Sums) {
+fn add_pair<S: Simd>(simd: S, first: usize, setup: &Setup<'_>, tile: &mut Tile, sums: &mut Sums) {
+    let Some(separable) = setup.pair_as_separable(first) else {
+        let drawn = setup.slabs.first_drawn..setup.slabs.grid.n_slabs();
+        for (slab, channels) in (first..).zip(OF_PAIR) {
+            if drawn.contains(&slab) {
+                add_slab(simd, slab, channels, setup, tile, sums);
+            }
+        }
+        return;
+    };
     simd.vectorize(
         #[inline(always)]
-        || add_slab_inlined(simd, slab, setup, tile, sums),
+        || add_alike(simd, first, separable, setup, tile, sums),
+    );
+}
+
+#[inline(always)]
+fn add_alike<S: Simd>(
+    simd: S,
+    first: usize,
+    separable: AsSeparable<'_>,
+    setup: &Setup<'_>,
+    tile: &mut Tile,
+    Sums { voxels, sheet, coefficients }: &mut Sums,
+) {
+    let classes = &setup.classes;
+    let cuts = [0, 1].map(|idx| setup.cut(first + idx, OF_PAIR[idx]));
+    for class in 0..N_CLASSES {
+        let starts = first.saturating_sub(classes.n_before(class));
+        let kind = classes.kind_of(class);
+        if Classes::may_be_separable(class) {
+            let voxels = voxels.starting_in(class, starts..first + 2);
+            separable.add_sections(simd, (&cuts, kind), voxels, tile, (sheet, coefficients));
+        } else {
+            for cut in &cuts {
+                let voxels = voxels.starting_in(class, starts..cut.slab + 1);
+                cut.add_sections(simd, kind, voxels, tile, sheet);
+            }
+        }
+    }
+    separable.slab.reconstruct(simd, tile, sheet, coefficients);
+}
+
+/// Adds all sections that a slab cuts to those channels of its sheet. A function of its own, as all methods
+/// share it and it takes long to compile.
+#[inline(never)]
+fn add_slab<S: Simd>(
+    simd: S,
+    slab: usize,
+    channels: [f32; 4],
+    setup: &Setup<'_>,
+    tile: &mut Tile,
+    sums: &mut Sums,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || add_slab_inlined(simd, slab, channels, setup, tile, sums),
     );
 }
 
@@ -127,13 +186,14 @@ fn add_slab<S: Simd>(simd: S, slab: usize, setup: &Setup<'_>, tile: &mut Tile, s
 fn add_slab_inlined<S: Simd>(
     simd: S,
     slab: usize,
+    channels: [f32; 4],
     setup: &Setup<'_>,
     tile: &mut Tile,
     Sums { voxels, sheet, coefficients }: &mut Sums,
 ) {
-    let Setup { slabs, classes, sections, .. } = setup;
-    let faces = slabs.grid.faces(slab).map(|face| face as f32);
-    let cut = SlabCut { sections, slab, shape: slabs.shape(slab), faces };
+    let classes = &setup.classes;
+    let cuts = [setup.cut(slab, channels)];
+    let [cut] = &cuts;
     let [whole, cut_by_slab] = setup.as_separable(slab);
     // Coefficients are of footprints of one shape at a time.
     let mut pending: Option<AsSeparable<'_>> = None;
@@ -146,7 +206,7 @@ fn add_slab_inlined<S: Simd>(
                 if let Some(other) = pending.replace(separable).filter(|p| !p.is_like(&separable)) {
                     other.slab.reconstruct(simd, tile, sheet, coefficients);
                 }
-                separable.add_sections(simd, (&cut, kind), voxels, tile, (sheet, coefficients));
+                separable.add_sections(simd, (&cuts, kind), voxels, tile, (sheet, coefficients));
             }
             _ => cut.add_sections(simd, kind, voxels, tile, sheet),
         }

@@ -71,7 +71,7 @@ pub(super) fn render<H: Sheets>(
     watch: &mut Stopwatch,
 ) -> u64 {
     let Buffers { prepared, bricks, intake, scratches, occlusion, of_tiles, workspaces } = buffers;
-    let setup = &Setup::new(stage, sections, prepared);
+    let setup = &Setup::new(stage, sections, prepared, H::AT_ONCE);
     sort_bricks(stage, setup, bricks);
     watch.done("bricks");
     occlusion.start(&tiles.grid, &tiles.tiles);

@@ -6,6 +6,7 @@ use super::slab_view::SlabView;
 use super::span_finder::SpanFinder;
 use super::stage::Stage;
 use crate::footprints::polynomials::SectionPolynomials;
+use crate::sections::cut::SlabCut;
 use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
 use crate::separable::slab::SeparableSlab;
@@ -82,6 +83,7 @@ impl<'a> Setup<'a> {
         stage: &'a Stage<'_>,
         sections: &SectionsInSlabs<'a>,
         prepared: &'a mut Prepared,
+        at_once: usize,
     ) -> Self {
         let SectionsInSlabs { slabs, table, tilted, cubic, whole, levels } = *sections;
         let (raster, plan) = (stage.raster, stage.plan);
@@ -103,7 +105,8 @@ impl<'a> Setup<'a> {
         });
         let with_shapes = separable.as_ref().map(|(sections, shapes)| (*sections, shapes));
         prepared.shapes.update(raster, &plan.view, &slabs.grid, with_shapes);
-        let slabs = SlabView::new(slabs, raster, &prepared.shapes, plan.volume.grid().unit());
+        let unit = plan.volume.grid().unit();
+        let slabs = SlabView::new(slabs, raster, &prepared.shapes, unit, at_once);
         Self {
             spans: SpanFinder::new(&slabs, levels),
             classes: Classes {
@@ -120,6 +123,24 @@ impl<'a> Setup<'a> {
             sections,
             separable,
         }
+    }
+
+    /// A slab that is about to be splatted, onto those channels of a sheet.
+    #[inline(always)]
+    pub(super) fn cut(&self, slab: usize, channels: [f32; 4]) -> SlabCut<'_> {
+        let shape = self.slabs.shape(slab);
+        let faces = self.slabs.grid.faces(slab).map(|face| face as f32);
+        SlabCut { sections: &self.sections, slab, shape, channels, faces }
+    }
+
+    /// How the sections of two slabs that follow each other are drawn by separable footprints at once, if
+    /// they are: wherever a slab is, they have one shape, and their middles one place.
+    #[inline(always)]
+    pub(super) fn pair_as_separable(&self, first: usize) -> Option<AsSeparable<'_>> {
+        let is_drawn = self.slabs.first_drawn <= first && first + 1 < self.slabs.grid.n_slabs();
+        let are_alike = is_drawn && self.slabs.shapes.only().is_some();
+        let [_, cut] = self.as_separable(first);
+        cut.filter(|cut| are_alike && cut.drift == [0.0; 2])
     }
 
     /// How sections in a slab are drawn by separable footprints, if they are: whole ones, and what it cuts.

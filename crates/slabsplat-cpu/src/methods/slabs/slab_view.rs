@@ -25,11 +25,13 @@ pub(super) struct SlabView<'a> {
 }
 
 impl<'a> SlabView<'a> {
+    /// Those of a frame in which sheets have the sums of so many slabs.
     pub(super) fn new(
         slabs: &'a Slabs,
         raster: &'a Raster,
         shapes: &'a SlabShapes,
         unit: f64,
+        at_once: usize,
     ) -> Self {
         let Slabs { grid, first_drawn, n_before } = slabs;
         let n_per_range = (RANGE_THICKNESS * unit / grid.thickness()) as usize;
@@ -39,7 +41,7 @@ impl<'a> SlabView<'a> {
             shapes,
             first_drawn: *first_drawn,
             n_before: *n_before,
-            n_per_range: n_per_range.clamp(1, grid.n_slabs()),
+            n_per_range: n_per_range.clamp(1, grid.n_slabs()).next_multiple_of(at_once),
         }
     }
 

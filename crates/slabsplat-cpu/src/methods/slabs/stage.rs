@@ -38,10 +38,13 @@ pub(in crate::methods) trait Sheets: Sync {
     /// What a thread needs beside.
     type Scratch: Default + Send;
 
+    /// The slabs that a sheet has the sums of: one, or two that follow each other, with two channels each.
+    const AT_ONCE: usize;
+
     /// For how many slabs behind one its sheet is needed.
     const N_BEHIND: usize;
 
-    /// Takes what a slab's sections sum to, and leaves the sheet empty.
+    /// Takes what the sections of a slab, or of it and the next, sum to, and leaves the sheet empty.
     fn take<S: Simd>(
         &self,
         simd: S,
