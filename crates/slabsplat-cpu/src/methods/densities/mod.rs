@@ -3,14 +3,16 @@
 //!
 //! ```text
 //! for each tile, in parallel:
-//!     for each sheet from the eye, half a slab thick:
-//!         add its sections: length += H, weighted value += H·v                 (methods/slabs)
-//!         put it with the five before it                                       (sheets.rs)
-//!         for each open pixel, between the two sheets in the middle:
-//!             densities in the middle of each                                  (nodes.rs)
-//!             where anything shows between them: slopes on the way             (nodes.rs)
-//!                 mean opacity and colour of all densities on the way          (integrals.rs)
-//!                 light, composite                                             (parts.rs)
+//!     for each two sheets from the eye, half a slab thick:
+//!         add their sections: length += H, weighted value += H·v               (methods/slabs)
+//!         for each of them:
+//!             put it with the five before it                                   (sheets.rs)
+//!             for each eight open pixels, between the two sheets in the middle:
+//!                 densities in the middle of each                              (nodes.rs)
+//!                 where anything shows between them: slopes on the way         (nodes.rs)
+//!                     mean opacity and colour of all densities on the way      (integrals.rs)
+//!                     light                                                    (parts.rs)
+//!             composite what came of it, as any sheet
 //! ```
 //!
 //! 1. A voxel is splatted only if it has a part in a pixel that may show (`selection.rs`), and if that is not
@@ -18,6 +20,8 @@
 //! 2. A tile is summed with a border of one pixel, for the gradients. That is a seventh more at 32 pixels a
 //!    side, and tiles need nothing of each other.
 //! 3. Most pixels of a sheet show nothing, which eight densities at a time say.
+//! 4. A sheet has four channels a pixel, and densities are sums of two: two sheets are summed at a time, by one
+//!    footprint where both have it at one place.
 //!
 //! # Reading order
 //!
