@@ -23,7 +23,8 @@ use std::path::{Path, PathBuf};
 pub const VARIABLE: &str = "SLABSPLAT_DATA";
 
 /// The scenes, by the names that [`scene`] takes.
-pub const SCENES: &[&str] = &["brain", "brain-haze", "embryo-perspective"];
+pub const SCENES: &[&str] =
+    &["brain", "brain-haze", "embryo-perspective", "engine", "ct-head", "ct-thorax", "mr-head"];
 
 /// How scenes name the folder of volumes, as seen from `tests/scenes`.
 const DATA_FROM_SCENES: &str = "../data/";

@@ -9,8 +9,9 @@
 `gpu` is vtkOpenGLGPUVolumeRayCastMapper through EGL: with Mesa's software OpenGL a check, not a fair peer.
 The camera turns by one degree a frame about its target, so that nothing comes from a cache.
 
-Of a scene it reads the path in [volume] (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd), opacity and color in
-[classify], [shading], [camera] and [image]. A camera without an eye stays where VTK puts it.
+Of a scene it reads the path in [volume] (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .raw of bytes with its
+.json), opacity and color in [classify], [shading], [camera] and [image]. A camera without an eye stays where
+VTK puts it.
 The last line that it prints is JSON, with the times in milliseconds.
 """
 
@@ -35,11 +36,27 @@ def parse_args():
     return parser.parse_args()
 
 
+def raw_reader(path):
+    with open(os.path.splitext(path)[0] + ".json") as file:
+        desc = json.load(file)
+    assert desc["type"] == "uint8", "raw files of bytes only"
+    reader = vtk.vtkImageReader2()
+    reader.SetFileDimensionality(3)
+    reader.SetDataScalarTypeToUnsignedChar()
+    reader.SetDataExtent(*[end for n in desc["dims"] for end in (0, n - 1)])
+    reader.SetDataSpacing(*desc["spacing"])
+    reader.SetDataOrigin(*desc["origin"])
+    return reader
+
+
 def read_volume(path):
-    """The voxels, and the matrix from spaced voxels to the world if the format has one."""
+    """The voxels; the matrix from spaced voxels to the world if the format has one; values are samples times
+    a slope, plus an intercept."""
     name = path.lower()
     is_nifti = name.endswith((".nii", ".nii.gz"))
-    if is_nifti:
+    if name.endswith(".raw"):
+        reader = raw_reader(path)
+    elif is_nifti:
         reader = vtk.vtkNIFTIImageReader()
     elif name.endswith((".nrrd", ".nhdr")):
         reader = vtk.vtkNrrdReader()
@@ -52,16 +69,18 @@ def read_volume(path):
     if matrix:
         # The matrix has the offset, too: it must not be added twice.
         image.SetOrigin(0.0, 0.0, 0.0)
-    return image, matrix
+    scaling = (reader.GetRescaleSlope(), reader.GetRescaleIntercept()) if is_nifti else (1.0, 0.0)
+    return image, matrix, scaling
 
 
-def volume_property(scene, voxel):
+def volume_property(scene, voxel, scaling):
     """Transfer function and shading. Both programs take opacity per voxel step."""
+    slope, intercept = scaling
     opacity, color = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
     for point in scene["classify"]["opacity"]:
-        opacity.AddPoint(*point)
+        opacity.AddPoint((point[0] - intercept) / slope, *point[1:])
     for point in scene["classify"]["color"]:
-        color.AddRGBPoint(*point)
+        color.AddRGBPoint((point[0] - intercept) / slope, *point[1:])
     prop = vtk.vtkVolumeProperty()
     prop.SetColor(color)
     prop.SetScalarOpacity(opacity)
@@ -108,11 +127,11 @@ def place_camera(camera, desc):
 def open_window(args, scene):
     """A window off screen that shows the scene, and its renderer."""
     path = os.path.join(os.path.dirname(args.scene), scene["volume"]["path"])
-    image, matrix = read_volume(path)
+    image, matrix, scaling = read_volume(path)
     voxel = min(image.GetSpacing())
     volume = vtk.vtkVolume()
     volume.SetMapper(volume_mapper(args, image, voxel))
-    volume.SetProperty(volume_property(scene, voxel))
+    volume.SetProperty(volume_property(scene, voxel, scaling))
     if matrix:
         volume.SetUserMatrix(matrix)
     renderer = vtk.vtkRenderer()

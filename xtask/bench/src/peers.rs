@@ -40,10 +40,11 @@ const OURS: &[Contender] = &[
     Contender { name: "slabsplat", flags: &[] },
     Contender { name: "slabsplat, exact", flags: &["--tolerance", "0", "--opacity-cutoff", "1"] },
     Contender { name: "slabsplat, slab width 2", flags: &["--slab-width", "2"] },
+    Contender { name: "slabsplat, densities", flags: &["--method", "post-classified"] },
 ];
 
-/// The peer knows no scene without `[classify]`, and no format but NIfTI, NRRD and MetaImage.
-const SCENES: &[&str] = &["brain", "brain-haze"];
+/// The peer knows no scene without `[classify]`, and no format but NIfTI, NRRD, MetaImage and raw bytes.
+const SCENES: &[&str] = &["brain", "brain-haze", "engine", "ct-head", "ct-thorax", "mr-head"];
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/vtk_raycast.py");
 
@@ -167,8 +168,8 @@ mod tests {
 
     #[test]
     fn turns_are_of_all_and_alternate() {
-        assert_eq!(turns(0), [0, 2, 1, 3, 4], "peer, ours, peer, ours, ours");
-        assert_eq!(turns(1), [4, 3, 1, 2, 0], "backwards");
+        assert_eq!(turns(0), [0, 2, 1, 3, 4, 5], "peer, ours, peer, ours, ours, ours");
+        assert_eq!(turns(1), [5, 4, 3, 1, 2, 0], "backwards");
         assert_eq!(turns(2), turns(0));
     }
 
@@ -183,9 +184,11 @@ mod tests {
 
     #[test]
     fn table_has_medians_and_ratios() {
-        let ms = [[100.0, 300.0], [200.0, 600.0], [50.0, 100.0], [80.0, 80.0], [20.0, 60.0]];
-        let text = table(&ms.map(|ms| ms.to_vec()));
-        assert_eq!(text.lines().count(), 2 + 5 + 6, "{text}");
+        let peers = [[100.0, 300.0], [200.0, 600.0]];
+        let ours = [[50.0, 100.0], [80.0, 80.0], [20.0, 60.0], [90.0, 90.0]];
+        let ms = [peers.as_slice(), &ours].concat();
+        let text = table(&ms.iter().map(|ms| ms.to_vec()).collect::<Vec<_>>());
+        assert_eq!(text.lines().count(), 2 + 6 + 8, "{text}");
         for line in [
             "|  | pair 1 | pair 2 | median |",
             "| VTK, sample a voxel, ms | 100 | 300 | 200 |",
