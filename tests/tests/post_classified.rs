@@ -43,8 +43,9 @@ fn check_parity(zoom: f64) {
     println!("{n_scenes} scenes: at most {max:.1e}, {mean:.1e} on average");
 }
 
-/// A section may be another by an eighth of the tolerance, and a density is a mean of many. What an edge of the
-/// transfer function lies next to may go either way: one pixel in 500 may be off by more than the tolerance.
+/// A section may be another by an eighth of the tolerance, and a density is a mean of many. What an edge of
+/// the transfer function lies next to may go either way: one pixel in 500 may be off by more than the
+/// tolerance.
 #[test]
 fn tolerance_of_densities() {
     let (mut n_changed, mut max, mut max_mean) = (0, 0.0_f32, 0.0_f64);

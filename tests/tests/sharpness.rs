@@ -123,8 +123,8 @@ fn densities_are_sharp_and_where_they_belong() {
             round_edge(&shell, look, [15.0, 22.0]),
             wall_edge(&wall, look),
         ];
-        // Round phantoms end where their density is half of the most. Rays through the wall are some 50 voxels
-        // long, so that it ends where opacity begins.
+        // Round phantoms end where their density is half of the most. Rays through the wall are some 50
+        // voxels long, so that it ends where opacity begins.
         for (edge, truth) in edges.iter_mut().zip([20.5, 19.0, 0.5]) {
             edge.place -= truth;
         }

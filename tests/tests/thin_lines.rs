@@ -1,5 +1,5 @@
-//! Thin structures do not bead: a line as wide as a voxel, at any angle and from any side, is as opaque and as
-//! bright all along.
+//! Thin structures do not bead: a line as wide as a voxel, at any angle and from any side, is as opaque and
+//! as bright all along.
 
 use slabsplat::glam::DVec3;
 use slabsplat::{

@@ -53,8 +53,8 @@ pub struct PoppingReport {
     pub pop_ratio: Option<f64>,
     /// Mean second difference of frames over mean first difference; `None` if nothing changes.
     pub jitter: Option<f64>,
-    /// The largest change of a pixel's red, green or blue between two frames, 0 to 1, as on black: where an edge
-    /// passes, its opacity may change from all to nothing, which nobody sees.
+    /// The largest change of a pixel's red, green or blue between two frames, 0 to 1, as on black: where an
+    /// edge passes, its opacity may change from all to nothing, which nobody sees.
     pub largest_step: f64,
     /// The two angles between which the largest change happened, from the scene's camera.
     pub at_degrees: [f64; 2],

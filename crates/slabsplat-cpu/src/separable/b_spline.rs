@@ -26,14 +26,14 @@ use slabsplat_kernel::SeparableSections;
 const LEAST_PER_RADIUS: f64 = 4.5;
 
 /// By how much of its peak a footprint is off at most for being a spline; in the mean, by next to nothing.
-pub(crate) const WORST_ERROR: f64 = 4.5e-3;
+pub(crate) const WORST_ERROR: f64 = 4.6e-3;
 
 /// Rows of coefficients to the radius, at most.
 const MOST_PER_RADIUS: f64 = 12.0;
 
-/// Most rows of coefficients to a block of four rows. With more, footprints are so few rows high that nothing
-/// is gained.
-const MOST_PER_BLOCK: usize = 5;
+/// Most rows of coefficients to a block of four rows of pixels: footprints are then little more than two
+/// pixels high, and a voxel still costs four rows.
+const MOST_PER_BLOCK: usize = 16;
 
 /// Rows of coefficients that count for a block, at most.
 const MOST_TAPS: usize = 2 * (MOST_PER_RADIUS as usize + 1) + MOST_PER_BLOCK;
@@ -47,7 +47,7 @@ pub(crate) const N_TOUCHED: usize = 4;
 pub(crate) struct Coefficients {
     pub(super) quads: Vec<Quad>,
     /// The columns of quads that were added to, a bit each.
-    pub(super) touched: u32,
+    pub(super) touched: u64,
 }
 
 impl Coefficients {
@@ -60,7 +60,7 @@ impl Coefficients {
 
     /// Rows of that many quads, and the columns that were added to, a bit each.
     #[inline(always)]
-    pub(super) fn rows_mut<const WIDTH: usize>(&mut self) -> (&mut [[Quad; WIDTH]], &mut u32) {
+    pub(super) fn rows_mut<const WIDTH: usize>(&mut self) -> (&mut [[Quad; WIDTH]], &mut u64) {
         (self.quads.as_chunks_mut().0, &mut self.touched)
     }
 

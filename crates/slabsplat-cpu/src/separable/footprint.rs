@@ -33,7 +33,7 @@ impl SeparableFootprint {
     pub(super) fn add_to<S: Simd, const WINDOW: usize, const WIDTH: usize>(
         &self,
         simd: S,
-        (rows, touched): (&mut [[Quad; WIDTH]], &mut u32),
+        (rows, touched): (&mut [[Quad; WIDTH]], &mut u64),
         shape: &PixelShape,
         profile: &impl Weigh<S>,
     ) {
@@ -41,7 +41,7 @@ impl SeparableFootprint {
         let (first, end) = (first / QUAD, end.div_ceil(QUAD));
         // Most footprints are no wider than the window; further left it is 0, and so nothing is lost.
         let mut quad = first.min(WIDTH - WINDOW);
-        *touched |= (1 << end.max(quad + WINDOW)) - (1 << quad);
+        *touched |= (1_u64 << end.max(quad + WINDOW)) - (1 << quad);
         let rows = rows[self.first_row..].first_chunk_mut::<N_TOUCHED>();
         let Some(rows) = rows else { return };
         self.add_columns::<S, WINDOW, WIDTH>(simd, rows, shape, profile, quad);

@@ -114,8 +114,8 @@ impl AsSeparable<'_> {
         std::ptr::eq(self.slab, other.slab)
     }
 
-    /// Adds the sections of voxels in a slab to the coefficients, or those in slabs that follow each other and
-    /// cut sections of one shape with their middles at one place.
+    /// Adds the sections of voxels in a slab to the coefficients, or those in slabs that follow each other
+    /// and cut sections of one shape with their middles at one place.
     #[inline(always)]
     pub(crate) fn add_sections<S: Simd, const N_SLABS: usize>(
         self,
@@ -127,7 +127,7 @@ impl AsSeparable<'_> {
     ) {
         let width = 2.0 * slabs[0].sections.raster.radius * self.slab.half_width;
         let (slabs, onto) = ((slabs, kind), (sheet, coefficients));
-        if self.slab.is_sheared {
+        if self.slab.sheared_columns.is_some() {
             self.add_in_windows::<S, N_SLABS, 4, { shear::WIDTH }>(simd, slabs, voxels, tile, onto);
         } else if width <= WIDEST_OF_THREE {
             self.add_in_windows::<S, N_SLABS, 3, BLOCKS_ACROSS>(simd, slabs, voxels, tile, onto);
@@ -179,7 +179,7 @@ impl AsSeparable<'_> {
         tile: &Tile,
     ) -> SeparableBatch<N_SLABS> {
         let slab = &slabs[0];
-        let SeparableSlab { shape, half_width, ref spline, is_sheared } = *self.slab;
+        let SeparableSlab { shape, half_width, ref spline, .. } = *self.slab;
         let radius = slab.sections.raster.radius;
         let voxels = Components::of(simd, run.at_once(first));
         let mut drawn = u64::MAX >> (64 - (run.len - first).min(N_AT_ONCE));
@@ -212,9 +212,8 @@ impl AsSeparable<'_> {
             end.store_slice(&mut pixels[axis + 2]);
         }
         let mut columns = [pixels[0], pixels[2]];
-        if is_sheared {
-            let left = shear::Columns::of(shape.lean, tile).left();
-            x = y.mul_add(f32x8::splat(simd, shape.lean), x + left);
+        if let Some(sheared) = self.slab.columns(tile) {
+            x = sheared.of_pixels(simd, [x, y]);
             let half = radius * half_width + MARGIN;
             let n_columns = shear::WIDTH * QUAD;
             column(simd, x - half, n_columns).store_slice(&mut columns[0]);

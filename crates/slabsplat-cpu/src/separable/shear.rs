@@ -1,8 +1,9 @@
 //! Separable footprints whose axes are not those of the image, in sheared columns.
 //!
 //! `g(√across·(X + lean·Y))·g(√along·Y)` is no product of a column and a row of pixels, but it is one of a
-//! column of `u = X + lean·Y` and a row. So coefficients have columns of `u`, and a row of pixels reads those
-//! that it crosses, which lie at one fraction of a column for the whole row:
+//! column of `u = X + lean·Y` and a row. So coefficients have columns of `u`, one to a pixel, or two where
+//! footprints are small, and a row of pixels reads those that it crosses, which lie at one fraction of a
+//! column for the whole row:
 //!
 //! ```text
 //! for each row of touched blocks:
@@ -11,8 +12,8 @@
 //! ```
 //!
 //! Between columns the sums are those of a cubic B-spline, which spreads a footprint by its own variance, a
-//! third of a squared pixel. Footprints are made narrower by as much, and so come out as wide as they should:
-//! a Gaussian of 1.2 pixels or more is then off by some thousandths.
+//! third of a squared column. Footprints are made narrower by as much, and so come out as wide as they
+//! should: a Gaussian of 1.2 columns or more is then off by some thousandths.
 
 use super::b_spline::{Coefficients, RowSpline};
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
@@ -21,23 +22,27 @@ use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::sections::cut::bits;
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
 
-/// The variance of a cubic B-spline, in squared pixels.
+/// The variance of a cubic B-spline, in squared columns.
 pub(super) const VARIANCE: f32 = 1.0 / 3.0;
 
-/// Footprints may be sheared by no more columns a row.
+/// Footprints may be sheared by no more pixels a row.
 pub(super) const MOST_LEAN: f32 = 1.0;
+
+/// Columns to a pixel, at most.
+pub(super) const MOST_PER_PIXEL: usize = 2;
 
 /// Quads in a row of coefficients: those of a tile, as many as the shear moves its rows, and what the spline
 /// needs beside.
-pub(super) const WIDTH: usize = 2 * BLOCKS_ACROSS + 2;
+pub(super) const WIDTH: usize = MOST_PER_PIXEL * (2 * BLOCKS_ACROSS + 2);
 
 /// Sheared columns on one tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Columns {
     lean: f64,
-    /// Where the first column lies that there is room for, in pixels from the tile's left side at its upper
+    per_pixel: usize,
+    /// Where the first column lies that there is room for, in columns from the tile's left side at its upper
     /// edge. Columns of all tiles lie alike, and so do the splines between them.
     left: f64,
 }
@@ -45,41 +50,49 @@ pub(super) struct Columns {
 /// A row of pixels among the columns.
 #[derive(Clone, Copy)]
 struct Line {
-    /// The quad of columns in which the first quad of pixels begins, and where in it.
-    first_quad: usize,
+    /// The first column that counts for the first pixel.
     first: usize,
     /// How much of four columns that follow each other a pixel has.
     taps: [f32; 4],
 }
 
+/// Rows of pixels, still in columns of `u`, channel by channel: a pixel's columns begin anywhere.
+type RowsOfU = [[[f32; WIDTH * QUAD]; N_CHANNELS]; BLOCK_SIDE];
+
+const N_CHANNELS: usize = 4;
+
 impl Columns {
-    pub(super) fn of(lean: f32, tile: &Tile) -> Self {
+    pub(super) fn of(lean: f32, per_pixel: usize, tile: &Tile) -> Self {
         let lean = f64::from(lean);
         let [x, y] = tile.origin.map(|pixel| pixel as f64);
         let half = 0.5 * TILE_SIDE as f64;
-        let least = x + lean * (y + half) - half * lean.abs();
+        let least = per_pixel as f64 * (x + lean * (y + half) - half * lean.abs());
         // A spline has two columns before a pixel.
-        Self { lean, left: x + lean * y - (least.floor() - 2.0) }
+        let left = per_pixel as f64 * (x + lean * y) - (least.floor() - 2.0);
+        Self { lean, per_pixel, left }
     }
 
-    /// `u` of the tile's upper left corner, in columns.
-    pub(super) fn left(&self) -> f32 {
-        self.left as f32
+    /// `u`, in columns, of places in pixels from the tile's upper left corner.
+    #[inline(always)]
+    pub(super) fn of_pixels<S: Simd>(&self, simd: S, [x, y]: [f32x8<S>; 2]) -> f32x8<S> {
+        let in_pixels = y.mul_add(f32x8::splat(simd, self.lean as f32), x);
+        let left = f32x8::splat(simd, self.left as f32);
+        in_pixels.mul_add(f32x8::splat(simd, self.per_pixel as f32), left)
     }
 
     fn line(&self, row: usize) -> Line {
-        let place = self.left + self.lean * (row as f64 + 0.5);
-        let start = place.floor() as usize - 1;
+        let per_pixel = self.per_pixel as f64;
+        // Columns lie in the middle of their parts of a pixel, as pixels lie in the middle of themselves.
+        let first_column = 0.5 * (per_pixel - 1.0);
+        let place = self.left + per_pixel * self.lean * (row as f64 + 0.5) + first_column;
+        // A spline has a column before the place that it is for.
+        let before = place.floor() as usize - 1;
         let t = place.fract() as f32;
         let (t2, t3, rest) = (t * t, t * t * t, 1.0 - t);
         let first = rest * rest * rest / 6.0;
         let second = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
         let last = t3 / 6.0;
-        Line {
-            first_quad: start / QUAD,
-            first: start % QUAD,
-            taps: [first, second, 1.0 - first - second - last, last],
-        }
+        Line { first: before, taps: [first, second, 1.0 - first - second - last, last] }
     }
 
     /// Adds what the coefficients stand for to the touched pixels of their sheet, and empties them. A
@@ -107,7 +120,7 @@ impl Columns {
         coefficients: &mut Coefficients,
     ) {
         let (all_rows, _) = coefficients.rows_mut::<WIDTH>();
-        let mut rows_of_u = [[Quad::ZERO; WIDTH]; BLOCK_SIDE];
+        let mut rows_of_u: RowsOfU = [[[0.0; WIDTH * QUAD]; N_CHANNELS]; BLOCK_SIDE];
         for block_row in 0..BLOCKS_ACROSS {
             let columns = touched.row(block_row);
             if columns == 0 {
@@ -115,14 +128,20 @@ impl Columns {
             }
             let first_row = block_row * BLOCK_SIDE;
             let lines: [Line; BLOCK_SIDE] = std::array::from_fn(|row| self.line(first_row + row));
-            let ends = [0, BLOCK_SIDE - 1].map(|row| lines[row].first_quad);
-            let first = ends[0].min(ends[1]) + columns.trailing_zeros() as usize;
-            let last = ends[0].max(ends[1]) + 2 + columns.ilog2() as usize;
+            let ends = [0, BLOCK_SIDE - 1].map(|row| lines[row].first);
+            let per_block = BLOCK_SIDE * self.per_pixel;
+            let first = ends[0].min(ends[1]) + per_block * columns.trailing_zeros() as usize;
+            let end = ends[0].max(ends[1]) + per_block * (columns.ilog2() as usize + 1) + 3;
+            let quads = first / QUAD..end.div_ceil(QUAD);
             let rows = &all_rows[spline.first_row_of(block_row)..];
-            rows_from_coefficients(simd, spline, rows, first..last + 1, &mut rows_of_u);
+            rows_from_coefficients(simd, spline, rows, quads, &mut rows_of_u);
             for (row, line) in lines.iter().enumerate() {
                 for column in bits(columns) {
-                    let sum = line.sum(simd, &rows_of_u[row], column);
+                    let place = line.first + per_block * column;
+                    let sum = match self.per_pixel {
+                        1 => line.sum(simd, &rows_of_u[row], place),
+                        _ => line.sum_of_every_other(simd, &rows_of_u[row], place),
+                    };
                     let pixels = &mut sums[first_row + row][column].0;
                     (f32x16::from_slice(simd, pixels) + sum).store_slice(pixels);
                 }
@@ -139,7 +158,7 @@ fn rows_from_coefficients<S: Simd>(
     spline: &RowSpline,
     rows: &[[Quad; WIDTH]],
     quads: std::ops::Range<usize>,
-    onto: &mut [[Quad; WIDTH]; BLOCK_SIDE],
+    onto: &mut RowsOfU,
 ) {
     for quad in quads {
         let mut block = [f32x16::splat(simd, 0.0); BLOCK_SIDE];
@@ -150,35 +169,59 @@ fn rows_from_coefficients<S: Simd>(
             }
         }
         for (sum, row) in block.iter().zip(onto.iter_mut()) {
-            sum.store_slice(&mut row[quad].0);
+            let sum = sum.as_slice().as_chunks::<QUAD>().0;
+            for (channel, sum) in row.iter_mut().zip(sum) {
+                channel[quad * QUAD..][..QUAD].copy_from_slice(sum);
+            }
         }
     }
 }
 
 impl Line {
-    /// Four pixels, from the columns around each.
+    /// Four pixels of which the first one's columns begin at `place`.
     #[inline(always)]
-    fn sum<S: Simd>(&self, simd: S, row: &[Quad; WIDTH], column: usize) -> f32x16<S> {
-        let first = self.first_quad + column;
-        let a = f32x16::from_slice(simd, &row[first].0);
-        let b = f32x16::from_slice(simd, &row[first + 1].0);
-        let c = f32x16::from_slice(simd, &row[first + 2].0);
-        let columns = match self.first {
-            0 => [a, next::<S, 1>(a, b), next::<S, 2>(a, b), next::<S, 3>(a, b)],
-            1 => [next::<S, 1>(a, b), next::<S, 2>(a, b), next::<S, 3>(a, b), b],
-            2 => [next::<S, 2>(a, b), next::<S, 3>(a, b), b, next::<S, 1>(b, c)],
-            _ => [next::<S, 3>(a, b), b, next::<S, 1>(b, c), next::<S, 2>(b, c)],
+    fn sum<S: Simd>(
+        &self,
+        simd: S,
+        row: &[[f32; WIDTH * QUAD]; N_CHANNELS],
+        place: usize,
+    ) -> f32x16<S> {
+        let [a, b, c, d] = row;
+        let of_channel = |columns: &[f32; WIDTH * QUAD]| {
+            let mut sum = f32x4::splat(simd, 0.0);
+            for (idx, tap) in self.taps.into_iter().enumerate() {
+                let columns = f32x4::from_slice(simd, &columns[place + idx..][..QUAD]);
+                sum = columns.mul_add(f32x4::splat(simd, tap), sum);
+            }
+            sum
         };
-        let mut sum = f32x16::splat(simd, 0.0);
-        for (column, tap) in columns.into_iter().zip(self.taps) {
-            sum = column.mul_add(f32x16::splat(simd, tap), sum);
-        }
-        sum
+        in_quad([of_channel(a), of_channel(b), of_channel(c), of_channel(d)])
+    }
+
+    /// The same of two columns each.
+    #[inline(always)]
+    fn sum_of_every_other<S: Simd>(
+        &self,
+        simd: S,
+        row: &[[f32; WIDTH * QUAD]; N_CHANNELS],
+        place: usize,
+    ) -> f32x16<S> {
+        let [a, b, c, d] = row;
+        let of_channel = |columns: &[f32; WIDTH * QUAD]| {
+            let mut sum = f32x8::splat(simd, 0.0);
+            for (idx, tap) in self.taps.into_iter().enumerate() {
+                let columns = f32x8::from_slice(simd, &columns[place + idx..][..2 * QUAD]);
+                sum = columns.mul_add(f32x8::splat(simd, tap), sum);
+            }
+            let [a, _, b, _, c, _, d, _]: [f32; 2 * QUAD] = sum.into();
+            [a, b, c, d].simd_into(simd)
+        };
+        in_quad([of_channel(a), of_channel(b), of_channel(c), of_channel(d)])
     }
 }
 
-/// In every channel, the four pixels that begin `SHIFT` pixels behind those of `a`; `b` comes after.
+/// Four channels of four pixels.
 #[inline(always)]
-fn next<S: Simd, const SHIFT: usize>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
-    a.slide_within_blocks::<SHIFT>(b)
+fn in_quad<S: Simd>([a, b, c, d]: [f32x4<S>; N_CHANNELS]) -> f32x16<S> {
+    a.combine(b).combine(c.combine(d))
 }

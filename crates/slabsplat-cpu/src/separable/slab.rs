@@ -12,17 +12,18 @@ use slabsplat_kernel::SeparableSections;
 /// Footprints of one shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SeparableSlab {
-    /// Their ellipse, and what weights are multiplied with.
+    /// Their ellipse, of which `across` counts columns of coefficients, and what weights are multiplied with.
     pub(super) shape: PixelShape,
     /// How wide they are in columns that are sheared as they are, as a part of their radius in index units.
     pub(super) half_width: f32,
     pub(super) spline: RowSpline,
-    pub(super) is_sheared: bool,
+    /// Columns of coefficients to a pixel, if they are sheared.
+    pub(super) sheared_columns: Option<usize>,
 }
 
 /// Columns to the radius of a sheared kernel, at least. With fewer, what the spline between columns does to a
 /// footprint is more than what its end does: at 4, a centre is off by 5·10⁻³ of its peak.
-const LEAST_COLUMNS: f32 = 4.25;
+const LEAST_COLUMNS: f32 = 4.75;
 
 impl SeparableSlab {
     /// `None` if they are too small, too large, or sheared too much.
@@ -32,19 +33,28 @@ impl SeparableSlab {
         sections: &SeparableSections,
     ) -> Option<Self> {
         let spline = RowSpline::new(&shape, sections)?;
-        let radius = (2.0 / shape.across).sqrt();
-        if is_sheared {
-            if radius < LEAST_COLUMNS || shear::MOST_LEAN < shape.lean.abs() {
-                return None;
-            }
-            let variance = sections.profile_variance() as f32 * radius * radius;
-            let narrower = variance / (variance - shear::VARIANCE);
-            shape.across *= narrower;
-            shape.gain *= narrower.sqrt();
+        if !is_sheared {
+            let half_width = shape.half_extent[0];
+            return Some(Self { shape, half_width, spline, sheared_columns: None });
         }
-        let half_width =
-            if is_sheared { radius / sections.radius() as f32 } else { shape.half_extent[0] };
-        Some(Self { shape, half_width, spline, is_sheared })
+        let radius = (2.0 / shape.across).sqrt();
+        let per_pixel = if radius < LEAST_COLUMNS { shear::MOST_PER_PIXEL } else { 1 };
+        let radius = radius * per_pixel as f32;
+        if radius < LEAST_COLUMNS || shear::MOST_LEAN < shape.lean.abs() {
+            return None;
+        }
+        let variance = sections.profile_variance() as f32 * radius * radius;
+        let narrower = variance / (variance - shear::VARIANCE);
+        shape.across = narrower * 2.0 / (radius * radius);
+        shape.gain *= narrower.sqrt();
+        let half_width = radius / sections.radius() as f32;
+        Some(Self { shape, half_width, spline, sheared_columns: Some(per_pixel) })
+    }
+
+    /// Where their columns lie on a tile, if they are sheared.
+    #[inline(always)]
+    pub(super) fn columns(&self, tile: &Tile) -> Option<shear::Columns> {
+        self.sheared_columns.map(|per_pixel| shear::Columns::of(self.shape.lean, per_pixel, tile))
     }
 
     /// Pixels of a footprint in a world unit.
@@ -54,7 +64,8 @@ impl SeparableSlab {
 
     /// Quads of coefficients that a tile has.
     pub(crate) fn n_quads(&self) -> usize {
-        self.spline.n_rows() * if self.is_sheared { shear::WIDTH } else { BLOCKS_ACROSS }
+        let width = if self.sheared_columns.is_some() { shear::WIDTH } else { BLOCKS_ACROSS };
+        self.spline.n_rows() * width
     }
 
     /// Adds what the coefficients stand for to the touched pixels of their sheet, and empties them.
@@ -69,11 +80,9 @@ impl SeparableSlab {
         if coefficients.touched == 0 {
             return;
         }
-        if self.is_sheared {
-            let columns = shear::Columns::of(self.shape.lean, tile);
-            columns.reconstruct(simd, &self.spline, sheet, coefficients);
-        } else {
-            self.spline.reconstruct(simd, sheet, coefficients);
+        match self.columns(tile) {
+            Some(columns) => columns.reconstruct(simd, &self.spline, sheet, coefficients),
+            None => self.spline.reconstruct(simd, sheet, coefficients),
         }
     }
 }
@@ -114,15 +123,17 @@ mod tests {
         by_three: bool,
         (tile, sheet, coefficients): (&Tile, &mut Sheet, &mut Coefficients),
     ) {
-        let SeparableSlab { shape, half_width, ref spline, is_sheared } = *slab;
+        let SeparableSlab { shape, half_width, ref spline, sheared_columns } = *slab;
         coefficients.grow(slab.n_quads());
         let factor = f32x8::splat(simd, 2.0 * shape.gain);
         let (rows, weights) = spline.touched(simd, f32x8::splat(simd, y), factor);
-        let (left, n_columns) = match is_sheared {
-            true => (shear::Columns::of(shape.lean, tile).left(), shear::WIDTH * QUAD),
-            false => (0.0, TILE_SIDE),
+        let (center, n_columns) = match slab.columns(tile) {
+            Some(sheared) => {
+                let center = [x, y].map(|c| f32x8::splat(simd, c));
+                (sheared.of_pixels(simd, center)[0], shear::WIDTH * QUAD)
+            }
+            None => (x, TILE_SIDE),
         };
-        let center = x + shape.lean * y + left;
         let radius = half_width * sections.radius() as f32;
         let column = |x: f32| x.round().clamp(0.0, n_columns as f32) as u8;
         let footprint = SeparableFootprint {
@@ -135,7 +146,7 @@ mod tests {
         let coefficients_of_g = sections.profile();
         let profile =
             Polynomial::<8, false> { coefficients: coefficients_of_g, edge: 1.0, faces: [0.0; 2] };
-        match (is_sheared, by_three) {
+        match (sheared_columns.is_some(), by_three) {
             (true, _) => footprint.add_to::<S, 4, { shear::WIDTH }>(
                 simd,
                 coefficients.rows_mut(),
@@ -168,8 +179,9 @@ mod tests {
             let level = Level::new();
             let (mut worst, mut sum, mut n) = (0.0_f32, 0.0, 0.0);
             for _ in 0..3000 {
-                let [width, height] = [0; 2].map(|_| 4.25 + 40.0 * rng.f32() * rng.f32());
                 let is_sheared = rng.bool();
+                let least = if is_sheared { 0.5 * LEAST_COLUMNS } else { 1.13 };
+                let [width, height] = [0; 2].map(|_| least + 40.0 * rng.f32() * rng.f32());
                 let lean = if is_sheared { 2.0 * rng.f32() - 1.0 } else { 0.0 };
                 let shape = PixelShape {
                     across: 2.0 / (width * width),

@@ -1,10 +1,10 @@
 //! From the sheets of a tile to its pixels: classification between them, light, compositing.
 
 use super::integrals::Integrals;
-use super::nodes::{AtNodes, LANES, N_NODES, OnPart, Parts, Rays8};
+use super::nodes::{AtNodes, N_NODES, OnPart, Parts, Rays8};
 use super::parts::PartShader;
 use super::rays::Rays;
-use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
+use super::sheets::{AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
 use crate::methods::slabs::Sheets;
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::pixels::quad::QUAD;

@@ -13,7 +13,7 @@
 //! density are linear there, so that all integrals are of one and the same weight, and colours and places are
 //! true means. They are in 64 bits, as differences are taken.
 
-use super::nodes::Eight;
+use super::sheets::Eight;
 use super::values::ValueScale;
 use crate::sections::cut::bits;
 use fearless_simd::{Simd, f64x8, prelude::*};

@@ -20,8 +20,8 @@
 //! 2. A tile is summed with a border of one pixel, for the gradients. That is a seventh more at 32 pixels a
 //!    side, and tiles need nothing of each other.
 //! 3. Most pixels of a sheet show nothing, which eight densities at a time say.
-//! 4. A sheet has four channels a pixel, and densities are sums of two: two sheets are summed at a time, by one
-//!    footprint where both have it at one place.
+//! 4. A sheet has four channels a pixel, and densities are sums of two: two sheets are summed at a time, by
+//!    one footprint where both have it at one place.
 //!
 //! # Reading order
 //!

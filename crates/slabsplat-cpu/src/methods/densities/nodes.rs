@@ -14,9 +14,6 @@
 use super::sheets::{DensitySheet, N_SHEETS};
 use fearless_simd::{Simd, f32x8, prelude::*};
 
-/// Pixels at once.
-pub(super) const LANES: usize = 8;
-
 /// The middles of the two sheets between which a part of the ray lies.
 pub(super) const N_NODES: usize = 2;
 
@@ -30,9 +27,6 @@ pub(super) struct OnPart<S: Simd> {
     /// How much more it is half way than in the mean of the ends.
     pub(super) bulge: f32x8<S>,
 }
-
-/// A number for each of eight pixels.
-pub(super) type Eight = [f32; LANES];
 
 /// What lies between the nodes on the rays of eight pixels.
 pub(super) struct Parts<S: Simd> {

@@ -10,8 +10,9 @@
 //! within a part, and it would be as dark as if it were seen from the side.
 
 use super::integrals::Integrals;
-use super::nodes::{Eight, LANES, Parts};
+use super::nodes::Parts;
 use super::rays::Rays;
+use super::sheets::{Eight, LANES};
 use fearless_simd::Simd;
 use slabsplat_core::Compositing;
 use slabsplat_traverse::{BlinnPhong8, Light8};

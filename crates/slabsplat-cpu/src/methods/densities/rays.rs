@@ -1,6 +1,6 @@
 //! The rays of pixels: how they slant against the viewing direction.
 
-use super::nodes::{Eight, LANES};
+use super::sheets::{Eight, LANES};
 use slabsplat_core::View;
 
 /// What a perspective view does to the way from one slab to the next.

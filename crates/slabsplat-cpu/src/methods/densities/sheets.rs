@@ -1,11 +1,16 @@
 //! Sheets of densities over one tile, the last six of them.
 
-use super::nodes::LANES;
 use crate::pixels::blocks::{BLOCK_SIDE, Blocks};
 use crate::pixels::quad::QUAD;
 use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
 use fearless_simd::{Simd, f32x4, f32x8, prelude::*};
+
+/// Pixels that are classified at once.
+pub(super) const LANES: usize = 8;
+
+/// A number for each of them.
+pub(super) type Eight = [f32; LANES];
 
 /// Sheets that are summed at once, in two channels each: weighted values, and lengths.
 pub(super) const AT_ONCE: usize = 2;

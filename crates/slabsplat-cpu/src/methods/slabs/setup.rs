@@ -50,6 +50,8 @@ pub(in crate::methods) struct SectionsInSlabs<'a> {
     whole: Option<(&'a Arc<SectionTable>, ErrorBudget)>,
     /// Which faces may be skipped.
     levels: Option<&'a SplitLevels>,
+    /// Whether means are taken of what sections sum, so that it counts what part of a voxel they are off.
+    are_of_means: bool,
 }
 
 impl<'a> SectionsInSlabs<'a> {
@@ -63,6 +65,7 @@ impl<'a> SectionsInSlabs<'a> {
             cubic: None,
             whole: merged.as_ref().map(|merged| (&merged.table, merged.budget)),
             levels: merged.as_ref().map(|merged| &merged.levels),
+            are_of_means: false,
         }
     }
 
@@ -74,7 +77,7 @@ impl<'a> SectionsInSlabs<'a> {
             SmoothSections::Table(table) => (None, Some(&**table)),
         };
         let whole = separable.as_ref().map(|separable| (&separable.whole, separable.budget));
-        Self { slabs, table, tilted, cubic, whole, levels: None }
+        Self { slabs, table, tilted, cubic, whole, levels: None, are_of_means: true }
     }
 }
 
@@ -85,7 +88,8 @@ impl<'a> Setup<'a> {
         prepared: &'a mut Prepared,
         at_once: usize,
     ) -> Self {
-        let SectionsInSlabs { slabs, table, tilted, cubic, whole, levels } = *sections;
+        let SectionsInSlabs { slabs, table, tilted, cubic, whole, levels, are_of_means } =
+            *sections;
         let (raster, plan) = (stage.raster, stage.plan);
         let budget = whole.map(|(_, budget)| budget);
         let fitted_whole = whole
@@ -110,11 +114,13 @@ impl<'a> Setup<'a> {
         Self {
             spans: SpanFinder::new(&slabs, levels),
             classes: Classes {
-                most_of_separable: with_shapes
-                    .zip(budget)
-                    .map_or(f32::NEG_INFINITY, |((sections, shapes), budget)| {
-                        most_extinction(sections, shapes, budget)
-                    }),
+                most_of_separable: with_shapes.zip(budget).map_or(
+                    f32::NEG_INFINITY,
+                    |((sections, shapes), budget)| {
+                        let most = most_extinction(sections, shapes, budget);
+                        if are_of_means { most * sections.whole() } else { most }
+                    },
+                ),
                 is_merged: levels.is_some(),
                 kind: sections.kind,
                 n_before: slabs.n_before,
