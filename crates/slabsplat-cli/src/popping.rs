@@ -13,8 +13,8 @@ use slabsplat::{Method, PoppingReport, Sweep};
 ///
 /// The pop ratio is the largest change over the median one: near 1 means that nothing pops. Jitter is the
 /// mean second difference of frames over the mean first one: 0 if every pixel changes evenly, 2 if all
-/// flicker. The largest step is that of one channel of one pixel, of 255. All methods are measured, or the
-/// one that --method names. The camera turns about its target around its up vector.
+/// flicker. The largest step is that of a pixel's red, green or blue on black, of 255. All methods are
+/// measured, or the one that --method names. The camera turns about its target around its up vector.
 #[derive(Args)]
 pub(crate) struct PoppingArgs {
     /// First angle in degrees, from the scene's camera

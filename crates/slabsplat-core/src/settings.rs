@@ -52,11 +52,11 @@ settings! {
         /// What lies behind is skipped, which changes the pixel by at most `1 − opacity_cutoff`.
         opacity_cutoff: f64 = 1.0 - 2e-3, number("OPACITY", Interval::above(0.0).at_most(1.0));
 
-        /// How far a pixel may be from what all sections would give; 0 draws them all. That is any
-        /// premultiplied channel. `image-aligned` slabs of `extinction` without normalisation make use of
-        /// it, and `post-classified`, where a pixel next to an edge may be off by more: what others show
-        /// depends on every single section. Of flat walls seen exactly along, the edges may also lie up to a
-        /// third of a voxel further out (`docs/numerics.md`, "Products").
+        /// How far a pixel may be from what all sections would give; 0 draws them all.
+        /// That is any premultiplied channel. `image-aligned` slabs of `extinction` without normalisation
+        /// make use of it, and `post-classified`, where a pixel next to an edge may be off by more: what
+        /// others show depends on every single section. Of flat walls seen exactly along, the edges may also
+        /// lie up to a third of a voxel further out (`docs/numerics.md`, "Products").
         tolerance: f64 = 0.05, number("DIFFERENCE", Interval::at_least(0.0).below(1.0));
     }
 }

@@ -19,6 +19,8 @@ pub(crate) struct SeparableSlab {
     pub(super) spline: RowSpline,
     /// Columns of coefficients to a pixel, if they are sheared.
     pub(super) sheared_columns: Option<usize>,
+    /// Pixels of a footprint in a world unit, of which it has more than the view if it is stretched.
+    pub(crate) pixels_per_world: f32,
 }
 
 /// Columns to the radius of a sheared kernel, at least. With fewer, what the spline between columns does to a
@@ -26,16 +28,22 @@ pub(crate) struct SeparableSlab {
 const LEAST_COLUMNS: f32 = 4.75;
 
 impl SeparableSlab {
-    /// `None` if they are too small, too large, or sheared too much.
+    /// Those that are as many times as high as that gain; `None` if they are too small, too large, or sheared
+    /// too much.
     pub(crate) fn new(
         mut shape: PixelShape,
+        gain: f32,
         is_sheared: bool,
         sections: &SeparableSections,
     ) -> Option<Self> {
+        // A stretched footprint is as much lower as its area is larger.
+        let pixels_per_world = shape.scale / shape.gain.sqrt();
+        shape.gain *= gain;
         let spline = RowSpline::new(&shape, sections)?;
         if !is_sheared {
             let half_width = shape.half_extent[0];
-            return Some(Self { shape, half_width, spline, sheared_columns: None });
+            let sheared_columns = None;
+            return Some(Self { shape, half_width, spline, sheared_columns, pixels_per_world });
         }
         let radius = (2.0 / shape.across).sqrt();
         let per_pixel = if radius < LEAST_COLUMNS { shear::MOST_PER_PIXEL } else { 1 };
@@ -48,18 +56,14 @@ impl SeparableSlab {
         shape.across = narrower * 2.0 / (radius * radius);
         shape.gain *= narrower.sqrt();
         let half_width = radius / sections.radius() as f32;
-        Some(Self { shape, half_width, spline, sheared_columns: Some(per_pixel) })
+        let sheared_columns = Some(per_pixel);
+        Some(Self { shape, half_width, spline, sheared_columns, pixels_per_world })
     }
 
     /// Where their columns lie on a tile, if they are sheared.
     #[inline(always)]
     pub(super) fn columns(&self, tile: &Tile) -> Option<shear::Columns> {
         self.sheared_columns.map(|per_pixel| shear::Columns::of(self.shape.lean, per_pixel, tile))
-    }
-
-    /// Pixels of a footprint in a world unit.
-    pub(crate) fn pixels_per_world(&self) -> f32 {
-        self.shape.scale
     }
 
     /// Quads of coefficients that a tile has.
@@ -123,7 +127,7 @@ mod tests {
         by_three: bool,
         (tile, sheet, coefficients): (&Tile, &mut Sheet, &mut Coefficients),
     ) {
-        let SeparableSlab { shape, half_width, ref spline, sheared_columns } = *slab;
+        let SeparableSlab { shape, half_width, ref spline, sheared_columns, .. } = *slab;
         coefficients.grow(slab.n_quads());
         let factor = f32x8::splat(simd, 2.0 * shape.gain);
         let (rows, weights) = spline.touched(simd, f32x8::splat(simd, y), factor);
@@ -191,7 +195,7 @@ mod tests {
                     gain: 1.0,
                     ..PixelShape::default()
                 };
-                let slab = SeparableSlab::new(shape, is_sheared, &sections).unwrap();
+                let slab = SeparableSlab::new(shape, 1.0, is_sheared, &sections).unwrap();
                 let at =
                     |radius: f32, random: f32| (TILE_SIDE as f32 + 2.0 * radius) * random - radius;
                 let center = [at(width, rng.f32()), at(height, rng.f32())];

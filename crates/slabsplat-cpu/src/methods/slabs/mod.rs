@@ -19,8 +19,8 @@
 //! sections from that bucket and from those of the few slabs before it, as many as a kernel is thick; so the
 //! work is linear in sections, and a voxel is stored once a tile instead of once a section.
 //!
-//! What a voxel's *colour* is, four numbers that a sheet sums, and what becomes of a sheet, a method says:
-//! [`Voxels`] and [`Sheets`].
+//! What a voxel's *colour* is, four numbers that a sheet sums, or two for each of two slabs that are summed
+//! at once, and what becomes of a sheet, a method says: [`Voxels`] and [`Sheets`].
 //!
 //! Reading order: `stage`; `slab_shapes`, `slab_view`, `span_finder`, `classes`, `setup`, `occlusion`,
 //! `intake`, `advance`.

@@ -155,7 +155,7 @@ impl<'a> Setup<'a> {
         let Some((sections, shapes)) = &self.separable else { return [None; 2] };
         let [whole, cut] = self.slabs.shapes.separable(slab);
         let drawn = |slab: &'s SeparableSlab| {
-            let [right, up] = shapes.drift.map(|drift| drift as f32 * slab.pixels_per_world());
+            let [right, up] = shapes.drift.map(|drift| drift as f32 * slab.pixels_per_world);
             AsSeparable { sections, slab, drift: [right, -up] }
         };
         let cut = if shapes.cut == shapes.whole { whole } else { cut };

@@ -83,9 +83,8 @@ fn separable_slab(
     shapes: &SeparableShapes,
 ) -> [Option<SeparableSlab>; 2] {
     let of = |shape: &FootprintShape, gain: f64| {
-        let mut pixels = raster.shape_like(shape, depth);
-        pixels.gain *= gain as f32;
-        SeparableSlab::new(pixels, shape.is_sheared(), sections)
+        let pixels = raster.shape_like(shape, depth);
+        SeparableSlab::new(pixels, gain as f32, shape.is_sheared(), sections)
     };
     [of(&shapes.whole, 1.0), of(&shapes.cut, shapes.cut_gain)]
 }
