@@ -11,7 +11,7 @@
 //! Outside of the ball both faces are clamped to one place, and the weight is 0.
 
 use super::raster::PixelShape;
-use super::weights::{CENTERS, Lanes, Weigh, nine};
+use super::weights::{CENTERS, Lanes, Weigh, eleven, nine};
 use fearless_simd::Simd;
 use slabsplat_kernel::TiltedSections;
 
@@ -44,7 +44,7 @@ impl<S: Simd> Weigh<S> for Tilted<'_> {
         let [front, back] = self.faces;
         let front = (later + front).max(-end).min(end);
         let back = (later + back).max(-end).min(end);
-        nine(simd, self.sections.across(), x) * (self.up_to(simd, back) - self.up_to(simd, front))
+        eleven(simd, self.sections.across(), x) * (self.up_to(simd, back) - self.up_to(simd, front))
     }
 }
 

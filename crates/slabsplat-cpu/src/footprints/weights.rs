@@ -86,21 +86,17 @@ impl<const N: usize, const SHEARED: bool> Polynomial<'_, N, SHEARED> {
     /// for each other as long as in Horner's.
     #[inline(always)]
     fn at<S: Simd, V: Lanes<S>>(&self, simd: S, x: V) -> V {
-        let [c0, c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11] = *self.coefficients;
-        let x2 = x * x;
-        let x4 = x2 * x2;
-        let low = four(simd, [c0, c1, c2, c3], x, x2);
-        let high = four(simd, [c4, c5, c6, c7], x, x2);
+        let [powers @ .., of_chord] = self.coefficients;
         if N == 8 {
-            return high.mul_add(x4, low);
+            let [low @ .., _, _, _] = powers;
+            return eight(simd, low, x);
         }
-        let last = V::splat(simd, c10).mul_add(x2, pair(simd, [c8, c9], x));
-        let polynomial = last.mul_add(x4, high).mul_add(x4, low);
+        let polynomial = eleven(simd, powers, x);
         // Where the ray leaves the ball; inside of the section's disc it meets the slab before.
         let end = (V::splat(simd, 1.0) - x).max(V::splat(simd, 0.0)).sqrt();
         let [front, back] = self.faces.map(|face| V::splat(simd, face));
         let chord = end.min(back) - (-end).max(front);
-        chord.mul_add(V::splat(simd, c11), polynomial)
+        chord.mul_add(V::splat(simd, *of_chord), polynomial)
     }
 }
 
@@ -116,15 +112,37 @@ fn four<S: Simd, V: Lanes<S>>(simd: S, [c0, c1, c2, c3]: [f32; 4], x: V, x2: V) 
     pair(simd, [c2, c3], x).mul_add(x2, pair(simd, [c0, c1], x))
 }
 
+/// `c₀ + c₁·x + … + c₇·x⁷`.
+#[inline(always)]
+fn eight<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 8], x: V) -> V {
+    let [c0, c1, c2, c3, c4, c5, c6, c7] = *coefficients;
+    let x2 = x * x;
+    four(simd, [c4, c5, c6, c7], x, x2).mul_add(x2 * x2, four(simd, [c0, c1, c2, c3], x, x2))
+}
+
+/// The same `+ rest·x⁸`.
+#[inline(always)]
+fn eight_and<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 8], rest: V, x: V) -> V {
+    let [c0, c1, c2, c3, c4, c5, c6, c7] = *coefficients;
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let high = rest.mul_add(x4, four(simd, [c4, c5, c6, c7], x, x2));
+    high.mul_add(x4, four(simd, [c0, c1, c2, c3], x, x2))
+}
+
 /// `c₀ + c₁·x + … + c₈·x⁸`.
 #[inline(always)]
 pub(crate) fn nine<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 9], x: V) -> V {
-    let [c0, c1, c2, c3, c4, c5, c6, c7, c8] = *coefficients;
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    let low = four(simd, [c0, c1, c2, c3], x, x2);
-    let high = four(simd, [c4, c5, c6, c7], x, x2);
-    V::splat(simd, c8).mul_add(x4, high).mul_add(x4, low)
+    let [low @ .., c8] = coefficients;
+    eight_and(simd, low, V::splat(simd, *c8), x)
+}
+
+/// `c₀ + c₁·x + … + c₁₀·x¹⁰`.
+#[inline(always)]
+pub(crate) fn eleven<S: Simd, V: Lanes<S>>(simd: S, coefficients: &[f32; 11], x: V) -> V {
+    let [low @ .., c8, c9, c10] = coefficients;
+    let rest = V::splat(simd, *c10).mul_add(x * x, pair(simd, [*c8, *c9], x));
+    eight_and(simd, low, rest, x)
 }
 
 /// Weights that are found for every pixel by itself.

@@ -93,25 +93,14 @@ impl SlabCut<'_> {
         let polynomial = match kind {
             Kind::ByTable => {
                 let (table, radius) = (fitted.table, raster.radius);
-                let by_table = ByTable { table, radius, faces: *faces, edge: *edge };
-                return splat_outlined(
-                    simd,
-                    sheet,
-                    &self.shape,
-                    footprint,
-                    &PixelByPixel(by_table),
-                );
+                let weigh = PixelByPixel(ByTable { table, radius, faces: *faces, edge: *edge });
+                return splat_outlined(simd, sheet, &self.shape, footprint, &weigh);
             }
             Kind::ByCubicTable => {
                 let Some(table) = self.sections.cubic else { return };
-                let by_table = ByCubicTable { table, radius: raster.radius, faces: *faces };
-                return splat_outlined(
-                    simd,
-                    sheet,
-                    &self.shape,
-                    footprint,
-                    &PixelByPixel(by_table),
-                );
+                let radius = raster.radius;
+                let weigh = PixelByPixel(ByCubicTable { table, radius, faces: *faces });
+                return splat_outlined(simd, sheet, &self.shape, footprint, &weigh);
             }
             Kind::Tilted => {
                 let Some(sections) = self.sections.tilted else { return };

@@ -16,6 +16,7 @@
 //! should: a Gaussian of 1.2 columns or more is then off by some thousandths.
 
 use super::b_spline::{Coefficients, RowSpline};
+use crate::footprints::weights::Lanes;
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::pixels::quad::{QUAD, Quad};
 use crate::pixels::rectangle::TILE_SIDE;
@@ -57,7 +58,9 @@ struct Line {
 }
 
 /// Rows of pixels, still in columns of `u`, channel by channel: a pixel's columns begin anywhere.
-type RowsOfU = [[[f32; WIDTH * QUAD]; N_CHANNELS]; BLOCK_SIDE];
+type RowsOfU = [Row; BLOCK_SIDE];
+
+type Row = [[f32; WIDTH * QUAD]; N_CHANNELS];
 
 const N_CHANNELS: usize = 4;
 
@@ -180,44 +183,45 @@ fn rows_from_coefficients<S: Simd>(
 impl Line {
     /// Four pixels of which the first one's columns begin at `place`.
     #[inline(always)]
-    fn sum<S: Simd>(
-        &self,
-        simd: S,
-        row: &[[f32; WIDTH * QUAD]; N_CHANNELS],
-        place: usize,
-    ) -> f32x16<S> {
-        let [a, b, c, d] = row;
-        let of_channel = |columns: &[f32; WIDTH * QUAD]| {
-            let mut sum = f32x4::splat(simd, 0.0);
-            for (idx, tap) in self.taps.into_iter().enumerate() {
-                let columns = f32x4::from_slice(simd, &columns[place + idx..][..QUAD]);
-                sum = columns.mul_add(f32x4::splat(simd, tap), sum);
-            }
-            sum
-        };
-        in_quad([of_channel(a), of_channel(b), of_channel(c), of_channel(d)])
+    fn sum<S: Simd>(&self, simd: S, [a, b, c, d]: &Row, place: usize) -> f32x16<S> {
+        let [a, b]: [f32x4<S>; 2] = [self.blend(simd, a, place), self.blend(simd, b, place)];
+        in_quad([a, b, self.blend(simd, c, place), self.blend(simd, d, place)])
     }
 
     /// The same of two columns each.
     #[inline(always)]
-    fn sum_of_every_other<S: Simd>(
+    fn sum_of_every_other<S: Simd>(&self, simd: S, [a, b, c, d]: &Row, place: usize) -> f32x16<S> {
+        let [a, b] = [self.blend(simd, a, place), self.blend(simd, b, place)];
+        let [c, d] = [self.blend(simd, c, place), self.blend(simd, d, place)];
+        in_quad([
+            every_other(simd, a),
+            every_other(simd, b),
+            every_other(simd, c),
+            every_other(simd, d),
+        ])
+    }
+
+    /// What lies at this fraction of a column between columns, from `place` on.
+    #[inline(always)]
+    fn blend<S: Simd, V: Lanes<S>>(
         &self,
         simd: S,
-        row: &[[f32; WIDTH * QUAD]; N_CHANNELS],
+        columns: &[f32; WIDTH * QUAD],
         place: usize,
-    ) -> f32x16<S> {
-        let [a, b, c, d] = row;
-        let of_channel = |columns: &[f32; WIDTH * QUAD]| {
-            let mut sum = f32x8::splat(simd, 0.0);
-            for (idx, tap) in self.taps.into_iter().enumerate() {
-                let columns = f32x8::from_slice(simd, &columns[place + idx..][..2 * QUAD]);
-                sum = columns.mul_add(f32x8::splat(simd, tap), sum);
-            }
-            let [a, _, b, _, c, _, d, _]: [f32; 2 * QUAD] = sum.into();
-            [a, b, c, d].simd_into(simd)
-        };
-        in_quad([of_channel(a), of_channel(b), of_channel(c), of_channel(d)])
+    ) -> V {
+        let mut sum = V::splat(simd, 0.0);
+        for (idx, tap) in self.taps.into_iter().enumerate() {
+            let columns = V::from_slice(simd, &columns[place + idx..][..V::LEN]);
+            sum = columns.mul_add(V::splat(simd, tap), sum);
+        }
+        sum
     }
+}
+
+#[inline(always)]
+fn every_other<S: Simd>(simd: S, columns: f32x8<S>) -> f32x4<S> {
+    let [a, _, b, _, c, _, d, _]: [f32; 8] = columns.into();
+    [a, b, c, d].simd_into(simd)
 }
 
 /// Four channels of four pixels.

@@ -7,6 +7,7 @@ use super::stage::{Sheets, Stage};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
+use crate::sections::cut::SlabCut;
 use crate::sections::shared::Kind;
 use crate::sections::span::SpannedVoxel;
 use crate::separable::b_spline::Coefficients;
@@ -121,53 +122,20 @@ const OF_PAIR: [[f32; 4]; 2] = [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]];
 
 /// Adds all sections that a slab or the next one cuts to their sheet. Where footprints are separable and of
 /// one shape, one goes for both: their weights differ by a factor, which their channels have.
-#[inline(never)]
 fn add_pair<S: Simd>(simd: S, first: usize, setup: &Setup<'_>, tile: &mut Tile, sums: &mut Sums) {
-    let Some(separable) = setup.pair_as_separable(first) else {
-        let drawn = setup.slabs.first_drawn..setup.slabs.grid.n_slabs();
-        for (slab, channels) in (first..).zip(OF_PAIR) {
-            if drawn.contains(&slab) {
-                add_slab(simd, slab, channels, setup, tile, sums);
-            }
-        }
-        return;
-    };
-    simd.vectorize(
-        #[inline(always)]
-        || add_alike(simd, first, separable, setup, tile, sums),
-    );
-}
-
-#[inline(always)]
-fn add_alike<S: Simd>(
-    simd: S,
-    first: usize,
-    separable: AsSeparable<'_>,
-    setup: &Setup<'_>,
-    tile: &mut Tile,
-    Sums { voxels, sheet, coefficients }: &mut Sums,
-) {
-    let classes = &setup.classes;
-    let cuts = [0, 1].map(|idx| setup.cut(first + idx, OF_PAIR[idx]));
-    for class in 0..N_CLASSES {
-        let starts = first.saturating_sub(classes.n_before(class));
-        let kind = classes.kind_of(class);
-        if Classes::may_be_separable(class) {
-            let voxels = voxels.starting_in(class, starts..first + 2);
-            separable.add_sections(simd, (&cuts, kind), voxels, tile, (sheet, coefficients));
-        } else {
-            for cut in &cuts {
-                let voxels = voxels.starting_in(class, starts..cut.slab + 1);
-                cut.add_sections(simd, kind, voxels, tile, sheet);
-            }
+    if let Some(separable) = setup.pair_as_separable(first) {
+        let cuts = [0, 1].map(|idx| setup.cut(first + idx, OF_PAIR[idx]));
+        return add_cuts(simd, &cuts, [Some(separable); 2], &setup.classes, tile, sums);
+    }
+    let drawn = setup.slabs.first_drawn..setup.slabs.grid.n_slabs();
+    for (slab, channels) in (first..).zip(OF_PAIR) {
+        if drawn.contains(&slab) {
+            add_slab(simd, slab, channels, setup, tile, sums);
         }
     }
-    separable.slab.reconstruct(simd, tile, sheet, coefficients);
 }
 
-/// Adds all sections that a slab cuts to those channels of its sheet. A function of its own, as all methods
-/// share it and it takes long to compile.
-#[inline(never)]
+/// Adds all sections that a slab cuts to those channels of its sheet.
 fn add_slab<S: Simd>(
     simd: S,
     slab: usize,
@@ -176,39 +144,56 @@ fn add_slab<S: Simd>(
     tile: &mut Tile,
     sums: &mut Sums,
 ) {
+    let cuts = [setup.cut(slab, channels)];
+    add_cuts(simd, &cuts, setup.as_separable(slab), &setup.classes, tile, sums);
+}
+
+/// Adds all sections that slabs which follow each other cut. A function of its own, as all methods share it
+/// and it takes long to compile.
+#[inline(never)]
+fn add_cuts<S: Simd, const N: usize>(
+    simd: S,
+    cuts: &[SlabCut<'_>; N],
+    separable: [Option<AsSeparable<'_>>; 2],
+    classes: &Classes,
+    tile: &mut Tile,
+    sums: &mut Sums,
+) {
     simd.vectorize(
         #[inline(always)]
-        || add_slab_inlined(simd, slab, channels, setup, tile, sums),
+        || add_cuts_inlined(simd, cuts, separable, classes, tile, sums),
     );
 }
 
 #[inline(always)]
-fn add_slab_inlined<S: Simd>(
+fn add_cuts_inlined<S: Simd, const N: usize>(
     simd: S,
-    slab: usize,
-    channels: [f32; 4],
-    setup: &Setup<'_>,
+    cuts: &[SlabCut<'_>; N],
+    [whole, cut_by_slab]: [Option<AsSeparable<'_>>; 2],
+    classes: &Classes,
     tile: &mut Tile,
     Sums { voxels, sheet, coefficients }: &mut Sums,
 ) {
-    let classes = &setup.classes;
-    let cuts = [setup.cut(slab, channels)];
-    let [cut] = &cuts;
-    let [whole, cut_by_slab] = setup.as_separable(slab);
+    let first = cuts[0].slab;
     // Coefficients are of footprints of one shape at a time.
     let mut pending: Option<AsSeparable<'_>> = None;
     for class in 0..N_CLASSES {
-        let first = slab.saturating_sub(classes.n_before(class));
-        let (voxels, kind) = (voxels.starting_in(class, first..slab + 1), classes.kind_of(class));
-        let separable = if kind == Kind::Whole { whole } else { cut_by_slab };
-        match separable {
+        let starts = first.saturating_sub(classes.n_before(class));
+        let kind = classes.kind_of(class);
+        match if kind == Kind::Whole { whole } else { cut_by_slab } {
             Some(separable) if Classes::may_be_separable(class) => {
                 if let Some(other) = pending.replace(separable).filter(|p| !p.is_like(&separable)) {
                     other.slab.reconstruct(simd, tile, sheet, coefficients);
                 }
-                separable.add_sections(simd, (&cuts, kind), voxels, tile, (sheet, coefficients));
+                let voxels = voxels.starting_in(class, starts..first + N);
+                separable.add_sections(simd, (cuts, kind), voxels, tile, (sheet, coefficients));
             }
-            _ => cut.add_sections(simd, kind, voxels, tile, sheet),
+            _ => {
+                for cut in cuts {
+                    let voxels = voxels.starting_in(class, starts..cut.slab + 1);
+                    cut.add_sections(simd, kind, voxels, tile, sheet);
+                }
+            }
         }
     }
     if let Some(separable) = pending {
