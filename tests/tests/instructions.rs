@@ -8,13 +8,14 @@
 
 use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
-    Camera, Frame, Grid, ImageDesc, Projection, Renderer, Scene, TransferFunction, backend_named,
-    io,
+    Camera, Frame, Grid, ImageDesc, Method, Projection, RenderSettings, Renderer, Scene,
+    TransferFunction, backend_named, io,
 };
 
 /// A frame that is counted, and how to come there.
 struct Workload {
     name: &'static str,
+    method: Method,
     /// A built-in volume, and voxels along its side.
     volume: (&'static str, usize),
     /// By what its steps are longer.
@@ -34,6 +35,7 @@ const WORKLOADS: &[Workload] = &[
     // A new transfer function while the camera looks past the volume: list, shade, project.
     Workload {
         name: "classify",
+        method: Method::ImageAligned,
         volume: ("sphere", 64),
         stretch: DVec3::ONE,
         eye: ASLANT,
@@ -47,6 +49,7 @@ const WORKLOADS: &[Workload] = &[
     // Seen at its face, the first voxels of a solid cube hide all others: toss, and pass over.
     Workload {
         name: "toss",
+        method: Method::ImageAligned,
         volume: ("cube", 64),
         stretch: DVec3::ONE,
         eye: DVec3::new(3.0, 0.0, 0.0),
@@ -57,6 +60,7 @@ const WORKLOADS: &[Workload] = &[
     // Where most is occluded.
     Workload {
         name: "opaque",
+        method: Method::ImageAligned,
         volume: ("neuron", 64),
         stretch: DVec3::ONE,
         eye: ASLANT,
@@ -67,6 +71,7 @@ const WORKLOADS: &[Workload] = &[
     // Where every section counts.
     Workload {
         name: "haze",
+        method: Method::ImageAligned,
         volume: ("sphere", 32),
         stretch: DVec3::ONE,
         eye: ASLANT,
@@ -77,6 +82,7 @@ const WORKLOADS: &[Workload] = &[
     // Where slabs are tilted, and footprints sheared.
     Workload {
         name: "tilted",
+        method: Method::ImageAligned,
         volume: ("sphere", 32),
         stretch: DVec3::new(1.0, 1.2, 1.5),
         eye: ASLANT,
@@ -84,9 +90,21 @@ const WORKLOADS: &[Workload] = &[
         image_side: 96,
         change: orbit,
     },
+    // Where densities are summed and then classified, two sheets to a slab.
+    Workload {
+        name: "densities",
+        method: Method::PostClassified,
+        volume: ("neuron", 64),
+        stretch: DVec3::ONE,
+        eye: ASLANT,
+        opacity: 0.8,
+        image_side: 96,
+        change: orbit,
+    },
     // A few voxels in slabs of a new width, all of whose sections are made anew.
     Workload {
         name: "section-table",
+        method: Method::ImageAligned,
         volume: ("cube", 4),
         stretch: DVec3::ONE,
         eye: ASLANT,
@@ -150,6 +168,7 @@ fn scene(workload: &Workload) -> Scene {
         height: workload.image_side,
         background: [0.0; 4],
     })
+    .settings(RenderSettings::default().method(workload.method))
 }
 
 fn transfer(opacity: f64, foot: f64) -> TransferFunction {

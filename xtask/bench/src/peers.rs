@@ -1,9 +1,14 @@
-//! `cargo xtask bench peers`: slabsplat against VTK's ray caster, on the same scenes on the same machine.
+//! `cargo xtask bench peers`: slabsplat against VTK's ray caster, and another renderer that is at hand, on
+//! the same scenes on the same machine.
 //!
-//! The peer is what a user without a GPU would pick instead. Both turn the camera by a degree a frame and
-//! time twelve frames or so; here they take turns, so that a machine that grows warm or busy slows both, and
-//! each pair of neighbours is a ratio of its own. The peer is run by `xtask/bench/peers/vtk_raycast.py`.
+//! VTK is what a user without a GPU would pick instead. All turn the camera by a degree a frame and time
+//! twelve frames or so; here they take turns, so that a machine that grows warm or busy slows all, and each
+//! pair of neighbours is a ratio of its own. VTK is run by `xtask/bench/peers/vtk_raycast.py`. OSPRay, the
+//! fastest that we know, takes a quarter of an hour to build: whoever has done so names a command in
+//! `SLABSPLAT_PEERS_OSPRAY` that takes a scene and `--frames N`, as that script does, and whose last line of
+//! output is JSON with `median_ms`, too.
 
+use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -25,16 +30,20 @@ pub(crate) struct Options {
     pub(super) n_pairs: usize,
 }
 
-/// A way to draw the scenes.
+/// A way in which slabsplat draws the scenes.
 struct Contender {
     name: &'static str,
     flags: &'static [&'static str],
 }
 
-const PEERS: &[Contender] = &[
-    Contender { name: "VTK, sample a voxel", flags: &["--sample", "1.0"] },
-    Contender { name: "VTK, two samples a voxel", flags: &["--sample", "0.5"] },
-];
+/// A command that draws them otherwise.
+struct Peer {
+    name: &'static str,
+    program: PathBuf,
+    args: Vec<&'static str>,
+}
+
+const OSPRAY_VARIABLE: &str = "SLABSPLAT_PEERS_OSPRAY";
 
 const OURS: &[Contender] = &[
     Contender { name: "slabsplat", flags: &[] },
@@ -58,11 +67,7 @@ pub(super) fn run(options: &Options) -> Result<()> {
     let scenes: Vec<(&str, PathBuf)> =
         SCENES.iter().filter_map(|&name| Some((name, slabsplat_testdata::scene(name)?))).collect();
     ensure!(!scenes.is_empty(), "there is no scene on which to compare");
-    let arena = Arena {
-        python: python::with_vtk(&Workspace::read()?.target_directory)?,
-        program: Program::built()?,
-        options: *options,
-    };
+    let arena = Arena { peers: peers()?, program: Program::built()?, options: *options };
     for (name, path) in scenes {
         println!("\n## {name}\n\n{}", arena.measure(&path)?);
     }
@@ -70,9 +75,23 @@ pub(super) fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
+/// VTK, and OSPRay if there is a command that runs it.
+fn peers() -> Result<Vec<Peer>> {
+    let python = python::with_vtk(&Workspace::read()?.target_directory)?;
+    let vtk = [("VTK, sample a voxel", "1.0"), ("VTK, two samples a voxel", "0.5")];
+    let vtk = vtk.map(|(name, sample)| {
+        let args = vec![SCRIPT, "--sample", sample];
+        Peer { name, program: python.clone(), args }
+    });
+    let named = env::var_os(OSPRAY_VARIABLE).filter(|named| !named.is_empty());
+    let ospray =
+        named.map(|named| Peer { name: "OSPRay", program: named.into(), args: Vec::new() });
+    Ok(vtk.into_iter().chain(ospray).collect())
+}
+
 /// What all contenders are run with.
 struct Arena {
-    python: PathBuf,
+    peers: Vec<Peer>,
     program: Program,
     options: Options,
 }
@@ -80,23 +99,24 @@ struct Arena {
 impl Arena {
     /// The table of a scene.
     fn measure(&self, scene: &Path) -> Result<String> {
-        let mut ms = vec![Vec::new(); PEERS.len() + OURS.len()];
+        let mut ms = vec![Vec::new(); self.peers.len() + OURS.len()];
         for pair in 0..self.options.n_pairs {
-            for place in turns(pair) {
+            for place in turns(pair, self.peers.len()) {
                 let (name, median_ms) = self.run(place, scene)?;
                 eprintln!("bench: pair {}: {name}: {median_ms:.1} ms", pair + 1);
                 ms[place].push(median_ms);
             }
         }
-        Ok(table(&ms))
+        let names: Vec<&str> = self.peers.iter().map(|peer| peer.name).collect();
+        Ok(table(&names, &ms))
     }
 
     /// The median of the contender at `place`, peers first.
     fn run(&self, place: usize, scene: &Path) -> Result<(&'static str, f64)> {
-        if let Some(peer) = PEERS.get(place) {
+        if let Some(peer) = self.peers.get(place) {
             return Ok((peer.name, self.run_peer(peer, scene)?));
         }
-        let ours = &OURS[place - PEERS.len()];
+        let ours = &OURS[place - self.peers.len()];
         let run = Run {
             input: scene.into(),
             flags: ours.flags.iter().map(ToString::to_string).collect(),
@@ -106,9 +126,9 @@ impl Arena {
         Ok((ours.name, self.program.bench(&run)?.median_ms))
     }
 
-    fn run_peer(&self, peer: &Contender, scene: &Path) -> Result<f64> {
-        let mut command = Command::new(&self.python);
-        command.arg(SCRIPT).arg(scene).args(peer.flags);
+    fn run_peer(&self, peer: &Peer, scene: &Path) -> Result<f64> {
+        let mut command = Command::new(&peer.program);
+        command.args(&peer.args).arg(scene);
         command.args(["--frames", &self.options.n_frames.to_string()]);
         peer_median_ms(&output(&mut command)?)
     }
@@ -116,12 +136,12 @@ impl Arena {
 
 /// The contenders in the order of a pair: a peer next to one of ours, and every other pair backwards, so that
 /// nobody is always the first.
-fn turns(pair: usize) -> Vec<usize> {
-    let n = PEERS.len().max(OURS.len());
+fn turns(pair: usize, n_peers: usize) -> Vec<usize> {
+    let n = n_peers.max(OURS.len());
     let mut turns: Vec<usize> = (0..n)
         .flat_map(|idx| {
-            let peer = (idx < PEERS.len()).then_some(idx);
-            let ours = (idx < OURS.len()).then_some(PEERS.len() + idx);
+            let peer = (idx < n_peers).then_some(idx);
+            let ours = (idx < OURS.len()).then_some(n_peers + idx);
             peer.into_iter().chain(ours)
         })
         .collect();
@@ -131,7 +151,7 @@ fn turns(pair: usize) -> Vec<usize> {
     turns
 }
 
-/// The script's last line is JSON; what VTK says before is not.
+/// A peer's last line is JSON; what it says before is not.
 fn peer_median_ms(answer: &str) -> Result<f64> {
     let line = answer.lines().last().context("the peer answers nothing")?;
     let answer: Value =
@@ -140,18 +160,19 @@ fn peer_median_ms(answer: &str) -> Result<f64> {
 }
 
 /// Milliseconds and then ratios, pair by pair and their medians; `ms` is of each contender, peers first.
-fn table(ms: &[Vec<f64>]) -> String {
+fn table(peers: &[&str], ms: &[Vec<f64>]) -> String {
     let n_pairs = ms.first().map_or(0, Vec::len);
     let pairs = (1..=n_pairs).map(|pair| format!("pair {pair}"));
     let head: Vec<String> =
         [String::new()].into_iter().chain(pairs).chain(["median".to_owned()]).collect();
-    let (of_peers, of_ours) = ms.split_at(PEERS.len());
-    let names = PEERS.iter().chain(OURS).map(|contender| format!("{}, ms", contender.name));
-    let mut rows: Vec<Vec<String>> = names.zip(ms).map(|(name, ms)| row(name, ms)).collect();
-    for (peer, peer_ms) in PEERS.iter().zip(of_peers) {
+    let (of_peers, of_ours) = ms.split_at(peers.len());
+    let names = peers.iter().copied().chain(OURS.iter().map(|ours| ours.name));
+    let mut rows: Vec<Vec<String>> =
+        names.zip(ms).map(|(name, ms)| row(format!("{name}, ms"), ms)).collect();
+    for (peer, peer_ms) in peers.iter().zip(of_peers) {
         for (ours, our_ms) in OURS.iter().zip(of_ours) {
             let ratios: Vec<f64> = peer_ms.iter().zip(our_ms).map(|(a, b)| a / b).collect();
-            rows.push(row(format!("{} : {}", peer.name, ours.name), &ratios));
+            rows.push(row(format!("{peer} : {}", ours.name), &ratios));
         }
     }
     markdown(&head, &rows)
@@ -168,9 +189,10 @@ mod tests {
 
     #[test]
     fn turns_are_of_all_and_alternate() {
-        assert_eq!(turns(0), [0, 2, 1, 3, 4, 5], "peer, ours, peer, ours, ours, ours");
-        assert_eq!(turns(1), [5, 4, 3, 1, 2, 0], "backwards");
-        assert_eq!(turns(2), turns(0));
+        assert_eq!(turns(0, 2), [0, 2, 1, 3, 4, 5], "peer, ours, peer, ours, ours, ours");
+        assert_eq!(turns(1, 2), [5, 4, 3, 1, 2, 0], "backwards");
+        assert_eq!(turns(2, 2), turns(0, 2));
+        assert_eq!(turns(0, 3), [0, 3, 1, 4, 2, 5, 6], "with another peer");
     }
 
     #[test]
@@ -187,7 +209,8 @@ mod tests {
         let peers = [[100.0, 300.0], [200.0, 600.0]];
         let ours = [[50.0, 100.0], [80.0, 80.0], [20.0, 60.0], [90.0, 90.0]];
         let ms = [peers.as_slice(), &ours].concat();
-        let text = table(&ms.iter().map(|ms| ms.to_vec()).collect::<Vec<_>>());
+        let names = ["VTK, sample a voxel", "VTK, two samples a voxel"];
+        let text = table(&names, &ms.iter().map(|ms| ms.to_vec()).collect::<Vec<_>>());
         assert_eq!(text.lines().count(), 2 + 6 + 8, "{text}");
         for line in [
             "|  | pair 1 | pair 2 | median |",
