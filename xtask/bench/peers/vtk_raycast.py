@@ -42,6 +42,8 @@ def raw_reader(path):
     assert desc["type"] == "uint8", "raw files of bytes only"
     reader = vtk.vtkImageReader2()
     reader.SetFileDimensionality(3)
+    # The first row of a file is that of the least y; VTK would take it for the last one.
+    reader.FileLowerLeftOn()
     reader.SetDataScalarTypeToUnsignedChar()
     reader.SetDataExtent(*[end for n in desc["dims"] for end in (0, n - 1)])
     reader.SetDataSpacing(*desc["spacing"])

@@ -25,9 +25,11 @@
 //!
 //! # Reading order
 //!
-//! `values`, `margin`, `selection`, `voxels`; `sheets`, `rays`, `nodes`; `integrals`, `parts`; `classify`.
+//! `values`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `rays`, `nodes`; `integrals`, `parts`;
+//! `classify`.
 
-mod margin;
+mod bit_rows;
+mod reach;
 mod selection;
 mod values;
 mod voxels;
@@ -51,6 +53,7 @@ use crate::stopwatch::Stopwatch;
 use classify::{Classifier, ScaledValues, Scratch};
 use fearless_simd::Level;
 use integrals::Integrals;
+use reach::Reach;
 use selection::Selection;
 use sheets::Retained;
 use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan};
@@ -73,8 +76,8 @@ pub(crate) struct Buffers {
 
 type CachedIntegrals = Cached<(TransferFunction, Compositing, ValueScale), Integrals>;
 
-/// What a selection of voxels depends on: the volume, the visible ranges, and the margin.
-type SelectedBy = (ByIdentity<Volume>, Vec<IsoRange>, [usize; 3]);
+/// What a selection of voxels depends on: the volume, the visible ranges, and how far voxels reach.
+type SelectedBy = (ByIdentity<Volume>, Vec<IsoRange>, Reach);
 
 /// What the stages of a frame share.
 struct Frame<'a> {
@@ -103,10 +106,11 @@ pub(crate) fn render(
     let Buffers { finite, selection, integrals, slabs } = buffers;
     let frame = Frame::new(plan, level, splats);
     let finite = *finite.made_of(ByIdentity::of(plan.volume), |_| finite_range(plan.volume));
-    let margin = margin::margin(plan, &frame.raster, &splats.slabs.grid);
-    let selected_by = (ByIdentity::of(plan.volume), plan.relevant.clone(), margin);
-    let selection = selection.made_of(selected_by, |(_, ranges, margin)| {
-        Selection::new(plan.volume, finite, ranges, *margin)
+    let is_exact = splats.separable.is_none();
+    let reach = Reach::of(plan, &frame.raster, &splats.slabs.grid, is_exact);
+    let selected_by = (ByIdentity::of(plan.volume), plan.relevant.clone(), reach);
+    let selection = selection.made_of(selected_by, |(_, ranges, reach)| {
+        Selection::new(plan.volume, finite, ranges, reach)
     });
     watch.done("list");
     let n_occluded = draw(&frame, finite, selection, tiles, (slabs, integrals), watch);

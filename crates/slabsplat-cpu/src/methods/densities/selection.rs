@@ -5,8 +5,16 @@
 //! are coded by eight bits, rounded to the side on which more shows. If what may come of the voxels that
 //! share a place with a voxel, or a place that a density or a gradient there is taken from, lies in no
 //! visible range, then nothing shows in any of these places, with or without that voxel, and it is left out.
-//! The picture is the same to the last bit.
+//! An exact picture is the same but for rounding, as a mean of values at the end of a visible range may come
+//! to lie within it. By default it differs by what separable footprints and outer sheets have beyond what
+//! `reach.rs` counts: less than can be seen.
+//!
+//! The least and the largest are found in boxes, axis by axis. Voxels at their corners are further away than
+//! any voxel reaches. So there must also be, within an ellipsoid of half the volume, a value as large as the
+//! largest is at least wherever anything shows, and one as small.
 
+use super::bit_rows::BitRows;
+use super::reach::Reach;
 use rayon::prelude::*;
 use slabsplat_core::{IsoRange, Volume};
 use slabsplat_traverse::{BRICK_SIDE, Brick, BrickGrid};
@@ -28,25 +36,27 @@ type Mask = [u64; BRICK_SIDE];
 const OVERSHOOT: f64 = 1.0 / 12.0;
 
 impl Selection {
-    /// The voxels of `volume` that have a visible density between the values within `margin` steps along
-    /// every axis. `finite` is the range of finite values, `ranges` are the visible ones. NaN voxels are
-    /// never among them.
+    /// The voxels of `volume` that have a visible density between the values within `reach`. `finite` is the
+    /// range of finite values, `ranges` are the visible ones. NaN voxels are never among them.
     pub(super) fn new(
         volume: &Volume,
         finite: Option<[f64; 2]>,
         ranges: &[IsoRange],
-        margin: [usize; 3],
+        reach: &Reach,
     ) -> Self {
         let coder = Coder::new(finite);
         let mut codes = Codes::new(volume, &coder);
-        for (axis, margin) in margin.into_iter().enumerate() {
+        let may_show = coder.visible_pairs(ranges);
+        let needed = codes.needed(&may_show).map(|bits| bits.map(|bits| bits.spread(&reach.rows)));
+        for (axis, margin) in reach.margin.into_iter().enumerate() {
             codes.widen(axis, margin);
         }
-        let may_show = coder.visible_pairs(ranges);
         let grid = BrickGrid::new(volume.grid());
         let mask = |brick_idx: u32| {
             let mask = codes.mask(&grid, brick_idx, |idx, least, largest| {
-                may_show[usize::from(least)][usize::from(largest)] && !volume.value(idx).is_nan()
+                may_show[usize::from(least)][usize::from(largest)]
+                    && needed.iter().flatten().all(|near| near.holds(idx))
+                    && !volume.value(idx).is_nan()
             });
             mask.iter().any(|bits| *bits != 0).then_some((brick_idx, mask))
         };
@@ -168,6 +178,24 @@ impl Codes {
         Self { dims: volume.grid().dims(), least, largest }
     }
 
+    /// The voxels one of which is near wherever anything shows: those with codes as large as the largest one
+    /// there is at least, and those with codes as small; `None` where all voxels would be meant.
+    fn needed(&self, may_show: &[[bool; 256]]) -> [Option<BitRows>; 2] {
+        let first = self.least.par_iter().copied().min().map_or(0, usize::from);
+        let last = self.largest.par_iter().copied().max().map_or(0, usize::from);
+        let largest =
+            (first..=last).find(|&code| (first..=code).any(|least| may_show[least][code]));
+        let least =
+            (first..=last).rev().find(|&code| (code..=last).any(|largest| may_show[code][largest]));
+        let large = largest
+            .filter(|&code| first < code)
+            .map(|code| BitRows::of(self.dims, |idx| code <= usize::from(self.largest[idx])));
+        let small = least
+            .filter(|&code| code < last)
+            .map(|code| BitRows::of(self.dims, |idx| usize::from(self.least[idx]) <= code));
+        [large, small]
+    }
+
     /// The voxels of a brick of which `is_meant`, given their places in memory and their codes.
     fn mask(
         &self,
@@ -234,6 +262,7 @@ impl Codes {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::methods::densities::reach::Row;
     use slabsplat_core::{Grid, Scaling};
     use slabsplat_seeds::for_each_seed;
     use slabsplat_traverse::VoxelRecord;
@@ -257,10 +286,15 @@ mod tests {
                 let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
                 let ranges =
                     [IsoRange { lo: 0.5, hi: 1.5 }, IsoRange { lo: 5.0, hi: f64::INFINITY }];
+                let ranges = &ranges[rng.usize(..2)..];
+                // What lies between something and −∞ may be anything.
+                let has_no_least =
+                    (0..grid.n_voxels()).any(|idx| volume.value(idx) == f64::NEG_INFINITY);
                 let margin = [0; 3].map(|_| rng.usize(..6));
                 let margin = [0, 1, 2].map(|axis| margin[axis].min(dims[axis]));
+                let reach = ellipsoid(margin);
                 let finite = Some([0.0, 8.0]);
-                let selection = Selection::new(&volume, finite, &ranges, margin);
+                let selection = Selection::new(&volume, finite, ranges, &reach);
                 let bricks = BrickGrid::new(&grid);
                 let mut selected = vec![false; grid.n_voxels()];
                 for brick in &selection.bricks {
@@ -272,36 +306,79 @@ mod tests {
                 }
                 assert_eq!(selected.iter().filter(|is| **is).count(), selection.n_voxels);
                 for (idx, is_selected) in selected.into_iter().enumerate() {
-                    let may_show = |room| may_show(&volume, &ranges, margin, room, idx);
-                    assert!(is_selected || !may_show(0.0), "{idx} {dims:?} {margin:?}");
-                    assert!(!is_selected || may_show(0.2), "{idx} {dims:?} {margin:?}");
+                    let may_show = |is_near: &dyn Fn([isize; 3]) -> bool, room| {
+                        may_show(&volume, ranges, is_near, room, idx)
+                    };
+                    let in_ellipsoid = |step: [isize; 3]| holds(&reach, step);
+                    let in_box = |step: [isize; 3]| {
+                        (0..3).all(|axis| step[axis].unsigned_abs() <= margin[axis])
+                    };
+                    assert!(
+                        is_selected || !may_show(&in_ellipsoid, 0.0),
+                        "{idx} {dims:?} {margin:?}"
+                    );
+                    assert!(!is_selected || may_show(&in_box, 0.2), "{idx} {dims:?} {margin:?}");
+                    // Where all that shows is large, what is large must be near.
+                    let is_sought = ranges.len() == 1 && !has_no_least;
+                    assert!(
+                        !is_selected || !is_sought || is_near_large(&volume, &in_ellipsoid, idx),
+                        "{idx} {dims:?} {margin:?}"
+                    );
                 }
             }
         });
     }
 
+    /// All steps within an ellipsoid of that extent.
+    fn ellipsoid(margin: [usize; 3]) -> Reach {
+        let [x, y, z] = margin.map(|steps| -(steps as isize)..=steps as isize);
+        let is_within = |step: [isize; 3]| {
+            let parts = [0, 1, 2].map(|axis| step[axis] as f64 / (margin[axis] as f64 + 0.01));
+            parts.iter().map(|part| part * part).sum::<f64>() <= 1.0
+        };
+        let mut rows = Vec::new();
+        for (y, z) in y.flat_map(|y| z.clone().map(move |z| (y, z))) {
+            let along: Vec<isize> = x.clone().filter(|&x| is_within([x, y, z])).collect();
+            let ends = along.first().zip(along.last());
+            rows.extend(ends.map(|(first, last)| Row { x: *first..=*last, y, z }));
+        }
+        Reach { margin, rows }
+    }
+
+    fn holds(reach: &Reach, [x, y, z]: [isize; 3]) -> bool {
+        reach.rows.iter().any(|row| [row.y, row.z] == [y, z] && row.x.contains(&x))
+    }
+
+    /// The values of voxels that are near.
+    fn values_near(volume: &Volume, is_near: &dyn Fn([isize; 3]) -> bool, idx: usize) -> Vec<f64> {
+        let grid = volume.grid();
+        let coords = |idx: usize| grid.voxel_coords(idx).map(|c| c as isize);
+        let at = coords(idx);
+        let step = |other: usize| [0, 1, 2].map(|axis| coords(other)[axis] - at[axis]);
+        let values = (0..grid.n_voxels()).filter(|&other| is_near(step(other)));
+        values.map(|other| volume.value(other)).filter(|value| !value.is_nan()).collect()
+    }
+
+    /// Whether a value is near without which nothing would show from 5 on.
+    fn is_near_large(volume: &Volume, is_near: &dyn Fn([isize; 3]) -> bool, idx: usize) -> bool {
+        let least = (5.0 - 0.2) / (1.0 + OVERSHOOT);
+        values_near(volume, is_near, idx).iter().any(|&value| least <= value)
+    }
+
     fn may_show(
         volume: &Volume,
         ranges: &[IsoRange],
-        margin: [usize; 3],
+        is_near: &dyn Fn([isize; 3]) -> bool,
         room: f64,
         idx: usize,
     ) -> bool {
-        let grid = volume.grid();
-        let at = grid.voxel_coords(idx);
-        let is_near = |other: &usize| {
-            let other = grid.voxel_coords(*other);
-            (0..3).all(|axis| at[axis].abs_diff(other[axis]) <= margin[axis])
-        };
-        let values: Vec<f64> = (0..grid.n_voxels())
-            .filter(is_near)
-            .map(|other| volume.value(other))
-            .filter(|value| !value.is_nan())
-            .collect();
+        let values = values_near(volume, is_near, idx);
         let lo = values.iter().copied().fold(f64::INFINITY, f64::min);
         let hi = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let over = if lo < hi { OVERSHOOT * (hi - lo) } else { 0.0 } + room;
+        // Codes do not tell an infinity from what lies next to it.
+        let is_blurred = lo.is_infinite() && 0.0 < room;
         let shows = |range: &IsoRange| range.lo <= hi + over && lo - over <= range.hi;
-        !volume.value(idx).is_nan() && ranges.iter().any(shows)
+        !volume.value(idx).is_nan() && (is_blurred || ranges.iter().any(shows))
     }
 }

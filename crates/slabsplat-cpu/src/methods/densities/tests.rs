@@ -11,9 +11,9 @@ use slabsplat_seeds::for_each_seed;
 use std::sync::Arc;
 
 #[test]
-fn selection_changes_no_bit() {
+fn selection_changes_nothing() {
     for_each_seed(1, |mut rng| {
-        let (mut n_left_out, mut n_seen) = (0, 0);
+        let (mut n_left_out, mut n_seen, mut worst) = (0, 0, 0.0_f32);
         for _ in 0..60 {
             let volume = Arc::new(blobs(&mut rng));
             let scene = scene(&mut rng, volume.grid());
@@ -28,17 +28,23 @@ fn selection_changes_no_bit() {
             // Of a range that all values lie in, nothing is left out.
             let finite = finite_range(&volume);
             let everything = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-            let all = Selection::new(&volume, finite, &[everything], [0; 3]);
+            let all = Selection::new(&volume, finite, &[everything], &Reach::none());
             assert_eq!(all.n_voxels, volume.grid().n_voxels());
             tiles.clear();
             let frame = Frame::new(&plan, level, splats);
             let Buffers { slabs, integrals, .. } = &mut buffers;
             draw(&frame, finite, &all, &mut tiles, (slabs, integrals), &mut watch);
-            assert!(tiles.image([0.0; 4]) == selected, "{scene:?}");
+            let difference = tiles.image([0.0; 4]).max_difference(&selected);
+            // Sums are rounded: the mean of values at the end of a visible range may lie within it. By
+            // default separable footprints also end a little further out than kernels, and so than
+            // selections go.
+            let most = if scene.settings.tolerance == 0.0 { 1e-6 } else { 1e-4 };
+            worst = worst.max(difference);
+            assert!(difference <= most, "{difference}: {scene:?}");
             n_left_out += all.n_voxels as u64 - n_selected;
             n_seen += u32::from(selected.pixels().iter().any(|pixel| 0.0 < pixel[3]));
         }
-        println!("{n_left_out} voxels left out, {n_seen} pictures not empty");
+        println!("{n_left_out} voxels left out, {n_seen} pictures not empty, {worst}");
         assert!(10_000 < n_left_out && 30 < n_seen, "{n_left_out} {n_seen}");
     });
 }
@@ -84,6 +90,7 @@ fn scene(rng: &mut Rng, grid: &Grid) -> Scene {
     let transfer = TransferFunction::new(opacity, color).unwrap();
     let settings = RenderSettings::default()
         .method(Method::PostClassified)
+        .tolerance([0.0, 0.05][rng.usize(..2)])
         .slab_width([0.4, 1.0, 2.0][rng.usize(..3)]);
     Scene::new(transfer, Camera::new(eye, target, DVec3::Y, projection).unwrap())
         .image(ImageDesc { width: 70, height: 50, background: [0.0; 4] })

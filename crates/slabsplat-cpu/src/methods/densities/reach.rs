@@ -1,0 +1,181 @@
+//! How far a voxel may be from another whose value it shares a pixel with.
+
+use super::rays::Rays;
+use crate::footprints::raster::Raster;
+use slabsplat_backend::FramePlan;
+use slabsplat_core::glam::{DMat3, DVec3};
+use slabsplat_core::{Grid, SlabGrid};
+use std::ops::RangeInclusive;
+
+/// The steps between voxels of which the one makes something show at a place, and the other adds to a density
+/// there or to one of those that its gradient is taken from.
+///
+/// The way from one to the other leads from a voxel to a place within its kernel, along the slab, to the
+/// next pixel and some sheets on, and to a voxel within whose kernel that is: through two balls of index
+/// space, and along three lines of the world. What depends on the view is bounded for all directions, so
+/// that turning the camera leaves the selection as it is.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Reach {
+    /// The most steps along each axis.
+    pub(super) margin: [usize; 3],
+    /// Those within an ellipsoid, of which the box of `margin` is twice as large; rows that go equally far
+    /// follow each other.
+    pub(super) rows: Vec<Row>,
+}
+
+/// Steps of which only the first component differs.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Row {
+    pub(super) x: RangeInclusive<isize>,
+    pub(super) y: isize,
+    pub(super) z: isize,
+}
+
+/// Kernels are tossed by rounded places; a hundredth is far more than the rounding.
+const ROUNDING: f64 = 0.01;
+
+/// From a sheet that makes something show between the two behind it, to the second one behind these, which
+/// the slope at the last of them is taken from.
+const FARTHEST_SHEET: f64 = 4.0;
+
+/// As far as it matters: the outer ones of these sheets count for a tenth in a slope, and for a 24th in what
+/// shows.
+const FARTHEST_TO_MATTER: f64 = 2.0;
+
+/// Parts of a voxel's shortest step in which lengths are counted that depend on the view, lest the selection
+/// be another in every frame.
+const PARTS: f64 = 16.0;
+
+impl Reach {
+    /// None but the voxel itself.
+    #[cfg(test)]
+    pub(super) fn none() -> Self {
+        Self { margin: [0; 3], rows: vec![Row { x: 0..=0, y: 0, z: 0 }] }
+    }
+
+    /// For sheets as thick as `slabs`; of all that matters at all, if the picture shall be exact.
+    pub(super) fn of(
+        plan: &FramePlan<'_>,
+        raster: &Raster,
+        slabs: &SlabGrid,
+        is_exact: bool,
+    ) -> Self {
+        let grid = plan.volume.grid();
+        let farthest = slabs.middle(slabs.n_slabs() - 1).max(raster.near.into());
+        let scale = plan.view.pixels_per_world(farthest);
+        let stretched = 2.0 * (plan.view.stretch(scale) - 1.0) * plan.radius * longest(grid);
+        let n_sheets = if is_exact { FARTHEST_SHEET } else { FARTHEST_TO_MATTER };
+        let step = n_sheets * slabs.thickness() * slant(plan) + 1.0 / scale;
+        let parts = PARTS * (slabs.thickness() + step + stretched) / grid.unit();
+        let length = parts.ceil() * grid.unit() / PARTS;
+        let in_index = grid.index_from_world().matrix3;
+        Self::new(2.0 * plan.radius + ROUNDING, length, &in_index, grid.dims())
+    }
+
+    /// Of a way of up to `radius` index units and `length` world units.
+    fn new(radius: f64, length: f64, index_from_world: &DMat3, dims: [usize; 3]) -> Self {
+        let per_world = [0, 1, 2].map(|axis| index_from_world.row(axis).length());
+        let margin = [0, 1, 2].map(|axis| {
+            let margin = radius + length * per_world[axis];
+            (margin as usize).min(dims[axis])
+        });
+        // Of the ellipsoids around the sum of a ball and an ellipsoid, `x·Q⁻¹·x ≤ 1`, that of the least
+        // trace: https://doi.org/10.1007/978-1-4612-0277-6, section 2.2.
+        let ball = DMat3::from_diagonal(DVec3::splat(radius * radius));
+        let lines = *index_from_world * index_from_world.transpose() * (length * length);
+        let ratio = (trace(&ball) / trace(&lines)).sqrt();
+        let form = (ball * (1.0 + 1.0 / ratio) + lines * (1.0 + ratio)).inverse();
+        let mut rows = Vec::new();
+        let [_, y_end, z_end] = margin.map(|steps| steps as isize);
+        for (z, y) in (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y))) {
+            rows.extend(steps_along_x(&form, y, z).map(|x| Row { x, y, z }));
+        }
+        rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
+        Self { margin, rows }
+    }
+}
+
+/// The steps `x` within an ellipsoid at `y` and `z`, if there are any.
+fn steps_along_x(form: &DMat3, y: isize, z: isize) -> Option<RangeInclusive<isize>> {
+    let rest = DVec3::new(0.0, y as f64, z as f64);
+    let across = *form * rest;
+    let [a, half_b, c] = [form.x_axis.x, across.x, rest.dot(across) - 1.0];
+    let squared = half_b * half_b - a * c;
+    // The rounding of the squares is far less than what kernels have more than they need.
+    let half = (0.0 <= squared).then(|| squared.sqrt() / a)?;
+    let middle = -half_b / a;
+    let x = (middle - half).ceil() as isize..=(middle + half).floor() as isize;
+    (!x.is_empty()).then_some(x)
+}
+
+fn trace(m: &DMat3) -> f64 {
+    m.x_axis.x + m.y_axis.y + m.z_axis.z
+}
+
+/// Length of the ray through a corner of the image over one unit of depth.
+fn slant(plan: &FramePlan<'_>) -> f64 {
+    let per_depth = Rays::new(&plan.view, 0).right_per_depth;
+    let [width, height] = plan.view.image_size().map(f64::from);
+    DVec3::new(0.5 * width * per_depth, 0.5 * height * per_depth, 1.0).length()
+}
+
+/// How long a step of length 1 in index space may be in the world, at most.
+fn longest(grid: &Grid) -> f64 {
+    DVec3::from_array(grid.spacing()).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_seeds::for_each_seed;
+
+    fn direction(rng: &mut fastrand::Rng) -> DVec3 {
+        loop {
+            let v = DVec3::from_array([0; 3].map(|_| 2.0 * rng.f64() - 1.0));
+            if 0.01 < v.length() && v.length() < 1.0 {
+                return v.normalize();
+            }
+        }
+    }
+
+    fn holds(reach: &Reach, step: DVec3) -> bool {
+        let [x, y, z] = step.to_array().map(|steps| steps as isize);
+        reach.rows.iter().any(|row| [row.y, row.z] == [y, z] && row.x.contains(&x))
+    }
+
+    /// Every step that is a way through a ball and along a line of the world, on grids however long or
+    /// sheared.
+    #[test]
+    fn reach_has_all_steps() {
+        for_each_seed(1, |mut rng| {
+            let mut n_steps = 0;
+            for _ in 0..100 {
+                let mut column = || direction(&mut rng) * (0.2 + 2.0 * rng.f64());
+                let matrix = DMat3::from_cols(column(), column(), column());
+                let (radius, length) = (0.5 + 4.0 * rng.f64(), 0.1 + 3.0 * rng.f64());
+                let reach = Reach::new(radius, length, &matrix, [usize::MAX; 3]);
+                for _ in 0..200 {
+                    let line = matrix * direction(&mut rng) * length;
+                    let step = (line + radius * direction(&mut rng)).round();
+                    if (step - line).length() <= radius {
+                        assert!(holds(&reach, step), "{step}: {radius}, {length}, {matrix}");
+                        n_steps += 1;
+                    }
+                }
+            }
+            assert!(5000 < n_steps, "{n_steps}");
+        });
+    }
+
+    /// On a cubic grid it is a ball, of half the volume of its box.
+    #[test]
+    fn reach_is_a_ball() {
+        let reach = Reach::new(4.0, 2.0, &DMat3::IDENTITY, [99; 3]);
+        let n_steps: usize = reach.rows.iter().map(|row| row.x.clone().count()).sum();
+        let is_within = |x: i32, y: i32, z: i32| x * x + y * y + z * z <= 36;
+        let all =
+            (-6..=6).flat_map(|z| (-6..=6).flat_map(move |y| (-6..=6).map(move |x| (x, y, z))));
+        assert_eq!(n_steps, all.filter(|&(x, y, z)| is_within(x, y, z)).count());
+        assert_eq!(reach.margin, [6; 3]);
+    }
+}
