@@ -19,7 +19,7 @@ pub(super) struct Reach {
     /// The most steps along each axis.
     pub(super) margin: [usize; 3],
     /// Those within an ellipsoid, of which the box of `margin` is twice as large; rows that go equally far
-    /// follow each other.
+    /// follow each other. None if there would be too many.
     pub(super) rows: Vec<Row>,
 }
 
@@ -45,6 +45,10 @@ const FARTHEST_TO_MATTER: f64 = 2.0;
 /// Parts of a voxel's shortest step in which lengths are counted that depend on the view, lest the selection
 /// be another in every frame.
 const PARTS: f64 = 16.0;
+
+/// Rows of a box, at most, whose ellipsoid is looked for: every row of a volume is joined from as many. Where
+/// a picture is so small that voxels reach further, nearly all of them do.
+const MOST_ROWS: usize = 1000;
 
 impl Reach {
     /// None but the voxel itself.
@@ -82,17 +86,25 @@ impl Reach {
         // Of the ellipsoids around the sum of a ball and an ellipsoid, `x·Q⁻¹·x ≤ 1`, that of the least
         // trace: https://doi.org/10.1007/978-1-4612-0277-6, section 2.2.
         let ball = DMat3::from_diagonal(DVec3::splat(radius * radius));
-        let lines = *index_from_world * index_from_world.transpose() * (length * length);
+        let lines = *index_from_world * length;
+        let lines = lines * lines.transpose();
         let ratio = (trace(&ball) / trace(&lines)).sqrt();
         let form = (ball * (1.0 + 1.0 / ratio) + lines * (1.0 + ratio)).inverse();
-        let mut rows = Vec::new();
-        let [_, y_end, z_end] = margin.map(|steps| steps as isize);
-        for (z, y) in (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y))) {
-            rows.extend(steps_along_x(&form, y, z).map(|x| Row { x, y, z }));
-        }
-        rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
-        Self { margin, rows }
+        Self { margin, rows: rows_within(&form, margin) }
     }
+}
+
+fn rows_within(form: &DMat3, [_, y_margin, z_margin]: [usize; 3]) -> Vec<Row> {
+    let n_rows = (2 * y_margin).saturating_add(1).saturating_mul((2 * z_margin).saturating_add(1));
+    if MOST_ROWS < n_rows {
+        return Vec::new();
+    }
+    let [y_end, z_end] = [y_margin, z_margin].map(|steps| steps as isize);
+    let places = (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y)));
+    let row = |(z, y)| steps_along_x(form, y, z).map(|x| Row { x, y, z });
+    let mut rows: Vec<Row> = places.filter_map(row).collect();
+    rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
+    rows
 }
 
 /// The steps `x` within an ellipsoid at `y` and `z`, if there are any.
@@ -153,7 +165,10 @@ mod tests {
                 let mut column = || direction(&mut rng) * (0.2 + 2.0 * rng.f64());
                 let matrix = DMat3::from_cols(column(), column(), column());
                 let (radius, length) = (0.5 + 4.0 * rng.f64(), 0.1 + 3.0 * rng.f64());
-                let reach = Reach::new(radius, length, &matrix, [usize::MAX; 3]);
+                let reach = Reach::new(radius, length, &matrix, [99; 3]);
+                if reach.rows.is_empty() {
+                    continue;
+                }
                 for _ in 0..200 {
                     let line = matrix * direction(&mut rng) * length;
                     let step = (line + radius * direction(&mut rng)).round();
@@ -177,5 +192,14 @@ mod tests {
             (-6..=6).flat_map(|z| (-6..=6).flat_map(move |y| (-6..=6).map(move |x| (x, y, z))));
         assert_eq!(n_steps, all.filter(|&(x, y, z)| is_within(x, y, z)).count());
         assert_eq!(reach.margin, [6; 3]);
+    }
+
+    /// However far voxels reach, the work is bounded.
+    #[test]
+    fn reach_has_few_rows() {
+        for length in [20.0, 1e6, f64::INFINITY] {
+            let reach = Reach::new(4.0, length, &DMat3::IDENTITY, [999; 3]);
+            assert_eq!(reach, Reach { margin: reach.margin, rows: Vec::new() });
+        }
     }
 }

@@ -47,7 +47,8 @@ impl Selection {
         let coder = Coder::new(finite);
         let mut codes = Codes::new(volume, &coder);
         let may_show = coder.visible_pairs(ranges);
-        let needed = codes.needed(&may_show).map(|bits| bits.map(|bits| bits.spread(&reach.rows)));
+        let needed = if reach.rows.is_empty() { [None, None] } else { codes.needed(&may_show) };
+        let needed = needed.map(|bits| bits.map(|bits| bits.spread(&reach.rows)));
         for (axis, margin) in reach.margin.into_iter().enumerate() {
             codes.widen(axis, margin);
         }
