@@ -14,13 +14,12 @@ use std::ops::RangeInclusive;
 /// next pixel and some sheets on, and to a voxel within whose kernel that is: through two balls of index
 /// space, and along three lines of the world. What depends on the view is bounded for all directions, so
 /// that turning the camera leaves the selection as it is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Reach {
     /// The most steps along each axis.
     pub(super) margin: [usize; 3],
-    /// Those within an ellipsoid, of which the box of `margin` is twice as large; rows that go equally far
-    /// follow each other. None if there would be too many.
-    pub(super) rows: Vec<Row>,
+    /// An ellipsoid, `x·form·x ≤ 1`, that holds all steps. The box of `margin` is twice as large.
+    pub(super) form: DMat3,
 }
 
 /// Steps of which only the first component differs.
@@ -54,7 +53,7 @@ impl Reach {
     /// None but the voxel itself.
     #[cfg(test)]
     pub(super) fn none() -> Self {
-        Self { margin: [0; 3], rows: vec![Row { x: 0..=0, y: 0, z: 0 }] }
+        Self { margin: [0; 3], form: 1e6 * DMat3::IDENTITY }
     }
 
     /// For sheets as thick as `slabs`; of all that matters at all, if the picture shall be exact.
@@ -90,21 +89,24 @@ impl Reach {
         let lines = lines * lines.transpose();
         let ratio = (trace(&ball) / trace(&lines)).sqrt();
         let form = (ball * (1.0 + 1.0 / ratio) + lines * (1.0 + ratio)).inverse();
-        Self { margin, rows: rows_within(&form, margin) }
+        Self { margin, form }
     }
-}
 
-fn rows_within(form: &DMat3, [_, y_margin, z_margin]: [usize; 3]) -> Vec<Row> {
-    let n_rows = (2 * y_margin).saturating_add(1).saturating_mul((2 * z_margin).saturating_add(1));
-    if MOST_ROWS < n_rows {
-        return Vec::new();
+    /// Rows of the steps within the ellipsoid, of which those that go equally far follow each other; none if
+    /// there would be too many.
+    pub(super) fn rows(&self) -> Vec<Row> {
+        let [y_end, z_end] = [self.margin[1], self.margin[2]];
+        let n_rows = (2 * y_end).saturating_add(1).saturating_mul((2 * z_end).saturating_add(1));
+        if MOST_ROWS < n_rows {
+            return Vec::new();
+        }
+        let [y_end, z_end] = [y_end, z_end].map(|steps| steps as isize);
+        let places = (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y)));
+        let row = |(z, y)| steps_along_x(&self.form, y, z).map(|x| Row { x, y, z });
+        let mut rows: Vec<Row> = places.filter_map(row).collect();
+        rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
+        rows
     }
-    let [y_end, z_end] = [y_margin, z_margin].map(|steps| steps as isize);
-    let places = (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y)));
-    let row = |(z, y)| steps_along_x(form, y, z).map(|x| Row { x, y, z });
-    let mut rows: Vec<Row> = places.filter_map(row).collect();
-    rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
-    rows
 }
 
 /// The steps `x` within an ellipsoid at `y` and `z`, if there are any.
@@ -150,9 +152,9 @@ mod tests {
         }
     }
 
-    fn holds(reach: &Reach, step: DVec3) -> bool {
+    fn holds(rows: &[Row], step: DVec3) -> bool {
         let [x, y, z] = step.to_array().map(|steps| steps as isize);
-        reach.rows.iter().any(|row| [row.y, row.z] == [y, z] && row.x.contains(&x))
+        rows.iter().any(|row| [row.y, row.z] == [y, z] && row.x.contains(&x))
     }
 
     /// Every step that is a way through a ball and along a line of the world, on grids however long or
@@ -166,14 +168,15 @@ mod tests {
                 let matrix = DMat3::from_cols(column(), column(), column());
                 let (radius, length) = (0.5 + 4.0 * rng.f64(), 0.1 + 3.0 * rng.f64());
                 let reach = Reach::new(radius, length, &matrix, [99; 3]);
-                if reach.rows.is_empty() {
+                let rows = reach.rows();
+                if rows.is_empty() {
                     continue;
                 }
                 for _ in 0..200 {
                     let line = matrix * direction(&mut rng) * length;
                     let step = (line + radius * direction(&mut rng)).round();
                     if (step - line).length() <= radius {
-                        assert!(holds(&reach, step), "{step}: {radius}, {length}, {matrix}");
+                        assert!(holds(&rows, step), "{step}: {radius}, {length}, {matrix}");
                         n_steps += 1;
                     }
                 }
@@ -186,7 +189,7 @@ mod tests {
     #[test]
     fn reach_is_a_ball() {
         let reach = Reach::new(4.0, 2.0, &DMat3::IDENTITY, [99; 3]);
-        let n_steps: usize = reach.rows.iter().map(|row| row.x.clone().count()).sum();
+        let n_steps: usize = reach.rows().iter().map(|row| row.x.clone().count()).sum();
         let is_within = |x: i32, y: i32, z: i32| x * x + y * y + z * z <= 36;
         let all =
             (-6..=6).flat_map(|z| (-6..=6).flat_map(move |y| (-6..=6).map(move |x| (x, y, z))));
@@ -199,7 +202,7 @@ mod tests {
     fn reach_has_few_rows() {
         for length in [20.0, 1e6, f64::INFINITY] {
             let reach = Reach::new(4.0, length, &DMat3::IDENTITY, [999; 3]);
-            assert_eq!(reach, Reach { margin: reach.margin, rows: Vec::new() });
+            assert_eq!(reach.rows(), []);
         }
     }
 }

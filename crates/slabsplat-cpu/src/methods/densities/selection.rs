@@ -47,8 +47,9 @@ impl Selection {
         let coder = Coder::new(finite);
         let mut codes = Codes::new(volume, &coder);
         let may_show = coder.visible_pairs(ranges);
-        let needed = if reach.rows.is_empty() { [None, None] } else { codes.needed(&may_show) };
-        let needed = needed.map(|bits| bits.map(|bits| bits.spread(&reach.rows)));
+        let rows = reach.rows();
+        let needed = if rows.is_empty() { [None, None] } else { codes.needed(&may_show) };
+        let needed = needed.map(|bits| bits.map(|bits| bits.spread(&rows)));
         for (axis, margin) in reach.margin.into_iter().enumerate() {
             codes.widen(axis, margin);
         }
@@ -263,7 +264,7 @@ impl Codes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::densities::reach::Row;
+    use slabsplat_core::glam::{DMat3, DVec3};
     use slabsplat_core::{Grid, Scaling};
     use slabsplat_seeds::for_each_seed;
     use slabsplat_traverse::VoxelRecord;
@@ -330,24 +331,15 @@ mod tests {
         });
     }
 
-    /// All steps within an ellipsoid of that extent.
+    /// Steps within an ellipsoid of that extent.
     fn ellipsoid(margin: [usize; 3]) -> Reach {
-        let [x, y, z] = margin.map(|steps| -(steps as isize)..=steps as isize);
-        let is_within = |step: [isize; 3]| {
-            let parts = [0, 1, 2].map(|axis| step[axis] as f64 / (margin[axis] as f64 + 0.01));
-            parts.iter().map(|part| part * part).sum::<f64>() <= 1.0
-        };
-        let mut rows = Vec::new();
-        for (y, z) in y.flat_map(|y| z.clone().map(move |z| (y, z))) {
-            let along: Vec<isize> = x.clone().filter(|&x| is_within([x, y, z])).collect();
-            let ends = along.first().zip(along.last());
-            rows.extend(ends.map(|(first, last)| Row { x: *first..=*last, y, z }));
-        }
-        Reach { margin, rows }
+        let form = margin.map(|steps| (steps as f64 + 0.01).powi(-2));
+        Reach { margin, form: DMat3::from_diagonal(DVec3::from_array(form)) }
     }
 
-    fn holds(reach: &Reach, [x, y, z]: [isize; 3]) -> bool {
-        reach.rows.iter().any(|row| [row.y, row.z] == [y, z] && row.x.contains(&x))
+    fn holds(reach: &Reach, step: [isize; 3]) -> bool {
+        let step = DVec3::from_array(step.map(|steps| steps as f64));
+        step.dot(reach.form * step) <= 1.0
     }
 
     /// The values of voxels that are near.
