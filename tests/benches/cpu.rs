@@ -7,10 +7,8 @@
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, Criterion, criterion_group, criterion_main};
 use slabsplat::{
-    Automatic, Backend, ImageDesc, OpenScene, RenderSettings, Renderer, Scene, Volume,
-    backend_named, io,
+    Automatic, Backend, ImageDesc, OpenScene, RenderSettings, Renderer, Scene, backend_named, io,
 };
-use std::sync::Arc;
 
 /// By how much the camera turns from frame to frame, in radians.
 const TURN: f64 = 0.01;
@@ -28,7 +26,7 @@ fn scenes(c: &mut Criterion) {
         let Some(path) = slabsplat_testdata::scene(name) else { continue };
         let file = io::read_scene(&path).expect("the scene is valid");
         let opened = OpenScene::open(&file).expect("its volume is there");
-        turning(&mut group, name, opened.volume.into(), &opened.scene);
+        turning(&mut group, name, &opened.scene);
     }
     group.finish();
 }
@@ -37,23 +35,18 @@ fn builtins(c: &mut Criterion) {
     let mut group = c.benchmark_group("builtin");
     group.sample_size(10);
     for &name in io::BUILTIN_NAMES {
-        let volume = Arc::new(io::builtin_volume(name, None).expect("the name is listed"));
+        let volume = io::builtin_volume(name, None).expect("the name is listed");
         let image = ImageDesc { width: BUILTIN_SIDE, height: BUILTIN_SIDE, ..ImageDesc::default() };
-        let scene = Automatic::new(&volume).scene(image, RenderSettings::default());
-        turning(&mut group, name, volume.clone(), &scene);
-        first(&mut group, name, &volume, &scene);
+        let scene = Automatic::new(volume).scene(image, RenderSettings::default());
+        turning(&mut group, name, &scene);
+        first(&mut group, name, &scene);
     }
     group.finish();
 }
 
 /// Frames of a camera that turns.
-fn turning(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    name: &str,
-    volume: Arc<Volume>,
-    scene: &Scene,
-) {
-    let mut renderer = Renderer::new(volume, cpu());
+fn turning(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scene: &Scene) {
+    let mut renderer = Renderer::new(cpu());
     let mut scene = scene.clone();
     group.bench_function(format!("{name}/turning"), |b| {
         b.iter(|| {
@@ -64,15 +57,10 @@ fn turning(
 }
 
 /// Frames of renderers that have drawn nothing before.
-fn first(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    name: &str,
-    volume: &Arc<Volume>,
-    scene: &Scene,
-) {
+fn first(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, scene: &Scene) {
     group.bench_function(format!("{name}/first"), |b| {
         b.iter_batched(
-            || Renderer::new(volume.clone(), cpu()),
+            || Renderer::new(cpu()),
             |mut renderer| renderer.render(scene).expect("the scene can be drawn"),
             BatchSize::LargeInput,
         );

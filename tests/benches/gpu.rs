@@ -6,21 +6,19 @@
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Backend, Camera, Frame, Grid, OpenScene, Projection, Renderer, Scaling, Scene,
+    Backend, Camera, Frame, Grid, Layer, OpenScene, Projection, Renderer, Scaling, Scene,
     TransferFunction, Volume, io,
 };
 use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend, OpenOptions};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// By how much the camera turns from frame to frame, in radians.
 const TURN: f64 = 0.01;
 
-/// A volume, and the pictures that are made of it.
+/// A scene, and the pictures that are made of it.
 struct Case {
     name: String,
-    volume: Arc<Volume>,
     scene: Scene,
     sides: &'static [u32],
 }
@@ -37,12 +35,11 @@ fn main() {
     }
     let cases = cases(&paths, all_software);
     for (name, info, backend) in gpus {
-        let mut renderer = Renderer::new(cases[0].volume.clone(), backend);
+        let mut renderer = Renderer::new(backend);
         println!("\n{name}: {} ({}, {:?})", info.name, info.driver, info.kind);
         println!("medians in ms; n is in thousands\n");
         println!("{:<28} {:>9} {:>9}  stages", "picture", "device", "whole");
         for case in &cases {
-            renderer.set_volume(case.volume.clone());
             for &side in case.sides {
                 measure(case, side, &mut renderer, info.kind);
             }
@@ -83,7 +80,7 @@ fn scene_file(path: &Path, sides: &'static [u32]) -> Case {
     let opened =
         OpenScene::open(&file).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Case { name, volume: opened.volume.into(), scene: opened.scene, sides }
+    Case { name, scene: opened.scene, sides }
 }
 
 /// Folded sheets through a cube, 15 % of its voxels, half transparent.
@@ -100,15 +97,14 @@ fn waves(side: usize, sides: &'static [u32]) -> Case {
     let target = volume.grid().center_in_world();
     let eye = target + DVec3::new(2.0, 1.2, 0.8) * side as f64;
     let projection = Projection::Orthographic { view_height: 1.5 * side as f64 };
-    let scene = Scene::new(
-        TransferFunction::new(
-            vec![(171.0, [0.0]), (190.0, [0.4]), (240.0, [0.6])],
-            vec![(150.0, [0.2, 0.4, 0.9]), (240.0, [1.0, 0.8, 0.3])],
-        )
-        .expect("the points are sorted"),
-        Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis"),
-    );
-    Case { name: format!("waves of {side}^3"), volume: Arc::new(volume), scene, sides }
+    let transfer = TransferFunction::new(
+        vec![(171.0, [0.0]), (190.0, [0.4]), (240.0, [0.6])],
+        vec![(150.0, [0.2, 0.4, 0.9]), (240.0, [1.0, 0.8, 0.3])],
+    )
+    .expect("the points are sorted");
+    let camera = Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis");
+    let scene = Scene::new(Layer::new(volume, transfer), camera);
+    Case { name: format!("waves of {side}^3"), scene, sides }
 }
 
 fn measure(case: &Case, side: u32, renderer: &mut Renderer, kind: DeviceKind) {

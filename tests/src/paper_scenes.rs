@@ -2,7 +2,7 @@
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Light, Method, Normalization, Phong, Projection,
+    Camera, Compositing, Grid, ImageDesc, Layer, Light, Method, Normalization, Phong, Projection,
     RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 
@@ -52,7 +52,7 @@ pub fn paper_settings() -> RenderSettings {
 }
 
 /// The binary cube: 255 inside, 0 outside, 16 of 28 voxels a side, lit by a diffuse headlight.
-pub fn cube(view: &CubeView) -> (Volume, Scene) {
+pub fn cube(view: &CubeView) -> Scene {
     let grid = Grid::with_spacing([CUBE_GRID; 3], [1.0; 3]).expect("the grid is not empty");
     let [first, last] = CUBE_EXTENT;
     let is_inside = |c: usize| first <= c && c <= last;
@@ -68,25 +68,22 @@ pub fn cube(view: &CubeView) -> (Volume, Scene) {
         .two_sided(false)
         .light(Light::Headlight);
     let view_height = f64::from(CUBE_IMAGE_SIDE) / CUBE_PIXELS_PER_VOXEL;
-    let scene =
-        Scene::new(white(view.opacity), orthographic(&grid, view.angle_degrees, view_height))
-            .shading(Shading::Phong(headlight))
-            .image(square_image(CUBE_IMAGE_SIDE))
-            .settings(view.settings.clone());
-    (volume, scene)
+    let layer = Layer::new(volume, white(view.opacity)).shading(Shading::Phong(headlight));
+    Scene::new(layer, orthographic(&grid, view.angle_degrees, view_height))
+        .image(square_image(CUBE_IMAGE_SIDE))
+        .settings(view.settings.clone())
 }
 
 /// One white voxel of opacity ½ (`paper`'s and `product`'s α), unshaded, in the middle of a picture
 /// of 65 × 65 pixels.
-pub fn single_voxel(settings: RenderSettings) -> (Volume, Scene) {
+pub fn single_voxel(settings: RenderSettings) -> Scene {
     let grid = Grid::with_spacing([1; 3], [1.0; 3]).expect("the grid is not empty");
     let volume = Volume::new(grid, Samples::U8(vec![255]), Scaling::IDENTITY)
         .expect("one sample, one voxel");
-    let scene = Scene::new(white(0.5), orthographic(&grid, 0.0, 65.0 / VOXEL_PIXELS_PER_VOXEL))
-        .shading(Shading::None)
+    let layer = Layer::new(volume, white(0.5)).shading(Shading::None);
+    Scene::new(layer, orthographic(&grid, 0.0, 65.0 / VOXEL_PIXELS_PER_VOXEL))
         .image(square_image(65))
-        .settings(settings);
-    (volume, scene)
+        .settings(settings)
 }
 
 /// Mean of the left and of the right face of the cube seen at (about) 45°, where `pixel(x, y)` is a

@@ -1,4 +1,4 @@
-//! Scenes at random: small volumes under every choice that a scene can make.
+//! Scenes at random: small volumes under every choice that a scene can make, one of them or several.
 //!
 //! They are meant to be ugly: noisy values next to smooth ones, NaN and infinite voxels, slab widths
 //! that fit nothing, eyes inside the volume, volumes shrunk to a few pixels. What is left out is what
@@ -7,14 +7,15 @@
 
 mod camera;
 mod grid;
+mod region;
 mod volume;
 
 use crate::exact_settings;
 use fastrand::Rng;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Compositing, ImageDesc, KernelName, Light, Method, Normalization, Phong, Scene, Shading,
-    TransferFunction, Volume,
+    Compositing, Grid, ImageDesc, KernelName, Layer, Light, Method, Normalization, Phong, Scene,
+    Shading, TransferFunction, Volume,
 };
 
 pub use grid::GridKind;
@@ -98,8 +99,8 @@ fn normalizations_of(method: Method) -> &'static [Normalization] {
     }
 }
 
-/// A volume of 5 to 9 voxels a side and a picture of it of 20 to 32 pixels a side.
-pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
+/// A volume of 5 to 9 voxels a side in a picture of 20 to 32 pixels a side.
+pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> Scene {
     let grid = grid::random_grid(rng, kind.grid);
     let (volume, value_range) = volume::random_volume(rng, grid);
     let image = ImageDesc {
@@ -107,12 +108,7 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
         height: rng.u32(20..=32),
         background: if rng.bool() { [0.0; 4] } else { [0; 4].map(|_| rng.f32()) },
     };
-    let transfer = if kind.method == Method::PostClassified {
-        gentle_transfer(rng, value_range)
-    } else {
-        random_transfer(rng, value_range)
-    };
-    let shading = without_a_jump(kind.method, random_shading(rng));
+    let layer = random_layer(rng, kind.method, volume, value_range);
     let camera = camera::random_camera(rng, &grid, kind.projection, image.height);
     let settings = exact_settings()
         .method(kind.method)
@@ -121,8 +117,43 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> (Volume, Scene) {
         .compositing(kind.compositing)
         .normalization(kind.normalization)
         .base_slab_width([0.5, 0.5, 0.4][rng.usize(..3)]);
-    let scene = Scene::new(transfer, camera).shading(shading).image(image).settings(settings);
-    (volume, scene)
+    Scene::new(layer, camera).image(image).settings(settings)
+}
+
+/// The same with up to two layers more, if the method draws more than one, on grids of any kind that overlap
+/// the first and whose steps differ by up to a factor of 3. Regions cut most of them.
+pub fn random_layers(rng: &mut Rng, kind: &SceneKind) -> Scene {
+    let mut scene = random_scene(rng, kind);
+    let first = *scene.layers[0].volume.grid();
+    let n_more = if kind.method == Method::ImageAligned { rng.usize(..=2) } else { 0 };
+    for _ in 0..n_more {
+        let grid = grid::random_grid_around(rng, &first);
+        let (volume, value_range) = volume::random_volume(rng, grid);
+        scene.layers.push(random_layer(rng, kind.method, volume, value_range));
+    }
+    let axes = scene.camera.axes();
+    for layer in &mut scene.layers {
+        if rng.u32(..4) != 0 {
+            layer.region =
+                region::random_region(rng, &axes, first.center_in_world(), radius(&first));
+        }
+    }
+    scene
+}
+
+fn random_layer(rng: &mut Rng, method: Method, volume: Volume, value_range: [f64; 2]) -> Layer {
+    let transfer = if method == Method::PostClassified {
+        gentle_transfer(rng, value_range)
+    } else {
+        random_transfer(rng, value_range)
+    };
+    Layer::new(volume, transfer).shading(without_a_jump(method, random_shading(rng)))
+}
+
+/// The radius of a sphere about the centres of the grid's voxels.
+fn radius(grid: &Grid) -> f64 {
+    let center = grid.center_in_world();
+    grid.corners_in_world().map(|corner| corner.distance(center)).fold(grid.unit(), f64::max)
 }
 
 /// A number between `lo` and `hi`.

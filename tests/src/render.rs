@@ -3,7 +3,7 @@
 //! The GPU backends are opened with the validation of their graphics interface on, where it is installed,
 //! and a test that makes it speak fails: a driver may forgive what the next one does not.
 
-use slabsplat::{Backend, Grid, Image, Method, Renderer, Scaling, Scene, Volume, backend_named};
+use slabsplat::{Backend, Image, Method, Renderer, Scene, backend_named};
 use slabsplat_gpu::{Device, GpuBackend, OpenOptions, Unavailable};
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -46,15 +46,14 @@ static METHODS: LazyLock<BTreeMap<&str, &[Method]>> =
 /// # Panics
 /// If there is no such backend, the scene is not valid, or the validation of a graphics interface has
 /// found fault with anything so far.
-pub fn render(backend: &str, volume: &Volume, scene: &Scene) -> Image {
+pub fn render(backend: &str, scene: &Scene) -> Image {
     if backend == "cpu" {
-        return image(&mut Renderer::new(volume.clone(), open(backend)), scene);
+        return image(&mut Renderer::new(open(backend)), scene);
     }
     let opened = RENDERERS.get(backend).expect("tests only name backends that there are");
     let renderer = opened.as_ref().expect("tests only name backends that have opened");
     // A test that failed in here has broken its own picture only.
     let mut renderer = renderer.lock().unwrap_or_else(PoisonError::into_inner);
-    renderer.set_volume(volume.clone());
     let image = image(&mut renderer, scene);
     let messages = validation_messages();
     assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
@@ -94,9 +93,7 @@ const GPUS: [(&str, Open); 2] =
 
 /// One for each GPU backend and for all tests, since opening takes longer than a small frame.
 static RENDERERS: LazyLock<BTreeMap<&str, Opened>> = LazyLock::new(|| {
-    let shared = |name, device| {
-        Mutex::new(Renderer::new(one_voxel(), Box::new(GpuBackend::new(name, device))))
-    };
+    let shared = |name, device| Mutex::new(Renderer::new(Box::new(GpuBackend::new(name, device))));
     GPUS.iter().map(|(name, open)| (*name, open().map(|device| shared(name, device)))).collect()
 });
 
@@ -122,11 +119,6 @@ fn watched<D: Device + 'static>(
 
 fn image(renderer: &mut Renderer, scene: &Scene) -> Image {
     renderer.render(scene).expect("scenes of tests are valid").image
-}
-
-fn one_voxel() -> Volume {
-    let grid = Grid::with_spacing([1; 3], [1.0; 3]).expect("the grid is not empty");
-    Volume::new(grid, vec![0_u8].into(), Scaling::IDENTITY).expect("one sample, one voxel")
 }
 
 fn messages() -> MutexGuard<'static, Vec<String>> {

@@ -18,13 +18,13 @@ fn allocations_of_a_warm_frame() {
     // On one thread: which tile falls to which thread is chance, and each has a workspace.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
     let volume = io::builtin_volume("marschner-lobb", Some(48)).expect("there are waves");
+    let automatic = Automatic::new(volume);
     let [width, height] = SIZE;
     let image = ImageDesc { width, height, background: [0.0; 4] };
     for &method in Method::ALL {
         let settings = RenderSettings::default().method(method);
-        let scene = Automatic::new(&volume).scene(image, settings);
-        let mut renderer =
-            Renderer::new(volume.clone(), backend_named("cpu").expect("the CPU is there"));
+        let scene = automatic.scene(image, settings);
+        let mut renderer = Renderer::new(backend_named("cpu").expect("the CPU is there"));
         let mut taken_by_frame = |step: u32| {
             let scene = scene.clone().camera(scene.camera.orbited(f64::from(step)));
             let before = dhat::HeapStats::get();

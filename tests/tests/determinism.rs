@@ -17,10 +17,10 @@ const REORDERED_SUM: f32 = 2e-5;
 fn threads_do_not_change_a_bit() {
     for_each_seed(1, |mut rng| {
         for kind in SceneKind::all().into_iter().step_by(7) {
-            let (volume, scene) = random_scene(&mut rng, &kind);
+            let scene = random_scene(&mut rng, &kind);
             let with_threads = |n: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build();
-                pool.expect("threads can be started").install(|| render("cpu", &volume, &scene))
+                pool.expect("threads can be started").install(|| render("cpu", &scene))
             };
             let one = with_threads(1);
             for n in [2, 5, 16] {
@@ -37,15 +37,15 @@ fn frames_before_do_not_change_a_bit() {
         for &name in backends() {
             let has_method = |kind: &SceneKind| backends_with(kind.method).any(|with| with == name);
             let kinds: Vec<SceneKind> = SceneKind::all().into_iter().filter(has_method).collect();
-            let (volume, mut scene) = random_scene(&mut rng, &kinds[0]);
-            let mut renderer = Renderer::new(volume.clone(), open(name));
+            let mut scene = random_scene(&mut rng, &kinds[0]);
+            let mut renderer = Renderer::new(open(name));
             for step in 0..12 {
-                let (_, other) = random_scene(&mut rng, &kinds[step * 25]);
-                scene.transfer = other.transfer;
+                let other = random_scene(&mut rng, &kinds[step * 25]);
+                scene.layers[0].transfer = other.layers[0].transfer.clone();
                 scene.settings = other.settings;
                 scene.camera = scene.camera.orbited(0.4);
                 let frame = renderer.render(&scene).expect("the scene is valid").image;
-                assert!(frame == render(name, &volume, &scene), "{name}, frame {step}");
+                assert!(frame == render(name, &scene), "{name}, frame {step}");
             }
         }
     });
@@ -64,11 +64,11 @@ fn storage_order_does_not_change_the_picture() {
                     .slab_width(0.8);
                 let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
                 let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };
-                let (volume, scene) = cube(&view);
+                let scene = cube(&view);
                 for name in backends_with(method) {
-                    let image = render(name, &volume, &scene);
+                    let image = render(name, &scene);
                     for _ in 0..3 {
-                        check_restored(name, &mut rng, &volume, &scene, &image);
+                        check_restored(name, &mut rng, &scene, &image);
                     }
                 }
             }
@@ -76,24 +76,19 @@ fn storage_order_does_not_change_the_picture() {
     });
 }
 
-fn check_restored(
-    name: &str,
-    rng: &mut fastrand::Rng,
-    volume: &Volume,
-    scene: &Scene,
-    image: &Image,
-) {
+fn check_restored(name: &str, rng: &mut fastrand::Rng, scene: &Scene, image: &Image) {
     let mut axes = [0, 1, 2];
     rng.shuffle(&mut axes);
     let flips = [rng.bool(), rng.bool(), rng.bool()];
-    let restored = restored(volume, axes, flips);
-    let difference = render(name, &restored, scene).max_difference(image);
+    let mut restored = scene.clone();
+    restored.layers[0].volume = restored_volume(&scene.layers[0].volume, axes, flips).into();
+    let difference = render(name, &restored).max_difference(image);
     let method = scene.settings.method;
     assert!(difference < REORDERED_SUM, "{method}, axes {axes:?}, flips {flips:?}: {difference}");
 }
 
 /// Axis `a` of the result is axis `axes[a]` of `volume`, reversed if `flips[a]`.
-fn restored(volume: &Volume, axes: [usize; 3], flips: [bool; 3]) -> Volume {
+fn restored_volume(volume: &Volume, axes: [usize; 3], flips: [bool; 3]) -> Volume {
     let old = *volume.grid();
     let dims = axes.map(|axis| old.dims()[axis]);
     let old_coords = |new: [usize; 3]| {

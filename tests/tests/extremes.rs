@@ -4,19 +4,20 @@
 use fastrand::Rng;
 use slabsplat::glam::{DAffine3, DMat3, DQuat, DVec3};
 use slabsplat::{
-    Camera, Compositing, Grid, ImageDesc, KERNEL_NAMES, KernelName, Light, Method, Phong,
+    Camera, Compositing, Grid, ImageDesc, KERNEL_NAMES, KernelName, Layer, Light, Method, Phong,
     Projection, RenderSettings, Renderer, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::open;
+use std::sync::Arc;
 
 #[test]
 fn extremes_are_drawn_or_refused() {
     let (mut n_drawn, mut n_seen, mut n_refused) = (0, 0, 0);
     for_each_seed(1, |mut rng| {
         for _ in 0..400 {
-            let Some((volume, scene)) = extreme_scene(&mut rng) else { continue };
-            match Renderer::new(volume, open("cpu")).render(&scene) {
+            let Some(scene) = extreme_scene(&mut rng) else { continue };
+            match Renderer::new(open("cpu")).render(&scene) {
                 Ok(frame) => {
                     let what = || format!("{scene:?}");
                     let is_pixel = |p: &[f32; 4]| p.iter().all(|c| (-1e-3..=1.001).contains(c));
@@ -42,12 +43,12 @@ fn extremes_are_drawn_or_refused() {
 fn close_ups_of_unequal_steps_are_refused() {
     let grid = Grid::with_spacing([4; 3], [1.0, 1.2, 0.7]).expect("no axis is flat");
     let volume = Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).expect("64 voxels");
+    let volume = Arc::new(volume);
     for (view_height, is_drawn) in [(1e-6, true), (1e-37, false), (1e-100, false), (1e300, false)] {
         let mut rng = Rng::with_seed(1);
         let projection = Projection::Orthographic { view_height };
-        let scene = scene(&mut rng, &grid, DVec3::new(5.0, 3.0, 9.0), projection);
-        let frame =
-            Renderer::new(volume.clone(), open("cpu")).render(&scene.expect("it spans a view"));
+        let scene = scene(&mut rng, &volume, DVec3::new(5.0, 3.0, 9.0), projection);
+        let frame = Renderer::new(open("cpu")).render(&scene.expect("it spans a view"));
         assert_eq!(frame.is_ok(), is_drawn, "{view_height}: {:?}", frame.err());
     }
 }
@@ -63,7 +64,7 @@ fn direction(rng: &mut Rng) -> DVec3 {
     if rng.u32(..4) == 0 { quarter } else { any }
 }
 
-fn extreme_scene(rng: &mut Rng) -> Option<(Volume, Scene)> {
+fn extreme_scene(rng: &mut Rng) -> Option<Scene> {
     let dims = [0; 3].map(|_| rng.usize(1..=5));
     let most: f64 = [0.1, 1.0, 3.0, 11.9][rng.usize(..4)];
     let size = if rng.bool() { 1.0 } else { any_size(rng, 11.0 - most.min(10.0)) };
@@ -87,10 +88,11 @@ fn extreme_scene(rng: &mut Rng) -> Option<(Volume, Scene)> {
             fov_y_radians: 0.999_999 * std::f64::consts::PI * any_size(rng, most).min(1.0),
         }
     };
-    Some((volume, scene(rng, &grid, eye, projection)?))
+    scene(rng, &Arc::new(volume), eye, projection)
 }
 
-fn scene(rng: &mut Rng, grid: &Grid, eye: DVec3, projection: Projection) -> Option<Scene> {
+fn scene(rng: &mut Rng, volume: &Arc<Volume>, eye: DVec3, projection: Projection) -> Option<Scene> {
+    let grid = volume.grid();
     let camera = Camera::new(eye, grid.center_in_world(), direction(rng), projection).ok()?;
     let method = Method::ALL[rng.usize(..Method::ALL.len())];
     // A kernel is cut into a few sections, however long it is: a million are right, too, but take a while.
@@ -110,5 +112,6 @@ fn scene(rng: &mut Rng, grid: &Grid, eye: DVec3, projection: Projection) -> Opti
         .sections(16)
         .radial_samples(32);
     let shading = Shading::Phong(Phong::default().light(light));
-    Some(Scene::new(transfer.ok()?, camera).shading(shading).image(image).settings(settings))
+    let layer = Layer::new(volume.clone(), transfer.ok()?).shading(shading);
+    Some(Scene::new(layer, camera).image(image).settings(settings))
 }

@@ -3,8 +3,8 @@
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Backend, BackendError, Camera, Compositing, Frame, FrameId, Grid, ImageDesc, Lookup, Method,
-    Planner, Projection, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    Backend, BackendError, Camera, Compositing, Frame, FrameId, Grid, ImageDesc, Layer, Lookup,
+    Method, Planner, Projection, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use slabsplat_seeds::for_each_seed;
@@ -26,11 +26,11 @@ fn other_methods_are_refused() {
     let _alone = alone();
     let volume = volume([9, 8, 7]);
     on_devices(as_it_is, |name, backend, orders| {
-        let error = render(backend, &volume, &scene(&volume, 24, Method::PostClassified));
+        let error = render(backend, &scene(&volume, 24, Method::PostClassified));
         let error = error.expect_err("no shader knows it");
         assert!(matches!(error, BackendError::Unable { .. }), "{name}: {error}");
         assert_eq!(locked(orders).n_submitted, 0, "{name}");
-        render(backend, &volume, &scene(&volume, 24, Method::ImageAligned)).expect("it fits");
+        render(backend, &scene(&volume, 24, Method::ImageAligned)).expect("it fits");
     });
 }
 
@@ -53,12 +53,10 @@ fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
     let size = volume.grid().dims().into_iter().max().expect("there are three") as f64;
     let projection = Projection::Orthographic { view_height: 1.4 * size };
     let eye = target + DVec3::new(3.0, 2.0, -2.5) * size;
-    Scene::new(
-        transfer(0.3),
-        Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward"),
-    )
-    .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
-    .settings(exact_settings().method(method).compositing(Compositing::Extinction))
+    let camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
+    Scene::new(Layer::new(volume.clone(), transfer(0.3)), camera)
+        .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
+        .settings(exact_settings().method(method).compositing(Compositing::Extinction))
 }
 
 fn transfer(opacity: f64) -> TransferFunction {
@@ -67,12 +65,8 @@ fn transfer(opacity: f64) -> TransferFunction {
     TransferFunction::new(opacities, colors).expect("the points are sorted")
 }
 
-fn submit(
-    backend: &mut dyn Backend,
-    volume: &Arc<Volume>,
-    scene: &Scene,
-) -> Result<FrameId, BackendError> {
-    backend.submit(&Planner::default().plan(volume, scene).expect("the scene is valid"))
+fn submit(backend: &mut dyn Backend, scene: &Scene) -> Result<FrameId, BackendError> {
+    backend.submit(&Planner::default().plan(scene).expect("the scene is valid"))
 }
 
 fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendError> {
@@ -86,12 +80,8 @@ fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendError
     }
 }
 
-fn render(
-    backend: &mut dyn Backend,
-    volume: &Arc<Volume>,
-    scene: &Scene,
-) -> Result<Frame, BackendError> {
-    let frame = submit(backend, volume, scene)?;
+fn render(backend: &mut dyn Backend, scene: &Scene) -> Result<Frame, BackendError> {
+    let frame = submit(backend, scene)?;
     take(backend, frame)
 }
 
@@ -129,15 +119,14 @@ fn small_bindings_give_the_same_bits() {
             let mut scene = scene(&volume, width, method);
             scene.settings.sections = 16;
             scene.settings.lookup = Lookup::Nearest;
-            let expected =
-                render(&mut *open("cpu"), &volume, &scene).expect("the CPU has no limits");
+            let expected = render(&mut *open("cpu"), &scene).expect("the CPU has no limits");
             let pictures = Mutex::new(Vec::new());
             for limit in [u64::MAX, max_bytes] {
                 let change = |info: &mut DeviceInfo| {
                     info.max_binding_bytes = info.max_binding_bytes.min(limit);
                 };
                 on_devices(change, |name, backend, _| {
-                    let frame = render(backend, &volume, &scene);
+                    let frame = render(backend, &scene);
                     let frame = frame.unwrap_or_else(|e| panic!("{name}, {what}, {method}: {e}"));
                     let difference = frame.image.max_difference(&expected.image);
                     assert!(difference < PARITY, "{name}, {what}, {method}: {difference}");
@@ -168,13 +157,13 @@ fn what_does_not_fit_is_an_error() {
                 scene.settings.lookup = Lookup::Nearest;
                 scene
             };
-            let error = render(backend, &large, &scene_of(&large)).expect_err("it is too large");
+            let error = render(backend, &scene_of(&large)).expect_err("it is too large");
             let BackendError::OutOfMemory { needed_bytes, available_bytes, .. } = &error else {
                 panic!("{name}, {what}: {error}");
             };
             assert!(available_bytes < needed_bytes, "{name}, {what}: {error}");
             assert!(error.to_string().contains(what), "{name}: {error}");
-            let frame = render(backend, &small, &scene_of(&small));
+            let frame = render(backend, &scene_of(&small));
             assert!(frame.is_ok(), "{name}, {what}: {frame:?}");
         });
     };
@@ -190,7 +179,7 @@ fn out_of_memory_is_survived() {
     let volume = volume([9, 8, 7]);
     let scene = scene(&volume, 24, Method::ImageAligned);
     on_devices(as_it_is, |name, backend, _| {
-        let expected = render(backend, &volume, &scene).expect("a tiny frame fits").image;
+        let expected = render(backend, &scene).expect("a tiny frame fits").image;
         let n_failures = Mutex::new(0);
         for n_buffers in 0..60 {
             on_devices(as_it_is, |other, backend, orders| {
@@ -198,11 +187,11 @@ fn out_of_memory_is_survived() {
                     return;
                 }
                 locked(orders).buffers_left = Some(n_buffers);
-                if let Err(error) = render(backend, &volume, &scene) {
+                if let Err(error) = render(backend, &scene) {
                     assert!(matches!(error, BackendError::OutOfMemory { .. }), "{name}: {error}");
                     *n_failures.lock().expect("no test failed") += 1;
                 }
-                let frame = render(backend, &volume, &scene).expect("there is memory again");
+                let frame = render(backend, &scene).expect("there is memory again");
                 assert!(frame.image == expected, "{name}, after {n_buffers} buffers");
             });
         }
@@ -218,7 +207,7 @@ fn lost_device_is_an_error() {
     let volume = volume([5, 4, 3]);
     let scene = scene(&volume, 24, Method::ImageAligned);
     on_devices(as_it_is, |name, backend, orders| {
-        let frame = submit(backend, &volume, &scene).expect("a tiny frame fits");
+        let frame = submit(backend, &scene).expect("a tiny frame fits");
         locked(orders).lost = Some("it fell off the bus");
         let is_lost = |error: &BackendError| matches!(error, BackendError::DeviceLost { .. });
         let error = take(backend, frame).expect_err("the device is lost");
@@ -227,7 +216,7 @@ fn lost_device_is_an_error() {
             "{name}: {error}"
         );
         assert_eq!(take(backend, frame), Err(BackendError::UnknownFrame(frame)), "{name}");
-        let error = submit(backend, &volume, &scene).expect_err("the device is lost");
+        let error = submit(backend, &scene).expect_err("the device is lost");
         assert!(is_lost(&error), "{name}: {error}");
     });
 }
@@ -242,7 +231,7 @@ fn little_moves_when_little_changes() {
         let mut planner = Planner::default();
         let mut n_written = |scene: &Scene| {
             locked(orders).bytes_written = 0;
-            let plan = planner.plan(&volume, scene).expect("the scene is valid");
+            let plan = planner.plan(scene).expect("the scene is valid");
             let frame = backend.submit(&plan).expect("a small frame fits");
             take(backend, frame).expect("the device is there");
             locked(orders).bytes_written
@@ -250,9 +239,9 @@ fn little_moves_when_little_changes() {
         let first = n_written(&scene);
         assert!(8 * volume.grid().n_voxels() <= first, "{name}: {first} bytes at first");
         let again = n_written(&scene);
-        scene.shading = Shading::None;
+        scene.layers[0].shading = Shading::None;
         let relit = n_written(&scene);
-        scene.transfer = transfer(0.2);
+        scene.layers[0].transfer = transfer(0.2);
         let reclassified = n_written(&scene);
         println!("{name}: again {again}, relit {relit}, reclassified {reclassified} bytes");
         assert!(again <= 512 && relit <= 512 && reclassified <= 1024, "{name}");
@@ -272,7 +261,7 @@ fn camera_moves_a_few_hundred_bytes() {
         let mut planner = Planner::default();
         for turn in 0..6 {
             locked(orders).bytes_written = 0;
-            let plan = planner.plan(&volume, &scene).expect("the scene is valid");
+            let plan = planner.plan(&scene).expect("the scene is valid");
             let frame = backend.submit(&plan).expect("a small frame fits");
             take(backend, frame).expect("the device is there");
             let n_bytes = locked(orders).bytes_written;
@@ -293,14 +282,14 @@ fn close_ups_find_room() {
     let projection = Projection::Perspective { fov_y_radians: 1.9 };
     let eye = target + DVec3::new(3.0, 0.5, 0.2);
     scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
-    let expected = render(&mut *open("cpu"), &volume, &scene).expect("the CPU has no limits").image;
+    let expected = render(&mut *open("cpu"), &scene).expect("the CPU has no limits").image;
     on_devices(as_it_is, |name, backend, orders| {
-        let frame = render(backend, &volume, &scene).expect("it fits");
+        let frame = render(backend, &scene).expect("it fits");
         let difference = frame.image.max_difference(&expected);
         assert!(difference < PARITY, "{name}: {difference}");
         assert!(1 < locked(orders).n_submitted, "{name}: there was room at once");
         locked(orders).n_submitted = 0;
-        let again = render(backend, &volume, &scene).expect("it fits");
+        let again = render(backend, &scene).expect("it fits");
         assert!(again.image == frame.image, "{name}");
         assert_eq!(locked(orders).n_submitted, 1, "{name}: the room is kept");
     });
@@ -314,10 +303,10 @@ fn crowded_tiles_pause() {
     let volume = volume([40, 40, 40]);
     for method in GPU_METHODS {
         let mut scene = scene(&volume, 12, method);
-        scene.transfer = transfer(1e-4);
-        let expected = render(&mut *open("cpu"), &volume, &scene).expect("the CPU has no limits");
+        scene.layers[0].transfer = transfer(1e-4);
+        let expected = render(&mut *open("cpu"), &scene).expect("the CPU has no limits");
         on_devices(as_it_is, |name, backend, orders| {
-            let frame = render(backend, &volume, &scene).expect("it fits");
+            let frame = render(backend, &scene).expect("it fits");
             let difference = frame.image.max_difference(&expected.image);
             assert!(difference < PARITY, "{name}, {method}: {difference}");
             assert!(1 < locked(orders).n_submitted, "{name}, {method}: one round was enough");
@@ -331,7 +320,7 @@ fn too_crowded_tiles_are_an_error() {
     let _alone = alone();
     let volume = volume([25, 25, 25]);
     let mut scene = scene(&volume, 568, Method::ImageAligned);
-    scene.transfer = transfer(1e-4);
+    scene.layers[0].transfer = transfer(1e-4);
     scene.settings.slab_width = 0.1;
     scene.settings.sections = 16;
     scene.settings.radial_samples = 16;
@@ -342,11 +331,11 @@ fn too_crowded_tiles_are_an_error() {
     scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
     let small = |info: &mut DeviceInfo| info.max_binding_bytes = 128 << 10;
     on_devices(small, |name, backend, _| {
-        let error = render(backend, &volume, &scene).expect_err("the tile is too crowded");
+        let error = render(backend, &scene).expect_err("the tile is too crowded");
         assert!(matches!(error, BackendError::Unable { .. }), "{name}: {error}");
         let mut easy = scene.clone();
         easy.settings.slab_width = 4.0;
-        assert!(render(backend, &volume, &easy).is_ok(), "{name}: the next one is done");
+        assert!(render(backend, &easy).is_ok(), "{name}: the next one is done");
     });
 }
 
@@ -362,10 +351,11 @@ fn samples_of_any_magnitude() {
         let mut scene = scene(&volume, 20, Method::ImageAligned);
         let opacities = vec![(0.0, [0.0]), (magnitude, [0.7])];
         let colors = vec![(0.0, [1.0, 0.0, 0.0]), (magnitude, [0.0, 1.0, 0.0])];
-        scene.transfer = TransferFunction::new(opacities, colors).expect("the points are sorted");
-        let expected = render(&mut *open("cpu"), &volume, &scene).expect("it fits").image;
+        scene.layers[0].transfer =
+            TransferFunction::new(opacities, colors).expect("the points are sorted");
+        let expected = render(&mut *open("cpu"), &scene).expect("it fits").image;
         on_devices(as_it_is, |name, backend, _| {
-            let image = render(backend, &volume, &scene).expect("it fits").image;
+            let image = render(backend, &scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
             assert!(difference < PARITY, "{name}, {magnitude:e}: {difference}");
         });
@@ -377,17 +367,14 @@ fn samples_of_any_magnitude() {
 fn frames_under_way_keep_apart() {
     let _alone = alone();
     let volumes = [volume([12, 10, 9]), volume([9, 13, 8])];
-    let frames: Vec<_> = (0..5)
-        .map(|i| (&volumes[i % 2], scene(&volumes[i % 2], 20 + 6 * i as u32, GPU_METHODS[i % 3])))
-        .collect();
+    let scenes: Vec<_> =
+        (0..5).map(|i| scene(&volumes[i % 2], 20 + 6 * i as u32, GPU_METHODS[i % 3])).collect();
     on_devices(as_it_is, |name, backend, _| {
-        let ids: Vec<FrameId> = frames
-            .iter()
-            .map(|(volume, scene)| submit(backend, volume, scene).expect("it fits"))
-            .collect();
-        for (i, (volume, scene)) in frames.iter().enumerate().rev() {
+        let ids: Vec<FrameId> =
+            scenes.iter().map(|scene| submit(backend, scene).expect("it fits")).collect();
+        for (i, scene) in scenes.iter().enumerate().rev() {
             let image = take(backend, ids[i]).expect("the device is there").image;
-            let expected = render(&mut *open("cpu"), volume, scene).expect("it fits").image;
+            let expected = render(&mut *open("cpu"), scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
             assert!(difference < PARITY, "{name}, frame {i}: {difference}");
         }
@@ -420,8 +407,9 @@ fn steps_are_as_narrow_as_numbers() {
         let volume = Arc::new(volume);
         let mut scene = scene(&volume, 24, Method::ImageAligned);
         let colors = vec![(opacities[0].0, [1.0, 0.0, 0.2]), (1e5, [0.1, 1.0, 0.4])];
-        scene.transfer = TransferFunction::new(opacities, colors).expect("the points are sorted");
-        (volume, scene)
+        scene.layers[0].transfer =
+            TransferFunction::new(opacities, colors).expect("the points are sorted");
+        scene
     };
     let repeated = |some: &[f64]| some.iter().copied().cycle().take(27).collect::<Vec<f64>>();
     let band = |[a, b]: [f64; 2]| vec![(a, [0.0]), (a, [0.9]), (b, [0.5]), (b, [0.0])];
@@ -440,14 +428,15 @@ fn steps_are_as_narrow_as_numbers() {
 }
 
 /// The largest difference of any device from the CPU; each finds as many relevant voxels.
-fn assert_classified_alike(cases: &[(Arc<Volume>, Scene)]) -> f32 {
+fn assert_classified_alike(cases: &[Scene]) -> f32 {
     let worst = Mutex::new(0.0_f32);
     on_devices(as_it_is, |name, backend, _| {
-        for (volume, scene) in cases {
-            let expected = render(&mut *open("cpu"), volume, scene).expect("it fits");
-            let frame = render(backend, volume, scene).expect("it fits");
+        for scene in cases {
+            let expected = render(&mut *open("cpu"), scene).expect("it fits");
+            let frame = render(backend, scene).expect("it fits");
+            let Layer { volume, transfer, .. } = &scene.layers[0];
             let (sample_type, scaling) = (volume.sample_type(), volume.scaling());
-            let what = format!("{name}, {sample_type:?}, {scaling:?}, {:?}", scene.transfer);
+            let what = format!("{name}, {sample_type:?}, {scaling:?}, {transfer:?}");
             assert_eq!(frame.stats.n_voxels, expected.stats.n_voxels, "{what}");
             let difference = frame.image.max_difference(&expected.image);
             assert!(difference < PARITY, "{what}: {difference}");
@@ -458,7 +447,7 @@ fn assert_classified_alike(cases: &[(Arc<Volume>, Scene)]) -> f32 {
     worst.into_inner().expect("no test failed")
 }
 
-fn typed_case(rng: &mut fastrand::Rng, number: usize) -> (Arc<Volume>, Scene) {
+fn typed_case(rng: &mut fastrand::Rng, number: usize) -> Scene {
     let grid = Grid::with_spacing([6, 5, 4], [1.0, 1.3, 0.8]).expect("the spacing is positive");
     let n = grid.n_voxels();
     let wide = |rng: &mut fastrand::Rng| {
@@ -498,6 +487,7 @@ fn typed_case(rng: &mut fastrand::Rng, number: usize) -> (Arc<Volume>, Scene) {
     let volume = Arc::new(volume);
     let mut scene = scene(&volume, 30, GPU_METHODS[number % 3]);
     let colors = vec![(at[0] - 1e-3, [1.0, 0.0, 0.2]), (at[2] + 1e-3, [0.1, 1.0, 0.4])];
-    scene.transfer = TransferFunction::new(opacities, colors).expect("the points are sorted");
-    (volume, scene)
+    scene.layers[0].transfer =
+        TransferFunction::new(opacities, colors).expect("the points are sorted");
+    scene
 }

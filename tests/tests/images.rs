@@ -7,23 +7,24 @@
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
-    Camera, Compositing, Grid, Image, ImageDesc, Light, Method, Phong, Projection, Scene, Shading,
-    TransferFunction, Volume, io,
+    Camera, Compositing, Grid, Image, ImageDesc, Layer, Light, Method, Phong, Projection, Scene,
+    Shading, TransferFunction, Volume, io,
 };
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::render::{backends, render};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What an 8-bit channel may differ: backends agree to 10⁻³, which may tip a rounding.
 const MAX_STEPS: u8 = 1;
 
 const SIDE: u32 = 64;
 
-fn check(name: &str, volume: &Volume, scene: &Scene) {
+fn check(name: &str, scene: &Scene) {
     let expected_path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("images/{name}.png"));
     let wanted = std::env::var("SPLAT_TEST_UPDATE").unwrap_or_default();
     for backend in backends() {
-        let actual = render(backend, volume, scene);
+        let actual = render(backend, scene);
         if wanted == name || wanted == "all" {
             io::write_png(&expected_path, &actual).expect("tests/images can be written");
             continue;
@@ -66,21 +67,25 @@ fn largest_difference(actual: &Path, expected: &Path, dir: &Path, name: &str) ->
     steps
 }
 
-fn builtin(name: &str, size: usize) -> Volume {
-    io::builtin_volume(name, Some(size)).expect("it is built in")
+fn builtin(name: &str, size: usize) -> Arc<Volume> {
+    Arc::new(io::builtin_volume(name, Some(size)).expect("it is built in"))
 }
 
 /// Looks at the world's origin.
-fn scene(eye: [f64; 3], projection: Projection, opacity: &[(f64, f64)]) -> Scene {
+fn scene(
+    volume: impl Into<Arc<Volume>>,
+    eye: [f64; 3],
+    projection: Projection,
+    opacity: &[(f64, f64)],
+) -> Scene {
     let opacity = opacity.iter().map(|&(value, opacity)| (value, [opacity])).collect();
-    Scene::new(
-        TransferFunction::new(opacity, vec![(0.0, [0.95, 0.8, 0.55])])
-            .expect("the points are sorted"),
-        Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)
-            .expect("the eye is off the z axis"),
-    )
-    .image(ImageDesc { width: SIDE, height: SIDE, background: [0.0, 0.0, 0.0, 1.0] })
-    .settings(exact_settings())
+    let transfer = TransferFunction::new(opacity, vec![(0.0, [0.95, 0.8, 0.55])])
+        .expect("the points are sorted");
+    let camera = Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)
+        .expect("the eye is off the z axis");
+    Scene::new(Layer::new(volume, transfer), camera)
+        .image(ImageDesc { width: SIDE, height: SIDE, background: [0.0, 0.0, 0.0, 1.0] })
+        .settings(exact_settings())
 }
 
 fn parallel(view_height: f64) -> Projection {
@@ -96,20 +101,22 @@ fn image_cube_by_method() {
         ("cube-axis-aligned", Method::AxisAligned),
         ("cube-every-sample", Method::EverySample),
     ] {
-        let mut scene = scene([30.0, 29.0, 18.0], parallel(34.0), &[(0.0, 0.0), (255.0, 0.5)]);
+        let opacity = [(0.0, 0.0), (255.0, 0.5)];
+        let mut scene = scene(volume.clone(), [30.0, 29.0, 18.0], parallel(34.0), &opacity);
         scene.settings.method = method;
         scene.settings.compositing = Compositing::Separate;
-        check(name, &volume, &scene);
+        check(name, &scene);
     }
 }
 
 /// The light comes from the upper left, so the ball is bright there and dark on the other side.
 #[test]
 fn image_light_from_the_upper_left() {
-    let mut scene = scene([0.0, -40.0, 0.0], parallel(38.0), &[(60.0, 0.0), (200.0, 0.8)]);
+    let (ball, opacity) = (builtin("sphere", 32), [(60.0, 0.0), (200.0, 0.8)]);
+    let mut scene = scene(ball, [0.0, -40.0, 0.0], parallel(38.0), &opacity);
     let light = Light::towards(DVec3::new(-1.0, -0.6, 1.0)).expect("it is a direction");
-    scene.shading = Shading::Phong(Phong::default().light(light).two_sided(false));
-    check("light-upper-left", &builtin("sphere", 32), &scene);
+    scene.layers[0].shading = Shading::Phong(Phong::default().light(light).two_sided(false));
+    check("light-upper-left", &scene);
 }
 
 /// Right is right, up is up, and near hides far.
@@ -127,12 +134,12 @@ fn image_orientation() {
     let samples: Vec<u8> = (0..grid.n_voxels()).map(sample).collect();
     let volume = Volume::new(grid, samples.into(), slabsplat::Scaling::IDENTITY)
         .expect("one sample a voxel");
-    let mut scene = scene([14.0, -34.0, 12.0], parallel(28.0), &[(0.0, 0.0), (1.0, 0.9)]);
+    let mut scene = scene(volume, [14.0, -34.0, 12.0], parallel(28.0), &[(0.0, 0.0), (1.0, 0.9)]);
     // The arm along +x is red, that along +z green, and the one towards the eye, along −y, blue.
     let colors = vec![(1.0, [0.9, 0.2, 0.2]), (2.0, [0.2, 0.8, 0.2]), (3.0, [0.3, 0.4, 1.0])];
-    scene.transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.9])], colors)
+    scene.layers[0].transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.9])], colors)
         .expect("the points are sorted");
-    check("orientation", &volume, &scene);
+    check("orientation", &scene);
 }
 
 /// The signal that shows what a kernel loses, on a grid that is sheared: ripples without blocks.
@@ -147,11 +154,11 @@ fn image_sheared_grid() {
     let center = columns * DVec3::splat(15.5);
     let sheared = DAffine3::from_mat3_translation(columns, -center);
     let grid = Grid::new(volume.grid().dims(), sheared).expect("the grid can be inverted");
-    let volume = volume.with_grid(grid).expect("the grid has the same size");
-    let mut scene = scene([50.0, -30.0, 60.0], parallel(62.0), &[(0.45, 0.0), (0.55, 0.8)]);
+    let volume = Volume::clone(&volume).with_grid(grid).expect("the grid has the same size");
+    let mut scene = scene(volume, [50.0, -30.0, 60.0], parallel(62.0), &[(0.45, 0.0), (0.55, 0.8)]);
     // Of so much detail, no more fits the size that a test's picture may have.
     (scene.image.width, scene.image.height) = (52, 52);
-    check("sheared-grid", &volume, &scene);
+    check("sheared-grid", &scene);
 }
 
 /// From the middle of a hollow ball with a chequered wall: the wall all round, and nothing of what is
@@ -172,30 +179,30 @@ fn image_eye_inside() {
     let volume = Volume::new(grid, samples.into(), slabsplat::Scaling::IDENTITY)
         .expect("one sample a voxel");
     let wide = Projection::Perspective { fov_y_radians: 1.2 };
-    let mut scene = scene([0.0, 3.0, -2.0], wide, &[(0.0, 0.0), (1.0, 0.9)]);
-    scene.shading = Shading::None;
+    let mut scene = scene(volume, [0.0, 3.0, -2.0], wide, &[(0.0, 0.0), (1.0, 0.9)]);
+    scene.layers[0].shading = Shading::None;
     let colors = vec![(1.0, [0.1, 0.3, 0.5]), (2.0, [0.9, 0.9, 0.8])];
-    scene.transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.9])], colors)
+    scene.layers[0].transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.9])], colors)
         .expect("the points are sorted");
     (scene.image.width, scene.image.height) = (42, 42);
-    check("eye-inside", &volume, &scene);
+    check("eye-inside", &scene);
 }
 
 /// A volume of which a pixel covers 4 voxels keeps its shape and its average colour.
 #[test]
 fn image_minified() {
-    let scene = scene([50.0, -40.0, 30.0], parallel(256.0), &[(40.0, 0.0), (255.0, 0.6)]);
-    check("minified", &builtin("neuron", 128), &scene);
+    let (neuron, opacity) = (builtin("neuron", 128), [(40.0, 0.0), (255.0, 0.6)]);
+    check("minified", &scene(neuron, [50.0, -40.0, 30.0], parallel(256.0), &opacity));
 }
 
 /// Nothing is drawn, and the background shows: a picture that is not empty by accident.
 #[test]
 fn image_of_nothing_is_background() {
     let volume = builtin("cube", 28);
-    let mut scene = scene([40.0, 0.0, 0.0], parallel(30.0), &[(0.0, 0.0)]);
+    let mut scene = scene(volume, [40.0, 0.0, 0.0], parallel(30.0), &[(0.0, 0.0)]);
     scene.image.background = [0.2, 0.4, 0.6, 1.0];
     for backend in backends() {
         let expected = Image::filled(SIDE, SIDE, [0.2, 0.4, 0.6, 1.0]);
-        assert!(render(backend, &volume, &scene).max_difference(&expected) < 1e-6, "{backend}");
+        assert!(render(backend, &scene).max_difference(&expected) < 1e-6, "{backend}");
     }
 }

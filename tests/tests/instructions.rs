@@ -8,8 +8,8 @@
 
 use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
-    Camera, Frame, Grid, ImageDesc, Method, Projection, RenderSettings, Renderer, Scene,
-    TransferFunction, backend_named, io,
+    Camera, Frame, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Renderer, Scene,
+    TransferFunction, Volume, backend_named, io,
 };
 
 /// A frame that is counted, and how to come there.
@@ -43,7 +43,7 @@ const WORKLOADS: &[Workload] = &[
         image_side: 16,
         change: |scene| {
             look_past(scene);
-            scene.transfer = transfer(0.7, 100.0);
+            scene.layers[0].transfer = transfer(0.7, 100.0);
         },
     },
     // Seen at its face, the first voxels of a solid cube hide all others: toss, and pass over.
@@ -141,8 +141,8 @@ fn run(workload: &Workload) {
     let grid = Grid::new(volume.grid().dims(), stretch * volume.grid().world_from_index());
     let volume = volume.with_grid(grid.expect("no step is 0")).expect("there are as many voxels");
     let backend = backend_named("cpu").expect("the CPU is always there");
-    let mut renderer = Renderer::new(volume, backend);
-    let mut scene = scene(workload);
+    let mut renderer = Renderer::new(backend);
+    let mut scene = scene(workload, volume);
     renderer.render(&scene).expect("the scene can be drawn");
     (workload.change)(&mut scene);
     let frame = counted_frame(&mut renderer, &scene);
@@ -155,20 +155,15 @@ fn counted_frame(renderer: &mut Renderer, scene: &Scene) -> Frame {
     renderer.render(scene).expect("the scene can be drawn")
 }
 
-fn scene(workload: &Workload) -> Scene {
+fn scene(workload: &Workload, volume: Volume) -> Scene {
     let side = workload.volume.1 as f64;
     let projection = Projection::Orthographic { view_height: 1.2 * side };
-    Scene::new(
-        transfer(workload.opacity, 90.0),
-        Camera::new(workload.eye * side, DVec3::ZERO, DVec3::Z, projection)
-            .expect("the eye is off the axis"),
-    )
-    .image(ImageDesc {
-        width: workload.image_side,
-        height: workload.image_side,
-        background: [0.0; 4],
-    })
-    .settings(RenderSettings::default().method(workload.method))
+    let camera = Camera::new(workload.eye * side, DVec3::ZERO, DVec3::Z, projection)
+        .expect("the eye is off the axis");
+    let (width, height) = (workload.image_side, workload.image_side);
+    Scene::new(Layer::new(volume, transfer(workload.opacity, 90.0)), camera)
+        .image(ImageDesc { width, height, background: [0.0; 4] })
+        .settings(RenderSettings::default().method(workload.method))
 }
 
 fn transfer(opacity: f64, foot: f64) -> TransferFunction {

@@ -3,7 +3,7 @@
 //!
 //! `paper_scenes` has their set-up, of which the paper leaves much unsaid.
 
-use slabsplat_core::{Compositing, Method, Normalization, Scene, Volume};
+use slabsplat_core::{Compositing, Method, Normalization, Scene};
 use slabsplat_tests::paper_scenes::{
     CubeView, cube, face_means, face_profile, paper_settings, single_voxel,
 };
@@ -17,11 +17,11 @@ struct Picture {
 }
 
 /// The scene by the reference, and by every backend.
-fn pictures((volume, scene): &(Volume, Scene)) -> Vec<Picture> {
-    let image = reference::render(volume, scene);
+fn pictures(scene: &Scene) -> Vec<Picture> {
+    let image = reference::render(scene);
     let by_reference = Picture { by: "reference", red: Box::new(move |x, y| image.pixel(x, y)[0]) };
     let by_backends = backends().iter().map(|by| {
-        let image = render(by, volume, scene);
+        let image = render(by, scene);
         Picture { by, red: Box::new(move |x, y| image.pixel(x, y)[0].into()) }
     });
     std::iter::once(by_reference).chain(by_backends).collect()
@@ -41,7 +41,7 @@ fn single_voxel_normalization() {
         for (slab_width, expected) in [0.5, 1.0, 2.0].into_iter().zip(expected) {
             let settings = paper_settings().slab_width(slab_width).normalization(normalization);
             let voxel = single_voxel(settings);
-            let [width, height] = [voxel.1.image.width, voxel.1.image.height];
+            let [width, height] = [voxel.image.width, voxel.image.height];
             for Picture { by, red } in pictures(&voxel) {
                 let sum: f64 = (0..height)
                     .flat_map(|y| (0..width).map(move |x| (x, y)))

@@ -2,7 +2,8 @@
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
-    Camera, Grid, ImageDesc, Method, Projection, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Layer, Method, Projection, Scaling, Scene, Shading, TransferFunction,
+    Volume,
 };
 use slabsplat_seeds::for_each_numbered_seed;
 use slabsplat_tests::exact_settings;
@@ -24,11 +25,11 @@ fn parity_on_random_scenes() {
         backends().iter().map(|b| (*b, Tally::default())).collect();
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed) {
-            let (volume, scene) = random_scene(&mut rng, &kind);
-            let expected = reference::render(&volume, &scene);
-            let by_cpu = render("cpu", &volume, &scene);
+            let scene = random_scene(&mut rng, &kind);
+            let expected = reference::render(&scene);
+            let by_cpu = render("cpu", &scene);
             for backend in backends_with(kind.method) {
-                let image = render(backend, &volume, &scene);
+                let image = render(backend, &scene);
                 let (from_cpu, off) = (image.max_difference(&by_cpu), expected.compare(&image));
                 let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
                 assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
@@ -68,10 +69,10 @@ impl Tally {
 fn parity_on_needles() {
     for ratio in [10.0, 100.0, 1000.0] {
         for &method in Method::ALL {
-            let (volume, scene) = needles(ratio, method);
-            let expected = reference::render(&volume, &scene);
+            let scene = needles(ratio, method);
+            let expected = reference::render(&scene);
             for backend in backends_with(method) {
-                let difference = expected.compare(&render(backend, &volume, &scene));
+                let difference = expected.compare(&render(backend, &scene));
                 println!("{ratio} {method} by {backend}: {:.1e}", difference.max);
                 assert!(difference.max < MAX_DIFFERENCE, "{ratio} {method}: {}", difference.max);
             }
@@ -79,7 +80,7 @@ fn parity_on_needles() {
     }
 }
 
-fn needles(ratio: f64, method: Method) -> (Volume, Scene) {
+fn needles(ratio: f64, method: Method) -> Scene {
     let turn = DMat3::from_axis_angle(DVec3::new(0.3, 1.0, 0.2).normalize(), 0.7);
     let steps = turn * DMat3::from_diagonal(DVec3::new(1.0, 1.0, ratio));
     let grid = Grid::new([3; 3], DAffine3::from_mat3(steps)).expect("the grid can be inverted");
@@ -89,13 +90,11 @@ fn needles(ratio: f64, method: Method) -> (Volume, Scene) {
     let eye = target + 5.0 * ratio * DVec3::new(-0.6, 0.5, -0.4);
     let projection = Projection::Orthographic { view_height: 8.0 };
     let settings = exact_settings().method(method);
-    let scene = Scene::new(
-        TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0, 0.8, 0.5])])
-            .expect("the points are finite"),
-        Camera::new(eye, target, DVec3::Y, projection).expect("the eye is off the y axis"),
-    )
-    .shading(Shading::None)
-    .image(ImageDesc { width: 24, height: 24, background: [0.0; 4] })
-    .settings(settings);
-    (volume, scene)
+    let transfer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0, 0.8, 0.5])])
+        .expect("the points are finite");
+    let camera = Camera::new(eye, target, DVec3::Y, projection);
+    let layer = Layer::new(volume, transfer).shading(Shading::None);
+    Scene::new(layer, camera.expect("the eye is off the y axis"))
+        .image(ImageDesc { width: 24, height: 24, background: [0.0; 4] })
+        .settings(settings)
 }

@@ -2,7 +2,7 @@
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
-    Camera, Compositing, Grid, ImageDesc, Light, Method, Phong, Projection, RenderSettings,
+    Camera, Compositing, Grid, ImageDesc, Layer, Light, Method, Phong, Projection, RenderSettings,
     Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
@@ -10,6 +10,7 @@ use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::render;
+use std::sync::Arc;
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -31,9 +32,9 @@ fn check_parity(zoom: f64) {
     let (mut n_scenes, mut max, mut mean) = (0, 0.0_f64, 0.0_f64);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(|kind| kind.method == Method::PostClassified) {
-            let (volume, mut scene) = random_scene(&mut rng, &kind);
+            let mut scene = random_scene(&mut rng, &kind);
             scene.camera = zoomed(&scene.camera, zoom);
-            let off = reference::render(&volume, &scene).compare(&render("cpu", &volume, &scene));
+            let off = reference::render(&scene).compare(&render("cpu", &scene));
             let what = format!("{kind:?}, w {}", scene.settings.slab_width);
             assert!(off.max < MAX_DIFFERENCE, "a pixel is off by {}: {what}", off.max);
             assert!(off.mean < MEAN_DIFFERENCE, "pixels are off by {}: {what}", off.mean);
@@ -53,15 +54,15 @@ fn tolerance_of_densities() {
     let mut lit = Changes { what: "with light", share: 0.05, mean: 0.2, ..Changes::default() };
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(|kind| kind.method == Method::PostClassified) {
-            let (volume, mut scene) = random_scene(&mut rng, &kind);
+            let mut scene = random_scene(&mut rng, &kind);
             scene.camera = zoomed(&scene.camera, 2.0);
             (scene.image.width, scene.image.height) = (70, 50);
             let what = format!("{kind:?}, w {}", scene.settings.slab_width);
-            if scene.shading != Shading::None {
-                lit.check(&what, &volume, &scene, tolerance);
-                scene.shading = Shading::None;
+            if scene.layers[0].shading != Shading::None {
+                lit.check(&what, &scene, tolerance);
+                scene.layers[0].shading = Shading::None;
             }
-            unlit.check(&what, &volume, &scene, tolerance);
+            unlit.check(&what, &scene, tolerance);
         }
     });
     println!("{unlit:?}\n{lit:?}");
@@ -84,10 +85,10 @@ struct Changes {
 }
 
 impl Changes {
-    fn check(&mut self, what: &str, volume: &Volume, scene: &Scene, tolerance: f64) {
-        let exact = render("cpu", volume, scene);
+    fn check(&mut self, what: &str, scene: &Scene, tolerance: f64) {
+        let exact = render("cpu", scene);
         let settings = scene.settings.clone().tolerance(tolerance);
-        let by_tolerance = render("cpu", volume, &scene.clone().settings(settings));
+        let by_tolerance = render("cpu", &scene.clone().settings(settings));
         let change = |(a, b): (&[f32; 4], &[f32; 4])| {
             (0..4).map(|channel| f64::from((a[channel] - b[channel]).abs())).fold(0.0, f64::max)
         };
@@ -120,25 +121,25 @@ fn zoomed(camera: &Camera, zoom: f64) -> Camera {
         .expect("it looks where it looked before")
 }
 
-/// Looks along −z at the middle of a grid of `dims` voxels, 4 pixels a voxel.
-fn scene(dims: [usize; 3], opacity: Vec<(f64, [f64; 1])>, settings: RenderSettings) -> Scene {
-    let target = DVec3::from_array(dims.map(|n| 0.5 * (n as f64 - 1.0)));
+/// Looks along −z at the middle of a volume, 4 pixels to a world unit.
+fn scene(volume: &Arc<Volume>, opacity: Vec<(f64, [f64; 1])>, settings: RenderSettings) -> Scene {
+    let target = volume.grid().center_in_world();
     let projection = Projection::Orthographic { view_height: 10.0 };
-    Scene::new(
-        TransferFunction::new(opacity, vec![(0.0, [0.0; 3]), (40.0, [1.0; 3])])
-            .expect("the points rise"),
-        Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
-            .expect("up is not forward"),
-    )
-    .shading(Shading::None)
-    .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] })
-    .settings(settings)
+    let transfer = TransferFunction::new(opacity, vec![(0.0, [0.0; 3]), (40.0, [1.0; 3])])
+        .expect("the points rise");
+    let camera = Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
+        .expect("up is not forward");
+    let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
+    Scene::new(layer, camera)
+        .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] })
+        .settings(settings)
 }
 
-fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Volume {
+fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Arc<Volume> {
     let grid = Grid::with_spacing(dims, [1.0; 3]).expect("no axis is empty");
     let samples = (0..grid.n_voxels()).map(|i| value(grid.voxel_coords(i))).collect();
-    Volume::new(grid, Samples::F64(samples), Scaling::IDENTITY).expect("one sample a voxel")
+    let volume = Volume::new(grid, Samples::F64(samples), Scaling::IDENTITY);
+    Arc::new(volume.expect("one sample a voxel"))
 }
 
 fn settings(compositing: Compositing, slab_width: f64) -> RenderSettings {
@@ -157,11 +158,11 @@ fn constant_volume_is_image_aligned() {
     let constant = volume(dims, |_| 13.0);
     for slab_width in [0.4, 1.0, 2.5] {
         let settings = settings(Compositing::Extinction, slab_width);
-        let mut scene = scene(dims, vec![(0.0, [0.7])], settings);
+        let mut scene = scene(&constant, vec![(0.0, [0.7])], settings);
         scene.camera = scene.camera.orbited(0.5);
-        let post = render("cpu", &constant, &scene);
+        let post = render("cpu", &scene);
         scene.settings.method = Method::ImageAligned;
-        let difference = render("cpu", &constant, &scene).max_difference(&post);
+        let difference = render("cpu", &scene).max_difference(&post);
         assert!(difference < 5e-4, "{slab_width}: {difference}");
     }
 }
@@ -173,7 +174,7 @@ fn constant_volume_does_not_depend_on_slab_width() {
     let constant = volume(dims, |_| 13.0);
     let of = |slab_width| {
         let settings = settings(Compositing::Extinction, slab_width);
-        render("cpu", &constant, &scene(dims, vec![(0.0, [0.3])], settings))
+        render("cpu", &scene(&constant, vec![(0.0, [0.3])], settings))
     };
     let thin = of(0.2);
     for slab_width in [0.7, 1.0, 3.0, 1e6] {
@@ -195,16 +196,17 @@ fn plateau_on_a_step_has_no_speckle() {
         // Something else far off, for a range of values.
         samples[0] = -9000;
         let volume = Volume::new(grid, samples.into(), scaling).expect("one sample a voxel");
+        let volume = Arc::new(volume);
         let steps =
             vec![(value - 1.0, [0.0]), (value, [0.0]), (value, [0.5]), (value + 1.0, [0.5])];
-        let stepped = scene(dims, steps, settings(Compositing::Extinction, 1.0));
+        let stepped = scene(&volume, steps, settings(Compositing::Extinction, 1.0));
         let mut low = stepped.clone();
-        low.transfer = TransferFunction::new(
+        low.layers[0].transfer = TransferFunction::new(
             vec![(value - 1.0, [0.0]), (value - 0.5, [0.0]), (value - 0.5, [0.5])],
-            stepped.transfer.color_points().points().to_vec(),
+            stepped.layers[0].transfer.color_points().points().to_vec(),
         )
         .expect("the points rise");
-        let (stepped, low) = (render("cpu", &volume, &stepped), render("cpu", &volume, &low));
+        let (stepped, low) = (render("cpu", &stepped), render("cpu", &low));
         // Away from the odd voxel, in the lower left corner.
         for (x, y) in (18..40).flat_map(|x| (0..20).map(move |y| (x, y))) {
             assert_eq!(stepped.pixel(x, y), low.pixel(x, y), "{value} at ({x}, {y})");
@@ -219,12 +221,12 @@ fn step_on_a_ramp_across_the_image() {
     let ramp = volume(dims, |[i, _, _]| i as f64);
     let threshold = 4.3;
     let opacity = vec![(0.0, [0.0]), (threshold, [0.0]), (threshold, [0.9])];
-    let mut scene = scene(dims, opacity, settings(Compositing::Extinction, 1.0));
+    let mut scene = scene(&ramp, opacity, settings(Compositing::Extinction, 1.0));
     let projection = Projection::Orthographic { view_height: 1.0 };
     let target = DVec3::new(threshold, 4.5, 2.5);
     scene.camera = Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
         .expect("up is not forward");
-    let image = render("cpu", &ramp, &scene);
+    let image = render("cpu", &scene);
     for y in 0..40 {
         // The edge goes through the middle, but for what the kernel makes of a ramp: less than 1/50 voxel.
         // Where the outermost kernels end in depth, there is a trace of less even a ramp.
@@ -241,8 +243,8 @@ fn step_on_a_ramp_in_depth() {
     let ramp = volume(dims, |[_, _, k]| 23.0 - k as f64);
     for threshold in [9.0, 11.37] {
         let opacity = vec![(0.0, [0.0]), (threshold, [0.0]), (threshold, [1.0])];
-        let scene = scene(dims, opacity, settings(Compositing::Extinction, 0.1));
-        let [red, .., alpha] = render("cpu", &ramp, &scene).pixel(20, 20);
+        let scene = scene(&ramp, opacity, settings(Compositing::Extinction, 0.1));
+        let [red, .., alpha] = render("cpu", &scene).pixel(20, 20);
         let value = 40.0 * f64::from(red / alpha);
         // Slabs 0.1 thick of an extinction of 13.8: the light comes from 0.07 voxels behind the surface, and
         // a slab may begin up to 0.1 too late.
@@ -268,6 +270,7 @@ fn linear_field_is_lit_evenly() {
     };
     let samples: Vec<f64> = (0..grid.n_voxels()).map(value).collect();
     let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel");
+    let volume = Arc::new(volume);
     let light = DVec3::new(1.0, 2.0, 3.0).normalize();
     let phong = Phong::default()
         .ambient(0.1)
@@ -277,20 +280,20 @@ fn linear_field_is_lit_evenly() {
         .light(Light::towards(light).expect("the direction is not zero"));
     let expected = 0.1 + 0.9 * slope.normalize().dot(light).abs();
     let target = grid.center_in_world();
-    let mut scene = scene([1; 3], vec![(0.0, [1.0])], settings(Compositing::Extinction, 0.7));
+    let mut scene = scene(&volume, vec![(0.0, [1.0])], settings(Compositing::Extinction, 0.7));
     // A plane through the middle.
     let middle = target.dot(slope);
     let opacity = vec![(middle - 0.5, [0.0]), (middle, [0.9]), (middle + 0.5, [0.0])];
-    scene.transfer =
+    scene.layers[0].transfer =
         TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("the points rise");
-    scene.shading = Shading::Phong(phong);
+    scene.layers[0].shading = Shading::Phong(phong);
     for projection in [
         Projection::Orthographic { view_height: 8.0 },
         Projection::Perspective { fov_y_radians: 0.9 },
     ] {
         let eye = target + DVec3::new(9.0, 4.0, 14.0);
         scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
-        let image = render("cpu", &volume, &scene);
+        let image = render("cpu", &scene);
         for (x, y) in (14..26).flat_map(|x| (14..26).map(move |y| (x, y))) {
             let [red, .., alpha] = image.pixel(x, y).map(f64::from);
             // Kernels are no more than nearly linear on a ramp.
@@ -309,19 +312,18 @@ fn linear_field_is_lit_evenly() {
 fn border_of_the_image_does_not_show() {
     for_each_seed(1, |mut rng| {
         let dims = [10, 10, 10];
-        let noise = volume(dims, |_| 0.0).grid().n_voxels();
-        let values: Vec<f64> = (0..noise).map(|_| 40.0 * rng.f64()).collect();
+        let values: Vec<f64> = (0..1000).map(|_| 40.0 * rng.f64()).collect();
         let volume = volume(dims, |[i, j, k]| values[i + 10 * j + 100 * k]);
-        let mut wide =
-            scene(dims, vec![(10.0, [0.0]), (40.0, [0.8])], settings(Compositing::Extinction, 1.0));
-        wide.shading = Shading::Phong(Phong::default());
+        let opacity = vec![(10.0, [0.0]), (40.0, [0.8])];
+        let mut wide = scene(&volume, opacity, settings(Compositing::Extinction, 1.0));
+        wide.layers[0].shading = Shading::Phong(Phong::default());
         let mut narrow = wide.clone();
         (narrow.image.width, narrow.image.height) = (20, 20);
         let projection = Projection::Orthographic { view_height: 5.0 };
         let Scene { camera, .. } = wide;
         narrow.camera = Camera::new(camera.eye(), camera.target(), camera.up(), projection)
             .expect("it is the same view");
-        let (wide, narrow) = (render("cpu", &volume, &wide), render("cpu", &volume, &narrow));
+        let (wide, narrow) = (render("cpu", &wide), render("cpu", &narrow));
         for (x, y) in (0..20).flat_map(|x| (0..20).map(move |y| (x, y))) {
             let (inside, window) = (wide.pixel(x + 10, y + 10), narrow.pixel(x, y));
             let close = inside.iter().zip(window).all(|(a, b)| (a - b).abs() < 1e-5);

@@ -5,10 +5,10 @@ use slabsplat::{Frame, OpenScene, Renderer, backend_named, io};
 /// Renders a scene at a quarter of its size, if its volume is there.
 fn render(name: &str) -> Option<Frame> {
     let file = io::read_scene(&slabsplat_testdata::scene(name)?).expect("the scene is valid");
-    let OpenScene { volume, mut scene, .. } = OpenScene::open(&file).expect("its volume is there");
+    let OpenScene { mut scene, .. } = OpenScene::open(&file).expect("its volume is there");
     (scene.image.width, scene.image.height) = (128, 128);
     let backend = backend_named("cpu").expect("the CPU is always there");
-    Some(Renderer::new(volume, backend).render(&scene).expect("the scene can be drawn"))
+    Some(Renderer::new(backend).render(&scene).expect("the scene can be drawn"))
 }
 
 fn share_of_pixels(frame: &Frame, is_meant: impl Fn(&[f32; 4]) -> bool) -> f64 {

@@ -3,21 +3,21 @@
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, KernelName, Method, Normalization, Projection,
+    Camera, Compositing, Grid, ImageDesc, KernelName, Layer, Method, Normalization, Projection,
     RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{Kernel, ReferenceImage, render};
+use std::sync::Arc;
 
-fn scene(camera: Camera, settings: RenderSettings) -> Scene {
-    Scene::new(
+fn scene(volume: &Arc<Volume>, camera: Camera, settings: RenderSettings) -> Scene {
+    let transfer =
         TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.6])], vec![(0.0, [0.2, 0.4, 0.8])])
-            .expect("the points rise"),
-        camera,
-    )
-    .shading(Shading::None)
-    .image(ImageDesc { width: 21, height: 21, background: [0.0; 4] })
-    .settings(settings)
+            .expect("the points rise");
+    let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
+    Scene::new(layer, camera)
+        .image(ImageDesc { width: 21, height: 21, background: [0.0; 4] })
+        .settings(settings)
 }
 
 fn orthographic(target: DVec3, view_height: f64) -> Camera {
@@ -26,13 +26,14 @@ fn orthographic(target: DVec3, view_height: f64) -> Camera {
         .expect("up is not forward")
 }
 
-fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Volume {
+fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Arc<Volume> {
     let grid = Grid::with_spacing(dims, [1.0; 3]).expect("no axis is empty");
     let samples = (0..grid.n_voxels()).map(|i| value(grid.voxel_coords(i))).collect();
-    Volume::new(grid, Samples::F64(samples), Scaling::IDENTITY).expect("one sample a voxel")
+    let volume = Volume::new(grid, Samples::F64(samples), Scaling::IDENTITY);
+    Arc::new(volume.expect("one sample a voxel"))
 }
 
-fn wavy() -> Volume {
+fn wavy() -> Arc<Volume> {
     volume([6, 5, 7], |[i, j, k]| 0.5 + 0.5 * (i as f64 + 1.7 * j as f64 - 0.6 * k as f64).sin())
 }
 
@@ -50,9 +51,9 @@ fn assert_same(a: &ReferenceImage, b: &ReferenceImage, tolerance: f64) {
 fn render_single_voxel_in_closed_form() {
     let volume = volume([1; 3], |_| 1.0);
     for method in [Method::AxisAligned, Method::EverySample] {
-        let scene =
-            scene(orthographic(DVec3::ZERO, 5.25), settings(method, Compositing::Extinction));
-        let image = render(&volume, &scene);
+        let settings = settings(method, Compositing::Extinction);
+        let scene = scene(&volume, orthographic(DVec3::ZERO, 5.25), settings);
+        let image = render(&scene);
         for (x, y) in [(10, 10), (12, 10), (10, 5), (13, 14), (0, 0)] {
             let rho = 0.25 * f64::from(x - 10_i32).hypot(f64::from(y - 10_i32));
             let tau = -0.4_f64.ln() * gaussian_footprint(rho);
@@ -84,10 +85,10 @@ fn gaussian_footprint(rho: f64) -> f64 {
 fn render_nothing_but_background() {
     let volume = volume([3; 3], |_| 0.0);
     for &method in Method::ALL {
-        let mut scene =
-            scene(orthographic(DVec3::ONE, 6.0), settings(method, Compositing::Separate));
+        let settings = settings(method, Compositing::Separate);
+        let mut scene = scene(&volume, orthographic(DVec3::ONE, 6.0), settings);
         scene.image.background = [0.5, 0.25, 1.0, 0.5];
-        assert!(render(&volume, &scene).pixels.iter().all(|p| *p == [0.25, 0.125, 0.5, 0.5]));
+        assert!(render(&scene).pixels.iter().all(|p| *p == [0.25, 0.125, 0.5, 0.5]));
     }
 }
 
@@ -98,7 +99,7 @@ fn render_extinction_opacity_is_additive() {
     let volume = wavy();
     let of = |method, slab_width| {
         let settings = settings(method, Compositing::Extinction).slab_width(slab_width);
-        render(&volume, &scene(orthographic(DVec3::new(2.5, 2.0, 3.0), 9.0), settings))
+        render(&scene(&volume, orthographic(DVec3::new(2.5, 2.0, 3.0), 9.0), settings))
     };
     let thin = of(Method::ImageAligned, 0.3);
     let others = [
@@ -132,8 +133,8 @@ fn render_perspective_from_afar_is_orthographic() {
             Projection::Perspective { fov_y_radians },
         );
         let near = orthographic(target, 9.0);
-        let far = render(&volume, &scene(perspective.unwrap(), settings.clone()));
-        assert_same(&far, &render(&volume, &scene(near, settings)), 2e-5);
+        let far = render(&scene(&volume, perspective.unwrap(), settings.clone()));
+        assert_same(&far, &render(&scene(&volume, near, settings)), 2e-5);
     }
 }
 
@@ -151,11 +152,13 @@ fn render_does_not_depend_on_storage() {
         wavy.value(wavy.grid().voxel_idx([nx - 1 - b, c, a]))
     };
     let samples = Samples::F64((0..grid.n_voxels()).map(value).collect());
-    let turned = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
+    let turned = Arc::new(Volume::new(grid, samples, Scaling::IDENTITY).unwrap());
     for &method in Method::ALL {
         let camera = orthographic(wavy.grid().center_in_world(), 9.0);
-        let scene = scene(camera, settings(method, Compositing::Separate));
-        assert_same(&render(&wavy, &scene), &render(&turned, &scene), 1e-9);
+        let settings = settings(method, Compositing::Separate);
+        let [a, b] =
+            [&wavy, &turned].map(|volume| render(&scene(volume, camera, settings.clone())));
+        assert_same(&a, &b, 1e-9);
     }
 }
 
@@ -164,15 +167,15 @@ fn render_does_not_depend_on_storage() {
 fn render_does_not_depend_on_world_unit() {
     let small = wavy();
     let grid = Grid::with_spacing(small.grid().dims(), [7.0; 3]).unwrap();
-    let large = small.clone().with_grid(grid).unwrap();
+    let large = Arc::new(Volume::clone(&small).with_grid(grid).unwrap());
     for &method in Method::ALL {
         let settings = settings(method, Compositing::Extinction).slab_width(0.8);
         let center = small.grid().center_in_world();
-        let a = render(&small, &scene(orthographic(center, 9.0), settings.clone()));
+        let a = render(&scene(&small, orthographic(center, 9.0), settings.clone()));
         let eye = 7.0 * (center + DVec3::new(3.0, 4.0, 12.0));
         let projection = Projection::Orthographic { view_height: 63.0 };
         let camera = Camera::new(eye, 7.0 * center, DVec3::Y, projection).unwrap();
-        assert_same(&a, &render(&large, &scene(camera, settings)), 1e-9);
+        assert_same(&a, &render(&scene(&large, camera, settings)), 1e-9);
     }
 }
 
@@ -183,13 +186,14 @@ fn render_minified_volume_keeps_its_sum() {
     let center = volume.grid().center_in_world();
     let sum_at = |shift: f64, view_height: f64| -> f64 {
         let camera = orthographic(center + DVec3::Y * shift, view_height);
-        let mut scene = scene(camera, settings(Method::ImageAligned, Compositing::Extinction));
+        let settings = settings(Method::ImageAligned, Compositing::Extinction);
+        let mut scene = scene(&volume, camera, settings);
         // Thin as mist, so that the sum is linear in what is there.
-        scene.transfer =
+        scene.layers[0].transfer =
             TransferFunction::new(vec![(0.0, [0.0]), (1.0, [1e-6])], vec![(0.0, [1.0; 3])])
                 .unwrap();
         let pixel_area = (view_height / 21.0).powi(2);
-        render(&volume, &scene).pixels.iter().map(|p| p[3] * pixel_area).sum()
+        render(&scene).pixels.iter().map(|p| p[3] * pixel_area).sum()
     };
     let full = sum_at(0.0, 16.0);
     for shift in [0.0, 0.9, 1.7, 3.1] {
@@ -202,9 +206,8 @@ fn render_minified_volume_keeps_its_sum() {
 #[test]
 fn render_odd_values() {
     let with = |odd: f64| volume([3, 1, 1], move |[i, _, _]| [0.5, odd, 0.5][i]);
-    let scene =
-        scene(orthographic(DVec3::X, 5.0), settings(Method::ImageAligned, Compositing::Associated));
-    let image = |odd| render(&with(odd), &scene);
+    let settings = settings(Method::ImageAligned, Compositing::Associated);
+    let image = |odd| render(&scene(&with(odd), orthographic(DVec3::X, 5.0), settings.clone()));
     assert_same(&image(f64::NAN), &image(0.0), 1e-15);
     assert_same(&image(f64::INFINITY), &image(1.0), 1e-15);
     assert_same(&image(f64::NEG_INFINITY), &image(0.0), 1e-15);
@@ -219,7 +222,7 @@ fn render_normalization_spares_the_base() {
             .normalization(normalization)
             .slab_width(0.5)
             .kernel(KernelName("crawfis-max".into()));
-        render(&volume, &scene(orthographic(DVec3::ONE, 9.0), settings))
+        render(&scene(&volume, orthographic(DVec3::ONE, 9.0), settings))
     };
     assert_eq!(of(Normalization::None), of(Normalization::Product));
 }
@@ -231,8 +234,8 @@ fn render_random_scenes_are_sane() {
     let mut n_visible = 0;
     let kinds = SceneKind::all();
     for kind in &kinds {
-        let (volume, scene) = random_scene(&mut rng, kind);
-        let image = render(&volume, &scene);
+        let scene = random_scene(&mut rng, kind);
+        let image = render(&scene);
         for pixel in &image.pixels {
             let [r, g, b, a] = *pixel;
             assert!((0.0..=1.0 + 1e-12).contains(&a), "{kind:?}: {pixel:?}");

@@ -7,11 +7,12 @@
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Grid, Image, ImageDesc, KERNEL_NAMES, KernelName, Method, Projection, RenderSettings,
-    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Grid, Image, ImageDesc, KERNEL_NAMES, KernelName, Layer, Method, Projection,
+    RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 
 use slabsplat_tests::render::render;
+use std::sync::Arc;
 
 /// Voxels along a side of the phantoms.
 const N_VOXELS: usize = 56;
@@ -28,7 +29,7 @@ struct Edge {
 }
 
 /// A volume whose density is a function of the place from the middle, in voxels.
-fn phantom(density: impl Fn(DVec3) -> f64) -> Volume {
+fn phantom(density: impl Fn(DVec3) -> f64) -> Arc<Volume> {
     let grid = Grid::with_spacing([N_VOXELS; 3], [1.0; 3]).expect("the grid is not empty");
     let middle = DVec3::splat(0.5 * (N_VOXELS - 1) as f64);
     let value = |idx: usize| {
@@ -36,14 +37,20 @@ fn phantom(density: impl Fn(DVec3) -> f64) -> Volume {
         density(at) as f32
     };
     let samples = Samples::F32((0..grid.n_voxels()).map(value).collect());
-    Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel")
+    Arc::new(Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel"))
 }
 
 /// By what a phantom is looked at.
 type Look = (Method, &'static str);
 
 /// A picture in which opacity rises from 0 to 0.9 between the densities 90 and 110.
-fn picture(volume: &Volume, (method, kernel): Look, from: DVec3, up: DVec3, reach: f64) -> Image {
+fn picture(
+    volume: &Arc<Volume>,
+    (method, kernel): Look,
+    from: DVec3,
+    up: DVec3,
+    reach: f64,
+) -> Image {
     let side = (2.0 * (reach + 0.5) * ZOOM) as u32;
     let middle = DVec3::splat(0.5 * (N_VOXELS - 1) as f64);
     let projection = Projection::Orthographic { view_height: f64::from(side) / ZOOM };
@@ -51,11 +58,11 @@ fn picture(volume: &Volume, (method, kernel): Look, from: DVec3, up: DVec3, reac
     let opacity = vec![(90.0, [0.0]), (110.0, [0.9])];
     let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("it rises");
     let settings = RenderSettings::default().method(method).kernel(KernelName(kernel.into()));
-    let scene = Scene::new(transfer, camera.expect("it looks somewhere"))
-        .shading(Shading::None)
+    let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
+    let scene = Scene::new(layer, camera.expect("it looks somewhere"))
         .image(ImageDesc { width: side, height: side, background: [0.0; 4] })
         .settings(settings);
-    render("cpu", volume, &scene)
+    render("cpu", &scene)
 }
 
 /// Opacity at a place in voxels to the right of and above the middle of a picture, between pixels.
@@ -87,7 +94,7 @@ fn edge(image: &Image, angle: f64, [from, to]: [f64; 2]) -> Edge {
 }
 
 /// The mean edge of a round phantom, seen from two sides.
-fn round_edge(volume: &Volume, look: Look, ends: [f64; 2]) -> Edge {
+fn round_edge(volume: &Arc<Volume>, look: Look, ends: [f64; 2]) -> Edge {
     let mut edges = Vec::new();
     for from in [DVec3::X, DVec3::new(1.0, 0.7, 0.4).normalize()] {
         let image = picture(volume, look, from, DVec3::new(0.2, 0.9, 0.3), ends[1]);
@@ -99,7 +106,7 @@ fn round_edge(volume: &Volume, look: Look, ends: [f64; 2]) -> Edge {
 }
 
 /// The edge of a wall that faces to the right of the picture, seen exactly along.
-fn wall_edge(volume: &Volume, look: Look) -> Edge {
+fn wall_edge(volume: &Arc<Volume>, look: Look) -> Edge {
     let from = WALL.any_orthonormal_vector();
     let image = picture(volume, look, from, from.cross(WALL), 6.0);
     edge(&image, 0.0, [-5.0, 6.0])

@@ -12,8 +12,8 @@ fn largest_difference(sections: u32, lookup: Lookup) -> f64 {
     // So many radial samples that only the offsets count.
     let settings = paper_settings().sections(sections).lookup(lookup).radial_samples(2048);
     let view = CubeView { angle_degrees: 45.0, opacity: 1.0, ambient: 0.0, settings };
-    let (volume, scene) = cube(&view);
-    reference::render(&volume, &scene).compare(&render("cpu", &volume, &scene)).max
+    let scene = cube(&view);
+    reference::render(&scene).compare(&render("cpu", &scene)).max
 }
 
 /// model §9 for the solid cube at w = 1: 128 nearest 3.8·10⁻³, 512 nearest 1.0·10⁻³, 128 linear
@@ -43,8 +43,8 @@ fn opacity_cutoff_keeps_its_promise() {
                 .opacity_cutoff(opacity_cutoff)
                 .tolerance(0.0);
             let view = CubeView { angle_degrees: 30.0, opacity: 0.3, ambient: 0.5, settings };
-            let (volume, scene) = cube(&view);
-            render(backend, &volume, &scene)
+            let scene = cube(&view);
+            render(backend, &scene)
         };
         let left = 1.0 - opacity_cutoff as f32;
         let by_cpu = render_with("cpu", opacity_cutoff);

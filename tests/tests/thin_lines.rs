@@ -3,8 +3,8 @@
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Grid, ImageDesc, Method, Phong, Projection, RenderSettings, Samples, Scaling, Scene,
-    Shading, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Layer, Method, Phong, Projection, RenderSettings, Samples, Scaling,
+    Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::render;
@@ -39,7 +39,7 @@ fn lines_do_not_bead() {
             let slab_width = [0.6, 1.0, 1.5][rng.usize(..3)];
             let settings =
                 RenderSettings::default().method(Method::PostClassified).slab_width(slab_width);
-            let of_line = unevenness(&volume, along, from, settings);
+            let of_line = unevenness(volume, along, from, settings);
             println!("{along:.2} from {from:.2}, w {slab_width}: {of_line:.3?}");
             let [extinction, light] = of_line;
             assert!(extinction < MOST_UNEVEN && light < MOST_UNEVEN_LIGHT, "{of_line:?}");
@@ -76,16 +76,16 @@ fn direction(rng: &mut fastrand::Rng) -> DVec3 {
 
 /// By how much of their mean the sums of extinction and of light across the line differ along it, which runs
 /// upwards in the picture.
-fn unevenness(volume: &Volume, along: DVec3, from: DVec3, settings: RenderSettings) -> [f64; 2] {
+fn unevenness(volume: Volume, along: DVec3, from: DVec3, settings: RenderSettings) -> [f64; 2] {
     let projection = Projection::Orthographic { view_height: f64::from(SIDE) / ZOOM };
     let camera = Camera::new(middle() + 100.0 * from, middle(), along, projection);
     let opacity = vec![(10.0, [0.0]), (200.0, [0.6])];
     let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("it rises");
-    let scene = Scene::new(transfer, camera.expect("it looks across the line"))
-        .shading(Shading::Phong(Phong::default()))
+    let layer = Layer::new(volume, transfer).shading(Shading::Phong(Phong::default()));
+    let scene = Scene::new(layer, camera.expect("it looks across the line"))
         .image(ImageDesc { width: SIDE, height: SIDE, background: [0.0; 4] })
         .settings(settings);
-    let image = render("cpu", volume, &scene);
+    let image = render("cpu", &scene);
     let sum = |of: &dyn Fn([f32; 4]) -> f64, y: u32| -> f64 {
         (0..SIDE).map(|x| of(image.pixel(x, y))).sum()
     };

@@ -3,13 +3,14 @@
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{
-    Camera, Compositing, Grid, Image, ImageDesc, Method, Normalization, Projection, RenderSettings,
-    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, Image, ImageDesc, Layer, Method, Normalization, Projection,
+    RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{ReferenceImage, render, render_within_tolerance};
 use slabsplat_tests::render::render as by_backend;
+use std::sync::Arc;
 
 /// The part of a tolerance that the CPU backend may use up with simpler footprints: shorter polynomials, and
 /// products.
@@ -18,12 +19,12 @@ const SHARE_OF_FOOTPRINTS: f64 = 0.15;
 const TOLERANCES: [f64; 4] = [1e-4, 1e-3, 1e-2, 5e-2];
 
 /// The largest difference over all tolerances, as a share of the tolerance.
-fn worst_share(volume: &Volume, scene: &Scene) -> f64 {
-    let exact = render(volume, scene);
+fn worst_share(scene: &Scene) -> f64 {
+    let exact = render(scene);
     let share = |tolerance: f64| {
         let settings = scene.settings.clone().tolerance(tolerance);
         let scene = scene.clone().settings(settings);
-        exact.compare_reference(&render_within_tolerance(volume, &scene)).max / tolerance
+        exact.compare_reference(&render_within_tolerance(&scene)).max / tolerance
     };
     TOLERANCES.into_iter().map(share).fold(0.0, f64::max)
 }
@@ -38,15 +39,15 @@ fn tolerance_on_random_scenes() {
     let mut worst = 0.0_f64;
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(merges) {
-            let (volume, mut scene) = random_scene(&mut rng, &kind);
+            let mut scene = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (14, 14);
             scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
             if rng.bool() {
                 // A haze of colours as far apart as can be.
-                scene.shading = Shading::None;
-                scene.transfer = black_to_white(0.01 + 0.1 * rng.f64());
+                scene.layers[0].shading = Shading::None;
+                scene.layers[0].transfer = black_to_white(0.01 + 0.1 * rng.f64());
             }
-            let share = worst_share(&volume, &scene);
+            let share = worst_share(&scene);
             assert!(share <= 1.0, "{share} of the tolerance: {kind:?} {:?}", scene.settings);
             worst = worst.max(share);
         }
@@ -63,16 +64,16 @@ fn tolerance_on_the_cpu() {
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         let kinds = SceneKind::share(seed).filter(merges);
         for (kind, tolerance) in kinds.flat_map(|kind| TOLERANCES.map(|t| (kind, t))) {
-            let (volume, mut scene) = random_scene(&mut rng, &kind);
+            let mut scene = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (16, 16);
             scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
             scene.settings.tolerance = tolerance;
             if rng.bool() {
-                scene.transfer = black_to_white(0.1 * rng.f64());
+                scene.layers[0].transfer = black_to_white(0.1 * rng.f64());
             }
-            let image = by_backend("cpu", &volume, &scene);
-            let merged = render_within_tolerance(&volume, &scene).compare(&image);
-            let exact = render(&volume, &scene).compare(&image);
+            let image = by_backend("cpu", &scene);
+            let merged = render_within_tolerance(&scene).compare(&image);
+            let exact = render(&scene).compare(&image);
             let share = (merged.max - 1e-3) / tolerance;
             assert!(share < SHARE_OF_FOOTPRINTS, "{share} of {tolerance}: {kind:?}");
             worst_share = worst_share.max(share);
@@ -101,17 +102,18 @@ fn tolerance_on_alternating_layers() {
         let value = |i: usize| (grid.voxel_coords(i)[2] / period % 2) as f64;
         let samples = Samples::F64((0..grid.n_voxels()).map(value).collect());
         let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+        let volume = Arc::new(volume);
         for (slab_width, alpha) in
             [0.5, 1.0, 2.0].iter().flat_map(|&w| [0.02, 0.1, 0.7].map(|alpha| (w, alpha)))
         {
             let target = grid.center_in_world();
             let projection = Projection::Orthographic { view_height: 1.0 };
             let camera = Camera::new(target - 90.0 * DVec3::Z, target, DVec3::Y, projection);
-            let scene = Scene::new(black_to_white(alpha), camera.expect("up is not forward"))
-                .shading(Shading::None)
+            let layer = Layer::new(volume.clone(), black_to_white(alpha)).shading(Shading::None);
+            let scene = Scene::new(layer, camera.expect("up is not forward"))
                 .image(ImageDesc { width: 2, height: 2, background: [0.0; 4] })
                 .settings(RenderSettings::default().slab_width(slab_width));
-            worst = worst.max(worst_share(&volume, &scene));
+            worst = worst.max(worst_share(&scene));
         }
     }
     println!("at most {worst:.2} of the tolerance");
@@ -132,11 +134,11 @@ fn tolerance_on_edges_in_perspective() {
         let target = grid.center_in_world() + 2.0 * DVec3::X;
         let projection = Projection::Perspective { fov_y_radians: 0.9 };
         let camera = Camera::new(target - 16.0 * DVec3::Z, target, DVec3::Y, projection);
-        let scene = Scene::new(black_to_white(alpha), camera.expect("up is not forward"))
-            .shading(Shading::None)
+        let layer = Layer::new(volume, black_to_white(alpha)).shading(Shading::None);
+        let scene = Scene::new(layer, camera.expect("up is not forward"))
             .image(ImageDesc { width: 18, height: 18, background: [0.0; 4] })
             .settings(RenderSettings::default().slab_width(slab_width));
-        worst = worst.max(worst_share(&volume, &scene));
+        worst = worst.max(worst_share(&scene));
     }
     println!("at most {worst:.2} of the tolerance");
     assert!(worst <= 1.0, "{worst} of the tolerance");
@@ -169,13 +171,11 @@ fn tolerance_on_walls_seen_along() {
                 let camera =
                     Camera::new(eye, center, forward.cross(DVec3::new(0.3, 0.2, 0.9)), projection);
                 let opacity = vec![(0.0, [0.0]), (0.5, [0.0]), (1.0, [alpha])];
-                let scene = Scene::new(
-                    TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("rising"),
-                    camera.expect("up is not forward"),
-                )
-                .shading(Shading::None)
-                .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] });
-                let (exact, image) = (render(&volume, &scene), by_backend("cpu", &volume, &scene));
+                let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]);
+                let layer = Layer::new(volume, transfer.expect("rising")).shading(Shading::None);
+                let scene = Scene::new(layer, camera.expect("up is not forward"))
+                    .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] });
+                let (exact, image) = (render(&scene), by_backend("cpu", &scene));
                 let difference = exact.compare(&image).max;
                 let nearby = outside_of_neighbours(&exact, &image);
                 println!("{normal:.2} along {forward:.2}, {alpha}: {difference:.1e}, {nearby:.1e}");
@@ -214,7 +214,8 @@ fn tolerance_on_stretched_grids() {
                 Projection::Perspective { fov_y_radians: 0.1 + 0.4 * rng.f64() }
             };
             let camera = Camera::new(eye, grid.center_in_world(), up, projection);
-            let scene = Scene::new(transfer, camera.expect("up is not forward")).image(ImageDesc {
+            let layer = Layer::new(volume, transfer);
+            let scene = Scene::new(layer, camera.expect("up is not forward")).image(ImageDesc {
                 width: 70,
                 height: 70,
                 background: [0.0; 4],
@@ -222,7 +223,7 @@ fn tolerance_on_stretched_grids() {
             let settings = RenderSettings::default().slab_width([0.5, 1.0, 2.0][rng.usize(..3)]);
             let of_tolerance = |tolerance: f64| {
                 let scene = scene.clone().settings(settings.clone().tolerance(tolerance));
-                by_backend("cpu", &volume, &scene)
+                by_backend("cpu", &scene)
             };
             let [exact, image] = [0.0, 0.05].map(of_tolerance);
             worst = worst.max(image.max_difference(&exact));
@@ -264,9 +265,9 @@ fn tolerance_spares_other_compositing() {
         {
             continue;
         }
-        let (volume, mut scene) = random_scene(&mut rng, &kind);
+        let mut scene = random_scene(&mut rng, &kind);
         (scene.image.width, scene.image.height) = (4, 4);
         scene.settings.tolerance = 0.5;
-        assert_eq!(render(&volume, &scene), render_within_tolerance(&volume, &scene), "{kind:?}");
+        assert_eq!(render(&scene), render_within_tolerance(&scene), "{kind:?}");
     }
 }

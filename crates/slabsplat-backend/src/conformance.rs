@@ -6,8 +6,8 @@
 use crate::{Backend, BackendError, Frame, FrameId, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene,
-    Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling,
+    Scene, Shading, TransferFunction, Volume,
 };
 use std::sync::Arc;
 use std::task::Poll;
@@ -29,10 +29,10 @@ pub fn check(backend: &mut dyn Backend) {
 
 fn empty_plan_gives_background(backend: &mut dyn Backend) {
     for &method in backend.caps().methods {
-        let mut scene = scene(method, Compositing::Extinction);
+        let mut scene = scene(&volume([1, 1, 1]), method, Compositing::Extinction);
         scene.image.background = [1.0, 0.5, 0.0, 0.5];
-        scene.transfer = transfer(0.0);
-        let frame = render(backend, &volume([1, 1, 1]), &scene);
+        scene.layers[0].transfer = transfer(0.0);
+        let frame = render(backend, &scene);
         let is_background = |&pixel: &[f32; 4]| pixel == [0.5, 0.25, 0.0, 0.5];
         assert!(frame.image.pixels().iter().all(is_background), "{method}");
         assert_eq!(frame.stats, FrameStats::default(), "{method}");
@@ -42,10 +42,9 @@ fn empty_plan_gives_background(backend: &mut dyn Backend) {
 fn one_voxel_is_a_round_spot(backend: &mut dyn Backend) {
     for &method in backend.caps().methods {
         for &compositing in Compositing::ALL {
-            let mut scene = scene(method, compositing);
+            let mut scene = scene(&volume([1, 1, 1]), method, compositing);
             scene.settings.tolerance = 0.0;
-            let volume = volume([1, 1, 1]);
-            let image = render(backend, &volume, &scene).image;
+            let image = render(backend, &scene).image;
             let side = image.width();
             assert!(0.01 < image.pixel(side / 2, side / 2)[3], "{method} {compositing}");
             assert_eq!(image.pixel(0, 0), [0.0; 4], "beyond the kernel's radius");
@@ -66,13 +65,13 @@ fn one_voxel_is_a_round_spot(backend: &mut dyn Backend) {
 /// The voxel with value 1 is green and stands before the one with value 0, which is red.
 fn opaque_voxel_hides_the_one_behind(backend: &mut dyn Backend) {
     for &method in backend.caps().methods {
-        let mut scene = scene(method, Compositing::Extinction);
-        scene.transfer = TransferFunction::new(
+        let mut scene = scene(&volume([1, 1, 9]), method, Compositing::Extinction);
+        scene.layers[0].transfer = TransferFunction::new(
             vec![(0.0, [1.0])],
             vec![(0.0, [1.0, 0.0, 0.0]), (1.0, [0.0, 1.0, 0.0])],
         )
         .expect("the points are sorted");
-        let image = render(backend, &volume([1, 1, 9]), &scene).image;
+        let image = render(backend, &scene).image;
         let [red, green, ..] = image.pixel(image.width() / 2, image.height() / 2);
         assert!(10.0 * red < green, "{method}: red {red}, green {green}");
     }
@@ -80,10 +79,9 @@ fn opaque_voxel_hides_the_one_behind(backend: &mut dyn Backend) {
 
 fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
     for &method in backend.caps().methods {
-        let scene = scene(method, Compositing::Separate);
-        let volume = volume([5, 4, 3]);
-        let first = render(backend, &volume, &scene);
-        let second = render(backend, &volume, &scene);
+        let scene = scene(&volume([5, 4, 3]), method, Compositing::Separate);
+        let first = render(backend, &scene);
+        let second = render(backend, &scene);
         assert!(second.image == first.image, "{method}");
         assert_eq!(second.stats, first.stats, "{method}");
     }
@@ -92,22 +90,24 @@ fn same_plan_gives_same_bits(backend: &mut dyn Backend) {
 /// What is cached of one volume or transfer function must not show in the next frame.
 fn volumes_take_turns(backend: &mut dyn Backend) {
     for &method in backend.caps().methods {
-        let plain = scene(method, Compositing::Extinction);
-        let faint = plain.clone().transfer(transfer(0.1));
         let [long, wide] = [volume([1, 1, 9]), volume([5, 4, 3])];
-        let turns = [(&long, &plain), (&wide, &plain), (&wide, &faint), (&long, &faint)];
-        let first = turns.map(|(volume, scene)| render(backend, volume, scene).image);
-        for (turn, (volume, scene)) in turns.iter().enumerate().rev() {
-            let again = render(backend, volume, scene).image;
+        let turns = [(&long, 0.5), (&wide, 0.5), (&wide, 0.1), (&long, 0.1)];
+        let scenes = turns.map(|(volume, opacity)| {
+            let mut scene = scene(volume, method, Compositing::Extinction);
+            scene.layers[0].transfer = transfer(opacity);
+            scene
+        });
+        let first = scenes.each_ref().map(|scene| render(backend, scene).image);
+        for (turn, scene) in scenes.iter().enumerate().rev() {
+            let again = render(backend, scene).image;
             assert!(again == first[turn], "{method}, turn {turn}");
         }
     }
 }
 
 fn frames_can_be_taken_once(backend: &mut dyn Backend) {
-    let volume = volume([2, 1, 1]);
-    let scene = scene(Method::ImageAligned, Compositing::Associated);
-    let plan = Planner::default().plan(&volume, &scene).expect("the scene is valid");
+    let scene = scene(&volume([2, 1, 1]), Method::ImageAligned, Compositing::Associated);
+    let plan = Planner::default().plan(&scene).expect("the scene is valid");
     let frames = [0, 1].map(|_| backend.submit(&plan).expect("a tiny frame fits"));
     assert_ne!(frames[0], frames[1], "frames have names of their own");
     for frame in frames {
@@ -127,8 +127,8 @@ fn methods_are_those_told(backend: &mut dyn Backend) {
     assert!(backend.caps().methods.contains(&Method::ImageAligned));
     let volume = volume([1, 1, 1]);
     for method in Method::ALL {
-        let scene = scene(*method, Compositing::Extinction);
-        let plan = Planner::default().plan(&volume, &scene).expect("the scene is valid");
+        let scene = scene(&volume, *method, Compositing::Extinction);
+        let plan = Planner::default().plan(&scene).expect("the scene is valid");
         let has_it = backend.caps().methods.contains(method);
         match backend.submit(&plan) {
             Ok(frame) if has_it => drop(wait(backend, frame)),
@@ -139,8 +139,8 @@ fn methods_are_those_told(backend: &mut dyn Backend) {
 }
 
 /// Plans and renders a frame.
-fn render(backend: &mut dyn Backend, volume: &Arc<Volume>, scene: &Scene) -> Frame {
-    let plan = Planner::default().plan(volume, scene).expect("the scene is valid");
+fn render(backend: &mut dyn Backend, scene: &Scene) -> Frame {
+    let plan = Planner::default().plan(scene).expect("the scene is valid");
     let frame = backend.submit(&plan).expect("a tiny frame fits");
     wait(backend, frame)
 }
@@ -171,12 +171,12 @@ fn transfer(opacity: f64) -> TransferFunction {
 }
 
 /// Looks down z at voxel (0, 0, ·), 6 pixels a voxel, everything visible.
-fn scene(method: Method, compositing: Compositing) -> Scene {
+fn scene(volume: &Arc<Volume>, method: Method, compositing: Compositing) -> Scene {
     let projection = Projection::Orthographic { view_height: 6.0 };
     let camera = Camera::new(DVec3::Z * 50.0, DVec3::ZERO, DVec3::Y, projection)
         .expect("the camera looks down z");
-    Scene::new(transfer(0.5), camera)
-        .shading(Shading::None)
+    let layer = Layer::new(volume.clone(), transfer(0.5)).shading(Shading::None);
+    Scene::new(layer, camera)
         .image(ImageDesc { width: 36, height: 36, background: [0.0; 4] })
         .settings(RenderSettings::default().method(method).compositing(compositing))
 }

@@ -56,7 +56,7 @@ pub struct FrameStats {
     /// Voxels that were relevant.
     pub n_voxels: u64,
     /// Those of them that were culled before anything was done with them, since all that they could touch was
-    /// saturated or outside of the image. A backend that does not cull voxels has none.
+    /// saturated, cut off or outside of the image. A backend that does not cull voxels has none.
     pub n_occluded: u64,
     /// Sections or whole footprints that were splatted, once for every tile that they touch.
     pub n_splats: u64,

@@ -13,7 +13,7 @@
 //!   relevant voxel (unless it lies behind the plan's opacity cut-off), never changes a method that it
 //!   finds slow.
 //! - **What is cached.** A backend may cache whatever it made of a volume, a transfer function or a table for
-//!   the next plan that holds the same; it holds one volume at a time.
+//!   the next plan that holds the same; it holds the volumes of one frame at a time.
 //! - **Saturated pixels.** A pixel whose opacity has reached the plan's cut-off may stay as it is: what lies
 //!   behind adds at most what the cut-off leaves of 1. How many pixels stop at a time is the backend's own
 //!   affair. The CPU stops blocks of 4 × 4, once all of them are saturated, as vectors take four pixels at a
@@ -42,13 +42,15 @@
 //!
 //! # Reading order
 //!
-//! `plan`, `slabs`, `planner`, `contract`, `cached`, `conformance`.
+//! `plan`, `slabs`, `cached`, `tables`, `layer_order`, `planner`; `contract`, `conformance`.
 
 mod cached;
 mod contract;
+mod layer_order;
 mod plan;
 mod planner;
 mod slabs;
+mod tables;
 
 #[cfg(feature = "conformance")]
 pub mod conformance;
@@ -56,8 +58,8 @@ pub mod conformance;
 pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
 pub use plan::{
-    ColorSplats, DensitySplats, FramePlan, MergedSections, SectionSplats, SeparableDensities,
-    SmoothSections, Splats,
+    ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, SectionSplats,
+    SeparableDensities, SmoothSections, Splats,
 };
 pub use planner::{PlanError, Planner};
 pub use slabs::Slabs;

@@ -2,7 +2,8 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, SliceOrder, TransferFunction, View, Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, RegionInView, SliceOrder, TransferFunction, View,
+    Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -13,6 +14,28 @@ use std::sync::Arc;
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
 #[derive(Clone, Debug)]
 pub struct FramePlan<'a> {
+    /// What is drawn: at least one layer, and only one but for [`ColorSplats::Sections`]. All splat alike,
+    /// and are cut by the same slabs; they are summed in this order, which is not that of the scene. Those
+    /// with one region follow each other.
+    pub layers: Vec<LayerPlan<'a>>,
+    /// Size and background of the picture.
+    pub image: ImageDesc,
+    /// What a sheet sums, and how that becomes a pixel.
+    pub compositing: Compositing,
+    /// Opacity from which a pixel counts as saturated.
+    pub opacity_cutoff: f32,
+}
+
+impl FramePlan<'_> {
+    /// The shortest voxel step of any layer, in world units.
+    pub fn least_unit(&self) -> f64 {
+        self.layers.iter().map(|layer| layer.volume.grid().unit()).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// One layer of a frame.
+#[derive(Clone, Debug)]
+pub struct LayerPlan<'a> {
     /// Whose voxels are drawn. A volume never changes, so that a backend may keep what it made of it
     /// for as long as plans hold the same one ([`Arc::ptr_eq`]).
     pub volume: &'a Arc<Volume>,
@@ -23,20 +46,16 @@ pub struct FramePlan<'a> {
     pub transfer: &'a TransferFunction,
     /// What light does to that colour, if there is any.
     pub light: Option<BlinnPhong>,
-    /// View space and pixels.
+    /// Where they are seen, if not everywhere: only for [`ColorSplats::Sections`] and [`Splats::Densities`].
+    pub region: Option<RegionInView>,
+    /// View space and pixels. Depths count from the centre of all layers, lengths in voxel steps of this one.
     pub view: View,
-    /// Size and background of the picture.
-    pub image: ImageDesc,
     /// The kernel's radius in index space.
     pub radius: f64,
     /// The kernel's ball as the view sees it.
     pub shape: FootprintShape,
     /// Half the thickness of a voxel's kernel along the viewing direction, in world units.
     pub half_depth: f64,
-    /// What a sheet sums, and how that becomes a pixel.
-    pub compositing: Compositing,
-    /// Opacity from which a pixel counts as saturated.
-    pub opacity_cutoff: f32,
     /// What is splatted, and into which sheets.
     pub splats: Splats,
 }

@@ -1,6 +1,6 @@
 //! The slabs of a frame, and how they lie to kernels and to the eye.
 
-use slabsplat_core::{Grid, SlabGrid, TooManySlabs, View};
+use slabsplat_core::{SlabGrid, TooManySlabs, View};
 
 /// The slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,24 +14,33 @@ pub struct Slabs {
     pub n_before: usize,
 }
 
-impl Slabs {
-    /// The slabs, `width` units wide, of all kernels of `half_depth` world units on the grid's points.
-    pub(crate) fn new(
-        points: &Grid,
-        view: &View,
-        half_depth: f64,
-        width: f64,
-    ) -> Result<Self, TooManySlabs> {
-        let [near, far] = view.from_index(points).depth_range(points);
-        let thickness = width * points.unit();
-        let grid = SlabGrid::covering([near - half_depth, far + half_depth], thickness)?;
+/// The depths that a layer has a part in.
+pub(crate) struct Depths {
+    /// The nearest and the farthest of its voxels, from the centre of all layers.
+    pub(crate) of_voxels: [f64; 2],
+    /// Half the thickness of their kernels, in world units.
+    pub(crate) half_depth: f64,
+}
+
+impl Depths {
+    /// The slabs of that thickness, in world units, that all kernels of these layers meet.
+    pub(crate) fn slabs(layers: &[Self], thickness: f64) -> Result<SlabGrid, TooManySlabs> {
+        let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
+        for Self { of_voxels: [near, far], half_depth } in layers {
+            ends = [ends[0].min(near - half_depth), ends[1].max(far + half_depth)];
+        }
+        SlabGrid::covering(ends, thickness)
+    }
+
+    /// How a layer of these depths lies in the slabs of all.
+    pub(crate) fn in_slabs(&self, slabs: &SlabGrid, view: &View) -> Slabs {
         // As backends round it: a kernel of a cubic grid is as thick from everywhere, up to rounding errors.
-        let n_met = 2.0 * f64::from(half_depth as f32) / thickness;
-        Ok(Self {
-            grid,
-            first_drawn: first_drawn(view, &grid),
-            n_before: (n_met.ceil() as usize).min(grid.n_slabs()),
-        })
+        let n_met = 2.0 * f64::from(self.half_depth as f32) / slabs.thickness();
+        Slabs {
+            grid: *slabs,
+            first_drawn: first_drawn(view, slabs),
+            n_before: (n_met.ceil() as usize).min(slabs.n_slabs()),
+        }
     }
 }
 
@@ -53,11 +62,18 @@ fn first_drawn(view: &View, slabs: &SlabGrid) -> usize {
 mod tests {
     use super::*;
     use slabsplat_core::glam::DVec3;
-    use slabsplat_core::{Camera, ImageDesc, Projection};
+    use slabsplat_core::{Camera, Grid, ImageDesc, Projection};
 
     /// Eleven voxels of a cubic grid on the axis that the camera looks along, the middle one at depth 0.
     fn row_of_voxels(spacing: f64) -> Grid {
         Grid::with_spacing([1, 1, 11], [spacing; 3]).unwrap()
+    }
+
+    fn slabs_of(grid: &Grid, view: &View, half_depth: f64, width: f64) -> Slabs {
+        let of_voxels = view.from_index(grid).depth_range(grid);
+        let depths = Depths { of_voxels, half_depth };
+        let slabs = Depths::slabs(std::slice::from_ref(&depths), width * grid.unit()).unwrap();
+        depths.in_slabs(&slabs, view)
     }
 
     fn view(grid: &Grid, distance: f64, projection: Projection) -> View {
@@ -74,7 +90,7 @@ mod tests {
         {
             let grid = row_of_voxels(spacing);
             let view = view(&grid, 99.0, Projection::Orthographic { view_height: 8.0 });
-            let slabs = Slabs::new(&grid, &view, 2.0 * spacing, width).unwrap();
+            let slabs = slabs_of(&grid, &view, 2.0 * spacing, width);
             assert_eq!(slabs.n_before, n_before, "{spacing} {width}");
             assert_eq!(slabs.grid.thickness(), spacing * width);
             let [first, last] = [0, slabs.grid.n_slabs() - 1].map(|slab| slabs.grid.faces(slab));
@@ -94,8 +110,7 @@ mod tests {
             let mut firsts = Vec::new();
             for step in 1..60 {
                 let view = view(&grid, 0.25 * f64::from(step), projection);
-                let Slabs { grid: slabs, first_drawn, .. } =
-                    Slabs::new(&grid, &view, 2.0, 0.7).unwrap();
+                let Slabs { grid: slabs, first_drawn, .. } = slabs_of(&grid, &view, 2.0, 0.7);
                 for slab in 0..slabs.n_slabs() {
                     assert_eq!(view.draws_slab(slabs.faces(slab)), first_drawn <= slab, "{step}");
                 }

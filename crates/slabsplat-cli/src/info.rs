@@ -28,11 +28,15 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs) -> Result<()> {
     let progress = Progress::start("reading", 0);
     let mut file = input::scene_file(&args.volume)?;
-    let loaded = input::load(&mut file, &args.raw)?;
-    let info = Info::of(&loaded);
+    let volumes = input::load(&mut file, &args.raw)?;
+    let infos: Vec<Info> = volumes.iter().map(Info::of).collect();
     drop(progress);
-    terminal::warn_all(&loaded.warnings);
-    let text = if args.json { format!("{:#}\n", info.json()) } else { info.text() };
+    volumes.iter().for_each(|loaded| terminal::warn_all(&loaded.warnings));
+    let text = match infos.as_slice() {
+        [info] if args.json => format!("{:#}\n", info.json()),
+        _ if args.json => format!("{:#}\n", infos.iter().map(Info::json).collect::<Value>()),
+        _ => infos.iter().map(Info::text).collect::<Vec<_>>().join("\n"),
+    };
     terminal::answer(&text)
 }
 

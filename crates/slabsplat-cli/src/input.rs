@@ -1,20 +1,19 @@
 //! What a command is to work on: a scene file, a volume file, a raw file, or a built-in volume.
 
 use crate::flags::RawFlags;
-use anyhow::{Result, anyhow, bail};
-use slabsplat::io::{self, CameraDesc, IoError, LoadedVolume, SceneFile, VolumeSource};
-use slabsplat::{ImageDesc, Phong, RenderSettings, Shading};
+use anyhow::{Context, Result, anyhow, bail};
+use slabsplat::io::{self, IoError, LayerFile, LoadedVolume, SceneFile, VolumeSource};
 use std::path::Path;
 
 /// The scene of `input`. That of a volume is empty: all of it is found from the volume.
 pub(crate) fn scene_file(input: &Path) -> Result<SceneFile> {
     if let Some(builtin) = input.to_str().and_then(|input| input.strip_prefix("builtin:")) {
-        return Ok(scene_of(builtin_source(builtin)?));
+        return Ok(SceneFile::of_volume(builtin_source(builtin)?));
     }
     if is_scene(input) {
         return Ok(io::read_scene(input)?);
     }
-    Ok(scene_of(VolumeSource::File(input.to_owned())))
+    Ok(SceneFile::of_volume(VolumeSource::File(input.to_owned())))
 }
 
 /// Whether `input` names a scene file.
@@ -22,35 +21,30 @@ pub(crate) fn is_scene(input: &Path) -> bool {
     input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// A scene that leaves everything to the volume and to the defaults.
-fn scene_of(volume: VolumeSource) -> SceneFile {
-    SceneFile {
-        volume,
-        spacing: None,
-        transfer: None,
-        shading: Shading::Phong(Phong::default()),
-        camera: CameraDesc::default(),
-        image: ImageDesc::default(),
-        settings: RenderSettings::default(),
-        backend: "auto".to_owned(),
+/// The volumes of `file`, the first of them as the flags describe it.
+pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
+    let (first, others) = file.layers.split_first_mut().context("the scene has no layers")?;
+    let mut volumes = vec![load_as(first, flags)?];
+    for other in others {
+        volumes.push(load_as(other, &RawFlags::default())?);
     }
+    Ok(volumes)
 }
 
-/// The volume of `file`, as the flags describe it.
-pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<LoadedVolume> {
+fn load_as(layer: &mut LayerFile, flags: &RawFlags) -> Result<LoadedVolume> {
     if let Some(spacing) = flags.spacing {
-        file.spacing = Some(spacing.to_array());
+        layer.spacing = Some(spacing.to_array());
     }
     let Some(mut desc) = flags.desc()? else {
-        return file.load_volume().map_err(|error| match error {
+        return layer.load_volume().map_err(|error| match error {
             IoError::UnknownFormat { .. } => {
                 anyhow!("{error}; --dims and --type tell what a raw file holds")
             }
             _ => error.into(),
         });
     };
-    desc.spacing = file.spacing.unwrap_or(desc.spacing);
-    match &file.volume {
+    desc.spacing = layer.spacing.unwrap_or(desc.spacing);
+    match &layer.volume {
         VolumeSource::File(path) => Ok(io::read_raw(path, &desc)?),
         VolumeSource::Builtin { name, .. } => {
             bail!("{name} is built in, not a raw file: leave out --dims, --type and the like")

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::{output, stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{Caps, Volume};
+use slabsplat::{Caps, Scene};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     output::write_picture(&args.output, &frame.image)?;
     drop(progress);
     if frame.stats.n_voxels == 0 {
-        terminal::warn(&nothing_visible(renderer.volume()));
+        terminal::warn(&nothing_visible(&scene));
     }
     terminal::say(format_args!(
         "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
@@ -62,8 +62,9 @@ fn by_which(caps: &Caps) -> String {
 }
 
 /// An empty picture is seldom what was meant.
-fn nothing_visible(volume: &Volume) -> String {
-    match volume.summary().range {
+fn nothing_visible(scene: &Scene) -> String {
+    let ranges = scene.layers.iter().filter_map(|layer| layer.volume.summary().range);
+    match ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]) {
         Some([min, max]) => {
             format!("nothing is visible: the opacity of all values, {min} to {max}, is 0")
         }

@@ -119,6 +119,28 @@ impl Grid {
         self.world_from_index.transform_point3(self.center_in_index())
     }
 
+    /// The middle of several grids: their own, if there is one, else that of the world's box around the
+    /// corner voxels of all.
+    pub fn center_of_all<'a>(grids: impl IntoIterator<Item = &'a Self> + Clone) -> DVec3 {
+        let mut alone = grids.clone().into_iter();
+        if let (Some(only), None) = (alone.next(), alone.next()) {
+            return only.center_in_world();
+        }
+        let corners = grids.into_iter().flat_map(Self::corners_in_world);
+        let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [min, max] = corners.fold(nothing, |[min, max], at| [min.min(at), max.max(at)]);
+        min.midpoint(max)
+    }
+
+    /// Where the eight corner voxels are in world space.
+    pub fn corners_in_world(&self) -> impl Iterator<Item = DVec3> + use<> {
+        let (last, world_from_index) = (2.0 * self.center_in_index(), self.world_from_index);
+        (0..8).map(move |corner: u8| {
+            let is_last = [0, 1, 2].map(|axis| f64::from(corner >> axis & 1));
+            world_from_index.transform_point3(last * DVec3::from_array(is_last))
+        })
+    }
+
     /// Where voxel `(i, j, k)` is in memory.
     ///
     /// # Panics

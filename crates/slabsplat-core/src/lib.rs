@@ -1,5 +1,5 @@
-//! What a scene is made of: a [`Volume`] on a [`Grid`], a [`Camera`], a [`TransferFunction`],
-//! [`Shading`] and [`RenderSettings`]; and what comes out, an [`Image`].
+//! What a [`Scene`] is made of: [`Layer`]s, each a [`Volume`] on a [`Grid`] with a [`TransferFunction`] and
+//! [`Shading`]; a [`Camera`] and [`RenderSettings`]; and what comes out, an [`Image`].
 //!
 //! Everything here is checked where it is made. A [`Grid`] that exists can be inverted, a
 //! [`TransferFunction`] has sorted and finite points, a [`Camera`] has three right-angled axes, so
@@ -16,7 +16,8 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`, `transfer`, `compositing`, `shading`; `settings_table`,
-//! `interval`, `choices`, `settings`; `scene`; `view`, `slabs`, `slices`; `image`.
+//! `interval`, `choices`, `settings`; `region`, `layer`, `scene`; `view`,
+//! `region_in_view`, `slabs`, `slices`; `image`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -42,8 +43,11 @@ mod interval;
 mod settings;
 mod settings_table;
 
+mod layer;
+mod region;
 mod scene;
 
+mod region_in_view;
 mod slabs;
 mod slices;
 mod view;
@@ -56,6 +60,9 @@ pub use compositing::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
 pub use interval::{Interval, OutOfRange};
+pub use layer::Layer;
+pub use region::{Plane, Region, RegionError};
+pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
 pub use settings::{RenderSettings, SettingsError};

@@ -1,20 +1,24 @@
-//! Everything that decides a pixel, but for the volume itself (`docs/model.md`).
+//! Everything that decides a pixel (`docs/model.md`).
 
-use crate::{Camera, ImageDesc, Phong, RenderSettings, Shading, TransferFunction};
+use crate::{Camera, ImageDesc, Layer, RenderSettings};
 
-/// A picture to be made of some volume.
+/// A picture to be made of one thing or several.
 ///
 /// What is visible and from where has no default that fits every volume; the facade's `Automatic` finds
 /// both for one. Everything else has, and a method of the same name to set it:
 ///
 /// ```
 /// use slabsplat_core::glam::DVec3;
-/// use slabsplat_core::{Camera, ImageDesc, Projection, RenderSettings, Scene, TransferFunction};
+/// use slabsplat_core::{
+///     Camera, Grid, ImageDesc, Layer, Projection, RenderSettings, Scaling, Scene, TransferFunction, Volume,
+/// };
 ///
+/// let grid = Grid::with_spacing([2, 2, 1], [1.0, 1.0, 2.5])?;
+/// let volume = Volume::new(grid, vec![0_u8, 10, 20, 30].into(), Scaling::IDENTITY)?;
 /// let transfer = TransferFunction::new(vec![(0.0, [0.0]), (255.0, [0.9])], vec![(0.0, [1.0; 3])])?;
 /// let projection = Projection::Orthographic { view_height: 40.0 };
 /// let camera = Camera::new(DVec3::X * 90.0, DVec3::ZERO, DVec3::Z, projection)?;
-/// let scene = Scene::new(transfer, camera)
+/// let scene = Scene::new(Layer::new(volume, transfer), camera)
 ///     .image(ImageDesc { width: 64, height: 64, background: [0.0; 4] })
 ///     .settings(RenderSettings::default().slab_width(0.5));
 /// assert_eq!(scene.settings.tolerance, RenderSettings::default().tolerance);
@@ -23,10 +27,9 @@ use crate::{Camera, ImageDesc, Phong, RenderSettings, Shading, TransferFunction}
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
-    /// Which values are visible, and in which colour.
-    pub transfer: TransferFunction,
-    /// What light does to them.
-    pub shading: Shading,
+    /// What is seen. All that lies in a slab is summed before anything is composited, so that the order of
+    /// layers has no meaning (model §10).
+    pub layers: Vec<Layer>,
     /// Where they are seen from.
     pub camera: Camera,
     /// Size and background of the picture.
@@ -36,28 +39,20 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// What `transfer` shows, seen by `camera`, lit by a headlight; the picture and how it is made as by
-    /// default.
-    pub fn new(transfer: TransferFunction, camera: Camera) -> Self {
+    /// A layer, seen by `camera`; the picture and how it is made as by default.
+    pub fn new(layer: Layer, camera: Camera) -> Self {
         Self {
-            transfer,
-            shading: Shading::Phong(Phong::default()),
+            layers: vec![layer],
             camera,
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
         }
     }
 
-    /// The same with other values visible.
+    /// The same of other layers.
     #[must_use]
-    pub fn transfer(self, transfer: TransferFunction) -> Self {
-        Self { transfer, ..self }
-    }
-
-    /// The same in another light.
-    #[must_use]
-    pub fn shading(self, shading: Shading) -> Self {
-        Self { shading, ..self }
+    pub fn layers(self, layers: Vec<Layer>) -> Self {
+        Self { layers, ..self }
     }
 
     /// The same from elsewhere.
@@ -82,7 +77,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Projection;
+    use crate::{Grid, Projection, Region, Scaling, Shading, TransferFunction, Volume};
     use glam::DVec3;
 
     #[test]
@@ -90,20 +85,32 @@ mod tests {
         let transfer = |opacity: f64| {
             TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [1.0; 3])]).unwrap()
         };
+        let volume = || {
+            let grid = Grid::with_spacing([1; 3], [1.0; 3]).unwrap();
+            Volume::new(grid, vec![7_u8].into(), Scaling::IDENTITY).unwrap()
+        };
         let camera = |eye: DVec3| {
             let projection = Projection::Orthographic { view_height: 1.0 };
             Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).unwrap()
         };
+        let region = Region::default().inverted();
+        let layer = Layer::new(volume(), transfer(0.5)).shading(Shading::None).region(region);
         let expected = Scene {
-            transfer: transfer(0.5),
-            shading: Shading::None,
+            layers: vec![layer.clone()],
             camera: camera(DVec3::X),
             image: ImageDesc { width: 7, height: 5, background: [1.0; 4] },
             settings: RenderSettings::default().sections(9),
         };
-        let scene = Scene::new(transfer(0.25), camera(DVec3::Z))
-            .transfer(expected.transfer.clone())
-            .shading(expected.shading)
+        let other = Layer::new(volume(), transfer(0.25));
+        assert_ne!(other.clone().transfer(transfer(0.5)).shading(Shading::None), layer);
+        let layer = other
+            .clone()
+            .volume(layer.volume)
+            .transfer(layer.transfer.clone())
+            .shading(layer.shading)
+            .region(layer.region.clone());
+        let scene = Scene::new(other, camera(DVec3::Z))
+            .layers(vec![layer])
             .camera(expected.camera)
             .image(expected.image)
             .settings(expected.settings.clone());

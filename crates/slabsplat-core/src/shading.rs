@@ -68,6 +68,13 @@ pub enum Light {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightDirection(DVec3);
 
+impl LightDirection {
+    /// The direction, of length 1.
+    pub fn get(self) -> DVec3 {
+        self.0
+    }
+}
+
 /// Why a shading cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ShadingError {

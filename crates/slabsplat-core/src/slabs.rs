@@ -2,10 +2,10 @@
 
 use thiserror::Error;
 
-/// The slabs that a volume's kernels meet.
+/// The slabs that the kernels of what is seen meet.
 ///
-/// Slab `n` lies between the depths `n·thickness` and `(n + 1)·thickness` from the grid's centre. Slabs
-/// are named by their *index*, counted from the first one that any kernel meets.
+/// Slab `n` lies between the depths `n·thickness` and `(n + 1)·thickness` from the centre of what is seen.
+/// Slabs are named by their *index*, counted from the first one that any kernel meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabGrid {
     thickness: f64,
@@ -50,19 +50,19 @@ impl SlabGrid {
         self.n_slabs
     }
 
-    /// Depth of a slab's front face from the grid's centre.
+    /// Depth of a slab's front face from the centre of what is seen.
     #[inline]
     pub fn front(&self, slab_idx: usize) -> f64 {
         (self.first + slab_idx as i64) as f64 * self.thickness
     }
 
-    /// Depths of a slab's faces from the grid's centre.
+    /// Depths of a slab's faces from the centre of what is seen.
     #[inline]
     pub fn faces(&self, slab_idx: usize) -> [f64; 2] {
         [self.front(slab_idx), self.front(slab_idx + 1)]
     }
 
-    /// Depth of a slab's middle from the grid's centre.
+    /// Depth of a slab's middle from the centre of what is seen.
     #[inline]
     pub fn middle(&self, slab_idx: usize) -> f64 {
         self.front(slab_idx) + 0.5 * self.thickness

@@ -1,18 +1,19 @@
-//! A camera before a grid: view space, pixels, and how large things are at a depth.
+//! A camera before grids: view space, pixels, and how large things are at a depth.
 
-use crate::{Camera, Grid, ImageDesc, Projection, ViewAxes};
+use crate::{Camera, Grid, ImageDesc, Projection, ViewAxes, ViewRay};
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
 /// View space and its pixels.
 ///
 /// Points in view space are (right, up, depth) in world units: right and up from the optical axis,
-/// depth along it *from the grid's centre*, so that turning the camera about the volume
-/// leaves the slabs where they are (model §3).
+/// depth along it *from the centre of what is seen*, so that turning the camera about that leaves the slabs
+/// where they are (model §3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     axes: ViewAxes,
     eye: DVec3,
+    center: DVec3,
     center_depth: f64,
     unit: f64,
     projection: Projection,
@@ -40,11 +41,25 @@ impl View {
     /// # Errors
     /// If a voxel step would be less than 10⁻⁹ or more than 10¹² pixels long, where it is drawn.
     pub fn new(grid: &Grid, camera: &Camera, image: &ImageDesc) -> Result<Self, ViewError> {
+        Self::about(grid.center_in_world(), grid, camera, image)
+    }
+
+    /// The same of one of several grids, whose depths all count from `center`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn about(
+        center: DVec3,
+        grid: &Grid,
+        camera: &Camera,
+        image: &ImageDesc,
+    ) -> Result<Self, ViewError> {
         let axes = camera.axes();
         let view = Self {
             axes,
             eye: camera.eye(),
-            center_depth: (grid.center_in_world() - camera.eye()).dot(axes.forward),
+            center,
+            center_depth: (center - camera.eye()).dot(axes.forward),
             unit: grid.unit(),
             projection: camera.projection(),
             image_size: [image.width, image.height],
@@ -81,21 +96,22 @@ impl View {
         let view_from_world = DMat3::from_cols(right, up, forward).transpose();
         let center_in_index = grid.center_in_index();
         let center_in_view = view_from_world * (grid.center_in_world() - self.eye);
+        let center_depth = (grid.center_in_world() - self.center).dot(forward);
         ViewFromIndex {
             matrix: view_from_world * grid.world_from_index().matrix3,
             center_in_index,
-            center_in_view: center_in_view.with_z(0.0),
+            center_in_view: center_in_view.with_z(center_depth),
         }
     }
 
-    /// Least depth at which anything is drawn, from the grid's centre: the eye's plane in an
+    /// Least depth at which anything of the grid is drawn, from the centre: the eye's plane in an
     /// orthographic view, one `unit` before the eye in a perspective one.
     pub fn near_depth(&self) -> f64 {
         let before_eye = if self.is_perspective() { self.unit } else { 0.0 };
         before_eye - self.center_depth
     }
 
-    /// Whether the sections of a slab between two depths from the grid's centre are drawn: in a perspective
+    /// Whether the sections of a slab between two depths from the centre are drawn: in a perspective
     /// view if its middle, where they are projected, is not before the near depth; in an orthographic
     /// one if any of it lies behind the eye's plane.
     #[inline]
@@ -107,7 +123,7 @@ impl View {
         }
     }
 
-    /// Pixels per world unit at a depth from the grid's centre; the depth must not lie before
+    /// Pixels per world unit at a depth from the centre; the depth must not lie before
     /// [`near_depth`](Self::near_depth).
     pub fn pixels_per_world(&self, depth: f64) -> f64 {
         let height = f64::from(self.image_size[1]);
@@ -130,6 +146,33 @@ impl View {
         }
     }
 
+    /// The ray through a point of the image, in pixels from its upper left corner.
+    #[inline]
+    pub fn ray(&self, [x, y]: [f64; 2]) -> ViewRay {
+        let [width, height] = self.image_size.map(f64::from);
+        let from_axis = DVec3::new(x - 0.5 * width, 0.5 * height - y, 0.0);
+        match self.projection {
+            Projection::Orthographic { view_height } => {
+                ViewRay { start: from_axis * (view_height / height), step: DVec3::Z }
+            }
+            Projection::Perspective { fov_y_radians } => {
+                let slant = from_axis * (2.0 * (0.5 * fov_y_radians).tan() / height);
+                ViewRay { start: slant * self.center_depth, step: slant + DVec3::Z }
+            }
+        }
+    }
+
+    /// Where view space has its origin: on the optical axis, as deep as the centre of what is seen.
+    pub fn origin_in_world(&self) -> DVec3 {
+        self.eye + self.axes.forward * self.center_depth
+    }
+
+    /// A point of view space in the world.
+    pub fn world_from_view(&self, point: DVec3) -> DVec3 {
+        let ViewAxes { right, up, forward } = self.axes;
+        self.origin_in_world() + DMat3::from_cols(right, up, forward) * point
+    }
+
     /// By how much footprints are widened where a pixel covers more than a voxel step (model §5).
     pub fn stretch(&self, pixels_per_world: f64) -> f64 {
         (1.0 / (pixels_per_world * self.unit)).max(1.0)
@@ -143,7 +186,7 @@ pub struct ViewFromIndex {
     pub matrix: DMat3,
     /// The grid's centre in index space.
     pub center_in_index: DVec3,
-    /// The grid's centre in view space; its depth is 0.
+    /// The grid's centre in view space.
     pub center_in_view: DVec3,
 }
 
@@ -159,8 +202,8 @@ impl ViewFromIndex {
         let half = self.center_in_index.abs();
         let depth_per_step = self.matrix.row(2).abs();
         debug_assert_eq!(half, grid.center_in_index(), "the view belongs to another grid");
-        let reach = depth_per_step.dot(half);
-        [-reach, reach]
+        let (middle, reach) = (self.center_in_view.z, depth_per_step.dot(half));
+        [middle - reach, middle + reach]
     }
 }
 

@@ -5,8 +5,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use slabsplat_backend::{Backend, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, TransferFunction,
-    Volume,
+    Camera, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling, Scene,
+    TransferFunction, Volume,
 };
 use slabsplat_cpu::CpuBackend;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ fn ball() -> Volume {
     Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel")
 }
 
-fn scene(opacity: f64, method: Method) -> Scene {
+fn scene(volume: &Arc<Volume>, opacity: f64, method: Method) -> Scene {
     let projection = Projection::Orthographic { view_height: SIDE as f64 };
     let target = DVec3::splat(0.5 * SIDE as f64);
     let eye = target + DVec3::new(300.0, 200.0, 100.0);
@@ -33,7 +33,7 @@ fn scene(opacity: f64, method: Method) -> Scene {
     let transfer = TransferFunction::new(vec![(0.0, [0.0]), (1.0, [opacity])], color)
         .expect("the points are sorted");
     let camera = Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis");
-    Scene::new(transfer, camera)
+    Scene::new(Layer::new(volume.clone(), transfer), camera)
         .image(ImageDesc { width: 256, height: 256, background: [0.0; 4] })
         .settings(RenderSettings::default().method(method))
 }
@@ -46,11 +46,11 @@ fn frame(c: &mut Criterion) {
     group.sample_size(10);
     for (name, opacity) in [("opaque", 0.8), ("haze", 0.02)] {
         for &method in Method::ALL {
-            let mut scene = scene(opacity, method);
+            let mut scene = scene(&volume, opacity, method);
             group.bench_function(format!("{name}/{method}"), |b| {
                 b.iter(|| {
                     scene.camera = scene.camera.orbited(0.01);
-                    let plan = planner.plan(&volume, &scene).expect("it is valid");
+                    let plan = planner.plan(&scene).expect("it is valid");
                     let frame = backend.submit(&plan).expect("the CPU has no limits");
                     backend.poll_image(frame).expect("the frame was submitted")
                 });

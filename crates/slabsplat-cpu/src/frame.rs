@@ -7,7 +7,7 @@ use crate::stopwatch::Stopwatch;
 use crate::voxels::relevant::Relevant;
 use fearless_simd::Level;
 use slabsplat_backend::{
-    ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, Splats,
+    ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
 };
 use slabsplat_core::{Compositing, TransferFunction, Volume};
 use slabsplat_traverse::{BrickView, Classification, VoxelLighting};
@@ -22,12 +22,18 @@ pub(crate) struct Buffers {
 
 #[derive(Debug, Default)]
 struct OfMethods {
-    relevant: Relevant,
-    classification: Cached<(TransferFunction, Compositing, ByIdentity<Volume>), Classification>,
+    of_layers: Vec<OfLayer>,
     image_aligned: image_aligned::Buffers,
     axis_aligned: axis_aligned::Buffers,
     every_sample: every_sample::Buffers,
     densities: densities::Buffers,
+}
+
+/// What is cached of a layer of coloured splats.
+#[derive(Debug, Default)]
+struct OfLayer {
+    relevant: Relevant,
+    classification: Cached<(TransferFunction, Compositing, ByIdentity<Volume>), Classification>,
 }
 
 /// What a frame drew, but for what tiles tell.
@@ -39,21 +45,23 @@ struct Drawn {
 /// Renders with the instructions of `level`.
 pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) -> Frame {
     let mut watch = Stopwatch::start();
-    let image_size = plan.view.image_size();
+    let image_size = [plan.image.width, plan.image.height];
     let Buffers { tiles, of_methods } = buffers;
-    let border = match &plan.splats {
+    // All layers splat alike.
+    let first = &plan.layers[0];
+    let border = match &first.splats {
         Splats::Colors(_) => 0,
         Splats::Densities(_) => densities::BORDER,
     };
     let tiles = tiles.made_of((image_size, border), |_| Tiles::new(image_size, border));
     tiles.clear();
-    of_methods.forget_others(&plan.splats);
-    let Drawn { n_voxels, n_occluded } = match &plan.splats {
-        Splats::Colors(splats) => of_methods.colors(plan, splats, level, tiles, &mut watch),
+    of_methods.forget_others(&first.splats);
+    let Drawn { n_voxels, n_occluded } = match &first.splats {
+        Splats::Colors(_) => of_methods.colors(plan, level, tiles, &mut watch),
         Splats::Densities(splats) => {
             let buffers = &mut of_methods.densities;
             let [n_voxels, n_occluded] =
-                densities::render(plan, level, splats, tiles, buffers, &mut watch);
+                densities::render(plan, first, level, splats, tiles, buffers, &mut watch);
             Drawn { n_voxels, n_occluded }
         }
     };
@@ -86,48 +94,73 @@ impl OfMethods {
     fn colors(
         &mut self,
         plan: &FramePlan<'_>,
-        splats: &ColorSplats,
         level: Level,
         tiles: &mut Tiles,
         watch: &mut Stopwatch,
     ) -> Drawn {
-        let Self { relevant, classification, .. } = self;
-        let FramePlan { volume, transfer, compositing, .. } = *plan;
-        let classified_by = (transfer.clone(), compositing, ByIdentity::of(volume));
-        let classification = classification
-            .made_of(classified_by, |_| Classification::new(transfer, compositing, volume));
-        let stage = Stage {
-            plan,
-            level,
-            raster: Raster::new(plan, 0),
-            list: relevant.voxels(volume, &plan.relevant),
-            bricks: BrickView::new(volume.grid(), &plan.view),
-            lighting: VoxelLighting::new(classification, volume, plan.light.as_ref()),
-        };
+        self.of_layers.resize_with(plan.layers.len(), OfLayer::default);
+        let of_layers = self.of_layers.iter_mut().zip(&plan.layers);
+        let stages: Vec<Stage<'_>> =
+            of_layers.map(|(of_layer, layer)| of_layer.stage(plan, layer, level)).collect();
         watch.done("list");
+        let n_voxels = stages.iter().map(|stage| stage.list.len() as u64).sum();
         let mut n_occluded = 0;
-        match splats {
-            ColorSplats::Sections(sections) => {
-                let buffers = &mut self.image_aligned;
-                n_occluded = image_aligned::render(&stage, sections, tiles, buffers, watch);
-            }
-            ColorSplats::Slices { order, table } => {
-                axis_aligned::render(&stage, order, table, tiles, &mut self.axis_aligned, watch);
-            }
-            ColorSplats::Voxels { table } => {
-                every_sample::render(&stage, table, tiles, &mut self.every_sample, watch);
+        let mut in_slabs = Vec::new();
+        for stage in stages {
+            match &stage.layer.splats {
+                Splats::Densities(_) => {}
+                Splats::Colors(ColorSplats::Sections(splats)) => in_slabs.push((stage, &**splats)),
+                Splats::Colors(ColorSplats::Slices { order, table }) => {
+                    let buffers = &mut self.axis_aligned;
+                    axis_aligned::render(&stage, order, table, tiles, buffers, watch);
+                }
+                Splats::Colors(ColorSplats::Voxels { table }) => {
+                    every_sample::render(&stage, table, tiles, &mut self.every_sample, watch);
+                }
             }
         }
-        Drawn { n_voxels: stage.list.len() as u64, n_occluded }
+        if !in_slabs.is_empty() {
+            let buffers = &mut self.image_aligned;
+            n_occluded = image_aligned::render(&in_slabs, plan, tiles, buffers, watch);
+        }
+        Drawn { n_voxels, n_occluded }
+    }
+
+    fn resident_bytes(&self) -> usize {
+        self.of_layers.iter().map(OfLayer::resident_bytes).sum::<usize>()
+            + self.image_aligned.resident_bytes()
+            + self.axis_aligned.resident_bytes()
+            + self.every_sample.resident_bytes()
+            + self.densities.resident_bytes()
+    }
+}
+
+impl OfLayer {
+    fn stage<'a>(
+        &'a mut self,
+        plan: &'a FramePlan<'a>,
+        layer: &'a LayerPlan<'a>,
+        level: Level,
+    ) -> Stage<'a> {
+        let LayerPlan { volume, transfer, .. } = *layer;
+        let classified_by = (transfer.clone(), plan.compositing, ByIdentity::of(volume));
+        let classification = self
+            .classification
+            .made_of(classified_by, |_| Classification::new(transfer, plan.compositing, volume));
+        Stage {
+            plan,
+            layer,
+            level,
+            raster: Raster::new(layer, 0),
+            list: self.relevant.voxels(volume, &layer.relevant),
+            bricks: BrickView::new(volume.grid(), &layer.view),
+            lighting: VoxelLighting::new(classification, volume, layer.light.as_ref()),
+        }
     }
 
     fn resident_bytes(&self) -> usize {
         self.relevant.resident_bytes()
             + self.classification.value().map_or(0, Classification::resident_bytes)
-            + self.image_aligned.resident_bytes()
-            + self.axis_aligned.resident_bytes()
-            + self.every_sample.resident_bytes()
-            + self.densities.resident_bytes()
     }
 }
 

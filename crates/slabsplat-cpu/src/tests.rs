@@ -5,8 +5,8 @@ use fearless_simd::Level;
 use slabsplat_backend::Planner;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, Image, ImageDesc, KernelName, Method, Projection, RenderSettings,
-    Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, Image, ImageDesc, KernelName, Layer, Method, Projection,
+    RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use std::sync::Arc;
@@ -41,8 +41,8 @@ fn noise(rng: &mut fastrand::Rng, spacing: [f64; 3]) -> Arc<Volume> {
     Arc::new(Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap())
 }
 
-fn scene(rng: &mut fastrand::Rng, grid: &Grid, settings: RenderSettings) -> Scene {
-    let target = grid.center_in_world();
+fn scene(rng: &mut fastrand::Rng, volume: &Arc<Volume>, settings: RenderSettings) -> Scene {
+    let target = volume.grid().center_in_world();
     let eye = target + DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, 1.0) * 60.0;
     let projection = if rng.bool() {
         Projection::Orthographic { view_height: 8.0 + 30.0 * rng.f64() }
@@ -52,16 +52,17 @@ fn scene(rng: &mut fastrand::Rng, grid: &Grid, settings: RenderSettings) -> Scen
     let opacity = if rng.bool() { 0.08 } else { 0.9 };
     let color = vec![(0.0, [0.9, 0.3, 0.1]), (255.0, [0.2, 0.9, 1.0])];
     let transfer = TransferFunction::new(vec![(60.0, [0.0]), (255.0, [opacity])], color).unwrap();
-    Scene::new(transfer, Camera::new(eye, target, DVec3::Y, projection).unwrap())
+    let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
+    Scene::new(Layer::new(volume.clone(), transfer), camera)
         // The right and lower tiles lie partly outside.
         .image(ImageDesc { width: 75, height: 50, background: [0.0; 4] })
         .settings(settings)
 }
 
-fn render(level: Level, volume: &Arc<Volume>, scene: &Scene) -> Image {
+fn render(level: Level, scene: &Scene) -> Image {
     let mut backend = CpuBackend { level, ..CpuBackend::new() };
     let mut planner = Planner::default();
-    let plan = planner.plan(volume, scene).unwrap();
+    let plan = planner.plan(scene).unwrap();
     let frame = backend.submit(&plan).unwrap();
     match backend.poll_image(frame).unwrap() {
         Poll::Ready(frame) => frame.image,
@@ -86,10 +87,10 @@ fn cpu_levels_agree_with_scalar() {
                         .slab_width([0.5, 1.0, 2.3][rng.usize(..3)])
                         .tolerance([0.0, 0.05][rng.usize(..2)]);
                     let volume = noise(&mut rng, spacing);
-                    let scene = scene(&mut rng, volume.grid(), settings);
-                    let expected = render(Level::fallback(), &volume, &scene);
+                    let scene = scene(&mut rng, &volume, settings);
+                    let expected = render(Level::fallback(), &scene);
                     for (name, level) in levels() {
-                        let image = render(level, &volume, &scene);
+                        let image = render(level, &scene);
                         let difference = image.max_difference(&expected);
                         // Levels differ in whether a multiply-add rounds once or twice.
                         assert!(difference < 2e-4, "{name}: {difference} {:?}", scene.settings);
@@ -121,11 +122,11 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
             let opacity = vec![(0.0, [opacity])];
             let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).unwrap();
             let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
-            let scene = Scene::new(transfer, camera)
-                .shading(Shading::None)
+            let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
+            let scene = Scene::new(layer, camera)
                 .image(ImageDesc { width: 32, height: 32, background: [0.0; 4] })
                 .settings(RenderSettings::default().tolerance(tolerance).slab_width(slab_width));
-            render(Level::new(), &volume, &scene)
+            render(Level::new(), &scene)
         };
         for opacity in [0.001, 0.004, 0.01] {
             let difference =
@@ -146,12 +147,12 @@ fn cpu_buffers_do_not_grow_once_warm() {
         for &method in Method::ALL {
             let settings = RenderSettings::default().method(method);
             let mut scenes: Vec<Scene> =
-                (0..4).map(|_| scene(&mut rng, volume.grid(), settings.clone())).collect();
-            let transfer = scenes[0].transfer.clone();
-            scenes.iter_mut().for_each(|scene| scene.transfer = transfer.clone());
+                (0..4).map(|_| scene(&mut rng, &volume, settings.clone())).collect();
+            let transfer = scenes[0].layers[0].transfer.clone();
+            scenes.iter_mut().for_each(|scene| scene.layers[0].transfer = transfer.clone());
             let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
             let mut resident_bytes = |scene| {
-                let plan = planner.plan(&volume, scene).unwrap();
+                let plan = planner.plan(scene).unwrap();
                 let frame = backend.submit(&plan).unwrap();
                 match backend.poll_image(frame).unwrap() {
                     Poll::Ready(frame) => frame.cost.resident_bytes,
@@ -173,14 +174,14 @@ fn cpu_keeps_nothing_for_other_methods() {
     for_each_seed(1, |mut rng| {
         let volume = noise(&mut rng, [1.0; 3]);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        let first = scene(&mut rng, volume.grid(), RenderSettings::default());
+        let first = scene(&mut rng, &volume, RenderSettings::default());
         let resident_bytes = |methods: &[Method]| {
             let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
             let mut bytes = 0;
             for &method in methods {
                 let settings = RenderSettings::default().method(method);
                 let scene = first.clone().settings(settings);
-                let plan = planner.plan(&volume, &scene).unwrap();
+                let plan = planner.plan(&scene).unwrap();
                 let frame = pool.install(|| backend.submit(&plan)).unwrap();
                 if let Poll::Ready(frame) = backend.poll_image(frame).unwrap() {
                     bytes = frame.cost.resident_bytes;

@@ -14,8 +14,8 @@ use crate::params::Counts;
 use crate::voxel_list::VoxelList;
 use crate::{Device, DeviceKind, Done, Work, WorkId};
 use slabsplat_backend::{
-    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, Splats,
-    StageTime,
+    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, LayerPlan,
+    Splats, StageTime,
 };
 use slabsplat_core::{Image, Method};
 use std::collections::VecDeque;
@@ -71,12 +71,12 @@ impl<D: Device> GpuBackend<D> {
         &self.device
     }
 
-    fn known(&mut self, plan: &FramePlan<'_>) -> Arc<KnownVolume> {
+    fn known(&mut self, layer: &LayerPlan<'_>) -> Arc<KnownVolume> {
         match &self.known {
-            Some(known) if Arc::ptr_eq(&known.volume, plan.volume) => known.clone(),
+            Some(known) if Arc::ptr_eq(&known.volume, layer.volume) => known.clone(),
             _ => {
                 self.known = None;
-                self.known.insert(Arc::new(KnownVolume::new(plan.volume.clone()))).clone()
+                self.known.insert(Arc::new(KnownVolume::new(layer.volume.clone()))).clone()
             }
         }
     }
@@ -192,10 +192,16 @@ impl<D: Device> Backend for GpuBackend<D> {
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
-        let Splats::Colors(splats) = &plan.splats else {
+        let [layer] = plan.layers.as_slice() else {
+            return Err(self.unable("its shaders draw one layer at a time"));
+        };
+        if layer.region.is_some() {
+            return Err(self.unable("its shaders cut nothing off"));
+        }
+        let Splats::Colors(splats) = &layer.splats else {
             return Err(self.unable("its shaders do not know the method \"post-classified\""));
         };
-        let mut job = Job::new(plan, splats, self.known(plan), self.list.records.most());
+        let mut job = Job::new(plan, layer, splats, self.known(layer), self.list.records.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
         let frame = FrameId(self.n_submitted);
@@ -222,7 +228,7 @@ mod tests {
     use slabsplat_backend::Planner;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, Method, Projection, RenderSettings, Scaling, Scene, Shading,
+        Camera, Grid, ImageDesc, Layer, Method, Projection, Region, RenderSettings, Scaling, Scene,
         TransferFunction, Volume,
     };
 
@@ -263,23 +269,32 @@ mod tests {
     }
 
     #[test]
-    fn densities_are_refused() {
+    fn what_shaders_lack_is_refused() {
         let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
         let volume = Arc::new(Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap());
         let projection = Projection::Orthographic { view_height: 4.0 };
-        let scene = Scene::new(
-            TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap(),
-            Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap(),
-        )
-        .shading(Shading::None)
-        .image(ImageDesc { width: 4, height: 4, background: [0.0; 4] })
-        .settings(RenderSettings::default().method(Method::PostClassified));
-        let plan = Planner::default().plan(&volume, &scene).unwrap();
-        let error = GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err();
-        let text = error.to_string();
+        let transfer = TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap();
+        let layer = Layer::new(volume, transfer);
+        let camera = Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        let image = ImageDesc { width: 4, height: 4, background: [0.0; 4] };
+        let scene = Scene::new(layer.clone(), camera).image(image);
+        let refused = |scene: &Scene| {
+            let plan = Planner::default().plan(scene).unwrap();
+            GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err().to_string()
+        };
+        let densities = RenderSettings::default().method(Method::PostClassified);
         assert_eq!(
-            text,
+            refused(&scene.clone().settings(densities)),
             "Fake 3000 cannot make this frame: its shaders do not know the method \"post-classified\""
+        );
+        let cut = layer.clone().region(Region::default().inverted());
+        assert_eq!(
+            refused(&scene.clone().layers(vec![cut])),
+            "Fake 3000 cannot make this frame: its shaders cut nothing off"
+        );
+        assert_eq!(
+            refused(&scene.layers(vec![layer.clone(), layer])),
+            "Fake 3000 cannot make this frame: its shaders draw one layer at a time"
         );
     }
 }

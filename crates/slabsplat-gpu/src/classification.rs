@@ -3,7 +3,7 @@
 use crate::number::Numbers;
 use crate::params::VolumeParams;
 use crate::segments::{color_elements, opacity_elements, segments};
-use slabsplat_backend::FramePlan;
+use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{Compositing, IsoRange, Volume};
 
@@ -21,8 +21,8 @@ pub(crate) struct Classification {
 }
 
 impl Classification {
-    pub(crate) fn new(plan: &FramePlan<'_>, numbers: &Numbers) -> Self {
-        let key_ranges = key_ranges(&plan.relevant, numbers);
+    pub(crate) fn new(plan: &FramePlan<'_>, layer: &LayerPlan<'_>, numbers: &Numbers) -> Self {
+        let key_ranges = key_ranges(&layer.relevant, numbers);
         let mut transfer: Vec<Element> = key_ranges
             .iter()
             .map(|&[first, last]| {
@@ -30,16 +30,16 @@ impl Classification {
                 [a, b, c, d]
             })
             .collect();
-        let opacities = segments(plan.transfer.opacity_points(), numbers);
+        let opacities = segments(layer.transfer.opacity_points(), numbers);
         transfer.extend(opacities.iter().flat_map(|segment| opacity_elements(segment, numbers)));
-        let colors = segments(plan.transfer.color_points(), numbers);
+        let colors = segments(layer.transfer.color_points(), numbers);
         transfer.extend(colors.iter().flat_map(|segment| color_elements(segment, numbers)));
-        let [gradient_x, gradient_y, gradient_z] = gradient_rows(plan.volume);
+        let [gradient_x, gradient_y, gradient_z] = gradient_rows(layer.volume);
         let params = VolumeParams {
             gradient_x,
             gradient_y,
             gradient_z,
-            dims: plan.volume.grid().dims().map(|n| n as u32),
+            dims: layer.volume.grid().dims().map(|n| n as u32),
             sample_type: numbers.type_code(),
             n_ranges: key_ranges.len() as u32,
             n_opacities: opacities.len() as u32,

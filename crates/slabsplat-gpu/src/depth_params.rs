@@ -1,7 +1,7 @@
 //! What `every-sample` sorts by, in fixed point: `shaders/depth_key.wgsl`.
 
 use crate::params::DepthParams;
-use slabsplat_backend::FramePlan;
+use slabsplat_backend::LayerPlan;
 
 /// Steps to which depths are rounded, per `unit`; the CPU's are the same.
 const STEPS_PER_UNIT: f64 = (1 << 20) as f64;
@@ -18,9 +18,9 @@ pub(crate) struct DepthSort {
 }
 
 impl DepthSort {
-    pub(crate) fn new(plan: &FramePlan<'_>) -> Self {
-        let grid = plan.volume.grid();
-        let from_index = plan.view.from_index(grid);
+    pub(crate) fn new(layer: &LayerPlan<'_>) -> Self {
+        let grid = layer.volume.grid();
+        let from_index = layer.view.from_index(grid);
         let steps_per_world = STEPS_PER_UNIT / grid.unit();
         // Along each axis of the view, what half a voxel step adds.
         let half_steps =

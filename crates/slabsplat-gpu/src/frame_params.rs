@@ -3,11 +3,16 @@
 
 use crate::classification::compositing_code;
 use crate::params::{Frame, TILE_SIDE, flag};
-use slabsplat_backend::{ColorSplats, FramePlan, SectionSplats, Slabs};
+use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, SectionSplats, Slabs};
 use slabsplat_core::{BlinnPhong, Lookup, SliceOrder};
 
 /// What the shaders read of `plan`, whose splats are these, and whose table has `row_len` quads in a row.
-pub(crate) fn frame_params(plan: &FramePlan<'_>, splats: &ColorSplats, row_len: u32) -> Frame {
+pub(crate) fn frame_params(
+    plan: &FramePlan<'_>,
+    layer: &LayerPlan<'_>,
+    splats: &ColorSplats,
+    row_len: u32,
+) -> Frame {
     let mut frame = Frame {
         opacity_cutoff: plan.opacity_cutoff,
         compositing: compositing_code(plan.compositing),
@@ -15,17 +20,17 @@ pub(crate) fn frame_params(plan: &FramePlan<'_>, splats: &ColorSplats, row_len: 
         row_len,
         ..bytemuck::Zeroable::zeroed()
     };
-    put_view(plan, &mut frame);
-    put_footprint(plan, &mut frame);
-    put_sheets(plan, splats, &mut frame);
-    if let Some(light) = &plan.light {
+    put_view(layer, &mut frame);
+    put_footprint(layer, &mut frame);
+    put_sheets(layer, splats, &mut frame);
+    if let Some(light) = &layer.light {
         put_light(light, &mut frame);
     }
     frame
 }
 
-fn put_view(plan: &FramePlan<'_>, frame: &mut Frame) {
-    let (grid, view) = (plan.volume.grid(), &plan.view);
+fn put_view(layer: &LayerPlan<'_>, frame: &mut Frame) {
+    let (grid, view) = (layer.volume.grid(), &layer.view);
     let unit = grid.unit();
     let from_index = view.from_index(grid);
     let row = |axis: usize| {
@@ -47,12 +52,12 @@ fn put_view(plan: &FramePlan<'_>, frame: &mut Frame) {
     frame.pixels_per_unit = (view.pixels_per_world(near) * unit) as f32;
 }
 
-fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
-    let (shape, unit) = (&plan.shape, plan.volume.grid().unit());
-    frame.radius = plan.radius as f32;
-    frame.half_depth = (plan.half_depth / unit) as f32;
+fn put_footprint(layer: &LayerPlan<'_>, frame: &mut Frame) {
+    let (shape, unit) = (&layer.shape, layer.volume.grid().unit());
+    frame.radius = layer.radius as f32;
+    frame.half_depth = (layer.half_depth / unit) as f32;
     frame.index_per_depth = (shape.index_per_depth * unit) as f32;
-    frame.is_tilted = flag(shape.is_tilted(plan.radius));
+    frame.is_tilted = flag(shape.is_tilted(layer.radius));
     frame.across = (shape.across * unit * unit) as f32;
     frame.lean = -shape.lean as f32;
     frame.along = (shape.along * unit * unit) as f32;
@@ -61,12 +66,12 @@ fn put_footprint(plan: &FramePlan<'_>, frame: &mut Frame) {
     frame.half_extent = shape.half_extent.map(|c| (c / unit) as f32);
 }
 
-fn put_sheets(plan: &FramePlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
+fn put_sheets(layer: &LayerPlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
     frame.method = method_code(splats);
     match splats {
         ColorSplats::Sections(sections) => {
             let SectionSplats { slabs, table, .. } = &**sections;
-            put_slabs(plan, slabs, frame);
+            put_slabs(layer, slabs, frame);
             let rows = table.rows();
             frame.samples_per_index = table.samples_per_index();
             frame.rows_per_index = rows.rows_per_index;
@@ -94,10 +99,10 @@ fn method_code(splats: &ColorSplats) -> u32 {
     }
 }
 
-fn put_slabs(plan: &FramePlan<'_>, slabs: &Slabs, frame: &mut Frame) {
+fn put_slabs(layer: &LayerPlan<'_>, slabs: &Slabs, frame: &mut Frame) {
     let Slabs { grid, first_drawn, n_before } = *slabs;
     frame.n_sheets = grid.n_slabs() as u32;
-    frame.slab_thickness = (grid.thickness() / plan.volume.grid().unit()) as f32;
+    frame.slab_thickness = (grid.thickness() / layer.volume.grid().unit()) as f32;
     frame.first_slab = (grid.front(0) / grid.thickness()).round() as i32;
     frame.n_slabs_before = n_before as u32;
     frame.first_drawn = first_drawn as u32;

@@ -8,7 +8,7 @@ use crate::number::Numbers;
 use crate::params::{Frame, TILE_SIDE};
 use crate::samples::KeyCounts;
 use crate::section_table::{Quad, footprint_quads, section_quads};
-use slabsplat_backend::{ColorSplats, FramePlan};
+use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan};
 use slabsplat_core::Volume;
 use slabsplat_kernel::{FootprintTable, SectionTable};
 use std::sync::Arc;
@@ -76,10 +76,11 @@ impl Table {
 }
 
 impl Job {
-    /// What `plan` asks for, whose splats are these, of a volume that is known. The list should stay below
-    /// `most_voxels`, if it can.
+    /// What a plan of one layer asks for, whose splats are these, of a volume that is known. The list should
+    /// stay below `most_voxels`, if it can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
+        layer: &LayerPlan<'_>,
         splats: &ColorSplats,
         known: Arc<KnownVolume>,
         most_voxels: u64,
@@ -91,15 +92,15 @@ impl Job {
             }
         };
         let sorts_by_depth = matches!(splats, ColorSplats::Voxels { .. });
-        let classification = Classification::new(plan, &known.numbers);
+        let classification = Classification::new(plan, layer, &known.numbers);
         let n_relevant = known.key_counts.at_most(&classification.key_ranges).max(1);
         let granule = (n_relevant / 8).next_power_of_two();
         let max_voxels = n_relevant.next_multiple_of(granule).min(most_voxels.max(n_relevant));
         Self {
             max_voxels,
             classification,
-            frame: frame_params(plan, splats, table.row_len()),
-            depth_sort: sorts_by_depth.then(|| DepthSort::new(plan)),
+            frame: frame_params(plan, layer, splats, table.row_len()),
+            depth_sort: sorts_by_depth.then(|| DepthSort::new(layer)),
             table,
             known,
         }

@@ -191,9 +191,11 @@ fn real_scenes_parse() {
     for &name in slabsplat_testdata::SCENES {
         let Some(path) = slabsplat_testdata::scene(name) else { continue };
         let scene = read_scene(&path).unwrap();
-        let VolumeSource::File(volume) = &scene.volume else { panic!("{name} has a file") };
+        let VolumeSource::File(volume) = &scene.layers[0].volume else {
+            panic!("{name} has a file")
+        };
         assert!(volume.is_file(), "{}", volume.display());
-        assert!(scene.transfer.is_some(), "{name}");
+        assert!(scene.layers[0].transfer.is_some(), "{name}");
         assert_eq!(scene.camera.is_perspective(), name == "embryo-perspective");
     }
 }

@@ -26,6 +26,14 @@ impl VoxelRecord {
         [place % BRICK_SIDE, place / BRICK_SIDE % BRICK_SIDE, place / (BRICK_SIDE * BRICK_SIDE)]
     }
 
+    /// The same with another normal, x, y and z in world space, of length 1 or 0.
+    #[inline]
+    #[must_use]
+    pub fn with_normal(self, normal: [f64; 3]) -> Self {
+        let steps = |component: f64| (component * f64::from(NORMAL_STEPS)).round() as i16;
+        Self { normal: normal.map(steps), ..self }
+    }
+
     /// `−∇v/|∇v|` in world space, or zero.
     ///
     /// The length is 1 to within 10⁻⁶. What rounding did to it is taken back by one step of Newton's for
@@ -59,5 +67,9 @@ mod tests {
         check([32767, 0, 0], 1.0);
         check([18919, -18918, 18917], 1.0);
         check([-23171, 0, 23169], 1.0);
+        let record = VoxelRecord::default().with_normal([0.6, 0.0, -0.8]);
+        let expected = [0.6, 0.0, -0.8];
+        let is_near = |(a, b): (f32, f64)| (f64::from(a) - b).abs() < 3e-5;
+        assert!(record.normal_in_world().into_iter().zip(expected).all(is_near), "{record:?}");
     }
 }

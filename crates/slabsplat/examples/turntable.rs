@@ -13,8 +13,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let volume = io::builtin_volume("neuron", None)?;
     let image = ImageDesc { width: 256, height: 256, background: [0.05, 0.05, 0.07, 1.0] };
-    let mut scene = Automatic::new(&volume).scene(image, RenderSettings::default());
-    let mut renderer = Renderer::open(volume, "auto", |note| eprintln!("{note}"))?;
+    let mut scene = Automatic::new(volume).scene(image, RenderSettings::default());
+    let mut renderer = Renderer::open("auto", |note| eprintln!("{note}"))?;
 
     let step_radians = std::f64::consts::TAU / f64::from(N_FRAMES);
     for frame_idx in 0..N_FRAMES {

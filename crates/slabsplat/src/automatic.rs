@@ -3,15 +3,16 @@
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Projection, RenderSettings, Sample, Scaling, Scene, TransferFunction,
-    Volume, with_samples,
+    Camera, Grid, ImageDesc, Layer, Projection, RenderSettings, Sample, Scaling, Scene,
+    TransferFunction, Volume, with_samples,
 };
+use std::sync::Arc;
 
 /// Defaults that fit one volume.
 #[derive(Clone, Debug)]
 pub struct Automatic {
+    volume: Arc<Volume>,
     transfer: TransferFunction,
-    grid: Grid,
 }
 
 /// Levels into which values are counted.
@@ -37,8 +38,9 @@ const MARGIN_VOXELS: f64 = 2.0;
 
 impl Automatic {
     /// Looks at all of the volume's values.
-    pub fn new(volume: &Volume) -> Self {
-        Self { transfer: transfer_of(volume), grid: *volume.grid() }
+    pub fn new(volume: impl Into<Arc<Volume>>) -> Self {
+        let volume = volume.into();
+        Self { transfer: transfer_of(&volume), volume }
     }
 
     /// A ramp of opacity that begins where Otsu's threshold parts the background from the object
@@ -50,54 +52,50 @@ impl Automatic {
 
     /// A camera on the world's +x, +y, +z side with z upwards, whose picture the volume fills.
     pub fn camera(&self, image: &ImageDesc, is_perspective: bool) -> Camera {
-        fitting_camera(&self.grid, image, is_perspective)
+        fitting_camera(&[*self.volume.grid()], image, is_perspective)
     }
 
     /// The defaults as a whole scene: orthographic, lit by a headlight.
     pub fn scene(&self, image: ImageDesc, settings: RenderSettings) -> Scene {
-        Scene::new(self.transfer.clone(), self.camera(&image, false))
-            .image(image)
-            .settings(settings)
+        let layer = Layer::new(self.volume.clone(), self.transfer.clone());
+        Scene::new(layer, self.camera(&image, false)).image(image).settings(settings)
     }
 }
 
-/// A camera on the world's +x, +y, +z side with z upwards, whose picture the grid fills.
-pub(crate) fn fitting_camera(grid: &Grid, image: &ImageDesc, is_perspective: bool) -> Camera {
-    let target = grid.center_in_world();
+/// A camera on the world's +x, +y, +z side with z upwards, whose picture the grids fill.
+pub(crate) fn fitting_camera(grids: &[Grid], image: &ImageDesc, is_perspective: bool) -> Camera {
+    let target = Grid::center_of_all(grids);
     let to_eye = DVec3::new(0.78, 0.50, 0.38).normalize();
-    let radius =
-        corners(grid).map(|c| c.distance(target)).fold(0.0, f64::max) + MARGIN_VOXELS * grid.unit();
+    let radius = reach(grids, DVec3::length, target);
     let aspect = f64::from(image.width) / f64::from(image.height);
     let (projection, distance) = if is_perspective {
         let half_angle = (0.5 * FOV_Y_RADIANS).tan() * aspect.min(1.0);
         let distance = radius / half_angle.atan().sin();
         (Projection::Perspective { fov_y_radians: FOV_Y_RADIANS }, distance)
     } else {
-        let view_height = fitting_height(grid, to_eye, aspect);
+        let view_height = fitting_height(grids, to_eye, aspect);
         (Projection::Orthographic { view_height }, 3.0 * radius)
     };
     Camera::new(target + to_eye * distance, target, DVec3::Z, projection)
         .expect("the eye is off the z axis, and a grid is not too far from the origin to tell")
 }
 
-/// World height of an orthographic picture that holds the whole grid.
-fn fitting_height(grid: &Grid, to_eye: DVec3, aspect: f64) -> f64 {
-    let target = grid.center_in_world();
+/// World height of an orthographic picture that holds the grids as a whole.
+fn fitting_height(grids: &[Grid], to_eye: DVec3, aspect: f64) -> f64 {
+    let target = Grid::center_of_all(grids);
     let right = (-to_eye).cross(DVec3::Z).normalize();
     let up = right.cross(-to_eye);
-    let extent = |axis: DVec3| {
-        let farthest = corners(grid).map(|c| (c - target).dot(axis).abs()).fold(0.0, f64::max);
-        farthest + MARGIN_VOXELS * grid.unit()
-    };
+    let extent = |axis: DVec3| reach(grids, |from_target| from_target.dot(axis).abs(), target);
     2.0 * extent(up).max(extent(right) / aspect)
 }
 
-fn corners(grid: &Grid) -> impl Iterator<Item = DVec3> + '_ {
-    let last = grid.dims().map(|n| n as f64 - 1.0);
-    (0..8).map(move |corner: usize| {
-        let at = [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { last[axis] } else { 0.0 });
-        grid.world_from_index().transform_point3(DVec3::from_array(at))
-    })
+/// The most that any corner is away from the target, by that measure, and what kernels cover around it.
+fn reach(grids: &[Grid], measure: impl Fn(DVec3) -> f64, target: DVec3) -> f64 {
+    let of_grid = |grid: &Grid| {
+        let corners = grid.corners_in_world().map(|corner| measure(corner - target));
+        corners.fold(0.0, f64::max) + MARGIN_VOXELS * grid.unit()
+    };
+    grids.iter().map(of_grid).fold(0.0, f64::max)
 }
 
 fn transfer_of(volume: &Volume) -> TransferFunction {
@@ -246,7 +244,7 @@ mod tests {
         let mut samples: Vec<f32> = (0..800).map(|i| (i % 10) as f32).collect();
         samples.extend((0..200).map(|i| 100.0 + (i % 20) as f32));
         samples.extend([f32::NAN, f32::INFINITY]);
-        let transfer = Automatic::new(&row(samples)).transfer().clone();
+        let transfer = Automatic::new(row(samples)).transfer().clone();
         assert_eq!(transfer.opacity(9.0), 0.0, "background");
         assert!(0.3 < transfer.opacity(110.0), "object");
         assert!(0.8 < transfer.opacity(119.0), "{transfer:?}");
@@ -255,8 +253,8 @@ mod tests {
     #[test]
     fn automatic_transfer_shows_what_has_no_contrast() {
         for samples in [vec![3.0; 4], vec![f32::NAN; 2], vec![f32::INFINITY; 2], vec![0.0, 1e-45]] {
-            let volume = row(samples.clone());
-            let transfer = Automatic::new(&volume).transfer().clone();
+            let volume = Arc::new(row(samples.clone()));
+            let transfer = Automatic::new(volume.clone()).transfer().clone();
             let last = volume.value(samples.len() - 1);
             assert!(0.0 < transfer.opacity(last), "{samples:?}");
         }
@@ -266,7 +264,7 @@ mod tests {
     fn automatic_transfer_finds_a_single_voxel() {
         let mut samples = vec![0.0; 40_000];
         samples[77] = 255.0;
-        let transfer = Automatic::new(&row(samples)).transfer().clone();
+        let transfer = Automatic::new(row(samples)).transfer().clone();
         assert!(transfer.opacity(0.0) == 0.0 && 0.5 < transfer.opacity(255.0), "{transfer:?}");
     }
 
@@ -275,7 +273,7 @@ mod tests {
         let grid = Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
         let samples = vec![1.0_f64.next_up(), 1.0_f64.next_up().next_up()];
         let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
-        assert!(0.0 < Automatic::new(&volume).transfer().opacity(1.0));
+        assert!(0.0 < Automatic::new(volume).transfer().opacity(1.0));
     }
 
     /// All corners of the grid lie inside the picture, and close to an edge of it.
@@ -284,16 +282,18 @@ mod tests {
         let grid = Grid::with_spacing([20, 15, 6], [1.0, 1.2, 3.0]).unwrap();
         let samples = vec![1_u8; grid.n_voxels()];
         let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
-        let automatic = Automatic::new(&volume);
+        let automatic = Automatic::new(volume);
         for (width, height) in [(100, 100), (200, 50), (50, 200)] {
             let image = ImageDesc { width, height, background: [0.0; 4] };
             for is_perspective in [false, true] {
                 let camera = automatic.camera(&image, is_perspective);
-                let view = slabsplat_core::View::new(&automatic.grid, &camera, &image).unwrap();
-                let from_index = view.from_index(&automatic.grid);
+                let view =
+                    slabsplat_core::View::new(automatic.volume.grid(), &camera, &image).unwrap();
+                let from_index = view.from_index(automatic.volume.grid());
                 let mut farthest: f64 = 0.0;
-                for corner in corners(&automatic.grid) {
-                    let in_index = automatic.grid.index_from_world().transform_point3(corner);
+                for corner in automatic.volume.grid().corners_in_world() {
+                    let in_index =
+                        automatic.volume.grid().index_from_world().transform_point3(corner);
                     let at = from_index.transform(in_index);
                     let scale = view.pixels_per_world(at.z);
                     let x = (at.x * scale).abs() / (0.5 * f64::from(width));

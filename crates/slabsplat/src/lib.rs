@@ -6,19 +6,20 @@
 //! the picture does not pop when the camera turns. The two methods which that one replaces are here
 //! too, and one that sums densities and classifies pixels ([`Method`]).
 //!
-//! A [`Renderer`] holds a volume and a backend, and makes a [`Frame`] of a [`Scene`]. It keeps what does not
-//! change between frames: the values of bricks, the relevant voxels with their normals, the tables.
+//! A [`Scene`] shows volumes, each a [`Layer`]. A [`Renderer`] holds a backend and makes a [`Frame`] of a
+//! scene. It keeps what does not change between frames: the values of bricks, the relevant voxels with their
+//! normals, the tables.
 //!
 //! ```
 //! use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let volume = slabsplat::io::builtin_volume("sphere", Some(16))?;
-//! let automatic = Automatic::new(&volume);
+//! let automatic = Automatic::new(volume);
 //! let image = ImageDesc { width: 32, height: 32, ..ImageDesc::default() };
 //! let scene = automatic.scene(image, RenderSettings::default());
 //!
-//! let mut renderer = Renderer::open(volume, "auto", |note| eprintln!("{note}"))?;
+//! let mut renderer = Renderer::open("auto", |note| eprintln!("{note}"))?;
 //! let frame = renderer.render(&scene)?;
 //! assert!(0.9 < frame.image.pixel(16, 16)[3], "the middle of the ball is opaque");
 //! # Ok(())

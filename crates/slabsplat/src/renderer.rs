@@ -1,15 +1,14 @@
-//! A volume and what is cached of it between frames.
+//! A backend, and what is cached between its frames.
 
 use crate::{Choice, NoBackend, choose_backend};
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
-use slabsplat_core::{Scene, Volume};
-use std::sync::Arc;
+use slabsplat_core::Scene;
 use std::task::Poll;
 use thiserror::Error;
 
-/// Renders a volume, again and again.
+/// Renders scenes, again and again. What was made of a volume, such as the list of its relevant voxels,
+/// serves for the next frame that shows the same.
 pub struct Renderer {
-    volume: Arc<Volume>,
     planner: Planner,
     backend: Box<dyn Backend>,
     fallback: Option<Fallback>,
@@ -29,25 +28,23 @@ pub enum RenderError {
 }
 
 impl Renderer {
-    /// A renderer of `volume`. What is done once a volume, such as listing its relevant voxels, is
-    /// done with the first frame.
-    pub fn new(volume: impl Into<Arc<Volume>>, backend: Box<dyn Backend>) -> Self {
-        Self { volume: volume.into(), planner: Planner::default(), backend, fallback: None }
+    /// A renderer on `backend`.
+    pub fn new(backend: Box<dyn Backend>) -> Self {
+        Self { planner: Planner::default(), backend, fallback: None }
     }
 
-    /// A renderer of `volume` on the backend called `name`. With `auto`, the CPU continues where a graphics
-    /// card fails; `tell` is given a sentence for people whenever one could not be used.
+    /// A renderer on the backend called `name`. With `auto`, the CPU continues where a graphics card fails;
+    /// `tell` is given a sentence for people whenever one could not be used.
     ///
     /// # Errors
     /// If this build has no such backend, or this machine nothing that it runs on.
     pub fn open(
-        volume: impl Into<Arc<Volume>>,
         name: &str,
         mut tell: impl FnMut(&str) + Send + 'static,
     ) -> Result<Self, NoBackend> {
         let Choice { backend, notes, fallback } = choose_backend(name)?;
         notes.iter().for_each(|note| tell(note));
-        let renderer = Self::new(volume, backend);
+        let renderer = Self::new(backend);
         let Some(make) = fallback else { return Ok(renderer) };
         Ok(renderer.with_fallback(move |error| {
             let backend = make();
@@ -66,19 +63,9 @@ impl Renderer {
         Self { fallback: Some(Box::new(fallback)), ..self }
     }
 
-    /// The volume.
-    pub fn volume(&self) -> &Volume {
-        &self.volume
-    }
-
-    /// What renders it.
+    /// What renders.
     pub fn caps(&self) -> &Caps {
         self.backend.caps()
-    }
-
-    /// Continues with another volume, on the same backend: opening one may take longer than a frame.
-    pub fn set_volume(&mut self, volume: impl Into<Arc<Volume>>) {
-        self.volume = volume.into();
     }
 
     /// Renders a frame and waits for it.
@@ -112,7 +99,7 @@ impl Renderer {
     /// # Errors
     /// If the scene cannot be drawn, or the backend fails.
     pub fn submit(&mut self, scene: &Scene) -> Result<FrameId, RenderError> {
-        let plan = self.planner.plan(&self.volume, scene)?;
+        let plan = self.planner.plan(scene)?;
         Ok(self.backend.submit(&plan)?)
     }
 
@@ -139,8 +126,10 @@ fn would_pass_elsewhere(error: &BackendError) -> bool {
 mod tests {
     use super::*;
     use crate::Automatic;
-    use slabsplat_core::{Grid, Image, ImageDesc, KernelName, Method, RenderSettings, Scaling};
-    use std::sync::Mutex;
+    use slabsplat_core::{
+        Grid, Image, ImageDesc, KernelName, Method, RenderSettings, Scaling, Volume,
+    };
+    use std::sync::{Arc, Mutex};
 
     /// Draws pictures of one colour, until it fails with `error` where `fails_in` says.
     struct Fake {
@@ -213,21 +202,20 @@ mod tests {
         }
     }
 
-    fn volume_and_scene() -> (Volume, Scene) {
+    fn scene() -> Scene {
         let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
         let image = ImageDesc { width: 2, height: 2, background: [0.0; 4] };
-        let scene = Automatic::new(&volume).scene(image, RenderSettings::default());
-        (volume, scene)
+        Automatic::new(volume).scene(image, RenderSettings::default())
     }
 
     /// Renders three frames, the second of which fails, and returns their colours and what was reported.
     fn colors(fails_in: Call, error: BackendError) -> ([f32; 3], Vec<String>) {
-        let (volume, scene) = volume_and_scene();
+        let scene = scene();
         let reports = Arc::new(Mutex::new(Vec::new()));
         let reporter = reports.clone();
         let mut renderer =
-            Renderer::new(volume, fake(0.25, 1, fails_in, error)).with_fallback(move |error| {
+            Renderer::new(fake(0.25, 1, fails_in, error)).with_fallback(move |error| {
                 reporter.lock().unwrap().push(error.to_string());
                 fake(0.75, 9, Call::Submit, lost())
             });
@@ -249,10 +237,10 @@ mod tests {
 
     #[test]
     fn fallback_is_not_for_what_fails_everywhere() {
-        let (volume, scene) = volume_and_scene();
+        let scene = scene();
         let unknown = BackendError::UnknownFrame(FrameId(0));
         let backend = fake(0.25, 0, Call::Poll, unknown.clone());
-        let mut renderer = Renderer::new(volume, backend).with_fallback(|error| panic!("{error}"));
+        let mut renderer = Renderer::new(backend).with_fallback(|error| panic!("{error}"));
         assert_eq!(renderer.render(&scene), Err(RenderError::Backend(unknown)));
         let mut odd = scene.clone();
         odd.settings.kernel = KernelName("box".into());
@@ -261,8 +249,8 @@ mod tests {
 
     #[test]
     fn failure_without_fallback_is_an_error() {
-        let (volume, scene) = volume_and_scene();
-        let mut renderer = Renderer::new(volume, fake(0.25, 0, Call::Submit, lost()));
+        let scene = scene();
+        let mut renderer = Renderer::new(fake(0.25, 0, Call::Submit, lost()));
         assert_eq!(renderer.render(&scene), Err(RenderError::Backend(lost())));
     }
 }

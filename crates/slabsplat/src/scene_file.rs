@@ -1,17 +1,17 @@
-//! A scene file and the volume that it names, with everything left out filled in.
+//! The scene of a file, with everything left out filled in.
 
 use crate::Automatic;
 use crate::automatic::fitting_camera;
-use slabsplat_core::{CameraError, Scene, Volume};
-use slabsplat_io::{IoError, LoadedVolume, SceneFile};
+use slabsplat_backend::PlanError;
+use slabsplat_core::{CameraError, Grid, Layer, RegionError, Scene, Volume};
+use slabsplat_io::{IoError, LayerFile, LoadedVolume, SceneFile};
+use std::sync::Arc;
 use thiserror::Error;
 
-/// A volume and a scene of it, ready to be rendered.
+/// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
 pub struct OpenScene {
-    /// The volume.
-    pub volume: Volume,
-    /// What is made of it.
+    /// What is seen, and how.
     pub scene: Scene,
     /// The name of the backend that the scene asks for.
     pub backend: String,
@@ -28,32 +28,55 @@ pub enum OpenError {
     /// The camera's parts do not make a camera.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// A region is none.
+    #[error(transparent)]
+    Region(#[from] RegionError),
+    /// There is nothing to draw.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
 }
 
 impl OpenScene {
-    /// Loads the volume of `file` and fills in what the file leaves out.
+    /// Loads the volumes of `file` and fills in what the file leaves out.
     ///
     /// # Errors
-    /// If the volume cannot be read, or the camera makes no sense.
+    /// If a volume cannot be read, or the camera or a region makes no sense.
     pub fn open(file: &SceneFile) -> Result<Self, OpenError> {
-        Self::with_volume(file.load_volume()?, file)
+        let loaded = file.layers.iter().map(LayerFile::load_volume).collect::<Result<_, _>>()?;
+        Self::with_volumes(loaded, file)
     }
 
-    /// The scene of `file` with a volume that is already there.
+    /// The scene of `file` with volumes that are already there, one for each layer.
     ///
     /// # Errors
-    /// If the camera makes no sense.
-    pub fn with_volume(loaded: LoadedVolume, file: &SceneFile) -> Result<Self, OpenError> {
-        let LoadedVolume { volume, warnings, .. } = loaded;
-        let fallback = fitting_camera(volume.grid(), &file.image, file.camera.is_perspective());
-        let automatic = || Automatic::new(&volume).transfer().clone();
-        let scene = Scene::new(
-            file.transfer.clone().unwrap_or_else(automatic),
-            file.camera.complete(&fallback)?,
-        )
-        .shading(file.shading)
-        .image(file.image)
-        .settings(file.settings.clone());
-        Ok(Self { volume, scene, backend: file.backend.clone(), warnings })
+    /// If the camera or a region makes no sense.
+    ///
+    /// # Panics
+    /// If there are more volumes or fewer.
+    pub fn with_volumes(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
+        assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
+        let mut all_warnings = Vec::new();
+        let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
+            let LoadedVolume { volume, warnings, .. } = loaded;
+            all_warnings.extend(warnings);
+            layer(volume, of_file)
+        });
+        let layers = layers.collect::<Result<Vec<_>, _>>()?;
+        let grids: Vec<Grid> = layers.iter().map(|layer| *layer.volume.grid()).collect();
+        let fallback = fitting_camera(&grids, &file.image, file.camera.is_perspective());
+        let [first, ..] = layers.as_slice() else { return Err(PlanError::NoLayers.into()) };
+        let scene = Scene::new(first.clone(), file.camera.complete(&fallback)?)
+            .layers(layers)
+            .image(file.image)
+            .settings(file.settings.clone());
+        Ok(Self { scene, backend: file.backend.clone(), warnings: all_warnings })
     }
+}
+
+fn layer(volume: Volume, file: &LayerFile) -> Result<Layer, OpenError> {
+    let volume = Arc::new(volume);
+    let automatic = || Automatic::new(volume.clone()).transfer().clone();
+    let transfer = file.transfer.clone().unwrap_or_else(automatic);
+    let region = file.region.on(volume.grid())?;
+    Ok(Layer::new(volume, transfer).shading(file.shading).region(region))
 }

@@ -1,8 +1,7 @@
 //! Cameras at random: near, far, inside the volume, and so far that a pixel spans several voxels.
 
-use super::{ProjectionKind, between, random_direction};
+use super::{ProjectionKind, between, radius, random_direction};
 use fastrand::Rng;
-use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Camera, Grid, Projection};
 
 pub(super) fn random_camera(rng: &mut Rng, grid: &Grid, kind: ProjectionKind, rows: u32) -> Camera {
@@ -44,14 +43,4 @@ fn perspective(rng: &mut Rng, radius: f64) -> (Projection, f64) {
         _ => 1.2 + fits * between(rng, 0.5, 1.2),
     };
     (Projection::Perspective { fov_y_radians }, distance * radius)
-}
-
-/// The radius of a sphere about the centres of the grid's voxels.
-fn radius(grid: &Grid) -> f64 {
-    let half_in_index = grid.center_in_index();
-    let corner = |number: u32| {
-        let signs = [0, 1, 2].map(|axis| f64::from(number >> axis & 1) * 2.0 - 1.0);
-        grid.world_from_index().transform_vector3(DVec3::from_array(signs) * half_in_index)
-    };
-    (0..8).map(|number| corner(number).length()).fold(grid.unit(), f64::max)
 }

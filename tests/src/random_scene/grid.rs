@@ -1,6 +1,6 @@
 //! Grids at random, of each kind that differs to a renderer.
 
-use super::{between, random_direction};
+use super::{between, radius, random_direction};
 use fastrand::Rng;
 use slabsplat_core::Grid;
 use slabsplat_core::glam::{DAffine3, DMat3, DQuat, DVec3};
@@ -47,6 +47,18 @@ pub(super) fn random_grid(rng: &mut Rng, kind: GridKind) -> Grid {
     };
     let origin = 20.0 * rng.f64() * random_direction(rng);
     Grid::new(dims, DAffine3::from_mat3_translation(matrix, origin)).expect("no axis is flat")
+}
+
+/// One of any kind, whose middle is not far from that of `other`. Of several around the same, none has steps
+/// more than 3 times as long as those of another.
+pub(super) fn random_grid_around(rng: &mut Rng, other: &Grid) -> Grid {
+    let kind = GridKind::ALL[rng.usize(..GridKind::ALL.len())];
+    let any = random_grid(rng, kind);
+    let unit = other.unit() * 3_f64.powf(between(rng, -0.5, 0.5));
+    let matrix = any.world_from_index().matrix3 * (unit / any.unit());
+    let aside = radius(other) * between(rng, 0.0, 0.6) * random_direction(rng);
+    let origin = other.center_in_world() + aside - matrix * any.center_in_index();
+    Grid::new(any.dims(), DAffine3::from_mat3_translation(matrix, origin)).expect("no axis is flat")
 }
 
 /// Lower triangular, with each axis off by at most some 30°.

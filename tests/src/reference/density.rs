@@ -3,6 +3,7 @@
 
 use super::between_sheets::{Between, InSheet};
 use super::classified_part::part;
+use super::region::RegionOnRay;
 use super::view::View;
 use super::{
     Cut, Hierarchy, Kernel, KernelInView, Premultiplied, ReferenceImage, SheetSums,
@@ -10,7 +11,7 @@ use super::{
 };
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Normalization, Scene, Volume};
+use slabsplat_core::{Compositing, Layer, Normalization, Scene};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
@@ -20,7 +21,9 @@ const LIT_AT: [f64; 4] = [-0.375, -0.125, 0.125, 0.375];
 
 /// What all pixels have in common.
 struct Frame<'a> {
-    scene: &'a Scene,
+    layer: &'a Layer,
+    compositing: Compositing,
+    background: [f64; 4],
     view: View,
     kernel: KernelInView,
     unit: f64,
@@ -45,9 +48,15 @@ struct Sum {
     weighted: f64,
 }
 
-/// The picture of `scene` with `volume` in it.
-pub(super) fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
-    let frame = Frame::new(volume, scene);
+/// Where parts begin and end: in the middles of sheets.
+pub(super) fn part_faces(scene: &Scene) -> Vec<[f64; 2]> {
+    let frame = Frame::new(scene);
+    (1..frame.fronts.len()).map(|sheet| [sheet - 1, sheet].map(|it| frame.middle(it))).collect()
+}
+
+/// The picture of `scene`.
+pub(super) fn render(scene: &Scene) -> ReferenceImage {
+    let frame = Frame::new(scene);
     let (width, height) = (scene.image.width, scene.image.height);
     let at = |idx: usize, n_columns: usize| [(idx % n_columns) as i64, (idx / n_columns) as i64];
     // Gradients reach a pixel beyond the image.
@@ -65,8 +74,13 @@ pub(super) fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
 }
 
 impl<'a> Frame<'a> {
-    fn new(volume: &Volume, scene: &'a Scene) -> Self {
-        let (grid, settings) = (volume.grid(), &scene.settings);
+    fn new(scene: &'a Scene) -> Self {
+        let [layer] = &scene.layers[..] else {
+            panic!("the densities of {} layers are not defined", scene.layers.len());
+        };
+        let settings = &scene.settings;
+        let volume = &layer.volume;
+        let grid = volume.grid();
         let view = View::new(&scene.camera, &scene.image);
         let plain = Hierarchy { normalization: Normalization::None, base_width: 0.5 };
         let kernel = KernelInView::new(Kernel::named(&settings.kernel), plain, grid, &view.axes);
@@ -74,12 +88,14 @@ impl<'a> Frame<'a> {
             (0..grid.n_voxels()).map(|i| volume.value(i)).filter(|v| v.is_finite()).collect();
         let range = ends(finite.iter().copied());
         let mut frame = Self {
-            scene,
+            layer,
+            compositing: settings.compositing,
+            background: scene.image.background.map(f64::from),
             view,
             kernel,
             unit: grid.unit(),
             width: 0.5 * settings.slab_width,
-            voxels: voxels(volume, scene, &view, range),
+            voxels: voxels(layer, &view, range),
             fronts: Vec::new(),
             faint_gradient: (FAINT_GRADIENT * (range[1] - range[0]).max(0.0) / grid.unit())
                 .max(f64::MIN_POSITIVE),
@@ -122,13 +138,16 @@ impl<'a> Frame<'a> {
             }
         };
         let sheets: Vec<InSheet> = (0..here.len()).map(in_sheet).collect();
+        let region = RegionOnRay::new(&self.layer.region, &self.view, at);
         let mut pixel = Premultiplied::default();
-        for six in sheets.array_windows() {
+        for (before, six) in sheets.array_windows().enumerate() {
             if 0.0 < six[2].length || 0.0 < six[3].length {
-                pixel.lay_over(self.classified(at, &Between::new(six)));
+                let ends = [before + 2, before + 3].map(|sheet| self.middle(sheet));
+                let share = region.share(self.compositing, ends);
+                pixel.lay_over(self.classified(at, &Between::new(six), share));
             }
         }
-        let [r, g, b, opacity] = self.scene.image.background.map(f64::from);
+        let [r, g, b, opacity] = self.background;
         pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
         let [r, g, b] = pixel.color;
         [r, g, b, pixel.opacity]
@@ -141,7 +160,7 @@ impl<'a> Frame<'a> {
     /// The sum of one pixel in the sheet behind `front`.
     fn sum(&self, at: [i64; 2], front: f64) -> Sum {
         let thickness = self.width * self.unit;
-        if !self.view.draws_slab(front, front + thickness, self.unit) {
+        if !self.view.draws_slab([front, front + thickness], self.unit) {
             return Sum::default();
         }
         let middle = front + 0.5 * thickness;
@@ -164,18 +183,19 @@ impl<'a> Frame<'a> {
         sum
     }
 
-    /// The part of a ray between two sheets, in which the density goes from one end to the other.
-    fn classified(&self, at: [i64; 2], between: &Between) -> Premultiplied {
-        let Scene { transfer, shading, settings, .. } = self.scene;
-        let mut sums = SheetSums::new(settings.compositing);
+    /// The part of a ray between two sheets, in which the density goes from one end to the other, and of
+    /// which the region leaves a share.
+    fn classified(&self, at: [i64; 2], between: &Between, share: f64) -> Premultiplied {
+        let Layer { transfer, shading, .. } = self.layer;
+        let mut sums = SheetSums::new(self.compositing);
         let densities = between.ends.map(|end| end.density);
-        let Some(part) = part(transfer, settings.compositing, densities) else {
+        let Some(part) = part(transfer, self.compositing, densities) else {
             return Premultiplied::default();
         };
         // What is seen lies evenly around its mean, as far as the part goes on both sides.
         let seen = 2.0 * part.place.min(1.0 - part.place);
         // What goes through the quarters before counts, where what a sheet sums hides any of itself.
-        let through = match settings.compositing {
+        let through = match self.compositing {
             Compositing::Extinction => (-0.25 * between.length * part.weight).exp(),
             Compositing::Separate | Compositing::Associated => 1.0,
         };
@@ -185,7 +205,7 @@ impl<'a> Frame<'a> {
             (normal, through.powi(quarter as i32))
         });
         let color = shaded_by_normals(shading, part.color, &quarters, self.view.axes.forward);
-        sums.add_weighted(between.length, part.weight, color);
+        sums.add_weighted(share * between.length, part.weight, color);
         sums.finish()
     }
 
@@ -203,10 +223,11 @@ impl<'a> Frame<'a> {
 
 /// All that are not NaN. An infinite one counts as the least or the largest of all finite values and of the
 /// transfer function's points.
-fn voxels(volume: &Volume, scene: &Scene, view: &View, finite: [f64; 2]) -> Vec<Voxel> {
+fn voxels(layer: &Layer, view: &View, finite: [f64; 2]) -> Vec<Voxel> {
+    let Layer { volume, transfer, .. } = layer;
     let grid = volume.grid();
     let of_values = finite.into_iter().filter(|v| v.is_finite());
-    let [lo, hi] = ends(of_values.chain(scene.transfer.positions()));
+    let [lo, hi] = ends(of_values.chain(transfer.positions()));
     let voxel = |voxel_idx: usize| {
         let center = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
         let center_in_view = view.view_from_world(grid.world_from_index().transform_point3(center));

@@ -1,21 +1,29 @@
 //! What is drawn in which sheet, by each of the three methods (model §4).
 
 use super::sheet::MAX_OPACITY;
+use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
 use super::{Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, merge, shaded_color};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Grid, Method, Scene, Volume};
+use slabsplat_core::{Compositing, Grid, Layer, Method, Region, RenderSettings, Scene};
 
 /// All that the pixels of a picture have in common.
 pub(super) struct Frame {
     pub(super) view: View,
-    pub(super) kernel: KernelInView,
-    pub(super) unit: f64,
     pub(super) compositing: Compositing,
     pub(super) background: [f64; 4],
-    pub(super) voxels: Vec<Voxel>,
+    pub(super) layers: Vec<LayerInView>,
     /// From front to back.
     pub(super) sheets: Vec<Sheet>,
+}
+
+/// A layer as the camera sees it.
+pub(super) struct LayerInView {
+    grid: Grid,
+    pub(super) unit: f64,
+    pub(super) kernel: KernelInView,
+    pub(super) voxels: Vec<Voxel>,
+    pub(super) region: Region,
 }
 
 /// A voxel whose opacity is above 0.
@@ -28,15 +36,17 @@ pub(super) struct Voxel {
 
 /// Voxels whose sections are added up before they are composited.
 pub(super) struct Sheet {
-    pub(super) splats: Vec<SheetSplat>,
-    /// Where rays meet its footprints; `None` where each is met at its voxel's own depth.
-    pub(super) plane_depth: Option<f64>,
+    /// Of each layer.
+    pub(super) splats: Vec<Vec<SheetSplat>>,
+    /// Depths of the slab's faces. Rays meet its footprints half way between; `None` where each is met at its
+    /// voxel's own depth.
+    pub(super) faces: Option<[f64; 2]>,
 }
 
 /// What a sheet has of a voxel.
 #[derive(Clone, Copy)]
 pub(super) struct SheetSplat {
-    /// Index into [`Frame::voxels`].
+    /// Index into [`LayerInView::voxels`].
     pub(super) voxel_idx: usize,
     pub(super) cut: Cut,
 }
@@ -53,114 +63,124 @@ impl Voxel {
 
 impl Frame {
     /// The exact picture, or what `tolerance` makes of it.
-    pub(super) fn new(volume: &Volume, scene: &Scene, tolerance: f64) -> Self {
-        let (grid, settings) = (volume.grid(), &scene.settings);
+    pub(super) fn new(scene: &Scene, tolerance: f64) -> Self {
+        let settings = &scene.settings;
         let view = View::new(&scene.camera, &scene.image);
-        let hierarchy = Hierarchy {
-            normalization: settings.normalization,
-            base_width: settings.base_slab_width,
-        };
-        let kernel = Kernel::named(&settings.kernel);
-        let mut frame = Self {
-            view,
-            kernel: KernelInView::new(kernel, hierarchy, grid, &view.axes),
-            unit: grid.unit(),
-            compositing: settings.compositing,
-            background: scene.image.background.map(f64::from),
-            voxels: visible_voxels(volume, scene, &view),
-            sheets: Vec::new(),
-        };
-        frame.sheets = match settings.method {
+        let slabs = Slabs::new(scene, &view);
+        let in_view = |layer| LayerInView::new(layer, settings, &slabs, &view);
+        let layers: Vec<LayerInView> = scene.layers.iter().map(in_view).collect();
+        let sheets = match settings.method {
             Method::ImageAligned if merge::applies(settings, tolerance) => {
-                merge::merged_slabs(&frame, grid, settings, tolerance)
+                let tolerance = tolerance / layers.len() as f64;
+                let merged = |layer: &_| merge::merged_splats(layer, &slabs, &view, tolerance);
+                slabs.sheets(&view, &layers, merged)
             }
-            Method::ImageAligned => frame.slabs(grid, settings.slab_width),
-            Method::AxisAligned => frame.slices(grid),
-            Method::EverySample => frame.single_voxels(grid),
+            Method::ImageAligned => slabs.sheets(&view, &layers, |layer| layer.in_slabs(&slabs)),
+            Method::AxisAligned => only(&layers).slices(&view),
+            Method::EverySample => only(&layers).single_voxels(&view),
             Method::PostClassified => panic!("its sheets hold densities: see `density`"),
         };
-        frame
+        let background = scene.image.background.map(f64::from);
+        Self { view, compositing: settings.compositing, background, layers, sheets }
+    }
+}
+
+/// The layer of a method that draws one, all of it.
+fn only(layers: &[LayerInView]) -> &LayerInView {
+    let [layer] = layers else { panic!("sheets of {} layers are not defined", layers.len()) };
+    assert!(layer.region.is_everywhere(), "its sheets are no slabs that a region could cut");
+    layer
+}
+
+impl LayerInView {
+    fn new(layer: &Layer, settings: &RenderSettings, slabs: &Slabs, view: &View) -> Self {
+        let grid = *layer.volume.grid();
+        let hierarchy = Hierarchy {
+            normalization: settings.normalization,
+            base_width: slabs.in_units_of(grid.unit(), settings.base_slab_width),
+        };
+        let kernel = Kernel::named(&settings.kernel);
+        Self {
+            grid,
+            unit: grid.unit(),
+            kernel: KernelInView::new(kernel, hierarchy, &grid, &view.axes),
+            voxels: visible_voxels(layer, view),
+            region: layer.region.clone(),
+        }
     }
 
-    /// Slabs `n` from `z_c + n·w·unit`, as far as there are voxels.
-    fn slabs(&self, grid: &Grid, width: f64) -> Vec<Sheet> {
-        let center_depth = self.view.view_from_world(grid.center_in_world()).z;
-        let world_width = width * self.unit;
-        let slab_at = |depth: f64| ((depth - center_depth) / world_width).floor();
+    /// What slabs have of its voxels.
+    fn in_slabs(&self, slabs: &Slabs) -> SplatsBySlab {
         let depths = || self.voxels.iter().map(|v| v.center_in_view.z);
         let nearest = depths().fold(f64::INFINITY, f64::min) - self.kernel.depth_reach;
         let farthest = depths().fold(f64::NEG_INFINITY, f64::max) + self.kernel.depth_reach;
         if self.voxels.is_empty() {
-            return Vec::new();
+            return SplatsBySlab::new();
         }
-        let slab_numbers = slab_at(nearest) as i64..=slab_at(farthest) as i64;
-        let slabs = slab_numbers.filter_map(|n| {
-            let front = center_depth + n as f64 * world_width;
-            let middle = front + 0.5 * world_width;
-            if !self.view.draws_slab(front, front + world_width, self.unit) {
-                return None;
-            }
-            let reach = self.kernel.depth_reach + 0.5 * world_width;
+        let in_slab = |slab: i64| {
+            let [front, back] = [slab, slab + 1].map(|face| slabs.face(face));
+            let (middle, reach) =
+                (0.5 * (front + back), self.kernel.depth_reach + 0.5 * (back - front));
             let meets = |&i: &usize| (self.voxels[i].center_in_view.z - middle).abs() <= reach;
-            let cut = Cut::Slab { front, width };
+            let cut = Cut::Slab { front, width: slabs.width_in(self.unit) };
             let voxels = (0..self.voxels.len()).filter(meets);
-            let splats = voxels.map(|voxel_idx| SheetSplat { voxel_idx, cut }).collect();
-            Some(Sheet { splats, plane_depth: Some(middle) })
-        });
-        slabs.collect()
+            (slab, voxels.map(|voxel_idx| SheetSplat { voxel_idx, cut }).collect())
+        };
+        (slabs.at(nearest)..=slabs.at(farthest)).map(in_slab).collect()
     }
 
     /// The grid's slices along the axis most parallel to the view.
-    fn slices(&self, grid: &Grid) -> Vec<Sheet> {
-        let steps = grid.world_from_index().matrix3;
+    fn slices(&self, view: &View) -> Vec<Sheet> {
+        let steps = self.grid.world_from_index().matrix3;
         let cosines = [steps.x_axis, steps.y_axis, steps.z_axis]
-            .map(|step| step.normalize().dot(self.view.axes.forward));
+            .map(|step| step.normalize().dot(view.axes.forward));
         let mut axis = 0;
         for other in 1..3 {
             if cosines[axis].abs() < cosines[other].abs() {
                 axis = other;
             }
         }
-        let mut slice_numbers: Vec<usize> = (0..grid.dims()[axis]).collect();
+        let mut slice_numbers: Vec<usize> = (0..self.grid.dims()[axis]).collect();
         if cosines[axis] < 0.0 {
             slice_numbers.reverse();
         }
         let in_slice = |slice: usize| {
-            self.drawn_whole().filter(|&i| self.voxels[i].coords[axis] == slice).collect()
+            self.drawn_whole(view).filter(|&i| self.voxels[i].coords[axis] == slice).collect()
         };
         slice_numbers.into_iter().map(|slice| whole_footprints(in_slice(slice))).collect()
     }
 
     /// Voxels by depth; those at one depth from the bottom to the top and from left to right.
-    fn single_voxels(&self, grid: &Grid) -> Vec<Sheet> {
-        let center = self.view.view_from_world(grid.center_in_world());
+    fn single_voxels(&self, view: &View) -> Vec<Sheet> {
+        let center = view.view_from_world(self.grid.center_in_world());
         let rounded = |i: usize| {
             let steps = (self.voxels[i].center_in_view - center) / (self.unit * DEPTH_STEP);
             let [x, y, z] = steps.to_array().map(|v| v.round() as i64);
             [z, y, x]
         };
-        let mut order: Vec<usize> = self.drawn_whole().collect();
+        let mut order: Vec<usize> = self.drawn_whole(view).collect();
         order.sort_by_key(|&i| rounded(i));
         order.into_iter().map(|i| whole_footprints(vec![i])).collect()
     }
 
     /// The voxels that are not before the near depth.
-    fn drawn_whole(&self) -> impl Iterator<Item = usize> {
-        let near_depth = self.view.near_depth(self.unit);
+    fn drawn_whole(&self, view: &View) -> impl Iterator<Item = usize> {
+        let near_depth = view.near_depth(self.unit);
         (0..self.voxels.len()).filter(move |&i| near_depth <= self.voxels[i].center_in_view.z)
     }
 }
 
 fn whole_footprints(voxel_indices: Vec<usize>) -> Sheet {
     let splat = |voxel_idx| SheetSplat { voxel_idx, cut: Cut::Whole };
-    Sheet { splats: voxel_indices.into_iter().map(splat).collect(), plane_depth: None }
+    Sheet { splats: vec![voxel_indices.into_iter().map(splat).collect()], faces: None }
 }
 
-fn visible_voxels(volume: &Volume, scene: &Scene, view: &View) -> Vec<Voxel> {
+fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
+    let Layer { volume, transfer, shading, .. } = layer;
     let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
         let value = volume.value(voxel_idx);
-        let opacity = scene.transfer.opacity(value);
+        let opacity = transfer.opacity(value);
         if value.is_nan() || opacity <= 0.0 {
             return None;
         }
@@ -168,12 +188,12 @@ fn visible_voxels(volume: &Volume, scene: &Scene, view: &View) -> Vec<Voxel> {
         let center_in_index = DVec3::from_array(coords.map(|c| c as f64));
         let center_in_world = grid.world_from_index().transform_point3(center_in_index);
         let gradient = gradient_in_world(volume, coords);
-        let color = scene.transfer.color(value);
+        let color = transfer.color(value);
         Some(Voxel {
             coords,
             center_in_view: view.view_from_world(center_in_world),
             opacity,
-            color: shaded_color(&scene.shading, color, gradient, view.axes.forward),
+            color: shaded_color(shading, color, gradient, view.axes.forward),
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()

@@ -3,10 +3,11 @@
 //! A face that has little of a voxel's extinction beyond it does not split the voxel's kernel: what is
 //! beyond is *merged* into the section before it, and drawn in that section's slab.
 
-use super::frame::{Frame, Sheet, SheetSplat, Voxel};
+use super::frame::{LayerInView, SheetSplat, Voxel};
+use super::slabs::{Slabs, SplatsBySlab};
+use super::view::View;
 use super::{Cut, GaussLegendre, Kernel};
-use slabsplat_core::{Compositing, Grid, Normalization, RenderSettings};
-use std::collections::BTreeMap;
+use slabsplat_core::{Compositing, Normalization, RenderSettings};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -17,70 +18,42 @@ pub(super) fn applies(settings: &RenderSettings, tolerance: f64) -> bool {
         && settings.normalization == Normalization::None
 }
 
-/// The slabs `n` from `z_c + n·w·unit` again, with what is drawn in each of them.
-pub(super) fn merged_slabs(
-    frame: &Frame,
-    grid: &Grid,
-    settings: &RenderSettings,
+/// What slabs have of a layer that may be off by `tolerance`.
+pub(super) fn merged_splats(
+    layer: &LayerInView,
+    slabs: &Slabs,
+    view: &View,
     tolerance: f64,
-) -> Vec<Sheet> {
-    let slabs = Slabs {
-        center: frame.view.view_from_world(grid.center_in_world()).z,
-        width: settings.slab_width,
-        thickness: settings.slab_width * frame.unit,
-    };
-    let levels = Levels::new(frame, tolerance);
-    let mut sheets: BTreeMap<i64, Vec<SheetSplat>> = BTreeMap::new();
-    for (voxel_idx, voxel) in frame.voxels.iter().enumerate() {
-        let drawn = match levels.doublings(voxel, settings.slab_width) {
-            0 => sections(frame, &slabs, voxel, levels.reach(voxel)),
-            n => vec![whole_in_thick_slab(frame, &slabs, voxel, n)],
+) -> SplatsBySlab {
+    let levels = Levels::new(layer, view, tolerance);
+    let slab_width = slabs.width_in(layer.unit);
+    let mut splats = SplatsBySlab::new();
+    for (voxel_idx, voxel) in layer.voxels.iter().enumerate() {
+        let drawn = match levels.doublings(voxel, slab_width) {
+            0 => sections(layer, slabs, voxel, levels.reach(voxel)),
+            n => vec![whole_in_thick_slab(layer, slabs, voxel, n)],
         };
         for (slab, cut) in drawn {
-            sheets.entry(slab).or_default().push(SheetSplat { voxel_idx, cut });
+            splats.entry(slab).or_default().push(SheetSplat { voxel_idx, cut });
         }
     }
-    let sheets = sheets.into_iter().filter_map(|(slab, splats)| {
-        let [front, back] = [slab, slab + 1].map(|face| slabs.face(face));
-        let is_drawn = frame.view.draws_slab(front, back, frame.unit);
-        is_drawn.then_some(Sheet { splats, plane_depth: Some(0.5 * (front + back)) })
-    });
-    sheets.collect()
-}
-
-/// Where the slabs are.
-struct Slabs {
-    center: f64,
-    width: f64,
-    thickness: f64,
-}
-
-impl Slabs {
-    /// The depth of slab `n`'s front face.
-    fn face(&self, n: i64) -> f64 {
-        self.center + n as f64 * self.thickness
-    }
-
-    /// The slab at a depth.
-    fn at(&self, depth: f64) -> i64 {
-        ((depth - self.center) / self.thickness).floor() as i64
-    }
+    splats
 }
 
 /// All of a voxel, in the slab behind the middle of the one that is 2ⁿ times as thick.
-fn whole_in_thick_slab(frame: &Frame, slabs: &Slabs, voxel: &Voxel, n: u32) -> (i64, Cut) {
-    let (depth, reach) = (voxel.center_in_view.z, frame.kernel.depth_reach);
+fn whole_in_thick_slab(layer: &LayerInView, slabs: &Slabs, voxel: &Voxel, n: u32) -> (i64, Cut) {
+    let (depth, reach) = (voxel.center_in_view.z, layer.kernel.depth_reach);
     let [first, last] = [slabs.at(depth - reach), slabs.at(depth + reach)];
-    let whole =
-        Cut::Slab { front: slabs.face(first), width: (last + 1 - first) as f64 * slabs.width };
+    let width = (last + 1 - first) as f64 * slabs.width_in(layer.unit);
+    let whole = Cut::Slab { front: slabs.face(first), width };
     let side = 1_i64 << n;
     (slabs.at(depth).div_euclid(side) * side + side / 2, whole)
 }
 
 /// The sections of a voxel, each with the slab in which it is drawn.
 /// It is cut by the faces that are nearer to its centre than `cut_reach`.
-fn sections(frame: &Frame, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<(i64, Cut)> {
-    let (depth, reach) = (voxel.center_in_view.z, frame.kernel.depth_reach);
+fn sections(layer: &LayerInView, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<(i64, Cut)> {
+    let (depth, reach) = (voxel.center_in_view.z, layer.kernel.depth_reach);
     let home = slabs.at(depth);
     let met: RangeInclusive<i64> = slabs.at(depth - reach)..=slabs.at(depth + reach);
     let is_cut = |&face: &i64| (slabs.face(face) - depth).abs() < cut_reach;
@@ -90,7 +63,7 @@ fn sections(frame: &Frame, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<
     let section = |(&start, end): (&i64, i64)| {
         // The nearest to the voxel's centre of the slabs that the section covers.
         let slab = home.clamp(start, end - 1);
-        let width = (end - start) as f64 * slabs.width;
+        let width = (end - start) as f64 * slabs.width_in(layer.unit);
         (slab, Cut::Slab { front: slabs.face(start), width })
     };
     starts.iter().zip(ends).map(section).collect()
@@ -107,15 +80,15 @@ struct Levels {
 }
 
 impl Levels {
-    fn new(frame: &Frame, tolerance: f64) -> Self {
-        let (kernel, depth_reach) = (frame.kernel.kernel(), frame.kernel.depth_reach);
-        let layer_depth = depth_reach / (kernel.radius() * frame.unit);
+    fn new(layer: &LayerInView, view: &View, tolerance: f64) -> Self {
+        let (kernel, depth_reach) = (layer.kernel.kernel(), layer.kernel.depth_reach);
+        let layer_depth = depth_reach / (kernel.radius() * layer.unit);
         let beyond = |level: u32| fraction_beyond(kernel, kernel.radius() * share(level));
         Self {
             layer_depth,
             merged: (0..=32).map(|level| layer_depth * beyond(level)).collect(),
             depth_reach,
-            steepest_ray: frame.view.steepest_ray(),
+            steepest_ray: view.steepest_ray(),
             tolerance,
         }
     }

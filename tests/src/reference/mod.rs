@@ -7,9 +7,9 @@
 //! and so is `tolerance`, but for [`render_within_tolerance`].
 //!
 //! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
-//! (§3); `view` (§5); `gradient`, `shade` (§6); `frame` (§4) and `row` put them together;
-//! `merge` (§7) is what a tolerance changes; `between_sheets`, `classified_part` and `density` (§8) are the
-//! method `post-classified`.
+//! (§3); `view` (§5); `gradient`, `shade` (§6); `slabs` (§10) and `region` (§11); `frame` (§4) and `row` put
+//! them together; `merge` (§7) is what a tolerance changes; `between_sheets`, `classified_part` and `density`
+//! (§8) are the method `post-classified`.
 
 mod gradient;
 mod hierarchy;
@@ -26,7 +26,9 @@ mod density;
 mod frame;
 mod image;
 mod merge;
+mod region;
 mod row;
+mod slabs;
 
 pub use gradient::gradient_in_world;
 pub use hierarchy::Hierarchy;
@@ -34,33 +36,35 @@ pub use image::{Difference, ReferenceImage};
 pub use kernel::Kernel;
 pub use merge::fraction_beyond;
 pub use quadrature::GaussLegendre;
+pub use region::undecided_pixels;
 pub use section::{Cut, KernelInView};
 pub use shade::{shaded_by_normals, shaded_color};
 pub use sheet::{Premultiplied, SheetSums};
 
 use rayon::prelude::*;
-use slabsplat_core::{Method, Scene, Volume};
+use slabsplat_core::{Method, Scene};
 
-/// The picture of `scene` with `volume` in it.
+/// The picture of `scene`.
 ///
 /// # Panics
-/// If the scene names a kernel that model §2 does not list.
-pub fn render(volume: &Volume, scene: &Scene) -> ReferenceImage {
+/// If the scene names a kernel that model §2 does not list, or has several layers or a region where its
+/// method has none.
+pub fn render(scene: &Scene) -> ReferenceImage {
     if scene.settings.method == Method::PostClassified {
-        return density::render(volume, scene);
+        return density::render(scene);
     }
-    picture(&frame::Frame::new(volume, scene, 0.0), scene)
+    picture(&frame::Frame::new(scene, 0.0), scene)
 }
 
 /// The same, with sections merged as far as `settings.tolerance` allows (model §7).
 ///
 /// # Panics
 /// As [`render`].
-pub fn render_within_tolerance(volume: &Volume, scene: &Scene) -> ReferenceImage {
+pub fn render_within_tolerance(scene: &Scene) -> ReferenceImage {
     if scene.settings.method == Method::PostClassified {
-        return density::render(volume, scene);
+        return density::render(scene);
     }
-    picture(&frame::Frame::new(volume, scene, scene.settings.tolerance), scene)
+    picture(&frame::Frame::new(scene, scene.settings.tolerance), scene)
 }
 
 fn picture(frame: &frame::Frame, scene: &Scene) -> ReferenceImage {

@@ -1,6 +1,7 @@
 //! One row of pixels: every sheet summed along each ray, and composited from front to back.
 
-use super::frame::{Frame, Sheet, SheetSplat, Voxel};
+use super::frame::{Frame, LayerInView, Sheet, SheetSplat, Voxel};
+use super::region::RegionOnRay;
 use super::{Cut, Premultiplied, SheetSums};
 
 /// What a voxel and a row of pixels have in common.
@@ -18,11 +19,19 @@ struct Splat<'a> {
 
 /// The premultiplied RGBA of row `y`, background included.
 pub(super) fn row(frame: &Frame, y: u32) -> Vec<[f64; 4]> {
-    let sheets: Vec<_> = frame.sheets.iter().map(|sheet| splats(frame, sheet, y)).collect();
+    let splats: Vec<_> = frame.sheets.iter().map(|sheet| splats(frame, sheet, y)).collect();
     let pixel = |x: u32| {
+        let at = [i64::from(x), i64::from(y)];
+        let on_ray = |layer: &LayerInView| RegionOnRay::new(&layer.region, &frame.view, at);
+        let regions: Vec<RegionOnRay> = frame.layers.iter().map(on_ray).collect();
         let mut sum = Premultiplied::default();
-        for splats in &sheets {
-            sum.lay_over(sheet_at(frame, splats, x));
+        for (sheet, splats) in frame.sheets.iter().zip(&splats) {
+            let mut sums = SheetSums::new(frame.compositing);
+            for ((layer, splats), region) in frame.layers.iter().zip(splats).zip(&regions) {
+                let share = sheet.faces.map_or(1.0, |it| region.share(frame.compositing, it));
+                sums.add_share(share, layer_at(frame, layer, splats, x));
+            }
+            sum.lay_over(sums.finish());
         }
         let [r, g, b, opacity] = frame.background;
         sum.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
@@ -32,30 +41,36 @@ pub(super) fn row(frame: &Frame, y: u32) -> Vec<[f64; 4]> {
     (0..frame.view.width()).map(pixel).collect()
 }
 
-/// The splats of a sheet that may reach row `y`.
-fn splats<'a>(frame: &'a Frame, sheet: &Sheet, y: u32) -> Vec<Splat<'a>> {
-    let splat = |&SheetSplat { voxel_idx, cut }: &SheetSplat| {
-        let voxel = &frame.voxels[voxel_idx];
-        let plane_depth = sheet.plane_depth.unwrap_or(voxel.center_in_view.z);
-        let stretch = (frame.view.pixel_size(plane_depth) / frame.unit).max(1.0);
-        let offset_up = frame.view.row_in_view(y, plane_depth) - voxel.center_in_view.y;
-        Splat { voxel, cut, plane_depth, stretch, offset_up }
+/// The splats of a sheet that may reach row `y`, layer by layer.
+fn splats<'a>(frame: &'a Frame, sheet: &Sheet, y: u32) -> Vec<Vec<Splat<'a>>> {
+    let of_layer = |(layer, splats): (&'a LayerInView, &Vec<SheetSplat>)| {
+        let splat = |&SheetSplat { voxel_idx, cut }: &SheetSplat| {
+            let voxel = &layer.voxels[voxel_idx];
+            let own_depth = voxel.center_in_view.z;
+            let plane_depth = sheet.faces.map_or(own_depth, |[front, back]| 0.5 * (front + back));
+            let stretch = (frame.view.pixel_size(plane_depth) / layer.unit).max(1.0);
+            let offset_up = frame.view.row_in_view(y, plane_depth) - voxel.center_in_view.y;
+            Splat { voxel, cut, plane_depth, stretch, offset_up }
+        };
+        let may_reach =
+            |splat: &Splat<'_>| splat.offset_up.abs() <= splat.stretch * layer.kernel.reach;
+        splats.iter().map(splat).filter(may_reach).collect()
     };
-    let may_reach = |splat: &Splat<'_>| splat.offset_up.abs() <= splat.stretch * frame.kernel.reach;
-    sheet.splats.iter().map(splat).filter(may_reach).collect()
+    frame.layers.iter().zip(&sheet.splats).map(of_layer).collect()
 }
 
-fn sheet_at(frame: &Frame, splats: &[Splat<'_>], x: u32) -> Premultiplied {
+/// What a layer sums up in a sheet, uncut.
+fn layer_at(frame: &Frame, layer: &LayerInView, splats: &[Splat<'_>], x: u32) -> SheetSums {
     let mut sums = SheetSums::new(frame.compositing);
     for splat in splats {
         let center = splat.voxel.center_in_view;
         let offset_right = frame.view.column_in_view(x, splat.plane_depth) - center.x;
         let offset = [offset_right, splat.offset_up];
-        if splat.stretch * frame.kernel.reach < offset_right.hypot(splat.offset_up) {
+        if splat.stretch * layer.kernel.reach < offset_right.hypot(splat.offset_up) {
             continue;
         }
-        let weight = frame.kernel.stretched_weight(splat.cut, offset, center.z, splat.stretch);
+        let weight = layer.kernel.stretched_weight(splat.cut, offset, center.z, splat.stretch);
         sums.add(weight, splat.voxel.opacity, splat.voxel.color);
     }
-    sums.finish()
+    sums
 }

@@ -55,6 +55,14 @@ impl SheetSums {
         }
     }
 
+    /// Adds a share of what another layer has summed up in the same sheet.
+    pub fn add_share(&mut self, share: f64, layer: Self) {
+        self.opacity += share * layer.opacity;
+        for (sum, channel) in self.color.iter_mut().zip(layer.color) {
+            *sum += share * channel;
+        }
+    }
+
     /// The finished sheet.
     pub fn finish(self) -> Premultiplied {
         // Sections of the `paper` normalisation may be negative; a sheet cannot be.

@@ -75,9 +75,16 @@ impl View {
         from_middle.map(|pixels| pixels * self.pixel_size(depth))
     }
 
+    /// The same in world space.
+    pub(super) fn ray_in_world(&self, at: [i64; 2], depth: f64) -> DVec3 {
+        let [right, up] = self.ray_in_view(at, depth);
+        let axes = &self.axes;
+        self.eye + right * axes.right + up * axes.up + depth * axes.forward
+    }
+
     /// A perspective slab is projected at its middle, so that is what counts; of an orthographic one, all
     /// is drawn if any of it is behind the eye's plane.
-    pub(super) fn draws_slab(&self, front: f64, back: f64, unit: f64) -> bool {
+    pub(super) fn draws_slab(&self, [front, back]: [f64; 2], unit: f64) -> bool {
         match self.projection {
             Projection::Orthographic { .. } => 0.0 < back,
             Projection::Perspective { .. } => self.near_depth(unit) <= 0.5 * (front + back),
@@ -114,6 +121,24 @@ mod tests {
         }
         assert_eq!(orthographic.column_in_view(0, 0.0), -9.75);
         assert_eq!(orthographic.row_in_view(0, 0.0), 4.75, "row 0 is the top");
+    }
+
+    /// Where a ray is in the world, it is in the view.
+    #[test]
+    fn view_ray_in_world_is_that_in_view() {
+        for projection in [
+            Projection::Perspective { fov_y_radians: 0.8 },
+            Projection::Orthographic { view_height: 10.0 },
+        ] {
+            let camera = Camera::new(DVec3::new(3.0, -7.0, 5.0), DVec3::ONE, DVec3::Y, projection);
+            let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
+            let view = View::new(&camera.expect("up is not forward"), &image);
+            for (at, depth) in [([0, 0], 3.0), ([39, 4], 0.0), ([-1, 20], 11.0)] {
+                let [right, up] = view.ray_in_view(at, depth);
+                let point = view.view_from_world(view.ray_in_world(at, depth));
+                assert!(point.abs_diff_eq(DVec3::new(right, up, depth), 1e-12), "{point}");
+            }
+        }
     }
 
     #[test]

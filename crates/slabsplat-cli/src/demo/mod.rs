@@ -8,8 +8,9 @@ use crate::{meter, output, stats, terminal};
 use anyhow::{Context, Result};
 use clap::Args;
 use shots::{CUBE_TURN, SHOTS, Shot};
-use slabsplat::{Frame, Method, Renderer, Volume, io};
+use slabsplat::{Frame, Method, Renderer, io};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Render built-in volumes with all four methods, and measure how the methods pop
@@ -24,7 +25,7 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
     let directory = &args.directory;
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory {}", directory.display()))?;
-    let mut renderer = Renderer::open(cube()?, "auto", terminal::warn)?;
+    let mut renderer = Renderer::open("auto", terminal::warn)?;
     let side = shots::SIDE_PIXELS;
     terminal::answer(&format!(
         "Pictures of {side} x {side} pixels in {}, by {}:\n\n",
@@ -38,15 +39,11 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
     measure(&mut renderer)
 }
 
-fn cube() -> Result<Volume> {
-    Ok(io::builtin_volume("cube", None)?)
-}
-
 /// One volume by all methods. The voxels are sorted once.
 fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
     let progress = Progress::start("rendering", 0);
-    renderer.set_volume(io::builtin_volume(shot.volume, None)?);
-    let scenes = Method::ALL.iter().map(|&method| shot.scene(method));
+    let volume = Arc::new(io::builtin_volume(shot.volume, None)?);
+    let scenes = Method::ALL.iter().map(|&method| shot.scene(volume.clone(), method));
     let scenes = scenes.collect::<Result<Vec<_>>>()?;
     let mut lines = String::new();
     for scene in scenes {
@@ -62,8 +59,7 @@ fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
 }
 
 fn measure(renderer: &mut Renderer) -> Result<()> {
-    let scene = shots::popping_scene()?;
-    renderer.set_volume(cube()?);
+    let scene = shots::popping_scene(io::builtin_volume("cube", None)?)?;
     let reports = meter::measure(renderer, &scene, Method::ALL, CUBE_TURN)?;
     terminal::answer(&format!(
         "\nThe cube turns from {} to {} degrees in steps of {}. By how much does the picture change in a \

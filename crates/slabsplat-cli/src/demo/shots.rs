@@ -3,9 +3,10 @@
 use anyhow::Result;
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Compositing, ImageDesc, Light, Method, Phong, Projection, RenderSettings, Scene,
-    Shading, Sweep, TransferFunction,
+    Camera, Compositing, ImageDesc, Layer, Light, Method, Phong, Projection, RenderSettings, Scene,
+    Shading, Sweep, TransferFunction, Volume,
 };
+use std::sync::Arc;
 
 /// Width and height of the demo's pictures.
 pub(super) const SIDE_PIXELS: u32 = 384;
@@ -108,13 +109,14 @@ pub(super) const SHOTS: &[Shot] = &[
 
 impl Shot {
     /// The scene of this shot by one method.
-    pub(super) fn scene(&self, method: Method) -> Result<Scene> {
+    pub(super) fn scene(&self, volume: Arc<Volume>, method: Method) -> Result<Scene> {
         let opacity = self.opacity.iter().map(|&(value, a)| (value, [a])).collect();
         let eye = DVec3::from_array(self.to_eye).normalize() * DISTANCE;
         let projection = Projection::Orthographic { view_height: self.view_height };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection)?;
-        Ok(Scene::new(TransferFunction::new(opacity, self.color.to_vec())?, camera)
-            .shading(Shading::Phong(self.phong(&camera)?))
+        let transfer = TransferFunction::new(opacity, self.color.to_vec())?;
+        let layer = Layer::new(volume, transfer).shading(Shading::Phong(self.phong(&camera)?));
+        Ok(Scene::new(layer, camera)
             .image(ImageDesc { width: SIDE_PIXELS, height: SIDE_PIXELS, background: BACKGROUND })
             .settings(RenderSettings::default().method(method)))
     }
@@ -138,7 +140,7 @@ impl Shot {
 
 /// The paper's figures 2 and 6: the cube seen level, one unit of slab, colour and opacity summed
 /// apart, and nothing but diffuse light from the eye.
-pub(super) fn popping_scene() -> Result<Scene> {
+pub(super) fn popping_scene(cube: Volume) -> Result<Scene> {
     let eye = DVec3::Z * DISTANCE;
     let projection = Projection::Orthographic { view_height: 34.0 };
     let transfer = vec![(0.0, [0.0]), (255.0, [0.5])];
@@ -147,8 +149,8 @@ pub(super) fn popping_scene() -> Result<Scene> {
     let diffuse =
         Phong::default().ambient(0.0).diffuse(1.0).specular(0.0).shininess(1.0).two_sided(false);
     let (width, height) = (METER_SIDE_PIXELS, METER_SIDE_PIXELS);
-    Ok(Scene::new(transfer, camera)
-        .shading(Shading::Phong(diffuse))
+    let layer = Layer::new(cube, transfer).shading(Shading::Phong(diffuse));
+    Ok(Scene::new(layer, camera)
         .image(ImageDesc { width, height, background: [0.0; 4] })
         .settings(RenderSettings::default().compositing(Compositing::Separate)))
 }

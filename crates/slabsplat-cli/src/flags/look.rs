@@ -5,7 +5,7 @@ use super::values::{self, ColorPoints, OpacityPoints};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use slabsplat::io::{self, SceneFile};
-use slabsplat::{Automatic, Phong, Shading, TransferFunction, Volume};
+use slabsplat::{Layer, Phong, Shading, TransferFunction};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -48,34 +48,44 @@ enum Model {
 }
 
 impl LookFlags {
-    /// All but the points, which may need the volume.
+    /// All but points of opacity or of colour alone: the others may have to be found from the volume.
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
-        file.shading = self.shading_over(file.shading)?;
-        if let Some(name) = &self.preset {
-            file.transfer = Some(io::preset_transfer(name)?);
-        }
-        if let Some(path) = &self.transfer_file {
-            file.transfer = Some(io::read_color_map(path)?);
+        let transfer = self.whole_transfer()?;
+        for layer in &mut file.layers {
+            layer.shading = self.shading_over(layer.shading)?;
+            layer.transfer = transfer.clone().or_else(|| layer.transfer.take());
         }
         Ok(())
     }
 
+    /// The transfer function that flags say as a whole.
+    fn whole_transfer(&self) -> Result<Option<TransferFunction>> {
+        Ok(match (&self.opacity, &self.color, &self.preset, &self.transfer_file) {
+            (Some(OpacityPoints(opacity)), Some(ColorPoints(color)), ..) => {
+                Some(transfer(opacity.clone(), color.clone())?)
+            }
+            (_, _, Some(name), _) => Some(io::preset_transfer(name)?),
+            (_, _, _, Some(path)) => Some(io::read_color_map(path)?),
+            _ => None,
+        })
+    }
+
     /// Points of opacity and of colour replace those of the scene, or of the automatic function.
-    pub(super) fn lay_points_over(&self, file: &mut SceneFile, volume: &Volume) -> Result<()> {
-        if self.opacity.is_none() && self.color.is_none() {
+    pub(super) fn lay_points_over(&self, layers: &mut [Layer]) -> Result<()> {
+        if self.opacity.is_none() == self.color.is_none() {
             return Ok(());
         }
-        let was = file.transfer.take().unwrap_or_else(|| Automatic::new(volume).transfer().clone());
-        let opacity = match &self.opacity {
-            Some(OpacityPoints(points)) => points.clone(),
-            None => was.opacity_points().points().to_vec(),
-        };
-        let color = match &self.color {
-            Some(ColorPoints(points)) => points.clone(),
-            None => was.color_points().points().to_vec(),
-        };
-        let transfer = TransferFunction::new(opacity, color);
-        file.transfer = Some(transfer.context("the transfer function cannot be used")?);
+        for layer in layers {
+            let opacity = match &self.opacity {
+                Some(OpacityPoints(points)) => points.clone(),
+                None => layer.transfer.opacity_points().points().to_vec(),
+            };
+            let color = match &self.color {
+                Some(ColorPoints(points)) => points.clone(),
+                None => layer.transfer.color_points().points().to_vec(),
+            };
+            layer.transfer = transfer(opacity, color)?;
+        }
         Ok(())
     }
 
@@ -95,4 +105,11 @@ impl LookFlags {
         let Some(name) = self.phong.names().next() else { return Ok(()) };
         bail!("--{} does nothing without shading: add --shading phong", flag_name(name))
     }
+}
+
+fn transfer(
+    opacity: Vec<(f64, [f64; 1])>,
+    color: Vec<(f64, [f64; 3])>,
+) -> Result<TransferFunction> {
+    TransferFunction::new(opacity, color).context("the transfer function cannot be used")
 }

@@ -6,6 +6,7 @@
 mod camera;
 mod look;
 mod raw;
+mod region;
 mod settings;
 mod table;
 pub(crate) mod values;
@@ -27,11 +28,19 @@ pub(crate) struct SceneFlags {
     #[arg(value_name = "INPUT")]
     input: PathBuf,
 
+    /// Something else in the same picture: a scene file's layers, a volume file, or a built-in volume; flags
+    /// that say what a layer is like are about INPUT's
+    #[arg(long = "layer", value_name = "FILE")]
+    layers: Vec<PathBuf>,
+
     #[command(flatten)]
     raw: RawFlags,
 
     #[command(flatten)]
     look: look::LookFlags,
+
+    #[command(flatten)]
+    region: region::RegionFlags,
 
     #[command(flatten)]
     camera: camera::CameraFlags,
@@ -47,19 +56,25 @@ impl SceneFlags {
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file)?;
         self.look.lay_over(&mut file)?;
+        self.region.lay_over(&mut file);
         self.in_scene(|| {
+            let n_own = file.layers.len();
+            for path in &self.layers {
+                file.layers.extend(input::scene_file(path)?.layers);
+            }
             let loaded = input::load(&mut file, &self.raw)?;
-            self.look.lay_points_over(&mut file, &loaded.volume)?;
-            Ok(OpenScene::with_volume(loaded, &file)?)
+            let mut opened = OpenScene::with_volumes(loaded, &file)?;
+            self.look.lay_points_over(&mut opened.scene.layers[..n_own])?;
+            Ok(opened)
         })
     }
 
     /// Reads what is named, and makes it ready to be rendered.
     pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
-        let OpenScene { volume, scene, backend, warnings } = self.open()?;
+        let OpenScene { scene, backend, warnings } = self.open()?;
         terminal::warn_all(&warnings);
         progress.stage("starting the backend");
-        let renderer = self.in_scene(|| Ok(Renderer::open(volume, &backend, terminal::warn)?))?;
+        let renderer = self.in_scene(|| Ok(Renderer::open(&backend, terminal::warn)?))?;
         Ok((renderer, scene))
     }
 

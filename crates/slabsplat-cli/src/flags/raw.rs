@@ -7,7 +7,7 @@ use slabsplat::SampleType;
 use slabsplat::glam::DVec3;
 use slabsplat::io::{Endian, RawDesc};
 
-#[derive(Args)]
+#[derive(Args, Default)]
 #[command(next_help_heading = "Volume")]
 pub(crate) struct RawFlags {
     /// Size of a voxel, instead of what the file says

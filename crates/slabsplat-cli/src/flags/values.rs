@@ -1,8 +1,8 @@
 //! Values of flags: vectors, colours, points of a transfer function, types. Their errors are clap's to
 //! print, so they are plain sentences.
 
-use slabsplat::SampleType;
 use slabsplat::glam::DVec3;
+use slabsplat::{Plane, Region, SampleType};
 
 /// Value and opacity, of each point of a transfer function.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,20 @@ pub(crate) struct ColorPoints(pub(crate) Vec<(f64, [f64; 3])>);
 /// Three numbers, `X,Y,Z`.
 pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     numbers(text).map(DVec3::from_array)
+}
+
+/// The least and the greatest corner of a box, `X0,Y0,Z0,X1,Y1,Z1`.
+pub(crate) fn ends(text: &str) -> Result<[DVec3; 2], String> {
+    let [x0, y0, z0, x1, y1, z1] = numbers(text)?;
+    let ends = [DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)];
+    Region::in_box(ends).map_err(|error| error.to_string())?;
+    Ok(ends)
+}
+
+/// A plane, `NX,NY,NZ,D`.
+pub(crate) fn plane(text: &str) -> Result<Plane, String> {
+    let [x, y, z, distance] = numbers(text)?;
+    Plane::new(DVec3::new(x, y, z), distance).map_err(|error| error.to_string())
 }
 
 /// Three lengths, `X,Y,Z`.
@@ -113,6 +127,8 @@ mod tests {
     #[test]
     fn values_parse() {
         assert_eq!(vector("-1, 2.5,3e1"), Ok(DVec3::new(-1.0, 2.5, 30.0)));
+        assert_eq!(ends("0,0,0,1,2,3"), Ok([DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)]));
+        assert_eq!(plane("0,2,0,-4"), Ok(Plane::new(DVec3::Y, -2.0).unwrap()));
         assert_eq!(dims("4,5,6"), Ok(Dims([4, 5, 6])));
         assert_eq!(background("0,0.5,1"), Ok(Background([0.0, 0.5, 1.0, 1.0])));
         assert_eq!(background("0,0.5,1,0"), Ok(Background([0.0, 0.5, 1.0, 0.0])));
@@ -136,6 +152,8 @@ mod tests {
         check(dims("4,-5,6").map(drop), "\"-5\" is not a number of voxels");
         check(opacity("80").map(drop), "\"80\" is no point");
         check(color("0:1,1").map(drop), "expected 3 numbers");
+        check(ends("0,0,0,1,-1,1").map(drop), "from its least to its greatest corner");
+        check(plane("0,0,0,1").map(drop), "other than zero");
         check(light("sun").map(drop), "or headlight");
         check(light("0,0,0").map(drop), "other than zero");
         check(sample_type("int12").map(drop), "uint8, int8, uint16");

@@ -1,6 +1,6 @@
 //! From view space to pixels: where a splat lies, and the ellipse that it covers.
 
-use slabsplat_backend::FramePlan;
+use slabsplat_backend::LayerPlan;
 use slabsplat_core::View;
 use slabsplat_kernel::FootprintShape;
 
@@ -44,14 +44,14 @@ pub(crate) struct PixelShape {
 
 impl Raster {
     /// For tiles of which `border` pixels on each side are their neighbours'.
-    pub(crate) fn new(plan: &FramePlan<'_>, border: usize) -> Self {
-        let FramePlan { view, shape, radius, .. } = *plan;
+    pub(crate) fn new(layer: &LayerPlan<'_>, border: usize) -> Self {
+        let LayerPlan { view, shape, radius, half_depth, .. } = *layer;
         Self {
             view,
             shape,
             center: view.image_size().map(|side| 0.5 * side as f32 + border as f32),
             radius: radius as f32,
-            half_depth: plan.half_depth as f32,
+            half_depth: half_depth as f32,
             near: view.near_depth() as f32,
             index_per_depth: shape.index_per_depth as f32,
             is_tilted: shape.is_tilted(radius),
@@ -59,7 +59,7 @@ impl Raster {
         }
     }
 
-    /// The footprint at a depth from the grid's centre, which must not lie before `near`.
+    /// The footprint at a depth from the centre, which must not lie before `near`.
     #[inline]
     pub(crate) fn shape_at(&self, depth: f64) -> PixelShape {
         self.shape_like(&self.shape, depth)

@@ -40,7 +40,7 @@ pub(crate) fn render(
 ) {
     whole_voxels::shade(stage, |_| (), voxels);
     watch.done("shade");
-    order.update(stage.plan.volume.grid(), &stage.plan.view, stage.list);
+    order.update(stage.layer.volume.grid(), &stage.layer.view, stage.list);
     watch.done("sort");
     let voxel = |splat: usize| &voxels[order.place(splat)];
     whole_voxels::toss(&stage.raster, &tiles.grid, order.len(), |s| voxel(s).point, splats);

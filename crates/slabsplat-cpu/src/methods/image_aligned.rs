@@ -2,15 +2,18 @@
 //! the eye, and composited.
 
 use super::Stage;
+use super::lit_faces::LitFaces;
 use super::slabs::{self, SectionsInSlabs, Sheets, Voxels};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
+use crate::pixels::tile_region::TileRegion;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use fearless_simd::Simd;
-use slabsplat_backend::SectionSplats;
+use slabsplat_backend::{FramePlan, SectionSplats};
 use slabsplat_core::Compositing;
-use slabsplat_traverse::{Brick, RelevantList, VoxelLighting, VoxelRecord};
+use slabsplat_core::glam::DVec3;
+use slabsplat_traverse::{Brick, BrickBounds, BrickView, RelevantList, VoxelLighting, VoxelRecord};
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
@@ -18,18 +21,21 @@ pub(crate) struct Buffers(slabs::Buffers<(), ()>);
 
 /// Renders into empty tiles; returns how many voxels were never tossed, being occluded.
 pub(crate) fn render(
-    stage: &Stage<'_>,
-    splats: &SectionSplats,
+    stages: &[(Stage<'_>, &SectionSplats)],
+    plan: &FramePlan<'_>,
     tiles: &mut Tiles,
     buffers: &mut Buffers,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let Stage { plan, level, raster, list, bricks, lighting } = stage;
-    let voxels = &Shaded { list, lighting };
-    let stage = slabs::Stage { plan, level: *level, raster, bricks, voxels };
+    let voxels: Vec<Shaded<'_>> = stages.iter().map(|(stage, _)| Shaded::new(stage)).collect();
+    let layers = stages.iter().zip(&voxels).map(|((stage, splats), voxels)| {
+        let Stage { plan, layer, level, raster, bricks, .. } = stage;
+        let stage = slabs::Stage { plan, layer, level: *level, raster, bricks, voxels };
+        (stage, SectionsInSlabs::of_colors(splats))
+    });
+    let layers: Vec<_> = layers.collect();
     let sheets = Composited { compositing: plan.compositing, cutoff: plan.opacity_cutoff };
-    let sections = SectionsInSlabs::of_colors(splats);
-    slabs::render(&stage, &sections, &sheets, tiles, &mut buffers.0, watch)
+    slabs::render(&layers, &sheets, tiles, &mut buffers.0, watch)
 }
 
 impl Buffers {
@@ -42,7 +48,42 @@ impl Buffers {
 struct Shaded<'a> {
     list: &'a RelevantList,
     lighting: &'a VoxelLighting<'a>,
+    bricks: &'a BrickView,
+    faces: Option<LitFaces<'a>>,
 }
+
+impl<'a> Shaded<'a> {
+    fn new(stage: &'a Stage<'_>) -> Self {
+        let Stage { list, lighting, bricks, layer, .. } = stage;
+        Self { list, lighting, bricks, faces: LitFaces::of(layer) }
+    }
+
+    /// Shades voxels of a brick near lit faces, with normals of those.
+    fn color_by_faces(
+        &self,
+        faces: &LitFaces<'_>,
+        brick: &Brick,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
+        let (mut points, mut own) = ([[0.0; 3]; AT_ONCE], [VoxelRecord::default(); AT_ONCE]);
+        for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
+            let (points, own) = (&mut points[..records.len()], &mut own[..records.len()]);
+            own.copy_from_slice(records);
+            self.bricks.project_brick(brick, records, points);
+            for (record, point) in own.iter_mut().zip(points) {
+                if let Some(face) = faces.at(DVec3::from_array(point.map(f64::from))) {
+                    let normal = DVec3::from_array(record.normal.map(f64::from));
+                    *record = record.with_normal(faces.instead_of(normal, face).to_array());
+                }
+            }
+            self.lighting.shade_brick(brick, own, colors);
+        }
+    }
+}
+
+/// Voxels that are shaded at once where normals are changed.
+const AT_ONCE: usize = 64;
 
 impl Voxels for Shaded<'_> {
     fn bricks(&self) -> &[Brick] {
@@ -54,7 +95,15 @@ impl Voxels for Shaded<'_> {
     }
 
     fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
-        self.lighting.shade_brick(brick, records, colors);
+        let BrickBounds { center, half_extents } = self.bricks.bounds(brick);
+        let [center, half_extents] =
+            [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
+        match &self.faces {
+            Some(faces) if faces.may_be_in(center, half_extents) => {
+                self.color_by_faces(faces, brick, records, colors);
+            }
+            _ => self.lighting.shade_brick(brick, records, colors),
+        }
     }
 }
 
@@ -70,6 +119,7 @@ impl Sheets for Composited {
 
     const AT_ONCE: usize = 1;
     const N_BEHIND: usize = 0;
+    const CUTS_SUMS: bool = true;
 
     #[inline(always)]
     fn take<S: Simd>(
@@ -77,7 +127,7 @@ impl Sheets for Composited {
         simd: S,
         _: usize,
         sheet: &mut Sheet,
-        tile: &mut Tile,
+        (tile, _): (&mut Tile, Option<&TileRegion>),
         (): &mut (),
         (): &mut (),
     ) {

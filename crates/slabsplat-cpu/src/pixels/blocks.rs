@@ -16,6 +16,16 @@ const _: () = assert!(BLOCKS_ACROSS * BLOCKS_ACROSS == u64::BITS as usize, "a bi
 
 impl Blocks {
     pub(crate) const NONE: Self = Self(0);
+    pub(crate) const ALL: Self = Self(u64::MAX);
+
+    /// The blocks that are not in it.
+    pub(crate) fn others(self) -> Self {
+        Self(!self.0)
+    }
+
+    pub(crate) fn has(self, [column, row]: [usize; 2]) -> bool {
+        self.0 >> (row * BLOCKS_ACROSS + column) & 1 == 1
+    }
 
     /// These blocks and those that share a side with one of them.
     pub(crate) fn with_neighbors(self) -> Self {

@@ -1,6 +1,7 @@
 //! Pixels: how a tile of the image and a sheet over it are stored, and how a sheet goes behind what is there.
 //!
-//! Reading order: `rectangle`, `quad`, `blocks`, `sheet`, `compositing`, `tile`, `tiles`.
+//! Reading order: `rectangle`, `quad`, `blocks`, `sheet`, `compositing`, `tile`, `tile_region`,
+//! `tiles`.
 
 pub(crate) mod blocks;
 mod compositing;
@@ -8,4 +9,5 @@ pub(crate) mod quad;
 pub(crate) mod rectangle;
 pub(crate) mod sheet;
 pub(crate) mod tile;
+pub(crate) mod tile_region;
 pub(crate) mod tiles;

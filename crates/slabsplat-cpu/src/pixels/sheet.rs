@@ -38,6 +38,19 @@ impl Sheet {
         }
     }
 
+    /// Adds what another holds, and empties that.
+    pub(crate) fn take_from(&mut self, other: &mut Self) {
+        for [column, row] in std::mem::take(&mut other.touched).iter() {
+            for row in row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE {
+                let taken = std::mem::replace(&mut other.sums[row][column], Quad::ZERO);
+                for (sum, more) in self.sums[row][column].0.iter_mut().zip(taken.0) {
+                    *sum += more;
+                }
+            }
+            self.touched.add_one([column, row]);
+        }
+    }
+
     /// Rows, to be added to; what that touches must be added to `touched`.
     #[inline(always)]
     pub(crate) fn rows_mut(&mut self, rows: Range<usize>) -> &mut [Row] {

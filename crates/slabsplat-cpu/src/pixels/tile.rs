@@ -150,6 +150,11 @@ impl Tile {
         }
     }
 
+    /// Closes blocks of which nothing more is to be seen.
+    pub(crate) fn close_all(&mut self, blocks: Blocks) {
+        self.open.and(blocks).iter().for_each(|block| self.close(block));
+    }
+
     pub(crate) fn close(&mut self, block: [usize; 2]) {
         self.open.remove(block);
         self.needed = self.needed_for(self.open);

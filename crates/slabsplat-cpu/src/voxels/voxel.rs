@@ -5,7 +5,7 @@
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
 pub(crate) struct Voxel<S> {
-    /// Right, up, and depth from the grid's centre.
+    /// Right, up, and depth from the centre of what is seen.
     pub(crate) point: [f32; 3],
     /// A [`Span`](crate::sections::span::Span) of slabs, a slice, or nothing where each voxel is a sheet of
     /// its own.

@@ -16,14 +16,18 @@ pub(super) struct Diagnostic {
 enum Place {
     Unknown,
     Line(usize),
-    /// A key of a section; an empty key is the section itself.
-    Key(&'static str, &'static str),
+    /// A key of a section, of the scene or of one of its layers; an empty key is the section itself.
+    Key {
+        layer: Option<usize>,
+        section: &'static str,
+        key: &'static str,
+    },
 }
 
 impl Diagnostic {
     /// About a key of a section, or with an empty key, about the section.
     pub(super) fn at(section: &'static str, key: &'static str, what: impl Into<String>) -> Self {
-        Self { what: what.into(), place: Place::Key(section, key) }
+        Self { what: what.into(), place: Place::Key { layer: None, section, key } }
     }
 
     /// About the scene as a whole.
@@ -31,12 +35,20 @@ impl Diagnostic {
         Self { what: what.into(), place: Place::Unknown }
     }
 
+    /// The same in the sections of a layer.
+    pub(super) fn in_layer(mut self, idx: usize) -> Self {
+        if let Place::Key { layer, .. } = &mut self.place {
+            *layer = Some(idx);
+        }
+        self
+    }
+
     /// The error, with the line in which the key stands.
     pub(super) fn in_file(self, path: &Path, text: &str) -> IoError {
         let line = match self.place {
             Place::Unknown => None,
             Place::Line(line) => Some(line),
-            Place::Key(section, key) => line_of_key(text, section, key),
+            Place::Key { layer, section, key } => line_of_key(text, layer, section, key),
         };
         IoError::Scene { path: path.to_owned(), line, what: self.what }
     }
@@ -108,18 +120,25 @@ fn section_name(line: &str) -> Option<&str> {
     (is_name && !is_number && !name.trim().is_empty()).then(|| name.trim())
 }
 
-/// The line, counted from 1, where a section sets a key; else where it begins.
-fn line_of_key(text: &str, section: &str, key: &str) -> Option<usize> {
+/// The line, counted from 1, where a section, of the scene or of a layer, sets a key; else where it begins.
+fn line_of_key(text: &str, layer: Option<usize>, section: &str, key: &str) -> Option<usize> {
     let sets_key = |line: &str| {
         let name = line.split_once('=').map(|(name, _)| name.trim());
         name.is_some_and(|name| name == key)
     };
-    let mut in_section = false;
+    let (mut n_layers, mut in_section) = (0, false);
     let mut section_line = None;
     for (idx, line) in text.lines().enumerate() {
         if let Some(name) = section_name(line) {
-            in_section = name == section;
-            if in_section {
+            let is_layer = name == "layers";
+            n_layers += usize::from(is_layer);
+            in_section = match layer {
+                None => name == section,
+                Some(idx) if n_layers != idx + 1 => false,
+                Some(_) => name.strip_prefix("layers.") == Some(section),
+            };
+            // A layer without that section.
+            if in_section || (is_layer && layer.is_some_and(|idx| n_layers == idx + 1)) {
                 section_line = Some(idx + 1);
             }
         } else if in_section && sets_key(line) {
@@ -145,9 +164,13 @@ mod tests {
     #[test]
     fn complaint_finds_the_line() {
         let text = "[a]\nx = 1\n[b]\ny = [\n  [1.0]\n]\n\n# x = 3\nx = 2\n";
-        assert_eq!(line_of_key(text, "b", "x"), Some(9));
-        assert_eq!(line_of_key(text, "b", "z"), Some(3));
-        assert_eq!(line_of_key(text, "c", "x"), None);
+        assert_eq!(line_of_key(text, None, "b", "x"), Some(9));
+        assert_eq!(line_of_key(text, None, "b", "z"), Some(3));
+        assert_eq!(line_of_key(text, None, "c", "x"), None);
         assert_eq!(section_of_line(text, 9), Some("b"));
+        let text = "[[layers]]\n[layers.a]\nx = 1\n[[layers]]\nname = 2\n[layers.a]\n\nx = 2\n";
+        let line = |layer, section, key| line_of_key(text, Some(layer), section, key);
+        assert_eq!([line(0, "a", "x"), line(1, "a", "x")], [Some(3), Some(8)]);
+        assert_eq!([line(1, "a", "y"), line(1, "b", "y")], [Some(6), Some(4)]);
     }
 }

@@ -15,14 +15,26 @@ use super::settings_section::{Section, SettingsSection, keys};
 pub(super) struct Document {
     pub(super) volume: Option<VolumeSection>,
     pub(super) classify: Option<ClassifySection>,
-    #[serde(default)]
-    pub(super) shading: SettingsSection<Phong>,
+    pub(super) shading: Option<SettingsSection<Phong>>,
+    pub(super) region: Option<RegionSection>,
+    pub(super) layers: Option<Vec<LayerSection>>,
     #[serde(default)]
     pub(super) camera: CameraSection,
     #[serde(default)]
     pub(super) image: ImageSection,
     #[serde(default)]
     pub(super) render: SettingsSection<RenderSettings>,
+}
+
+/// What the sections of a scene with one layer say, of one of several.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LayerSection {
+    pub(super) name: Option<String>,
+    pub(super) volume: Option<VolumeSection>,
+    pub(super) classify: Option<ClassifySection>,
+    pub(super) shading: Option<SettingsSection<Phong>>,
+    pub(super) region: Option<RegionSection>,
 }
 
 /// Either `path` or `generate`.
@@ -44,6 +56,21 @@ pub(super) struct ClassifySection {
     pub(super) color: Option<Vec<[f64; 4]>>,
     pub(super) preset: Option<String>,
     pub(super) file: Option<PathBuf>,
+}
+
+/// A box, planes, or both.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct RegionSection {
+    /// The least and the greatest corner.
+    #[serde(rename = "box")]
+    pub(super) ends: Option<[[f64; 3]; 2]>,
+    /// Whether these are voxels.
+    pub(super) index: bool,
+    /// Normals and distances.
+    pub(super) planes: Vec<[f64; 4]>,
+    pub(super) invert: bool,
+    pub(super) lit: bool,
 }
 
 #[derive(Default, Deserialize)]

@@ -1,16 +1,19 @@
 //! Scene files (`docs/example.toml`): everything that decides a pixel, as TOML.
 //!
 //! Reading order: this file (what a scene file says), `document`, `settings_section` and `choice` (how it
-//! spells it), `sections` (what that means), `camera`, `preset` and `color_map` (transfer functions from
-//! elsewhere), `diagnostic` (what a file does wrong, and in which line).
+//! spells it), `layers` and `sections` (what that means), `camera`, `region`, `preset` and `color_map`
+//! (transfer functions from elsewhere), `diagnostic` (what a file does wrong, and in which line).
 
 mod document;
 
 mod choice;
+mod layers;
 mod sections;
 mod settings_section;
 
 mod camera;
+mod region;
+
 mod color_map;
 mod preset;
 
@@ -18,28 +21,23 @@ mod diagnostic;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{ImageDesc, RenderSettings, Shading, TransferFunction};
+use slabsplat_core::{ImageDesc, Phong, RenderSettings, Shading, TransferFunction};
 
 pub use camera::{CameraDesc, ProjectionKind};
 pub use color_map::read_color_map;
 pub use preset::{PRESET_NAMES, preset_transfer};
+pub use region::RegionDesc;
 
 use crate::{IoError, LoadedVolume, VolumeFormat, builtin_volume, read_volume, text};
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
 
-/// What a scene file says. What it leaves to the volume is `None`: the transfer function, and the
-/// camera's parts.
+/// What a scene file says. What it leaves to the volumes is `None`: transfer functions, and the camera's
+/// parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
-    /// The volume.
-    pub volume: VolumeSource,
-    /// Voxel sides that overrule the volume file's.
-    pub spacing: Option<[f64; 3]>,
-    /// Which values are visible, and in which colour.
-    pub transfer: Option<TransferFunction>,
-    /// What light does to them.
-    pub shading: Shading,
+    /// What is seen; at least one layer.
+    pub layers: Vec<LayerFile>,
     /// Where they are seen from.
     pub camera: CameraDesc,
     /// Size and background of the picture.
@@ -48,6 +46,23 @@ pub struct SceneFile {
     pub settings: RenderSettings,
     /// The name of the backend that makes it; it is not checked here.
     pub backend: String,
+}
+
+/// What a scene file says of a layer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerFile {
+    /// What it is called, for people.
+    pub name: Option<String>,
+    /// The volume.
+    pub volume: VolumeSource,
+    /// Voxel sides that overrule the volume file's.
+    pub spacing: Option<[f64; 3]>,
+    /// Which values are visible, and in which colour.
+    pub transfer: Option<TransferFunction>,
+    /// What light does to them.
+    pub shading: Shading,
+    /// Where they are seen.
+    pub region: RegionDesc,
 }
 
 /// Where a volume comes from.
@@ -75,16 +90,42 @@ pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
     let document: Document =
         toml::from_str(&text).map_err(|error| in_file(from_toml(&error, &text)))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let color_map = document.color_map(folder);
-    let mut scene = document.into_scene(folder).map_err(in_file)?;
-    if let Some(color_map) = color_map {
-        scene.transfer = Some(read_color_map(&color_map)?);
+    let (mut scene, color_maps) = document.into_scene(folder).map_err(in_file)?;
+    for (layer, color_map) in scene.layers.iter_mut().zip(color_maps) {
+        if let Some(color_map) = color_map {
+            layer.transfer = Some(read_color_map(&color_map)?);
+        }
     }
     Ok(scene)
 }
 
 impl SceneFile {
-    /// Reads or makes the volume, with the scene's spacing if it has one.
+    /// A scene that leaves everything to a volume and to the defaults.
+    pub fn of_volume(volume: VolumeSource) -> Self {
+        Self {
+            layers: vec![LayerFile::of_volume(volume)],
+            camera: CameraDesc::default(),
+            image: ImageDesc::default(),
+            settings: RenderSettings::default(),
+            backend: "auto".to_owned(),
+        }
+    }
+}
+
+impl LayerFile {
+    /// A layer that leaves everything to its volume and to the defaults.
+    pub fn of_volume(volume: VolumeSource) -> Self {
+        Self {
+            name: None,
+            volume,
+            spacing: None,
+            transfer: None,
+            shading: Shading::Phong(Phong::default()),
+            region: RegionDesc::default(),
+        }
+    }
+
+    /// Reads or makes the volume, with the layer's spacing if it has one.
     ///
     /// # Errors
     /// As [`read_volume`] and [`builtin_volume`]; or if the spacing cannot be.

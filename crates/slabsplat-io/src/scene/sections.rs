@@ -1,50 +1,22 @@
 //! What each section of a scene file means. Diagnostics name the section and key.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    ImageDesc, NotAChoice, Phong, RenderSettings, Shading, TransferError, TransferFunction,
+    ImageDesc, NotAChoice, Phong, Plane, Region, RenderSettings, Shading, TransferError,
+    TransferFunction,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
-use super::document::{CameraSection, ClassifySection, Document, ImageSection, VolumeSection};
+use super::document::{CameraSection, ClassifySection, ImageSection, RegionSection, VolumeSection};
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
-use super::{SceneFile, VolumeSource};
-
-impl Document {
-    /// The colour map's file, if the scene names one.
-    pub(super) fn color_map(&self, folder: &Path) -> Option<PathBuf> {
-        self.classify.as_ref()?.file.as_ref().map(|file| folder.join(file))
-    }
-
-    /// All but what is in the colour map.
-    pub(super) fn into_scene(self, folder: &Path) -> Result<SceneFile, Diagnostic> {
-        let volume = self.volume.ok_or_else(|| {
-            Diagnostic::general("the scene has no [volume]: add one with path or generate")
-        })?;
-        let spacing = volume.checked_spacing()?;
-        let (settings, backend) = self.render.into_settings()?;
-        Ok(SceneFile {
-            volume: volume.into_source(folder)?,
-            spacing,
-            transfer: match self.classify {
-                Some(classify) => classify.into_transfer()?,
-                None => None,
-            },
-            shading: self.shading.into_shading()?,
-            camera: self.camera.into_desc()?,
-            image: self.image.into_desc()?,
-            settings,
-            backend,
-        })
-    }
-}
+use super::{RegionDesc, VolumeSource};
 
 impl VolumeSection {
-    fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
+    pub(super) fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
         match self.spacing {
             Some(spacing) if spacing.iter().any(|s| !s.is_normal() || *s < 0.0) => {
                 Err(Diagnostic::at("volume", "spacing", "spacing must be three positive numbers"))
@@ -53,7 +25,7 @@ impl VolumeSection {
         }
     }
 
-    fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {
+    pub(super) fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {
         match (self.path, self.generate) {
             (Some(path), None) if self.size.is_none() => Ok(VolumeSource::File(folder.join(path))),
             (None, Some(name)) => Ok(VolumeSource::Builtin { name, size: self.size }),
@@ -71,7 +43,7 @@ impl VolumeSection {
 
 impl ClassifySection {
     /// `None` if the section is empty, or the transfer function is in a file.
-    fn into_transfer(self) -> Result<Option<TransferFunction>, Diagnostic> {
+    pub(super) fn into_transfer(self) -> Result<Option<TransferFunction>, Diagnostic> {
         let Self { opacity, color, preset, file } = self;
         let n_ways = usize::from(opacity.is_some() || color.is_some())
             + usize::from(preset.is_some())
@@ -109,7 +81,7 @@ fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction
 }
 
 impl SettingsSection<Phong> {
-    fn into_shading(self) -> Result<Shading, Diagnostic> {
+    pub(super) fn into_shading(self) -> Result<Shading, Diagnostic> {
         let phong = self.settings.checked();
         let phong =
             phong.map_err(|error| Diagnostic::at("shading", error.setting(), error.to_string()))?;
@@ -124,8 +96,30 @@ impl SettingsSection<Phong> {
     }
 }
 
+impl RegionSection {
+    pub(super) fn into_desc(self) -> Result<RegionDesc, Diagnostic> {
+        let Self { ends, index, planes, invert, lit } = self;
+        let plane = |[x, y, z, distance]: [f64; 4]| {
+            Plane::new(DVec3::new(x, y, z), distance)
+                .map_err(|error| Diagnostic::at("region", "planes", error.to_string()))
+        };
+        let desc = RegionDesc {
+            ends: ends.map(|ends| ends.map(DVec3::from_array)),
+            is_index: index,
+            planes: planes.into_iter().map(plane).collect::<Result<_, _>>()?,
+            is_inverted: invert,
+            is_lit: lit,
+        };
+        if let Some(ends) = desc.ends {
+            Region::in_box(ends)
+                .map_err(|error| Diagnostic::at("region", "box", error.to_string()))?;
+        }
+        Ok(desc)
+    }
+}
+
 impl CameraSection {
-    fn into_desc(self) -> Result<CameraDesc, Diagnostic> {
+    pub(super) fn into_desc(self) -> Result<CameraDesc, Diagnostic> {
         let Self { projection, eye, target, up, view_height, fov_y } = self;
         if let Some(height) = view_height.filter(|h| !h.is_normal() || *h < 0.0) {
             let what = format!("view_height must be a positive number, not {height}");
@@ -147,7 +141,7 @@ impl CameraSection {
 }
 
 impl ImageSection {
-    fn into_desc(self) -> Result<ImageDesc, Diagnostic> {
+    pub(super) fn into_desc(self) -> Result<ImageDesc, Diagnostic> {
         let Self { width, height, background } = self;
         ImageDesc { width, height, background }.checked().map_err(|error| {
             let key = match error {
@@ -161,7 +155,7 @@ impl ImageSection {
 
 impl SettingsSection<RenderSettings> {
     /// The settings, and the name of the backend.
-    fn into_settings(self) -> Result<(RenderSettings, String), Diagnostic> {
+    pub(super) fn into_settings(self) -> Result<(RenderSettings, String), Diagnostic> {
         let settings = self.settings.checked();
         let settings = settings
             .map_err(|error| Diagnostic::at("render", error.setting(), error.to_string()))?;

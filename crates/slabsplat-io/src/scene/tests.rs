@@ -5,8 +5,8 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Compositing, Field, KernelName, Light, Lookup, Method, Normalization, Phong, Setting, Settings,
-    Shading,
+    Compositing, Field, KernelName, Light, Lookup, Method, Normalization, Phong, Plane, Setting,
+    Settings, Shading,
 };
 
 use super::*;
@@ -23,6 +23,13 @@ color = [
   [0, 0, 0, 0],
   [255.0, 1.0, 0.9, 0.8],
 ]
+
+[region]
+box = [[-90, -120, -60.5], [0, 90, 100]]
+index = true
+planes = [[0.0, 0.0, 2.0, 12.0]]
+invert = true
+lit = true
 
 [shading]
 model = "phong"
@@ -71,16 +78,29 @@ fn read(text: &str) -> Result<SceneFile, String> {
     read_scene(&path).map_err(|e| e.to_string().replace(&folder, ""))
 }
 
+/// The only layer of a scene.
+fn read_layer(text: &str) -> LayerFile {
+    let mut layers = read(text).unwrap().layers;
+    assert_eq!(layers.len(), 1);
+    layers.remove(0)
+}
+
 #[test]
 fn scene_has_every_key() {
     let scene = read(FULL).unwrap();
-    let VolumeSource::File(path) = &scene.volume else { panic!("{:?}", scene.volume) };
+    let [layer] = scene.layers.as_slice() else { panic!("{:?}", scene.layers) };
+    let VolumeSource::File(path) = &layer.volume else { panic!("{:?}", layer.volume) };
     assert!(path.is_absolute() && path.ends_with("data/head.nrrd"), "{}", path.display());
-    assert_eq!(scene.spacing, Some([1.0, 1.5, 2.0]));
-    let transfer = scene.transfer.as_ref().unwrap();
+    assert_eq!(layer.spacing, Some([1.0, 1.5, 2.0]));
+    let transfer = layer.transfer.as_ref().unwrap();
     assert_eq!(transfer.opacity(255.0), 0.9);
     assert_eq!(transfer.color(255.0), [1.0, 0.9, 0.8]);
-    let Shading::Phong(phong) = scene.shading else { panic!("{:?}", scene.shading) };
+    let ends = [[-90.0, -120.0, -60.5], [0.0, 90.0, 100.0]].map(DVec3::from_array);
+    let planes = vec![Plane::new(DVec3::Z, 6.0).unwrap()];
+    let region =
+        RegionDesc { ends: Some(ends), is_index: true, planes, is_inverted: true, is_lit: true };
+    assert_eq!(layer.region, region);
+    let Shading::Phong(phong) = layer.shading else { panic!("{:?}", layer.shading) };
     assert_eq!([phong.ambient, phong.diffuse, phong.specular], [0.2, 0.6, 0.1]);
     assert_eq!((phong.shininess, phong.two_sided), (10.0, false));
     assert_eq!(Ok(phong.light), Light::towards(DVec3::Z));
@@ -115,7 +135,7 @@ fn scene_reads_every_setting() {
     for row in Phong::ROWS {
         let phong = changed(row);
         let text = format!("{SMALL}[shading]\n{} = {}", row.name, toml_of(row, &phong));
-        assert_eq!(read(&text).unwrap().shading, Shading::Phong(phong), "{text}");
+        assert_eq!(read_layer(&text).shading, Shading::Phong(phong), "{text}");
     }
 }
 
@@ -157,30 +177,30 @@ fn toml_of<S>(row: &Setting<S>, settings: &S) -> String {
 #[test]
 fn scene_defaults() {
     let scene = read(SMALL).unwrap();
-    assert_eq!(scene.volume, VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) });
-    assert_eq!(scene.transfer, None);
-    assert_eq!(read(&format!("{SMALL}[classify]")).unwrap().transfer, None);
+    let cube = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
+    assert_eq!(scene.layers, [LayerFile::of_volume(cube)]);
+    assert_eq!(read_layer(&format!("{SMALL}[classify]")).transfer, None);
     assert_eq!(scene.camera, CameraDesc::default());
     assert_eq!(scene.image, ImageDesc::default());
     assert_eq!(scene.settings, RenderSettings::default());
-    assert_eq!(scene.shading, Shading::Phong(Phong::default()));
     assert_eq!(scene.backend, "cpu");
-    let unshaded = read(&format!("{SMALL}[shading]\nmodel = \"none\"")).unwrap();
+    let unshaded = read_layer(&format!("{SMALL}[shading]\nmodel = \"none\""));
     assert_eq!(unshaded.shading, Shading::None);
 }
 
 #[test]
 fn scene_classify_by_preset_or_file() {
-    let preset = read(&format!("{SMALL}[classify]\npreset = \"ct-bone\"")).unwrap();
+    let preset = read_layer(&format!("{SMALL}[classify]\npreset = \"ct-bone\""));
     assert_eq!(preset.transfer, Some(preset_transfer("ct-bone").unwrap()));
-    let white = read(&format!("{SMALL}[classify]\nopacity = [[0, 0.5]]")).unwrap();
+    let white = read_layer(&format!("{SMALL}[classify]\nopacity = [[0, 0.5]]"));
     assert_eq!(white.transfer.unwrap().color(3.0), [1.0; 3]);
 
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("map.json"), r#"[{"RGBPoints": [0, 1, 0, 0]}]"#).unwrap();
     let path = dir.path().join("scene.toml");
     fs::write(&path, format!("{SMALL}[classify]\nfile = \"map.json\"")).unwrap();
-    assert_eq!(read_scene(&path).unwrap().transfer.unwrap().color(0.0), [1.0, 0.0, 0.0]);
+    let transfer = read_scene(&path).unwrap().layers.remove(0).transfer.unwrap();
+    assert_eq!(transfer.color(0.0), [1.0, 0.0, 0.0]);
     fs::remove_file(dir.path().join("map.json")).unwrap();
     let err = read_scene(&path).unwrap_err().to_string();
     assert!(err.contains("map.json"), "{err}");
@@ -208,8 +228,8 @@ fn scene_unknown_keys_are_named() {
     );
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
-        "scene.toml:1: unknown key \"size\"; known are volume, classify, shading, camera, image, \
-         render",
+        "scene.toml:1: unknown key \"size\"; known are volume, classify, shading, region, layers, \
+         camera, image, render",
     );
 }
 
@@ -248,8 +268,68 @@ fn scene_bad_values_name_their_line() {
     check("[classify]\nopacity = [[0, 1]]\ncolor = [[0, 1, 1, 7]]", ":6: point 0 of color");
     check("[classify]\npreset = \"gray\"\nfile = \"a\"", ":4: [classify] takes one of");
     check("[classify]\npreset = \"grey\"", ":5: there is no preset \"grey\"");
+    check("[region]\nplanes = [[0, 0, 0, 1]]", ":5: a plane needs a finite normal");
+    check("[region]\nplanes = [[0, 1, 0]]", ":5: invalid length 3");
+    check("[region]\nbox = [[0, 0, 0], [1, -1, 1]]", ":5: a box goes from its least");
+    check("[region]\nbox = [[0, 0, 0], [1, nan, 1]]", ":5: a box goes from its least");
+    check(
+        "[region]\ninverted = true",
+        ":5: unknown key \"inverted\" in [region]; did you mean \"invert\"?",
+    );
+    check("[[layers]]", ":1: [volume] belongs below [[layers]], as [layers.volume]");
     check("[volume]", ":4: ");
     check("x = [", ":4: ");
+}
+
+const TWO_LAYERS: &str = r#"
+[[layers]]
+name = "ball"
+[layers.volume]
+generate = "sphere"
+size = 9
+[layers.region]
+planes = [[1, 0, 0, 3]]
+
+[[layers]]
+[layers.volume]
+path = "other.nrrd"
+[layers.classify]
+preset = "ct-bone"
+[layers.shading]
+ambient = 0.5
+"#;
+
+#[test]
+fn scene_of_two_layers() {
+    let scene = read(&format!("{TWO_LAYERS}[image]\nwidth = 9")).unwrap();
+    let [ball, other] = scene.layers.as_slice() else { panic!("{:?}", scene.layers) };
+    let sphere = VolumeSource::Builtin { name: "sphere".to_owned(), size: Some(9) };
+    let planes = vec![Plane::new(DVec3::X, 3.0).unwrap()];
+    let expected = LayerFile {
+        name: Some("ball".to_owned()),
+        region: RegionDesc { planes, ..RegionDesc::default() },
+        ..LayerFile::of_volume(sphere)
+    };
+    assert_eq!(*ball, expected);
+    assert_eq!((&other.name, other.transfer.is_some()), (&None, true));
+    assert_eq!(other.shading, Shading::Phong(Phong::default().ambient(0.5)));
+    assert_eq!(scene.image.width, 9);
+}
+
+#[test]
+fn scene_layers_say_what_is_wrong() {
+    let check = |text: &str, expected: &str| {
+        let err = read(text).unwrap_err();
+        assert!(err.contains(expected), "{err} should contain {expected}");
+    };
+    let changed = |from: &str, to: &str| TWO_LAYERS.replacen(from, to, 1);
+    check("layers = []", "layers is empty");
+    check("[[layers]]\nname = \"a\"", ":1: the scene has no [volume]");
+    check(&format!("{TWO_LAYERS}[shading]\nambient = 1"), ":17: [shading] belongs below");
+    check(&changed("ambient = 0.5", "ambient = -1"), ":16: ambient");
+    check(&changed("[[1, 0, 0, 3]]", "[[0, 0, 0, 3]]"), ":8: a plane needs");
+    check(&changed("ct-bone", "ct-bones"), ":14: there is no preset");
+    check(&changed("generate", "generates"), ":5: unknown key \"generates\" in [layers.volume]");
 }
 
 #[test]
@@ -268,13 +348,13 @@ fn scene_volume_is_one_thing() {
 
 #[test]
 fn scene_loads_its_volume() {
-    let loaded = read(&format!("{SMALL}spacing = [1, 2, 3]")).unwrap().load_volume().unwrap();
+    let loaded = read_layer(&format!("{SMALL}spacing = [1, 2, 3]")).load_volume().unwrap();
     assert_eq!(loaded.volume.grid().dims(), [8; 3]);
     assert_eq!(loaded.volume.grid().spacing(), [1.0, 2.0, 3.0]);
     assert_eq!(loaded.format.name(), "built-in");
-    let teapot = read("[volume]\ngenerate = \"teapot\"").unwrap().load_volume().unwrap_err();
+    let teapot = read_layer("[volume]\ngenerate = \"teapot\"").load_volume().unwrap_err();
     assert!(teapot.to_string().contains("no built-in volume \"teapot\""), "{teapot}");
-    let gone = read("[volume]\npath = \"gone.nrrd\"").unwrap().load_volume().unwrap_err();
+    let gone = read_layer("[volume]\npath = \"gone.nrrd\"").load_volume().unwrap_err();
     assert!(gone.to_string().starts_with("cannot read "), "{gone}");
 }
 

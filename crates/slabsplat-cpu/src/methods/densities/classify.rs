@@ -1,8 +1,9 @@
 //! From the sheets of a tile to its pixels: classification between them, light, compositing.
 
+use super::super::lit_faces::LitFaces;
 use super::integrals::Integrals;
 use super::nodes::{AtNodes, N_NODES, OnPart, Parts, Rays8};
-use super::parts::PartShader;
+use super::parts::{Lies, PartShader};
 use super::rays::Rays;
 use super::sheets::{AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
 use crate::methods::slabs::Sheets;
@@ -11,8 +12,9 @@ use crate::pixels::quad::QUAD;
 use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
+use crate::pixels::tile_region::TileRegion;
 use fearless_simd::{Simd, f32x8, prelude::*};
-use slabsplat_backend::{FramePlan, Slabs};
+use slabsplat_backend::{FramePlan, LayerPlan, Slabs};
 use slabsplat_core::{SlabGrid, View};
 use slabsplat_traverse::BlinnPhong8;
 
@@ -49,29 +51,33 @@ const LEAST_LENGTH: f32 = 1e-3;
 
 impl<'a> Classifier<'a> {
     pub(super) fn new(
-        plan: &'a FramePlan<'_>,
+        plan: &FramePlan<'_>,
+        layer: &'a LayerPlan<'_>,
         slabs: &'a Slabs,
         integrals: &'a Integrals,
         values: ScaledValues,
         border: usize,
         are_exact: bool,
     ) -> Self {
-        let faint = FAINT_GRADIENT * values.extent / plan.volume.grid().unit();
+        let faint = FAINT_GRADIENT * values.extent / layer.volume.grid().unit();
         Self {
             shader: PartShader {
                 integrals,
                 compositing: plan.compositing,
-                light: plan
+                light: layer
                     .light
-                    .map(|light| BlinnPhong8::new(&light.seen_along(plan.view.axes()))),
-                rays: Rays::new(&plan.view, border),
+                    .map(|light| BlinnPhong8::new(&light.seen_along(layer.view.axes()))),
+                rays: Rays::new(&layer.view, border),
                 // Never 0, which a gradient of 0 would be divided by.
                 faint: (faint as f32).max(f32::MIN_POSITIVE),
                 per_sheet: (1.0 / slabs.grid.thickness()) as f32,
+                faces: LitFaces::of(layer),
+                view: layer.view,
+                border,
             },
             cutoff: plan.opacity_cutoff,
             slabs: &slabs.grid,
-            view: plan.view,
+            view: layer.view,
             limits: Limits {
                 least_length: if are_exact { 0.0 } else { LEAST_LENGTH },
                 values: values.ends,
@@ -88,7 +94,7 @@ impl<'a> Classifier<'a> {
         last: usize,
         ring: &Ring,
         sums: &mut Sheet,
-        tile: &mut Tile,
+        tile: (&mut Tile, Option<&TileRegion>),
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -103,12 +109,14 @@ impl<'a> Classifier<'a> {
         last: usize,
         ring: &Ring,
         sums: &mut Sheet,
-        tile: &mut Tile,
+        (tile, region): (&mut Tile, Option<&TileRegion>),
     ) {
+        let ends = self.ends_of_part(last);
         let sheets = ring.up_to(last);
         let mut blocks = sheets[N_BESIDE].held();
         blocks.add(sheets[N_BESIDE + 1].held());
         let blocks = blocks.and(tile.open);
+        let blocks = region.map_or(blocks, |region| blocks.and(region.showing(ends)));
         let pixels = self.pixel_sizes(last);
         for block_row in 0..BLOCKS_ACROSS {
             let columns = blocks.row(block_row);
@@ -123,13 +131,31 @@ impl<'a> Classifier<'a> {
                     if open != 0 {
                         let parts = self.parts(simd, &sheets, [row, group * LANES], open, &pixels);
                         if let Some(parts) = parts {
-                            self.sum(simd, &parts, [row, group], tile.origin, sums);
+                            let [x, y] = tile.origin;
+                            let lies = Lies { first_pixel: [x + group * LANES, y + row], ends };
+                            self.sum(simd, &parts, [row, group], lies, sums);
                         }
                     }
                 }
             }
         }
+        if let Some(region) = region {
+            region.cut(sums, ends);
+        }
         tile.put_behind(simd, self.shader.compositing, sums, self.cutoff);
+        if let Some(region) = region {
+            tile.close_all(region.over_from(ends[1]));
+        }
+    }
+
+    /// The depths between which the two sheets in the middle have their nodes.
+    fn ends_of_part(&self, last: usize) -> [f32; 2] {
+        // Sheets before the first are empty.
+        let middle = |back: usize| {
+            let slab = last as f64 - back as f64;
+            (self.slabs.middle(0) + slab * self.slabs.thickness()) as f32
+        };
+        [middle(N_BESIDE + 1), middle(N_BESIDE)]
     }
 
     /// The parts of eight pixels on end, as far as they are open, a bit each; `None` if nothing of them may
@@ -166,10 +192,10 @@ impl<'a> Classifier<'a> {
         simd: S,
         parts: &Parts<S>,
         [row, group]: [usize; 2],
-        [x, y]: [usize; 2],
+        lies: Lies,
         sheet: &mut Sheet,
     ) {
-        let sums = self.shader.sums(simd, parts, [x + group * LANES, y + row]);
+        let sums = self.shader.sums(simd, parts, lies);
         let quads = &mut sheet.sums[row][group * BLOCKS_PER_GROUP..][..BLOCKS_PER_GROUP];
         for (half, quad) in quads.iter_mut().enumerate() {
             // What is not touched must stay empty.
@@ -228,6 +254,7 @@ impl Sheets for Classifier<'_> {
 
     const AT_ONCE: usize = AT_ONCE;
     const N_BEHIND: usize = N_BESIDE + 1;
+    const CUTS_SUMS: bool = false;
 
     #[inline(always)]
     fn take<S: Simd>(
@@ -235,7 +262,7 @@ impl Sheets for Classifier<'_> {
         simd: S,
         slab: usize,
         sheet: &mut Sheet,
-        tile: &mut Tile,
+        (tile, region): (&mut Tile, Option<&TileRegion>),
         retained: &mut Retained,
         rings: &mut Scratch,
     ) {
@@ -245,7 +272,7 @@ impl Sheets for Classifier<'_> {
         let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
         ring.push(simd, slab, sheet, &self.limits);
         for last in slab..slab + AT_ONCE {
-            self.classify(simd, last, ring, sheet, tile);
+            self.classify(simd, last, ring, sheet, (tile, region));
         }
     }
 

@@ -56,7 +56,7 @@ use integrals::Integrals;
 use reach::Reach;
 use selection::Selection;
 use sheets::Retained;
-use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan};
+use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan};
 use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
 use values::{ValueScale, finite_range};
@@ -82,14 +82,20 @@ type SelectedBy = (ByIdentity<Volume>, Vec<IsoRange>, Reach);
 /// What the stages of a frame share.
 struct Frame<'a> {
     plan: &'a FramePlan<'a>,
+    layer: &'a LayerPlan<'a>,
     level: Level,
     splats: &'a DensitySplats,
     raster: Raster,
 }
 
 impl<'a> Frame<'a> {
-    fn new(plan: &'a FramePlan<'_>, level: Level, splats: &'a DensitySplats) -> Self {
-        Self { plan, level, splats, raster: Raster::new(plan, BORDER) }
+    fn new(
+        plan: &'a FramePlan<'_>,
+        layer: &'a LayerPlan<'_>,
+        level: Level,
+        splats: &'a DensitySplats,
+    ) -> Self {
+        Self { plan, layer, level, splats, raster: Raster::new(layer, BORDER) }
     }
 }
 
@@ -97,6 +103,7 @@ impl<'a> Frame<'a> {
 /// many of them were never tossed, being occluded.
 pub(crate) fn render(
     plan: &FramePlan<'_>,
+    layer: &LayerPlan<'_>,
     level: Level,
     splats: &DensitySplats,
     tiles: &mut Tiles,
@@ -104,13 +111,13 @@ pub(crate) fn render(
     watch: &mut Stopwatch,
 ) -> [u64; 2] {
     let Buffers { finite, selection, integrals, slabs } = buffers;
-    let frame = Frame::new(plan, level, splats);
-    let finite = *finite.made_of(ByIdentity::of(plan.volume), |_| finite_range(plan.volume));
+    let frame = Frame::new(plan, layer, level, splats);
+    let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));
     let is_exact = splats.separable.is_none();
-    let reach = Reach::of(plan, &frame.raster, &splats.slabs.grid, is_exact);
-    let selected_by = (ByIdentity::of(plan.volume), plan.relevant.clone(), reach);
+    let reach = Reach::of(layer, &frame.raster, &splats.slabs.grid, is_exact);
+    let selected_by = (ByIdentity::of(layer.volume), layer.relevant.clone(), reach);
     let selection = selection.made_of(selected_by, |(_, ranges, reach)| {
-        Selection::new(plan.volume, finite, ranges, reach)
+        Selection::new(layer.volume, finite, ranges, reach)
     });
     watch.done("list");
     let n_occluded = draw(&frame, finite, selection, tiles, (slabs, integrals), watch);
@@ -119,15 +126,15 @@ pub(crate) fn render(
 
 /// Draws the selected voxels of a volume whose finite values are of that range, if there are any.
 fn draw(
-    Frame { plan, level, splats, raster }: &Frame<'_>,
+    Frame { plan, layer, level, splats, raster }: &Frame<'_>,
     finite: Option<[f64; 2]>,
     selection: &Selection,
     tiles: &mut Tiles,
     (slabs, integrals): (&mut slabs::Buffers<Retained, Scratch>, &mut CachedIntegrals),
     watch: &mut Stopwatch,
 ) -> u64 {
-    let scale = ValueScale::new(finite, plan.transfer);
-    let key = (plan.transfer.clone(), plan.compositing, scale);
+    let scale = ValueScale::new(finite, layer.transfer);
+    let key = (layer.transfer.clone(), plan.compositing, scale);
     let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
         Integrals::new(transfer, *compositing, scale)
     });
@@ -136,12 +143,13 @@ fn draw(
         ends: scale.ends(),
     };
     let are_exact = splats.separable.is_none();
-    let classifier = Classifier::new(plan, &splats.slabs, integrals, values, BORDER, are_exact);
-    let voxels = &Selected::new(selection, plan.volume, scale);
-    let bricks = &BrickView::new(plan.volume.grid(), &plan.view);
-    let stage = Stage { plan, level: *level, raster, bricks, voxels };
+    let classifier =
+        Classifier::new(plan, layer, &splats.slabs, integrals, values, BORDER, are_exact);
+    let voxels = &Selected::new(selection, layer.volume, scale);
+    let bricks = &BrickView::new(layer.volume.grid(), &layer.view);
+    let stage = Stage { plan, layer, level: *level, raster, bricks, voxels };
     let sections = SectionsInSlabs::of_densities(splats);
-    slabs::render(&stage, &sections, &classifier, tiles, slabs, watch)
+    slabs::render(&[(stage, sections)], &classifier, tiles, slabs, watch)
 }
 
 impl Buffers {

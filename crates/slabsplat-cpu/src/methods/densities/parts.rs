@@ -9,12 +9,13 @@
 //! One place is not enough: where the density is largest, in the middle of a thin wall, normals turn round
 //! within a part, and it would be as dark as if it were seen from the side.
 
+use super::super::lit_faces::LitFaces;
 use super::integrals::Integrals;
 use super::nodes::Parts;
 use super::rays::Rays;
 use super::sheets::{Eight, LANES};
 use fearless_simd::Simd;
-use slabsplat_core::Compositing;
+use slabsplat_core::{Compositing, View};
 use slabsplat_traverse::{BlinnPhong8, Light8};
 
 /// Slopes of eight parts.
@@ -30,12 +31,22 @@ struct Slopes {
     seen: Eight,
     /// How the rays are slanted.
     slants: [Eight; 2],
+    lies: Lies,
+}
+
+/// Where eight parts lie.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lies {
+    /// The first of their pixels, from the corner of the image's border.
+    pub(super) first_pixel: [usize; 2],
+    /// The depths between which they lie.
+    pub(super) ends: [f32; 2],
 }
 
 impl Slopes {
     /// Those of parts of which what is seen lies in the mean at those places.
     #[inline(always)]
-    fn of<S: Simd>(parts: &Parts<S>, places: &Eight, slants: [Eight; 2]) -> Self {
+    fn of<S: Simd>(parts: &Parts<S>, places: &Eight, slants: [Eight; 2], lies: Lies) -> Self {
         let mut slopes = Self {
             starts: [[0.0; LANES]; 3],
             changes: [[0.0; LANES]; 3],
@@ -43,6 +54,7 @@ impl Slopes {
             middles: *places,
             seen: [0.0; LANES],
             slants,
+            lies,
         };
         for (axis, slope) in parts.slopes.iter().enumerate() {
             let [start, end] = slope.ends;
@@ -57,6 +69,12 @@ impl Slopes {
         slopes
     }
 
+    /// Where on its part, from 0 to 1, a place of what is seen is, counted from its middle.
+    #[inline(always)]
+    fn place(&self, lane: usize, at: f32) -> f32 {
+        self.middles[lane] + self.seen[lane] * at
+    }
+
     /// The slopes at a place of what is seen, counted from its middle.
     #[inline(always)]
     fn at(&self, at: f32) -> [Eight; 3] {
@@ -64,7 +82,7 @@ impl Slopes {
         for (axis, slopes) in slopes.iter_mut().enumerate() {
             let (starts, changes) = (&self.starts[axis], &self.changes[axis]);
             for lane in 0..LANES {
-                let t = self.middles[lane] + self.seen[lane] * at;
+                let t = self.place(lane, at);
                 let curve = t * (1.0 - t) * self.bulges[axis][lane];
                 slopes[lane] = starts[lane] + t * changes[lane] + curve;
             }
@@ -87,33 +105,27 @@ pub(super) struct PartShader<'a> {
     pub(super) faint: f32,
     /// Sheets in a world unit.
     pub(super) per_sheet: f32,
+    /// Faces of the region, if they are lit.
+    pub(super) faces: Option<LitFaces<'a>>,
+    pub(super) view: View,
+    /// Pixels of the border of the image.
+    pub(super) border: usize,
 }
 
 impl PartShader<'_> {
     /// What a sheet sums of parts: red, green, blue and weight; of those that may not be seen a weight of 0.
-    /// The first of their pixels is that one.
     ///
     /// A function of its own, as it takes long to compile.
     #[inline(never)]
-    pub(super) fn sums<S: Simd>(
-        &self,
-        simd: S,
-        parts: &Parts<S>,
-        first_pixel: [usize; 2],
-    ) -> [Eight; 4] {
+    pub(super) fn sums<S: Simd>(&self, simd: S, parts: &Parts<S>, lies: Lies) -> [Eight; 4] {
         simd.vectorize(
             #[inline(always)]
-            || self.sums_inlined(simd, parts, first_pixel),
+            || self.sums_inlined(simd, parts, lies),
         )
     }
 
     #[inline(always)]
-    fn sums_inlined<S: Simd>(
-        &self,
-        simd: S,
-        parts: &Parts<S>,
-        first_pixel: [usize; 2],
-    ) -> [Eight; 4] {
+    fn sums_inlined<S: Simd>(&self, simd: S, parts: &Parts<S>, lies: Lies) -> [Eight; 4] {
         let [starts, ends] = parts.densities;
         let means = self.integrals.means(simd, [starts.into(), ends.into()], parts.seen);
         let lengths: Eight = parts.lengths.into();
@@ -122,7 +134,7 @@ impl PartShader<'_> {
             sums[3][lane] = lengths[lane] * means.weights[lane];
         }
         let through = self.through_quarters(&sums[3]);
-        let [diffuse, specular] = self.light_on(simd, parts, &means.places, &through, first_pixel);
+        let [diffuse, specular] = self.light_on(simd, parts, &means.places, &through, lies);
         let of_colors = if self.compositing.weights_colors() { sums[3] } else { lengths };
         for (sums, colors) in sums.iter_mut().zip(&means.colors) {
             for lane in 0..LANES {
@@ -143,10 +155,10 @@ impl PartShader<'_> {
         parts: &Parts<S>,
         places: &Eight,
         through: &Eight,
-        first_pixel: [usize; 2],
+        lies: Lies,
     ) -> [Eight; 2] {
         let Some(light) = &self.light else { return [[1.0; LANES], [0.0; LANES]] };
-        let slopes = Slopes::of(parts, places, self.rays.slants(first_pixel));
+        let slopes = Slopes::of(parts, places, self.rays.slants(lies.first_pixel), lies);
         let (mut diffuse, mut specular) = ([0.0; LANES], [0.0; LANES]);
         let mut weights = [0.0; LANES];
         for lane in 0..LANES {
@@ -187,8 +199,30 @@ impl PartShader<'_> {
     fn light_at<S: Simd>(&self, simd: S, light: &BlinnPhong8, slopes: &Slopes, at: f32) -> Light8 {
         simd.vectorize(
             #[inline(always)]
-            || light.of_normals(&self.normals(&slopes.at(at), &slopes.slants)),
+            || {
+                let mut normals = self.normals(&slopes.at(at), &slopes.slants);
+                if let Some(faces) = &self.faces {
+                    self.put_faces(faces, slopes, at, &mut normals);
+                }
+                light.of_normals(&normals)
+            },
         )
+    }
+
+    /// Puts the normals of lit faces in the place of those near them.
+    #[inline(never)]
+    fn put_faces(&self, faces: &LitFaces<'_>, slopes: &Slopes, at: f32, normals: &mut [Eight; 3]) {
+        let Lies { first_pixel: [x, y], ends: [front, back] } = slopes.lies;
+        for lane in 0..LANES {
+            let pixel = [x + lane, y].map(|p| p as f64 - self.border as f64 + 0.5);
+            let ray = self.view.ray(pixel);
+            let depth = front + slopes.place(lane, at) * (back - front);
+            let normal = normals.each_mut().map(|components| &mut components[lane]);
+            if let Some(face) = faces.at(ray.start + ray.step * f64::from(depth)) {
+                let lit_by = face.instead_of(normal.each_ref().map(|component| **component));
+                normal.into_iter().zip(lit_by).for_each(|(own, by)| *own = by);
+            }
+        }
     }
 
     /// `−∇d/max(|∇d|, faint)`, to the right, upwards and forward.

@@ -2,7 +2,7 @@
 
 use super::rays::Rays;
 use crate::footprints::raster::Raster;
-use slabsplat_backend::FramePlan;
+use slabsplat_backend::LayerPlan;
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{Grid, SlabGrid};
 use std::ops::RangeInclusive;
@@ -58,21 +58,21 @@ impl Reach {
 
     /// For sheets as thick as `slabs`; of all that matters at all, if the picture shall be exact.
     pub(super) fn of(
-        plan: &FramePlan<'_>,
+        layer: &LayerPlan<'_>,
         raster: &Raster,
         slabs: &SlabGrid,
         is_exact: bool,
     ) -> Self {
-        let grid = plan.volume.grid();
+        let grid = layer.volume.grid();
         let farthest = slabs.middle(slabs.n_slabs() - 1).max(raster.near.into());
-        let scale = plan.view.pixels_per_world(farthest);
-        let stretched = 2.0 * (plan.view.stretch(scale) - 1.0) * plan.radius * longest(grid);
+        let scale = layer.view.pixels_per_world(farthest);
+        let stretched = 2.0 * (layer.view.stretch(scale) - 1.0) * layer.radius * longest(grid);
         let n_sheets = if is_exact { FARTHEST_SHEET } else { FARTHEST_TO_MATTER };
-        let step = n_sheets * slabs.thickness() * slant(plan) + 1.0 / scale;
+        let step = n_sheets * slabs.thickness() * slant(layer) + 1.0 / scale;
         let parts = PARTS * (slabs.thickness() + step + stretched) / grid.unit();
         let length = parts.ceil() * grid.unit() / PARTS;
         let in_index = grid.index_from_world().matrix3;
-        Self::new(2.0 * plan.radius + ROUNDING, length, &in_index, grid.dims())
+        Self::new(2.0 * layer.radius + ROUNDING, length, &in_index, grid.dims())
     }
 
     /// Of a way of up to `radius` index units and `length` world units.
@@ -127,9 +127,9 @@ fn trace(m: &DMat3) -> f64 {
 }
 
 /// Length of the ray through a corner of the image over one unit of depth.
-fn slant(plan: &FramePlan<'_>) -> f64 {
-    let per_depth = Rays::new(&plan.view, 0).right_per_depth;
-    let [width, height] = plan.view.image_size().map(f64::from);
+fn slant(layer: &LayerPlan<'_>) -> f64 {
+    let per_depth = Rays::new(&layer.view, 0).right_per_depth;
+    let [width, height] = layer.view.image_size().map(f64::from);
     DVec3::new(0.5 * width * per_depth, 0.5 * height * per_depth, 1.0).length()
 }
 

@@ -1,9 +1,9 @@
 //! A tile advances through a range of slabs: splat the sections of a slab, composite the sheet, next.
 
 use super::classes::{Classes, N_CLASSES};
-use super::intake::Intake;
+use super::pass::Pass;
 use super::setup::Setup;
-use super::stage::{Sheets, Stage};
+use super::stage::Sheets;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
@@ -15,6 +15,7 @@ use crate::separable::sections::AsSeparable;
 use crate::voxels::by_sheet::BySheet;
 use crate::workspaces::Workspaces;
 use fearless_simd::{Simd, dispatch};
+use std::ops::Range;
 
 /// What a thread needs.
 #[derive(Debug, Default)]
@@ -26,8 +27,16 @@ pub(super) struct Workspace<S> {
 /// What the sums of a slab are made with.
 #[derive(Debug, Default)]
 struct Sums {
-    /// Voxels of a tile.
-    voxels: BySheet<SpannedVoxel>,
+    /// Voxels of a tile, of each layer.
+    voxels: Vec<BySheet<SpannedVoxel>>,
+    sheet: SheetInWork,
+    /// Where layers have several regions, the sum of all. Empty between slabs.
+    joined: Sheet,
+}
+
+/// A sheet that is being summed.
+#[derive(Debug, Default)]
+struct SheetInWork {
     /// Empty between slabs, and so are the coefficients.
     sheet: Sheet,
     coefficients: Coefficients,
@@ -36,85 +45,167 @@ struct Sums {
 /// What a tile has from one range of slabs to the next.
 #[derive(Debug, Default)]
 pub(super) struct OfTile<R> {
-    /// Voxels whose last sections are yet to come.
-    waiting: Vec<SpannedVoxel>,
+    /// Voxels whose last sections are yet to come, of each layer.
+    waiting: Vec<Vec<SpannedVoxel>>,
     /// What the method retains, and the first slab that it needs no more; 0 if it retains nothing.
     retained: R,
     needed_until: usize,
 }
 
-/// A range of slabs.
-pub(super) struct Range {
-    pub(super) slabs: std::ops::Range<usize>,
-    /// To these go first all voxels that wait or were taken in.
-    pub(super) first_slabs: std::ops::Range<usize>,
-}
-
 /// Takes all tiles through a range of slabs, in parallel.
 pub(super) fn through<H: Sheets>(
-    range: &Range,
-    stage: &Stage<'_>,
-    setup: &Setup<'_>,
+    slabs: Range<usize>,
+    passes: &[Pass<'_>],
     sheets: &H,
     (tiles, of_tiles): (&mut Tiles, &mut [OfTile<H::Retained>]),
-    intake: &Intake,
     workspaces: &mut Workspaces<Workspace<H::Scratch>>,
 ) {
     tiles.for_each_with(of_tiles, workspaces, |tile_idx, tile, of_tile, workspace| {
         if tile.is_saturated() {
             return;
         }
-        let runs = std::iter::once(of_tile.waiting.as_slice()).chain(intake.on_tile(tile_idx));
-        workspace.sums.voxels.sort(N_CLASSES, range.first_slabs.clone(), runs, |voxel| {
-            (setup.classes.of(voxel), voxel.sheets.first())
+        workspace.sums.sort(passes, tile_idx, &of_tile.waiting);
+        let level = passes[0].stage.level;
+        let slabs = &slabs;
+        let passes_here = (passes, tile_idx);
+        dispatch!(level, simd => {
+            advance(simd, slabs, passes_here, sheets, tile, of_tile, workspace);
         });
-        dispatch!(stage.level, simd => advance(simd, range, setup, sheets, tile, of_tile, workspace));
-        of_tile.waiting.clear();
-        if !tile.is_saturated() {
-            of_tile.wait(&setup.classes, &workspace.sums.voxels, range.slabs.end);
+        for ((waiting, pass), voxels) in
+            of_tile.waiting.iter_mut().zip(passes).zip(&workspace.sums.voxels)
+        {
+            waiting.clear();
+            if !tile.is_saturated() {
+                wait(waiting, &pass.setup.classes, voxels, slabs.end);
+            }
         }
     });
+}
+
+/// Adds the voxels that are drawn at `slab` or behind it to those that wait.
+fn wait(
+    waiting: &mut Vec<SpannedVoxel>,
+    classes: &Classes,
+    voxels: &BySheet<SpannedVoxel>,
+    slab: usize,
+) {
+    for class in 0..N_CLASSES {
+        let first = slab.saturating_sub(classes.n_before(class));
+        waiting.extend(voxels.starting_in(class, first..usize::MAX).iter());
+    }
+}
+
+impl Sums {
+    /// Makes them those of a tile: what waits there, and what was taken in.
+    fn sort(&mut self, passes: &[Pass<'_>], tile_idx: usize, waiting: &[Vec<SpannedVoxel>]) {
+        self.voxels.resize_with(passes.len(), BySheet::default);
+        for ((voxels, pass), waiting) in self.voxels.iter_mut().zip(passes).zip(waiting) {
+            let runs = std::iter::once(waiting.as_slice()).chain(pass.intake.on_tile(tile_idx));
+            voxels.sort(N_CLASSES, pass.first_slabs.clone(), runs, |voxel| {
+                (pass.setup.classes.of(voxel), voxel.sheets.first())
+            });
+            self.sheet.coefficients.grow(pass.setup.slabs.shapes.n_coefficients());
+        }
+    }
+
+    /// The slabs that may hold anything, behind which `n_behind` more are needed.
+    fn slabs(&self, passes: &[Pass<'_>], n_behind: usize) -> Range<usize> {
+        let (mut start, mut end) = (usize::MAX, 0);
+        for (voxels, Pass { setup, .. }) in self.voxels.iter().zip(passes) {
+            let starts = voxels.sheets();
+            if !starts.is_empty() {
+                start = start.min(starts.start.max(setup.slabs.first_drawn));
+                end = end.max((starts.end + setup.slabs.n_before).min(setup.slabs.grid.n_slabs()));
+            }
+        }
+        start..end + n_behind
+    }
 }
 
 #[inline(always)]
 fn advance<S: Simd, H: Sheets>(
     simd: S,
-    range: &Range,
-    setup: &Setup<'_>,
+    slabs: &Range<usize>,
+    (passes, tile_idx): (&[Pass<'_>], usize),
     sheets: &H,
     tile: &mut Tile,
     OfTile { retained, needed_until, .. }: &mut OfTile<H::Retained>,
     Workspace { sums, of_method }: &mut Workspace<H::Scratch>,
 ) {
-    let starts = sums.voxels.sheets();
-    sums.coefficients.grow(setup.slabs.shapes.n_coefficients());
-    let n_slabs = setup.slabs.grid.n_slabs();
-    let start = range.slabs.start.max(setup.slabs.first_drawn);
-    let end = if starts.is_empty() { 0 } else { starts.end + setup.slabs.n_before };
-    let end = end.min(n_slabs) + H::N_BEHIND;
-    let start = if range.slabs.start < *needed_until { start } else { start.max(starts.start) };
+    let held = sums.slabs(passes, H::N_BEHIND);
+    let is_retained = slabs.start < *needed_until;
+    let start = if is_retained { slabs.start } else { slabs.start.max(held.start) };
     let mut slab = start / H::AT_ONCE * H::AT_ONCE;
-    while slab < range.slabs.end.min(end.max(*needed_until)) {
-        if slab < n_slabs {
-            match H::AT_ONCE {
-                1 => add_slab(simd, slab, [1.0; 4], setup, tile, sums),
-                _ => add_pair(simd, slab, setup, tile, sums),
-            }
-        }
-        if !sums.sheet.touched.is_empty() {
+    let region = passes[0].region.tiles.filter(|_| !H::CUTS_SUMS).map(|tiles| &tiles[tile_idx]);
+    while slab < slabs.end.min(held.end.max(*needed_until)) {
+        let sheet = add_layers::<S, H>(simd, slab, (passes, tile_idx), tile, sums);
+        if !sheet.touched.is_empty() {
             *needed_until = slab + H::AT_ONCE + H::N_BEHIND;
         }
-        sheets.take(simd, slab, &mut sums.sheet, tile, retained, of_method);
+        sheets.take(simd, slab, sheet, (tile, region), retained, of_method);
+        if H::CUTS_SUMS {
+            close_behind(slab, passes, tile_idx, tile);
+        }
         if tile.is_saturated() {
             *needed_until = 0;
             break;
         }
         slab += H::AT_ONCE;
     }
-    if *needed_until <= range.slabs.end {
+    if *needed_until <= slabs.end {
         *needed_until = 0;
         sheets.release(retained, of_method);
     }
+}
+
+/// Adds all sections of all layers that a slab cuts, or it and the next, and returns their sheet.
+#[inline(always)]
+fn add_layers<'a, S: Simd, H: Sheets>(
+    simd: S,
+    slab: usize,
+    (passes, tile_idx): (&[Pass<'_>], usize),
+    tile: &mut Tile,
+    Sums { voxels, sheet, joined }: &'a mut Sums,
+) -> &'a mut Sheet {
+    for (voxels, Pass { setup, region, .. }) in voxels.iter().zip(passes) {
+        let cut = region
+            .tiles
+            .filter(|_| H::CUTS_SUMS)
+            .map(|tiles| (&tiles[tile_idx], setup.slabs.grid.faces(slab).map(|face| face as f32)));
+        let needed = tile.needed;
+        if let Some((region, faces)) = cut {
+            tile.needed = needed.and(region.showing(faces));
+        }
+        if !tile.needed.is_empty() {
+            match H::AT_ONCE {
+                1 => add_slab(simd, slab, [1.0; 4], setup, tile, voxels, sheet),
+                _ => add_pair(simd, slab, setup, tile, voxels, sheet),
+            }
+        }
+        tile.needed = needed;
+        if region.is_that_of_next {
+            continue;
+        }
+        if let Some((region, faces)) = cut {
+            region.cut(&mut sheet.sheet, faces);
+        }
+        if !region.is_only {
+            joined.take_from(&mut sheet.sheet);
+        }
+    }
+    if passes[0].region.is_only { &mut sheet.sheet } else { joined }
+}
+
+/// Closes the blocks in which nothing is seen behind a slab, as all regions end before.
+#[inline(always)]
+fn close_behind(slab: usize, passes: &[Pass<'_>], tile_idx: usize, tile: &mut Tile) {
+    let mut over = tile.open;
+    for Pass { region, setup, .. } in passes {
+        let Some(tiles) = region.tiles else { return };
+        let [_, back] = setup.slabs.grid.faces(slab);
+        over = over.and(tiles[tile_idx].over_from(back as f32));
+    }
+    tile.close_all(over);
 }
 
 /// The channels of a sheet that has the sums of two slabs, of the first and of the second.
@@ -122,30 +213,38 @@ const OF_PAIR: [[f32; 4]; 2] = [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]];
 
 /// Adds all sections that a slab or the next one cuts to their sheet. Where footprints are separable and of
 /// one shape, one goes for both: their weights differ by a factor, which their channels have.
-fn add_pair<S: Simd>(simd: S, first: usize, setup: &Setup<'_>, tile: &mut Tile, sums: &mut Sums) {
+fn add_pair<S: Simd>(
+    simd: S,
+    first: usize,
+    setup: &Setup<'_>,
+    tile: &mut Tile,
+    voxels: &BySheet<SpannedVoxel>,
+    sheet: &mut SheetInWork,
+) {
     if let Some(separable) = setup.pair_as_separable(first) {
         let cuts = [0, 1].map(|idx| setup.cut(first + idx, OF_PAIR[idx]));
-        return add_cuts(simd, &cuts, [Some(separable); 2], &setup.classes, tile, sums);
+        return add_cuts(simd, &cuts, [Some(separable); 2], &setup.classes, tile, voxels, sheet);
     }
-    let drawn = setup.slabs.first_drawn..setup.slabs.grid.n_slabs();
     for (slab, channels) in (first..).zip(OF_PAIR) {
-        if drawn.contains(&slab) {
-            add_slab(simd, slab, channels, setup, tile, sums);
-        }
+        add_slab(simd, slab, channels, setup, tile, voxels, sheet);
     }
 }
 
-/// Adds all sections that a slab cuts to those channels of its sheet.
+/// Adds all sections that a slab cuts to those channels of its sheet, if it is drawn.
 fn add_slab<S: Simd>(
     simd: S,
     slab: usize,
     channels: [f32; 4],
     setup: &Setup<'_>,
     tile: &mut Tile,
-    sums: &mut Sums,
+    voxels: &BySheet<SpannedVoxel>,
+    sheet: &mut SheetInWork,
 ) {
-    let cuts = [setup.cut(slab, channels)];
-    add_cuts(simd, &cuts, setup.as_separable(slab), &setup.classes, tile, sums);
+    if (setup.slabs.first_drawn..setup.slabs.grid.n_slabs()).contains(&slab) {
+        let cuts = [setup.cut(slab, channels)];
+        let separable = setup.as_separable(slab);
+        add_cuts(simd, &cuts, separable, &setup.classes, tile, voxels, sheet);
+    }
 }
 
 /// Adds all sections that slabs which follow each other cut. A function of its own, as all methods share it
@@ -157,11 +256,12 @@ fn add_cuts<S: Simd, const N: usize>(
     separable: [Option<AsSeparable<'_>>; 2],
     classes: &Classes,
     tile: &mut Tile,
-    sums: &mut Sums,
+    voxels: &BySheet<SpannedVoxel>,
+    sheet: &mut SheetInWork,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || add_cuts_inlined(simd, cuts, separable, classes, tile, sums),
+        || add_cuts_inlined(simd, cuts, separable, classes, tile, voxels, sheet),
     );
 }
 
@@ -172,7 +272,8 @@ fn add_cuts_inlined<S: Simd, const N: usize>(
     [whole, cut_by_slab]: [Option<AsSeparable<'_>>; 2],
     classes: &Classes,
     tile: &mut Tile,
-    Sums { voxels, sheet, coefficients }: &mut Sums,
+    voxels: &BySheet<SpannedVoxel>,
+    SheetInWork { sheet, coefficients }: &mut SheetInWork,
 ) {
     let first = cuts[0].slab;
     // Coefficients are of footprints of one shape at a time.
@@ -203,30 +304,24 @@ fn add_cuts_inlined<S: Simd, const N: usize>(
 
 impl<S> Workspace<S> {
     pub(super) fn resident_bytes<H: Sheets<Scratch = S>>(&self) -> usize {
-        let Sums { voxels, coefficients, .. } = &self.sums;
-        voxels.resident_bytes()
-            + Sheet::BYTES
-            + coefficients.resident_bytes()
+        let Sums { voxels, sheet, .. } = &self.sums;
+        voxels.iter().map(BySheet::resident_bytes).sum::<usize>()
+            + 2 * Sheet::BYTES
+            + sheet.coefficients.resident_bytes()
             + H::scratch_bytes(&self.of_method)
     }
 }
 
 impl<R> OfTile<R> {
-    /// Makes it ready for another frame; the last one left nothing retained.
-    pub(super) fn clear(&mut self) {
-        self.waiting.clear();
+    /// Makes it ready for another frame, of so many layers; the last one left nothing retained.
+    pub(super) fn clear(&mut self, n_layers: usize) {
+        self.waiting.resize_with(n_layers, Vec::new);
+        self.waiting.iter_mut().for_each(Vec::clear);
         self.needed_until = 0;
     }
 
-    /// Adds the voxels that are drawn at `slab` or behind it to those that wait.
-    fn wait(&mut self, classes: &Classes, voxels: &BySheet<SpannedVoxel>, slab: usize) {
-        for class in 0..N_CLASSES {
-            let first = slab.saturating_sub(classes.n_before(class));
-            self.waiting.extend(voxels.starting_in(class, first..usize::MAX).iter());
-        }
-    }
-
     pub(super) fn resident_bytes(&self) -> usize {
-        self.waiting.capacity() * size_of::<SpannedVoxel>()
+        let n_waiting: usize = self.waiting.iter().map(Vec::capacity).sum();
+        n_waiting * size_of::<SpannedVoxel>()
     }
 }

@@ -132,7 +132,11 @@ impl Scratch {
         occlusion: &Occlusion,
         brick: &Brick,
     ) -> u64 {
-        let bounds = setup.slabs.bounds_of_brick(&stage.bricks.bounds(brick));
+        let in_view = stage.bricks.bounds(brick);
+        if setup.beyond.as_ref().is_some_and(|beyond| beyond.hides(&in_view)) {
+            return brick.n_voxels.into();
+        }
+        let bounds = setup.slabs.bounds_of_brick(&in_view);
         let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
         let visibility = pixels.map_or(Visibility::None, |pixels| occlusion.visibility(&pixels));
         if visibility == Visibility::None {

@@ -1,5 +1,6 @@
 //! All that is decided of a frame before its first voxel is looked at.
 
+use super::beyond::Beyond;
 use super::classes::Classes;
 use super::slab_shapes::SlabShapes;
 use super::slab_view::SlabView;
@@ -36,6 +37,8 @@ pub(super) struct Setup<'a> {
     pub(super) classes: Classes,
     /// What they are drawn by.
     pub(super) sections: Sections<'a>,
+    /// Which of them the region hides, if there is one.
+    pub(super) beyond: Option<Beyond<'a>>,
     separable: Option<(&'a SeparableSections, SeparableShapes)>,
 }
 
@@ -90,7 +93,7 @@ impl<'a> Setup<'a> {
     ) -> Self {
         let SectionsInSlabs { slabs, table, tilted, cubic, whole, levels, are_of_means } =
             *sections;
-        let (raster, plan) = (stage.raster, stage.plan);
+        let (raster, layer) = (stage.raster, stage.layer);
         let budget = whole.map(|(_, budget)| budget);
         let fitted_whole = whole
             .map(|(table, _)| Fitted { table, polynomials: prepared.merged.of(table, budget) });
@@ -101,18 +104,19 @@ impl<'a> Setup<'a> {
         let n_sections = slabs.n_before + 1;
         let smooth = (tilted, cubic);
         let fitted = (fitted, fitted_whole);
-        let sections = Sections::new(raster, plan.compositing, fitted, smooth, n_sections);
+        let sections = Sections::new(raster, stage.plan.compositing, fitted, smooth, n_sections);
         let separable = whole.and_then(|(whole, _)| prepared.separable.of([table, whole]));
         let thickness = slabs.grid.thickness();
         let separable = separable.map(|sections| {
             (sections, SeparableShapes::new(sections, table, &raster.shape, thickness))
         });
         let with_shapes = separable.as_ref().map(|(sections, shapes)| (*sections, shapes));
-        prepared.shapes.update(raster, &plan.view, &slabs.grid, with_shapes);
-        let unit = plan.volume.grid().unit();
-        let slabs = SlabView::new(slabs, raster, &prepared.shapes, unit, at_once);
+        prepared.shapes.update(raster, &layer.view, &slabs.grid, with_shapes);
+        let slabs =
+            SlabView::new(slabs, raster, &prepared.shapes, stage.plan.least_unit(), at_once);
         Self {
             spans: SpanFinder::new(&slabs, levels),
+            beyond: Beyond::new(stage, slabs.grid),
             classes: Classes {
                 most_of_separable: with_shapes.zip(budget).map_or(
                     f32::NEG_INFINITY,

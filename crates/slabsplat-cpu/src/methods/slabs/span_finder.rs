@@ -12,7 +12,7 @@ pub(super) struct SpanFinder<'a> {
     levels: Option<&'a SplitLevels>,
     half_depth: f32,
     slabs_per_depth: f32,
-    /// The number of the first slab, counted from the grid's centre.
+    /// The number of the first slab, counted from the centre.
     first_slab: f32,
     /// The index of the last one.
     last_slab: f32,
@@ -55,7 +55,7 @@ impl<'a> SpanFinder<'a> {
         let (shares, n_slabs) =
             (f32x8::from_slice(simd, &shares), f32x8::from_slice(simd, &n_slabs));
         let depths: f32x8<S> = (*depths).simd_into(simd);
-        // Numbers of slabs, counted from the grid's centre; whole and exact, as there are at most 2²² of
+        // Numbers of slabs, counted from the centre; whole and exact, as there are at most 2²² of
         // them.
         let split_half_depth = shares * self.half_depth;
         let near = ((depths - split_half_depth) * self.slabs_per_depth).floor();

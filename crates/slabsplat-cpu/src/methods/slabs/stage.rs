@@ -4,13 +4,15 @@
 use crate::footprints::raster::Raster;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
+use crate::pixels::tile_region::TileRegion;
 use fearless_simd::{Level, Simd};
-use slabsplat_backend::FramePlan;
+use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
 
-/// What the stages of a frame that goes through slabs share.
+/// What the stages of a frame that goes through slabs share, for one layer.
 pub(in crate::methods) struct Stage<'a> {
     pub(in crate::methods) plan: &'a FramePlan<'a>,
+    pub(in crate::methods) layer: &'a LayerPlan<'a>,
     /// The instructions to be used.
     pub(in crate::methods) level: Level,
     pub(in crate::methods) raster: &'a Raster,
@@ -44,13 +46,17 @@ pub(in crate::methods) trait Sheets: Sync {
     /// For how many slabs behind one its sheet is needed.
     const N_BEHIND: usize;
 
-    /// Takes what the sections of a slab, or of it and the next, sum to, and leaves the sheet empty.
+    /// Whether regions cut what sections sum to. If not, they cut what the method makes of it.
+    const CUTS_SUMS: bool;
+
+    /// Takes what the sections of a slab, or of it and the next, sum to, and leaves the sheet empty. There
+    /// is a region, of the only layer, if there is something to be cut.
     fn take<S: Simd>(
         &self,
         simd: S,
         slab: usize,
         sheet: &mut Sheet,
-        tile: &mut Tile,
+        tile: (&mut Tile, Option<&TileRegion>),
         retained: &mut Self::Retained,
         scratch: &mut Self::Scratch,
     );

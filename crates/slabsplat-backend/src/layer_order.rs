@@ -1,0 +1,71 @@
+//! The order in which layers are summed: not the scene's, so that a picture does not depend on it by a bit.
+
+use slabsplat_core::{Layer, Light, Phong, Shading};
+use std::cmp::Ordering;
+
+/// The layers in an order that depends on what they are, not on where they stand in the scene.
+pub(crate) fn in_one_order(layers: &[Layer]) -> Vec<&Layer> {
+    let mut ordered: Vec<&Layer> = layers.iter().collect();
+    ordered.sort_by(|a, b| compare(a, b));
+    ordered
+}
+
+/// Layers that are equal look the same.
+fn compare(a: &Layer, b: &Layer) -> Ordering {
+    let by_place = || in_numbers(place(a), place(b));
+    let by_look = || in_numbers(look(a), look(b));
+    in_numbers(region(a), region(b)).then_with(by_place).then_with(by_look).then_with(|| {
+        let [a, b] = [a, b].map(|layer| &layer.volume);
+        let values = |volume| move |idx| slabsplat_core::Volume::value(volume, idx);
+        let n_voxels = a.grid().n_voxels();
+        in_numbers((0..n_voxels).map(values(a)), (0..n_voxels).map(values(b)))
+    })
+}
+
+/// Where it is seen; first of all, so that layers of one region follow each other.
+fn region(layer: &Layer) -> impl Iterator<Item = f64> {
+    let planes = layer.region.planes().iter();
+    let planes = planes.flat_map(|plane| [plane.normal().to_array(), [plane.distance(); 3]]);
+    let switches = [layer.region.is_inverted(), layer.region.is_lit()];
+    switches.into_iter().map(|is_on| f64::from(u8::from(is_on))).chain(planes.flatten())
+}
+
+/// Where its voxels are.
+fn place(layer: &Layer) -> impl Iterator<Item = f64> {
+    let grid = layer.volume.grid();
+    let dims = grid.dims().map(|n| n as f64);
+    dims.into_iter().chain(grid.world_from_index().to_cols_array())
+}
+
+/// What is seen of them.
+fn look(layer: &Layer) -> impl Iterator<Item = f64> {
+    let transfer = &layer.transfer;
+    let opacity = transfer.opacity_points().points().iter();
+    let color = transfer.color_points().points().iter();
+    let opacity = opacity.flat_map(|&(value, [opacity])| [value, opacity]);
+    let color = color.flat_map(|&(value, [r, g, b])| [value, r, g, b]);
+    opacity.chain(color).chain(light(layer.shading))
+}
+
+fn light(shading: Shading) -> Vec<f64> {
+    let Shading::Phong(phong) = shading else { return Vec::new() };
+    let Phong { ambient, diffuse, specular, shininess, two_sided, light, .. } = phong;
+    let mut numbers = vec![ambient, diffuse, specular, shininess, f64::from(u8::from(two_sided))];
+    if let Light::Direction(direction) = light {
+        numbers.extend(direction.get().to_array());
+    }
+    numbers
+}
+
+fn in_numbers(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> Ordering {
+    let (mut a, mut b) = (a.into_iter(), b.into_iter());
+    loop {
+        match (a.next(), b.next()) {
+            (None, None) => return Ordering::Equal,
+            (None, Some(_)) => return Ordering::Less,
+            (Some(_), None) => return Ordering::Greater,
+            (Some(a), Some(b)) if a.total_cmp(&b).is_eq() => {}
+            (Some(a), Some(b)) => return a.total_cmp(&b),
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! What planners decide, and what they keep.
+
+use super::*;
+use crate::{ColorSplats, Splats};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Camera, Grid, ImageDesc, KernelName, Lookup, Normalization, Projection, RenderSettings,
+    Scaling, TransferFunction, Volume,
+};
+use slabsplat_kernel::{SectionTable, SplitLevels, SplitView};
+use std::sync::Arc;
+
+fn volume() -> Arc<Volume> {
+    let grid = Grid::with_spacing([4, 4, 4], [1.0; 3]).unwrap();
+    Arc::new(Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap())
+}
+
+fn scene(settings: RenderSettings) -> Scene {
+    scene_of(volume(), settings)
+}
+
+fn scene_of(volume: impl Into<Arc<Volume>>, settings: RenderSettings) -> Scene {
+    let projection = Projection::Orthographic { view_height: 8.0 };
+    let camera = Camera::new(DVec3::Z * 20.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
+    let transfer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap();
+    Scene::new(Layer::new(volume, transfer).shading(Shading::None), camera)
+        .image(ImageDesc { width: 8, height: 8, background: [0.0; 4] })
+        .settings(settings)
+}
+
+fn table(planner: &mut Planner, scene: &Scene) -> Arc<SectionTable> {
+    match &planner.plan(scene).unwrap().layers[0].splats {
+        Splats::Colors(ColorSplats::Sections(sections)) => sections.table.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn planner_keeps_tables_that_did_not_change() {
+    let mut planner = Planner::default();
+    let mut scene = scene(RenderSettings::default());
+    let first = table(&mut planner, &scene);
+    scene.camera = scene.camera.orbited(0.3);
+    let turned = table(&mut planner, &scene);
+    assert!(Arc::ptr_eq(&first, &turned), "the grid is cubic");
+    scene.settings.slab_width = 2.0;
+    assert!(!Arc::ptr_eq(&first, &table(&mut planner, &scene)));
+}
+
+/// A kernel of a cubic grid is four slabs thick from everywhere. A rounding error must not make it five:
+/// each slab would look back at one bucket more.
+#[test]
+fn planner_rounds_what_a_kernel_is_thick() {
+    let mut planner = Planner::default();
+    for step in 0..300 {
+        let mut scene = scene(RenderSettings::default());
+        scene.camera = scene.camera.orbited(0.02 * f64::from(step));
+        match &planner.plan(&scene).unwrap().layers[0].splats {
+            Splats::Colors(ColorSplats::Sections(sections)) => {
+                assert_eq!(sections.slabs.n_before, 4, "{step}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Slabs as wide as the kernel cut nothing off, however the grid is stretched, and how deep a layer is
+/// counts in steps of the grid.
+#[test]
+fn planner_merges_sections_of_slabs_as_wide_as_the_kernel() {
+    for spacing in [[1.0; 3], [3.0; 3], [2.0, 2.0, 1.0], [1.0, 1.0, 1.5]] {
+        let grid = Grid::with_spacing([4, 4, 4], spacing).unwrap();
+        let layer_depth = spacing[2] / grid.unit();
+        let volume = Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap();
+        let scene = scene_of(volume, RenderSettings::default());
+        let plan = &Planner::default().plan(&scene).unwrap().layers[0];
+        assert!((plan.half_depth / spacing[2] - 2.0).abs() < 1e-12, "{}", plan.half_depth);
+        let Splats::Colors(ColorSplats::Sections(sections)) = &plan.splats else {
+            panic!("{:?}", plan.splats);
+        };
+        let merged = sections.merged.as_ref().expect("faint voxels are whole");
+        let kernel = kernel_named("gaussian").unwrap();
+        let split_view = SplitView { layer_depth, steepest_ray: 0.0 };
+        let levels = SplitLevels::new(&scene.settings, &*kernel, split_view);
+        assert_eq!(merged.levels, levels, "{spacing:?}");
+        let radius = kernel.radius() as f32;
+        let [whole, half] = [-radius, 0.0].map(|front| merged.table.sample(0.5, front, radius));
+        assert!((whole - 2.0 * half).abs() < 1e-3 * whole, "{spacing:?}: {whole} {half}");
+    }
+}
+
+/// Only where slabs are tilted, and only where no setting of tables shows in the picture.
+#[test]
+fn planner_draws_tilted_sections_without_a_table() {
+    let check = |spacing: [f64; 3], settings: RenderSettings, expected: bool| {
+        let grid = Grid::with_spacing([4, 4, 4], spacing).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 64].into(), Scaling::IDENTITY).unwrap();
+        let mut scene = scene_of(volume, settings);
+        scene.camera = scene.camera.orbited(0.5);
+        match &Planner::default().plan(&scene).unwrap().layers[0].splats {
+            Splats::Colors(ColorSplats::Sections(sections)) => {
+                assert_eq!(sections.tilted.is_some(), expected, "{spacing:?} {:?}", scene.settings);
+            }
+            other => panic!("{other:?}"),
+        }
+    };
+    let (cubic, stretched) = ([1.0; 3], [1.0, 1.0, 2.0]);
+    let settings = RenderSettings::default();
+    check(stretched, settings.clone(), true);
+    check(cubic, settings.clone(), false);
+    check(stretched, settings.clone().lookup(Lookup::Nearest), false);
+    check(stretched, settings.clone().normalization(Normalization::Product), false);
+    check(stretched, settings.kernel(KernelName("crawfis-max".into())), false);
+}
+
+#[test]
+fn planner_refuses_what_cannot_be_drawn() {
+    let check = |settings, expected: &str| {
+        let err = Planner::default().plan(&scene(settings)).unwrap_err();
+        assert!(err.to_string().contains(expected), "{err}");
+    };
+    let good = RenderSettings::default();
+    let kernel = KernelName("box".into());
+    check(good.clone().kernel(kernel), "no kernel \"box\"");
+    let mut huge = scene(good.clone());
+    (huge.image.width, huge.image.height) = (u32::MAX, u32::MAX);
+    let err = Planner::default().plan(&huge).unwrap_err();
+    assert!(matches!(err, PlanError::Image(_)), "{err}");
+    check(good.clone().slab_width(-1.0), "slab_width");
+    check(good.slab_width(1e-9), "sheets");
+}

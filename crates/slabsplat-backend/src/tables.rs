@@ -1,0 +1,213 @@
+//! The tables of a layer, kept as long as the next frame can use them again.
+
+use crate::{
+    Cached, ColorSplats, DensitySplats, MergedSections, SectionSplats, SeparableDensities, Slabs,
+    SmoothSections, Splats,
+};
+use slabsplat_core::{Grid, Lookup, Method, Normalization, RenderSettings, SliceOrder, View};
+use slabsplat_kernel::{
+    CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, SectionDesc,
+    SectionTable, SplitLevels, SplitView, TableDesc, TiltedSections,
+};
+use std::sync::Arc;
+
+/// Tables of sections cost a millisecond or more, and seldom change from one frame to the next, so the last
+/// ones are cached.
+#[derive(Debug, Default)]
+pub(crate) struct Tables {
+    sections: Cached<TableKey, Arc<SectionTable>>,
+    whole: Cached<TableKey, Arc<SectionTable>>,
+    footprint: Cached<TableKey, Arc<FootprintTable>>,
+    cubic: Cached<TableKey, Arc<CubicSectionTable>>,
+    tilted: Cached<TableKey, Option<Arc<TiltedSections>>>,
+}
+
+/// A layer that is about to be splatted.
+pub(crate) struct LayerToSplat<'a> {
+    pub(crate) kernel: &'a dyn Kernel,
+    pub(crate) grid: &'a Grid,
+    pub(crate) view: &'a View,
+    pub(crate) shape: &'a FootprintShape,
+    /// Widths in voxel steps of this layer.
+    pub(crate) settings: RenderSettings,
+    /// What sheets are of, if they are of slabs.
+    pub(crate) slabs: Slabs,
+}
+
+/// Everything that the tables are made from.
+#[derive(Clone, Debug, PartialEq)]
+struct TableKey {
+    kappa: f64,
+    settings: RenderSettings,
+}
+
+impl TableKey {
+    /// The sections by slabs of that width.
+    fn sections_of(&self, kernel: &dyn Kernel, width: f64) -> SectionTable {
+        let Self { kappa, ref settings } = *self;
+        let desc = SectionDesc {
+            kernel,
+            width,
+            kappa,
+            normalization: settings.normalization,
+            base_width: settings.base_slab_width,
+        };
+        let table = TableDesc {
+            sections: settings.sections,
+            radial_samples: settings.radial_samples,
+            lookup: settings.lookup,
+        };
+        SectionTable::new(&desc, table)
+    }
+}
+
+impl Tables {
+    /// What a layer splats.
+    pub(crate) fn splats(&mut self, layer: LayerToSplat<'_>) -> Splats {
+        let LayerToSplat { kernel, grid, view, shape, settings, slabs } = layer;
+        let key = TableKey { kappa: rounded(shape.kappa), settings };
+        let colors = match key.settings.method {
+            Method::ImageAligned => ColorSplats::Sections(Box::new(SectionSplats {
+                slabs,
+                merged: self.merged_sections(kernel, &key, view, shape, grid.unit()),
+                tilted: self.tilted_sections(kernel, &key, shape),
+                table: self.section_table(kernel, key),
+            })),
+            Method::AxisAligned => ColorSplats::Slices {
+                order: SliceOrder::new(grid, view.axes().forward),
+                table: self.footprint_table(kernel, key),
+            },
+            Method::EverySample => ColorSplats::Voxels { table: self.footprint_table(kernel, key) },
+            Method::PostClassified => {
+                return Splats::Densities(Box::new(self.densities(kernel, key, slabs)));
+            }
+        };
+        Splats::Colors(colors)
+    }
+
+    fn merged_sections(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+        view: &View,
+        shape: &FootprintShape,
+        unit: f64,
+    ) -> Option<MergedSections> {
+        let layer_depth = shape.half_depth / unit;
+        let view = SplitView { layer_depth, steepest_ray: view.steepest_ray() };
+        let levels = SplitLevels::new(&key.settings, kernel, view);
+        if levels.are_all_last() {
+            return None;
+        }
+        let table = self.whole_table(kernel, key);
+        Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) })
+    }
+
+    /// Sections with all that lies before or behind a face.
+    fn whole_table(&mut self, kernel: &dyn Kernel, key: &TableKey) -> Arc<SectionTable> {
+        let table = self.whole.made_of(key.clone(), |key| {
+            Arc::new(key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa))
+        });
+        table.clone()
+    }
+
+    /// Of what the definition leaves to a table, only that is without one which no setting of tables changes.
+    fn tilted_sections(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+        shape: &FootprintShape,
+    ) -> Option<Arc<TiltedSections>> {
+        let settings = &key.settings;
+        let reads_table = settings.lookup == Lookup::Nearest
+            || settings.normalization != Normalization::None
+            || !shape.is_tilted(kernel.radius());
+        if reads_table {
+            return None;
+        }
+        self.product_sections(kernel, key)
+    }
+
+    /// `None` if the kernel is no product.
+    fn product_sections(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+    ) -> Option<Arc<TiltedSections>> {
+        let made = |key: &TableKey| TiltedSections::new(kernel, key.kappa).map(Arc::new);
+        self.tilted.made_of(key.clone(), made).clone()
+    }
+
+    fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
+        let table = |key: &TableKey| Arc::new(key.sections_of(kernel, key.settings.slab_width));
+        self.sections.made_of(key, table).clone()
+    }
+
+    /// Sections that were normalised would no longer measure lengths, so these never are.
+    fn densities(
+        &mut self,
+        kernel: &dyn Kernel,
+        TableKey { kappa, settings }: TableKey,
+        slabs: Slabs,
+    ) -> DensitySplats {
+        let settings = settings.normalization(Normalization::None).lookup(Lookup::Linear);
+        let budget = ErrorBudget::of_densities(&settings);
+        let key = TableKey { kappa, settings };
+        let product = self.product_sections(kernel, &key);
+        let separable = product
+            .as_ref()
+            .filter(|_| 0.0 < budget.separable())
+            .map(|_| SeparableDensities { whole: self.whole_table(kernel, &key), budget });
+        DensitySplats {
+            slabs,
+            smooth: match product {
+                Some(sections) => SmoothSections::Product(sections),
+                None => SmoothSections::Table(self.cubic_table(kernel, key.clone())),
+            },
+            separable,
+            table: self.section_table(kernel, key),
+        }
+    }
+
+    fn cubic_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<CubicSectionTable> {
+        let table = |TableKey { kappa, settings }: &TableKey| {
+            Arc::new(CubicSectionTable::new(&SectionDesc {
+                kernel,
+                width: settings.slab_width,
+                kappa: *kappa,
+                normalization: Normalization::None,
+                base_width: settings.base_slab_width,
+            }))
+        };
+        self.cubic.made_of(key, table).clone()
+    }
+
+    fn footprint_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<FootprintTable> {
+        let table = |TableKey { kappa, settings }: &TableKey| {
+            Arc::new(FootprintTable::new(kernel, *kappa, settings.radial_samples))
+        };
+        self.footprint.made_of(key, table).clone()
+    }
+}
+
+/// A cubic grid has κ = 1 in every view, up to rounding errors, which must not cost a new table.
+fn rounded(kappa: f64) -> f64 {
+    let dropped_bits = 22;
+    let up = kappa.to_bits() + (1 << (dropped_bits - 1));
+    f64::from_bits(up & !((1 << dropped_bits) - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_round_kappa_by_its_size() {
+        for kappa in [1.0, 1.0_f64.next_down(), 1.0_f64.next_up()] {
+            assert_eq!(rounded(kappa), 1.0);
+        }
+        for kappa in [1e-10, 0.3, 7.7e6] {
+            assert!((rounded(kappa) / kappa - 1.0).abs() < 1e-9, "{kappa}");
+        }
+    }
+}

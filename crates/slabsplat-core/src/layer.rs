@@ -1,0 +1,67 @@
+//! One of the things that a scene shows (model §10).
+
+use crate::{Phong, Region, Shading, TransferFunction, Volume};
+use std::sync::Arc;
+
+/// A volume, which of its values are visible, and what light does to them.
+///
+/// Two layers are equal if they hold the same volume, in memory ([`Arc::ptr_eq`]), and show it alike.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Layer {
+    /// Whose voxels are shown, where they are in the world. A volume never changes, so that what was made of
+    /// it for one frame may serve for the next.
+    pub volume: Arc<Volume>,
+    /// Which values are visible, and in which colour.
+    pub transfer: TransferFunction,
+    /// What light does to them.
+    pub shading: Shading,
+    /// Where they are seen.
+    pub region: Region,
+}
+
+impl Layer {
+    /// What `transfer` shows of all of a volume, lit by a headlight.
+    pub fn new(volume: impl Into<Arc<Volume>>, transfer: TransferFunction) -> Self {
+        Self {
+            volume: volume.into(),
+            transfer,
+            shading: Shading::Phong(Phong::default()),
+            region: Region::default(),
+        }
+    }
+
+    /// The same of another volume.
+    #[must_use]
+    pub fn volume(self, volume: impl Into<Arc<Volume>>) -> Self {
+        Self { volume: volume.into(), ..self }
+    }
+
+    /// The same with other values visible.
+    #[must_use]
+    pub fn transfer(self, transfer: TransferFunction) -> Self {
+        Self { transfer, ..self }
+    }
+
+    /// The same in another light.
+    #[must_use]
+    pub fn shading(self, shading: Shading) -> Self {
+        Self { shading, ..self }
+    }
+
+    /// The same, seen nowhere else.
+    #[must_use]
+    pub fn region(self, region: Region) -> Self {
+        Self { region, ..self }
+    }
+}
+
+impl PartialEq for Layer {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { volume, transfer, shading, region } = other;
+        Arc::ptr_eq(&self.volume, volume)
+            && self.transfer == *transfer
+            && self.shading == *shading
+            && self.region == *region
+    }
+}

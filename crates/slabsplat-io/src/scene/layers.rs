@@ -1,0 +1,83 @@
+//! What a scene file as a whole means: its layers, be it one at the top or several below `[[layers]]`.
+
+use std::path::{Path, PathBuf};
+
+use super::diagnostic::Diagnostic;
+use super::document::{ClassifySection, Document, LayerSection};
+use super::settings_section::SettingsSection;
+use super::{LayerFile, SceneFile};
+
+impl Document {
+    /// All but what is in colour maps, whose files are told for each layer.
+    pub(super) fn into_scene(
+        mut self,
+        folder: &Path,
+    ) -> Result<(SceneFile, Vec<Option<PathBuf>>), Diagnostic> {
+        let sections = self.take_layers()?;
+        let is_list = self.layers.is_some();
+        let color_maps = sections.iter().map(|layer| layer.color_map(folder)).collect();
+        let layers = sections.into_iter().enumerate().map(|(idx, section)| {
+            let layer = section.into_layer(folder);
+            layer.map_err(|error| if is_list { error.in_layer(idx) } else { error })
+        });
+        let layers = layers.collect::<Result<_, _>>()?;
+        let (settings, backend) = self.render.into_settings()?;
+        let (camera, image) = (self.camera.into_desc()?, self.image.into_desc()?);
+        Ok((SceneFile { layers, camera, image, settings, backend }, color_maps))
+    }
+
+    /// The layers, of which there is at least one.
+    fn take_layers(&mut self) -> Result<Vec<LayerSection>, Diagnostic> {
+        let top = LayerSection {
+            name: None,
+            volume: self.volume.take(),
+            classify: self.classify.take(),
+            shading: self.shading.take(),
+            region: self.region.take(),
+        };
+        let Some(layers) = &mut self.layers else { return Ok(vec![top]) };
+        if let Some(section) = top.first_section() {
+            let what = format!("[{section}] belongs below [[layers]], as [layers.{section}]");
+            return Err(Diagnostic::at(section, "", what));
+        }
+        if layers.is_empty() {
+            return Err(Diagnostic::general("the scene has no layers: layers is empty"));
+        }
+        Ok(std::mem::take(layers))
+    }
+}
+
+impl LayerSection {
+    /// The first section that is there.
+    fn first_section(&self) -> Option<&'static str> {
+        let sections = [
+            ("volume", self.volume.is_some()),
+            ("classify", self.classify.is_some()),
+            ("shading", self.shading.is_some()),
+            ("region", self.region.is_some()),
+        ];
+        sections.into_iter().find_map(|(name, is_there)| is_there.then_some(name))
+    }
+
+    /// The colour map's file, if the layer names one.
+    fn color_map(&self, folder: &Path) -> Option<PathBuf> {
+        self.classify.as_ref()?.file.as_ref().map(|file| folder.join(file))
+    }
+
+    fn into_layer(self, folder: &Path) -> Result<LayerFile, Diagnostic> {
+        let Self { name, volume, classify, shading, region } = self;
+        let volume = volume.ok_or_else(|| {
+            let what = "the scene has no [volume]: add one with path or generate";
+            Diagnostic::at("volume", "", what)
+        })?;
+        let transfer = classify.map(ClassifySection::into_transfer).transpose()?;
+        Ok(LayerFile {
+            name,
+            spacing: volume.checked_spacing()?,
+            volume: volume.into_source(folder)?,
+            transfer: transfer.flatten(),
+            shading: shading.unwrap_or_else(SettingsSection::default).into_shading()?,
+            region: region.unwrap_or_default().into_desc()?,
+        })
+    }
+}

@@ -1,0 +1,161 @@
+//! Layers and regions (model §§10, 11), on scenes at random: the CPU against the float64 reference at the
+//! tolerances of model §9, and what must not change a picture.
+
+use fastrand::Rng;
+use slabsplat::{
+    Compositing, Image, Layer, Method, Normalization, Region, Scene, Shading, TransferFunction,
+};
+use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
+use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
+use slabsplat_tests::reference::{self, ReferenceImage, undecided_pixels};
+use slabsplat_tests::render::render;
+
+/// What a pixel may differ from the reference at most, and on average over a picture.
+const MAX_DIFFERENCE: f64 = 1e-3;
+const MEAN_DIFFERENCE: f64 = 1e-4;
+
+/// What a picture may differ by of which each part is rounded on its own.
+const ROUNDED_TWICE: f32 = 1e-5;
+
+/// The part of a tolerance that the CPU backend may use up with simpler footprints: the most on sheared
+/// grids, cut or not.
+const SHARE_OF_FOOTPRINTS: f64 = 0.2;
+
+/// Up to three layers, by every kernel, compositing, normalisation and projection.
+#[test]
+fn parity_of_layers() {
+    check_parity(Method::ImageAligned);
+}
+
+/// One layer of densities, cut.
+#[test]
+fn parity_of_cut_densities() {
+    check_parity(Method::PostClassified);
+}
+
+fn check_parity(method: Method) {
+    let (mut n_scenes, mut n_undecided, mut max, mut mean) = (0, 0, 0.0_f64, 0.0_f64);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        for kind in SceneKind::share(seed).filter(|kind| kind.method == method) {
+            let scene = random_layers(&mut rng, &kind);
+            let image = render("cpu", &scene);
+            let mut expected = reference::render(&scene);
+            n_undecided += leave_undecided(&mut expected, &scene, &image);
+            let off = expected.compare(&image);
+            let what = what(&kind, &scene);
+            assert!(
+                off.max < MAX_DIFFERENCE,
+                "{:?} is off by {}: {what}",
+                off.worst_pixel,
+                off.max
+            );
+            assert!(off.mean < MEAN_DIFFERENCE, "pixels are off by {}: {what}", off.mean);
+            (n_scenes, max, mean) = (n_scenes + 1, max.max(off.max), mean.max(off.mean));
+        }
+    });
+    println!(
+        "{n_scenes} scenes: at most {max:.1e}, {mean:.1e} on average; {n_undecided} undecided"
+    );
+}
+
+/// Takes over the pixels that depend on how planes are rounded, and says how many they are.
+fn leave_undecided(expected: &mut ReferenceImage, scene: &Scene, image: &Image) -> usize {
+    let mut n_undecided = 0;
+    for (idx, is_undecided) in undecided_pixels(scene).into_iter().enumerate() {
+        if is_undecided {
+            expected.pixels[idx] = image.pixels()[idx].map(f64::from);
+            n_undecided += 1;
+        }
+    }
+    n_undecided
+}
+
+fn what(kind: &SceneKind, scene: &Scene) -> String {
+    let regions: Vec<&Region> = scene.layers.iter().map(|layer| &layer.region).collect();
+    format!("{kind:?}, w {}, {regions:?}", scene.settings.slab_width)
+}
+
+/// What a region takes its complement brings back, lit or not.
+#[test]
+fn region_and_complement_are_the_whole() {
+    let mut worst = 0.0_f32;
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let are_extinct = |kind: &SceneKind| {
+            kind.method == Method::ImageAligned && kind.compositing == Compositing::Extinction
+        };
+        for kind in SceneKind::share(seed).filter(are_extinct) {
+            let scene = random_scene(&mut rng, &kind);
+            let region = random_layers(&mut rng, &kind).layers[0].region.clone();
+            let layer = &scene.layers[0];
+            let parts =
+                [region.clone(), region.inverted()].map(|region| layer.clone().region(region));
+            let parts = scene.clone().layers(parts.to_vec());
+            let difference = render("cpu", &parts).max_difference(&render("cpu", &scene));
+            assert!(difference < ROUNDED_TWICE, "{difference}: {}", what(&kind, &parts));
+            worst = worst.max(difference);
+        }
+    });
+    println!("at most {worst:.1e}");
+}
+
+#[test]
+fn order_of_layers_changes_no_bit() {
+    for_each_seed(1, |mut rng| {
+        let has_layers = |kind: &SceneKind| kind.method == Method::ImageAligned;
+        for kind in SceneKind::all().into_iter().filter(has_layers).step_by(3) {
+            let mut scene = random_layers(&mut rng, &kind);
+            scene.settings.tolerance = [0.0, 0.05][rng.usize(..2)];
+            let expected = render("cpu", &scene);
+            for _ in 0..3 {
+                rng.shuffle(&mut scene.layers);
+                assert!(render("cpu", &scene) == expected, "{}", what(&kind, &scene));
+            }
+        }
+    });
+}
+
+/// All layers together may be off by no more than the tolerance of the picture, cut or not; and the CPU
+/// merges what the definition says.
+#[test]
+fn tolerance_of_layers() {
+    let (mut worst, mut worst_from_exact) = (0.0_f64, 0.0_f64);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let merges = |kind: &SceneKind| {
+            kind.method == Method::ImageAligned
+                && kind.compositing == Compositing::Extinction
+                && kind.normalization == Normalization::None
+        };
+        let kinds = SceneKind::share(seed).filter(merges);
+        for (kind, tolerance) in kinds.flat_map(|kind| [1e-3, 0.05].map(|t| (kind, t))) {
+            let mut scene = random_layers(&mut rng, &kind);
+            (scene.image.width, scene.image.height) = (16, 16);
+            scene.settings.tolerance = tolerance;
+            if rng.bool() {
+                scene.layers.iter_mut().for_each(|layer| make_haze(&mut rng, layer));
+            }
+            let image = render("cpu", &scene);
+            let what = what(&kind, &scene);
+            let [mut merged, mut exact] =
+                [reference::render_within_tolerance(&scene), reference::render(&scene)];
+            leave_undecided(&mut merged, &scene, &image);
+            leave_undecided(&mut exact, &scene, &image);
+            let [merged, exact] = [merged, exact].map(|expected| expected.compare(&image).max);
+            assert!(merged < 1e-3 + SHARE_OF_FOOTPRINTS * tolerance, "{merged}: {what}");
+            assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {what}");
+
+            worst = worst.max(merged / tolerance);
+            worst_from_exact = worst_from_exact.max(exact / tolerance);
+        }
+    });
+    println!("{worst:.2} tolerances from what merges, {worst_from_exact:.2} from exact");
+}
+
+/// A haze of colours as far apart as can be, which change at one of its values.
+fn make_haze(rng: &mut Rng, layer: &mut Layer) {
+    let alpha = 0.1 * rng.f64();
+    let value = layer.transfer.positions().next().expect("a function has points");
+    let color = vec![(value, [0.0; 3]), (value, [1.0; 3])];
+    layer.transfer =
+        TransferFunction::new(vec![(value, [alpha])], color).expect("both points are sorted");
+    layer.shading = Shading::None;
+}
