@@ -98,9 +98,12 @@ fn set_bits(mut bits: u64) -> impl Iterator<Item = u16> {
     })
 }
 
-/// Takes values to codes: finite ones to `FIRST..=LAST`, infinities to what lies beside.
+/// Takes values to codes: finite ones to `FIRST..=LAST`, infinities to what lies beside. The least and the
+/// largest value have codes of their own, since what is around an object often has one value, and the object
+/// is visible from the next one on.
 #[derive(Clone, Copy, Debug)]
 struct Coder {
+    ends: [f64; 2],
     /// Half of the least value, and of the extent of all, so that no difference is infinite.
     half_least: f64,
     half_extent: f64,
@@ -109,36 +112,46 @@ struct Coder {
 const FIRST: u8 = 1;
 const LAST: u8 = 253;
 
+/// Codes between the least and the largest value's.
+const N_BETWEEN: f64 = (LAST - FIRST - 1) as f64;
+
 /// What a NaN voxel counts as: nothing.
 const NOTHING: (u8, u8) = (u8::MAX, 0);
 
 impl Coder {
     fn new(finite: Option<[f64; 2]>) -> Self {
         let [lo, hi] = finite.unwrap_or([0.0; 2]);
-        Self { half_least: 0.5 * lo, half_extent: 0.5 * hi - 0.5 * lo }
+        Self { ends: [lo, hi], half_least: 0.5 * lo, half_extent: 0.5 * hi - 0.5 * lo }
     }
 
     fn code(&self, value: f64) -> u8 {
         if value.is_infinite() {
             return if value < 0.0 { FIRST - 1 } else { LAST + 1 };
         }
+        if value <= self.ends[0] {
+            return FIRST;
+        }
+        if self.ends[1] <= value {
+            return LAST;
+        }
         let place = (0.5 * value - self.half_least) / self.half_extent;
-        // NaN, where there is one value only, gives the first.
-        FIRST + (place * f64::from(LAST - FIRST)).clamp(0.0, f64::from(LAST - FIRST)) as u8
+        FIRST + 1 + (place * N_BETWEEN).clamp(0.0, N_BETWEEN - 1.0) as u8
     }
 
-    /// What a code's values are at least, and the next one's; half of them. A code's width is added on either
-    /// side for rounding.
+    /// Half of what a code's values are at least, and of what they are at most. Between the ends a code's
+    /// width is added on either side for rounding.
     fn half_ends(&self, code: u8) -> [f64; 2] {
-        let step = self.half_extent / f64::from(LAST - FIRST);
+        let step = self.half_extent / N_BETWEEN;
         let end = |steps: f64| self.half_least + steps * step;
         match code {
             ..FIRST => [f64::NEG_INFINITY, end(1.0)],
-            FIRST..=LAST => {
-                let steps = f64::from(code - FIRST);
+            FIRST => [0.5 * self.ends[0]; 2],
+            LAST => [0.5 * self.ends[1]; 2],
+            code if code < LAST => {
+                let steps = f64::from(code - FIRST - 1);
                 [end(steps - 1.0), end(steps + 2.0)]
             }
-            _ => [end(f64::from(LAST - FIRST) - 1.0), f64::INFINITY],
+            _ => [end(N_BETWEEN - 1.0), f64::INFINITY],
         }
     }
 
