@@ -2,7 +2,7 @@
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Layer, Light, Method, Normalization, Phong, Projection,
+    Camera, Grid, ImageDesc, Layer, Light, Method, Mode, Normalization, Phong, Projection,
     RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 
@@ -45,7 +45,7 @@ pub fn paper_settings() -> RenderSettings {
     RenderSettings::default()
         .method(Method::ImageAligned)
         .slab_width(1.0)
-        .compositing(Compositing::Separate)
+        .mode(Mode::Separate)
         .normalization(Normalization::None)
         .opacity_cutoff(1.0)
         .tolerance(0.0)

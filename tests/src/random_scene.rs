@@ -114,7 +114,7 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> Scene {
         .method(kind.method)
         .kernel(KernelName(kind.kernel.into()))
         .slab_width(SLAB_WIDTHS[rng.usize(..SLAB_WIDTHS.len())])
-        .compositing(kind.compositing)
+        .mode(kind.compositing.into())
         .normalization(kind.normalization)
         .base_slab_width([0.5, 0.5, 0.4][rng.usize(..3)]);
     Scene::new(layer, camera).image(image).settings(settings)

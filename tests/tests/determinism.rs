@@ -60,7 +60,7 @@ fn storage_order_does_not_change_the_picture() {
                 // At 45° whole columns of voxels are equally deep.
                 let settings = RenderSettings::default()
                     .method(method)
-                    .compositing(compositing)
+                    .mode(compositing.into())
                     .slab_width(0.8);
                 let angle_degrees = if method == Method::AxisAligned { 33.0 } else { 45.0 };
                 let view = CubeView { angle_degrees, opacity: 0.7, ambient: 0.1, settings };

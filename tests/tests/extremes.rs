@@ -4,7 +4,7 @@
 use fastrand::Rng;
 use slabsplat::glam::{DAffine3, DMat3, DQuat, DVec3};
 use slabsplat::{
-    Camera, Compositing, Grid, ImageDesc, KERNEL_NAMES, KernelName, Layer, Light, Method, Phong,
+    Camera, Grid, ImageDesc, KERNEL_NAMES, KernelName, Layer, Light, Method, Mode, Phong,
     Projection, RenderSettings, Renderer, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
@@ -106,7 +106,7 @@ fn scene(rng: &mut Rng, volume: &Arc<Volume>, eye: DVec3, projection: Projection
     let settings = RenderSettings::default()
         .method(method)
         .kernel(KernelName(KERNEL_NAMES[rng.usize(..KERNEL_NAMES.len())].into()))
-        .compositing(Compositing::ALL[rng.usize(..Compositing::ALL.len())])
+        .mode(Mode::ALL[rng.usize(..Mode::ALL.len())])
         .slab_width(longest * [0.1, 1.0, 7.0][rng.usize(..3)])
         .tolerance([0.0, 0.05][rng.usize(..2)])
         .sections(16)

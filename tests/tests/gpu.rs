@@ -3,8 +3,8 @@
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Backend, BackendError, Camera, Compositing, Frame, FrameId, Grid, ImageDesc, Layer, Lookup,
-    Method, Planner, Projection, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    Backend, BackendError, Camera, Frame, FrameId, Grid, ImageDesc, Layer, Lookup, Method, Mode,
+    Planner, Projection, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use slabsplat_seeds::for_each_seed;
@@ -56,7 +56,7 @@ fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
     let camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
     Scene::new(Layer::new(volume.clone(), transfer(0.3)), camera)
         .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
-        .settings(exact_settings().method(method).compositing(Compositing::Extinction))
+        .settings(exact_settings().method(method).mode(Mode::Extinction))
 }
 
 fn transfer(opacity: f64) -> TransferFunction {

@@ -7,8 +7,8 @@
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
 use slabsplat::{
-    Camera, Compositing, Grid, Image, ImageDesc, Layer, Light, Method, Phong, Projection, Scene,
-    Shading, TransferFunction, Volume, io,
+    Camera, Grid, Image, ImageDesc, Layer, Light, Method, Mode, Phong, Projection, Scene, Shading,
+    TransferFunction, Volume, io,
 };
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::render::{backends, render};
@@ -104,7 +104,7 @@ fn image_cube_by_method() {
         let opacity = [(0.0, 0.0), (255.0, 0.5)];
         let mut scene = scene(volume.clone(), [30.0, 29.0, 18.0], parallel(34.0), &opacity);
         scene.settings.method = method;
-        scene.settings.compositing = Compositing::Separate;
+        scene.settings.mode = Mode::Separate;
         check(name, &scene);
     }
 }

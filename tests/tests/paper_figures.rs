@@ -162,7 +162,7 @@ impl BrightnessRow {
         let (compositing, normalization) = (self.compositing, self.normalization);
         let settings = paper_settings()
             .slab_width(slab_width)
-            .compositing(compositing)
+            .mode(compositing.into())
             .normalization(normalization);
         let angle_degrees = 45.0;
         let view = CubeView { angle_degrees, opacity: 0.5, ambient: 0.1, settings };

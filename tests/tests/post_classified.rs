@@ -145,7 +145,7 @@ fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Arc<Volume> {
 fn settings(compositing: Compositing, slab_width: f64) -> RenderSettings {
     exact_settings()
         .method(Method::PostClassified)
-        .compositing(compositing)
+        .mode(compositing.into())
         .slab_width(slab_width)
         .opacity_cutoff(1.0)
 }

@@ -38,7 +38,7 @@ fn wavy() -> Arc<Volume> {
 }
 
 fn settings(method: Method, compositing: Compositing) -> RenderSettings {
-    RenderSettings::default().method(method).compositing(compositing)
+    RenderSettings::default().method(method).mode(compositing.into())
 }
 
 fn assert_same(a: &ReferenceImage, b: &ReferenceImage, tolerance: f64) {

@@ -2,8 +2,8 @@
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Layer, Method, Normalization, Plane, Projection, Region,
-    RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, ImageDesc, Layer, Method, Mode, Normalization, Plane, Projection,
+    Region, RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
@@ -66,12 +66,12 @@ fn assert_same(a: &ReferenceImage, b: &ReferenceImage, tolerance: f64, what: &st
 /// Two slabs, each with half of the medium. Of either a region cuts half away, wherever the medium is in it.
 #[test]
 fn half_a_slab_has_half_the_extinction() {
-    let of = |compositing, region| {
-        let settings = RenderSettings::default().compositing(compositing).slab_width(50.0);
+    let of = |mode: Mode, region| {
+        let settings = RenderSettings::default().mode(mode).slab_width(50.0);
         render(&scene(vec![medium(2.0, 0.1).region(region)], projections()[0], settings))
     };
-    let whole = of(Compositing::Extinction, Region::default());
-    let half = of(Compositing::Extinction, between(-50.0, 50.0));
+    let whole = of(Mode::Extinction, Region::default());
+    let half = of(Mode::Extinction, between(-50.0, 50.0));
     let [of_whole, of_half] = [&whole, &half].map(depths_of_light);
     for (pixel, (a, b)) in of_whole.into_iter().zip(of_half).enumerate() {
         assert!((0.5 * a - b).abs() < REORDERED_SUM, "{a} {b}");
@@ -80,12 +80,12 @@ fn half_a_slab_has_half_the_extinction() {
         assert!((blue - 0.8 * alpha).abs() < REORDERED_SUM, "{:?}", half.pixels[pixel]);
     }
     // Elsewhere it is a matter of the middle.
-    for compositing in [Compositing::Separate, Compositing::Associated] {
-        let whole = of(compositing, Region::default());
-        assert!(whole.pixels.iter().all(|pixel| 0.5 < pixel[3]), "{compositing}");
-        assert_eq!(of(compositing, between(-51.0, 51.0)), whole, "{compositing}");
-        let nothing = of(compositing, between(-49.0, 49.0));
-        assert!(nothing.pixels.iter().all(|pixel| *pixel == [0.0; 4]), "{compositing}");
+    for mode in [Mode::Separate, Mode::Associated] {
+        let whole = of(mode, Region::default());
+        assert!(whole.pixels.iter().all(|pixel| 0.5 < pixel[3]), "{mode}");
+        assert_eq!(of(mode, between(-51.0, 51.0)), whole, "{mode}");
+        let nothing = of(mode, between(-49.0, 49.0));
+        assert!(nothing.pixels.iter().all(|pixel| *pixel == [0.0; 4]), "{mode}");
     }
 }
 
@@ -252,22 +252,22 @@ fn tolerance_is_that_of_all_layers_together() {
 /// Where planes meet middles of slabs, and where rays lie within them.
 #[test]
 fn undecided_pixels_by_hand() {
-    let check = |compositing, plane, expected: [bool; 3]| {
-        let settings = RenderSettings::default().compositing(compositing).slab_width(2.0);
+    let check = |mode: Mode, plane, expected: [bool; 3]| {
+        let settings = RenderSettings::default().mode(mode).slab_width(2.0);
         for region in [Region::new(vec![plane]), Region::new(vec![plane]).inverted()] {
             let scene =
                 scene(vec![medium(1.0, 0.1).region(region)], projections()[0], settings.clone());
             let columns = [expected; 3].concat();
-            assert_eq!(undecided_pixels(&scene), columns, "{compositing} {plane:?}");
+            assert_eq!(undecided_pixels(&scene), columns, "{mode} {plane:?}");
         }
     };
     for &compositing in Compositing::ALL {
-        let jumps = compositing != Compositing::Extinction;
-        check(compositing, behind(DVec3::Z, 3.0), [jumps; 3]);
-        check(compositing, behind(DVec3::NEG_Z, 3.000_005), [jumps; 3]);
-        check(compositing, behind(DVec3::Z, 3.000_02), [false; 3]);
-        check(compositing, behind(DVec3::Z, 2.0), [false; 3]);
-        check(compositing, behind(DVec3::X, 4.0), [false, false, true]);
-        check(compositing, behind(DVec3::X, 3.9), [false; 3]);
+        let (mode, jumps) = (compositing.into(), compositing != Compositing::Extinction);
+        check(mode, behind(DVec3::Z, 3.0), [jumps; 3]);
+        check(mode, behind(DVec3::NEG_Z, 3.000_005), [jumps; 3]);
+        check(mode, behind(DVec3::Z, 3.000_02), [false; 3]);
+        check(mode, behind(DVec3::Z, 2.0), [false; 3]);
+        check(mode, behind(DVec3::X, 4.0), [false, false, true]);
+        check(mode, behind(DVec3::X, 3.9), [false; 3]);
     }
 }

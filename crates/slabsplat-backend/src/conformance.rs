@@ -178,5 +178,5 @@ fn scene(volume: &Arc<Volume>, method: Method, compositing: Compositing) -> Scen
     let layer = Layer::new(volume.clone(), transfer(0.5)).shading(Shading::None);
     Scene::new(layer, camera)
         .image(ImageDesc { width: 36, height: 36, background: [0.0; 4] })
-        .settings(RenderSettings::default().method(method).compositing(compositing))
+        .settings(RenderSettings::default().method(method).mode(compositing.into()))
 }

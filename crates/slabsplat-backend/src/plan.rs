@@ -2,8 +2,8 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, RegionInView, SliceOrder, TransferFunction, View,
-    Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, RegionInView, SliceOrder, Statistic,
+    TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -20,7 +20,8 @@ pub struct FramePlan<'a> {
     pub layers: Vec<LayerPlan<'a>>,
     /// Size and background of the picture.
     pub image: ImageDesc,
-    /// What a sheet sums, and how that becomes a pixel.
+    /// What a sheet sums, and how that becomes a pixel; of no meaning if one density stands for all on its
+    /// ray.
     pub compositing: Compositing,
     /// Opacity from which a pixel counts as saturated.
     pub opacity_cutoff: f32,
@@ -118,6 +119,8 @@ pub struct SectionSplats {
 /// times the voxel's value.
 #[derive(Clone, Debug)]
 pub struct DensitySplats {
+    /// Which density stands for all on its ray, if what lies between sheets is not composited.
+    pub statistic: Option<Statistic>,
     /// What sheets are of: halves of slabs.
     pub slabs: Slabs,
     /// The sections.

@@ -5,8 +5,9 @@ use crate::slabs::Depths;
 use crate::tables::{LayerToSplat, Tables};
 use crate::{DensitySplats, FramePlan, LayerPlan};
 use slabsplat_core::{
-    BlinnPhong, Grid, ImageError, Layer, Method, RegionInView, Scene, SettingsError, Shading,
-    ShadingError, TooManySlabs, View, ViewError,
+    BlinnPhong, Compositing, Grid, ImageError, IsoRange, Layer, Method, Mode, RegionInView,
+    RenderSettings, Scene, SettingsError, Shading, ShadingError, Statistic, TooManySlabs, View,
+    ViewError,
 };
 use slabsplat_kernel::{FootprintShape, UnknownKernel, kernel_named};
 use thiserror::Error;
@@ -35,17 +36,29 @@ pub enum PlanError {
     /// There is nothing to draw.
     #[error("the scene has no layers")]
     NoLayers,
-    /// Sheets of this method are not of colours in slabs, which layers could share.
-    #[error("the method {method} draws one layer, not {n_layers}: image-aligned draws any number")]
+    /// Its sheets are not of colours in slabs, which layers could share.
+    #[error(
+        "{what} draws one layer, not {n_layers}: image-aligned sheets that are composited draw any number"
+    )]
     OneLayer {
-        /// The method.
-        method: Method,
+        /// The method or the mode.
+        what: String,
         /// How many layers the scene has.
         n_layers: usize,
     },
     /// Sheets of this method are not of slabs, which a region could cut.
     #[error("the method {0} cuts nothing off: image-aligned and post-classified do")]
     NoRegions(Method),
+    /// The method has no densities to choose from.
+    #[error(
+        "the mode {mode} shows densities, which {method} has none of: use image-aligned or post-classified"
+    )]
+    NoDensities {
+        /// The mode.
+        mode: Mode,
+        /// The method.
+        method: Method,
+    },
 }
 
 /// Makes frame plans. Tables cost a millisecond or more, and seldom change from one frame to the next, so the
@@ -65,19 +78,14 @@ impl Planner {
     pub fn plan<'a>(&mut self, scene: &'a Scene) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
-        let n_layers = scene.layers.len();
-        let method = settings.method;
-        if 1 < n_layers && method != Method::ImageAligned {
-            return Err(PlanError::OneLayer { method, n_layers });
-        }
-        let has_slabs = matches!(method, Method::ImageAligned | Method::PostClassified);
-        if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
-            return Err(PlanError::NoRegions(method));
-        }
+        let (n_layers, statistic) = (scene.layers.len(), settings.mode.statistic());
+        check_method(scene)?;
+        // Of which density a picture shows, both methods with slabs have the same.
+        let method = if statistic.is_some() { Method::PostClassified } else { settings.method };
         let kernel = kernel_named(&settings.kernel.0)?;
         let layers = in_one_order(&scene.layers);
         let seen = layers.iter().map(|layer| SeenLayer::new(layer, &layers, scene));
-        let seen = seen.collect::<Result<Vec<_>, _>>()?;
+        let seen = collected(n_layers, seen)?;
         let unit = least_unit(&layers).ok_or(PlanError::NoLayers)?;
         let width = match method {
             Method::ImageAligned => settings.slab_width,
@@ -96,38 +104,89 @@ impl Planner {
             let scale = unit / grid.unit();
             let settings = settings
                 .clone()
+                .method(method)
                 .slab_width(scale * width)
                 .base_slab_width(scale * settings.base_slab_width)
                 .tolerance(settings.tolerance / n_layers as f64);
             settings.check_hierarchy(shape.kappa)?;
             let slabs = depths.in_slabs(&slabs, &view);
-            let kernel = &*kernel;
-            let to_splat =
-                LayerToSplat { kernel, grid, view: &view, shape: &shape, settings, slabs };
+            let (view, shape, kernel) = (&view, &shape, &*kernel);
+            let is_cut = !layer.region.is_everywhere();
+            let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_cut };
             Ok(LayerPlan {
                 volume: &layer.volume,
-                relevant: layer.transfer.iso_ranges(),
+                relevant: shown_ranges(layer.transfer.iso_ranges(), statistic),
                 transfer: &layer.transfer,
                 light: match layer.shading {
                     Shading::None => None,
                     Shading::Phong(phong) => Some(BlinnPhong::new(phong, view.axes().forward)),
                 },
-                region: (!layer.region.is_everywhere())
-                    .then(|| RegionInView::new(&layer.region, &view)),
+                region: is_cut.then(|| RegionInView::new(&layer.region, view)),
                 splats: tables.splats(to_splat),
                 radius: kernel.radius(),
                 half_depth: depths.half_depth,
-                view,
-                shape,
+                view: *view,
+                shape: *shape,
             })
         };
         Ok(FramePlan {
-            layers: parts.map(plan).collect::<Result<_, PlanError>>()?,
+            layers: collected(n_layers, parts.map(plan))?,
             image: scene.image,
-            compositing: scene.settings.compositing,
+            compositing: scene.settings.mode.compositing().unwrap_or(Compositing::Extinction),
             opacity_cutoff: scene.settings.opacity_cutoff as f32,
         })
     }
+}
+
+/// So many of them, or the first error. What collects results has room for more than it needs.
+fn collected<T>(
+    n: usize,
+    items: impl Iterator<Item = Result<T, PlanError>>,
+) -> Result<Vec<T>, PlanError> {
+    let mut collected = Vec::with_capacity(n);
+    for item in items {
+        collected.push(item?);
+    }
+    Ok(collected)
+}
+
+/// Whether the method can draw such a scene.
+fn check_method(scene: &Scene) -> Result<(), PlanError> {
+    let RenderSettings { method, mode, .. } = scene.settings;
+    let has_slabs = match method {
+        Method::ImageAligned | Method::PostClassified => true,
+        Method::AxisAligned | Method::EverySample => false,
+    };
+    let n_layers = scene.layers.len();
+    if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
+        return Err(PlanError::NoRegions(method));
+    }
+    if mode.statistic().is_some() {
+        if !has_slabs {
+            return Err(PlanError::NoDensities { mode, method });
+        }
+        if 1 < n_layers {
+            return Err(PlanError::OneLayer { what: format!("the mode {mode}"), n_layers });
+        }
+    } else if 1 < n_layers && method != Method::ImageAligned {
+        return Err(PlanError::OneLayer { what: format!("the method {method}"), n_layers });
+    }
+    Ok(())
+}
+
+/// The densities that decide what is shown, where those of some ranges are visible.
+fn shown_ranges(visible: Vec<IsoRange>, statistic: Option<Statistic>) -> Vec<IsoRange> {
+    let (Some(statistic), Some(first), Some(last)) = (statistic, visible.first(), visible.last())
+    else {
+        return visible;
+    };
+    // A larger density hides a visible one, or a lesser one does; into a mean all of them go.
+    let (lo, hi) = match statistic {
+        Statistic::Maximum => (first.lo, f64::INFINITY),
+        Statistic::Minimum => (f64::NEG_INFINITY, last.hi),
+        Statistic::Average => (f64::NEG_INFINITY, f64::INFINITY),
+    };
+    vec![IsoRange { lo, hi }]
 }
 
 /// A layer as the camera sees it.

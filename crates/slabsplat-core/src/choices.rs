@@ -1,4 +1,4 @@
-//! Settings that are one of a few names: methods, compositing, normalisation, lookup; and kernels, whose
+//! Settings that are one of a few names: methods, modes, normalisation, lookup; and kernels, whose
 //! names `slabsplat-kernel` knows.
 
 use std::borrow::Cow;
@@ -17,6 +17,66 @@ pub enum Method {
     /// Sections of density summed in slabs parallel to the image, classified and shaded pixel by pixel
     /// (Mueller, Möller & Crawfis, "Splatting Without the Blur", IEEE Visualization '99).
     PostClassified,
+}
+
+/// What a picture shows of a ray (models §3 and §12).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mode {
+    /// Sheets are composited, as [`Compositing::Separate`] does.
+    Separate,
+    /// Sheets are composited, as [`Compositing::Associated`] does.
+    Associated,
+    /// Sheets are composited, as [`Compositing::Extinction`] does.
+    Extinction,
+    /// The largest density on the ray.
+    Maximum,
+    /// The least density on the ray.
+    Minimum,
+    /// The mean density of the ray.
+    Average,
+}
+
+/// Which density on a ray stands for all (model §12).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Statistic {
+    /// The largest: maximum intensity projection.
+    Maximum,
+    /// The least: minimum intensity projection.
+    Minimum,
+    /// The mean: an X-ray.
+    Average,
+}
+
+impl Mode {
+    /// How sheets are composited, if they are.
+    pub fn compositing(self) -> Option<Compositing> {
+        match self {
+            Self::Separate => Some(Compositing::Separate),
+            Self::Associated => Some(Compositing::Associated),
+            Self::Extinction => Some(Compositing::Extinction),
+            Self::Maximum | Self::Minimum | Self::Average => None,
+        }
+    }
+
+    /// Which density stands for all on its ray, if one does.
+    pub fn statistic(self) -> Option<Statistic> {
+        match self {
+            Self::Separate | Self::Associated | Self::Extinction => None,
+            Self::Maximum => Some(Statistic::Maximum),
+            Self::Minimum => Some(Statistic::Minimum),
+            Self::Average => Some(Statistic::Average),
+        }
+    }
+}
+
+impl From<Compositing> for Mode {
+    fn from(compositing: Compositing) -> Self {
+        match compositing {
+            Compositing::Separate => Self::Separate,
+            Compositing::Associated => Self::Associated,
+            Compositing::Extinction => Self::Extinction,
+        }
+    }
 }
 
 /// How a sheet's sums become colour and opacity (model §3).
@@ -114,6 +174,14 @@ named!(Compositing {
     Associated = "associated",
     Extinction = "extinction",
 });
+named!(Mode {
+    Separate = "separate",
+    Associated = "associated",
+    Extinction = "extinction",
+    Maximum = "maximum",
+    Minimum = "minimum",
+    Average = "average",
+});
 named!(Normalization { None = "none", Paper = "paper", Product = "product" });
 named!(Lookup { Nearest = "nearest", Linear = "linear" });
 
@@ -127,6 +195,11 @@ mod tests {
             assert_eq!(Method::from_name(m.name()), Ok(m));
         }
         assert_eq!(Compositing::from_name("extinction"), Ok(Compositing::Extinction));
+        for &mode in Mode::ALL {
+            assert_ne!(mode.compositing().is_some(), mode.statistic().is_some(), "{mode}");
+            let same = mode.compositing().map_or(mode, Mode::from);
+            assert_eq!(same, mode);
+        }
         let error = Normalization::from_name("both").unwrap_err().to_string();
         assert_eq!(error, "\"both\" is not a choice here: use one of none, paper, product");
     }

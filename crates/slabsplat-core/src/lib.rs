@@ -55,7 +55,9 @@ mod view;
 mod image;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
-pub use choices::{Compositing, KernelName, Lookup, Method, Normalization, NotAChoice};
+pub use choices::{
+    Compositing, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, Statistic,
+};
 pub use compositing::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};

@@ -1,9 +1,9 @@
-//! How a scene is rendered: method, compositing, slabs, tables. A new setting is a new row.
+//! How a scene is rendered: method, mode, slabs, tables. A new setting is a new row.
 
 use thiserror::Error;
 
 use crate::settings_table::{Settings, settings};
-use crate::{Compositing, Interval, KernelName, Lookup, Method, Normalization, OutOfRange};
+use crate::{Interval, KernelName, Lookup, Method, Mode, Normalization, OutOfRange};
 
 settings! {
     /// Everything about rendering that is neither the volume nor what it looks like.
@@ -28,8 +28,9 @@ settings! {
         /// A step is the grid's `unit`.
         slab_width: f64 = 1.0, number("STEPS", WIDTHS);
 
-        /// How a sheet's sums become colour and opacity.
-        compositing: Compositing = Compositing::Extinction, choice;
+        /// What is shown of a ray: sheets, composited by one of three models, or a density of it.
+        /// The largest, the least or the mean density is one of slabs parallel to the image.
+        mode: Mode = Mode::Extinction, choice;
 
         /// How thick sections are darkened.
         normalization: Normalization = Normalization::None, choice;

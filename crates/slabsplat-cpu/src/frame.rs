@@ -57,7 +57,7 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     tiles.clear();
     of_methods.forget_others(&first.splats);
     let Drawn { n_voxels, n_occluded } = match &first.splats {
-        Splats::Colors(_) => of_methods.colors(plan, level, tiles, &mut watch),
+        Splats::Colors(splats) => of_methods.colors(plan, splats, level, tiles, &mut watch),
         Splats::Densities(splats) => {
             let buffers = &mut of_methods.densities;
             let [n_voxels, n_occluded] =
@@ -94,6 +94,7 @@ impl OfMethods {
     fn colors(
         &mut self,
         plan: &FramePlan<'_>,
+        splats: &ColorSplats,
         level: Level,
         tiles: &mut Tiles,
         watch: &mut Stopwatch,
@@ -104,25 +105,21 @@ impl OfMethods {
             of_layers.map(|(of_layer, layer)| of_layer.stage(plan, layer, level)).collect();
         watch.done("list");
         let n_voxels = stages.iter().map(|stage| stage.list.len() as u64).sum();
-        let mut n_occluded = 0;
-        let mut in_slabs = Vec::new();
-        for stage in stages {
-            match &stage.layer.splats {
-                Splats::Densities(_) => {}
-                Splats::Colors(ColorSplats::Sections(splats)) => in_slabs.push((stage, &**splats)),
-                Splats::Colors(ColorSplats::Slices { order, table }) => {
-                    let buffers = &mut self.axis_aligned;
-                    axis_aligned::render(&stage, order, table, tiles, buffers, watch);
-                }
-                Splats::Colors(ColorSplats::Voxels { table }) => {
-                    every_sample::render(&stage, table, tiles, &mut self.every_sample, watch);
-                }
+        // All layers splat alike, and there is one but for sections.
+        let n_occluded = match splats {
+            ColorSplats::Sections(_) => {
+                image_aligned::render(&stages, plan, tiles, &mut self.image_aligned, watch)
             }
-        }
-        if !in_slabs.is_empty() {
-            let buffers = &mut self.image_aligned;
-            n_occluded = image_aligned::render(&in_slabs, plan, tiles, buffers, watch);
-        }
+            ColorSplats::Slices { order, table } => {
+                let buffers = &mut self.axis_aligned;
+                axis_aligned::render(&stages[0], order, table, tiles, buffers, watch);
+                0
+            }
+            ColorSplats::Voxels { table } => {
+                every_sample::render(&stages[0], table, tiles, &mut self.every_sample, watch);
+                0
+            }
+        };
         Drawn { n_voxels, n_occluded }
     }
 

@@ -82,7 +82,7 @@ fn cpu_levels_agree_with_scalar() {
                     let spacing = if rng.bool() { [1.0; 3] } else { [1.0, 1.4, 2.1] };
                     let settings = RenderSettings::default()
                         .method(method)
-                        .compositing(compositing)
+                        .mode(compositing.into())
                         .kernel(KernelName(kernel.into()))
                         .slab_width([0.5, 1.0, 2.3][rng.usize(..3)])
                         .tolerance([0.0, 0.05][rng.usize(..2)]);

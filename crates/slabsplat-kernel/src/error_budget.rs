@@ -13,7 +13,7 @@
 //! to: of the tolerance of 0.05 that pictures have by default, 0.02 at most in random scenes, and 2 of 255 in
 //! scans.
 
-use slabsplat_core::{Method, Normalization, RenderSettings};
+use slabsplat_core::{Compositing, Method, Normalization, RenderSettings};
 
 /// What one picture may be off, and by whom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ impl ErrorBudget {
     /// definition, and a tolerance has no effect.
     pub fn new(settings: &RenderSettings) -> Self {
         let is_additive = settings.method == Method::ImageAligned
-            && settings.compositing.sums_extinction()
+            && settings.mode.compositing().is_some_and(Compositing::sums_extinction)
             && settings.normalization == Normalization::None;
         Self { tolerance: if is_additive { settings.tolerance } else { 0.0 } }
     }
@@ -84,7 +84,7 @@ impl ErrorBudget {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::Compositing;
+    use slabsplat_core::Mode;
 
     #[test]
     fn budget_is_for_additive_pictures() {
@@ -93,11 +93,11 @@ mod tests {
         assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
         assert_eq!(budget.separable(), 0.005);
         assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
-        let separate = settings.clone().compositing(Compositing::Separate);
+        let separate = settings.clone().mode(Mode::Separate);
         assert_eq!(ErrorBudget::of_densities(&separate), budget, "they are means");
         for settings in [
             settings.clone().method(Method::AxisAligned),
-            settings.clone().compositing(Compositing::Separate),
+            settings.clone().mode(Mode::Separate),
             settings.normalization(Normalization::Paper),
         ] {
             assert_eq!(ErrorBudget::new(&settings), ErrorBudget { tolerance: 0.0 }, "{settings:?}");

@@ -47,6 +47,8 @@ pub struct SplitView {
     pub layer_depth: f64,
     /// `s`: how far any ray moves sideways per step in depth; 0 in an orthographic view.
     pub steepest_ray: f64,
+    /// Whether a region cuts what is seen (model §11).
+    pub is_cut: bool,
 }
 
 /// Level 0 is a whole kernel, and the last level all sections.
@@ -83,9 +85,11 @@ impl SplitLevels {
             if is_too_steep { f32::NEG_INFINITY } else { allowed as f32 }
         };
         let in_thick = |n_doublings: usize| {
-            // A layer goes as far as from a face of the thick slab to its middle, and the kernels with it.
-            let layers =
-                0.5 * settings.slab_width * f64::from(1_u32 << n_doublings) + view.layer_depth;
+            // A layer goes as far as from a face of the thick slab to its middle, and the kernels with it. A
+            // region may show the one slab alone in which they all are.
+            let n_slabs = f64::from(1_u32 << n_doublings);
+            let n_others = if view.is_cut { n_slabs - 1.0 } else { 0.5 * n_slabs };
+            let layers = n_others * settings.slab_width + view.layer_depth;
             let is_allowed = 0.0 < budget.per_thick_slab() && view.steepest_ray == 0.0;
             let allowed = (budget.per_thick_slab() / layers) as f32;
             if is_allowed { allowed } else { f32::NEG_INFINITY }
@@ -158,7 +162,7 @@ mod tests {
     use crate::{Gaussian, KERNEL_NAMES, kernel_named};
     use slabsplat_core::{Compositing, Normalization};
 
-    const UPRIGHT: SplitView = SplitView { layer_depth: 1.0, steepest_ray: 0.0 };
+    const UPRIGHT: SplitView = SplitView { layer_depth: 1.0, steepest_ray: 0.0, is_cut: false };
 
     fn levels(tolerance: f64, view: SplitView) -> SplitLevels {
         let settings = RenderSettings::default().tolerance(tolerance);
@@ -217,7 +221,7 @@ mod tests {
     #[test]
     fn levels_keep_within_the_budget() {
         for (layer_depth, tolerance) in [(1.0, 1e-4), (2.5, 1e-3), (0.8, 1e-2)] {
-            let levels = levels(tolerance, SplitView { layer_depth, steepest_ray: 0.0 });
+            let levels = levels(tolerance, SplitView { layer_depth, ..UPRIGHT });
             for step in 1..2000 {
                 let mu = 0.007 * step as f32;
                 let level = level(&levels, mu);
@@ -245,6 +249,16 @@ mod tests {
     }
 
     /// Of four slabs the last is one slab behind that behind their middle.
+    /// A region may show one slab in which there are all voxels of four.
+    #[test]
+    fn levels_of_what_is_cut_go_into_less_thick_slabs() {
+        let thickness =
+            |mu: f32, is_cut: bool| levels(2e-3, SplitView { is_cut, ..UPRIGHT }).split(mu).n_slabs;
+        for (mu, whole, cut) in [(4e-4, 4.0, 4.0), (6e-4, 4.0, 2.0), (9e-4, 2.0, 2.0)] {
+            assert_eq!([thickness(mu, false), thickness(mu, true)], [whole, cut], "{mu}");
+        }
+    }
+
     #[test]
     fn levels_bring_voxels_few_slabs_forward() {
         assert_eq!(levels(2e-3, UPRIGHT).split(0.0).n_slabs, 4.0);
@@ -253,17 +267,17 @@ mod tests {
 
     #[test]
     fn levels_in_perspective_have_no_thick_slabs() {
-        let levels = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 1e-9 });
+        let levels = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 1e-9, ..UPRIGHT });
         assert_eq!(levels.split(0.0), SlabSplit { share_of_half_depth: 0.0, n_slabs: 1.0 });
     }
 
     #[test]
     fn levels_are_finer_where_rays_are_steep() {
-        let steep = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 0.4 });
+        let steep = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 0.4, ..UPRIGHT });
         let upright = levels(2e-3, UPRIGHT);
         assert_eq!(level(&steep, 1e-6), level(&upright, 0.4));
         assert_eq!(level(&steep, 2.0), level(&upright, 2.0));
-        let steepest = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 13.0 });
+        let steepest = levels(2e-3, SplitView { layer_depth: 1.0, steepest_ray: 13.0, ..UPRIGHT });
         assert!(!steepest.are_all_last(), "the last face but one is skipped by more than that");
     }
 
@@ -279,7 +293,7 @@ mod tests {
         };
         exact(RenderSettings::default().tolerance(0.0));
         for compositing in [Compositing::Separate, Compositing::Associated] {
-            exact(RenderSettings::default().compositing(compositing));
+            exact(RenderSettings::default().mode(compositing.into()));
         }
         exact(RenderSettings::default().normalization(Normalization::Paper));
         assert!(!levels(1e-6, UPRIGHT).are_all_last());

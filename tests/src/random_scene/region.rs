@@ -16,7 +16,8 @@ pub(super) fn random_region(rng: &mut Rng, axes: &ViewAxes, center: DVec3, radiu
         let n_planes = rng.usize(..=4);
         Region::new((0..n_planes).map(|_| random_plane(rng, axes, center, radius)).collect())
     };
-    if rng.u32(..3) == 0 { region.inverted() } else { region }
+    let region = if rng.u32(..3) == 0 { region.inverted() } else { region };
+    if rng.u32(..3) == 0 { region.lit() } else { region }
 }
 
 fn random_plane(rng: &mut Rng, axes: &ViewAxes, center: DVec3, radius: f64) -> Plane {

@@ -3,7 +3,8 @@
 
 use super::between_sheets::{Between, InSheet};
 use super::classified_part::part;
-use super::region::RegionOnRay;
+use super::region::{RegionOnRay, normal_by_faces, splitting};
+use super::statistic::{self, OneForAll};
 use super::view::View;
 use super::{
     Cut, Hierarchy, Kernel, KernelInView, Premultiplied, ReferenceImage, SheetSums,
@@ -11,7 +12,7 @@ use super::{
 };
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Layer, Normalization, Scene};
+use slabsplat_core::{Compositing, Layer, Normalization, Scene, Statistic};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
@@ -22,7 +23,10 @@ const LIT_AT: [f64; 4] = [-0.375, -0.125, 0.125, 0.375];
 /// What all pixels have in common.
 struct Frame<'a> {
     layer: &'a Layer,
+    /// What parts are composited by, and how regions split them.
     compositing: Compositing,
+    /// Or which density stands for all.
+    statistic: Option<Statistic>,
     background: [f64; 4],
     view: View,
     kernel: KernelInView,
@@ -30,6 +34,8 @@ struct Frame<'a> {
     /// That of a sheet, half a slab's, in `unit`s.
     width: f64,
     voxels: Vec<Voxel>,
+    /// Between these all values lie, those of infinities, too.
+    ends: [f64; 2],
     /// Front faces of the sheets, in world units.
     fronts: Vec<f64>,
     /// Below this, per world unit, a gradient does not count in full.
@@ -89,13 +95,15 @@ impl<'a> Frame<'a> {
         let range = ends(finite.iter().copied());
         let mut frame = Self {
             layer,
-            compositing: settings.compositing,
+            compositing: splitting(settings.mode),
+            statistic: settings.mode.statistic(),
             background: scene.image.background.map(f64::from),
             view,
             kernel,
             unit: grid.unit(),
             width: 0.5 * settings.slab_width,
-            voxels: voxels(layer, &view, range),
+            voxels: voxels(layer, &view, value_ends(layer, range)),
+            ends: value_ends(layer, range),
             fronts: Vec::new(),
             faint_gradient: (FAINT_GRADIENT * (range[1] - range[0]).max(0.0) / grid.unit())
                 .max(f64::MIN_POSITIVE),
@@ -139,18 +147,50 @@ impl<'a> Frame<'a> {
         };
         let sheets: Vec<InSheet> = (0..here.len()).map(in_sheet).collect();
         let region = RegionOnRay::new(&self.layer.region, &self.view, at);
+        let mut pixel = match self.statistic {
+            Some(statistic) => self.one_for_all(statistic, &sheets, &region),
+            None => self.composited(at, &sheets, &region),
+        };
+        let [r, g, b, opacity] = self.background;
+        pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
+        let [r, g, b] = pixel.color;
+        [r, g, b, pixel.opacity]
+    }
+
+    /// The parts of a ray, from front to back.
+    fn composited(&self, at: [i64; 2], sheets: &[InSheet], region: &RegionOnRay) -> Premultiplied {
         let mut pixel = Premultiplied::default();
         for (before, six) in sheets.array_windows().enumerate() {
             if 0.0 < six[2].length || 0.0 < six[3].length {
                 let ends = [before + 2, before + 3].map(|sheet| self.middle(sheet));
                 let share = region.share(self.compositing, ends);
-                pixel.lay_over(self.classified(at, &Between::new(six), share));
+                pixel.lay_over(self.classified(at, &Between::new(six), share, ends));
             }
         }
-        let [r, g, b, opacity] = self.background;
-        pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
-        let [r, g, b] = pixel.color;
-        [r, g, b, pixel.opacity]
+        pixel
+    }
+
+    /// The density that stands for all, classified (model §12).
+    fn one_for_all(
+        &self,
+        statistic: Statistic,
+        sheets: &[InSheet],
+        region: &RegionOnRay,
+    ) -> Premultiplied {
+        let thickness = self.width * self.unit;
+        let shares: Vec<f64> = self
+            .fronts
+            .iter()
+            .map(|&front| region.share(self.compositing, [front, front + thickness]))
+            .collect();
+        let full_length = self.width / 16.0;
+        let found = statistic::of_sheets(statistic, sheets, &shares, self.ends, full_length);
+        let Some(OneForAll { density, counting }) = found else {
+            return Premultiplied::default();
+        };
+        let opacity = counting * self.layer.transfer.opacity(density);
+        let color = self.layer.transfer.color(density).map(|channel| opacity * channel);
+        Premultiplied { color, opacity }
     }
 
     fn middle(&self, sheet: usize) -> f64 {
@@ -185,8 +225,14 @@ impl<'a> Frame<'a> {
 
     /// The part of a ray between two sheets, in which the density goes from one end to the other, and of
     /// which the region leaves a share.
-    fn classified(&self, at: [i64; 2], between: &Between, share: f64) -> Premultiplied {
-        let Layer { transfer, shading, .. } = self.layer;
+    fn classified(
+        &self,
+        at: [i64; 2],
+        between: &Between,
+        share: f64,
+        [front, back]: [f64; 2],
+    ) -> Premultiplied {
+        let Layer { transfer, shading, region, .. } = self.layer;
         let mut sums = SheetSums::new(self.compositing);
         let densities = between.ends.map(|end| end.density);
         let Some(part) = part(transfer, self.compositing, densities) else {
@@ -200,8 +246,11 @@ impl<'a> Frame<'a> {
             Compositing::Separate | Compositing::Associated => 1.0,
         };
         let quarters = [0, 1, 2, 3].map(|quarter| {
-            let gradient = self.gradient(at, between.slopes(part.place + seen * LIT_AT[quarter]));
+            let place = part.place + seen * LIT_AT[quarter];
+            let gradient = self.gradient(at, between.slopes(place));
             let normal = -gradient / gradient.length().max(self.faint_gradient);
+            let in_world = self.view.ray_in_world(at, front + place * (back - front));
+            let normal = normal_by_faces(region, self.unit, in_world, normal);
             (normal, through.powi(quarter as i32))
         });
         let color = shaded_by_normals(shading, part.color, &quarters, self.view.axes.forward);
@@ -221,13 +270,16 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// All that are not NaN. An infinite one counts as the least or the largest of all finite values and of the
-/// transfer function's points.
-fn voxels(layer: &Layer, view: &View, finite: [f64; 2]) -> Vec<Voxel> {
-    let Layer { volume, transfer, .. } = layer;
-    let grid = volume.grid();
+/// The least and the largest of all finite values and of the transfer function's points.
+fn value_ends(layer: &Layer, finite: [f64; 2]) -> [f64; 2] {
     let of_values = finite.into_iter().filter(|v| v.is_finite());
-    let [lo, hi] = ends(of_values.chain(transfer.positions()));
+    ends(of_values.chain(layer.transfer.positions()))
+}
+
+/// All that are not NaN. An infinite one counts as one of the ends.
+fn voxels(layer: &Layer, view: &View, [lo, hi]: [f64; 2]) -> Vec<Voxel> {
+    let volume = &layer.volume;
+    let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
         let center = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
         let center_in_view = view.view_from_world(grid.world_from_index().transform_point3(center));

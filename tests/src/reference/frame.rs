@@ -1,5 +1,6 @@
 //! What is drawn in which sheet, by each of the three methods (model §4).
 
+use super::region::normal_by_faces;
 use super::sheet::MAX_OPACITY;
 use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
@@ -81,7 +82,9 @@ impl Frame {
             Method::PostClassified => panic!("its sheets hold densities: see `density`"),
         };
         let background = scene.image.background.map(f64::from);
-        Self { view, compositing: settings.compositing, background, layers, sheets }
+        let compositing =
+            settings.mode.compositing().expect("one density has no sheets of colours");
+        Self { view, compositing, background, layers, sheets }
     }
 }
 
@@ -176,7 +179,7 @@ fn whole_footprints(voxel_indices: Vec<usize>) -> Sheet {
 }
 
 fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
-    let Layer { volume, transfer, shading, .. } = layer;
+    let Layer { volume, transfer, shading, region, .. } = layer;
     let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
         let value = volume.value(voxel_idx);
@@ -188,12 +191,14 @@ fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
         let center_in_index = DVec3::from_array(coords.map(|c| c as f64));
         let center_in_world = grid.world_from_index().transform_point3(center_in_index);
         let gradient = gradient_in_world(volume, coords);
+        let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
+        let normal = normal_by_faces(region, grid.unit(), center_in_world, normal);
         let color = transfer.color(value);
         Some(Voxel {
             coords,
             center_in_view: view.view_from_world(center_in_world),
             opacity,
-            color: shaded_color(shading, color, gradient, view.axes.forward),
+            color: shaded_color(shading, color, -normal, view.axes.forward),
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()

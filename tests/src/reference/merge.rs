@@ -7,14 +7,14 @@ use super::frame::{LayerInView, SheetSplat, Voxel};
 use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
 use super::{Cut, GaussLegendre, Kernel};
-use slabsplat_core::{Compositing, Normalization, RenderSettings};
+use slabsplat_core::{Mode, Normalization, RenderSettings};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 /// Whether these settings make use of a tolerance.
 pub(super) fn applies(settings: &RenderSettings, tolerance: f64) -> bool {
     0.0 < tolerance
-        && settings.compositing == Compositing::Extinction
+        && settings.mode == Mode::Extinction
         && settings.normalization == Normalization::None
 }
 
@@ -77,6 +77,8 @@ struct Levels {
     depth_reach: f64,
     steepest_ray: f64,
     tolerance: f64,
+    /// Whether a region cuts the layer.
+    is_cut: bool,
 }
 
 impl Levels {
@@ -90,13 +92,16 @@ impl Levels {
             depth_reach,
             steepest_ray: view.steepest_ray(),
             tolerance,
+            is_cut: !layer.region.is_everywhere(),
         }
     }
 
     /// By how many doublings the slab is thicker into which a voxel goes whole; 0 if faces may cut it.
     fn doublings(&self, voxel: &Voxel, slab_width: f64) -> u32 {
         let is_allowed = |n: &u32| {
-            let layers = 0.5 * slab_width * f64::from(1 << n) + self.layer_depth;
+            let n_slabs = f64::from(1 << n);
+            let n_others = if self.is_cut { n_slabs - 1.0 } else { 0.5 * n_slabs };
+            let layers = slab_width * n_others + self.layer_depth;
             self.steepest_ray == 0.0 && voxel.extinction() * layers <= self.tolerance
         };
         (1..=2).rev().find(is_allowed).unwrap_or(0)

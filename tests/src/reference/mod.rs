@@ -29,6 +29,7 @@ mod merge;
 mod region;
 mod row;
 mod slabs;
+mod statistic;
 
 pub use gradient::gradient_in_world;
 pub use hierarchy::Hierarchy;
@@ -50,7 +51,7 @@ use slabsplat_core::{Method, Scene};
 /// If the scene names a kernel that model §2 does not list, or has several layers or a region where its
 /// method has none.
 pub fn render(scene: &Scene) -> ReferenceImage {
-    if scene.settings.method == Method::PostClassified {
+    if is_of_densities(scene) {
         return density::render(scene);
     }
     picture(&frame::Frame::new(scene, 0.0), scene)
@@ -61,10 +62,15 @@ pub fn render(scene: &Scene) -> ReferenceImage {
 /// # Panics
 /// As [`render`].
 pub fn render_within_tolerance(scene: &Scene) -> ReferenceImage {
-    if scene.settings.method == Method::PostClassified {
+    if is_of_densities(scene) {
         return density::render(scene);
     }
     picture(&frame::Frame::new(scene, scene.settings.tolerance), scene)
+}
+
+/// Whether sheets sum densities: for `post-classified`, and where one stands for all.
+fn is_of_densities(scene: &Scene) -> bool {
+    scene.settings.method == Method::PostClassified || scene.settings.mode.statistic().is_some()
 }
 
 fn picture(frame: &frame::Frame, scene: &Scene) -> ReferenceImage {

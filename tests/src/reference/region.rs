@@ -3,7 +3,8 @@
 use super::density;
 use super::frame::Frame;
 use super::view::View;
-use slabsplat_core::{Compositing, Method, Region, Scene};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Compositing, Method, Mode, Region, Scene};
 
 /// What a pixel's ray has in common with a region.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +53,35 @@ impl RegionOnRay {
     }
 }
 
+/// The model by which a mode splits slabs: a mean has shares of them, the largest and the least density do
+/// not.
+pub(super) fn splitting(mode: Mode) -> Compositing {
+    match mode {
+        Mode::Separate => Compositing::Separate,
+        Mode::Associated | Mode::Maximum | Mode::Minimum => Compositing::Associated,
+        Mode::Extinction | Mode::Average => Compositing::Extinction,
+    }
+}
+
+/// What becomes of a normal, not longer than 1, at a place in the world where lit faces of a region are near:
+/// that of the face up to three quarters of a `unit` behind it, and a `unit` further itself.
+pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVec3) -> DVec3 {
+    if !region.is_lit() || region.planes().is_empty() {
+        return normal;
+    }
+    let mut nearest = (DVec3::ZERO, f64::NEG_INFINITY);
+    for plane in region.planes() {
+        let before = plane.normal().dot(at) - plane.distance();
+        if nearest.1 < before {
+            nearest = (plane.normal(), before);
+        }
+    }
+    let (face, before) =
+        if region.is_inverted() { (-nearest.0, -nearest.1) } else { (nearest.0, nearest.1) };
+    let own = (-before / unit - 0.75).clamp(0.0, 1.0);
+    (1.0 - own) * face + own * normal
+}
+
 /// By how many `unit`s renderers may disagree on where planes are.
 const PLACE_OF_A_PLANE: f64 = 1e-5;
 
@@ -64,7 +94,7 @@ pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
         Method::PostClassified => density::part_faces(scene),
         _ => Frame::new(scene, 0.0).sheets.iter().filter_map(|sheet| sheet.faces).collect(),
     };
-    let compositing = scene.settings.compositing;
+    let compositing = splitting(scene.settings.mode);
     let is_undecided = |at: [i64; 2]| {
         scene.layers.iter().any(|layer| {
             let by = PLACE_OF_A_PLANE * layer.volume.grid().unit();
@@ -80,7 +110,6 @@ pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::glam::DVec3;
     use slabsplat_core::{Camera, ImageDesc, Plane, Projection};
 
     /// Looks along −z from 10; the ray of pixel 0 is the axis, that of pixel 1 is at x = 2 at the depth 10.
@@ -132,6 +161,23 @@ mod tests {
         let [start, end] = ends(wall.clone(), &orthographic(), 1);
         assert!(end < start, "{start} {end}");
         assert_close(ends(wall, &perspective(), 1), [f64::NEG_INFINITY, 5.0]);
+    }
+
+    #[test]
+    fn region_faces_by_hand() {
+        let region = Region::new(vec![behind(DVec3::Z, 4.0), behind(DVec3::X, 0.0)]).lit();
+        let check = |region: &Region, at: DVec3, expected: DVec3| {
+            let normal = normal_by_faces(region, 2.0, at, DVec3::Y);
+            assert!(normal.abs_diff_eq(expected, 1e-12), "{at}: {normal}");
+        };
+        check(&region, DVec3::new(-9.0, 0.0, 5.0), DVec3::Z);
+        check(&region, DVec3::new(-9.0, 0.0, 2.5), DVec3::Z);
+        check(&region, DVec3::new(-2.5, 0.0, -5.0), 0.5 * (DVec3::X + DVec3::Y));
+        check(&region, DVec3::new(-3.5, 0.0, -5.0), DVec3::Y);
+        let inverted = region.clone().inverted();
+        check(&inverted, DVec3::new(-9.0, 0.0, 5.0), -DVec3::Z);
+        check(&inverted, DVec3::new(-9.0, 0.0, 9.0), DVec3::Y);
+        check(&Region::new(region.planes().to_vec()), DVec3::Z * 4.0, DVec3::Y);
     }
 
     #[test]

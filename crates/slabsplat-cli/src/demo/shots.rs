@@ -3,7 +3,7 @@
 use anyhow::Result;
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Compositing, ImageDesc, Layer, Light, Method, Phong, Projection, RenderSettings, Scene,
+    Camera, ImageDesc, Layer, Light, Method, Mode, Phong, Projection, RenderSettings, Scene,
     Shading, Sweep, TransferFunction, Volume,
 };
 use std::sync::Arc;
@@ -152,5 +152,5 @@ pub(super) fn popping_scene(cube: Volume) -> Result<Scene> {
     let layer = Layer::new(cube, transfer).shading(Shading::Phong(diffuse));
     Ok(Scene::new(layer, camera)
         .image(ImageDesc { width, height, background: [0.0; 4] })
-        .settings(RenderSettings::default().compositing(Compositing::Separate)))
+        .settings(RenderSettings::default().mode(Mode::Separate)))
 }

@@ -114,7 +114,7 @@ background = [0.0, 0.0, 0.5, 1.0]
 [render]
 method = "axis-aligned"
 slab_width = 0.5
-compositing = "separate"
+mode = "separate"
 "#;
 
 /// The flags say all that the file says or leaves to its defaults, so that the pictures must be the same.

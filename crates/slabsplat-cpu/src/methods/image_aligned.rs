@@ -10,7 +10,7 @@ use crate::pixels::tile_region::TileRegion;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use fearless_simd::Simd;
-use slabsplat_backend::{FramePlan, SectionSplats};
+use slabsplat_backend::{ColorSplats, FramePlan, Splats};
 use slabsplat_core::Compositing;
 use slabsplat_core::glam::DVec3;
 use slabsplat_traverse::{Brick, BrickBounds, BrickView, RelevantList, VoxelLighting, VoxelRecord};
@@ -21,19 +21,21 @@ pub(crate) struct Buffers(slabs::Buffers<(), ()>);
 
 /// Renders into empty tiles; returns how many voxels were never tossed, being occluded.
 pub(crate) fn render(
-    stages: &[(Stage<'_>, &SectionSplats)],
+    stages: &[Stage<'_>],
     plan: &FramePlan<'_>,
     tiles: &mut Tiles,
     buffers: &mut Buffers,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let voxels: Vec<Shaded<'_>> = stages.iter().map(|(stage, _)| Shaded::new(stage)).collect();
-    let layers = stages.iter().zip(&voxels).map(|((stage, splats), voxels)| {
+    let voxels: Vec<Shaded<'_>> = stages.iter().map(Shaded::new).collect();
+    let mut layers = Vec::with_capacity(stages.len());
+    for (stage, voxels) in stages.iter().zip(&voxels) {
         let Stage { plan, layer, level, raster, bricks, .. } = stage;
-        let stage = slabs::Stage { plan, layer, level: *level, raster, bricks, voxels };
-        (stage, SectionsInSlabs::of_colors(splats))
-    });
-    let layers: Vec<_> = layers.collect();
+        if let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats {
+            let stage = slabs::Stage { plan, layer, level: *level, raster, bricks, voxels };
+            layers.push((stage, SectionsInSlabs::of_colors(splats)));
+        }
+    }
     let sheets = Composited { compositing: plan.compositing, cutoff: plan.opacity_cutoff };
     slabs::render(&layers, &sheets, tiles, &mut buffers.0, watch)
 }
@@ -120,6 +122,10 @@ impl Sheets for Composited {
     const AT_ONCE: usize = 1;
     const N_BEHIND: usize = 0;
     const CUTS_SUMS: bool = true;
+
+    fn splits_slabs(&self) -> bool {
+        self.compositing.sums_extinction()
+    }
 
     #[inline(always)]
     fn take<S: Simd>(

@@ -12,6 +12,9 @@ pub(super) struct LitFaces<'a> {
     per_unit: f64,
 }
 
+/// How many `unit`s behind a face its normal counts for nothing; it counts in full up to one before that.
+const DEEPEST: f64 = 1.75;
+
 /// A face's normal, and how much it counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FaceNormal {
@@ -32,14 +35,14 @@ impl<'a> LitFaces<'a> {
     #[inline]
     pub(super) fn at(&self, point: DVec3) -> Option<FaceNormal> {
         let (normal, behind) = self.region.face_near(point)?;
-        let share = 2.0 - behind * self.per_unit;
+        let share = DEEPEST - behind * self.per_unit;
         (0.0 < share).then_some(FaceNormal { normal, share: share.min(1.0) })
     }
 
     /// Whether the normal of a face counts at any point of a box.
     pub(super) fn may_be_in(&self, center: DVec3, half_extents: DVec3) -> bool {
         let Some((_, behind)) = self.region.face_near(center) else { return false };
-        behind * self.per_unit < 2.0 + half_extents.length() * self.per_unit
+        behind * self.per_unit < DEEPEST + half_extents.length() * self.per_unit
     }
 
     /// The same direction in the world.

@@ -115,7 +115,7 @@ impl TileRegion {
 
     /// What part of a slab four pixels of a row have in the region.
     #[inline(always)]
-    fn shares(&self, row: usize, first_column: usize, faces: [f32; 2]) -> [f32; QUAD] {
+    pub(crate) fn shares(&self, row: usize, first_column: usize, faces: [f32; 2]) -> [f32; QUAD] {
         let mut shares = [0.0; QUAD];
         for (idx, share) in shares.iter_mut().enumerate() {
             let column = first_column + idx;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Compositing, Field, KernelName, Light, Lookup, Method, Normalization, Phong, Plane, Setting,
-    Settings, Shading,
+    Field, KernelName, Light, Lookup, Method, Mode, Normalization, Phong, Plane, Setting, Settings,
+    Shading,
 };
 
 use super::*;
@@ -57,7 +57,7 @@ background = [0.1, 0.2, 0.3, 1.0]
 method = "every-sample"
 kernel = "crawfis-max"
 slab_width = 2.0
-compositing = "separate"
+mode = "separate"
 normalization = "product"
 base_slab_width = 0.25
 sections = 64
@@ -114,7 +114,7 @@ fn scene_has_every_key() {
     let settings = &scene.settings;
     assert_eq!(settings.method, Method::EverySample);
     assert_eq!(settings.kernel.0, "crawfis-max");
-    assert_eq!(settings.compositing, Compositing::Separate);
+    assert_eq!(settings.mode, Mode::Separate);
     assert_eq!(settings.normalization, Normalization::Product);
     assert_eq!(settings.lookup, Lookup::Nearest);
     assert_eq!([settings.slab_width, settings.base_slab_width], [2.0, 0.25]);

@@ -5,7 +5,9 @@ use super::integrals::Integrals;
 use super::nodes::{AtNodes, N_NODES, OnPart, Parts, Rays8};
 use super::parts::{Lies, PartShader};
 use super::rays::Rays;
-use super::sheets::{AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring};
+use super::sheets::{
+    AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch,
+};
 use crate::methods::slabs::Sheets;
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::pixels::quad::QUAD;
@@ -31,35 +33,21 @@ pub(super) struct Classifier<'a> {
     limits: Limits,
 }
 
-/// Rings that no tile has.
-pub(super) type Scratch = Vec<Box<Ring>>;
-
-/// What a frame's values are like, scaled.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ScaledValues {
-    /// The extent of the finite ones.
-    pub(super) extent: f64,
-    /// Between these all of them lie.
-    pub(super) ends: [f32; 2],
-}
-
 /// Blocks that eight pixels on end lie in.
 const BLOCKS_PER_GROUP: usize = LANES / BLOCK_SIDE;
 
-/// Less of a ray, in `unit`s, may be what separable footprints miss.
-const LEAST_LENGTH: f32 = 1e-3;
-
 impl<'a> Classifier<'a> {
+    /// For values of which the finite ones have that scaled extent.
     pub(super) fn new(
         plan: &FramePlan<'_>,
         layer: &'a LayerPlan<'_>,
         slabs: &'a Slabs,
         integrals: &'a Integrals,
-        values: ScaledValues,
+        extent: f64,
         border: usize,
-        are_exact: bool,
+        limits: Limits,
     ) -> Self {
-        let faint = FAINT_GRADIENT * values.extent / layer.volume.grid().unit();
+        let faint = FAINT_GRADIENT * extent / layer.volume.grid().unit();
         Self {
             shader: PartShader {
                 integrals,
@@ -78,10 +66,7 @@ impl<'a> Classifier<'a> {
             cutoff: plan.opacity_cutoff,
             slabs: &slabs.grid,
             view: layer.view,
-            limits: Limits {
-                least_length: if are_exact { 0.0 } else { LEAST_LENGTH },
-                values: values.ends,
-            },
+            limits,
         }
     }
 
@@ -256,6 +241,10 @@ impl Sheets for Classifier<'_> {
     const N_BEHIND: usize = N_BESIDE + 1;
     const CUTS_SUMS: bool = false;
 
+    fn splits_slabs(&self) -> bool {
+        self.shader.compositing.sums_extinction()
+    }
+
     #[inline(always)]
     fn take<S: Simd>(
         &self,
@@ -277,10 +266,7 @@ impl Sheets for Classifier<'_> {
     }
 
     fn release(&self, retained: &mut Retained, rings: &mut Scratch) {
-        if let Some(mut ring) = retained.take() {
-            ring.clear();
-            rings.push(ring);
-        }
+        Ring::release(retained, rings);
     }
 
     fn scratch_bytes(rings: &Scratch) -> usize {

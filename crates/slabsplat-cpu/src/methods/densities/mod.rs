@@ -26,7 +26,7 @@
 //! # Reading order
 //!
 //! `values`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `rays`, `nodes`; `integrals`, `parts`;
-//! `classify`.
+//! `classify`; `statistic`.
 
 mod bit_rows;
 mod reach;
@@ -42,6 +42,7 @@ mod integrals;
 mod parts;
 
 mod classify;
+mod statistic;
 
 #[cfg(test)]
 mod tests;
@@ -50,15 +51,16 @@ use super::slabs::{self, SectionsInSlabs, Stage};
 use crate::footprints::raster::Raster;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use classify::{Classifier, ScaledValues, Scratch};
+use classify::Classifier;
 use fearless_simd::Level;
 use integrals::Integrals;
 use reach::Reach;
 use selection::Selection;
-use sheets::Retained;
+use sheets::{Limits, Retained, Scratch};
 use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan};
 use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
+use statistic::{FULL_PART, Gatherer};
 use values::{ValueScale, finite_range};
 use voxels::Selected;
 
@@ -134,22 +136,27 @@ fn draw(
     watch: &mut Stopwatch,
 ) -> u64 {
     let scale = ValueScale::new(finite, layer.transfer);
+    let voxels = &Selected::new(selection, layer.volume, scale);
+    let bricks = &BrickView::new(layer.volume.grid(), &layer.view);
+    let stage = Stage { plan, layer, level: *level, raster, bricks, voxels };
+    let layers = [(stage, SectionsInSlabs::of_densities(splats))];
+    let limits = Limits::new(scale.ends(), splats.separable.is_none());
+    if let Some(statistic) = splats.statistic {
+        let slabs_of_sheets = &splats.slabs.grid;
+        let width = slabs_of_sheets.thickness() / layer.volume.grid().unit();
+        let per_full_length = (1.0 / (FULL_PART * width)) as f32;
+        let gatherer = Gatherer { statistic, slabs: slabs_of_sheets, limits, per_full_length };
+        let n_occluded = slabs::render(&layers, &gatherer, tiles, slabs, watch);
+        statistic::classify(tiles, layer.transfer, &scale);
+        return n_occluded;
+    }
     let key = (layer.transfer.clone(), plan.compositing, scale);
     let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
         Integrals::new(transfer, *compositing, scale)
     });
-    let values = ScaledValues {
-        extent: finite.map_or(0.0, |range| scale.extent(range)),
-        ends: scale.ends(),
-    };
-    let are_exact = splats.separable.is_none();
-    let classifier =
-        Classifier::new(plan, layer, &splats.slabs, integrals, values, BORDER, are_exact);
-    let voxels = &Selected::new(selection, layer.volume, scale);
-    let bricks = &BrickView::new(layer.volume.grid(), &layer.view);
-    let stage = Stage { plan, layer, level: *level, raster, bricks, voxels };
-    let sections = SectionsInSlabs::of_densities(splats);
-    slabs::render(&[(stage, sections)], &classifier, tiles, slabs, watch)
+    let extent = finite.map_or(0.0, |range| scale.extent(range));
+    let classifier = Classifier::new(plan, layer, &splats.slabs, integrals, extent, BORDER, limits);
+    slabs::render(&layers, &classifier, tiles, slabs, watch)
 }
 
 impl Buffers {

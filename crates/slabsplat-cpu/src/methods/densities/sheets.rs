@@ -48,6 +48,9 @@ pub(super) struct Ring {
 /// What a tile retains from slab to slab.
 pub(super) type Retained = Option<Box<Ring>>;
 
+/// Rings that no tile has.
+pub(super) type Scratch = Vec<Box<Ring>>;
+
 /// What sums are worth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -55,6 +58,16 @@ pub(super) struct Limits {
     pub(super) least_length: f32,
     /// Between these all values lie, and so does each density.
     pub(super) values: [f32; 2],
+}
+
+/// Less of a ray, in `unit`s, may be what separable footprints miss.
+const LEAST_LENGTH: f32 = 1e-3;
+
+impl Limits {
+    /// For values between those ends.
+    pub(super) fn new(values: [f32; 2], are_exact: bool) -> Self {
+        Self { least_length: if are_exact { 0.0 } else { LEAST_LENGTH }, values }
+    }
 }
 
 impl Default for Ring {
@@ -68,8 +81,16 @@ impl Default for Ring {
 impl Ring {
     pub(super) const BYTES: usize = size_of::<Self>();
 
+    /// Frees what a tile retains, which is empty then.
+    pub(super) fn release(retained: &mut Retained, rings: &mut Scratch) {
+        if let Some(mut ring) = retained.take() {
+            ring.clear();
+            rings.push(ring);
+        }
+    }
+
     /// Makes it empty.
-    pub(super) fn clear(&mut self) {
+    fn clear(&mut self) {
         for sheet in &mut self.sheets {
             for [column, row] in std::mem::take(&mut sheet.held).iter() {
                 for row in row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE {

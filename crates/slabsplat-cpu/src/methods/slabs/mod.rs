@@ -82,7 +82,8 @@ pub(super) fn render<H: Sheets>(
 ) -> u64 {
     let Buffers { of_layers, regions, scratches, occlusion, of_tiles, workspaces } = buffers;
     of_layers.resize_with(layers.len(), OfLayer::default);
-    regions.update(layers.iter().map(|(stage, _)| stage), tiles);
+    let stages = layers.iter().map(|(stage, _)| stage);
+    regions.update(stages, sheets.splits_slabs(), tiles);
     let passes = layers.iter().zip(of_layers).zip(regions.of_layers());
     let passes = passes.map(|(((stage, sections), of_layer), region)| {
         let OfLayer { prepared, bricks, intake } = of_layer;

@@ -31,6 +31,7 @@ impl Regions {
     pub(super) fn update<'a>(
         &mut self,
         stages: impl Iterator<Item = &'a Stage<'a>>,
+        splits_slabs: bool,
         tiles: &mut Tiles,
     ) {
         let Self { groups, group_of } = self;
@@ -46,7 +47,7 @@ impl Regions {
             let group = group_of.last().map_or(0, |group| group + 1);
             group_of.push(group);
             groups.resize_with(groups.len().max(group + 1), Vec::new);
-            make(&mut groups[group], stage, tiles);
+            make(&mut groups[group], stage, splits_slabs, tiles);
         }
         let n_groups = group_of.last().map_or(0, |group| group + 1);
         groups.truncate(n_groups);
@@ -76,9 +77,8 @@ impl Regions {
 }
 
 /// Makes the region of a layer on each tile; none if it is everywhere.
-fn make(of_tiles: &mut Vec<TileRegion>, stage: &Stage<'_>, tiles: &Tiles) {
+fn make(of_tiles: &mut Vec<TileRegion>, stage: &Stage<'_>, splits_slabs: bool, tiles: &Tiles) {
     let Some(region) = &stage.layer.region else { return of_tiles.clear() };
-    let splits_slabs = stage.plan.compositing.sums_extinction();
     let border = tiles.grid.border() as i64;
     of_tiles.resize_with(tiles.tiles.len(), TileRegion::default);
     of_tiles.par_iter_mut().zip(&tiles.tiles).for_each(|(of_tile, tile)| {

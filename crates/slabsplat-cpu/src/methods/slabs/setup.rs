@@ -74,7 +74,7 @@ impl<'a> SectionsInSlabs<'a> {
 
     /// Of voxels that have values.
     pub(in crate::methods) fn of_densities(splats: &'a DensitySplats) -> Self {
-        let DensitySplats { slabs, table, smooth, separable } = splats;
+        let DensitySplats { slabs, table, smooth, separable, .. } = splats;
         let (tilted, cubic) = match smooth {
             SmoothSections::Product(sections) => (Some(&**sections), None),
             SmoothSections::Table(table) => (None, Some(&**table)),

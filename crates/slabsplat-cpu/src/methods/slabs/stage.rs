@@ -49,6 +49,9 @@ pub(in crate::methods) trait Sheets: Sync {
     /// Whether regions cut what sections sum to. If not, they cut what the method makes of it.
     const CUTS_SUMS: bool;
 
+    /// Whether a slab has a part in a region; if not, it is in it or not by its middle.
+    fn splits_slabs(&self) -> bool;
+
     /// Takes what the sections of a slab, or of it and the next, sum to, and leaves the sheet empty. There
     /// is a region, of the only layer, if there is something to be cut.
     fn take<S: Simd>(

@@ -1,0 +1,126 @@
+//! One density for all on its ray (model §12).
+
+use super::between_sheets::InSheet;
+use slabsplat_core::Statistic;
+
+/// What stands for all sheets of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OneForAll {
+    pub(super) density: f64,
+    /// By how much it counts, 0 to 1.
+    pub(super) counting: f64,
+}
+
+/// The density that stands for all sheets of a ray, each of which has a share in the region; `None` if there
+/// is none. Values lie between `ends`, and a sheet counts in full from `full_length` on.
+pub(super) fn of_sheets(
+    statistic: Statistic,
+    sheets: &[InSheet],
+    shares: &[f64],
+    ends: [f64; 2],
+    full_length: f64,
+) -> Option<OneForAll> {
+    let counting = || (0..sheets.len()).filter(|&n| 0.0 < shares[n] * sheets[n].length);
+    let weight = |n: usize| (sheets[n].length / full_length).min(1.0);
+    let faded = |n: usize, up: f64, end: f64| end + weight(n) * (peak(sheets, n, up) - end);
+    let density = match statistic {
+        Statistic::Maximum => counting().map(|n| faded(n, 1.0, ends[0])).reduce(f64::max)?,
+        Statistic::Minimum => counting().map(|n| faded(n, -1.0, ends[1])).reduce(f64::min)?,
+        Statistic::Average => {
+            let of_sheet = |n: usize| shares[n] * sheets[n].length;
+            let length: f64 = counting().map(of_sheet).sum();
+            let weighted: f64 = counting().map(|n| of_sheet(n) * sheets[n].density).sum();
+            if length <= 0.0 {
+                return None;
+            }
+            weighted / length
+        }
+    };
+    Some(OneForAll { density, counting: counting().map(weight).fold(0.0, f64::max) })
+}
+
+/// The most that the parabola through three nodes comes to within the sheet in the middle; the least, if
+/// `up` is −1 instead of 1.
+fn peak(sheets: &[InSheet], n: usize, up: f64) -> f64 {
+    let here = node(sheets, n);
+    let to = |other: usize| up * share(sheets, n, other) * (node(sheets, other) - here);
+    let (before, behind) = (to(n - 1), to(n + 1));
+    let (b, c) = (0.5 * (behind - before), 0.5 * (behind + before));
+    let is_within = c < 0.0 && b.abs() <= -c;
+    here + up * if is_within { -b * b / (4.0 * c) } else { 0.5 * b.abs() + 0.25 * c }
+}
+
+/// `P(d)`.
+fn node(sheets: &[InSheet], n: usize) -> f64 {
+    let density = |n: usize| sheets[n].density;
+    let change = |other: usize| share(sheets, n, other) * (density(other) - density(n));
+    density(n) - (change(n - 1) + change(n + 1)) / 24.0
+}
+
+/// `r`: by how much the sheet `other` counts, seen from sheet `n`.
+fn share(sheets: &[InSheet], n: usize, other: usize) -> f64 {
+    let length = sheets[n].length;
+    if length <= 0.0 { 0.0 } else { (sheets[other].length / length).min(1.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sheets that hold equally much, between sheets that hold nothing.
+    fn sheets(densities: &[f64]) -> Vec<InSheet> {
+        let empty = [InSheet::default(); 3];
+        let held =
+            densities.iter().map(|&density| InSheet { length: 0.5, density, slopes: [0.0; 2] });
+        empty.into_iter().chain(held).chain(empty).collect()
+    }
+
+    fn of(statistic: Statistic, densities: &[f64], shares: &[f64]) -> Option<f64> {
+        let outside = [1.0; 3];
+        let shares: Vec<f64> = outside.iter().chain(shares).chain(&outside).copied().collect();
+        let found = of_sheets(statistic, &sheets(densities), &shares, [-50.0, 50.0], 0.1)?;
+        assert_eq!(found.counting, 1.0);
+        Some(found.density)
+    }
+
+    fn assert_close(actual: Option<f64>, expected: f64) {
+        assert!(actual.is_some_and(|actual| (actual - expected).abs() < 1e-12), "{actual:?}");
+    }
+
+    /// Means of `7 − (x − 0.2)²` over sheets of width 1: the parabola is found again.
+    #[test]
+    fn statistic_finds_the_peak_of_a_parabola() {
+        let mean = |n: i32| 7.0 - (f64::from(n) - 0.2).powi(2) - 1.0 / 12.0;
+        let densities: Vec<f64> = (-3..=3).map(mean).collect();
+        assert_close(of(Statistic::Maximum, &densities, &[1.0; 7]), 7.0);
+        let upside_down: Vec<f64> = densities.iter().map(|d| -d).collect();
+        assert_close(of(Statistic::Minimum, &upside_down, &[1.0; 7]), -7.0);
+        // Without the sheet in the middle, where the next best begins.
+        let shares = [1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0];
+        assert_close(of(Statistic::Maximum, &densities, &shares), 7.0 - 0.09);
+    }
+
+    #[test]
+    fn statistic_is_a_mean() {
+        assert_close(of(Statistic::Average, &[1.0, 2.0, 6.0], &[1.0; 3]), 3.0);
+        assert_close(of(Statistic::Average, &[1.0, 2.0, 6.0], &[1.0, 0.0, 0.25]), 2.0);
+        assert_eq!(of(Statistic::Average, &[1.0, 2.0], &[0.0; 2]), None);
+        assert_eq!(of(Statistic::Maximum, &[], &[]), None);
+    }
+
+    /// At the rim, where sheets hold next to nothing.
+    #[test]
+    fn statistic_fades_out() {
+        let thin = |length: f64| {
+            let mut sheets = sheets(&[7.0]);
+            sheets[3].length = length;
+            [Statistic::Maximum, Statistic::Minimum, Statistic::Average].map(|statistic| {
+                let found = of_sheets(statistic, &sheets, &[1.0; 7], [-5.0, 20.0], 0.1);
+                found.map(|found| [found.density, found.counting])
+            })
+        };
+        assert_eq!(thin(0.1), [Some([7.0, 1.0]); 3]);
+        assert_eq!(thin(0.025), [Some([-2.0, 0.25]), Some([16.75, 0.25]), Some([7.0, 0.25])]);
+        assert_eq!(thin(0.0), [None; 3]);
+    }
+}
