@@ -1,6 +1,7 @@
 //! A scalar volume: samples on a grid, with the file's slope and intercept.
 
 use crate::{Grid, Sample, SampleType, Samples, with_samples};
+use std::fmt;
 use thiserror::Error;
 
 /// Turns a stored sample into the value that it stands for: `value = slope · sample + intercept`.
@@ -29,7 +30,7 @@ impl Scaling {
 ///
 /// There are as many samples as the grid has voxels. Samples may be NaN or infinite: a NaN voxel is
 /// never drawn, an infinite one takes the transfer function's value at that end.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Volume {
     grid: Grid,
     samples: Samples,
@@ -64,6 +65,19 @@ pub struct Summary {
     pub range: Option<[f64; 2]>,
     /// Voxels that are NaN.
     pub n_nan: usize,
+}
+
+impl fmt::Debug for Volume {
+    /// All but the samples themselves, of which there may be billions.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { grid, samples, scaling } = self;
+        let samples = format_args!("{} of {}", samples.len(), samples.sample_type().name());
+        f.debug_struct("Volume")
+            .field("grid", grid)
+            .field("samples", &samples)
+            .field("scaling", scaling)
+            .finish()
+    }
 }
 
 impl Volume {
@@ -149,6 +163,15 @@ mod tests {
         let samples = samples.into();
         let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();
         Volume::new(grid, samples, scaling).unwrap()
+    }
+
+    /// What holds a volume may be printed, in a test that fails or a log.
+    #[test]
+    fn volume_is_printed_without_its_samples() {
+        let grid = Grid::with_spacing([100; 3], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, vec![7_u8; 1_000_000].into(), Scaling::IDENTITY).unwrap();
+        let text = format!("{volume:?}");
+        assert!(text.contains("1000000 of uint8") && text.len() < 1000, "{text}");
     }
 
     #[test]

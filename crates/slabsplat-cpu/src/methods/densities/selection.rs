@@ -159,6 +159,12 @@ impl Coder {
     /// may lie.
     fn visible_pairs(&self, ranges: &[IsoRange]) -> Vec<[bool; 256]> {
         let is_visible = |least: usize, largest: usize| {
+            // Half of the least number above 0 is 0: where all is of one value, it is that which counts.
+            for (code, value) in [FIRST, LAST].into_iter().zip(self.ends) {
+                if [least, largest] == [usize::from(code); 2] {
+                    return ranges.iter().any(|range| (range.lo..=range.hi).contains(&value));
+                }
+            }
             let lo = self.half_ends(least as u8)[0];
             let hi = self.half_ends(largest as u8)[1];
             let over = OVERSHOOT * (hi - lo);
