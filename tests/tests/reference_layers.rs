@@ -157,7 +157,9 @@ fn region_and_complement_are_the_whole() {
             let mut scene = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (12, 12);
             let whole = render(&scene);
-            let region = random_layers(&mut rng, &kind).layers[0].region.clone();
+            // Faces that are lit are no part of the whole.
+            let lit = random_layers(&mut rng, &kind).layers.swap_remove(0).region;
+            let region = Region::new(lit.planes().to_vec());
             let layer = &scene.layers[0];
             let parts =
                 [region.clone(), region.inverted()].map(|region| layer.clone().region(region));

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::{output, stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{Caps, Scene};
+use slabsplat::{Caps, Frame, Scene};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -35,8 +35,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     progress.stage("writing");
     output::write_picture(&args.output, &frame.image)?;
     drop(progress);
-    if frame.stats.n_voxels == 0 {
-        terminal::warn(&nothing_visible(&scene));
+    if let Some(why) = nothing_visible(&scene, &frame) {
+        terminal::warn(&format!("nothing is visible: {why}"));
     }
     terminal::say(format_args!(
         "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
@@ -62,14 +62,22 @@ fn by_which(caps: &Caps) -> String {
 }
 
 /// An empty picture is seldom what was meant.
-fn nothing_visible(scene: &Scene) -> String {
-    let ranges = scene.layers.iter().filter_map(|layer| layer.volume.summary().range);
-    match ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]) {
-        Some([min, max]) => {
-            format!("nothing is visible: the opacity of all values, {min} to {max}, is 0")
-        }
-        None => "nothing is visible: all voxels are NaN".to_owned(),
+fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
+    let background = scene.image.premultiplied_background();
+    if frame.image.pixels().iter().any(|pixel| *pixel != background) {
+        return None;
     }
+    let ranges = scene.layers.iter().filter_map(|layer| layer.volume.summary().range);
+    let range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+    let is_cut = scene.layers.iter().any(|layer| !layer.region.is_everywhere());
+    Some(match range {
+        None => "all voxels are NaN".to_owned(),
+        Some([min, max]) if frame.stats.n_voxels == 0 => {
+            format!("the opacity of all values, {min} to {max}, is 0")
+        }
+        Some(_) if is_cut => "all of it is cut off, or the camera looks past it".to_owned(),
+        Some(_) => "the camera looks past it".to_owned(),
+    })
 }
 
 /// What would fail after the work must fail before it.

@@ -32,7 +32,7 @@
 //! std::fs::write(&path, "[volume]\ngenerate = \"cube\"\n[image]\nwidth = 64\nheight = 48\n")?;
 //!
 //! let scene = read_scene(&path)?;
-//! let loaded = scene.load_volume()?;
+//! let loaded = scene.layers[0].load_volume()?;
 //! assert_eq!(loaded.volume.grid().dims(), [28, 28, 28]);
 //!
 //! let picture = Image::filled(scene.image.width, scene.image.height, [0.0; 4]);

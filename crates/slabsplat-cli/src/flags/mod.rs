@@ -56,7 +56,7 @@ impl SceneFlags {
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file)?;
         self.look.lay_over(&mut file)?;
-        self.region.lay_over(&mut file);
+        self.region.lay_over(&mut file)?;
         self.in_scene(|| {
             let n_own = file.layers.len();
             for path in &self.layers {

@@ -1,6 +1,7 @@
 //! Flags of `[region]`.
 
 use super::values;
+use anyhow::{Result, bail};
 use clap::Args;
 use slabsplat::Plane;
 use slabsplat::glam::DVec3;
@@ -39,7 +40,8 @@ pub(super) struct RegionFlags {
 }
 
 impl RegionFlags {
-    pub(super) fn lay_over(&self, file: &mut SceneFile) {
+    pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
+        let mut is_cut = false;
         for region in file.layers.iter_mut().map(|layer| &mut layer.region) {
             if let Some(ends) = self.crop.or(self.crop_index) {
                 region.ends = Some(ends);
@@ -48,8 +50,18 @@ impl RegionFlags {
             if !self.clip.is_empty() {
                 region.planes.clone_from(&self.clip);
             }
-            region.is_inverted |= self.cut_out;
-            region.is_lit |= self.lit_cuts;
+            // All but everywhere would be nothing.
+            if region.ends.is_some() || !region.planes.is_empty() {
+                region.is_inverted |= self.cut_out;
+                region.is_lit |= self.lit_cuts;
+                is_cut = true;
+            }
         }
+        for (name, is_given) in [("cut-out", self.cut_out), ("lit-cuts", self.lit_cuts)] {
+            if is_given && !is_cut {
+                bail!("--{name} does nothing where nothing is cut: add --crop or --clip");
+            }
+        }
+        Ok(())
     }
 }

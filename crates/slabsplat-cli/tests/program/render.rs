@@ -127,7 +127,7 @@ fn render_flags_mean_what_keys_mean() {
         dir.path(),
         "builtin:cube --opacity 0:0,255:0.5 --color 0:1,0.5,0.25 --shading phong --ambient 0.2 \
          --eye 50,-30,20 --up 0,0,1 --view-height 30 --width 24 --height 16 --background 0,0,0.5 \
-         --method axis-aligned --slab-width 0.5 --compositing separate --backend cpu -o flags.exr",
+         --method axis-aligned --slab-width 0.5 --mode separate --backend cpu -o flags.exr",
     );
     assert!(by_keys == by_flags, "keys and flags differ");
 }
@@ -156,7 +156,7 @@ fn render_flags_override_keys() {
         "--background 0,0,0,0",
         "--method image-aligned",
         "--kernel crawfis-max",
-        "--compositing associated",
+        "--mode associated",
         "--spacing 1,1,0.5",
     ] {
         let changed = bytes_of(dir.path(), &format!("cube.toml {flags} -o changed.exr"));
@@ -172,7 +172,7 @@ fn render_flags_override_keys() {
 fn render_settings_of_the_paper() {
     let dir = tempfile::tempdir().unwrap();
     let flags = "--slab-width 2 --normalization product --base-slab-width 0.25 --sections 64 \
-                 --radial-samples 32 --lookup nearest --opacity-cutoff 1 --compositing separate";
+                 --radial-samples 32 --lookup nearest --opacity-cutoff 1 --mode separate";
     bytes_of(dir.path(), &format!("builtin:cube {SMALL} {flags} -o paper.png"));
 }
 
@@ -198,4 +198,78 @@ fn render_of_nothing_says_so() {
     let stderr = text(&output.stderr);
     assert!(output.status.success() && stderr.contains("nothing is visible"), "{stderr}");
     assert!(stderr.contains("0 to 255"), "{stderr}");
+    for (flags, expected) in [
+        ("--clip 1,0,0,-999", "all of it is cut off"),
+        ("--crop 0,0,0,0,0,0", "all of it is cut off"),
+        ("--crop -99,-99,-99,99,99,99 --cut-out", "all of it is cut off"),
+        ("--eye 0,0,-90 --target 0,0,-99 --up 0,1,0", "the camera looks past it"),
+    ] {
+        let output = slabsplat(dir.path(), &format!("render builtin:cube {flags} -o a.png"));
+        let stderr = text(&output.stderr);
+        assert!(output.status.success() && stderr.contains(expected), "{flags}: {stderr}");
+    }
+}
+
+/// A cube of 8 voxels a side, whose middle is in the world's origin.
+#[test]
+fn render_cuts_by_flags_as_by_keys() {
+    let dir = tempfile::tempdir().unwrap();
+    let whole =
+        bytes_of(dir.path(), "builtin:cube:8 --width 24 --height 24 --backend cpu -o whole.exr");
+    let mut pictures = vec![whole];
+    for (name, flags, keys) in [
+        ("crop", "--crop -9,-9,-9,0,9,9", "box = [[-9, -9, -9], [0, 9, 9]]"),
+        (
+            "index",
+            "--crop-index 0,0,0,7,3.2,7 --lit-cuts",
+            "box = [[0, 0, 0], [7, 3.2, 7]]\nindex = true\nlit = true",
+        ),
+        (
+            "clip",
+            "--clip 0,0,1,1 --clip 0,-1,0,1 --cut-out",
+            "planes = [[0, 0, 1, 1], [0, -1, 0, 1]]\ninvert = true",
+        ),
+    ] {
+        let rest = "--width 24 --height 24 --backend cpu";
+        let by_flags =
+            bytes_of(dir.path(), &format!("builtin:cube:8 {flags} {rest} -o {name}-flags.exr"));
+        let scene = format!("[volume]\ngenerate = \"cube\"\nsize = 8\n[region]\n{keys}\n");
+        std::fs::write(dir.path().join("a.toml"), scene).unwrap();
+        let by_keys = bytes_of(dir.path(), &format!("a.toml {rest} -o {name}-keys.exr"));
+        assert!(by_flags == by_keys, "{name}");
+        assert!(!pictures.contains(&by_keys), "{name} is another picture");
+        pictures.push(by_keys);
+    }
+}
+
+#[test]
+fn render_several_layers() {
+    let dir = tempfile::tempdir().unwrap();
+    let flags = "--width 24 --height 24 --backend cpu";
+    let layer =
+        |name: &str| format!("[[layers]]\n[layers.volume]\ngenerate = \"{name}\"\nsize = 9\n");
+    let both = layer("cube") + &layer("sphere");
+    std::fs::write(dir.path().join("both.toml"), both).unwrap();
+    let by_file = bytes_of(dir.path(), &format!("both.toml {flags} -o file.exr"));
+    let by_flag = |first: &str, second: &str| {
+        let args = format!("builtin:{first}:9 --layer builtin:{second}:9 {flags} -o flag.exr");
+        bytes_of(dir.path(), &args)
+    };
+    assert!(by_flag("cube", "sphere") == by_file);
+    assert!(by_flag("sphere", "cube") == by_file, "in any order");
+    let info = crate::json(dir.path(), "info both.toml --json");
+    assert_eq!(info.as_array().map(Vec::len), Some(2), "{info}");
+}
+
+#[test]
+fn render_by_every_mode() {
+    let dir = tempfile::tempdir().unwrap();
+    let of = |mode: &str| {
+        bytes_of(dir.path(), &format!("builtin:sphere:12 {SMALL} --mode {mode} -o {mode}.exr"))
+    };
+    let modes = ["separate", "associated", "extinction", "maximum", "minimum", "average"];
+    let mut pictures = modes.map(of).to_vec();
+    pictures.sort();
+    pictures.dedup();
+    assert_eq!(pictures.len(), modes.len(), "each is another picture");
 }
