@@ -7,6 +7,7 @@
 
 mod camera;
 mod grid;
+mod labels;
 mod region;
 mod volume;
 
@@ -139,6 +140,20 @@ pub fn random_layers(rng: &mut Rng, kind: &SceneKind) -> Scene {
         }
     }
     scene
+}
+
+/// Gives the voxels of each layer labels, from a volume of its own grid or of another around it.
+pub fn add_labels(rng: &mut Rng, scene: &mut Scene) {
+    for layer in &mut scene.layers {
+        let grid = *layer.volume.grid();
+        let of_labels = if rng.bool() { grid } else { grid::random_grid_around(rng, &grid) };
+        let volume = labels::random_label_volume(rng, of_labels);
+        let values = layer.transfer.positions();
+        let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), value| {
+            (value.min(lo), value.max(hi))
+        });
+        layer.labels = Some(labels::random_labels(rng, &volume, &grid, [lo, hi]));
+    }
 }
 
 fn random_layer(rng: &mut Rng, method: Method, volume: Volume, value_range: [f64; 2]) -> Layer {

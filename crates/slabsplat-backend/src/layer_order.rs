@@ -1,7 +1,10 @@
 //! The order in which layers are summed: not the scene's, so that a picture does not depend on it by a bit.
 
-use slabsplat_core::{Layer, Light, Phong, Shading};
+use slabsplat_core::{
+    LabelMap, LabelStyle, Labels, Layer, Light, Phong, Shading, TransferFunction, Volume,
+};
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 /// The layers in an order that depends on what they are, not on where they stand in the scene.
 pub(crate) fn in_one_order(layers: &[Layer]) -> Vec<&Layer> {
@@ -14,12 +17,31 @@ pub(crate) fn in_one_order(layers: &[Layer]) -> Vec<&Layer> {
 fn compare(a: &Layer, b: &Layer) -> Ordering {
     let by_place = || in_numbers(place(a), place(b));
     let by_look = || in_numbers(look(a), look(b));
-    in_numbers(region(a), region(b)).then_with(by_place).then_with(by_look).then_with(|| {
-        let [a, b] = [a, b].map(|layer| &layer.volume);
-        let values = |volume| move |idx| slabsplat_core::Volume::value(volume, idx);
-        let n_voxels = a.grid().n_voxels();
-        in_numbers((0..n_voxels).map(values(a)), (0..n_voxels).map(values(b)))
-    })
+    in_numbers(region(a), region(b))
+        .then_with(by_place)
+        .then_with(by_look)
+        .then_with(|| by_values(&a.volume, &b.volume).then_with(|| by_labels(a, b)))
+}
+
+/// The grids are the same.
+fn by_values(a: &Arc<Volume>, b: &Arc<Volume>) -> Ordering {
+    if Arc::ptr_eq(a, b) {
+        return Ordering::Equal;
+    }
+    let values = |volume| move |idx| Volume::value(volume, idx);
+    let n_voxels = a.grid().n_voxels();
+    in_numbers((0..n_voxels).map(values(a)), (0..n_voxels).map(values(b)))
+}
+
+/// The styles are the same.
+fn by_labels(a: &Layer, b: &Layer) -> Ordering {
+    let [a, b] = [a, b].map(|layer| layer.labels.as_ref().map(Labels::map));
+    let numbers =
+        |map: Option<&LabelMap>| map.map(|map| (map.labels().to_vec(), map.indices().to_vec()));
+    if a.zip(b).is_some_and(|(a, b)| std::ptr::eq(a, b)) {
+        return Ordering::Equal;
+    }
+    numbers(a).cmp(&numbers(b))
 }
 
 /// Where it is seen; first of all, so that layers of one region follow each other.
@@ -39,12 +61,29 @@ fn place(layer: &Layer) -> impl Iterator<Item = f64> {
 
 /// What is seen of them.
 fn look(layer: &Layer) -> impl Iterator<Item = f64> {
-    let transfer = &layer.transfer;
+    let points = points(&layer.transfer);
+    points.chain(light(layer.shading)).chain(styles(layer.labels.as_ref()))
+}
+
+/// A function of values.
+fn points(transfer: &TransferFunction) -> impl Iterator<Item = f64> {
     let opacity = transfer.opacity_points().points().iter();
     let color = transfer.color_points().points().iter();
     let opacity = opacity.flat_map(|&(value, [opacity])| [value, opacity]);
     let color = color.flat_map(|&(value, [r, g, b])| [value, r, g, b]);
-    opacity.chain(color).chain(light(layer.shading))
+    opacity.chain(color)
+}
+
+/// What labels change.
+fn styles(labels: Option<&Labels>) -> impl Iterator<Item = f64> {
+    labels.into_iter().flat_map(Labels::styles).flat_map(|(&label, style)| {
+        let LabelStyle { transfer, color, opacity } = style;
+        let of_transfer = transfer.iter().flat_map(points);
+        [label as f64, *opacity]
+            .into_iter()
+            .chain(color.iter().flatten().copied())
+            .chain(of_transfer)
+    })
 }
 
 fn light(shading: Shading) -> Vec<f64> {

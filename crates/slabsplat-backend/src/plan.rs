@@ -2,7 +2,7 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, RegionInView, SliceOrder, Statistic,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, Labels, RegionInView, SliceOrder, Statistic,
     TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{
@@ -45,6 +45,9 @@ pub struct LayerPlan<'a> {
     pub relevant: Vec<IsoRange>,
     /// Their opacity and colour.
     pub transfer: &'a TransferFunction,
+    /// What changes these by the label of a voxel, only for [`Splats::Colors`]; `relevant` then holds what is
+    /// visible of any label.
+    pub labels: Option<&'a Labels>,
     /// What light does to that colour, if there is any.
     pub light: Option<BlinnPhong>,
     /// Where they are seen, if not everywhere: only for [`ColorSplats::Sections`] and [`Splats::Densities`].

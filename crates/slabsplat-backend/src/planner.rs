@@ -5,9 +5,9 @@ use crate::slabs::Depths;
 use crate::tables::{LayerToSplat, Tables};
 use crate::{DensitySplats, FramePlan, LayerPlan};
 use slabsplat_core::{
-    BlinnPhong, Compositing, Grid, ImageError, IsoRange, Layer, Method, Mode, RegionInView,
-    RenderSettings, Scene, SettingsError, Shading, ShadingError, Statistic, TooManySlabs, View,
-    ViewError,
+    BlinnPhong, Compositing, Grid, ImageError, IsoRange, LabelStyle, Layer, Method, Mode,
+    RegionInView, RenderSettings, Scene, SettingsError, Shading, ShadingError, Statistic,
+    TooManySlabs, TransferFunction, View, ViewError,
 };
 use slabsplat_kernel::{FootprintShape, UnknownKernel, kernel_named};
 use thiserror::Error;
@@ -49,6 +49,22 @@ pub enum PlanError {
     /// Sheets of this method are not of slabs, which a region could cut.
     #[error("the method {0} cuts nothing off: image-aligned and post-classified do")]
     NoRegions(Method),
+    /// Labels are of voxels, and of another number of them than there are.
+    #[error("labels of {labels:?} voxels are not those of a volume of {volume:?}")]
+    LabelsOfAnotherGrid {
+        /// Of the labels, along each axis.
+        labels: [usize; 3],
+        /// Of the volume.
+        volume: [usize; 3],
+    },
+    /// A density is a mean over voxels, which may have several labels.
+    #[error(
+        "{what} shows densities, which have no labels: use image-aligned sheets that are composited"
+    )]
+    LabelsOfDensities {
+        /// The method or the mode.
+        what: String,
+    },
     /// The method has no densities to choose from.
     #[error(
         "the mode {mode} shows densities, which {method} has none of: use image-aligned or post-classified"
@@ -115,8 +131,9 @@ impl Planner {
             let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_cut };
             Ok(LayerPlan {
                 volume: &layer.volume,
-                relevant: shown_ranges(layer.transfer.iso_ranges(), statistic),
+                relevant: shown_ranges(visible_ranges(layer), statistic),
                 transfer: &layer.transfer,
+                labels: layer.labels.as_ref(),
                 light: match layer.shading {
                     Shading::None => None,
                     Shading::Phong(phong) => Some(BlinnPhong::new(phong, view.axes().forward)),
@@ -158,6 +175,7 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
         Method::AxisAligned | Method::EverySample => false,
     };
     let n_layers = scene.layers.len();
+    check_labels(scene)?;
     if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
         return Err(PlanError::NoRegions(method));
     }
@@ -172,6 +190,39 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
         return Err(PlanError::OneLayer { what: format!("the method {method}"), n_layers });
     }
     Ok(())
+}
+
+/// Whether the method can tell labels, and each voxel has one.
+fn check_labels(scene: &Scene) -> Result<(), PlanError> {
+    let RenderSettings { method, mode, .. } = scene.settings;
+    for layer in &scene.layers {
+        let Some(labels) = &layer.labels else { continue };
+        if mode.statistic().is_some() {
+            return Err(PlanError::LabelsOfDensities { what: format!("the mode {mode}") });
+        }
+        if method == Method::PostClassified {
+            return Err(PlanError::LabelsOfDensities { what: format!("the method {method}") });
+        }
+        let [labels, volume] = [labels.map().dims(), layer.volume.grid().dims()];
+        if labels != volume {
+            return Err(PlanError::LabelsOfAnotherGrid { labels, volume });
+        }
+    }
+    Ok(())
+}
+
+/// The values that are visible of any voxel.
+fn visible_ranges(layer: &Layer) -> Vec<IsoRange> {
+    let of_layer = &layer.transfer;
+    let Some(labels) = &layer.labels else { return of_layer.iso_ranges() };
+    let styles = labels.map().labels().iter().map(|&label| labels.style(label));
+    let shown: Vec<&LabelStyle> =
+        styles.filter(|style| style.transfer(of_layer).is_some()).collect();
+    let own = shown.iter().filter_map(|style| style.transfer.as_ref());
+    let shows_layer = shown.iter().any(|style| style.transfer.is_none());
+    IsoRange::union(
+        own.chain(shows_layer.then_some(of_layer)).flat_map(TransferFunction::iso_ranges),
+    )
 }
 
 /// The densities that decide what is shown, where those of some ranges are visible.

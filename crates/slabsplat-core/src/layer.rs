@@ -1,6 +1,6 @@
 //! One of the things that a scene shows (model §10).
 
-use crate::{Phong, Region, Shading, TransferFunction, Volume};
+use crate::{Labels, Phong, Region, Shading, TransferFunction, Volume};
 use std::sync::Arc;
 
 /// A volume, which of its values are visible, and what light does to them.
@@ -14,6 +14,8 @@ pub struct Layer {
     pub volume: Arc<Volume>,
     /// Which values are visible, and in which colour.
     pub transfer: TransferFunction,
+    /// What its voxels belong to, if that changes how they look; a map for as many voxels along each axis.
+    pub labels: Option<Labels>,
     /// What light does to them.
     pub shading: Shading,
     /// Where they are seen.
@@ -26,6 +28,7 @@ impl Layer {
         Self {
             volume: volume.into(),
             transfer,
+            labels: None,
             shading: Shading::Phong(Phong::default()),
             region: Region::default(),
         }
@@ -43,6 +46,12 @@ impl Layer {
         Self { transfer, ..self }
     }
 
+    /// The same with voxels that look as their labels say.
+    #[must_use]
+    pub fn labels(self, labels: impl Into<Option<Labels>>) -> Self {
+        Self { labels: labels.into(), ..self }
+    }
+
     /// The same in another light.
     #[must_use]
     pub fn shading(self, shading: Shading) -> Self {
@@ -58,9 +67,10 @@ impl Layer {
 
 impl PartialEq for Layer {
     fn eq(&self, other: &Self) -> bool {
-        let Self { volume, transfer, shading, region } = other;
+        let Self { volume, transfer, labels, shading, region } = other;
         Arc::ptr_eq(&self.volume, volume)
             && self.transfer == *transfer
+            && self.labels == *labels
             && self.shading == *shading
             && self.region == *region
     }

@@ -16,7 +16,7 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`, `transfer`, `compositing`, `shading`; `settings_table`,
-//! `interval`, `choices`, `settings`; `region`, `layer`, `scene`; `view`,
+//! `interval`, `choices`, `settings`; `region`, `labels`, `layer`, `scene`; `view`,
 //! `region_in_view`, `slabs`, `slices`; `image`.
 //!
 //! ```
@@ -43,6 +43,7 @@ mod interval;
 mod settings;
 mod settings_table;
 
+mod labels;
 mod layer;
 mod region;
 mod scene;
@@ -62,6 +63,7 @@ pub use compositing::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
 pub use interval::{Interval, OutOfRange};
+pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
 pub use layer::Layer;
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};

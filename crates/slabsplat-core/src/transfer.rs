@@ -122,6 +122,22 @@ impl<const N: usize> PiecewiseLinear<N> {
     }
 }
 
+impl IsoRange {
+    /// What is in any of some ranges: disjoint ranges that do not touch, from low values to high.
+    pub fn union(ranges: impl IntoIterator<Item = Self>) -> Vec<Self> {
+        let mut ranges: Vec<Self> = ranges.into_iter().collect();
+        ranges.sort_by(|a, b| a.lo.total_cmp(&b.lo));
+        let mut union: Vec<Self> = Vec::with_capacity(ranges.len());
+        for range in ranges {
+            match union.last_mut() {
+                Some(last) if range.lo <= last.hi.next_up() => last.hi = last.hi.max(range.hi),
+                _ => union.push(range),
+            }
+        }
+        union
+    }
+}
+
 impl TransferFunction {
     /// Opacity per unit length and RGB, as functions of the value.
     ///
@@ -165,16 +181,9 @@ impl TransferFunction {
 
     /// Where the opacity is above 0: disjoint ranges, from low values to high.
     pub fn iso_ranges(&self) -> Vec<IsoRange> {
-        let mut ranges: Vec<IsoRange> = Vec::new();
-        for piece in self.visible_pieces() {
-            match ranges.last_mut() {
-                // Neighbouring pieces meet at a point, or right beside it where the point itself
-                // has opacity 0 on one side of a step.
-                Some(last) if piece.lo <= last.hi.next_up() => last.hi = last.hi.max(piece.hi),
-                _ => ranges.push(piece),
-            }
-        }
-        ranges
+        // Neighbouring pieces meet at a point, or right beside it where the point itself has opacity 0 on one
+        // side of a step.
+        IsoRange::union(self.visible_pieces())
     }
 
     /// The visible part of every piece between two points, and beyond the ends.
@@ -274,6 +283,19 @@ mod tests {
             // What touches is one.
             assert!(ranges.windows(2).all(|w| w[0].hi.next_up() < w[1].lo), "{ranges:?}");
         }
+    }
+
+    #[test]
+    fn iso_ranges_unite() {
+        let check = |ranges: &[(f64, f64)], expected: &[(f64, f64)]| {
+            let ranges = ranges.iter().map(|&(lo, hi)| IsoRange { lo, hi });
+            let expected: Vec<_> = expected.iter().map(|&(lo, hi)| IsoRange { lo, hi }).collect();
+            assert_eq!(IsoRange::union(ranges), expected);
+        };
+        check(&[], &[]);
+        check(&[(4.0, 5.0), (1.0, 2.0)], &[(1.0, 2.0), (4.0, 5.0)]);
+        check(&[(1.0, 9.0), (2.0, 3.0), (9.0, 10.0)], &[(1.0, 10.0)]);
+        check(&[(2.0_f64.next_up(), 3.0), (f64::NEG_INFINITY, 2.0)], &[(f64::NEG_INFINITY, 3.0)]);
     }
 
     #[test]

@@ -9,8 +9,8 @@ use fearless_simd::Level;
 use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
 };
-use slabsplat_core::{Compositing, TransferFunction, Volume};
-use slabsplat_traverse::{BrickView, Classification, VoxelLighting};
+use slabsplat_core::{Compositing, Labels, TransferFunction, Volume};
+use slabsplat_traverse::{BrickView, Classification, LabelRanges, VoxelLighting};
 
 /// What is cached from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
@@ -33,8 +33,10 @@ struct OfMethods {
 #[derive(Debug, Default)]
 struct OfLayer {
     relevant: Relevant,
-    classification: Cached<(TransferFunction, Compositing, ByIdentity<Volume>), Classification>,
+    classification: Cached<ClassifiedBy, Classification>,
 }
+
+type ClassifiedBy = (TransferFunction, Option<Labels>, Compositing, ByIdentity<Volume>);
 
 /// What a frame drew, but for what tiles tell.
 struct Drawn {
@@ -139,19 +141,21 @@ impl OfLayer {
         layer: &'a LayerPlan<'a>,
         level: Level,
     ) -> Stage<'a> {
-        let LayerPlan { volume, transfer, .. } = *layer;
-        let classified_by = (transfer.clone(), plan.compositing, ByIdentity::of(volume));
+        let LayerPlan { volume, transfer, labels, .. } = *layer;
+        let (compositing, identity) = (plan.compositing, ByIdentity::of(volume));
+        let classified_by = (transfer.clone(), labels.cloned(), compositing, identity);
         let classification = self
             .classification
-            .made_of(classified_by, |_| Classification::new(transfer, plan.compositing, volume));
+            .made_of(classified_by, |_| Classification::new(transfer, labels, compositing, volume));
+        let by_label = labels.map(|labels| LabelRanges { labels, transfer });
         Stage {
             plan,
             layer,
             level,
             raster: Raster::new(layer, 0),
-            list: self.relevant.voxels(volume, &layer.relevant),
+            list: self.relevant.voxels(volume, &layer.relevant, by_label),
             bricks: BrickView::new(volume.grid(), &layer.view),
-            lighting: VoxelLighting::new(classification, volume, layer.light.as_ref()),
+            lighting: VoxelLighting::new(classification, volume, labels, layer.light.as_ref()),
         }
     }
 

@@ -198,6 +198,9 @@ impl<D: Device> Backend for GpuBackend<D> {
         if layer.region.is_some() {
             return Err(self.unable("its shaders cut nothing off"));
         }
+        if layer.labels.is_some() {
+            return Err(self.unable("its shaders know no labels"));
+        }
         let Splats::Colors(splats) = &layer.splats else {
             return Err(self.unable("its shaders do not know the method \"post-classified\""));
         };

@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
-use slabsplat_core::{GridError, VolumeError};
+use slabsplat_core::{GridError, LabelError, VolumeError};
 
 /// Why a file could not be read or written, or a built-in volume not made.
 #[derive(Debug, Error)]
@@ -78,6 +78,14 @@ pub enum IoError {
         path: PathBuf,
         /// Why not.
         source: VolumeError,
+    },
+    /// The values of the volume are no labels.
+    #[error("{}: {source}", path.display())]
+    Labels {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: LabelError,
     },
     /// There is no such built-in volume.
     #[error("there is no built-in volume {name:?}: choose one of {}", crate::BUILTIN_NAMES.join(", "))]

@@ -61,7 +61,7 @@ pub use builtin::{BUILTIN_NAMES, builtin_volume};
 pub use error::IoError;
 pub use picture::{write_exr, write_picture, write_png};
 pub use scene::{
-    CameraDesc, LayerFile, PRESET_NAMES, ProjectionKind, RegionDesc, SceneFile, VolumeSource,
-    preset_transfer, read_color_map, read_scene,
+    CameraDesc, LabelColors, LabelsFile, LayerFile, PRESET_NAMES, ProjectionKind, RegionDesc,
+    SceneFile, VolumeSource, preset_transfer, read_color_map, read_scene,
 };
 pub use volume::{Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume};

@@ -37,7 +37,7 @@ fn stages(c: &mut Criterion) {
     .expect("the points are sorted");
     let brick_ranges = BrickRanges::new(&volume);
     let mut list = RelevantList::default();
-    list.update(&volume, &brick_ranges, &transfer.iso_ranges());
+    list.update(&volume, &brick_ranges, &transfer.iso_ranges(), None);
 
     let target = grid.center_in_world();
     let projection = Projection::Orthographic { view_height: 1.5 * SIDE as f64 };
@@ -51,20 +51,22 @@ fn stages(c: &mut Criterion) {
 
     group.throughput(Throughput::Elements(list.len() as u64));
     group.bench_function("relevant_list", |b| {
-        b.iter(|| RelevantList::default().update(&volume, &brick_ranges, &transfer.iso_ranges()));
+        b.iter(|| {
+            RelevantList::default().update(&volume, &brick_ranges, &transfer.iso_ranges(), None)
+        });
     });
     let mut narrower = transfer.iso_ranges();
     narrower[0].lo += 10.0;
     group.bench_function("relevant_list_update", |b| {
         let mut list = list.clone();
         b.iter(|| {
-            list.update(&volume, &brick_ranges, &narrower);
-            list.update(&volume, &brick_ranges, &transfer.iso_ranges())
+            list.update(&volume, &brick_ranges, &narrower, None);
+            list.update(&volume, &brick_ranges, &transfer.iso_ranges(), None)
         });
     });
-    let classification = Classification::new(&transfer, Compositing::Extinction, &volume);
+    let classification = Classification::new(&transfer, None, Compositing::Extinction, &volume);
     let light = BlinnPhong::new(Phong::default(), view.axes().forward);
-    let lighting = VoxelLighting::new(&classification, &volume, Some(&light));
+    let lighting = VoxelLighting::new(&classification, &volume, None, Some(&light));
     let mut colors = Vec::new();
     group.bench_function("shade", |b| b.iter(|| lighting.shade(&list, &mut colors)));
     let mut points = Vec::new();

@@ -1,41 +1,50 @@
-//! Samples to colour and opacity, once a transfer function (model §6).
+//! Samples to colour and opacity, once a transfer function (model §6), and once a label's style (model §13).
 //!
 //! Samples of 8 and 16 bits have so few values that all of them are classified beforehand, in 64 bits;
-//! a voxel then takes one look at a table of 4 KiB or 1 MiB. Others are classified when they are met.
+//! a voxel then takes one look at a table of 4 KiB or 1 MiB. Others are classified when they are met, and so
+//! are those of labels with transfer functions of their own, if there are many of these.
 
 use crate::order::Ordered;
-use slabsplat_core::{Compositing, SampleType, Scaling, TransferFunction, Volume};
+use slabsplat_core::{
+    Compositing, LabelStyle, Labels, SampleType, Scaling, TransferFunction, Volume,
+};
 
 /// What is seen of every sample: red, green and blue, and the weight that is summed over a sheet, which
 /// is `α`, or `μ = −ln(1 − α)` for `extinction`.
 ///
-/// To be cached while the transfer function, the compositing, and the volume's type and scaling stay.
+/// To be cached while the transfer function, the labels, the compositing, and the volume's type and scaling
+/// stay.
 #[derive(Clone, Debug)]
 pub struct Classification {
-    transfer: TransferFunction,
     compositing: Compositing,
-    scaling: Scaling,
-    /// By rank of the sample; empty for wide types.
-    table: Vec<[f32; 4]>,
+    /// By the layer's transfer function, and then by those that labels have of their own.
+    by_transfer: Vec<ByTransfer>,
+    labels: Option<ByLabel>,
 }
 
+/// Transfer functions of labels that get a table.
+const MAX_TABLES: usize = 16;
+
 impl Classification {
-    /// Classifies the samples of `volume`.
-    pub fn new(transfer: &TransferFunction, compositing: Compositing, volume: &Volume) -> Self {
-        let mut classification = Self {
-            transfer: transfer.clone(),
-            compositing,
-            scaling: volume.scaling(),
-            table: Vec::new(),
-        };
-        classification.table = match volume.sample_type() {
-            SampleType::U8 => classification.of_all::<u8>(),
-            SampleType::I8 => classification.of_all::<i8>(),
-            SampleType::U16 => classification.of_all::<u16>(),
-            SampleType::I16 => classification.of_all::<i16>(),
-            SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => Vec::new(),
-        };
-        classification
+    /// Classifies the samples of `volume`, whose voxels have these labels.
+    pub fn new(
+        transfer: &TransferFunction,
+        labels: Option<&Labels>,
+        compositing: Compositing,
+        volume: &Volume,
+    ) -> Self {
+        let mut by_transfer = vec![ByTransfer::new(transfer, compositing, volume)];
+        let labels = labels.map(|labels| {
+            ByLabel::new(labels, |transfer| {
+                let mut of_label = ByTransfer::without_table(transfer, compositing, volume);
+                if by_transfer.len() <= MAX_TABLES {
+                    of_label.fill_table(volume.sample_type());
+                }
+                by_transfer.push(of_label);
+                by_transfer.len() - 1
+            })
+        });
+        Self { compositing, by_transfer, labels }
     }
 
     /// How sheets are summed.
@@ -45,17 +54,73 @@ impl Classification {
 
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
+        let of_tables: usize = self.by_transfer.iter().map(ByTransfer::resident_bytes).sum();
+        of_tables + self.labels.as_ref().map_or(0, ByLabel::resident_bytes)
+    }
+
+    /// Red, green, blue and weight of a sample of the volume's type, by the label of its voxel, which is one
+    /// of [`LabelMap::indices`](slabsplat_core::LabelMap::indices).
+    #[inline]
+    pub(crate) fn of<T: Ordered>(&self, sample: T, label_idx: Option<u16>) -> [f32; 4] {
+        match (&self.labels, label_idx) {
+            (Some(labels), Some(label_idx)) => {
+                let look = &labels.looks[usize::from(label_idx)];
+                let classified = self.by_transfer[look.by_transfer_idx].of(sample);
+                look.laid_over(classified, self.compositing)
+            }
+            _ => self.by_transfer[0].of(sample),
+        }
+    }
+}
+
+/// What one transfer function makes of samples.
+#[derive(Clone, Debug)]
+struct ByTransfer {
+    transfer: TransferFunction,
+    compositing: Compositing,
+    scaling: Scaling,
+    /// By rank of the sample; empty for wide types.
+    table: Vec<[f32; 4]>,
+}
+
+impl ByTransfer {
+    fn new(transfer: &TransferFunction, compositing: Compositing, volume: &Volume) -> Self {
+        let mut by_transfer = Self::without_table(transfer, compositing, volume);
+        by_transfer.fill_table(volume.sample_type());
+        by_transfer
+    }
+
+    fn without_table(
+        transfer: &TransferFunction,
+        compositing: Compositing,
+        volume: &Volume,
+    ) -> Self {
+        let scaling = volume.scaling();
+        Self { transfer: transfer.clone(), compositing, scaling, table: Vec::new() }
+    }
+
+    fn fill_table(&mut self, sample_type: SampleType) {
+        self.table = match sample_type {
+            SampleType::U8 => self.of_all::<u8>(),
+            SampleType::I8 => self.of_all::<i8>(),
+            SampleType::U16 => self.of_all::<u16>(),
+            SampleType::I16 => self.of_all::<i16>(),
+            SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => Vec::new(),
+        };
+    }
+
+    fn resident_bytes(&self) -> usize {
         self.table.capacity() * size_of::<[f32; 4]>()
     }
 
-    /// Red, green, blue and weight of a sample of the volume's type.
     #[inline]
-    pub(crate) fn of<T: Ordered>(&self, sample: T) -> [f32; 4] {
-        if size_of::<T>() <= 2 {
-            self.table[sample.rank() as usize]
-        } else {
-            self.of_value(self.scaling.apply(sample.to_f64()))
+    fn of<T: Ordered>(&self, sample: T) -> [f32; 4] {
+        if size_of::<T>() <= 2
+            && let Some(&classified) = self.table.get(sample.rank() as usize)
+        {
+            return classified;
         }
+        self.of_value(self.scaling.apply(sample.to_f64()))
     }
 
     fn of_all<T: Ordered>(&self) -> Vec<[f32; 4]> {
@@ -71,6 +136,57 @@ impl Classification {
     }
 }
 
+/// How voxels of each label look.
+#[derive(Clone, Debug)]
+struct ByLabel {
+    /// In the order of [`LabelMap::labels`](slabsplat_core::LabelMap::labels).
+    looks: Vec<LabelLook>,
+}
+
+#[derive(Clone, Debug)]
+struct LabelLook {
+    /// Index into [`Classification::by_transfer`].
+    by_transfer_idx: usize,
+    color: Option<[f32; 3]>,
+    opacity: f32,
+}
+
+impl ByLabel {
+    /// `add` classifies by a transfer function of a label's own, and returns the index of that.
+    fn new(labels: &Labels, mut add: impl FnMut(&TransferFunction) -> usize) -> Self {
+        let mut look = |&label: &i64| {
+            let LabelStyle { transfer, color, opacity } = labels.style(label);
+            LabelLook {
+                by_transfer_idx: transfer.as_ref().map_or(0, &mut add),
+                color: color.map(|color| color.map(|channel| channel as f32)),
+                opacity: *opacity as f32,
+            }
+        };
+        Self { looks: labels.map().labels().iter().map(&mut look).collect() }
+    }
+
+    fn resident_bytes(&self) -> usize {
+        self.looks.capacity() * size_of::<LabelLook>()
+    }
+}
+
+impl LabelLook {
+    #[inline]
+    fn laid_over(&self, [r, g, b, weight]: [f32; 4], compositing: Compositing) -> [f32; 4] {
+        let [r, g, b] = self.color.unwrap_or([r, g, b]);
+        if 1.0 <= self.opacity {
+            return [r, g, b, weight];
+        }
+        // What is stored of a voxel is 1 − e^(−μ).
+        let weight = if compositing.sums_extinction() {
+            -(-(self.opacity * -(-weight).exp_m1())).ln_1p()
+        } else {
+            self.opacity * weight
+        };
+        [r, g, b, weight]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,7 +198,8 @@ mod tests {
         let check = |samples: Samples, n_entries: usize| {
             let grid = Grid::with_spacing([1; 3], [1.0; 3]).unwrap();
             let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
-            let classification = Classification::new(&transfer, Compositing::Separate, &volume);
+            let classification =
+                Classification::new(&transfer, None, Compositing::Separate, &volume);
             let least = n_entries * size_of::<[f32; 4]>();
             let bytes = classification.resident_bytes();
             assert!((least..=2 * least).contains(&bytes), "{bytes} bytes of {n_entries} entries");

@@ -76,7 +76,7 @@ mod tests {
         let view = View::new(&grid, &camera, &ImageDesc::default()).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 2].into(), Scaling::IDENTITY).unwrap();
         let mut list = RelevantList::default();
-        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }]);
+        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }], None);
         let mut order = DepthOrder::default();
         order.update(&grid, &view, &list);
         [order.place(0), order.place(1)]
@@ -108,7 +108,7 @@ mod tests {
         let view = View::new(&grid, &camera, &ImageDesc::default()).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
         let mut list = RelevantList::default();
-        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }]);
+        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }], None);
         let mut order = DepthOrder::default();
         order.update(&grid, &view, &list);
         let places: Vec<usize> = (0..order.len()).map(|nth| order.place(nth)).collect();

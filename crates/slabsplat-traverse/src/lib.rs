@@ -5,7 +5,7 @@
 //! - `bricks`, `voxel`: how the volume is cut up, and what is stored of a voxel;
 //! - `order`: iso-ranges of values as ranges of samples;
 //! - `brick_ranges`: the least and the largest value of every brick, once a volume;
-//! - `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
+//! - `visible_labels`, `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
 //! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, kept up to date by
 //!   difference;
 //! - `classification`: samples to colour and opacity, once a transfer function;
@@ -25,7 +25,7 @@
 //! let volume = Volume::new(grid, Samples::U8(vec![9, 3, 7, 5]), Scaling::IDENTITY)?;
 //! let brick_ranges = BrickRanges::new(&volume);
 //! let mut list = RelevantList::default();
-//! list.update(&volume, &brick_ranges, &[IsoRange { lo: 5.0, hi: 8.0 }]);
+//! list.update(&volume, &brick_ranges, &[IsoRange { lo: 5.0, hi: 8.0 }], None);
 //! let brick = &list.bricks()[0];
 //! let xs = list.voxels_of(brick).iter().map(|&record| list.voxel_coords(brick, record)[0]);
 //! assert_eq!(xs.collect::<Vec<_>>(), [2, 3]);
@@ -42,6 +42,7 @@ mod gradient;
 mod membership;
 mod relevant_list;
 mod relevant_update;
+mod visible_labels;
 
 mod blinn_phong;
 mod classification;
@@ -67,4 +68,5 @@ pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::VoxelLighting;
 pub use toss::{PixelRect, TileBuckets, TileEntry, TileGrid, TileRect, TileToss};
+pub use visible_labels::LabelRanges;
 pub use voxel::{NORMAL_STEPS, VoxelRecord};

@@ -14,6 +14,7 @@
 
 use crate::bricks::N_ROWS;
 use crate::order::{Ordered, samples_in};
+use crate::visible_labels::{LabelRanges, VisibleLabels};
 use crate::{BRICK_SIDE, BrickGrid, VoxelRecord};
 use slabsplat_core::{IsoRange, Volume};
 use std::ops::Range;
@@ -24,6 +25,8 @@ pub(crate) struct Membership<'a, T> {
     grid: BrickGrid,
     /// The iso-ranges among samples.
     ranges: Vec<[T; 2]>,
+    /// Those of each label.
+    labels: Option<VisibleLabels<'a, T>>,
 }
 
 /// A bit a voxel of a brick, row by row, the first voxel in the lowest bit.
@@ -39,9 +42,13 @@ impl<'a, T: Ordered> Membership<'a, T> {
         samples: &'a [T],
         grid: BrickGrid,
         ranges: &[IsoRange],
+        labels: Option<LabelRanges<'a>>,
     ) -> Self {
-        let ranges = ranges.iter().map(|&range| samples_in(volume.scaling(), range)).collect();
-        Self { samples, grid, ranges }
+        let in_samples = |ranges: &[IsoRange]| -> Vec<[T; 2]> {
+            ranges.iter().map(|&range| samples_in(volume.scaling(), range)).collect()
+        };
+        let labels = labels.map(|labels| VisibleLabels::new(labels, in_samples));
+        Self { samples, grid, ranges: in_samples(ranges), labels }
     }
 
     /// The voxels of a brick whose values are in the iso-ranges with those numbers.
@@ -57,11 +64,15 @@ impl<'a, T: Ordered> Membership<'a, T> {
         let start = self.grid.voxel_idx(origin);
         for z in 0..z_size {
             for y in 0..y_size {
-                let row = &self.samples[start + (z * n_y + y) * n_x..][..x_size];
-                mask.rows[z * BRICK_SIDE + y] = match row.first_chunk() {
+                let row_start = start + (z * n_y + y) * n_x;
+                let row = &self.samples[row_start..][..x_size];
+                let in_ranges = match row.first_chunk() {
                     Some(row) => row_mask(row, ranges),
                     None => short_row_mask(row, ranges),
                 };
+                let is_visible = |labels: &VisibleLabels<'_, T>| labels.of_row(row_start, row);
+                mask.rows[z * BRICK_SIDE + y] =
+                    in_ranges & self.labels.as_ref().map_or(u8::MAX, is_visible);
             }
         }
         mask

@@ -112,7 +112,7 @@ mod tests {
         let volume =
             Volume::new(grid, vec![1_u8; grid.n_voxels()].into(), Scaling::IDENTITY).unwrap();
         let mut list = RelevantList::default();
-        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 0.0, hi: 2.0 }]);
+        list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 0.0, hi: 2.0 }], None);
         list
     }
 

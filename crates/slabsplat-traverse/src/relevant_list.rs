@@ -6,7 +6,7 @@
 //! range only touches bricks that hold values at its ends (`relevant_update.rs`).
 
 use crate::relevant_update::update;
-use crate::{Brick, BrickGrid, BrickRanges, VoxelRecord};
+use crate::{Brick, BrickGrid, BrickRanges, LabelRanges, VoxelRecord};
 use rayon::prelude::*;
 use slabsplat_core::{IsoRange, Volume, with_samples};
 
@@ -85,14 +85,18 @@ impl RelevantList {
 
     /// Makes the list that of `ranges` (disjoint, rising), and returns what changed. `volume` and
     /// `brick_ranges` must be those of every earlier update.
+    ///
+    /// With `labels` it has only voxels whose label is visible there. These too must be those of every
+    /// earlier update, and `ranges` must hold what is visible of any label.
     pub fn update(
         &mut self,
         volume: &Volume,
         brick_ranges: &BrickRanges,
         ranges: &[IsoRange],
+        labels: Option<LabelRanges<'_>>,
     ) -> ListChange {
         self.grid = BrickGrid::new(volume.grid());
-        with_samples!(volume.samples(), |s| update(self, volume, s, brick_ranges, ranges))
+        with_samples!(volume.samples(), |s| update(self, volume, s, brick_ranges, ranges, labels))
     }
 
     /// Fills `results`, one a voxel, in parallel: `fill` is called for each brick with its voxels and their
@@ -157,7 +161,7 @@ mod tests {
                 let mut before: Vec<usize> = Vec::new();
                 for _ in 0..12 {
                     let ranges = random_ranges(&mut rng, &volume);
-                    let change = list.update(&volume, &brick_ranges, &ranges);
+                    let change = list.update(&volume, &brick_ranges, &ranges, None);
                     let after = relevant(&volume, &ranges);
                     let mut actual: Vec<usize> =
                         listed(&list).iter().map(|(idx, _)| *idx).collect();
@@ -165,7 +169,7 @@ mod tests {
                     assert_eq!(actual, after, "{ranges:?} {:?}", volume.grid());
 
                     let mut fresh = RelevantList::default();
-                    fresh.update(&volume, &brick_ranges, &ranges);
+                    fresh.update(&volume, &brick_ranges, &ranges, None);
                     assert_eq!(fresh, list, "order and normals too");
 
                     let n_added = after.iter().filter(|v| before.binary_search(v).is_err()).count();
@@ -185,7 +189,7 @@ mod tests {
                 let volume = random_volume(&mut rng);
                 let mut list = RelevantList::default();
                 let ranges = random_ranges(&mut rng, &volume);
-                list.update(&volume, &BrickRanges::new(&volume), &ranges);
+                list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
                 assert!(list.bricks().windows(2).all(|b| b[0].brick_idx < b[1].brick_idx));
                 for brick in list.bricks() {
                     let voxels = list.voxels_of(brick);
@@ -203,7 +207,7 @@ mod tests {
             let volume = random_volume(&mut rng);
             let mut list = RelevantList::default();
             let all = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-            list.update(&volume, &BrickRanges::new(&volume), &[all]);
+            list.update(&volume, &BrickRanges::new(&volume), &[all], None);
             for (voxel_idx, record) in listed(&list) {
                 let normal = DVec3::from(record.normal_in_world().map(f64::from));
                 assert!(normal.distance(naive_normal(&volume, voxel_idx)) < 2.7e-5);
@@ -218,7 +222,7 @@ mod tests {
         let mut list = RelevantList::default();
         assert!(list.is_empty() && list.ranges().is_empty());
         let ranges = [IsoRange { lo: 5.0, hi: 6.0 }];
-        list.update(&volume, &BrickRanges::new(&volume), &ranges);
+        list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
         assert!(!list.is_empty());
         assert_eq!((list.len(), list.bricks().len()), (2880, 10));
         assert_eq!((list.ranges(), list.grid()), (&ranges[..], &BrickGrid::new(&grid)));
@@ -237,7 +241,7 @@ mod tests {
         let brick_ranges = BrickRanges::new(&volume);
         let mut list = RelevantList::default();
         let mut bytes_of_values_below = |end: f64| {
-            list.update(&volume, &brick_ranges, &[IsoRange { lo: 0.0, hi: end - 1.0 }]);
+            list.update(&volume, &brick_ranges, &[IsoRange { lo: 0.0, hi: end - 1.0 }], None);
             list.resident_bytes()
         };
         let all = bytes_of_values_below(10.0);
@@ -256,7 +260,7 @@ mod tests {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
                 pool.install(|| {
                     let mut list = RelevantList::default();
-                    list.update(&volume, &BrickRanges::new(&volume), &ranges);
+                    list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
                     list
                 })
             };

@@ -9,26 +9,29 @@
 use crate::blinn_phong::{BlinnPhong8, Light8};
 use crate::order::Ordered;
 use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord};
-use slabsplat_core::{BlinnPhong, Volume, with_samples};
+use slabsplat_core::{BlinnPhong, Labels, Volume, with_samples};
 
 /// Everything that a voxel's colour depends on in one frame, but for the voxel.
 #[derive(Clone, Copy, Debug)]
 pub struct VoxelLighting<'a> {
     classification: &'a Classification,
     volume: &'a Volume,
+    labels: Option<&'a [u16]>,
     grid: BrickGrid,
     blinn_phong: Option<BlinnPhong8>,
 }
 
 impl<'a> VoxelLighting<'a> {
-    /// Lights `volume`, which is the one classified, if there is any light.
+    /// Lights `volume` and its labels, which are those classified, if there is any light.
     pub fn new(
         classification: &'a Classification,
         volume: &'a Volume,
+        labels: Option<&'a Labels>,
         light: Option<&BlinnPhong>,
     ) -> Self {
         let blinn_phong = light.map(BlinnPhong8::new);
-        Self { classification, volume, grid: BrickGrid::new(volume.grid()), blinn_phong }
+        let labels = labels.map(|labels| labels.map().indices());
+        Self { classification, volume, labels, grid: BrickGrid::new(volume.grid()), blinn_phong }
     }
 
     /// Writes red, green, blue and opacity of all voxels of `list` into `colors`, in parallel.
@@ -64,8 +67,19 @@ impl<'a> VoxelLighting<'a> {
         records: &[VoxelRecord],
         colors: &mut [[f32; 4]],
     ) {
-        for (color, idx) in colors.iter_mut().zip(self.grid.voxel_indices(brick, records)) {
-            *color = self.classification.of(samples[idx]);
+        let voxels = colors.iter_mut().zip(self.grid.voxel_indices(brick, records));
+        let classification = self.classification;
+        match self.labels {
+            None => {
+                for (color, idx) in voxels {
+                    *color = classification.of(samples[idx], None);
+                }
+            }
+            Some(labels) => {
+                for (color, idx) in voxels {
+                    *color = classification.of(samples[idx], Some(labels[idx]));
+                }
+            }
         }
     }
 }
@@ -120,8 +134,8 @@ mod tests {
         let check = |opacity: f64, compositing, expected: [f64; 4]| {
             let transfer =
                 TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, color)]).unwrap();
-            let classification = Classification::new(&transfer, compositing, &volume);
-            let lighting = VoxelLighting::new(&classification, &volume, None);
+            let classification = Classification::new(&transfer, None, compositing, &volume);
+            let lighting = VoxelLighting::new(&classification, &volume, None, None);
             let mut colors = [[0.0; 4]];
             let brick = Brick { brick_idx: 0, first: 0, n_voxels: 1 };
             lighting.shade_brick(&brick, &[VoxelRecord::default()], &mut colors);
@@ -183,12 +197,12 @@ mod tests {
                 let forward = DVec3::new(rng.f64() - 0.5, rng.f64(), 0.3).normalize();
                 let mut list = RelevantList::default();
                 let ranges = random_ranges(&mut rng, &volume);
-                list.update(&volume, &BrickRanges::new(&volume), &ranges);
+                list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
 
-                let classification = Classification::new(&transfer, compositing, &volume);
+                let classification = Classification::new(&transfer, None, compositing, &volume);
                 let light = BlinnPhong::new(phong, forward);
                 let mut colors = Vec::new();
-                VoxelLighting::new(&classification, &volume, Some(&light))
+                VoxelLighting::new(&classification, &volume, None, Some(&light))
                     .shade(&list, &mut colors);
 
                 for brick in list.bricks() {

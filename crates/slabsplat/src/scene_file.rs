@@ -22,7 +22,7 @@ pub struct OpenScene {
 /// Why a scene cannot be opened.
 #[derive(Debug, Error)]
 pub enum OpenError {
-    /// The volume cannot be read.
+    /// A volume, labels or their colours cannot be read.
     #[error(transparent)]
     Io(#[from] IoError),
     /// The camera's parts do not make a camera.
@@ -46,10 +46,10 @@ impl OpenScene {
         Self::with_volumes(loaded, file)
     }
 
-    /// The scene of `file` with volumes that are already there, one for each layer.
+    /// The scene of `file` with volumes that are already there, one for each layer; labels are read.
     ///
     /// # Errors
-    /// If the camera or a region makes no sense.
+    /// If the camera or a region makes no sense, or labels cannot be read.
     ///
     /// # Panics
     /// If there are more volumes or fewer.
@@ -59,7 +59,7 @@ impl OpenScene {
         let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
             let LoadedVolume { volume, warnings, .. } = loaded;
             all_warnings.extend(warnings);
-            layer(volume, of_file)
+            layer(volume, of_file, &mut all_warnings)
         });
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
         let grids: Vec<Grid> = layers.iter().map(|layer| *layer.volume.grid()).collect();
@@ -73,10 +73,18 @@ impl OpenScene {
     }
 }
 
-fn layer(volume: Volume, file: &LayerFile) -> Result<Layer, OpenError> {
+fn layer(
+    volume: Volume,
+    file: &LayerFile,
+    all_warnings: &mut Vec<String>,
+) -> Result<Layer, OpenError> {
     let volume = Arc::new(volume);
     let automatic = || Automatic::new(volume.clone()).transfer().clone();
     let transfer = file.transfer.clone().unwrap_or_else(automatic);
     let region = file.region.on(volume.grid())?;
-    Ok(Layer::new(volume, transfer).shading(file.shading).region(region))
+    let layer = Layer::new(volume, transfer).shading(file.shading).region(region);
+    let Some(labels) = &file.labels else { return Ok(layer) };
+    let (labels, warnings) = labels.load(layer.volume.grid())?;
+    all_warnings.extend(warnings);
+    Ok(layer.labels(labels))
 }

@@ -6,7 +6,7 @@ use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
 use super::{Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, merge, shaded_color};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Grid, Layer, Method, Region, RenderSettings, Scene};
+use slabsplat_core::{Compositing, Grid, LabelStyle, Layer, Method, Region, RenderSettings, Scene};
 
 /// All that the pixels of a picture have in common.
 pub(super) struct Frame {
@@ -183,7 +183,9 @@ fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
     let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
         let value = volume.value(voxel_idx);
-        let opacity = transfer.opacity(value);
+        let style = style(layer, voxel_idx);
+        let transfer = style.transfer.as_ref().unwrap_or(transfer);
+        let opacity = style.opacity * transfer.opacity(value);
         if value.is_nan() || opacity <= 0.0 {
             return None;
         }
@@ -193,7 +195,7 @@ fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
         let gradient = gradient_in_world(volume, coords);
         let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
         let normal = normal_by_faces(region, grid.unit(), center_in_world, normal);
-        let color = transfer.color(value);
+        let color = style.color.unwrap_or_else(|| transfer.color(value));
         Some(Voxel {
             coords,
             center_in_view: view.view_from_world(center_in_world),
@@ -202,4 +204,12 @@ fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()
+}
+
+/// What a voxel's label changes (model §13).
+fn style(layer: &Layer, voxel_idx: usize) -> LabelStyle {
+    let Some(labels) = &layer.labels else { return LabelStyle::default() };
+    let label_idx = labels.map().indices()[voxel_idx];
+    let label = labels.map().labels()[usize::from(label_idx)];
+    labels.styles().get(&label).cloned().unwrap_or_default()
 }

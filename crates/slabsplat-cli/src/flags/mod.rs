@@ -4,6 +4,7 @@
 //! flags of what is a row in a table of settings.
 
 mod camera;
+mod labels;
 mod look;
 mod raw;
 mod region;
@@ -40,6 +41,9 @@ pub(crate) struct SceneFlags {
     look: look::LookFlags,
 
     #[command(flatten)]
+    labels: labels::LabelFlags,
+
+    #[command(flatten)]
     region: region::RegionFlags,
 
     #[command(flatten)]
@@ -56,6 +60,7 @@ impl SceneFlags {
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file)?;
         self.look.lay_over(&mut file)?;
+        self.labels.lay_over(&mut file)?;
         self.region.lay_over(&mut file)?;
         self.in_scene(|| {
             let n_own = file.layers.len();

@@ -261,6 +261,58 @@ fn render_several_layers() {
     assert_eq!(info.as_array().map(Vec::len), Some(2), "{info}");
 }
 
+/// A cube of 9 voxels a side, whose middle is in the world's origin, and labels of 3 mm, 1 to 27.
+#[test]
+fn render_labels_by_flags_as_by_keys() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &[u8]| std::fs::write(dir.path().join(name), text).unwrap();
+    let mut labels = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 3 3\nspace dimension: 3\n\
+        space directions: (3,0,0) (0,3,0) (0,0,3)\nspace origin: (-3,-3,-3)\nencoding: raw\n\n"
+        .to_vec();
+    labels.extend(1..=27);
+    write("labels.nrrd", &labels);
+    write("table.txt", b"25 a 255 0 0 0\n26 b 0 255 0 0\n");
+    let rest = "--width 24 --height 24 --backend cpu";
+    let scene = |keys: &str| {
+        let volume = "[volume]\ngenerate = \"cube\"\nsize = 9\n";
+        write("a.toml", format!("{volume}[labels]\npath = \"labels.nrrd\"\n{keys}").as_bytes());
+        bytes_of(dir.path(), &format!("a.toml {rest} -o keys.exr"))
+    };
+    let mut pictures = vec![bytes_of(dir.path(), &format!("builtin:cube:9 {rest} -o plain.exr"))];
+    for (flags, keys) in [
+        ("", ""),
+        ("--label-colors table.txt", "colors = \"table.txt\""),
+        ("--only-labels 25,27", "only = [25, 27]"),
+        ("--only-labels 25,26 --label-colors auto", "only = [25, 26]\ncolors = \"auto\""),
+    ] {
+        let flags = format!("builtin:cube:9 --labels labels.nrrd {flags} {rest} -o flags.exr");
+        let by_flags = bytes_of(dir.path(), &flags);
+        assert!(by_flags == scene(keys), "{flags}");
+        assert!(!pictures.contains(&by_flags), "{flags} is another picture");
+        pictures.push(by_flags);
+    }
+    let stderr = |flags: &str| {
+        let output =
+            slabsplat(dir.path(), &format!("render builtin:cube:9 {flags} {rest} -o a.png"));
+        (output.status.success(), text(&output.stderr))
+    };
+    let (is_drawn, warnings) = stderr("--labels labels.nrrd --only-labels 99");
+    assert!(is_drawn && warnings.contains("no such labels: 99"), "{warnings}");
+    assert!(warnings.contains("nothing is visible"), "{warnings}");
+    let (_, warnings) = stderr("--labels labels.nrrd --label-colors table.txt");
+    assert!(warnings.contains("without a colour"), "{warnings}");
+    for (flags, expected) in [
+        ("--only-labels 3", "--only-labels does nothing without labels"),
+        ("--labels gone.nrrd", "cannot read "),
+        ("--labels labels.nrrd --label-colors labels.nrrd", "labels.nrrd: "),
+        ("--labels labels.nrrd --method post-classified", "have no labels"),
+        ("--labels labels.nrrd --mode maximum", "have no labels"),
+    ] {
+        let (is_drawn, error) = stderr(flags);
+        assert!(!is_drawn && error.contains(expected), "{flags}: {error}");
+    }
+}
+
 #[test]
 fn render_by_every_mode() {
     let dir = tempfile::tempdir().unwrap();

@@ -15,6 +15,7 @@ use super::settings_section::{Section, SettingsSection, keys};
 pub(super) struct Document {
     pub(super) volume: Option<VolumeSection>,
     pub(super) classify: Option<ClassifySection>,
+    pub(super) labels: Option<LabelsSection>,
     pub(super) shading: Option<SettingsSection<Phong>>,
     pub(super) region: Option<RegionSection>,
     pub(super) layers: Option<Vec<LayerSection>>,
@@ -33,6 +34,7 @@ pub(super) struct LayerSection {
     pub(super) name: Option<String>,
     pub(super) volume: Option<VolumeSection>,
     pub(super) classify: Option<ClassifySection>,
+    pub(super) labels: Option<LabelsSection>,
     pub(super) shading: Option<SettingsSection<Phong>>,
     pub(super) region: Option<RegionSection>,
 }
@@ -56,6 +58,28 @@ pub(super) struct ClassifySection {
     pub(super) color: Option<Vec<[f64; 4]>>,
     pub(super) preset: Option<String>,
     pub(super) file: Option<PathBuf>,
+}
+
+/// A volume of labels, and how these look.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LabelsSection {
+    pub(super) path: PathBuf,
+    /// A file, or `auto`.
+    pub(super) colors: Option<PathBuf>,
+    pub(super) only: Option<Vec<i64>>,
+    #[serde(default)]
+    pub(super) styles: Vec<LabelStyleSection>,
+}
+
+/// How some labels look.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LabelStyleSection {
+    pub(super) of: Vec<i64>,
+    pub(super) color: Option<[f64; 3]>,
+    pub(super) opacity: Option<f64>,
+    pub(super) classify: Option<ClassifySection>,
 }
 
 /// A box, planes, or both.

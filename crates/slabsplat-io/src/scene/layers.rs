@@ -32,6 +32,7 @@ impl Document {
             name: None,
             volume: self.volume.take(),
             classify: self.classify.take(),
+            labels: self.labels.take(),
             shading: self.shading.take(),
             region: self.region.take(),
         };
@@ -53,6 +54,7 @@ impl LayerSection {
         let sections = [
             ("volume", self.volume.is_some()),
             ("classify", self.classify.is_some()),
+            ("labels", self.labels.is_some()),
             ("shading", self.shading.is_some()),
             ("region", self.region.is_some()),
         ];
@@ -65,7 +67,7 @@ impl LayerSection {
     }
 
     fn into_layer(self, folder: &Path) -> Result<LayerFile, Diagnostic> {
-        let Self { name, volume, classify, shading, region } = self;
+        let Self { name, volume, classify, labels, shading, region } = self;
         let volume = volume.ok_or_else(|| {
             let what = "the scene has no [volume]: add one with path or generate";
             Diagnostic::at("volume", "", what)
@@ -76,6 +78,7 @@ impl LayerSection {
             spacing: volume.checked_spacing()?,
             volume: volume.into_source(folder)?,
             transfer: transfer.flatten(),
+            labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
             shading: shading.unwrap_or_else(SettingsSection::default).into_shading()?,
             region: region.unwrap_or_default().into_desc()?,
         })

@@ -1,8 +1,9 @@
 //! Scene files (`docs/example.toml`): everything that decides a pixel, as TOML.
 //!
 //! Reading order: this file (what a scene file says), `document`, `settings_section` and `choice` (how it
-//! spells it), `layers` and `sections` (what that means), `camera`, `region`, `preset` and `color_map`
-//! (transfer functions from elsewhere), `diagnostic` (what a file does wrong, and in which line).
+//! spells it), `layers` and `sections` (what that means), `camera`, `labels` and `label_table`, `region`,
+//! `preset` and `color_map` (transfer functions from elsewhere), `diagnostic` (what a file does wrong, and in
+//! which line).
 
 mod document;
 
@@ -12,6 +13,8 @@ mod sections;
 mod settings_section;
 
 mod camera;
+mod label_table;
+mod labels;
 mod region;
 
 mod color_map;
@@ -25,6 +28,7 @@ use slabsplat_core::{ImageDesc, Phong, RenderSettings, Shading, TransferFunction
 
 pub use camera::{CameraDesc, ProjectionKind};
 pub use color_map::read_color_map;
+pub use labels::{LabelColors, LabelsFile};
 pub use preset::{PRESET_NAMES, preset_transfer};
 pub use region::RegionDesc;
 
@@ -59,6 +63,8 @@ pub struct LayerFile {
     pub spacing: Option<[f64; 3]>,
     /// Which values are visible, and in which colour.
     pub transfer: Option<TransferFunction>,
+    /// What its voxels belong to.
+    pub labels: Option<LabelsFile>,
     /// What light does to them.
     pub shading: Shading,
     /// Where they are seen.
@@ -120,6 +126,7 @@ impl LayerFile {
             volume,
             spacing: None,
             transfer: None,
+            labels: None,
             shading: Shading::Phong(Phong::default()),
             region: RegionDesc::default(),
         }

@@ -1,19 +1,23 @@
 //! What each section of a scene file means. Diagnostics name the section and key.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    ImageDesc, NotAChoice, Phong, Plane, Region, RenderSettings, Shading, TransferError,
-    TransferFunction,
+    ImageDesc, LabelStyle, NotAChoice, Phong, Plane, Region, RenderSettings, Shading,
+    TransferError, TransferFunction,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
-use super::document::{CameraSection, ClassifySection, ImageSection, RegionSection, VolumeSection};
+use super::document::{
+    CameraSection, ClassifySection, ImageSection, LabelStyleSection, LabelsSection, RegionSection,
+    VolumeSection,
+};
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
-use super::{RegionDesc, VolumeSource};
+use super::{LabelColors, LabelsFile, RegionDesc, VolumeSource};
 
 impl VolumeSection {
     pub(super) fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
@@ -68,6 +72,14 @@ impl ClassifySection {
     }
 }
 
+impl ClassifySection {
+    /// What must be there, and not in a file.
+    fn into_points(self) -> Result<TransferFunction, Diagnostic> {
+        let what = "classify of a style needs opacity (and color), or preset";
+        self.into_transfer()?.ok_or_else(|| Diagnostic::at("labels", "styles", what))
+    }
+}
+
 fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction, Diagnostic> {
     let opacity = opacity.iter().map(|&[value, alpha]| (value, [alpha])).collect();
     let color = color.iter().map(|&[value, r, g, b]| (value, [r, g, b])).collect();
@@ -78,6 +90,29 @@ fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction
         | TransferError::OutOfRange { what: key, .. }) = error;
         Diagnostic::at("classify", key, error.to_string())
     })
+}
+
+impl LabelsSection {
+    pub(super) fn into_file(self, folder: &Path) -> Result<LabelsFile, Diagnostic> {
+        let Self { path, colors, only, styles: sections } = self;
+        let mut styles = BTreeMap::new();
+        for section in sections {
+            let LabelStyleSection { of, color, opacity, classify } = section;
+            let style = LabelStyle {
+                transfer: classify.map(ClassifySection::into_points).transpose()?,
+                color,
+                opacity: opacity.unwrap_or(1.0),
+            };
+            for label in of {
+                if styles.insert(label, style.clone()).is_some() {
+                    let what = format!("two styles are of label {label}");
+                    return Err(Diagnostic::at("labels", "styles", what));
+                }
+            }
+        }
+        let colors = colors.map(|name| LabelColors::named(&name, folder));
+        Ok(LabelsFile { path: folder.join(path), colors, styles, only })
+    }
 }
 
 impl SettingsSection<Phong> {

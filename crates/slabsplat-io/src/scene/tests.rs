@@ -228,8 +228,8 @@ fn scene_unknown_keys_are_named() {
     );
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
-        "scene.toml:1: unknown key \"size\"; known are volume, classify, shading, region, layers, \
-         camera, image, render",
+        "scene.toml:1: unknown key \"size\"; known are volume, classify, labels, shading, region, \
+         layers, camera, image, render",
     );
 }
 
@@ -276,6 +276,13 @@ fn scene_bad_values_name_their_line() {
         "[region]\ninverted = true",
         ":5: unknown key \"inverted\" in [region]; did you mean \"invert\"?",
     );
+    check("[labels]\ncolors = \"auto\"", ":4: missing field `path`");
+    let styles = "[labels]\npath = \"a.nrrd\"\n[[labels.styles]]\nof = [1]\n";
+    check(
+        &format!("{styles}opacity = 2\n[[labels.styles]]\nof = [3, 1]"),
+        "two styles are of label 1",
+    );
+    check(&format!("{styles}classify = {{}}"), "classify of a style needs opacity");
     check("[[layers]]", ":1: [volume] belongs below [[layers]], as [layers.volume]");
     check("[volume]", ":4: ");
     check("x = [", ":4: ");
@@ -314,6 +321,31 @@ fn scene_of_two_layers() {
     assert_eq!((&other.name, other.transfer.is_some()), (&None, true));
     assert_eq!(other.shading, Shading::Phong(Phong::default().ambient(0.5)));
     assert_eq!(scene.image.width, 9);
+}
+
+#[test]
+fn scene_of_labels() {
+    let of = |text: &str| {
+        let labels = format!("{SMALL}[labels]\npath = \"seg.nrrd\"\n{text}");
+        read_layer(&labels).labels.expect("the section is there")
+    };
+    let plain = of("");
+    assert!(plain.path.ends_with("seg.nrrd") && plain.path.is_absolute());
+    assert_eq!(plain, LabelsFile::new(plain.path.clone()));
+    assert_eq!(of("colors = \"auto\"").colors, Some(LabelColors::Automatic));
+    let colors = of("colors = \"table.txt\"").colors;
+    assert!(matches!(&colors, Some(LabelColors::Table(path)) if path.is_absolute()), "{colors:?}");
+    let labels = of("only = [-1, 2]\n[[labels.styles]]\nof = [2, 3]\ncolor = [1, 0, 0.5]\n\
+                     [[labels.styles]]\nof = [4]\nopacity = 0.25\nclassify = { preset = \"gray\" }");
+    assert_eq!(labels.only, Some(vec![-1, 2]));
+    use slabsplat_core::LabelStyle;
+    let red = LabelStyle { color: Some([1.0, 0.0, 0.5]), ..LabelStyle::default() };
+    let own = LabelStyle {
+        transfer: preset_transfer("gray").ok(),
+        opacity: 0.25,
+        ..LabelStyle::default()
+    };
+    assert_eq!(labels.styles, [(2, red.clone()), (3, red), (4, own)].into());
 }
 
 #[test]

@@ -1,0 +1,205 @@
+//! What a scene says of labels, before there is a volume.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use slabsplat_core::{Grid, LabelError, LabelMap, LabelStyle, Labels};
+
+use super::label_table::read_label_table;
+use crate::{IoError, read_volume};
+
+/// Labels of a layer, and how they look, as a scene file or flags say it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelsFile {
+    /// A volume of whole numbers, on the layer's grid or another.
+    pub path: PathBuf,
+    /// Where colours come from that no style says.
+    pub colors: Option<LabelColors>,
+    /// How labels look that look otherwise than the layer says.
+    pub styles: BTreeMap<i64, LabelStyle>,
+    /// The only labels that are visible, if not all are.
+    pub only: Option<Vec<i64>>,
+}
+
+/// Where labels have their colours from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LabelColors {
+    /// Each label but 0 gets one, far from those of the numbers beside it.
+    Automatic,
+    /// A table of FreeSurfer, 3D Slicer, ITK-SNAP or BIDS.
+    Table(PathBuf),
+}
+
+impl LabelColors {
+    /// `auto`, or the name of a table's file in `folder`.
+    pub fn named(name: &Path, folder: &Path) -> Self {
+        if name == Path::new("auto") { Self::Automatic } else { Self::Table(folder.join(name)) }
+    }
+}
+
+/// Labels that a warning lists.
+const MAX_LISTED: usize = 8;
+
+impl LabelsFile {
+    /// Labels as they are in a file. Where nothing else is said, each has a colour.
+    pub fn new(path: PathBuf) -> Self {
+        Self { path, colors: None, styles: BTreeMap::new(), only: None }
+    }
+
+    /// Reads the labels of a layer on `grid`, and returns them with warnings, one line each.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or is not of labels or their colours.
+    pub fn load(&self, grid: &Grid) -> Result<(Labels, Vec<String>), IoError> {
+        let unlabelled = |source: LabelError| IoError::Labels { path: self.path.clone(), source };
+        let loaded = read_volume(&self.path)?;
+        let map = LabelMap::new(&loaded.volume, grid).map_err(unlabelled)?;
+        let styles = self.styles_of(map.labels())?;
+        let mut warnings = loaded.warnings;
+        warnings.extend(self.missing(map.labels()));
+        warnings.extend(uncolored(map.labels(), &styles));
+        let labels = Labels::new(map, styles).map_err(unlabelled)?;
+        Ok((labels, warnings))
+    }
+
+    fn styles_of(&self, labels: &[i64]) -> Result<BTreeMap<i64, LabelStyle>, IoError> {
+        let says_nothing = self.styles.is_empty() && self.only.is_none();
+        let mut styles = match &self.colors {
+            Some(LabelColors::Table(path)) => read_label_table(path)?,
+            Some(LabelColors::Automatic) => automatic(labels),
+            None if says_nothing => automatic(labels),
+            None => BTreeMap::new(),
+        };
+        for (&label, style) in &self.styles {
+            let LabelStyle { transfer, color, opacity } = style.clone();
+            let of_table = styles.remove(&label).unwrap_or_default();
+            // A transfer function has colours of its own.
+            let color = if transfer.is_some() { color } else { color.or(of_table.color) };
+            styles
+                .insert(label, LabelStyle { transfer, color, opacity: opacity * of_table.opacity });
+        }
+        if let Some(only) = &self.only {
+            for &label in labels.iter().filter(|label| !only.contains(label)) {
+                styles.entry(label).or_default().opacity = 0.0;
+            }
+        }
+        Ok(styles)
+    }
+
+    /// Names labels that are asked for, and that no voxel has.
+    fn missing(&self, labels: &[i64]) -> Option<String> {
+        let is_missing = |label: &i64| labels.binary_search(label).is_err();
+        let asked = self.only.iter().flatten().chain(self.styles.keys()).copied();
+        let mut missing: Vec<i64> = asked.filter(is_missing).collect();
+        missing.sort_unstable();
+        missing.dedup();
+        let path = self.path.display();
+        (!missing.is_empty()).then(|| format!("{path} has no such labels: {}", listed(&missing)))
+    }
+}
+
+/// Lists visible labels that have no colour, where others have one.
+fn uncolored(labels: &[i64], styles: &BTreeMap<i64, LabelStyle>) -> Option<String> {
+    let has_color = |style: &LabelStyle| style.color.is_some() || style.transfer.is_some();
+    if !styles.values().any(|style| style.color.is_some()) {
+        return None;
+    }
+    let needs_one = |label: &i64| {
+        *label != 0
+            && styles.get(label).is_none_or(|style| 0.0 < style.opacity && !has_color(style))
+    };
+    let uncolored: Vec<i64> = labels.iter().copied().filter(needs_one).collect();
+    let what = "labels without a colour, drawn as the transfer function says";
+    (!uncolored.is_empty()).then(|| format!("{what}: {}", listed(&uncolored)))
+}
+
+fn listed(labels: &[i64]) -> String {
+    let first = labels.iter().take(MAX_LISTED).map(i64::to_string).collect::<Vec<_>>().join(", ");
+    match labels.len().saturating_sub(MAX_LISTED) {
+        0 => first,
+        n_more => format!("{first} and {n_more} more"),
+    }
+}
+
+fn automatic(labels: &[i64]) -> BTreeMap<i64, LabelStyle> {
+    let style = |&label: &i64| {
+        (label, LabelStyle { color: Some(automatic_color(label)), ..LabelStyle::default() })
+    };
+    labels.iter().filter(|&&label| label != 0).map(style).collect()
+}
+
+/// Hues go round by the golden ratio, so that any few numbers in a row lie far apart.
+fn automatic_color(label: i64) -> [f64; 3] {
+    const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+    let hue = 6.0 * (label as f64 * GOLDEN_RATIO).rem_euclid(1.0);
+    let [paler, darker] = [label.rem_euclid(3) as f64, label.rem_euclid(2) as f64];
+    let (saturation, value) = (0.75 - 0.15 * paler, 1.0 - 0.15 * darker);
+    [5.0, 3.0, 1.0].map(|offset| {
+        let at = (offset + hue) % 6.0;
+        value * (1.0 - saturation * at.min(4.0 - at).clamp(0.0, 1.0))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::TransferFunction;
+
+    fn style(color: Option<[f64; 3]>, opacity: f64) -> LabelStyle {
+        LabelStyle { color, opacity, ..LabelStyle::default() }
+    }
+
+    #[test]
+    fn labels_get_colors_that_differ() {
+        let colors: Vec<[f64; 3]> = (1..60).map(automatic_color).collect();
+        assert!(colors.iter().flatten().all(|channel| (0.0..=1.0).contains(channel)));
+        for (idx, a) in colors.iter().enumerate() {
+            for b in colors.iter().skip(idx + 1).take(5) {
+                let distance: f64 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+                assert!(0.25 < distance, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn labels_without_a_word_are_colored() {
+        let file = LabelsFile::new("a.nii".into());
+        let styles = file.styles_of(&[0, 1, 2]).unwrap();
+        assert_eq!(styles.keys().copied().collect::<Vec<_>>(), [1, 2]);
+        let only = LabelsFile { only: Some(vec![2]), ..file };
+        let expected = [(0, style(None, 0.0)), (1, style(None, 0.0))];
+        assert_eq!(only.styles_of(&[0, 1, 2]).unwrap(), expected.into());
+    }
+
+    #[test]
+    fn styles_are_laid_over_a_table() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("labels.ctbl");
+        std::fs::write(&path, "1 a 255 0 0 255\n2 b 0 255 0 51\n3 c 0 0 255 255\n").unwrap();
+        let transfer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [0.5; 3])]).unwrap();
+        let own = LabelStyle { transfer: Some(transfer), ..LabelStyle::default() };
+        let said = [(2, style(None, 0.5)), (3, own.clone()), (4, style(Some([1.0; 3]), 1.0))];
+        let file = LabelsFile {
+            colors: Some(LabelColors::Table(path)),
+            styles: said.into(),
+            ..LabelsFile::new("a.nii".into())
+        };
+        let expected = [
+            (1, style(Some([1.0, 0.0, 0.0]), 1.0)),
+            (2, style(Some([0.0, 1.0, 0.0]), 0.1)),
+            (3, own),
+            (4, style(Some([1.0; 3]), 1.0)),
+        ];
+        let styles = file.styles_of(&[0, 1, 2, 3, 4, 5]).unwrap();
+        assert_eq!(styles, expected.into());
+        let warning = uncolored(&[0, 1, 2, 3, 4, 5], &styles).unwrap();
+        assert!(warning.ends_with("function says: 5"), "{warning}");
+        assert_eq!(file.missing(&[1, 2, 3]).unwrap(), "a.nii has no such labels: 4");
+    }
+
+    #[test]
+    fn warnings_list_few_labels() {
+        assert_eq!(listed(&[1, 2]), "1, 2");
+        assert_eq!(listed(&(0..11).collect::<Vec<_>>()), "0, 1, 2, 3, 4, 5, 6, 7 and 3 more");
+    }
+}

@@ -1,0 +1,56 @@
+//! Which samples are visible, by the label of their voxel (model §13).
+
+use crate::order::Ordered;
+use slabsplat_core::{IsoRange, Labels, TransferFunction};
+
+/// Labels, and what their voxels look like where no label says so: together they decide which values of
+/// which label are visible.
+#[derive(Clone, Copy, Debug)]
+pub struct LabelRanges<'a> {
+    /// The labels of all voxels.
+    pub labels: &'a Labels,
+    /// The layer's transfer function.
+    pub transfer: &'a TransferFunction,
+}
+
+/// The same among samples.
+pub(crate) struct VisibleLabels<'a, T> {
+    of_voxels: &'a [u16],
+    /// Index into `ranges` of each label.
+    ranges_of: Vec<usize>,
+    /// None for what is invisible, those of the layer, and those of labels with a transfer function of their
+    /// own.
+    ranges: Vec<Vec<[T; 2]>>,
+}
+
+impl<'a, T: Ordered> VisibleLabels<'a, T> {
+    /// `in_samples` are the samples with values in iso-ranges.
+    pub(crate) fn new(
+        LabelRanges { labels, transfer }: LabelRanges<'a>,
+        in_samples: impl Fn(&[IsoRange]) -> Vec<[T; 2]>,
+    ) -> Self {
+        let [invisible, of_layer] = [0, 1];
+        let mut ranges = vec![Vec::new(), in_samples(&transfer.iso_ranges())];
+        let mut ranges_of_label = |&label: &i64| match labels.style(label).transfer(transfer) {
+            None => invisible,
+            Some(own) if std::ptr::eq(own, transfer) => of_layer,
+            Some(own) => {
+                ranges.push(in_samples(&own.iso_ranges()));
+                ranges.len() - 1
+            }
+        };
+        let map = labels.map();
+        let ranges_of = map.labels().iter().map(&mut ranges_of_label).collect();
+        Self { of_voxels: map.indices(), ranges_of, ranges }
+    }
+
+    /// A bit for each of up to eight voxels from that one on, the first in the lowest.
+    pub(crate) fn of_row(&self, voxel_idx: usize, samples: &[T]) -> u8 {
+        let labels = &self.of_voxels[voxel_idx..][..samples.len()];
+        labels.iter().zip(samples).rev().fold(0, |bits, (&label_idx, &sample)| {
+            let ranges = &self.ranges[self.ranges_of[usize::from(label_idx)]];
+            let is_visible = ranges.iter().any(|&[a, b]| a <= sample && sample <= b);
+            bits << 1 | u8::from(is_visible)
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! Labels (model §13): scenes at random against the float64 reference, at the tolerances of model §9; and
+//! labels of another grid, one by one.
+
+use slabsplat::glam::DVec3;
+use slabsplat::{LabelMap, Method, Region, Renderer, Scaling, Volume};
+use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
+use slabsplat_tests::random_scene::{SceneKind, add_labels, random_layers, random_scene};
+use slabsplat_tests::reference;
+use slabsplat_tests::render::{open, render};
+
+/// What a pixel may differ from the reference at most, and on average over a picture.
+const MAX_DIFFERENCE: f64 = 1e-3;
+const MEAN_DIFFERENCE: f64 = 1e-4;
+
+/// Of one layer or several, cut or not, by every method that has labels.
+#[test]
+fn parity_of_labels() {
+    let (mut n_scenes, mut max) = (0, 0.0_f64);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let has_labels = |kind: &SceneKind| kind.method != Method::PostClassified;
+        for kind in SceneKind::share(seed).filter(has_labels).step_by(2) {
+            // A region's faces decide pixels by their rounding where sums cannot be split.
+            let mut scene = random_scene(&mut rng, &kind);
+            if kind.method == Method::ImageAligned {
+                scene.layers = random_layers(&mut rng, &kind).layers;
+                scene.layers.iter_mut().for_each(|layer| layer.region = Region::default());
+            }
+            add_labels(&mut rng, &mut scene);
+            let off = reference::render(&scene).compare(&render("cpu", &scene));
+            let what = format!("{kind:?}, w {}", scene.settings.slab_width);
+            assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
+            assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);
+            (n_scenes, max) = (n_scenes + 1, max.max(off.max));
+        }
+    });
+    println!("{n_scenes} scenes: at most {max:.1e}");
+}
+
+/// What is cached of labels, of their looks and of a transfer function does not show in the next frame.
+#[test]
+fn labels_take_turns() {
+    for_each_seed(1, |mut rng| {
+        let kinds = SceneKind::all().into_iter().filter(|kind| kind.method == Method::ImageAligned);
+        for kind in kinds.step_by(11) {
+            let plain = random_scene(&mut rng, &kind);
+            let mut scenes = vec![plain.clone(), plain.clone(), plain.clone(), plain];
+            let [_, labelled, others, restyled] = scenes.as_mut_slice() else { unreachable!() };
+            add_labels(&mut rng, labelled);
+            add_labels(&mut rng, others);
+            let labels = labelled.layers[0].labels.clone().expect("they were added");
+            let mut styles = labels.styles().clone();
+            styles.values_mut().for_each(|style| style.opacity = 0.0);
+            restyled.layers[0].labels = labels.with_styles(styles).ok();
+            let mut lighter = scenes[1].clone();
+            lighter.layers[0].transfer = random_scene(&mut rng, &kind).layers.remove(0).transfer;
+            scenes.push(lighter);
+
+            let fresh: Vec<_> = scenes.iter().map(|scene| render("cpu", scene)).collect();
+            let mut renderer = Renderer::new(open("cpu"));
+            for _ in 0..12 {
+                let turn = rng.usize(..scenes.len());
+                let image = renderer.render(&scenes[turn]).expect("the scene is valid").image;
+                assert!(image == fresh[turn], "{kind:?}, turn {turn}");
+            }
+        }
+    });
+}
+
+/// A voxel has the label whose voxel is nearest to it, counted in steps along the axes of the labels' grid.
+#[test]
+fn labels_of_another_grid_are_the_nearest() {
+    for_each_seed(20, |mut rng| {
+        let kinds = SceneKind::all();
+        let [scene, other] = [0; 2].map(|_| {
+            let kind = kinds[rng.usize(..kinds.len())];
+            random_scene(&mut rng, &kind)
+        });
+        let (grid, of_labels) = (scene.layers[0].volume.grid(), other.layers[0].volume.grid());
+        let labels = (0..of_labels.n_voxels()).map(|idx| idx as u16 + 1).collect::<Vec<_>>();
+        let labels = Volume::new(*of_labels, labels.into(), Scaling::IDENTITY).expect("one each");
+        let map = LabelMap::new(&labels, grid).expect("labels are whole numbers");
+        for voxel_idx in 0..grid.n_voxels() {
+            let coords = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
+            let in_world = grid.world_from_index().transform_point3(coords);
+            let point = of_labels.index_from_world().transform_point3(in_world);
+            let distance = |idx: usize| {
+                let at = DVec3::from_array(of_labels.voxel_coords(idx).map(|c| c as f64));
+                (point - at).abs().max_element()
+            };
+            let all = 0..of_labels.n_voxels();
+            let nearest = all.min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+            let nearest = nearest.expect("no grid is empty");
+            let expected = if distance(nearest) <= 0.5 { nearest as i64 + 1 } else { 0 };
+            let label = map.labels()[usize::from(map.indices()[voxel_idx])];
+            assert_eq!(label, expected, "{point}");
+        }
+    });
+}
