@@ -2,8 +2,8 @@
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Layer, Light, Method, Mode, Normalization, Phong, Projection,
-    RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Layer, Method, Mode, Normalization, Phong, Projection, RenderSettings,
+    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 
 /// How to look at the cube of figures 2, 6 and 7.
@@ -65,8 +65,7 @@ pub fn cube(view: &CubeView) -> Scene {
         .diffuse(1.0 - view.ambient)
         .specular(0.0)
         .shininess(1.0)
-        .two_sided(false)
-        .light(Light::Headlight);
+        .two_sided(false);
     let view_height = f64::from(CUBE_IMAGE_SIDE) / CUBE_PIXELS_PER_VOXEL;
     let layer = Layer::new(volume, white(view.opacity)).shading(Shading::Phong(headlight));
     Scene::new(layer, orthographic(&grid, view.angle_degrees, view_height))

@@ -15,8 +15,8 @@ use crate::exact_settings;
 use fastrand::Rng;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Compositing, Grid, ImageDesc, KernelName, Layer, Light, Method, Normalization, Phong, Scene,
-    Shading, TransferFunction, Volume,
+    Compositing, Grid, ImageDesc, KernelName, Layer, Light, LightSource, Method, Normalization,
+    Phong, Scene, Shading, TransferFunction, Volume,
 };
 
 pub use grid::GridKind;
@@ -118,7 +118,10 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> Scene {
         .mode(kind.compositing.into())
         .normalization(kind.normalization)
         .base_slab_width([0.5, 0.5, 0.4][rng.usize(..3)]);
-    Scene::new(layer, camera).image(image).settings(settings)
+    let lights = vec![random_light(rng)];
+    let mut scene = Scene::new(layer, camera).lights(lights).image(image).settings(settings);
+    without_a_jump(&mut scene);
+    scene
 }
 
 /// The same with up to two layers more, if the method draws more than one, on grids of any kind that overlap
@@ -162,7 +165,7 @@ fn random_layer(rng: &mut Rng, method: Method, volume: Volume, value_range: [f64
     } else {
         random_transfer(rng, value_range)
     };
-    Layer::new(volume, transfer).shading(without_a_jump(method, random_shading(rng)))
+    Layer::new(volume, transfer).shading(random_shading(rng))
 }
 
 /// The radius of a sphere about the centres of the grid's voxels.
@@ -223,32 +226,42 @@ fn gentle_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
 
 /// Where a surface turns away from a light, a highlight may end all at once. Once a voxel that is harmless; a
 /// pixel would be on either side.
-fn without_a_jump(method: Method, shading: Shading) -> Shading {
-    match shading {
-        Shading::Phong(phong)
-            if method == Method::PostClassified && phong.light != Light::Headlight =>
-        {
-            Shading::Phong(phong.two_sided(true))
+fn without_a_jump(scene: &mut Scene) {
+    let is_pixelwise = scene.settings.method == Method::PostClassified;
+    if is_pixelwise && scene.lights.iter().any(|light| light.source != LightSource::Headlight) {
+        for layer in &mut scene.layers {
+            if let Shading::Phong(phong) = &mut layer.shading {
+                phong.two_sided = true;
+            }
         }
-        other => other,
     }
+}
+
+fn random_light(rng: &mut Rng) -> Light {
+    if rng.bool() {
+        return Light::default();
+    }
+    Light::towards(random_direction(rng)).expect("the direction is not zero")
+}
+
+/// Up to four lights in any colours.
+pub fn add_lights(rng: &mut Rng, scene: &mut Scene) {
+    let brightest = [0.3, 1.0][rng.usize(..2)];
+    let mut light = || random_light(rng).color([0; 3].map(|_| brightest * rng.f64()));
+    scene.lights = (0..4).map(|_| light()).collect();
+    scene.lights.truncate(rng.usize(..=4));
+    without_a_jump(scene);
 }
 
 fn random_shading(rng: &mut Rng) -> Shading {
     if rng.u32(..4) == 0 {
         return Shading::None;
     }
-    let light = if rng.bool() {
-        Light::Headlight
-    } else {
-        Light::towards(random_direction(rng)).expect("the direction is not zero")
-    };
     let phong = Phong::default()
         .ambient(between(rng, 0.0, 0.4))
         .diffuse(between(rng, 0.2, 1.0))
         .specular(between(rng, 0.0, 0.5))
         .shininess(between(rng, 1.0, 40.0))
-        .two_sided(rng.bool())
-        .light(light);
+        .two_sided(rng.bool());
     Shading::Phong(phong)
 }

@@ -4,8 +4,8 @@
 use fastrand::Rng;
 use slabsplat::glam::{DAffine3, DMat3, DQuat, DVec3};
 use slabsplat::{
-    Camera, Grid, ImageDesc, KERNEL_NAMES, KernelName, Layer, Light, Method, Mode, Phong,
-    Projection, RenderSettings, Renderer, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, KERNEL_NAMES, KernelName, Layer, Light, Method, Mode, Projection,
+    RenderSettings, Renderer, Scaling, Scene, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::open;
@@ -97,7 +97,7 @@ fn scene(rng: &mut Rng, volume: &Arc<Volume>, eye: DVec3, projection: Projection
     let method = Method::ALL[rng.usize(..Method::ALL.len())];
     // A kernel is cut into a few sections, however long it is: a million are right, too, but take a while.
     let longest = grid.spacing().into_iter().fold(0.0, f64::max) / grid.unit();
-    let light = if rng.bool() { Light::Headlight } else { Light::towards(direction(rng)).ok()? };
+    let light = if rng.bool() { Light::default() } else { Light::towards(direction(rng)).ok()? };
     let transfer = TransferFunction::new(
         vec![(0.0, [0.0]), (1.0, [[0.02, 0.5, 1.0][rng.usize(..3)]])],
         vec![(0.0, [1.0, 0.5, 0.2]), (1.0, [0.1, 0.9, 1.0])],
@@ -111,7 +111,6 @@ fn scene(rng: &mut Rng, volume: &Arc<Volume>, eye: DVec3, projection: Projection
         .tolerance([0.0, 0.05][rng.usize(..2)])
         .sections(16)
         .radial_samples(32);
-    let shading = Shading::Phong(Phong::default().light(light));
-    let layer = Layer::new(volume.clone(), transfer.ok()?).shading(shading);
-    Some(Scene::new(layer, camera).image(image).settings(settings))
+    let layer = Layer::new(volume.clone(), transfer.ok()?);
+    Some(Scene::new(layer, camera).lights(vec![light]).image(image).settings(settings))
 }

@@ -115,7 +115,8 @@ fn image_light_from_the_upper_left() {
     let (ball, opacity) = (builtin("sphere", 32), [(60.0, 0.0), (200.0, 0.8)]);
     let mut scene = scene(ball, [0.0, -40.0, 0.0], parallel(38.0), &opacity);
     let light = Light::towards(DVec3::new(-1.0, -0.6, 1.0)).expect("it is a direction");
-    scene.layers[0].shading = Shading::Phong(Phong::default().light(light).two_sided(false));
+    scene.lights = vec![light];
+    scene.layers[0].shading = Shading::Phong(Phong::default().two_sided(false));
     check("light-upper-left", &scene);
 }
 

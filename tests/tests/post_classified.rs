@@ -272,15 +272,11 @@ fn linear_field_is_lit_evenly() {
     let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel");
     let volume = Arc::new(volume);
     let light = DVec3::new(1.0, 2.0, 3.0).normalize();
-    let phong = Phong::default()
-        .ambient(0.1)
-        .diffuse(0.9)
-        .specular(0.0)
-        .two_sided(true)
-        .light(Light::towards(light).expect("the direction is not zero"));
+    let phong = Phong::default().ambient(0.1).diffuse(0.9).specular(0.0).two_sided(true);
     let expected = 0.1 + 0.9 * slope.normalize().dot(light).abs();
     let target = grid.center_in_world();
     let mut scene = scene(&volume, vec![(0.0, [1.0])], settings(Compositing::Extinction, 0.7));
+    scene.lights = vec![Light::towards(light).expect("the direction is not zero")];
     // A plane through the middle.
     let middle = target.dot(slope);
     let opacity = vec![(middle - 0.5, [0.0]), (middle, [0.9]), (middle + 0.5, [0.0])];

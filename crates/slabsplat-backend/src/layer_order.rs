@@ -1,7 +1,7 @@
 //! The order in which layers are summed: not the scene's, so that a picture does not depend on it by a bit.
 
 use slabsplat_core::{
-    LabelMap, LabelStyle, Labels, Layer, Light, Phong, Shading, TransferFunction, Volume,
+    LabelMap, LabelStyle, Labels, Layer, Phong, Shading, TransferFunction, Volume,
 };
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -88,12 +88,8 @@ fn styles(labels: Option<&Labels>) -> impl Iterator<Item = f64> {
 
 fn light(shading: Shading) -> Vec<f64> {
     let Shading::Phong(phong) = shading else { return Vec::new() };
-    let Phong { ambient, diffuse, specular, shininess, two_sided, light, .. } = phong;
-    let mut numbers = vec![ambient, diffuse, specular, shininess, f64::from(u8::from(two_sided))];
-    if let Light::Direction(direction) = light {
-        numbers.extend(direction.get().to_array());
-    }
-    numbers
+    let Phong { ambient, diffuse, specular, shininess, two_sided, .. } = phong;
+    vec![ambient, diffuse, specular, shininess, f64::from(u8::from(two_sided))]
 }
 
 fn in_numbers(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> Ordering {

@@ -5,9 +5,9 @@ use crate::slabs::Depths;
 use crate::tables::{LayerToSplat, Tables};
 use crate::{DensitySplats, FramePlan, LayerPlan};
 use slabsplat_core::{
-    BlinnPhong, Compositing, Grid, ImageError, IsoRange, LabelStyle, Layer, Method, Mode,
-    RegionInView, RenderSettings, Scene, SettingsError, Shading, ShadingError, Statistic,
-    TooManySlabs, TransferFunction, View, ViewError,
+    BlinnPhong, Compositing, Grid, ImageError, IsoRange, LabelStyle, Layer, Light, LightError,
+    Method, Mode, OutOfRange, RegionInView, RenderSettings, Scene, SettingsError, Shading,
+    Statistic, TooManySlabs, TransferFunction, View, ViewError,
 };
 use slabsplat_kernel::{FootprintShape, UnknownKernel, kernel_named};
 use thiserror::Error;
@@ -29,7 +29,10 @@ pub enum PlanError {
     View(#[from] ViewError),
     /// A coefficient of the shading cannot be used.
     #[error(transparent)]
-    Shading(#[from] ShadingError),
+    Shading(#[from] OutOfRange),
+    /// A light cannot be used.
+    #[error(transparent)]
+    Light(#[from] LightError),
     /// The slabs are too thin for the volume.
     #[error(transparent)]
     TooManySlabs(#[from] TooManySlabs),
@@ -94,6 +97,7 @@ impl Planner {
     pub fn plan<'a>(&mut self, scene: &'a Scene) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
+        Light::check_all(&scene.lights)?;
         let (n_layers, statistic) = (scene.layers.len(), settings.mode.statistic());
         check_method(scene)?;
         // Of which density a picture shows, both methods with slabs have the same.
@@ -136,7 +140,9 @@ impl Planner {
                 labels: layer.labels.as_ref(),
                 light: match layer.shading {
                     Shading::None => None,
-                    Shading::Phong(phong) => Some(BlinnPhong::new(phong, view.axes().forward)),
+                    Shading::Phong(phong) => {
+                        Some(BlinnPhong::new(phong, &scene.lights, view.axes().forward))
+                    }
                 },
                 region: is_cut.then(|| RegionInView::new(&layer.region, view)),
                 splats: tables.splats(to_splat),

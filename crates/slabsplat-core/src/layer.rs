@@ -23,7 +23,7 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// What `transfer` shows of all of a volume, lit by a headlight.
+    /// What `transfer` shows of all of a volume, lit.
     pub fn new(volume: impl Into<Arc<Volume>>, transfer: TransferFunction) -> Self {
         Self {
             volume: volume.into(),
@@ -52,7 +52,7 @@ impl Layer {
         Self { labels: labels.into(), ..self }
     }
 
-    /// The same in another light.
+    /// The same, lit otherwise.
     #[must_use]
     pub fn shading(self, shading: Shading) -> Self {
         Self { shading, ..self }

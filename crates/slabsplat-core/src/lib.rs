@@ -15,7 +15,7 @@
 //!
 //! # Reading order
 //!
-//! `grid`, `sample`, `volume`; `camera`, `transfer`, `compositing`, `shading`; `settings_table`,
+//! `grid`, `sample`, `volume`; `camera`, `transfer`, `compositing`, `light`, `shading`; `settings_table`,
 //! `interval`, `choices`, `settings`; `region`, `labels`, `layer`, `scene`; `view`,
 //! `region_in_view`, `slabs`, `slices`; `image`.
 //!
@@ -35,6 +35,7 @@ mod volume;
 
 mod camera;
 mod compositing;
+mod light;
 mod shading;
 mod transfer;
 
@@ -65,13 +66,14 @@ pub use image::{Image, ImageDesc, ImageError, over};
 pub use interval::{Interval, OutOfRange};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
 pub use layer::Layer;
+pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
 pub use settings::{RenderSettings, SettingsError};
 pub use settings_table::{Access, Field, Setting, Settings};
-pub use shading::{BlinnPhong, Light, LightDirection, Phong, Shading, ShadingError};
+pub use shading::{BlinnPhong, Phong, Shading};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};

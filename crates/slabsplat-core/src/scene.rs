@@ -1,6 +1,6 @@
 //! Everything that decides a pixel (`docs/model.md`).
 
-use crate::{Camera, ImageDesc, Layer, RenderSettings};
+use crate::{Camera, ImageDesc, Layer, Light, RenderSettings};
 
 /// A picture to be made of one thing or several.
 ///
@@ -32,6 +32,8 @@ pub struct Scene {
     pub layers: Vec<Layer>,
     /// Where they are seen from.
     pub camera: Camera,
+    /// What shines on all of them; without a light there is what is ambient.
+    pub lights: Vec<Light>,
     /// Size and background of the picture.
     pub image: ImageDesc,
     /// How it is made.
@@ -39,11 +41,12 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A layer, seen by `camera`; the picture and how it is made as by default.
+    /// A layer, seen by `camera` under a headlight; the picture and how it is made as by default.
     pub fn new(layer: Layer, camera: Camera) -> Self {
         Self {
             layers: vec![layer],
             camera,
+            lights: vec![Light::default()],
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
         }
@@ -59,6 +62,12 @@ impl Scene {
     #[must_use]
     pub fn camera(self, camera: Camera) -> Self {
         Self { camera, ..self }
+    }
+
+    /// The same in another light.
+    #[must_use]
+    pub fn lights(self, lights: Vec<Light>) -> Self {
+        Self { lights, ..self }
     }
 
     /// The same in another size, or before another background.
@@ -98,6 +107,7 @@ mod tests {
         let expected = Scene {
             layers: vec![layer.clone()],
             camera: camera(DVec3::X),
+            lights: vec![],
             image: ImageDesc { width: 7, height: 5, background: [1.0; 4] },
             settings: RenderSettings::default().sections(9),
         };
@@ -112,6 +122,7 @@ mod tests {
         let scene = Scene::new(other, camera(DVec3::Z))
             .layers(vec![layer])
             .camera(expected.camera)
+            .lights(vec![])
             .image(expected.image)
             .settings(expected.settings.clone());
         assert_eq!(scene, expected);

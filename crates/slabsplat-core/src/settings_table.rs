@@ -3,7 +3,7 @@
 //!
 //! A table is written by `settings!`; `RenderSettings` and `Phong` are the two that there are.
 
-use crate::{Interval, KernelName, Light, NotAChoice, OutOfRange};
+use crate::{Interval, KernelName, NotAChoice, OutOfRange};
 
 /// A struct whose fields are rows of a table.
 pub trait Settings: Clone + Default + 'static {
@@ -62,8 +62,6 @@ pub enum Field<S> {
     },
     /// Yes or no.
     Switch(Access<S, bool>),
-    /// Where light comes from.
-    Light(Access<S, Light>),
 }
 
 /// How a value of type `T` in an `S` is read and written.
@@ -80,7 +78,7 @@ impl<S> Setting<S> {
         let (range, value) = match &self.field {
             Field::Number { range, access, .. } => (*range, (access.get)(settings)),
             Field::Count { range, access } => (*range, f64::from((access.get)(settings))),
-            Field::Choice { .. } | Field::Kernel(_) | Field::Switch(_) | Field::Light(_) => {
+            Field::Choice { .. } | Field::Kernel(_) | Field::Switch(_) => {
                 return Ok(());
             }
         };
@@ -96,7 +94,6 @@ impl<S> Setting<S> {
             Field::Number { access, .. } => format!("{:?}", (access.get)(settings)),
             Field::Count { access, .. } => (access.get)(settings).to_string(),
             Field::Switch(access) => (access.get)(settings).to_string(),
-            Field::Light(access) => (access.get)(settings).to_string(),
         }
     }
 }
@@ -176,9 +173,6 @@ macro_rules! field {
     };
     (switch, $name:ident: $ty:ty) => {
         $crate::Field::Switch($crate::settings_table::access!($name))
-    };
-    (light, $name:ident: $ty:ty) => {
-        $crate::Field::Light($crate::settings_table::access!($name))
     };
 }
 

@@ -17,7 +17,8 @@ use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, LayerPlan,
     Splats, StageTime,
 };
-use slabsplat_core::{Image, Method};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Image, Lamp, Method};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::task::Poll;
@@ -200,6 +201,14 @@ impl<D: Device> Backend for GpuBackend<D> {
         }
         if layer.labels.is_some() {
             return Err(self.unable("its shaders know no labels"));
+        }
+        let is_white = |lamp: &Lamp| lamp.color == DVec3::ONE;
+        if layer
+            .light
+            .as_ref()
+            .is_some_and(|light| !matches!(light.lamps.as_slice(), [lamp] if is_white(lamp)))
+        {
+            return Err(self.unable("its shaders know one white light"));
         }
         let Splats::Colors(splats) = &layer.splats else {
             return Err(self.unable("its shaders do not know the method \"post-classified\""));

@@ -114,11 +114,14 @@ fn put_slices(order: &SliceOrder, frame: &mut Frame) {
 }
 
 /// A light and a viewer, both infinitely far away.
-fn put_light(BlinnPhong { phong, to_light, halfway }: &BlinnPhong, frame: &mut Frame) {
+fn put_light(BlinnPhong { phong, lamps }: &BlinnPhong, frame: &mut Frame) {
     frame.is_lit = 1;
     frame.is_two_sided = flag(phong.two_sided);
-    frame.to_light = to_light.as_vec3().to_array();
-    frame.halfway = halfway.as_vec3().to_array();
+    // The backend lets no frames through that have more, or coloured ones.
+    if let [lamp] = lamps.as_slice() {
+        frame.to_light = lamp.to_light.as_vec3().to_array();
+        frame.halfway = lamp.halfway.as_vec3().to_array();
+    }
     let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
     [frame.ambient, frame.diffuse, frame.specular, frame.shininess] =
         coefficients.map(|c| c as f32);

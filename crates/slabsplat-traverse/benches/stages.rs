@@ -3,8 +3,8 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    BlinnPhong, Camera, Compositing, Grid, ImageDesc, Phong, Projection, Scaling, TransferFunction,
-    View, Volume,
+    BlinnPhong, Camera, Compositing, Grid, ImageDesc, Light, Phong, Projection, Scaling,
+    TransferFunction, View, Volume,
 };
 use slabsplat_traverse::{
     BrickRanges, BrickView, Classification, DepthOrder, RelevantList, TileBuckets, TileGrid,
@@ -65,7 +65,7 @@ fn stages(c: &mut Criterion) {
         });
     });
     let classification = Classification::new(&transfer, None, Compositing::Extinction, &volume);
-    let light = BlinnPhong::new(Phong::default(), view.axes().forward);
+    let light = BlinnPhong::new(Phong::default(), &[Light::default()], view.axes().forward);
     let lighting = VoxelLighting::new(&classification, &volume, None, Some(&light));
     let mut colors = Vec::new();
     group.bench_function("shade", |b| b.iter(|| lighting.shade(&list, &mut colors)));

@@ -1,33 +1,41 @@
 //! Blinn–Phong (model §6): how much light eight normals send to the viewer.
 
 use crate::{NORMAL_STEPS, VoxelRecord};
-use slabsplat_core::BlinnPhong;
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{BlinnPhong, Lamp, Phong};
 
 /// [`BlinnPhong`], rounded for eight normals at a time.
 ///
 /// ```
-/// use slabsplat_core::{BlinnPhong, Phong, glam::DVec3};
+/// use slabsplat_core::{BlinnPhong, Light, Phong, glam::DVec3};
 /// use slabsplat_traverse::BlinnPhong8;
 ///
-/// let headlight = BlinnPhong::new(Phong::default().ambient(0.1).diffuse(0.5), DVec3::NEG_Z);
-/// // All eight face the viewer.
-/// let light = BlinnPhong8::new(&headlight).of_normals(&[[0.0; 8], [0.0; 8], [1.0; 8]]);
+/// let phong = Phong::default().ambient(0.1).diffuse(0.5);
+/// let headlight = BlinnPhong::new(phong, &[Light::default()], DVec3::NEG_Z);
+/// // All eight face the viewer, and red is as good as any channel of white light.
+/// let [light] = BlinnPhong8::new(&headlight).of_normals(&[[0.0; 8], [0.0; 8], [1.0; 8]]);
 /// assert!((light.diffuse[7] - 0.6).abs() < 1e-6);
 /// ```
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct BlinnPhong8 {
     ambient: f32,
-    diffuse: f32,
-    specular: f32,
     shininess: Power,
     /// Products from which there are highlights.
     least_facing: f32,
     two_sided: bool,
-    to_light: [f32; 3],
-    halfway: [f32; 3],
+    lamps: Vec<Lamp8>,
 }
 
-/// What a colour `c` becomes: `c·diffuse + specular`, at most 1.
+#[derive(Clone, Copy, Debug)]
+struct Lamp8 {
+    to_light: [f32; 3],
+    halfway: [f32; 3],
+    /// The coefficients, times the light's red, green and blue.
+    diffuse: [f32; 3],
+    specular: [f32; 3],
+}
+
+/// What a channel `c` of a colour becomes: `c·diffuse + specular`, at most 1.
 #[derive(Clone, Copy, Debug)]
 pub struct Light8 {
     /// Ambient and diffuse light.
@@ -54,13 +62,11 @@ const LEAST_HIGHLIGHT: f64 = 1e-9;
 impl BlinnPhong8 {
     /// The same light.
     pub fn new(light: &BlinnPhong) -> Self {
-        let BlinnPhong { phong, to_light, halfway } = light;
+        let BlinnPhong { phong, lamps } = light;
         let shininess = phong.shininess;
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
         Self {
             ambient: phong.ambient as f32,
-            diffuse: phong.diffuse as f32,
-            specular: phong.specular as f32,
             shininess: if is_whole {
                 Power::Whole(shininess as u32)
             } else {
@@ -72,14 +78,20 @@ impl BlinnPhong8 {
                 0.0
             },
             two_sided: phong.two_sided,
-            to_light: to_light.as_vec3().to_array(),
-            halfway: halfway.as_vec3().to_array(),
+            lamps: lamps.iter().map(|lamp| Lamp8::new(phong, lamp)).collect(),
         }
     }
 
-    /// The light on eight voxels. A normal of zero gets the ambient term alone, as its products are zero.
+    /// Whether all light is white, so that one channel stands for all three.
+    pub fn is_white(&self) -> bool {
+        let is_gray = |[r, g, b]: [f32; 3]| r == g && g == b;
+        self.lamps.iter().all(|lamp| is_gray(lamp.diffuse) && is_gray(lamp.specular))
+    }
+
+    /// The light on eight voxels, in the first channels. A normal of zero gets the ambient term alone, as its
+    /// products are zero.
     #[inline]
-    pub(crate) fn on(&self, records: &[VoxelRecord; 8]) -> Light8 {
+    pub(crate) fn on<const N: usize>(&self, records: &[VoxelRecord; 8]) -> [Light8; N] {
         let mut normals = [[0.0; 8]; 3];
         for (x, record) in records.iter().enumerate() {
             for (components, steps) in normals.iter_mut().zip(record.normal) {
@@ -90,26 +102,35 @@ impl BlinnPhong8 {
     }
 
     /// The light on eight normals, x, y and z in world space, none longer than 1: a shorter one gets less.
-    /// One of zero gets the ambient term alone.
+    /// One of zero gets the ambient term alone. There are `N` channels of it, from red on.
     #[inline(always)]
-    pub fn of_normals(&self, normals: &[[f32; 8]; 3]) -> Light8 {
+    pub fn of_normals<const N: usize>(&self, normals: &[[f32; 8]; 3]) -> [Light8; N] {
         self.light(normals, &[1.0; 8])
     }
 
     #[inline(always)]
-    fn light(&self, normals: &[[f32; 8]; 3], to_length_1: &[f32; 8]) -> Light8 {
-        let n_l = self.facing(normals, to_length_1, self.to_light);
-        let mut n_h = self.facing(normals, to_length_1, self.halfway);
-        for n_h in &mut n_h {
-            *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
+    fn light<const N: usize>(
+        &self,
+        normals: &[[f32; 8]; 3],
+        to_length_1: &[f32; 8],
+    ) -> [Light8; N] {
+        let mut channels = [Light8 { diffuse: [self.ambient; 8], specular: [0.0; 8] }; N];
+        for lamp in &self.lamps {
+            let n_l = self.facing(normals, to_length_1, lamp.to_light);
+            let mut n_h = self.facing(normals, to_length_1, lamp.halfway);
+            for n_h in &mut n_h {
+                *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
+            }
+            let highlights = self.shininess.of(&n_h);
+            for (idx, light) in channels.iter_mut().enumerate() {
+                let (diffuse, specular) = (lamp.diffuse[idx], lamp.specular[idx]);
+                for x in 0..8 {
+                    light.diffuse[x] += diffuse * n_l[x];
+                    light.specular[x] += if 0.0 < n_l[x] { specular * highlights[x] } else { 0.0 };
+                }
+            }
         }
-        let highlights = self.shininess.of(&n_h);
-        let mut light = Light8 { diffuse: [0.0; 8], specular: [0.0; 8] };
-        for x in 0..8 {
-            light.diffuse[x] = self.ambient + self.diffuse * n_l[x];
-            light.specular[x] = if 0.0 < n_l[x] { self.specular * highlights[x] } else { 0.0 };
-        }
-        light
+        channels
     }
 
     /// Products of normals and a direction, 0 … 1.
@@ -130,6 +151,19 @@ impl BlinnPhong8 {
             products[i] = if product < 1.0 { product } else { 1.0 };
         }
         products
+    }
+}
+
+impl Lamp8 {
+    fn new(phong: &Phong, lamp: &Lamp) -> Self {
+        let color = lamp.color;
+        let rounded = |v: DVec3| v.as_vec3().to_array();
+        Self {
+            to_light: rounded(lamp.to_light),
+            halfway: rounded(lamp.halfway),
+            diffuse: rounded(phong.diffuse * color),
+            specular: rounded(phong.specular * color),
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord};
 use slabsplat_core::{BlinnPhong, Labels, Volume, with_samples};
 
 /// Everything that a voxel's colour depends on in one frame, but for the voxel.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct VoxelLighting<'a> {
     classification: &'a Classification,
     volume: &'a Volume,
@@ -49,8 +49,14 @@ impl<'a> VoxelLighting<'a> {
         with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
         let is_weighted = self.classification.compositing().weights_colors();
         match (&self.blinn_phong, is_weighted) {
-            (Some(blinn_phong), true) => light_up(blinn_phong, records, colors, |weight| weight),
-            (Some(blinn_phong), false) => light_up(blinn_phong, records, colors, |_| 1.0),
+            (Some(light), true) if light.is_white() => {
+                light_up::<1>(light, records, colors, |weight| weight);
+            }
+            (Some(light), false) if light.is_white() => {
+                light_up::<1>(light, records, colors, |_| 1.0);
+            }
+            (Some(light), true) => light_up::<3>(light, records, colors, |weight| weight),
+            (Some(light), false) => light_up::<3>(light, records, colors, |_| 1.0),
             (None, true) => {
                 for [r, g, b, weight] in colors {
                     [r, g, b].into_iter().for_each(|channel| *channel *= *weight);
@@ -84,9 +90,10 @@ impl<'a> VoxelLighting<'a> {
     }
 }
 
-/// Lights classified `colors`, and weights them by what `factor_of` makes of their weights.
+/// Lights classified `colors` with one or three channels of light, and weights them by what `factor_of` makes
+/// of their weights.
 #[inline]
-fn light_up(
+fn light_up<const N: usize>(
     blinn_phong: &BlinnPhong8,
     records: &[VoxelRecord],
     colors: &mut [[f32; 4]],
@@ -95,22 +102,27 @@ fn light_up(
     let (eights, rest) = records.as_chunks();
     let (color_eights, color_rest) = colors.as_chunks_mut::<8>();
     for (records, colors) in eights.iter().zip(color_eights) {
-        lay_on(&blinn_phong.on(records), colors, &factor_of);
+        lay_on::<N>(&blinn_phong.on(records), colors, &factor_of);
     }
     let mut last = [VoxelRecord::default(); 8];
     last[..rest.len()].copy_from_slice(rest);
-    lay_on(&blinn_phong.on(&last), color_rest, &factor_of);
+    lay_on::<N>(&blinn_phong.on(&last), color_rest, &factor_of);
 }
 
 /// Lays light on up to eight colours.
 #[inline]
-fn lay_on(light: &Light8, colors: &mut [[f32; 4]], factor_of: impl Fn(f32) -> f32) {
-    for ((color, diffuse), specular) in colors.iter_mut().zip(&light.diffuse).zip(&light.specular) {
+fn lay_on<const N: usize>(
+    lights: &[Light8; N],
+    colors: &mut [[f32; 4]],
+    factor_of: impl Fn(f32) -> f32,
+) {
+    for (x, color) in colors.iter_mut().enumerate() {
         let weight = color[3];
         let factor = factor_of(weight);
         // The weight goes along, so that the four are one vector, and is put back.
-        for channel in &mut *color {
-            let lit = *channel * diffuse + specular;
+        for (idx, channel) in color.iter_mut().enumerate() {
+            let light = &lights[idx.min(N - 1)];
+            let lit = *channel * light.diffuse[x] + light.specular[x];
             *channel = if lit < 1.0 { lit } else { 1.0 } * factor;
         }
         color[3] = weight;
@@ -123,7 +135,7 @@ mod tests {
     use crate::tests::{random_ranges, random_volume};
     use crate::{BrickRanges, RelevantList};
     use slabsplat_core::glam::DVec3;
-    use slabsplat_core::{Compositing, Grid, Light, Phong, Scaling, TransferFunction};
+    use slabsplat_core::{Compositing, Grid, Lamp, Light, Phong, Scaling, TransferFunction};
     use slabsplat_seeds::for_each_seed;
 
     #[test]
@@ -152,31 +164,43 @@ mod tests {
     }
 
     /// model §6 word by word, in 64 bits, for a normal of length 1 or 0.
-    fn naive_phong(phong: &Phong, color: DVec3, normal: DVec3, forward: DVec3) -> DVec3 {
-        let to_light = phong.light.to_light(forward);
-        let halfway = (to_light - forward).normalize_or_zero();
+    fn naive_phong(phong: &Phong, lamps: &[Lamp], color: DVec3, normal: DVec3) -> DVec3 {
         let product = |direction: DVec3| {
             let product = normal.dot(direction);
             if phong.two_sided { product.abs() } else { product.max(0.0) }
         };
-        let specular = if 0.0 < product(to_light) {
-            phong.specular * product(halfway).powf(phong.shininess)
-        } else {
-            0.0
-        };
-        let lit = color * (phong.ambient + phong.diffuse * product(to_light)) + specular;
+        let mut lit = color * phong.ambient;
+        for lamp in lamps.iter().filter(|lamp| 0.0 < product(lamp.to_light)) {
+            lit += color * phong.diffuse * lamp.color * product(lamp.to_light);
+            lit += phong.specular * lamp.color * product(lamp.halfway).powf(phong.shininess);
+        }
         lit.clamp(DVec3::ZERO, DVec3::ONE)
     }
 
+    /// One white light or none, or some coloured ones.
+    fn random_lights(rng: &mut fastrand::Rng) -> Vec<Light> {
+        let mut light = || {
+            let direction = DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5);
+            let color = [rng.f64(), rng.f64(), rng.f64()];
+            let light =
+                if rng.bool() { Light::default() } else { Light::towards(direction).unwrap() };
+            (light, light.color(color), rng.usize(0..6))
+        };
+        match light() {
+            (_, _, 0) => vec![],
+            (white, _, 1..=3) => vec![white],
+            (_, colored, 4) => vec![colored],
+            (white, colored, _) => vec![white, colored, light().1],
+        }
+    }
+
     fn random_phong(rng: &mut fastrand::Rng) -> Phong {
-        let direction = DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5);
         Phong::default()
             .ambient(rng.f64())
             .diffuse(rng.f64())
             .specular(rng.f64())
             .shininess([0.0, 1.0, 20.0, 7.5, 100.0][rng.usize(0..5)])
             .two_sided(rng.bool())
-            .light(if rng.bool() { Light::Headlight } else { Light::towards(direction).unwrap() })
     }
 
     /// Of a weighted colour; opacities stay far from 1, so that weights stay below 2. A highlight of
@@ -200,7 +224,7 @@ mod tests {
                 list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
 
                 let classification = Classification::new(&transfer, None, compositing, &volume);
-                let light = BlinnPhong::new(phong, forward);
+                let light = BlinnPhong::new(phong, &random_lights(&mut rng), forward);
                 let mut colors = Vec::new();
                 VoxelLighting::new(&classification, &volume, None, Some(&light))
                     .shade(&list, &mut colors);
@@ -212,7 +236,7 @@ mod tests {
                         let value = volume.value(list.voxel_idx(brick, record));
                         let color = DVec3::from(transfer.color(value));
                         let normal = DVec3::from(record.normal.map(f64::from)).normalize_or_zero();
-                        let lit = naive_phong(&phong, color, normal, forward);
+                        let lit = naive_phong(&phong, &light.lamps, color, normal);
                         let opacity = transfer.opacity(value);
                         let expected = match compositing {
                             Compositing::Separate => lit.extend(opacity),

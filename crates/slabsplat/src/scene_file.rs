@@ -67,6 +67,7 @@ impl OpenScene {
         let [first, ..] = layers.as_slice() else { return Err(PlanError::NoLayers.into()) };
         let scene = Scene::new(first.clone(), file.camera.complete(&fallback)?)
             .layers(layers)
+            .lights(file.lights.clone())
             .image(file.image)
             .settings(file.settings.clone());
         Ok(Self { scene, backend: file.backend.clone(), warnings: all_warnings })

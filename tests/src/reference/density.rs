@@ -12,7 +12,7 @@ use super::{
 };
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Layer, Normalization, Scene, Statistic};
+use slabsplat_core::{Compositing, Layer, Light, Normalization, Scene, Statistic};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
@@ -23,6 +23,7 @@ const LIT_AT: [f64; 4] = [-0.375, -0.125, 0.125, 0.375];
 /// What all pixels have in common.
 struct Frame<'a> {
     layer: &'a Layer,
+    lights: &'a [Light],
     /// What parts are composited by, and how regions split them.
     compositing: Compositing,
     /// Or which density stands for all.
@@ -95,6 +96,7 @@ impl<'a> Frame<'a> {
         let range = ends(finite.iter().copied());
         let mut frame = Self {
             layer,
+            lights: &scene.lights,
             compositing: splitting(settings.mode),
             statistic: settings.mode.statistic(),
             background: scene.image.background.map(f64::from),
@@ -253,7 +255,12 @@ impl<'a> Frame<'a> {
             let normal = normal_by_faces(region, self.unit, in_world, normal);
             (normal, through.powi(quarter as i32))
         });
-        let color = shaded_by_normals(shading, part.color, &quarters, self.view.axes.forward);
+        let color = shaded_by_normals(
+            (shading, self.lights),
+            part.color,
+            &quarters,
+            self.view.axes.forward,
+        );
         sums.add_weighted(share * between.length, part.weight, color);
         sums.finish()
     }

@@ -6,7 +6,7 @@ use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
 use super::{Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, merge, shaded_color};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Grid, LabelStyle, Layer, Method, Region, RenderSettings, Scene};
+use slabsplat_core::{Compositing, Grid, LabelStyle, Layer, Light, Method, Region, Scene};
 
 /// All that the pixels of a picture have in common.
 pub(super) struct Frame {
@@ -68,7 +68,7 @@ impl Frame {
         let settings = &scene.settings;
         let view = View::new(&scene.camera, &scene.image);
         let slabs = Slabs::new(scene, &view);
-        let in_view = |layer| LayerInView::new(layer, settings, &slabs, &view);
+        let in_view = |layer| LayerInView::new(layer, scene, &slabs, &view);
         let layers: Vec<LayerInView> = scene.layers.iter().map(in_view).collect();
         let sheets = match settings.method {
             Method::ImageAligned if merge::applies(settings, tolerance) => {
@@ -96,7 +96,8 @@ fn only(layers: &[LayerInView]) -> &LayerInView {
 }
 
 impl LayerInView {
-    fn new(layer: &Layer, settings: &RenderSettings, slabs: &Slabs, view: &View) -> Self {
+    fn new(layer: &Layer, scene: &Scene, slabs: &Slabs, view: &View) -> Self {
+        let settings = &scene.settings;
         let grid = *layer.volume.grid();
         let hierarchy = Hierarchy {
             normalization: settings.normalization,
@@ -107,7 +108,7 @@ impl LayerInView {
             grid,
             unit: grid.unit(),
             kernel: KernelInView::new(kernel, hierarchy, &grid, &view.axes),
-            voxels: visible_voxels(layer, view),
+            voxels: visible_voxels(layer, &scene.lights, view),
             region: layer.region.clone(),
         }
     }
@@ -178,7 +179,7 @@ fn whole_footprints(voxel_indices: Vec<usize>) -> Sheet {
     Sheet { splats: vec![voxel_indices.into_iter().map(splat).collect()], faces: None }
 }
 
-fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
+fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
     let Layer { volume, transfer, shading, region, .. } = layer;
     let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
@@ -200,7 +201,7 @@ fn visible_voxels(layer: &Layer, view: &View) -> Vec<Voxel> {
             coords,
             center_in_view: view.view_from_world(center_in_world),
             opacity,
-            color: shaded_color(shading, color, -normal, view.axes.forward),
+            color: shaded_color((shading, lights), color, -normal, view.axes.forward),
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()

@@ -1,24 +1,24 @@
 //! Blinn–Phong as model §6 has it.
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Phong, Shading};
+use slabsplat_core::{Light, LightSource, Phong, Shading};
 
 /// The transfer function's `color` under the light, for a surface that faces against `gradient`
 /// (world space) and is seen along `forward`.
 pub fn shaded_color(
-    shading: &Shading,
+    (shading, lights): (&Shading, &[Light]),
     color: [f64; 3],
     gradient: DVec3,
     forward: DVec3,
 ) -> [f64; 3] {
     let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
-    shaded_by_normals(shading, color, &[(normal, 1.0)], forward)
+    shaded_by_normals((shading, lights), color, &[(normal, 1.0)], forward)
 }
 
 /// The same with the mean light of some normals, of length 1, or shorter where there is less of a surface, by
 /// their weights.
 pub fn shaded_by_normals(
-    shading: &Shading,
+    (shading, lights): (&Shading, &[Light]),
     color: [f64; 3],
     normals: &[(DVec3, f64)],
     forward: DVec3,
@@ -26,21 +26,27 @@ pub fn shaded_by_normals(
     let Shading::Phong(phong) = shading else {
         return color;
     };
-    let (mut diffuse, mut specular, mut weights) = (0.0, 0.0, 0.0);
-    for &(normal, weight) in normals {
-        let (of_diffuse, of_specular) = lamp_terms(phong, normal, forward);
-        diffuse += weight * of_diffuse;
-        specular += weight * of_specular;
-        weights += weight;
-    }
-    let [diffuse, specular] = [diffuse, specular].map(|sum| sum / weights);
-    color.map(|c| (c * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0))
+    let weights: f64 = normals.iter().map(|(_, weight)| weight).sum();
+    std::array::from_fn(|channel| {
+        let (mut diffuse, mut specular) = (0.0, 0.0);
+        for (light, &(normal, weight)) in
+            lights.iter().flat_map(|l| normals.iter().map(move |n| (l, n)))
+        {
+            let (of_diffuse, of_specular) = lamp_terms(phong, light, normal, forward);
+            diffuse += weight / weights * light.color[channel] * of_diffuse;
+            specular += weight / weights * light.color[channel] * of_specular;
+        }
+        (color[channel] * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0)
+    })
 }
 
 /// `k_d·n·l` and `k_s·(n·h)^s`.
-fn lamp_terms(phong: &Phong, normal: DVec3, forward: DVec3) -> (f64, f64) {
+fn lamp_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f64, f64) {
     let to_viewer = -forward;
-    let to_light = phong.light.to_light(forward);
+    let to_light = match light.source {
+        LightSource::Headlight => to_viewer,
+        LightSource::Direction(direction) => direction.get(),
+    };
     // A light exactly behind the volume has no halfway vector, hence no highlight.
     let halfway = (to_light + to_viewer).normalize_or_zero();
     let product = |v: DVec3| {
@@ -57,7 +63,6 @@ fn lamp_terms(phong: &Phong, normal: DVec3, forward: DVec3) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::Light;
 
     const RED: [f64; 3] = [0.5, 0.0, 0.0];
 
@@ -70,7 +75,12 @@ mod tests {
     }
 
     fn check(phong: Phong, gradient: DVec3, expected: [f64; 3]) {
-        let actual = shaded_color(&Shading::Phong(phong), RED, gradient, DVec3::NEG_Z);
+        check_lit(phong, &[Light::default()], gradient, expected);
+    }
+
+    fn check_lit(phong: Phong, lights: &[Light], gradient: DVec3, expected: [f64; 3]) {
+        let shading = Shading::Phong(phong);
+        let actual = shaded_color((&shading, lights), RED, gradient, DVec3::NEG_Z);
         let error = (DVec3::from_array(actual) - DVec3::from_array(expected)).length();
         assert!(error < 1e-12, "{phong:?} {gradient}: {actual:?}");
     }
@@ -93,18 +103,31 @@ mod tests {
 
     #[test]
     fn shade_lamp_from_the_side_and_behind() {
-        let side = phong().light(towards(DVec3::X));
+        let side = [towards(DVec3::X)];
         let half = 0.5_f64.sqrt().powi(3) * 0.2;
-        check(side, DVec3::NEG_X, [0.5 * 0.7 + half, half, half]);
-        check(side, DVec3::NEG_Z, [0.05, 0.0, 0.0]);
-        let behind = phong().light(towards(DVec3::NEG_Z)).two_sided(true);
-        check(behind, DVec3::NEG_Z, [0.5 * 0.7, 0.0, 0.0]);
+        check_lit(phong(), &side, DVec3::NEG_X, [0.5 * 0.7 + half, half, half]);
+        check_lit(phong(), &side, DVec3::NEG_Z, [0.05, 0.0, 0.0]);
+        let two_sided = phong().two_sided(true);
+        let behind = [towards(DVec3::NEG_Z)];
+        check_lit(two_sided, &behind, DVec3::NEG_Z, [0.5 * 0.7, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn shade_sums_lights_by_color() {
+        let (dim, blue) =
+            (Light::default().color([0.5; 3]), Light::default().color([0.0, 0.0, 0.5]));
+        let both = [dim, blue];
+        check_lit(phong(), &both, DVec3::NEG_Z, [0.5 * (0.1 + 0.3) + 0.1, 0.1, 0.2]);
+        check_lit(phong(), &[], DVec3::NEG_Z, [0.05, 0.0, 0.0]);
     }
 
     #[test]
     fn shade_is_clamped_and_optional() {
         let bright = phong().specular(9.0);
         check(bright, DVec3::NEG_Z, [1.0; 3]);
-        assert_eq!(shaded_color(&Shading::None, RED, DVec3::X, DVec3::X), RED);
+        assert_eq!(
+            shaded_color((&Shading::None, &[Light::default()]), RED, DVec3::X, DVec3::X),
+            RED
+        );
     }
 }

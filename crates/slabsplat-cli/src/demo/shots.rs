@@ -115,25 +115,27 @@ impl Shot {
         let projection = Projection::Orthographic { view_height: self.view_height };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection)?;
         let transfer = TransferFunction::new(opacity, self.color.to_vec())?;
-        let layer = Layer::new(volume, transfer).shading(Shading::Phong(self.phong(&camera)?));
+        let layer = Layer::new(volume, transfer).shading(Shading::Phong(self.phong()?));
         Ok(Scene::new(layer, camera)
+            .lights(vec![self.light(&camera)?])
             .image(ImageDesc { width: SIDE_PIXELS, height: SIDE_PIXELS, background: BACKGROUND })
             .settings(RenderSettings::default().method(method)))
     }
 
-    fn phong(&self, camera: &Camera) -> Result<Phong> {
-        let [ambient, diffuse, specular, shininess] = self.phong;
+    fn light(&self, camera: &Camera) -> Result<Light> {
         let [right, up, towards_eye] = self.light;
         let axes = camera.axes();
-        let light = axes.right * right + axes.up * up - axes.forward * towards_eye;
-        let light = Light::towards(light)?;
+        Ok(Light::towards(axes.right * right + axes.up * up - axes.forward * towards_eye)?)
+    }
+
+    fn phong(&self) -> Result<Phong> {
+        let [ambient, diffuse, specular, shininess] = self.phong;
         Ok(Phong::default()
             .ambient(ambient)
             .diffuse(diffuse)
             .specular(specular)
             .shininess(shininess)
             .two_sided(false)
-            .light(light)
             .checked()?)
     }
 }

@@ -5,6 +5,7 @@
 
 mod camera;
 mod labels;
+mod lights;
 mod look;
 mod raw;
 mod region;
@@ -41,6 +42,9 @@ pub(crate) struct SceneFlags {
     look: look::LookFlags,
 
     #[command(flatten)]
+    lights: lights::LightFlags,
+
+    #[command(flatten)]
     labels: labels::LabelFlags,
 
     #[command(flatten)]
@@ -60,6 +64,7 @@ impl SceneFlags {
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file)?;
         self.look.lay_over(&mut file)?;
+        self.lights.lay_over(&mut file)?;
         self.labels.lay_over(&mut file)?;
         self.region.lay_over(&mut file)?;
         self.in_scene(|| {

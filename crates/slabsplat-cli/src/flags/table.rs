@@ -1,6 +1,5 @@
 //! A flag for every row of a settings table: its name, help, choices and default are the row's.
 
-use super::values;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use slabsplat::{Access, Field, KERNEL_NAMES, KernelName, Setting, Settings};
@@ -76,9 +75,6 @@ fn flag<S: Settings>(row: &Setting<S>) -> Arg {
         }
         Field::Count { .. } => flag.value_name("N").value_parser(value_parser!(u32)),
         Field::Switch(_) => flag.value_name("BOOL").value_parser(value_parser!(bool)),
-        Field::Light(_) => {
-            flag.value_name("X,Y,Z").value_parser(values::light).allow_hyphen_values(true)
-        }
     }
 }
 
@@ -96,7 +92,6 @@ fn set_by<S>(row: &'static Setting<S>, matches: &ArgMatches) -> Option<Set<S>> {
         Field::Number { access, .. } => write(access, *matches.get_one(row.name)?),
         Field::Count { access, .. } => write(access, *matches.get_one(row.name)?),
         Field::Switch(access) => write(access, *matches.get_one(row.name)?),
-        Field::Light(access) => write(access, *matches.get_one(row.name)?),
     })
 }
 

@@ -2,7 +2,7 @@
 //! print, so they are plain sentences.
 
 use slabsplat::glam::DVec3;
-use slabsplat::{Plane, Region, SampleType};
+use slabsplat::{Light, Plane, Region, SampleType};
 
 /// Value and opacity, of each point of a transfer function.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,13 +77,18 @@ pub(crate) fn color(text: &str) -> Result<ColorPoints, String> {
     points(text, &[';']).map(ColorPoints)
 }
 
-/// `headlight`, or a direction towards the light, `X,Y,Z`.
-pub(crate) fn light(text: &str) -> Result<slabsplat::Light, String> {
-    if text == "headlight" {
-        return Ok(slabsplat::Light::Headlight);
+/// `headlight`, or a direction towards the light, `X,Y,Z`; and after a colon its colour, `R,G,B`.
+pub(crate) fn light(text: &str) -> Result<Light, String> {
+    let (source, color) = match text.split_once(':') {
+        Some((source, color)) => (source, numbers(color)?),
+        None => (text, [1.0; 3]),
+    };
+    if source == "headlight" {
+        return Ok(Light::default().color(color));
     }
-    let direction = vector(text).map_err(|error| format!("{error}, or headlight"))?;
-    slabsplat::Light::towards(direction).map_err(|error| error.to_string())
+    let direction = vector(source).map_err(|error| format!("{error}, or headlight"))?;
+    let light = Light::towards(direction).map_err(|error| error.to_string())?;
+    Ok(light.color(color))
 }
 
 fn points<const N: usize>(text: &str, separators: &[char]) -> Result<Vec<(f64, [f64; N])>, String> {
@@ -137,7 +142,10 @@ mod tests {
             Ok(OpacityPoints(vec![(80.0, [0.0]), (255.0, [0.9])]))
         );
         assert_eq!(color("-5:0,0,1;"), Ok(ColorPoints(vec![(-5.0, [0.0, 0.0, 1.0])])));
-        assert_eq!(light("0,-2,0"), Ok(slabsplat::Light::towards(-DVec3::Y).unwrap()));
+        let below = Light::towards(-DVec3::Y).unwrap();
+        assert_eq!(light("0,-2,0"), Ok(below));
+        assert_eq!(light("0,-2,0:1,0.5,0"), Ok(below.color([1.0, 0.5, 0.0])));
+        assert_eq!(light("headlight"), Ok(Light::default()));
         assert_eq!(sample_type("int16"), Ok(SampleType::I16));
     }
 

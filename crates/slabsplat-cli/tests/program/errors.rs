@@ -72,6 +72,7 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --color inf:0,0,0 -o a.png", "not finite"),
         ("render builtin:cube --ambient -1 -o a.png", "ambient"),
         ("render builtin:cube --shading none --light 0,0,1 -o a.png", "--light"),
+        ("render builtin:cube --light 0,0,1:1,2,-3 -o a.png", "colour of a light"),
         ("render builtin:cube --preset ct-fog -o a.png", "ct-bone"),
         ("render builtin:cube --transfer-file no.json -o a.png", "no.json"),
         ("render builtin:cube --eye nan,0,0 -o a.png", "eye"),

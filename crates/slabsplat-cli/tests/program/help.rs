@@ -46,13 +46,13 @@ fn check_example<S: Settings>() {
 fn example_lines<S: Settings>(row: &Setting<S>) -> String {
     let default = row.text(&S::default());
     let value = match &row.field {
-        Field::Choice { .. } | Field::Kernel(_) | Field::Light(_) => format!("{default:?}"),
+        Field::Choice { .. } | Field::Kernel(_) => format!("{default:?}"),
         Field::Number { .. } | Field::Count { .. } | Field::Switch(_) => default,
     };
     let permitted = match &row.field {
         Field::Choice { .. } | Field::Kernel(_) => format!("  # {}", choices(row).join(", ")),
         Field::Number { range, .. } | Field::Count { range, .. } => format!("  # {range}"),
-        Field::Switch(_) | Field::Light(_) => String::new(),
+        Field::Switch(_) => String::new(),
     };
     format!("# {}\n{} = {value}{permitted}\n", row.help, row.name)
 }
@@ -61,6 +61,6 @@ fn choices<S>(row: &Setting<S>) -> &'static [&'static str] {
     match row.field {
         Field::Choice { names, .. } => names,
         Field::Kernel(_) => KERNEL_NAMES,
-        Field::Number { .. } | Field::Count { .. } | Field::Switch(_) | Field::Light(_) => &[],
+        Field::Number { .. } | Field::Count { .. } | Field::Switch(_) => &[],
     }
 }

@@ -145,6 +145,8 @@ fn render_flags_override_keys() {
         "--shading none",
         "--diffuse 0.1",
         "--light -1,-2,-3",
+        "--light headlight:1,0.5,0",
+        "--light headlight --light 0,0,1:0,0,1",
         "--projection perspective",
         "--projection perspective --fov-y 50",
         "--eye -50,0,0",

@@ -30,7 +30,7 @@ pub(super) fn light<'de, D: Deserializer<'de>>(d: D) -> Result<Light, D::Error> 
 
         fn visit_str<E: Error>(self, word: &str) -> Result<Light, E> {
             match word {
-                "headlight" => Ok(Light::Headlight),
+                "headlight" => Ok(Light::default()),
                 other => Err(E::custom(format!(
                     "{other:?} is no light: use \"headlight\" or a direction [x, y, z]"
                 ))),

@@ -4,10 +4,10 @@
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use slabsplat_core::{ImageDesc, Phong, RenderSettings, Settings};
+use slabsplat_core::{ImageDesc, Light, Phong, RenderSettings, Settings};
 
 use super::camera::ProjectionKind;
-use super::choice::projection;
+use super::choice::{light, projection};
 use super::settings_section::{Section, SettingsSection, keys};
 
 #[derive(Deserialize)]
@@ -21,6 +21,7 @@ pub(super) struct Document {
     pub(super) layers: Option<Vec<LayerSection>>,
     #[serde(default)]
     pub(super) camera: CameraSection,
+    pub(super) lights: Option<Vec<LightSection>>,
     #[serde(default)]
     pub(super) image: ImageSection,
     #[serde(default)]
@@ -95,6 +96,14 @@ pub(super) struct RegionSection {
     pub(super) planes: Vec<[f64; 4]>,
     pub(super) invert: bool,
     pub(super) lit: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightSection {
+    #[serde(deserialize_with = "light")]
+    pub(super) from: Light,
+    pub(super) color: Option<[f64; 3]>,
 }
 
 #[derive(Default, Deserialize)]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
 use super::document::{ClassifySection, Document, LayerSection};
+use super::sections::into_lights;
 use super::settings_section::SettingsSection;
 use super::{LayerFile, SceneFile};
 
@@ -23,7 +24,8 @@ impl Document {
         let layers = layers.collect::<Result<_, _>>()?;
         let (settings, backend) = self.render.into_settings()?;
         let (camera, image) = (self.camera.into_desc()?, self.image.into_desc()?);
-        Ok((SceneFile { layers, camera, image, settings, backend }, color_maps))
+        let lights = into_lights(self.lights)?;
+        Ok((SceneFile { layers, camera, lights, image, settings, backend }, color_maps))
     }
 
     /// The layers, of which there is at least one.

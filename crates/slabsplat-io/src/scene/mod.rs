@@ -24,7 +24,7 @@ mod diagnostic;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{ImageDesc, Phong, RenderSettings, Shading, TransferFunction};
+use slabsplat_core::{ImageDesc, Light, Phong, RenderSettings, Shading, TransferFunction};
 
 pub use camera::{CameraDesc, ProjectionKind};
 pub use color_map::read_color_map;
@@ -44,6 +44,8 @@ pub struct SceneFile {
     pub layers: Vec<LayerFile>,
     /// Where they are seen from.
     pub camera: CameraDesc,
+    /// What shines on them.
+    pub lights: Vec<Light>,
     /// Size and background of the picture.
     pub image: ImageDesc,
     /// How it is made.
@@ -111,6 +113,7 @@ impl SceneFile {
         Self {
             layers: vec![LayerFile::of_volume(volume)],
             camera: CameraDesc::default(),
+            lights: vec![Light::default()],
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
             backend: "auto".to_owned(),

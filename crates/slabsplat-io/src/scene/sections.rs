@@ -5,15 +5,15 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    ImageDesc, LabelStyle, NotAChoice, Phong, Plane, Region, RenderSettings, Shading,
+    ImageDesc, LabelStyle, Light, NotAChoice, Phong, Plane, Region, RenderSettings, Shading,
     TransferError, TransferFunction,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    CameraSection, ClassifySection, ImageSection, LabelStyleSection, LabelsSection, RegionSection,
-    VolumeSection,
+    CameraSection, ClassifySection, ImageSection, LabelStyleSection, LabelsSection, LightSection,
+    RegionSection, VolumeSection,
 };
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
@@ -119,7 +119,7 @@ impl SettingsSection<Phong> {
     pub(super) fn into_shading(self) -> Result<Shading, Diagnostic> {
         let phong = self.settings.checked();
         let phong =
-            phong.map_err(|error| Diagnostic::at("shading", error.setting(), error.to_string()))?;
+            phong.map_err(|error| Diagnostic::at("shading", error.name, error.to_string()))?;
         match self.other.as_deref() {
             Some("phong") | None => Ok(Shading::Phong(phong)),
             Some("none") => Ok(Shading::None),
@@ -150,6 +150,17 @@ impl RegionSection {
                 .map_err(|error| Diagnostic::at("region", "box", error.to_string()))?;
         }
         Ok(desc)
+    }
+}
+
+/// The lights of a scene; a headlight if it does not say.
+pub(super) fn into_lights(sections: Option<Vec<LightSection>>) -> Result<Vec<Light>, Diagnostic> {
+    let Some(sections) = sections else { return Ok(vec![Light::default()]) };
+    let light = |LightSection { from, color }| from.color(color.unwrap_or([1.0; 3]));
+    let lights: Vec<Light> = sections.into_iter().map(light).collect();
+    match Light::check_all(&lights) {
+        Ok(()) => Ok(lights),
+        Err(error) => Err(Diagnostic::at("lights", "", error.to_string())),
     }
 }
 

@@ -6,8 +6,6 @@ use std::marker::PhantomData;
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, Error, MapAccess, Visitor};
 use slabsplat_core::{Access, Field, KernelName, Setting, Settings};
 
-use super::choice::light;
-
 /// The settings of a section, by default those of `S`, and the word of its other key.
 #[derive(Debug)]
 pub(super) struct SettingsSection<S> {
@@ -101,7 +99,6 @@ impl<'de, S> DeserializeSeed<'de> for ValueSeed<'_, S> {
             Field::Number { access, .. } => (access.set)(settings, f64::deserialize(d)?),
             Field::Count { access, .. } => (access.set)(settings, u32::deserialize(d)?),
             Field::Switch(Access { set, .. }) => set(settings, bool::deserialize(d)?),
-            Field::Light(Access { set, .. }) => set(settings, light(d)?),
         }
         Ok(())
     }

@@ -38,7 +38,12 @@ diffuse = 0.6
 specular = 0.1
 shininess = 10.0
 two_sided = false
-light = [0.0, 0, 2.0]
+
+[[lights]]
+from = [0.0, 0, 2.0]
+color = [1.0, 0.5, 2.0]
+[[lights]]
+from = "headlight"
 
 [camera]
 projection = "perspective"
@@ -103,7 +108,8 @@ fn scene_has_every_key() {
     let Shading::Phong(phong) = layer.shading else { panic!("{:?}", layer.shading) };
     assert_eq!([phong.ambient, phong.diffuse, phong.specular], [0.2, 0.6, 0.1]);
     assert_eq!((phong.shininess, phong.two_sided), (10.0, false));
-    assert_eq!(Ok(phong.light), Light::towards(DVec3::Z));
+    let orange = Light::towards(DVec3::Z).unwrap().color([1.0, 0.5, 2.0]);
+    assert_eq!(scene.lights, [orange, Light::default()]);
     let camera = scene.camera;
     assert_eq!(camera.projection, Some(ProjectionKind::Perspective));
     assert_eq!([camera.view_height, camera.fov_y], [Some(256.0), Some(34.0)]);
@@ -160,7 +166,6 @@ fn changed<S: Settings>(row: &Setting<S>) -> S {
             let other = !(access.get)(&settings);
             (access.set)(&mut settings, other);
         }
-        Field::Light(access) => (access.set)(&mut settings, Light::towards(DVec3::Z).unwrap()),
     }
     settings
 }
@@ -169,7 +174,6 @@ fn toml_of<S>(row: &Setting<S>, settings: &S) -> String {
     let text = row.text(settings);
     match row.field {
         Field::Choice { .. } | Field::Kernel(_) => format!("{text:?}"),
-        Field::Light(_) => format!("[{text}]"),
         Field::Number { .. } | Field::Count { .. } | Field::Switch(_) => text,
     }
 }
@@ -181,6 +185,8 @@ fn scene_defaults() {
     assert_eq!(scene.layers, [LayerFile::of_volume(cube)]);
     assert_eq!(read_layer(&format!("{SMALL}[classify]")).transfer, None);
     assert_eq!(scene.camera, CameraDesc::default());
+    assert_eq!(scene.lights, [Light::default()]);
+    assert_eq!(read(&format!("lights = []\n{SMALL}")).unwrap().lights, []);
     assert_eq!(scene.image, ImageDesc::default());
     assert_eq!(scene.settings, RenderSettings::default());
     assert_eq!(scene.backend, "cpu");
@@ -216,7 +222,7 @@ fn scene_unknown_keys_are_named() {
     check(
         &format!("{SMALL}\n[shading]\n\nlamp = 1.0\n"),
         "scene.toml:7: unknown key \"lamp\" in [shading]; known are ambient, diffuse, specular, \
-         shininess, two_sided, light, model",
+         shininess, two_sided, model",
     );
     check(
         &format!("{SMALL}\n[rendr]\nslab_width = 1.0\n"),
@@ -229,7 +235,7 @@ fn scene_unknown_keys_are_named() {
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
         "scene.toml:1: unknown key \"size\"; known are volume, classify, labels, shading, region, \
-         layers, camera, image, render",
+         layers, camera, lights, image, render",
     );
 }
 
@@ -256,8 +262,11 @@ fn scene_bad_values_name_their_line() {
     check("[shading]\ntwo_sided = 1", ":5: invalid type: integer");
     check("[render]\nbackend = 1", ":5: invalid type: integer");
     check("[[render]]", ":4: invalid type: sequence, expected a section");
-    check("[shading]\nlight = \"sun\"", ":5: \"sun\" is no light");
-    check("[shading]\nlight = [0, 0, 0]", ":5: the light's direction");
+    check("[[lights]]\nfrom = \"sun\"", ":5: \"sun\" is no light");
+    check("[[lights]]\nfrom = [0, 0, 0]", ":5: the light's direction");
+    check("[[lights]]\nfrom = \"headlight\"\ncolor = [-1, 0, 0]", ":4: the colour of a light");
+    check(&"[[lights]]\nfrom = \"headlight\"\n".repeat(17), ":36: 17 lights are too many");
+    check("[[lights]]\ncolor = [1, 1, 1]", ":4: missing field `from`");
     check("[camera]\nfov_y = 180", ":5: fov_y");
     check("[camera]\nview_height = 0", ":5: view_height");
     check("[camera]\neye = [0, inf, 0]", ":5: eye");

@@ -72,7 +72,8 @@ color = [[0.0, 0.0, 0.0, 0.0], [255.0, 1.0, 0.9, 0.8]]
 [shading]
 model = "phong"
 shininess = 20.0
-light = [0.0, 1.0, 1.0]
+[[lights]]
+from = [0.0, 1.0, 1.0]
 [camera]
 projection = "perspective"
 eye = [0.0, 0.0, 400.0]

@@ -54,6 +54,7 @@ impl<'a> Classifier<'a> {
                 compositing: plan.compositing,
                 light: layer
                     .light
+                    .as_ref()
                     .map(|light| BlinnPhong8::new(&light.seen_along(layer.view.axes()))),
                 rays: Rays::new(&layer.view, border),
                 // Never 0, which a gradient of 0 would be divided by.

@@ -134,9 +134,10 @@ impl PartShader<'_> {
             sums[3][lane] = lengths[lane] * means.weights[lane];
         }
         let through = self.through_quarters(&sums[3]);
-        let [diffuse, specular] = self.light_on(simd, parts, &means.places, &through, lies);
+        let lights = self.lights_on(simd, parts, &means.places, &through, lies);
         let of_colors = if self.compositing.weights_colors() { sums[3] } else { lengths };
-        for (sums, colors) in sums.iter_mut().zip(&means.colors) {
+        for ((sums, colors), light) in sums.iter_mut().zip(&means.colors).zip(&lights) {
+            let [diffuse, specular] = light;
             for lane in 0..LANES {
                 let lit = colors[lane] * diffuse[lane] + specular[lane];
                 let lit = if lit < 1.0 { lit } else { 1.0 };
@@ -146,34 +147,56 @@ impl PartShader<'_> {
         sums
     }
 
-    /// What parts' colours are multiplied with, and what is added to them: the mean of four places, weighted
-    /// with how much light goes through the quarters before them.
+    /// What each channel of parts' colours is multiplied with, and what is added to it.
     #[inline(always)]
-    fn light_on<S: Simd>(
+    fn lights_on<S: Simd>(
         &self,
         simd: S,
         parts: &Parts<S>,
         places: &Eight,
         through: &Eight,
         lies: Lies,
-    ) -> [Eight; 2] {
-        let Some(light) = &self.light else { return [[1.0; LANES], [0.0; LANES]] };
+    ) -> [[Eight; 2]; 3] {
+        match &self.light {
+            None => [[[1.0; LANES], [0.0; LANES]]; 3],
+            Some(light) if light.is_white() => {
+                [self.light_on::<S, 1>(simd, light, parts, places, through, lies)[0]; 3]
+            }
+            Some(light) => self.light_on::<S, 3>(simd, light, parts, places, through, lies),
+        }
+    }
+
+    /// The mean of four places, weighted with how much light goes through the quarters before them.
+    #[inline(always)]
+    fn light_on<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        light: &BlinnPhong8,
+        parts: &Parts<S>,
+        places: &Eight,
+        through: &Eight,
+        lies: Lies,
+    ) -> [[Eight; 2]; N] {
         let slopes = Slopes::of(parts, places, self.rays.slants(lies.first_pixel), lies);
-        let (mut diffuse, mut specular) = ([0.0; LANES], [0.0; LANES]);
+        let mut channels = [[[0.0; LANES]; 2]; N];
         let mut weights = [0.0; LANES];
         for lane in 0..LANES {
             let q = through[lane];
             weights[lane] = 1.0 / ((1.0 + q) * (1.0 + q * q));
         }
         for at in LIT_AT {
-            let light = self.light_at(simd, light, &slopes, at);
-            for lane in 0..LANES {
-                diffuse[lane] += weights[lane] * light.diffuse[lane];
-                specular[lane] += weights[lane] * light.specular[lane];
-                weights[lane] *= through[lane];
+            let lights: [Light8; N] = self.light_at(simd, light, &slopes, at);
+            for ([diffuse, specular], light) in channels.iter_mut().zip(&lights) {
+                for lane in 0..LANES {
+                    diffuse[lane] += weights[lane] * light.diffuse[lane];
+                    specular[lane] += weights[lane] * light.specular[lane];
+                }
+            }
+            for (weight, through) in weights.iter_mut().zip(through) {
+                *weight *= through;
             }
         }
-        [diffuse, specular]
+        channels
     }
 
     /// How much light goes through a quarter of each part, of which a sheet sums that.
@@ -196,7 +219,13 @@ impl PartShader<'_> {
     /// The light at one place of eight parts. A function of its own: four of them in one take long to
     /// compile.
     #[inline(never)]
-    fn light_at<S: Simd>(&self, simd: S, light: &BlinnPhong8, slopes: &Slopes, at: f32) -> Light8 {
+    fn light_at<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        light: &BlinnPhong8,
+        slopes: &Slopes,
+        at: f32,
+    ) -> [Light8; N] {
         simd.vectorize(
             #[inline(always)]
             || {
