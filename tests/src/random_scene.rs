@@ -16,7 +16,7 @@ use fastrand::Rng;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Compositing, Grid, ImageDesc, KernelName, Layer, Light, LightSource, Method, Normalization,
-    Phong, Scene, Shading, TransferFunction, Volume,
+    Phong, PiecewiseLinear, Scene, Shading, TransferFunction, Volume,
 };
 
 pub use grid::GridKind;
@@ -143,6 +143,22 @@ pub fn random_layers(rng: &mut Rng, kind: &SceneKind) -> Scene {
         }
     }
     scene
+}
+
+/// Makes opacities of some layers depend on gradients, which are as steep as values are far apart.
+pub fn add_gradient_opacity(rng: &mut Rng, scene: &mut Scene) {
+    for layer in &mut scene.layers {
+        if rng.u32(..4) == 0 {
+            continue;
+        }
+        let [lo, hi] = layer.volume.summary().range.unwrap_or([0.0, 1.0]);
+        let steepest = if (hi - lo).is_finite() { hi - lo } else { 1.0 };
+        let mut at: Vec<f64> = (0..rng.usize(1..4)).map(|_| steepest * rng.f64()).collect();
+        at.sort_by(f64::total_cmp);
+        let factor = at.into_iter().map(|x| (x, [[0.0, 1.0, rng.f64()][rng.usize(..3)]])).collect();
+        let factor = PiecewiseLinear::new("factor", factor).expect("sorted points within 0 to 1");
+        layer.gradient_opacity = Some(factor);
+    }
 }
 
 /// Gives the voxels of each layer labels, from a volume of its own grid or of another around it.

@@ -1,10 +1,12 @@
-//! Labels (model §13): scenes at random against the float64 reference, at the tolerances of model §9; and
-//! labels of another grid, one by one.
+//! Labels (model §13), and opacities by gradients (§6): scenes at random against the float64 reference, at
+//! the tolerances of model §9; and labels of another grid, one by one.
 
 use slabsplat::glam::DVec3;
 use slabsplat::{LabelMap, Method, Region, Renderer, Scaling, Volume};
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
-use slabsplat_tests::random_scene::{SceneKind, add_labels, random_layers, random_scene};
+use slabsplat_tests::random_scene::{
+    SceneKind, add_gradient_opacity, add_labels, random_layers, random_scene,
+};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::{open, render};
 
@@ -12,7 +14,7 @@ use slabsplat_tests::render::{open, render};
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
 
-/// Of one layer or several, cut or not, by every method that has labels.
+/// Of one layer or several, by every method that has labels; some with opacities by gradients, too.
 #[test]
 fn parity_of_labels() {
     let (mut n_scenes, mut max) = (0, 0.0_f64);
@@ -25,7 +27,12 @@ fn parity_of_labels() {
                 scene.layers = random_layers(&mut rng, &kind).layers;
                 scene.layers.iter_mut().for_each(|layer| layer.region = Region::default());
             }
-            add_labels(&mut rng, &mut scene);
+            if rng.u32(..3) != 0 {
+                add_labels(&mut rng, &mut scene);
+            }
+            if rng.bool() {
+                add_gradient_opacity(&mut rng, &mut scene);
+            }
             let off = reference::render(&scene).compare(&render("cpu", &scene));
             let what = format!("{kind:?}, w {}", scene.settings.slab_width);
             assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
@@ -54,6 +61,9 @@ fn labels_take_turns() {
             let mut lighter = scenes[1].clone();
             lighter.layers[0].transfer = random_scene(&mut rng, &kind).layers.remove(0).transfer;
             scenes.push(lighter);
+            let mut borders = scenes[rng.usize(..scenes.len())].clone();
+            add_gradient_opacity(&mut rng, &mut borders);
+            scenes.push(borders);
 
             let fresh: Vec<_> = scenes.iter().map(|scene| render("cpu", scene)).collect();
             let mut renderer = Renderer::new(open("cpu"));

@@ -1,7 +1,7 @@
 //! The order in which layers are summed: not the scene's, so that a picture does not depend on it by a bit.
 
 use slabsplat_core::{
-    LabelMap, LabelStyle, Labels, Layer, Phong, Shading, TransferFunction, Volume,
+    LabelMap, LabelStyle, Labels, Layer, Phong, PiecewiseLinear, Shading, TransferFunction, Volume,
 };
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -62,7 +62,9 @@ fn place(layer: &Layer) -> impl Iterator<Item = f64> {
 /// What is seen of them.
 fn look(layer: &Layer) -> impl Iterator<Item = f64> {
     let points = points(&layer.transfer);
-    points.chain(light(layer.shading)).chain(styles(layer.labels.as_ref()))
+    let factors = layer.gradient_opacity.iter().flat_map(PiecewiseLinear::points);
+    let factors = factors.flat_map(|&(gradient, [factor])| [gradient, factor]);
+    points.chain(light(layer.shading)).chain(factors).chain(styles(layer.labels.as_ref()))
 }
 
 /// A function of values.

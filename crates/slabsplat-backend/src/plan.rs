@@ -2,8 +2,8 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, Labels, RegionInView, SliceOrder, Statistic,
-    TransferFunction, View, Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, Labels, PiecewiseLinear, RegionInView,
+    SliceOrder, Statistic, TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -45,6 +45,9 @@ pub struct LayerPlan<'a> {
     pub relevant: Vec<IsoRange>,
     /// Their opacity and colour.
     pub transfer: &'a TransferFunction,
+    /// What opacity is multiplied with, by the length of a voxel's gradient per `unit`; only for
+    /// [`Splats::Colors`].
+    pub gradient_opacity: Option<&'a PiecewiseLinear<1>>,
     /// What changes these by the label of a voxel, only for [`Splats::Colors`]; `relevant` then holds what is
     /// visible of any label.
     pub labels: Option<&'a Labels>,

@@ -60,13 +60,15 @@ pub enum PlanError {
         /// Of the volume.
         volume: [usize; 3],
     },
-    /// A density is a mean over voxels, which may have several labels.
+    /// A density is a mean over voxels, each of which has its own.
     #[error(
-        "{what} shows densities, which have no labels: use image-aligned sheets that are composited"
+        "{what} shows densities, which have no {of_voxels}: use image-aligned sheets that are composited"
     )]
-    LabelsOfDensities {
+    OfVoxelsAlone {
         /// The method or the mode.
         what: String,
+        /// What densities do not have.
+        of_voxels: &'static str,
     },
     /// The method has no densities to choose from.
     #[error(
@@ -137,6 +139,7 @@ impl Planner {
                 volume: &layer.volume,
                 relevant: shown_ranges(visible_ranges(layer), statistic),
                 transfer: &layer.transfer,
+                gradient_opacity: layer.gradient_opacity.as_ref(),
                 labels: layer.labels.as_ref(),
                 light: match layer.shading {
                     Shading::None => None,
@@ -181,7 +184,7 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
         Method::AxisAligned | Method::EverySample => false,
     };
     let n_layers = scene.layers.len();
-    check_labels(scene)?;
+    check_voxels(scene)?;
     if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
         return Err(PlanError::NoRegions(method));
     }
@@ -198,20 +201,28 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Whether the method can tell labels, and each voxel has one.
-fn check_labels(scene: &Scene) -> Result<(), PlanError> {
+/// Whether the method can tell voxels, where these have labels or opacities of their own.
+fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
     let RenderSettings { method, mode, .. } = scene.settings;
+    let densities = match (mode.statistic(), method) {
+        (Some(_), _) => Some(format!("the mode {mode}")),
+        (None, Method::PostClassified) => Some(format!("the method {method}")),
+        (None, Method::ImageAligned | Method::AxisAligned | Method::EverySample) => None,
+    };
     for layer in &scene.layers {
-        let Some(labels) = &layer.labels else { continue };
-        if mode.statistic().is_some() {
-            return Err(PlanError::LabelsOfDensities { what: format!("the mode {mode}") });
+        let of_voxels = [
+            ("labels", layer.labels.is_some()),
+            ("opacity by gradients", layer.gradient_opacity.is_some()),
+        ];
+        let of_voxels = of_voxels.into_iter().find_map(|(name, is_there)| is_there.then_some(name));
+        if let (Some(what), Some(of_voxels)) = (&densities, of_voxels) {
+            return Err(PlanError::OfVoxelsAlone { what: what.clone(), of_voxels });
         }
-        if method == Method::PostClassified {
-            return Err(PlanError::LabelsOfDensities { what: format!("the method {method}") });
-        }
-        let [labels, volume] = [labels.map().dims(), layer.volume.grid().dims()];
-        if labels != volume {
-            return Err(PlanError::LabelsOfAnotherGrid { labels, volume });
+        if let Some(labels) = &layer.labels {
+            let [labels, volume] = [labels.map().dims(), layer.volume.grid().dims()];
+            if labels != volume {
+                return Err(PlanError::LabelsOfAnotherGrid { labels, volume });
+            }
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! One of the things that a scene shows (model §10).
 
-use crate::{Labels, Phong, Region, Shading, TransferFunction, Volume};
+use crate::{Labels, Phong, PiecewiseLinear, Region, Shading, TransferFunction, Volume};
 use std::sync::Arc;
 
 /// A volume, which of its values are visible, and what light does to them.
@@ -14,6 +14,9 @@ pub struct Layer {
     pub volume: Arc<Volume>,
     /// Which values are visible, and in which colour.
     pub transfer: TransferFunction,
+    /// What opacities are multiplied with, 0 … 1, as a function of how fast values change there: the length
+    /// of the gradient, per `unit` (Levoy 1988).
+    pub gradient_opacity: Option<PiecewiseLinear<1>>,
     /// What its voxels belong to, if that changes how they look; a map for as many voxels along each axis.
     pub labels: Option<Labels>,
     /// What light does to them.
@@ -28,6 +31,7 @@ impl Layer {
         Self {
             volume: volume.into(),
             transfer,
+            gradient_opacity: None,
             labels: None,
             shading: Shading::Phong(Phong::default()),
             region: Region::default(),
@@ -44,6 +48,12 @@ impl Layer {
     #[must_use]
     pub fn transfer(self, transfer: TransferFunction) -> Self {
         Self { transfer, ..self }
+    }
+
+    /// The same with opacities that depend on gradients.
+    #[must_use]
+    pub fn gradient_opacity(self, factor: impl Into<Option<PiecewiseLinear<1>>>) -> Self {
+        Self { gradient_opacity: factor.into(), ..self }
     }
 
     /// The same with voxels that look as their labels say.
@@ -67,9 +77,10 @@ impl Layer {
 
 impl PartialEq for Layer {
     fn eq(&self, other: &Self) -> bool {
-        let Self { volume, transfer, labels, shading, region } = other;
+        let Self { volume, transfer, gradient_opacity, labels, shading, region } = other;
         Arc::ptr_eq(&self.volume, volume)
             && self.transfer == *transfer
+            && self.gradient_opacity == *gradient_opacity
             && self.labels == *labels
             && self.shading == *shading
             && self.region == *region

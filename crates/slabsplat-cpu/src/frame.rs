@@ -10,7 +10,7 @@ use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
 };
 use slabsplat_core::{Compositing, Labels, TransferFunction, Volume};
-use slabsplat_traverse::{BrickView, Classification, LabelRanges, VoxelLighting};
+use slabsplat_traverse::{BrickView, Classification, VoxelLighting, VoxelRules};
 
 /// What is cached from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
@@ -141,21 +141,21 @@ impl OfLayer {
         layer: &'a LayerPlan<'a>,
         level: Level,
     ) -> Stage<'a> {
-        let LayerPlan { volume, transfer, labels, .. } = *layer;
+        let LayerPlan { volume, transfer, labels, gradient_opacity, .. } = *layer;
+        let rules = VoxelRules { transfer, labels, gradient_opacity };
         let (compositing, identity) = (plan.compositing, ByIdentity::of(volume));
         let classified_by = (transfer.clone(), labels.cloned(), compositing, identity);
         let classification = self
             .classification
-            .made_of(classified_by, |_| Classification::new(transfer, labels, compositing, volume));
-        let by_label = labels.map(|labels| LabelRanges { labels, transfer });
+            .made_of(classified_by, |_| Classification::new(&rules, compositing, volume));
         Stage {
             plan,
             layer,
             level,
             raster: Raster::new(layer, 0),
-            list: self.relevant.voxels(volume, &layer.relevant, by_label),
+            list: self.relevant.voxels(volume, &layer.relevant, &rules),
             bricks: BrickView::new(volume.grid(), &layer.view),
-            lighting: VoxelLighting::new(classification, volume, labels, layer.light.as_ref()),
+            lighting: VoxelLighting::new(classification, volume, rules, layer.light.as_ref()),
         }
     }
 

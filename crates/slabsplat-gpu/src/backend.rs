@@ -202,6 +202,9 @@ impl<D: Device> Backend for GpuBackend<D> {
         if layer.labels.is_some() {
             return Err(self.unable("its shaders know no labels"));
         }
+        if layer.gradient_opacity.is_some() {
+            return Err(self.unable("its shaders know no opacity by gradients"));
+        }
         let is_white = |lamp: &Lamp| lamp.color == DVec3::ONE;
         if layer
             .light

@@ -8,7 +8,7 @@ use slabsplat_core::{
 };
 use slabsplat_traverse::{
     BrickRanges, BrickView, Classification, DepthOrder, RelevantList, TileBuckets, TileGrid,
-    TileRect, VoxelLighting,
+    TileRect, VoxelLighting, VoxelRules,
 };
 
 const SIDE: usize = 128;
@@ -64,9 +64,10 @@ fn stages(c: &mut Criterion) {
             list.update(&volume, &brick_ranges, &transfer.iso_ranges(), None)
         });
     });
-    let classification = Classification::new(&transfer, None, Compositing::Extinction, &volume);
+    let rules = VoxelRules::by_value(&transfer);
+    let classification = Classification::new(&rules, Compositing::Extinction, &volume);
     let light = BlinnPhong::new(Phong::default(), &[Light::default()], view.axes().forward);
-    let lighting = VoxelLighting::new(&classification, &volume, None, Some(&light));
+    let lighting = VoxelLighting::new(&classification, &volume, rules, Some(&light));
     let mut colors = Vec::new();
     group.bench_function("shade", |b| b.iter(|| lighting.shade(&list, &mut colors)));
     let mut points = Vec::new();

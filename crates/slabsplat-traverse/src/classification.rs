@@ -4,6 +4,7 @@
 //! a voxel then takes one look at a table of 4 KiB or 1 MiB. Others are classified when they are met, and so
 //! are those of labels with transfer functions of their own, if there are many of these.
 
+use crate::VoxelRules;
 use crate::order::Ordered;
 use slabsplat_core::{
     Compositing, LabelStyle, Labels, SampleType, Scaling, TransferFunction, Volume,
@@ -26,13 +27,9 @@ pub struct Classification {
 const MAX_TABLES: usize = 16;
 
 impl Classification {
-    /// Classifies the samples of `volume`, whose voxels have these labels.
-    pub fn new(
-        transfer: &TransferFunction,
-        labels: Option<&Labels>,
-        compositing: Compositing,
-        volume: &Volume,
-    ) -> Self {
+    /// Classifies the samples of `volume` by value and label; by gradient is another matter.
+    pub fn new(rules: &VoxelRules<'_>, compositing: Compositing, volume: &Volume) -> Self {
+        let VoxelRules { transfer, labels, .. } = *rules;
         let mut by_transfer = vec![ByTransfer::new(transfer, compositing, volume)];
         let labels = labels.map(|labels| {
             ByLabel::new(labels, |transfer| {
@@ -50,6 +47,12 @@ impl Classification {
     /// How sheets are summed.
     pub fn compositing(&self) -> Compositing {
         self.compositing
+    }
+
+    /// A classified colour with its opacity multiplied with a factor, 0 … 1.
+    #[inline]
+    pub(crate) fn thinned(&self, [r, g, b, weight]: [f32; 4], factor: f64) -> [f32; 4] {
+        [r, g, b, thinned(weight, factor as f32, self.compositing)]
     }
 
     /// Bytes held.
@@ -174,16 +177,20 @@ impl LabelLook {
     #[inline]
     fn laid_over(&self, [r, g, b, weight]: [f32; 4], compositing: Compositing) -> [f32; 4] {
         let [r, g, b] = self.color.unwrap_or([r, g, b]);
-        if 1.0 <= self.opacity {
-            return [r, g, b, weight];
-        }
-        // What is stored of a voxel is 1 − e^(−μ).
-        let weight = if compositing.sums_extinction() {
-            -(-(self.opacity * -(-weight).exp_m1())).ln_1p()
-        } else {
-            self.opacity * weight
-        };
-        [r, g, b, weight]
+        [r, g, b, thinned(weight, self.opacity, compositing)]
+    }
+}
+
+/// The weight of an opacity that is multiplied with a factor, 0 … 1.
+#[inline]
+fn thinned(weight: f32, factor: f32, compositing: Compositing) -> f32 {
+    if 1.0 <= factor {
+        weight
+    } else if compositing.sums_extinction() {
+        // The opacity is 1 − e^(−μ).
+        -(-(factor * -(-weight).exp_m1())).ln_1p()
+    } else {
+        factor * weight
     }
 }
 
@@ -198,8 +205,11 @@ mod tests {
         let check = |samples: Samples, n_entries: usize| {
             let grid = Grid::with_spacing([1; 3], [1.0; 3]).unwrap();
             let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
-            let classification =
-                Classification::new(&transfer, None, Compositing::Separate, &volume);
+            let classification = Classification::new(
+                &VoxelRules::by_value(&transfer),
+                Compositing::Separate,
+                &volume,
+            );
             let least = n_entries * size_of::<[f32; 4]>();
             let bytes = classification.resident_bytes();
             assert!((least..=2 * least).contains(&bytes), "{bytes} bytes of {n_entries} entries");

@@ -5,7 +5,9 @@
 //! - `bricks`, `voxel`: how the volume is cut up, and what is stored of a voxel;
 //! - `order`: iso-ranges of values as ranges of samples;
 //! - `brick_ranges`: the least and the largest value of every brick, once a volume;
-//! - `visible_labels`, `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
+//! - `visible_labels`, `gradient_opacity`, `voxel_rules`: what decides beside its value whether a voxel is
+//!   visible;
+//! - `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
 //! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, kept up to date by
 //!   difference;
 //! - `classification`: samples to colour and opacity, once a transfer function;
@@ -39,10 +41,12 @@ mod order;
 
 mod brick_ranges;
 mod gradient;
+mod gradient_opacity;
 mod membership;
 mod relevant_list;
 mod relevant_update;
 mod visible_labels;
+mod voxel_rules;
 
 mod blinn_phong;
 mod classification;
@@ -68,5 +72,5 @@ pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::VoxelLighting;
 pub use toss::{PixelRect, TileBuckets, TileEntry, TileGrid, TileRect, TileToss};
-pub use visible_labels::LabelRanges;
 pub use voxel::{NORMAL_STEPS, VoxelRecord};
+pub use voxel_rules::VoxelRules;

@@ -6,7 +6,7 @@
 //! range only touches bricks that hold values at its ends (`relevant_update.rs`).
 
 use crate::relevant_update::update;
-use crate::{Brick, BrickGrid, BrickRanges, LabelRanges, VoxelRecord};
+use crate::{Brick, BrickGrid, BrickRanges, VoxelRecord, VoxelRules};
 use rayon::prelude::*;
 use slabsplat_core::{IsoRange, Volume, with_samples};
 
@@ -86,17 +86,17 @@ impl RelevantList {
     /// Makes the list that of `ranges` (disjoint, rising), and returns what changed. `volume` and
     /// `brick_ranges` must be those of every earlier update.
     ///
-    /// With `labels` it has only voxels whose label is visible there. These too must be those of every
-    /// earlier update, and `ranges` must hold what is visible of any label.
+    /// With `rules` it has only voxels that are visible by them. These too must be those of every earlier
+    /// update, and `ranges` must hold what is visible of any label.
     pub fn update(
         &mut self,
         volume: &Volume,
         brick_ranges: &BrickRanges,
         ranges: &[IsoRange],
-        labels: Option<LabelRanges<'_>>,
+        rules: Option<&VoxelRules<'_>>,
     ) -> ListChange {
         self.grid = BrickGrid::new(volume.grid());
-        with_samples!(volume.samples(), |s| update(self, volume, s, brick_ranges, ranges, labels))
+        with_samples!(volume.samples(), |s| update(self, volume, s, brick_ranges, ranges, rules))
     }
 
     /// Fills `results`, one a voxel, in parallel: `fill` is called for each brick with its voxels and their

@@ -17,7 +17,7 @@ use crate::bricks::N_ROWS;
 use crate::gradient::{Normals, Real, RowNormals, is_narrow};
 use crate::membership::{BrickMask, Membership};
 use crate::order::Ordered;
-use crate::visible_labels::LabelRanges;
+use crate::voxel_rules::VoxelRules;
 use crate::{BRICK_SIDE, Brick, BrickGrid, BrickRanges, ListChange, RelevantList, VoxelRecord};
 use rayon::prelude::*;
 use slabsplat_core::{IsoRange, Volume};
@@ -33,10 +33,10 @@ pub(crate) fn update<T: Ordered>(
     samples: &[T],
     brick_ranges: &BrickRanges,
     ranges: &[IsoRange],
-    labels: Option<LabelRanges<'_>>,
+    rules: Option<&VoxelRules<'_>>,
 ) -> ListChange {
     let RelevantList { grid, bricks, records, ranges: old_ranges } = list;
-    let membership = Membership::new(volume, samples, *grid, ranges, labels);
+    let membership = Membership::new(volume, samples, *grid, ranges, rules);
     let step =
         Step { grid: *grid, old_bricks: bricks, old_ranges, membership, brick_ranges, ranges };
     let chunks = step.count(records);

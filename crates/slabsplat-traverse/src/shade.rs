@@ -7,31 +7,31 @@
 //! than `shininess` · 2·10⁻⁷ of a highlight, which is less than the keeping of normals in 16 bits does.
 
 use crate::blinn_phong::{BlinnPhong8, Light8};
+use crate::gradient_opacity::GradientOpacity;
 use crate::order::Ordered;
-use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord};
-use slabsplat_core::{BlinnPhong, Labels, Volume, with_samples};
+use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord, VoxelRules};
+use slabsplat_core::{BlinnPhong, Volume, with_samples};
 
 /// Everything that a voxel's colour depends on in one frame, but for the voxel.
 #[derive(Clone, Debug)]
 pub struct VoxelLighting<'a> {
     classification: &'a Classification,
     volume: &'a Volume,
-    labels: Option<&'a [u16]>,
+    rules: VoxelRules<'a>,
     grid: BrickGrid,
     blinn_phong: Option<BlinnPhong8>,
 }
 
 impl<'a> VoxelLighting<'a> {
-    /// Lights `volume` and its labels, which are those classified, if there is any light.
+    /// Lights `volume` by rules, which are those classified, if there is any light.
     pub fn new(
         classification: &'a Classification,
         volume: &'a Volume,
-        labels: Option<&'a Labels>,
+        rules: VoxelRules<'a>,
         light: Option<&BlinnPhong>,
     ) -> Self {
         let blinn_phong = light.map(BlinnPhong8::new);
-        let labels = labels.map(|labels| labels.map().indices());
-        Self { classification, volume, labels, grid: BrickGrid::new(volume.grid()), blinn_phong }
+        Self { classification, volume, rules, grid: BrickGrid::new(volume.grid()), blinn_phong }
     }
 
     /// Writes red, green, blue and opacity of all voxels of `list` into `colors`, in parallel.
@@ -75,16 +75,24 @@ impl<'a> VoxelLighting<'a> {
     ) {
         let voxels = colors.iter_mut().zip(self.grid.voxel_indices(brick, records));
         let classification = self.classification;
-        match self.labels {
+        match self.rules.labels {
             None => {
                 for (color, idx) in voxels {
                     *color = classification.of(samples[idx], None);
                 }
             }
             Some(labels) => {
+                let labels = labels.map().indices();
                 for (color, idx) in voxels {
                     *color = classification.of(samples[idx], Some(labels[idx]));
                 }
+            }
+        }
+        if let Some(factor) = self.rules.gradient_opacity {
+            let factor = GradientOpacity::new(self.volume, samples, factor);
+            for (color, record) in colors.iter_mut().zip(records) {
+                let coords = self.grid.voxel_coords(brick, *record);
+                *color = classification.thinned(*color, factor.at(coords));
             }
         }
     }
@@ -146,8 +154,9 @@ mod tests {
         let check = |opacity: f64, compositing, expected: [f64; 4]| {
             let transfer =
                 TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, color)]).unwrap();
-            let classification = Classification::new(&transfer, None, compositing, &volume);
-            let lighting = VoxelLighting::new(&classification, &volume, None, None);
+            let rules = VoxelRules::by_value(&transfer);
+            let classification = Classification::new(&rules, compositing, &volume);
+            let lighting = VoxelLighting::new(&classification, &volume, rules, None);
             let mut colors = [[0.0; 4]];
             let brick = Brick { brick_idx: 0, first: 0, n_voxels: 1 };
             lighting.shade_brick(&brick, &[VoxelRecord::default()], &mut colors);
@@ -223,10 +232,11 @@ mod tests {
                 let ranges = random_ranges(&mut rng, &volume);
                 list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
 
-                let classification = Classification::new(&transfer, None, compositing, &volume);
+                let rules = VoxelRules::by_value(&transfer);
+                let classification = Classification::new(&rules, compositing, &volume);
                 let light = BlinnPhong::new(phong, &random_lights(&mut rng), forward);
                 let mut colors = Vec::new();
-                VoxelLighting::new(&classification, &volume, None, Some(&light))
+                VoxelLighting::new(&classification, &volume, rules, Some(&light))
                     .shade(&list, &mut colors);
 
                 for brick in list.bricks() {

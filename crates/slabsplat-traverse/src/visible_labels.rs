@@ -3,17 +3,7 @@
 use crate::order::Ordered;
 use slabsplat_core::{IsoRange, Labels, TransferFunction};
 
-/// Labels, and what their voxels look like where no label says so: together they decide which values of
-/// which label are visible.
-#[derive(Clone, Copy, Debug)]
-pub struct LabelRanges<'a> {
-    /// The labels of all voxels.
-    pub labels: &'a Labels,
-    /// The layer's transfer function.
-    pub transfer: &'a TransferFunction,
-}
-
-/// The same among samples.
+/// The samples of each label that are visible.
 pub(crate) struct VisibleLabels<'a, T> {
     of_voxels: &'a [u16],
     /// Index into `ranges` of each label.
@@ -26,7 +16,8 @@ pub(crate) struct VisibleLabels<'a, T> {
 impl<'a, T: Ordered> VisibleLabels<'a, T> {
     /// `in_samples` are the samples with values in iso-ranges.
     pub(crate) fn new(
-        LabelRanges { labels, transfer }: LabelRanges<'a>,
+        labels: &'a Labels,
+        transfer: &TransferFunction,
         in_samples: impl Fn(&[IsoRange]) -> Vec<[T; 2]>,
     ) -> Self {
         let [invisible, of_layer] = [0, 1];

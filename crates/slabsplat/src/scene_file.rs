@@ -83,7 +83,10 @@ fn layer(
     let automatic = || Automatic::new(volume.clone()).transfer().clone();
     let transfer = file.transfer.clone().unwrap_or_else(automatic);
     let region = file.region.on(volume.grid())?;
-    let layer = Layer::new(volume, transfer).shading(file.shading).region(region);
+    let layer = Layer::new(volume, transfer)
+        .gradient_opacity(file.gradient_opacity.clone())
+        .shading(file.shading)
+        .region(region);
     let Some(labels) = &file.labels else { return Ok(layer) };
     let (labels, warnings) = labels.load(layer.volume.grid())?;
     all_warnings.extend(warnings);

@@ -4,7 +4,9 @@ use super::region::normal_by_faces;
 use super::sheet::MAX_OPACITY;
 use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
-use super::{Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, merge, shaded_color};
+use super::{
+    Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, gradient_length, merge, shaded_color,
+};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Grid, LabelStyle, Layer, Light, Method, Region, Scene};
 
@@ -186,14 +188,14 @@ fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
         let value = volume.value(voxel_idx);
         let style = style(layer, voxel_idx);
         let transfer = style.transfer.as_ref().unwrap_or(transfer);
-        let opacity = style.opacity * transfer.opacity(value);
+        let coords = grid.voxel_coords(voxel_idx);
+        let gradient = gradient_in_world(volume, coords);
+        let opacity = by_gradient(layer, coords) * style.opacity * transfer.opacity(value);
         if value.is_nan() || opacity <= 0.0 {
             return None;
         }
-        let coords = grid.voxel_coords(voxel_idx);
         let center_in_index = DVec3::from_array(coords.map(|c| c as f64));
         let center_in_world = grid.world_from_index().transform_point3(center_in_index);
-        let gradient = gradient_in_world(volume, coords);
         let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
         let normal = normal_by_faces(region, grid.unit(), center_in_world, normal);
         let color = style.color.unwrap_or_else(|| transfer.color(value));
@@ -205,6 +207,13 @@ fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()
+}
+
+/// What opacity is multiplied with where values change that fast (model §6).
+fn by_gradient(layer: &Layer, coords: [usize; 3]) -> f64 {
+    let Some(factor) = &layer.gradient_opacity else { return 1.0 };
+    let length = layer.volume.grid().unit() * gradient_length(&layer.volume, coords);
+    factor.at(length)[0]
 }
 
 /// What a voxel's label changes (model §13).

@@ -6,12 +6,18 @@ use slabsplat_core::glam::DVec3;
 /// The gradient at a voxel in world space: per world unit, `A⁻ᵀ` times the differences; 0 next to an infinite
 /// value, where there is no surface to speak of.
 pub fn gradient_in_world(volume: &Volume, coords: [usize; 3]) -> DVec3 {
+    finite_gradient(volume, coords).unwrap_or(DVec3::ZERO)
+}
+
+/// Its length, infinite next to an infinite value.
+pub fn gradient_length(volume: &Volume, coords: [usize; 3]) -> f64 {
+    finite_gradient(volume, coords).map_or(f64::INFINITY, DVec3::length)
+}
+
+fn finite_gradient(volume: &Volume, coords: [usize; 3]) -> Option<DVec3> {
     let in_index = DVec3::from_array([0, 1, 2].map(|axis| difference(volume, coords, axis)));
-    if !in_index.is_finite() {
-        return DVec3::ZERO;
-    }
     let index_from_world = volume.grid().index_from_world().matrix3;
-    index_from_world.transpose() * in_index
+    in_index.is_finite().then(|| index_from_world.transpose() * in_index)
 }
 
 /// The change of the value along `axis` per voxel step: central where both neighbours have a

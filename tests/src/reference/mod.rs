@@ -31,7 +31,7 @@ mod row;
 mod slabs;
 mod statistic;
 
-pub use gradient::gradient_in_world;
+pub use gradient::{gradient_in_world, gradient_length};
 pub use hierarchy::Hierarchy;
 pub use image::{Difference, ReferenceImage};
 pub use kernel::Kernel;

@@ -5,7 +5,7 @@ use super::values::{self, ColorPoints, OpacityPoints};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use slabsplat::io::{self, SceneFile};
-use slabsplat::{Layer, Phong, Shading, TransferFunction};
+use slabsplat::{Layer, Phong, PiecewiseLinear, Shading, TransferFunction};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -24,6 +24,14 @@ pub(super) struct LookFlags {
         allow_hyphen_values = true
     )]
     color: Option<ColorPoints>,
+
+    /// What opacity is multiplied with, by how much values change in a voxel step there: points of a
+    /// function, as "0:0,20:1"
+    #[arg(
+        long, value_name = "GRADIENT:FACTOR,..", value_parser = values::opacity,
+        allow_hyphen_values = true
+    )]
+    gradient_opacity: Option<OpacityPoints>,
 
     /// A ready-made transfer function, as ct-bone
     #[arg(long, value_name = "NAME")]
@@ -51,9 +59,16 @@ impl LookFlags {
     /// All but points of opacity or of colour alone: the others may have to be found from the volume.
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
         let transfer = self.whole_transfer()?;
+        let by_gradient = self.gradient_opacity.as_ref().map(|OpacityPoints(points)| {
+            PiecewiseLinear::new("--gradient-opacity", points.clone())
+        });
+        let by_gradient = by_gradient.transpose()?;
         for layer in &mut file.layers {
             layer.shading = self.shading_over(layer.shading)?;
             layer.transfer = transfer.clone().or_else(|| layer.transfer.take());
+            if by_gradient.is_some() {
+                layer.gradient_opacity.clone_from(&by_gradient);
+            }
         }
         Ok(())
     }

@@ -70,6 +70,7 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --opacity 0:2 -o a.png", "point 0 of opacity lies outside 0 to 1"),
         ("render builtin:cube --opacity 5:0,0:1 -o a.png", "out of order"),
         ("render builtin:cube --color inf:0,0,0 -o a.png", "not finite"),
+        ("render builtin:cube --gradient-opacity 0:2 -o a.png", "lies outside 0 to 1"),
         ("render builtin:cube --ambient -1 -o a.png", "ambient"),
         ("render builtin:cube --shading none --light 0,0,1 -o a.png", "--light"),
         ("render builtin:cube --light 0,0,1:1,2,-3 -o a.png", "colour of a light"),

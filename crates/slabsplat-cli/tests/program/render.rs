@@ -143,6 +143,7 @@ fn render_flags_override_keys() {
         "--color 0:1,1,1",
         "--preset ct-bone",
         "--shading none",
+        "--gradient-opacity 0:0,90:1",
         "--diffuse 0.1",
         "--light -1,-2,-3",
         "--light headlight:1,0.5,0",

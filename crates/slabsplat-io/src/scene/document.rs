@@ -59,6 +59,8 @@ pub(super) struct ClassifySection {
     pub(super) color: Option<Vec<[f64; 4]>>,
     pub(super) preset: Option<String>,
     pub(super) file: Option<PathBuf>,
+    /// What opacity is multiplied with, by the length of the gradient.
+    pub(super) gradient_opacity: Option<Vec<[f64; 2]>>,
 }
 
 /// A volume of labels, and how these look.

@@ -74,12 +74,14 @@ impl LayerSection {
             let what = "the scene has no [volume]: add one with path or generate";
             Diagnostic::at("volume", "", what)
         })?;
+        let by_gradient = classify.as_ref().map(ClassifySection::checked_gradient_opacity);
         let transfer = classify.map(ClassifySection::into_transfer).transpose()?;
         Ok(LayerFile {
             name,
             spacing: volume.checked_spacing()?,
             volume: volume.into_source(folder)?,
             transfer: transfer.flatten(),
+            gradient_opacity: by_gradient.transpose()?.flatten(),
             labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
             shading: shading.unwrap_or_else(SettingsSection::default).into_shading()?,
             region: region.unwrap_or_default().into_desc()?,

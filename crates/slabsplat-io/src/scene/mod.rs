@@ -24,7 +24,9 @@ mod diagnostic;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{ImageDesc, Light, Phong, RenderSettings, Shading, TransferFunction};
+use slabsplat_core::{
+    ImageDesc, Light, Phong, PiecewiseLinear, RenderSettings, Shading, TransferFunction,
+};
 
 pub use camera::{CameraDesc, ProjectionKind};
 pub use color_map::read_color_map;
@@ -65,6 +67,8 @@ pub struct LayerFile {
     pub spacing: Option<[f64; 3]>,
     /// Which values are visible, and in which colour.
     pub transfer: Option<TransferFunction>,
+    /// What opacities are multiplied with, by the length of the gradient per voxel step.
+    pub gradient_opacity: Option<PiecewiseLinear<1>>,
     /// What its voxels belong to.
     pub labels: Option<LabelsFile>,
     /// What light does to them.
@@ -129,6 +133,7 @@ impl LayerFile {
             volume,
             spacing: None,
             transfer: None,
+            gradient_opacity: None,
             labels: None,
             shading: Shading::Phong(Phong::default()),
             region: RegionDesc::default(),

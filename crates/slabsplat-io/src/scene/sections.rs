@@ -5,8 +5,8 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    ImageDesc, LabelStyle, Light, NotAChoice, Phong, Plane, Region, RenderSettings, Shading,
-    TransferError, TransferFunction,
+    ImageDesc, LabelStyle, Light, NotAChoice, Phong, PiecewiseLinear, Plane, Region,
+    RenderSettings, Shading, TransferError, TransferFunction,
 };
 
 use super::camera::CameraDesc;
@@ -48,7 +48,7 @@ impl VolumeSection {
 impl ClassifySection {
     /// `None` if the section is empty, or the transfer function is in a file.
     pub(super) fn into_transfer(self) -> Result<Option<TransferFunction>, Diagnostic> {
-        let Self { opacity, color, preset, file } = self;
+        let Self { opacity, color, preset, file, gradient_opacity: _ } = self;
         let n_ways = usize::from(opacity.is_some() || color.is_some())
             + usize::from(preset.is_some())
             + usize::from(file.is_some());
@@ -73,8 +73,22 @@ impl ClassifySection {
 }
 
 impl ClassifySection {
+    pub(super) fn checked_gradient_opacity(
+        &self,
+    ) -> Result<Option<PiecewiseLinear<1>>, Diagnostic> {
+        let Some(points) = &self.gradient_opacity else { return Ok(None) };
+        let points = points.iter().map(|&[gradient, factor]| (gradient, [factor])).collect();
+        PiecewiseLinear::new("gradient_opacity", points)
+            .map(Some)
+            .map_err(|error| Diagnostic::at("classify", "gradient_opacity", error.to_string()))
+    }
+
     /// What must be there, and not in a file.
     fn into_points(self) -> Result<TransferFunction, Diagnostic> {
+        if self.gradient_opacity.is_some() {
+            let what = "gradient_opacity is a layer's: it belongs into [classify]";
+            return Err(Diagnostic::at("labels", "styles", what));
+        }
         let what = "classify of a style needs opacity (and color), or preset";
         self.into_transfer()?.ok_or_else(|| Diagnostic::at("labels", "styles", what))
     }

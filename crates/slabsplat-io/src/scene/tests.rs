@@ -23,6 +23,7 @@ color = [
   [0, 0, 0, 0],
   [255.0, 1.0, 0.9, 0.8],
 ]
+gradient_opacity = [[0.0, 0.0], [20.0, 1.0]]
 
 [region]
 box = [[-90, -120, -60.5], [0, 90, 100]]
@@ -99,6 +100,7 @@ fn scene_has_every_key() {
     assert_eq!(layer.spacing, Some([1.0, 1.5, 2.0]));
     let transfer = layer.transfer.as_ref().unwrap();
     assert_eq!(transfer.opacity(255.0), 0.9);
+    assert_eq!(layer.gradient_opacity.as_ref().unwrap().at(5.0), [0.25]);
     assert_eq!(transfer.color(255.0), [1.0, 0.9, 0.8]);
     let ends = [[-90.0, -120.0, -60.5], [0.0, 90.0, 100.0]].map(DVec3::from_array);
     let planes = vec![Plane::new(DVec3::Z, 6.0).unwrap()];
@@ -277,6 +279,7 @@ fn scene_bad_values_name_their_line() {
     check("[classify]\nopacity = [[0, 1]]\ncolor = [[0, 1, 1, 7]]", ":6: point 0 of color");
     check("[classify]\npreset = \"gray\"\nfile = \"a\"", ":4: [classify] takes one of");
     check("[classify]\npreset = \"grey\"", ":5: there is no preset \"grey\"");
+    check("[classify]\ngradient_opacity = [[0, 1.5]]", ":5: point 0 of gradient_opacity");
     check("[region]\nplanes = [[0, 0, 0, 1]]", ":5: a plane needs a finite normal");
     check("[region]\nplanes = [[0, 1, 0]]", ":5: invalid length 3");
     check("[region]\nbox = [[0, 0, 0], [1, -1, 1]]", ":5: a box goes from its least");
