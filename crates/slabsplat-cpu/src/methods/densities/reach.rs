@@ -47,7 +47,7 @@ const PARTS: f64 = 16.0;
 
 /// Rows of a box, at most, whose ellipsoid is looked for: every row of a volume is joined from as many. Where
 /// a picture is so small that voxels reach further, nearly all of them do.
-const MOST_ROWS: usize = 1000;
+const MOST_ROWS: isize = 1000;
 
 impl Reach {
     /// None but the voxel itself.
@@ -95,14 +95,18 @@ impl Reach {
     /// Rows of the steps within the ellipsoid, of which those that go equally far follow each other; none if
     /// there would be too many.
     pub(super) fn rows(&self) -> Vec<Row> {
-        let [y_end, z_end] = [self.margin[1], self.margin[2]];
+        let [x_end, y_end, z_end] = self.margin.map(|steps| steps as isize);
         let n_rows = (2 * y_end).saturating_add(1).saturating_mul((2 * z_end).saturating_add(1));
         if MOST_ROWS < n_rows {
             return Vec::new();
         }
-        let [y_end, z_end] = [y_end, z_end].map(|steps| steps as isize);
         let places = (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y)));
-        let row = |(z, y)| steps_along_x(&self.form, y, z).map(|x| Row { x, y, z });
+        let row = |(z, y)| {
+            // Of next to flat voxels, the ellipsoid may be as long as one likes, and the grid is not.
+            let x = steps_along_x(&self.form, y, z)?;
+            let x = -x_end.min(-*x.start())..=x_end.min(*x.end());
+            (!x.is_empty()).then_some(Row { x, y, z })
+        };
         let mut rows: Vec<Row> = places.filter_map(row).collect();
         rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
         rows
@@ -195,6 +199,15 @@ mod tests {
             (-6..=6).flat_map(|z| (-6..=6).flat_map(move |y| (-6..=6).map(move |x| (x, y, z))));
         assert_eq!(n_steps, all.filter(|&(x, y, z)| is_within(x, y, z)).count());
         assert_eq!(reach.margin, [6; 3]);
+    }
+
+    /// Voxels so flat that they reach further than the grid is long: a row of bits as long as that was asked
+    /// for once.
+    #[test]
+    fn reach_ends_with_the_grid() {
+        let flat = DMat3::from_diagonal(DVec3::new(1e8, 0.1, 0.1));
+        let rows = Reach::new(4.0, 2.0, &flat, [7; 3]).rows();
+        assert!(!rows.is_empty() && rows.iter().all(|row| row.x == (-7..=7)), "{rows:?}");
     }
 
     /// However far voxels reach, the work is bounded.
