@@ -2,7 +2,9 @@
 //!
 //! It is on its own, as the heap is counted for the whole process.
 
-use slabsplat::{Automatic, ImageDesc, Method, RenderSettings, Renderer, backend_named, io};
+use slabsplat::{
+    Automatic, ImageDesc, Isosurface, Method, Mode, RenderSettings, Renderer, backend_named, io,
+};
 
 #[global_allocator]
 static HEAP: dhat::Alloc = dhat::Alloc;
@@ -21,9 +23,13 @@ fn allocations_of_a_warm_frame() {
     let automatic = Automatic::new(volume);
     let [width, height] = SIZE;
     let image = ImageDesc { width, height, background: [0.0; 4] };
-    for &method in Method::ALL {
-        let settings = RenderSettings::default().method(method);
-        let scene = automatic.scene(image, settings);
+    let by_method = Method::ALL.iter().map(|&method| RenderSettings::default().method(method));
+    let surfaces = RenderSettings::default().mode(Mode::Isosurfaces);
+    for settings in by_method.chain([surfaces]) {
+        let what = format!("{} {}", settings.method, settings.mode);
+        let mut scene = automatic.scene(image, settings);
+        let surface = Isosurface::new(0.5, 0.4, None).expect("they are numbers");
+        scene.layers[0].isosurfaces = vec![surface];
         let mut renderer = Renderer::new(backend_named("cpu").expect("the CPU is there"));
         let mut taken_by_frame = |step: u32| {
             let scene = scene.clone().camera(scene.camera.orbited(f64::from(step)));
@@ -34,9 +40,9 @@ fn allocations_of_a_warm_frame() {
         };
         let mut turn = || [0, 10, 20, 40, 80].map(&mut taken_by_frame);
         let (cold, warm) = (turn(), turn());
-        println!("{method}, bytes and blocks: {cold:?} cold, {warm:?} warm");
+        println!("{what}, bytes and blocks: {cold:?} cold, {warm:?} warm");
         for [n_bytes, n_blocks] in warm {
-            assert!(n_bytes < PICTURE + 8192 && n_blocks < 20, "{method}: {n_bytes} in {n_blocks}");
+            assert!(n_bytes < PICTURE + 8192 && n_blocks < 20, "{what}: {n_bytes} in {n_blocks}");
         }
     }
 }

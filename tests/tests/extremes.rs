@@ -4,8 +4,8 @@
 use fastrand::Rng;
 use slabsplat::glam::{DAffine3, DMat3, DQuat, DVec3};
 use slabsplat::{
-    Camera, Grid, ImageDesc, KERNEL_NAMES, KernelName, Layer, Light, Method, Mode, Projection,
-    RenderSettings, Renderer, Scaling, Scene, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Isosurface, KERNEL_NAMES, KernelName, Layer, Light, Method, Mode,
+    Projection, RenderSettings, Renderer, Scaling, Scene, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::open;
@@ -111,6 +111,7 @@ fn scene(rng: &mut Rng, volume: &Arc<Volume>, eye: DVec3, projection: Projection
         .tolerance([0.0, 0.05][rng.usize(..2)])
         .sections(16)
         .radial_samples(32);
-    let layer = Layer::new(volume.clone(), transfer.ok()?);
+    let surface = Isosurface::new(0.5, [0.4, 1.0][rng.usize(..2)], None).ok()?;
+    let layer = Layer::new(volume.clone(), transfer.ok()?).isosurfaces(vec![surface]);
     Some(Scene::new(layer, camera).lights(vec![light]).image(image).settings(settings))
 }

@@ -59,7 +59,7 @@ pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
 pub use plan::{
     ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, SectionSplats,
-    SeparableDensities, SmoothSections, Splats,
+    SeparableDensities, ShownDensities, SmoothSections, Splats,
 };
 pub use planner::{PlanError, Planner};
 pub use slabs::Slabs;

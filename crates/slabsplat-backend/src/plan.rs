@@ -2,8 +2,8 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, Labels, PiecewiseLinear, RegionInView,
-    SliceOrder, Statistic, TransferFunction, View, Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, Isosurface, Labels, Mode, PiecewiseLinear,
+    RegionInView, SliceOrder, Statistic, TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -20,8 +20,8 @@ pub struct FramePlan<'a> {
     pub layers: Vec<LayerPlan<'a>>,
     /// Size and background of the picture.
     pub image: ImageDesc,
-    /// What a sheet sums, and how that becomes a pixel; of no meaning if one density stands for all on its
-    /// ray.
+    /// What a sheet sums, and how that becomes a pixel; of no meaning but for colours and for densities that
+    /// are [composited](ShownDensities::Composited).
     pub compositing: Compositing,
     /// Opacity from which a pixel counts as saturated.
     pub opacity_cutoff: f32,
@@ -51,6 +51,8 @@ pub struct LayerPlan<'a> {
     /// What changes these by the label of a voxel, only for [`Splats::Colors`]; `relevant` then holds what is
     /// visible of any label.
     pub labels: Option<&'a Labels>,
+    /// What is shown instead by [`ShownDensities::Isosurfaces`]: no value twice, in any order.
+    pub isosurfaces: &'a [Isosurface],
     /// What light does to that colour, if there is any.
     pub light: Option<BlinnPhong>,
     /// Where they are seen, if not everywhere: only for [`ColorSplats::Sections`] and [`Splats::Densities`].
@@ -125,8 +127,8 @@ pub struct SectionSplats {
 /// times the voxel's value.
 #[derive(Clone, Debug)]
 pub struct DensitySplats {
-    /// Which density stands for all on its ray, if what lies between sheets is not composited.
-    pub statistic: Option<Statistic>,
+    /// What is shown of them.
+    pub shown: ShownDensities,
     /// What sheets are of: halves of slabs.
     pub slabs: Slabs,
     /// The sections.
@@ -135,6 +137,29 @@ pub struct DensitySplats {
     pub smooth: SmoothSections,
     /// What a backend may take for sections instead, and the whole footprints that it needs for that.
     pub separable: Option<SeparableDensities>,
+}
+
+/// What is shown of sheets of densities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShownDensities {
+    /// What lies between them, classified and composited.
+    Composited,
+    /// The density that stands for all on its ray.
+    Statistic(Statistic),
+    /// The surfaces on which densities have the values of [`LayerPlan::isosurfaces`].
+    Isosurfaces,
+}
+
+impl From<Mode> for ShownDensities {
+    fn from(mode: Mode) -> Self {
+        match mode {
+            Mode::Separate | Mode::Associated | Mode::Extinction => Self::Composited,
+            Mode::Maximum => Self::Statistic(Statistic::Maximum),
+            Mode::Minimum => Self::Statistic(Statistic::Minimum),
+            Mode::Average => Self::Statistic(Statistic::Average),
+            Mode::Isosurfaces => Self::Isosurfaces,
+        }
+    }
 }
 
 impl DensitySplats {

@@ -3,11 +3,11 @@
 use crate::layer_order::in_one_order;
 use crate::slabs::Depths;
 use crate::tables::{LayerToSplat, Tables};
-use crate::{DensitySplats, FramePlan, LayerPlan};
+use crate::{DensitySplats, FramePlan, LayerPlan, ShownDensities};
 use slabsplat_core::{
-    BlinnPhong, Compositing, Grid, ImageError, IsoRange, LabelStyle, Layer, Light, LightError,
-    Method, Mode, OutOfRange, RegionInView, RenderSettings, Scene, SettingsError, Shading,
-    Statistic, TooManySlabs, TransferFunction, View, ViewError,
+    BlinnPhong, Compositing, Grid, ImageError, IsoRange, Isosurface, LabelStyle, Layer, Light,
+    LightError, Method, Mode, OutOfRange, RegionInView, RenderSettings, Scene, SettingsError,
+    Shading, Statistic, TooManySlabs, TransferFunction, View, ViewError,
 };
 use slabsplat_kernel::{FootprintShape, UnknownKernel, kernel_named};
 use thiserror::Error;
@@ -80,6 +80,12 @@ pub enum PlanError {
         /// The method.
         method: Method,
     },
+    /// There is no surface to draw.
+    #[error("the mode isosurfaces needs a value: add --isosurface, or isosurfaces in [classify]")]
+    NoIsosurfaces,
+    /// Of two surfaces that are one, neither is in front.
+    #[error("there are two isosurfaces of the value {0}: leave one out")]
+    IsosurfaceTwice(f64),
 }
 
 /// Makes frame plans. Tables cost a millisecond or more, and seldom change from one frame to the next, so the
@@ -100,10 +106,11 @@ impl Planner {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
         Light::check_all(&scene.lights)?;
-        let (n_layers, statistic) = (scene.layers.len(), settings.mode.statistic());
+        let n_layers = scene.layers.len();
         check_method(scene)?;
-        // Of which density a picture shows, both methods with slabs have the same.
-        let method = if statistic.is_some() { Method::PostClassified } else { settings.method };
+        // Both methods with slabs have the same densities.
+        let method =
+            if is_of_densities(settings.mode) { Method::PostClassified } else { settings.method };
         let kernel = kernel_named(&settings.kernel.0)?;
         let layers = in_one_order(&scene.layers);
         let seen = layers.iter().map(|layer| SeenLayer::new(layer, &layers, scene));
@@ -137,10 +144,11 @@ impl Planner {
             let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_cut };
             Ok(LayerPlan {
                 volume: &layer.volume,
-                relevant: shown_ranges(visible_ranges(layer), statistic),
+                relevant: shown_ranges(layer, scene.settings.mode.into()),
                 transfer: &layer.transfer,
                 gradient_opacity: layer.gradient_opacity.as_ref(),
                 labels: layer.labels.as_ref(),
+                isosurfaces: &layer.isosurfaces,
                 light: match layer.shading {
                     Shading::None => None,
                     Shading::Phong(phong) => {
@@ -176,6 +184,11 @@ fn collected<T>(
     Ok(collected)
 }
 
+/// Whether a mode shows densities, whatever the method.
+fn is_of_densities(mode: Mode) -> bool {
+    mode.compositing().is_none()
+}
+
 /// Whether the method can draw such a scene.
 fn check_method(scene: &Scene) -> Result<(), PlanError> {
     let RenderSettings { method, mode, .. } = scene.settings;
@@ -188,7 +201,7 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
     if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
         return Err(PlanError::NoRegions(method));
     }
-    if mode.statistic().is_some() {
+    if is_of_densities(mode) {
         if !has_slabs {
             return Err(PlanError::NoDensities { mode, method });
         }
@@ -204,10 +217,10 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
 /// Whether the method can tell voxels, where these have labels or opacities of their own.
 fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
     let RenderSettings { method, mode, .. } = scene.settings;
-    let densities = match (mode.statistic(), method) {
-        (Some(_), _) => Some(format!("the mode {mode}")),
-        (None, Method::PostClassified) => Some(format!("the method {method}")),
-        (None, Method::ImageAligned | Method::AxisAligned | Method::EverySample) => None,
+    let densities = match method {
+        _ if is_of_densities(mode) => Some(format!("the mode {mode}")),
+        Method::PostClassified => Some(format!("the method {method}")),
+        Method::ImageAligned | Method::AxisAligned | Method::EverySample => None,
     };
     for layer in &scene.layers {
         let of_voxels = [
@@ -242,12 +255,24 @@ fn visible_ranges(layer: &Layer) -> Vec<IsoRange> {
     )
 }
 
-/// The densities that decide what is shown, where those of some ranges are visible.
-fn shown_ranges(visible: Vec<IsoRange>, statistic: Option<Statistic>) -> Vec<IsoRange> {
-    let (Some(statistic), Some(first), Some(last)) = (statistic, visible.first(), visible.last())
-    else {
-        return visible;
-    };
+/// The densities that decide what is shown of a layer.
+fn shown_ranges(layer: &Layer, shown: ShownDensities) -> Vec<IsoRange> {
+    let visible = visible_ranges(layer);
+    match shown {
+        ShownDensities::Composited => visible,
+        ShownDensities::Statistic(statistic) => deciding_ranges(visible, statistic),
+        ShownDensities::Isosurfaces => {
+            let values = layer.isosurfaces.iter().map(Isosurface::value);
+            let mut ranges: Vec<IsoRange> = values.map(|v| IsoRange { lo: v, hi: v }).collect();
+            ranges.sort_by(|a, b| a.lo.total_cmp(&b.lo));
+            ranges
+        }
+    }
+}
+
+/// The densities that decide which one stands for all, where those of some ranges are visible.
+fn deciding_ranges(visible: Vec<IsoRange>, statistic: Statistic) -> Vec<IsoRange> {
+    let (Some(first), Some(last)) = (visible.first(), visible.last()) else { return visible };
     // A larger density hides a visible one, or a lesser one does; into a mean all of them go.
     let (lo, hi) = match statistic {
         Statistic::Maximum => (first.lo, f64::INFINITY),
@@ -255,6 +280,19 @@ fn shown_ranges(visible: Vec<IsoRange>, statistic: Option<Statistic>) -> Vec<Iso
         Statistic::Average => (f64::NEG_INFINITY, f64::INFINITY),
     };
     vec![IsoRange { lo, hi }]
+}
+
+/// Whether there are surfaces to draw, each of another value.
+fn check_isosurfaces(layer: &Layer) -> Result<(), PlanError> {
+    let mut values: Vec<f64> = layer.isosurfaces.iter().map(Isosurface::value).collect();
+    if values.is_empty() {
+        return Err(PlanError::NoIsosurfaces);
+    }
+    values.sort_by(f64::total_cmp);
+    match values.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(PlanError::IsosurfaceTwice(pair[0])),
+        None => Ok(()),
+    }
 }
 
 /// A layer as the camera sees it.
@@ -268,6 +306,9 @@ impl<'a> SeenLayer<'a> {
     fn new(layer: &'a Layer, all: &[&Layer], scene: &Scene) -> Result<Self, PlanError> {
         if let Shading::Phong(phong) = layer.shading {
             phong.checked()?;
+        }
+        if scene.settings.mode == Mode::Isosurfaces {
+            check_isosurfaces(layer)?;
         }
         let grid = layer.volume.grid();
         let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));

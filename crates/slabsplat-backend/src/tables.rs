@@ -161,7 +161,7 @@ impl Tables {
             .filter(|_| 0.0 < budget.separable())
             .map(|_| SeparableDensities { whole: self.whole_table(kernel, &key), budget });
         DensitySplats {
-            statistic: key.settings.mode.statistic(),
+            shown: key.settings.mode.into(),
             slabs,
             smooth: match product {
                 Some(sections) => SmoothSections::Product(sections),

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::{output, stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{Caps, Frame, Scene};
+use slabsplat::{Caps, Frame, Mode, Scene};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -72,6 +72,11 @@ fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
     let is_cut = scene.layers.iter().any(|layer| !layer.region.is_everywhere());
     Some(match range {
         None => "all voxels are NaN".to_owned(),
+        Some([min, max])
+            if scene.settings.mode == Mode::Isosurfaces && frame.stats.n_voxels == 0 =>
+        {
+            format!("no isosurface lies within all values, {min} to {max}")
+        }
         Some([min, max]) if frame.stats.n_voxels == 0 => {
             format!("the opacity of all values, {min} to {max}, is 0")
         }

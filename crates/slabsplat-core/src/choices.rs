@@ -34,6 +34,8 @@ pub enum Mode {
     Minimum,
     /// The mean density of the ray.
     Average,
+    /// The surfaces on which densities have given values: [`Isosurface`](crate::Isosurface).
+    Isosurfaces,
 }
 
 /// Which density on a ray stands for all (model §12).
@@ -54,14 +56,14 @@ impl Mode {
             Self::Separate => Some(Compositing::Separate),
             Self::Associated => Some(Compositing::Associated),
             Self::Extinction => Some(Compositing::Extinction),
-            Self::Maximum | Self::Minimum | Self::Average => None,
+            Self::Maximum | Self::Minimum | Self::Average | Self::Isosurfaces => None,
         }
     }
 
     /// Which density stands for all on its ray, if one does.
     pub fn statistic(self) -> Option<Statistic> {
         match self {
-            Self::Separate | Self::Associated | Self::Extinction => None,
+            Self::Separate | Self::Associated | Self::Extinction | Self::Isosurfaces => None,
             Self::Maximum => Some(Statistic::Maximum),
             Self::Minimum => Some(Statistic::Minimum),
             Self::Average => Some(Statistic::Average),
@@ -181,6 +183,7 @@ named!(Mode {
     Maximum = "maximum",
     Minimum = "minimum",
     Average = "average",
+    Isosurfaces = "isosurfaces",
 });
 named!(Normalization { None = "none", Paper = "paper", Product = "product" });
 named!(Lookup { Nearest = "nearest", Linear = "linear" });
@@ -196,7 +199,9 @@ mod tests {
         }
         assert_eq!(Compositing::from_name("extinction"), Ok(Compositing::Extinction));
         for &mode in Mode::ALL {
-            assert_ne!(mode.compositing().is_some(), mode.statistic().is_some(), "{mode}");
+            let of = [mode.compositing().is_some(), mode.statistic().is_some()];
+            assert_eq!(of == [false; 2], mode == Mode::Isosurfaces, "{mode}");
+            assert_ne!(of, [true; 2], "{mode}");
             let same = mode.compositing().map_or(mode, Mode::from);
             assert_eq!(same, mode);
         }

@@ -1,6 +1,8 @@
 //! One of the things that a scene shows (model §10).
 
-use crate::{Labels, Phong, PiecewiseLinear, Region, Shading, TransferFunction, Volume};
+use crate::{
+    Isosurface, Labels, Phong, PiecewiseLinear, Region, Shading, TransferFunction, Volume,
+};
 use std::sync::Arc;
 
 /// A volume, which of its values are visible, and what light does to them.
@@ -19,6 +21,8 @@ pub struct Layer {
     pub gradient_opacity: Option<PiecewiseLinear<1>>,
     /// What its voxels belong to, if that changes how they look; a map for as many voxels along each axis.
     pub labels: Option<Labels>,
+    /// What is shown instead in the mode [`Isosurfaces`](crate::Mode::Isosurfaces), in any order.
+    pub isosurfaces: Vec<Isosurface>,
     /// What light does to them.
     pub shading: Shading,
     /// Where they are seen.
@@ -33,6 +37,7 @@ impl Layer {
             transfer,
             gradient_opacity: None,
             labels: None,
+            isosurfaces: Vec::new(),
             shading: Shading::Phong(Phong::default()),
             region: Region::default(),
         }
@@ -62,6 +67,12 @@ impl Layer {
         Self { labels: labels.into(), ..self }
     }
 
+    /// The same with other isosurfaces.
+    #[must_use]
+    pub fn isosurfaces(self, isosurfaces: Vec<Isosurface>) -> Self {
+        Self { isosurfaces, ..self }
+    }
+
     /// The same, lit otherwise.
     #[must_use]
     pub fn shading(self, shading: Shading) -> Self {
@@ -77,11 +88,13 @@ impl Layer {
 
 impl PartialEq for Layer {
     fn eq(&self, other: &Self) -> bool {
-        let Self { volume, transfer, gradient_opacity, labels, shading, region } = other;
+        let Self { volume, transfer, gradient_opacity, labels, isosurfaces, shading, region } =
+            other;
         Arc::ptr_eq(&self.volume, volume)
             && self.transfer == *transfer
             && self.gradient_opacity == *gradient_opacity
             && self.labels == *labels
+            && self.isosurfaces == *isosurfaces
             && self.shading == *shading
             && self.region == *region
     }

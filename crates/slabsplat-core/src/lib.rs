@@ -15,8 +15,8 @@
 //!
 //! # Reading order
 //!
-//! `grid`, `sample`, `volume`; `camera`, `transfer`, `compositing`, `light`, `shading`; `settings_table`,
-//! `interval`, `choices`, `settings`; `region`, `labels`, `layer`, `scene`; `view`,
+//! `grid`, `sample`, `volume`; `camera`, `transfer`, `isosurface`, `compositing`, `light`, `shading`;
+//! `settings_table`, `interval`, `choices`, `settings`; `region`, `labels`, `layer`, `scene`; `view`,
 //! `region_in_view`, `slabs`, `slices`; `image`.
 //!
 //! ```
@@ -35,6 +35,7 @@ mod volume;
 
 mod camera;
 mod compositing;
+mod isosurface;
 mod light;
 mod shading;
 mod transfer;
@@ -64,6 +65,7 @@ pub use compositing::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
 pub use interval::{Interval, OutOfRange};
+pub use isosurface::{Isosurface, IsosurfaceError};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
 pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};

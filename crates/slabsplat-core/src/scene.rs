@@ -86,7 +86,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Grid, Projection, Region, Scaling, Shading, TransferFunction, Volume};
+    use crate::{Grid, Isosurface, Projection, Region, Scaling, Shading, TransferFunction, Volume};
     use glam::DVec3;
 
     #[test]
@@ -103,7 +103,11 @@ mod tests {
             Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).unwrap()
         };
         let region = Region::default().inverted();
-        let layer = Layer::new(volume(), transfer(0.5)).shading(Shading::None).region(region);
+        let isosurfaces = vec![Isosurface::new(3.0, 0.5, None).unwrap()];
+        let layer = Layer::new(volume(), transfer(0.5))
+            .isosurfaces(isosurfaces)
+            .shading(Shading::None)
+            .region(region);
         let expected = Scene {
             layers: vec![layer.clone()],
             camera: camera(DVec3::X),
@@ -117,6 +121,7 @@ mod tests {
             .clone()
             .volume(layer.volume)
             .transfer(layer.transfer.clone())
+            .isosurfaces(layer.isosurfaces.clone())
             .shading(layer.shading)
             .region(layer.region.clone());
         let scene = Scene::new(other, camera(DVec3::Z))

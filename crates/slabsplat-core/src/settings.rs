@@ -28,8 +28,9 @@ settings! {
         /// A step is the grid's `unit`.
         slab_width: f64 = 1.0, number("STEPS", WIDTHS);
 
-        /// What is shown of a ray: sheets, composited by one of three models, or a density of it.
-        /// The largest, the least or the mean density is one of slabs parallel to the image.
+        /// What is shown of a ray: sheets, composited by one of three models, one density, or isosurfaces.
+        /// The largest, the least or the mean density is one of slabs parallel to the image, and isosurfaces
+        /// are found between such slabs; a layer lists them.
         mode: Mode = Mode::Extinction, choice;
 
         /// How thick sections are darkened.

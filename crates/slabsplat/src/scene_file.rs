@@ -85,6 +85,7 @@ fn layer(
     let region = file.region.on(volume.grid())?;
     let layer = Layer::new(volume, transfer)
         .gradient_opacity(file.gradient_opacity.clone())
+        .isosurfaces(file.isosurfaces.clone())
         .shading(file.shading)
         .region(region);
     let Some(labels) = &file.labels else { return Ok(layer) };

@@ -36,10 +36,17 @@ pub(super) struct Between {
 impl Between {
     /// Between the third and the fourth of six sheets, of which one at least holds something.
     pub(super) fn new(six: &[InSheet; 6]) -> Self {
+        let lengths = [six[2].length, six[3].length];
+        Self::with_ends(six, part_ends(nodes(six), lengths))
+    }
+
+    /// The same of two sheets that both hold something, from node to node, whatever they hold.
+    pub(super) fn of_nodes(six: &[InSheet; 6]) -> Self {
+        Self::with_ends(six, nodes(six))
+    }
+
+    fn with_ends(six: &[InSheet; 6], ends: [Node; 2]) -> Self {
         let [a, first, last, d] = [six[1], six[2], six[3], six[4]];
-        let nodes =
-            [node(&std::array::from_fn(|i| six[i])), node(&std::array::from_fn(|i| six[i + 1]))];
-        let ends = part_ends(nodes, [first.length, last.length]);
         let lateral = |axis: usize| {
             let slope = |sheet: &InSheet| sheet.slopes[axis];
             let outer = share(&first, &a) * (slope(&a) - slope(&first))
@@ -63,6 +70,11 @@ impl Between {
         let [start, end] = self.ends;
         start.slopes.lerp(end.slopes, place) + 4.0 * place * (1.0 - place) * self.bulge
     }
+}
+
+/// The middles of the third and the fourth sheet.
+fn nodes(six: &[InSheet; 6]) -> [Node; 2] {
+    [node(&std::array::from_fn(|i| six[i])), node(&std::array::from_fn(|i| six[i + 1]))]
 }
 
 /// The middle of the sheet that has two others before it and behind it.

@@ -3,7 +3,8 @@
 
 use super::between_sheets::{Between, InSheet};
 use super::classified_part::part;
-use super::region::{RegionOnRay, normal_by_faces, splitting};
+use super::isosurfaces::{Crossing, crossings};
+use super::region::{PLACE_OF_A_PLANE, RegionOnRay, normal_by_faces, splitting};
 use super::statistic::{self, OneForAll};
 use super::view::View;
 use super::{
@@ -12,7 +13,9 @@ use super::{
 };
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Layer, Light, Normalization, Scene, Statistic};
+use slabsplat_core::{
+    Compositing, Isosurface, Layer, Light, Mode, Normalization, Scene, Statistic,
+};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
@@ -26,8 +29,9 @@ struct Frame<'a> {
     lights: &'a [Light],
     /// What parts are composited by, and how regions split them.
     compositing: Compositing,
-    /// Or which density stands for all.
-    statistic: Option<Statistic>,
+    /// What is shown of densities.
+    mode: Mode,
+    image_size: [usize; 2],
     background: [f64; 4],
     view: View,
     kernel: KernelInView,
@@ -64,20 +68,53 @@ pub(super) fn part_faces(scene: &Scene) -> Vec<[f64; 2]> {
 /// The picture of `scene`.
 pub(super) fn render(scene: &Scene) -> ReferenceImage {
     let frame = Frame::new(scene);
+    let sums = frame.sums();
     let (width, height) = (scene.image.width, scene.image.height);
-    let at = |idx: usize, n_columns: usize| [(idx % n_columns) as i64, (idx / n_columns) as i64];
-    // Gradients reach a pixel beyond the image.
-    let bordered = [width as usize + 2, height as usize + 2];
-    let sums_at = |idx: usize| {
-        let at = at(idx, bordered[0]).map(|c| c - 1);
-        frame.fronts.iter().map(|&front| frame.sum(at, front)).collect()
-    };
-    let n_bordered = bordered[0] * bordered[1];
-    let sums: Vec<Vec<Sum>> = (0..n_bordered).into_par_iter().map(sums_at).collect();
-    let sums_of = |[x, y]: [i64; 2]| &sums[(y + 1) as usize * bordered[0] + (x + 1) as usize][..];
-    let n_pixels = width as usize * height as usize;
-    let pixels = (0..n_pixels).map(|idx| frame.pixel(at(idx, width as usize), sums_of)).collect();
+    let pixels = frame.pixels().map(|at| frame.pixel(at, &sums, Moved::default())).collect();
     ReferenceImage { width, height, pixels }
+}
+
+/// The pixels, row by row, that show another colour if what renderers round were a bit more or less.
+pub(super) fn undecided_isosurfaces(scene: &Scene) -> Vec<bool> {
+    let frame = Frame::new(scene);
+    let sums = frame.sums();
+    let value = VALUE_OF_A_SURFACE * (frame.ends[1] - frame.ends[0]);
+    let plane = PLACE_OF_A_PLANE * frame.unit;
+    let is_undecided = |at: [i64; 2]| {
+        let moved = |value, plane| frame.pixel(at, &sums, Moved { value, plane });
+        let pixel = moved(0.0, 0.0);
+        let others = [moved(value, 0.0), moved(-value, 0.0), moved(0.0, plane), moved(0.0, -plane)];
+        let differs = |other: &[f64; 4]| (0..4).any(|i| ANOTHER < (other[i] - pixel[i]).abs());
+        others.iter().any(differs)
+    };
+    frame.pixels().map(is_undecided).collect()
+}
+
+/// By how much of the range of values renderers may disagree on a density.
+const VALUE_OF_A_SURFACE: f64 = 1e-5;
+
+/// Half of what pictures that agree may differ by.
+const ANOTHER: f64 = 5e-4;
+
+/// By how much densities of surfaces and the planes of regions are not where they are.
+#[derive(Clone, Copy, Default)]
+struct Moved {
+    value: f64,
+    /// Outwards, in world units.
+    plane: f64,
+}
+
+/// The sums of all pixels in all sheets.
+struct Sums {
+    of_pixels: Vec<Vec<Sum>>,
+    n_columns: usize,
+}
+
+impl Sums {
+    /// Of a pixel of the image, or of one beside it.
+    fn of(&self, [x, y]: [i64; 2]) -> &[Sum] {
+        &self.of_pixels[(y + 1) as usize * self.n_columns + (x + 1) as usize]
+    }
 }
 
 impl<'a> Frame<'a> {
@@ -98,14 +135,15 @@ impl<'a> Frame<'a> {
             layer,
             lights: &scene.lights,
             compositing: splitting(settings.mode),
-            statistic: settings.mode.statistic(),
+            mode: settings.mode,
+            image_size: [scene.image.width, scene.image.height].map(|side| side as usize),
             background: scene.image.background.map(f64::from),
             view,
             kernel,
             unit: grid.unit(),
             width: 0.5 * settings.slab_width,
-            voxels: voxels(layer, &view, value_ends(layer, range)),
-            ends: value_ends(layer, range),
+            voxels: voxels(layer, &view, value_ends(layer, settings.mode, range)),
+            ends: value_ends(layer, settings.mode, range),
             fronts: Vec::new(),
             faint_gradient: (FAINT_GRADIENT * (range[1] - range[0]).max(0.0) / grid.unit())
                 .max(f64::MIN_POSITIVE),
@@ -127,11 +165,28 @@ impl<'a> Frame<'a> {
         (first..=last).map(|n| center_depth + n as f64 * thickness).collect()
     }
 
-    /// The premultiplied RGBA of a pixel, where `sums` are those of a pixel in all sheets.
-    fn pixel<'b>(&self, at: [i64; 2], sums: impl Fn([i64; 2]) -> &'b [Sum]) -> [f64; 4] {
+    /// The pixels, row by row.
+    fn pixels(&self) -> impl Iterator<Item = [i64; 2]> {
+        let [width, height] = self.image_size.map(|side| side as i64);
+        (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))
+    }
+
+    fn sums(&self) -> Sums {
+        // Gradients reach a pixel beyond the image.
+        let [n_columns, n_rows] = self.image_size.map(|side| side + 2);
+        let of_pixel = |idx: usize| {
+            let at = [idx % n_columns, idx / n_columns].map(|c| c as i64 - 1);
+            self.fronts.iter().map(|&front| self.sum(at, front)).collect()
+        };
+        let of_pixels = (0..n_columns * n_rows).into_par_iter().map(of_pixel).collect();
+        Sums { of_pixels, n_columns }
+    }
+
+    /// The premultiplied RGBA of a pixel.
+    fn pixel(&self, at: [i64; 2], sums: &Sums, moved: Moved) -> [f64; 4] {
         let [x, y] = at;
-        let (here, right, left) = (sums(at), sums([x + 1, y]), sums([x - 1, y]));
-        let (up, down) = (sums([x, y - 1]), sums([x, y + 1]));
+        let (here, right, left) = (sums.of(at), sums.of([x + 1, y]), sums.of([x - 1, y]));
+        let (up, down) = (sums.of([x, y - 1]), sums.of([x, y + 1]));
         let in_sheet = |sheet: usize| {
             if here[sheet].length <= 0.0 {
                 return InSheet::default();
@@ -148,10 +203,11 @@ impl<'a> Frame<'a> {
             }
         };
         let sheets: Vec<InSheet> = (0..here.len()).map(in_sheet).collect();
-        let region = RegionOnRay::new(&self.layer.region, &self.view, at);
-        let mut pixel = match self.statistic {
-            Some(statistic) => self.one_for_all(statistic, &sheets, &region),
-            None => self.composited(at, &sheets, &region),
+        let region = RegionOnRay::moved(&self.layer.region, &self.view, at, moved.plane);
+        let mut pixel = match (self.mode.statistic(), self.mode) {
+            (Some(statistic), _) => self.one_for_all(statistic, &sheets, &region),
+            (None, Mode::Isosurfaces) => self.isosurfaces(at, &sheets, &region, moved.value),
+            (None, _) => self.composited(at, &sheets, &region),
         };
         let [r, g, b, opacity] = self.background;
         pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
@@ -167,6 +223,46 @@ impl<'a> Frame<'a> {
                 let ends = [before + 2, before + 3].map(|sheet| self.middle(sheet));
                 let share = region.share(self.compositing, ends);
                 pixel.lay_over(self.classified(at, &Between::new(six), share, ends));
+            }
+        }
+        pixel
+    }
+
+    /// The surfaces on a ray, from front to back (model §12).
+    fn isosurfaces(
+        &self,
+        at: [i64; 2],
+        sheets: &[InSheet],
+        region: &RegionOnRay,
+        moved: f64,
+    ) -> Premultiplied {
+        let Layer { isosurfaces, transfer, shading, .. } = self.layer;
+        let mut pixel = Premultiplied::default();
+        for (before, six) in sheets.array_windows().enumerate() {
+            let lengths = [six[2].length, six[3].length];
+            if lengths[0] <= 0.0 || lengths[1] <= 0.0 {
+                continue;
+            }
+            let between = Between::of_nodes(six);
+            let [front, back] = [before + 2, before + 3].map(|sheet| self.middle(sheet));
+            for Crossing { place, surface } in crossings(isosurfaces, &between, self.ends, moved) {
+                let lerp = |from: f64, to: f64| from + place * (to - from);
+                if !region.holds(lerp(front, back)) {
+                    continue;
+                }
+                let surface = isosurfaces[surface];
+                let color = surface.color().unwrap_or_else(|| transfer.color(surface.value()));
+                let normals = [(self.normal(at, between.slopes(place)), 1.0)];
+                let color = shaded_by_normals(
+                    (shading, self.lights),
+                    color,
+                    &normals,
+                    self.view.axes.forward,
+                );
+                let there_is =
+                    (4.0 * lerp(lengths[0], lengths[1]) / self.width - 1.5).clamp(0.0, 1.0);
+                let opacity = there_is * surface.opacity();
+                pixel.lay_over(Premultiplied { color: color.map(|c| opacity * c), opacity });
             }
         }
         pixel
@@ -249,8 +345,7 @@ impl<'a> Frame<'a> {
         };
         let quarters = [0, 1, 2, 3].map(|quarter| {
             let place = part.place + seen * LIT_AT[quarter];
-            let gradient = self.gradient(at, between.slopes(place));
-            let normal = -gradient / gradient.length().max(self.faint_gradient);
+            let normal = self.normal(at, between.slopes(place));
             let in_world = self.view.ray_in_world(at, front + place * (back - front));
             let normal = normal_by_faces(region, self.unit, in_world, normal);
             (normal, through.powi(quarter as i32))
@@ -265,6 +360,12 @@ impl<'a> Frame<'a> {
         sums.finish()
     }
 
+    /// In world space, shorter than 1 where there is next to no slope.
+    fn normal(&self, at: [i64; 2], slopes: DVec3) -> DVec3 {
+        let gradient = self.gradient(at, slopes);
+        -gradient / gradient.length().max(self.faint_gradient)
+    }
+
     /// In world space, from slopes to the right, upwards, and from sheet to sheet along the ray.
     fn gradient(&self, at: [i64; 2], slopes: DVec3) -> DVec3 {
         // The way from a pixel to itself one world unit of depth farther.
@@ -277,10 +378,13 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The least and the largest of all finite values and of the transfer function's points.
-fn value_ends(layer: &Layer, finite: [f64; 2]) -> [f64; 2] {
+/// The least and the largest of all finite values and of the transfer function's points, or isosurfaces.
+fn value_ends(layer: &Layer, mode: Mode, finite: [f64; 2]) -> [f64; 2] {
     let of_values = finite.into_iter().filter(|v| v.is_finite());
-    ends(of_values.chain(layer.transfer.positions()))
+    match mode {
+        Mode::Isosurfaces => ends(of_values.chain(layer.isosurfaces.iter().map(Isosurface::value))),
+        _ => ends(of_values.chain(layer.transfer.positions())),
+    }
 }
 
 /// All that are not NaN. An infinite one counts as one of the ends.

@@ -9,7 +9,7 @@
 //! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `slabs` (§10) and `region` (§11); `frame` (§4) and `row` put
 //! them together; `merge` (§7) is what a tolerance changes; `between_sheets`, `classified_part` and `density`
-//! (§8) are the method `post-classified`.
+//! (§8) are the method `post-classified`, `statistic` and `isosurfaces` the modes of §12.
 
 mod gradient;
 mod hierarchy;
@@ -25,6 +25,7 @@ mod classified_part;
 mod density;
 mod frame;
 mod image;
+mod isosurfaces;
 mod merge;
 mod region;
 mod row;
@@ -68,9 +69,9 @@ pub fn render_within_tolerance(scene: &Scene) -> ReferenceImage {
     picture(&frame::Frame::new(scene, scene.settings.tolerance), scene)
 }
 
-/// Whether sheets sum densities: for `post-classified`, and where one stands for all.
+/// Whether sheets sum densities: for `post-classified`, and in the modes of §12.
 fn is_of_densities(scene: &Scene) -> bool {
-    scene.settings.method == Method::PostClassified || scene.settings.mode.statistic().is_some()
+    scene.settings.method == Method::PostClassified || scene.settings.mode.compositing().is_none()
 }
 
 fn picture(frame: &frame::Frame, scene: &Scene) -> ReferenceImage {

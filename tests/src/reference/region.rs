@@ -21,7 +21,7 @@ impl RegionOnRay {
     }
 
     /// The same of planes that let so much more in, in world units.
-    fn moved(region: &Region, view: &View, at: [i64; 2], outwards: f64) -> Self {
+    pub(super) fn moved(region: &Region, view: &View, at: [i64; 2], outwards: f64) -> Self {
         let [near, far] = [0.0, 1.0].map(|depth| view.ray_in_world(at, depth));
         let mut ends = [f64::NEG_INFINITY, f64::INFINITY];
         for plane in region.planes() {
@@ -37,6 +37,12 @@ impl RegionOnRay {
             }
         }
         Self { ends, is_inverted: region.is_inverted() }
+    }
+
+    /// Whether a depth is in the region.
+    pub(super) fn holds(&self, depth: f64) -> bool {
+        let [start, end] = self.ends;
+        (start <= depth && depth < end) != self.is_inverted
     }
 
     /// The share of a slab: of all of it in `extinction`, else all or nothing by its middle.
@@ -59,7 +65,7 @@ pub(super) fn splitting(mode: Mode) -> Compositing {
     match mode {
         Mode::Separate => Compositing::Separate,
         Mode::Associated | Mode::Maximum | Mode::Minimum => Compositing::Associated,
-        Mode::Extinction | Mode::Average => Compositing::Extinction,
+        Mode::Extinction | Mode::Average | Mode::Isosurfaces => Compositing::Extinction,
     }
 }
 
@@ -83,12 +89,17 @@ pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVe
 }
 
 /// By how many `unit`s renderers may disagree on where planes are.
-const PLACE_OF_A_PLANE: f64 = 1e-5;
+pub(super) const PLACE_OF_A_PLANE: f64 = 1e-5;
 
 /// The pixels, row by row, that may look quite another way to a renderer that rounds otherwise: if the planes
 /// were moved by 10⁻⁵ `unit`s, some share would change by more than half. In `extinction`, only where a ray
-/// lies within a plane; in the other models, where it also meets one in the middle of a slab.
+/// lies within a plane; in the other models, where it also meets one in the middle of a slab. Of isosurfaces,
+/// those that show another colour if planes are moved or values differ by 10⁻⁵ of their range: where a ray
+/// just touches a surface.
 pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
+    if scene.settings.mode == Mode::Isosurfaces {
+        return density::undecided_isosurfaces(scene);
+    }
     let view = View::new(&scene.camera, &scene.image);
     let slabs = match scene.settings.method {
         Method::PostClassified => density::part_faces(scene),

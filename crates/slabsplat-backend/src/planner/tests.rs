@@ -127,5 +127,23 @@ fn planner_refuses_what_cannot_be_drawn() {
     let err = Planner::default().plan(&huge).unwrap_err();
     assert!(matches!(err, PlanError::Image(_)), "{err}");
     check(good.clone().slab_width(-1.0), "slab_width");
-    check(good.slab_width(1e-9), "sheets");
+    check(good.clone().slab_width(1e-9), "sheets");
+    check(good.clone().mode(Mode::Isosurfaces), "needs a value: add --isosurface");
+    let both = good.mode(Mode::Isosurfaces).method(Method::EverySample);
+    check(both, "which every-sample has none of");
+}
+
+/// What decides about a surface is its own value; of two that are one, neither would be in front.
+#[test]
+fn planner_takes_isosurfaces_in_any_order() {
+    let mut scene = scene(RenderSettings::default().mode(Mode::Isosurfaces));
+    let surfaces =
+        [5.0, -1.0, 3.0].map(|value| Isosurface::new(value, 0.5, None).expect("it is finite"));
+    scene.layers[0].isosurfaces = surfaces.to_vec();
+    let plan = Planner::default().plan(&scene).unwrap();
+    let ranges: Vec<_> = plan.layers[0].relevant.iter().map(|range| (range.lo, range.hi)).collect();
+    assert_eq!(ranges, [(-1.0, -1.0), (3.0, 3.0), (5.0, 5.0)]);
+    scene.layers[0].isosurfaces.push(surfaces[1]);
+    let error = Planner::default().plan(&scene).unwrap_err().to_string();
+    assert_eq!(error, "there are two isosurfaces of the value -1: leave one out");
 }

@@ -5,7 +5,7 @@ use super::values::{self, ColorPoints, OpacityPoints};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use slabsplat::io::{self, SceneFile};
-use slabsplat::{Layer, Phong, PiecewiseLinear, Shading, TransferFunction};
+use slabsplat::{Isosurface, Layer, Mode, Phong, PiecewiseLinear, Shading, TransferFunction};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -41,6 +41,14 @@ pub(super) struct LookFlags {
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     transfer_file: Option<PathBuf>,
 
+    /// A surface of one density, opaque and of the density's colour unless these follow, as
+    /// "80:0.4:0.9,0.7,0.6"; may be given several times, and means --mode isosurfaces
+    #[arg(
+        long = "isosurface", value_name = "VALUE[:OPACITY[:R,G,B]]", value_parser = values::isosurface,
+        allow_hyphen_values = true
+    )]
+    isosurfaces: Vec<Isosurface>,
+
     /// What light does to a voxel
     #[arg(long, value_name = "MODEL")]
     shading: Option<Model>,
@@ -69,8 +77,16 @@ impl LookFlags {
             if by_gradient.is_some() {
                 layer.gradient_opacity.clone_from(&by_gradient);
             }
+            if !self.isosurfaces.is_empty() {
+                layer.isosurfaces.clone_from(&self.isosurfaces);
+            }
         }
         Ok(())
+    }
+
+    /// The mode that flags about looks mean.
+    pub(super) fn mode(&self) -> Option<Mode> {
+        (!self.isosurfaces.is_empty()).then_some(Mode::Isosurfaces)
     }
 
     /// The transfer function that flags say as a whole.

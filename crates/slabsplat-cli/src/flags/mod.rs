@@ -62,7 +62,7 @@ impl SceneFlags {
     fn open(&self) -> Result<OpenScene> {
         let mut file = input::scene_file(&self.input)?;
         self.camera.lay_over(&mut file)?;
-        self.settings.lay_over(&mut file)?;
+        self.settings.lay_over(&mut file, self.look.mode())?;
         self.look.lay_over(&mut file)?;
         self.lights.lay_over(&mut file)?;
         self.labels.lay_over(&mut file)?;

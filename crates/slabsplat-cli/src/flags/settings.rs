@@ -1,10 +1,10 @@
 //! Flags of `[render]`.
 
 use super::table::TableFlags;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use slabsplat::io::SceneFile;
-use slabsplat::{BACKEND_NAMES, Method, RenderSettings};
+use slabsplat::{BACKEND_NAMES, Method, Mode, RenderSettings};
 
 #[derive(Args)]
 #[command(next_help_heading = "Rendering")]
@@ -23,8 +23,16 @@ fn backend_help() -> String {
 }
 
 impl SettingsFlags {
-    pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
-        file.settings = self.rows.lay_over(file.settings.clone()).checked()?;
+    /// Lays the flags over a scene, in a mode that others may mean.
+    pub(super) fn lay_over(&self, file: &mut SceneFile, mode: Option<Mode>) -> Result<()> {
+        let mut settings = self.rows.lay_over(file.settings.clone());
+        if let Some(mode) = mode {
+            if self.is_given("mode") && settings.mode != mode {
+                bail!("--isosurface does nothing in the mode {}: leave one out", settings.mode);
+            }
+            settings.mode = mode;
+        }
+        file.settings = settings.checked()?;
         if let Some(backend) = &self.backend {
             file.backend.clone_from(backend);
         }
@@ -33,7 +41,10 @@ impl SettingsFlags {
 
     /// The method, if a flag names it.
     pub(super) fn method(&self) -> Option<Method> {
-        let is_given = self.rows.names().any(|name| name == "method");
-        is_given.then(|| self.rows.lay_over(RenderSettings::default()).method)
+        self.is_given("method").then(|| self.rows.lay_over(RenderSettings::default()).method)
+    }
+
+    fn is_given(&self, row: &str) -> bool {
+        self.rows.names().any(|name| name == row)
     }
 }

@@ -2,7 +2,7 @@
 //! print, so they are plain sentences.
 
 use slabsplat::glam::DVec3;
-use slabsplat::{Light, Plane, Region, SampleType};
+use slabsplat::{Isosurface, Light, Plane, Region, SampleType};
 
 /// Value and opacity, of each point of a transfer function.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +77,15 @@ pub(crate) fn color(text: &str) -> Result<ColorPoints, String> {
     points(text, &[';']).map(ColorPoints)
 }
 
+/// `VALUE`, `VALUE:OPACITY` or `VALUE:OPACITY:R,G,B`.
+pub(crate) fn isosurface(text: &str) -> Result<Isosurface, String> {
+    let mut parts = text.splitn(3, ':');
+    let value = number(parts.next().unwrap_or_default())?;
+    let opacity = parts.next().map_or(Ok(1.0), number)?;
+    let color = parts.next().map(numbers).transpose()?;
+    Isosurface::new(value, opacity, color).map_err(|error| error.to_string())
+}
+
 /// `headlight`, or a direction towards the light, `X,Y,Z`; and after a colon its colour, `R,G,B`.
 pub(crate) fn light(text: &str) -> Result<Light, String> {
     let (source, color) = match text.split_once(':') {
@@ -142,6 +151,9 @@ mod tests {
             Ok(OpacityPoints(vec![(80.0, [0.0]), (255.0, [0.9])]))
         );
         assert_eq!(color("-5:0,0,1;"), Ok(ColorPoints(vec![(-5.0, [0.0, 0.0, 1.0])])));
+        assert_eq!(isosurface("-80"), Ok(Isosurface::new(-80.0, 1.0, None).unwrap()));
+        let red = Isosurface::new(1.5, 0.25, Some([1.0, 0.0, 0.0])).unwrap();
+        assert_eq!(isosurface("1.5: 0.25: 1,0,0"), Ok(red));
         let below = Light::towards(-DVec3::Y).unwrap();
         assert_eq!(light("0,-2,0"), Ok(below));
         assert_eq!(light("0,-2,0:1,0.5,0"), Ok(below.color([1.0, 0.5, 0.0])));
@@ -162,6 +174,10 @@ mod tests {
         check(color("0:1,1").map(drop), "expected 3 numbers");
         check(ends("0,0,0,1,-1,1").map(drop), "from its least to its greatest corner");
         check(plane("0,0,0,1").map(drop), "other than zero");
+        check(isosurface("").map(drop), "\"\" is not a number");
+        check(isosurface("inf").map(drop), "needs a finite value, not inf");
+        check(isosurface("80:1.5").map(drop), "between 0 and 1, not at 1.5");
+        check(isosurface("80:1:1,0").map(drop), "expected 3 numbers");
         check(light("sun").map(drop), "or headlight");
         check(light("0,0,0").map(drop), "other than zero");
         check(sample_type("int12").map(drop), "uint8, int8, uint16");

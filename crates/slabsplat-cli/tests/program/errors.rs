@@ -56,6 +56,17 @@ fn errors_say_what_and_where() {
             "render builtin:cube --method post-classified --layer builtin:cube -o a.png",
             "the method post-classified draws one layer, not 2",
         ),
+        ("render builtin:cube --mode isosurfaces -o a.png", "add --isosurface"),
+        ("render builtin:cube --isosurface nan -o a.png", "needs a finite value, not NaN"),
+        ("render builtin:cube --isosurface 9:2 -o a.png", "between 0 and 1, not at 2"),
+        (
+            "render builtin:cube --isosurface 9 --isosurface 9:1 -o a.png",
+            "two isosurfaces of the value 9",
+        ),
+        (
+            "render builtin:cube --isosurface 9 --mode average -o a.png",
+            "does nothing in the mode average",
+        ),
         ("render builtin:cube:many -o a.png", "\"many\""),
         ("render builtin:cube:2000000 -o a.png", "4 to 1024"),
         ("render builtin:cube -o a.jpg", ".exr or .png"),

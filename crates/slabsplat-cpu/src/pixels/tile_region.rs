@@ -124,6 +124,12 @@ impl TileRegion {
         shares
     }
 
+    /// Whether a pixel's ray is in the region at a depth.
+    pub(crate) fn holds(&self, row: usize, column: usize, depth: f32) -> bool {
+        let is_in_convex = self.starts[row][column] <= depth && depth < self.ends[row][column];
+        is_in_convex != self.is_inverted
+    }
+
     #[inline(always)]
     fn share(&self, [start, end]: [f32; 2], [front, back]: [f32; 2]) -> f32 {
         let of_convex = if self.splits_slabs {

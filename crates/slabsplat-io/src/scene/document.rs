@@ -51,7 +51,7 @@ pub(super) struct VolumeSection {
     pub(super) spacing: Option<[f64; 3]>,
 }
 
-/// Points, a preset or a file. Without `color`, all that is visible is white.
+/// Points, a preset or a file. Without `color`, all that is visible is white. Beside them, isosurfaces.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ClassifySection {
@@ -61,6 +61,16 @@ pub(super) struct ClassifySection {
     pub(super) file: Option<PathBuf>,
     /// What opacity is multiplied with, by the length of the gradient.
     pub(super) gradient_opacity: Option<Vec<[f64; 2]>>,
+    #[serde(default)]
+    pub(super) isosurfaces: Vec<IsosurfaceSection>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct IsosurfaceSection {
+    pub(super) value: f64,
+    pub(super) opacity: Option<f64>,
+    pub(super) color: Option<[f64; 3]>,
 }
 
 /// A volume of labels, and how these look.

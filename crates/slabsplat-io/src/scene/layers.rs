@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
-use super::document::{ClassifySection, Document, LayerSection};
+use super::document::{ClassifySection, Document, IsosurfaceSection, LayerSection};
 use super::sections::into_lights;
 use super::settings_section::SettingsSection;
 use super::{LayerFile, SceneFile};
@@ -75,6 +75,9 @@ impl LayerSection {
             Diagnostic::at("volume", "", what)
         })?;
         let by_gradient = classify.as_ref().map(ClassifySection::checked_gradient_opacity);
+        let isosurfaces = classify.iter().flat_map(|section| &section.isosurfaces);
+        let isosurfaces =
+            isosurfaces.map(IsosurfaceSection::to_isosurface).collect::<Result<_, _>>()?;
         let transfer = classify.map(ClassifySection::into_transfer).transpose()?;
         Ok(LayerFile {
             name,
@@ -83,6 +86,7 @@ impl LayerSection {
             transfer: transfer.flatten(),
             gradient_opacity: by_gradient.transpose()?.flatten(),
             labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
+            isosurfaces,
             shading: shading.unwrap_or_else(SettingsSection::default).into_shading()?,
             region: region.unwrap_or_default().into_desc()?,
         })

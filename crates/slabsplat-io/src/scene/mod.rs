@@ -25,7 +25,7 @@ mod diagnostic;
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{
-    ImageDesc, Light, Phong, PiecewiseLinear, RenderSettings, Shading, TransferFunction,
+    ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading, TransferFunction,
 };
 
 pub use camera::{CameraDesc, ProjectionKind};
@@ -71,6 +71,8 @@ pub struct LayerFile {
     pub gradient_opacity: Option<PiecewiseLinear<1>>,
     /// What its voxels belong to.
     pub labels: Option<LabelsFile>,
+    /// What is shown instead in the mode `isosurfaces`.
+    pub isosurfaces: Vec<Isosurface>,
     /// What light does to them.
     pub shading: Shading,
     /// Where they are seen.
@@ -135,6 +137,7 @@ impl LayerFile {
             transfer: None,
             gradient_opacity: None,
             labels: None,
+            isosurfaces: Vec::new(),
             shading: Shading::Phong(Phong::default()),
             region: RegionDesc::default(),
         }

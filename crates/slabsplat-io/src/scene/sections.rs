@@ -5,15 +5,15 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    ImageDesc, LabelStyle, Light, NotAChoice, Phong, PiecewiseLinear, Plane, Region,
+    ImageDesc, Isosurface, LabelStyle, Light, NotAChoice, Phong, PiecewiseLinear, Plane, Region,
     RenderSettings, Shading, TransferError, TransferFunction,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    CameraSection, ClassifySection, ImageSection, LabelStyleSection, LabelsSection, LightSection,
-    RegionSection, VolumeSection,
+    CameraSection, ClassifySection, ImageSection, IsosurfaceSection, LabelStyleSection,
+    LabelsSection, LightSection, RegionSection, VolumeSection,
 };
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
@@ -46,9 +46,9 @@ impl VolumeSection {
 }
 
 impl ClassifySection {
-    /// `None` if the section is empty, or the transfer function is in a file.
+    /// `None` if the section has none, or it is in a file.
     pub(super) fn into_transfer(self) -> Result<Option<TransferFunction>, Diagnostic> {
-        let Self { opacity, color, preset, file, gradient_opacity: _ } = self;
+        let Self { opacity, color, preset, file, gradient_opacity: _, isosurfaces: _ } = self;
         let n_ways = usize::from(opacity.is_some() || color.is_some())
             + usize::from(preset.is_some())
             + usize::from(file.is_some());
@@ -72,6 +72,14 @@ impl ClassifySection {
     }
 }
 
+impl IsosurfaceSection {
+    pub(super) fn to_isosurface(&self) -> Result<Isosurface, Diagnostic> {
+        let Self { value, opacity, color } = *self;
+        Isosurface::new(value, opacity.unwrap_or(1.0), color)
+            .map_err(|error| Diagnostic::at("classify", "isosurfaces", error.to_string()))
+    }
+}
+
 impl ClassifySection {
     pub(super) fn checked_gradient_opacity(
         &self,
@@ -85,8 +93,9 @@ impl ClassifySection {
 
     /// What must be there, and not in a file.
     fn into_points(self) -> Result<TransferFunction, Diagnostic> {
-        if self.gradient_opacity.is_some() {
-            let what = "gradient_opacity is a layer's: it belongs into [classify]";
+        if self.gradient_opacity.is_some() || !self.isosurfaces.is_empty() {
+            let what = "gradient_opacity and isosurfaces are a layer's, and no label's: they go into its \
+                        [classify]";
             return Err(Diagnostic::at("labels", "styles", what));
         }
         let what = "classify of a style needs opacity (and color), or preset";

@@ -24,6 +24,7 @@ color = [
   [255.0, 1.0, 0.9, 0.8],
 ]
 gradient_opacity = [[0.0, 0.0], [20.0, 1.0]]
+isosurfaces = [{ value = 80 }, { value = 0.5, opacity = 0.25, color = [1, 0, 0.5] }]
 
 [region]
 box = [[-90, -120, -60.5], [0, 90, 100]]
@@ -102,6 +103,8 @@ fn scene_has_every_key() {
     assert_eq!(transfer.opacity(255.0), 0.9);
     assert_eq!(layer.gradient_opacity.as_ref().unwrap().at(5.0), [0.25]);
     assert_eq!(transfer.color(255.0), [1.0, 0.9, 0.8]);
+    let translucent = Isosurface::new(0.5, 0.25, Some([1.0, 0.0, 0.5])).unwrap();
+    assert_eq!(layer.isosurfaces, [Isosurface::new(80.0, 1.0, None).unwrap(), translucent]);
     let ends = [[-90.0, -120.0, -60.5], [0.0, 90.0, 100.0]].map(DVec3::from_array);
     let planes = vec![Plane::new(DVec3::Z, 6.0).unwrap()];
     let region =
@@ -280,6 +283,10 @@ fn scene_bad_values_name_their_line() {
     check("[classify]\npreset = \"gray\"\nfile = \"a\"", ":4: [classify] takes one of");
     check("[classify]\npreset = \"grey\"", ":5: there is no preset \"grey\"");
     check("[classify]\ngradient_opacity = [[0, 1.5]]", ":5: point 0 of gradient_opacity");
+    check("[classify]\nisosurfaces = [{ value = nan }]", ":5: an isosurface needs a finite value");
+    check("[[classify.isosurfaces]]\nvalue = 1\nopacity = 2", "between 0 and 1, not at 2");
+    check("[classify]\nisosurfaces = [{ opacity = 1 }]", ":5: missing field `value`");
+    check("[classify]\nisosurfaces = [{ value = 1, alpha = 1 }]", ":5: unknown key \"alpha\"");
     check("[region]\nplanes = [[0, 0, 0, 1]]", ":5: a plane needs a finite normal");
     check("[region]\nplanes = [[0, 1, 0]]", ":5: invalid length 3");
     check("[region]\nbox = [[0, 0, 0], [1, -1, 1]]", ":5: a box goes from its least");
@@ -295,6 +302,7 @@ fn scene_bad_values_name_their_line() {
         "two styles are of label 1",
     );
     check(&format!("{styles}classify = {{}}"), "classify of a style needs opacity");
+    check(&format!("{styles}classify = {{ isosurfaces = [{{ value = 1 }}] }}"), "and no label's");
     check("[[layers]]", ":1: [volume] belongs below [[layers]], as [layers.volume]");
     check("[volume]", ":4: ");
     check("x = [", ":4: ");

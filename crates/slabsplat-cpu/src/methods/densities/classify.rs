@@ -1,40 +1,28 @@
 //! From the sheets of a tile to its pixels: classification between them, light, compositing.
 
 use super::super::lit_faces::LitFaces;
+use super::depths::Depths;
+use super::groups::groups_in;
 use super::integrals::Integrals;
-use super::nodes::{AtNodes, N_NODES, OnPart, Parts, Rays8};
+use super::nodes::{AtNodes, Ends, N_NODES, OnPart, Parts, Rays8};
+use super::normals::Normals;
 use super::parts::{Lies, PartShader};
-use super::rays::Rays;
-use super::sheets::{
-    AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch,
-};
+use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch};
 use crate::methods::slabs::Sheets;
-use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
-use crate::pixels::quad::QUAD;
-use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use slabsplat_backend::{FramePlan, LayerPlan, Slabs};
-use slabsplat_core::{SlabGrid, View};
 use slabsplat_traverse::BlinnPhong8;
-
-/// A gradient counts in full from this part of the range of values on, per `unit`: less is the noise of a
-/// plateau, and a normal must not turn about within it.
-const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
 /// Classifies and shades what lies between sheets.
 pub(super) struct Classifier<'a> {
     shader: PartShader<'a>,
     cutoff: f32,
-    slabs: &'a SlabGrid,
-    view: View,
+    depths: Depths<'a>,
     limits: Limits,
 }
-
-/// Blocks that eight pixels on end lie in.
-const BLOCKS_PER_GROUP: usize = LANES / BLOCK_SIDE;
 
 impl<'a> Classifier<'a> {
     /// For values of which the finite ones have that scaled extent.
@@ -47,7 +35,6 @@ impl<'a> Classifier<'a> {
         border: usize,
         limits: Limits,
     ) -> Self {
-        let faint = FAINT_GRADIENT * extent / layer.volume.grid().unit();
         Self {
             shader: PartShader {
                 integrals,
@@ -56,17 +43,13 @@ impl<'a> Classifier<'a> {
                     .light
                     .as_ref()
                     .map(|light| BlinnPhong8::new(&light.seen_along(layer.view.axes()))),
-                rays: Rays::new(&layer.view, border),
-                // Never 0, which a gradient of 0 would be divided by.
-                faint: (faint as f32).max(f32::MIN_POSITIVE),
-                per_sheet: (1.0 / slabs.grid.thickness()) as f32,
+                normals: Normals::new(layer, &slabs.grid, extent, border),
                 faces: LitFaces::of(layer),
                 view: layer.view,
                 border,
             },
             cutoff: plan.opacity_cutoff,
-            slabs: &slabs.grid,
-            view: layer.view,
+            depths: Depths { slabs: &slabs.grid, view: layer.view },
             limits,
         }
     }
@@ -97,31 +80,20 @@ impl<'a> Classifier<'a> {
         sums: &mut Sheet,
         (tile, region): (&mut Tile, Option<&TileRegion>),
     ) {
-        let ends = self.ends_of_part(last);
+        let ends = self.depths.of_nodes(last);
         let sheets = ring.up_to(last);
         let mut blocks = sheets[N_BESIDE].held();
         blocks.add(sheets[N_BESIDE + 1].held());
         let blocks = blocks.and(tile.open);
         let blocks = region.map_or(blocks, |region| blocks.and(region.showing(ends)));
-        let pixels = self.pixel_sizes(last);
-        for block_row in 0..BLOCKS_ACROSS {
-            let columns = blocks.row(block_row);
-            for group in 0..TILE_SIDE / LANES {
-                // A bit for each of the group's two blocks.
-                let of_group = columns >> (group * BLOCKS_PER_GROUP) & 0b11;
-                if of_group == 0 {
-                    continue;
-                }
-                for row in block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE {
-                    let open = open_lanes(tile, row, group, of_group);
-                    if open != 0 {
-                        let parts = self.parts(simd, &sheets, [row, group * LANES], open, &pixels);
-                        if let Some(parts) = parts {
-                            let [x, y] = tile.origin;
-                            let lies = Lies { first_pixel: [x + group * LANES, y + row], ends };
-                            self.sum(simd, &parts, [row, group], lies, sums);
-                        }
-                    }
+        let pixels = self.depths.pixel_sizes(last);
+        for group in groups_in(blocks) {
+            let open = group.open(tile);
+            if open != 0 {
+                let parts = self.parts(simd, &sheets, [group.row, group.column], open, &pixels);
+                if let Some(parts) = parts {
+                    let lies = Lies { first_pixel: group.first_pixel(tile), ends };
+                    group.write(&self.shader.sums(simd, &parts, lies), parts.seen, sums);
                 }
             }
         }
@@ -132,16 +104,6 @@ impl<'a> Classifier<'a> {
         if let Some(region) = region {
             tile.close_all(region.over_from(ends[1]));
         }
-    }
-
-    /// The depths between which the two sheets in the middle have their nodes.
-    fn ends_of_part(&self, last: usize) -> [f32; 2] {
-        // Sheets before the first are empty.
-        let middle = |back: usize| {
-            let slab = last as f64 - back as f64;
-            (self.slabs.middle(0) + slab * self.slabs.thickness()) as f32
-        };
-        [middle(N_BESIDE + 1), middle(N_BESIDE)]
     }
 
     /// The parts of eight pixels on end, as far as they are open, a bit each; `None` if nothing of them may
@@ -156,7 +118,7 @@ impl<'a> Classifier<'a> {
         pixels: &[f32; N_SHEETS],
     ) -> Option<Parts<S>> {
         let rays = Rays8::of(simd, sheets, row, column);
-        let (lengths, densities) = (rays.length(), rays.densities());
+        let (lengths, densities) = (rays.length(), rays.densities(Ends::AsHeld));
         let zero = f32x8::splat(simd, 0.0);
         let is_there = lengths.simd_gt(zero).to_bitmask();
         let seen = self.may_show(simd, densities) & is_there & open;
@@ -164,37 +126,11 @@ impl<'a> Classifier<'a> {
             return None;
         }
         let slopes = if self.shader.light.is_some() {
-            rays.slopes(simd, sheets, [row, column], pixels)
+            rays.slopes(simd, sheets, [row, column], pixels, Ends::AsHeld)
         } else {
             [OnPart { ends: [zero; N_NODES], bulge: zero }; 3]
         };
         Some(Parts { lengths, densities, slopes, seen })
-    }
-
-    /// Writes the sums of parts onto a sheet.
-    #[inline(always)]
-    fn sum<S: Simd>(
-        &self,
-        simd: S,
-        parts: &Parts<S>,
-        [row, group]: [usize; 2],
-        lies: Lies,
-        sheet: &mut Sheet,
-    ) {
-        let sums = self.shader.sums(simd, parts, lies);
-        let quads = &mut sheet.sums[row][group * BLOCKS_PER_GROUP..][..BLOCKS_PER_GROUP];
-        for (half, quad) in quads.iter_mut().enumerate() {
-            // What is not touched must stay empty.
-            if parts.seen >> (half * QUAD) & 0b1111 == 0 {
-                continue;
-            }
-            let column = group * BLOCKS_PER_GROUP + half;
-            sheet.touched.add_one([column, row / BLOCK_SIDE]);
-            let (channels, _) = quad.0.as_chunks_mut::<QUAD>();
-            for (channel, sums) in channels.iter_mut().zip(&sums) {
-                channel.copy_from_slice(&sums[half * QUAD..][..QUAD]);
-            }
-        }
     }
 
     /// In which lanes anything shows between two densities, a bit each.
@@ -208,30 +144,6 @@ impl<'a> Classifier<'a> {
         });
         shown.fold(0, |shown, more| shown | more)
     }
-
-    /// World units between the pixels of six sheets.
-    fn pixel_sizes(&self, last: usize) -> [f32; N_SHEETS] {
-        std::array::from_fn(|idx| {
-            let slab = (last + 1 + idx).saturating_sub(N_SHEETS);
-            // Sheets before the near depth are empty, and have no pixels.
-            let depth = self.slabs.middle(slab).max(self.view.near_depth());
-            (1.0 / self.view.pixels_per_world(depth)) as f32
-        })
-    }
-}
-
-/// The lanes of a group of eight pixels whose blocks are meant and which are not opaque.
-#[inline(always)]
-fn open_lanes(tile: &Tile, row: usize, group: usize, blocks: u64) -> u64 {
-    let mut open = 0;
-    for block in 0..LANES / QUAD {
-        let opacities = tile.pixels[row][group * LANES / QUAD + block].opacities();
-        let is_meant = blocks >> block & 1;
-        for (lane, opacity) in opacities.into_iter().enumerate() {
-            open |= (u64::from(opacity < 1.0) & is_meant) << (block * QUAD + lane);
-        }
-    }
-    open
 }
 
 impl Sheets for Classifier<'_> {

@@ -319,6 +319,7 @@ fn steps(transfer: &TransferFunction) -> impl Iterator<Item = f64> + '_ {
 
 #[cfg(test)]
 mod tests {
+    use super::super::values::ends_of_transfer;
     use super::*;
     use fearless_simd::{Level, dispatch};
     use slabsplat_seeds::for_each_seed;
@@ -337,7 +338,7 @@ mod tests {
                 let opacities = positions.iter().map(|&x| (x, [0.95 * rng.f64()])).collect();
                 let colors = vec![(10.0, [0.9, 0.1, 0.4]), (60.0, [0.2, 0.7, 0.4])];
                 let transfer = TransferFunction::new(opacities, colors).unwrap();
-                let scale = ValueScale::new(Some([0.0, 100.0]), &transfer);
+                let scale = ValueScale::new(Some([0.0, 100.0]), ends_of_transfer(&transfer));
                 let compositing = Compositing::ALL[rng.usize(..Compositing::ALL.len())];
                 let integrals = Integrals::new(&transfer, compositing, &scale);
                 for _ in 0..50 {

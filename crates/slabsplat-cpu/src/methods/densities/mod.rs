@@ -25,8 +25,8 @@
 //!
 //! # Reading order
 //!
-//! `values`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `rays`, `nodes`; `integrals`, `parts`;
-//! `classify`; `statistic`.
+//! `values`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rays`, `depths`, `nodes`,
+//! `normals`; `integrals`, `parts`, `classify`; `statistic`; `crossing`, `isosurfaces`.
 
 mod bit_rows;
 mod reach;
@@ -34,7 +34,10 @@ mod selection;
 mod values;
 mod voxels;
 
+mod depths;
+mod groups;
 mod nodes;
+mod normals;
 mod rays;
 mod sheets;
 
@@ -43,6 +46,9 @@ mod parts;
 
 mod classify;
 mod statistic;
+
+mod crossing;
+mod isosurfaces;
 
 #[cfg(test)]
 mod tests;
@@ -54,14 +60,15 @@ use crate::stopwatch::Stopwatch;
 use classify::Classifier;
 use fearless_simd::Level;
 use integrals::Integrals;
+use isosurfaces::Isosurfaces;
 use reach::Reach;
 use selection::Selection;
 use sheets::{Limits, Retained, Scratch};
-use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan};
+use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan, ShownDensities};
 use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
 use statistic::{FULL_PART, Gatherer};
-use values::{ValueScale, finite_range};
+use values::{ValueScale, ends_of_isosurfaces, ends_of_transfer, finite_range};
 use voxels::Selected;
 
 /// Pixels on each side of a tile that are summed for gradients alone.
@@ -117,46 +124,75 @@ pub(crate) fn render(
     let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));
     let is_exact = splats.separable.is_none();
     let reach = Reach::of(layer, &frame.raster, &splats.slabs.grid, is_exact);
-    let selected_by = (ByIdentity::of(layer.volume), layer.relevant.clone(), reach);
+    let (scale, ranges) = shown_on_scale(layer, splats.shown, finite);
+    let selected_by = (ByIdentity::of(layer.volume), ranges, reach);
     let selection = selection.made_of(selected_by, |(_, ranges, reach)| {
         Selection::new(layer.volume, finite, ranges, reach)
     });
     watch.done("list");
-    let n_occluded = draw(&frame, finite, selection, tiles, (slabs, integrals), watch);
+    let n_occluded = draw(&frame, (finite, scale), selection, tiles, (slabs, integrals), watch);
     [selection.n_voxels as u64, n_occluded]
+}
+
+/// What values are summed as, and which densities decide what is shown.
+fn shown_on_scale(
+    layer: &LayerPlan<'_>,
+    shown: ShownDensities,
+    finite: Option<[f64; 2]>,
+) -> (ValueScale, Vec<IsoRange>) {
+    match shown {
+        ShownDensities::Composited | ShownDensities::Statistic(_) => {
+            (ValueScale::new(finite, ends_of_transfer(layer.transfer)), layer.relevant.clone())
+        }
+        ShownDensities::Isosurfaces => {
+            let scale = ValueScale::new(finite, ends_of_isosurfaces(layer.isosurfaces));
+            let ranges = isosurfaces::ranges(layer, &scale);
+            (scale, ranges)
+        }
+    }
 }
 
 /// Draws the selected voxels of a volume whose finite values are of that range, if there are any.
 fn draw(
     Frame { plan, layer, level, splats, raster }: &Frame<'_>,
-    finite: Option<[f64; 2]>,
+    (finite, scale): (Option<[f64; 2]>, ValueScale),
     selection: &Selection,
     tiles: &mut Tiles,
     (slabs, integrals): (&mut slabs::Buffers<Retained, Scratch>, &mut CachedIntegrals),
     watch: &mut Stopwatch,
 ) -> u64 {
-    let scale = ValueScale::new(finite, layer.transfer);
+    let extent = finite.map_or(0.0, |range| scale.extent(range));
     let voxels = &Selected::new(selection, layer.volume, scale);
     let bricks = &BrickView::new(layer.volume.grid(), &layer.view);
     let stage = Stage { plan, layer, level: *level, raster, bricks, voxels };
     let layers = [(stage, SectionsInSlabs::of_densities(splats))];
     let limits = Limits::new(scale.ends(), splats.separable.is_none());
-    if let Some(statistic) = splats.statistic {
-        let slabs_of_sheets = &splats.slabs.grid;
-        let width = slabs_of_sheets.thickness() / layer.volume.grid().unit();
-        let per_full_length = (1.0 / (FULL_PART * width)) as f32;
-        let gatherer = Gatherer { statistic, slabs: slabs_of_sheets, limits, per_full_length };
-        let n_occluded = slabs::render(&layers, &gatherer, tiles, slabs, watch);
-        statistic::classify(tiles, layer.transfer, &scale);
-        return n_occluded;
+    let of_sheets = &splats.slabs;
+    match splats.shown {
+        ShownDensities::Composited => {
+            let key = (layer.transfer.clone(), plan.compositing, scale);
+            let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
+                Integrals::new(transfer, *compositing, scale)
+            });
+            let classifier =
+                Classifier::new(plan, layer, of_sheets, integrals, extent, BORDER, limits);
+            slabs::render(&layers, &classifier, tiles, slabs, watch)
+        }
+        ShownDensities::Statistic(statistic) => {
+            let width = of_sheets.grid.thickness() / layer.volume.grid().unit();
+            let per_full_length = (1.0 / (FULL_PART * width)) as f32;
+            let gatherer = Gatherer { statistic, slabs: &of_sheets.grid, limits, per_full_length };
+            let n_occluded = slabs::render(&layers, &gatherer, tiles, slabs, watch);
+            statistic::classify(tiles, layer.transfer, &scale);
+            n_occluded
+        }
+        ShownDensities::Isosurfaces => {
+            let cutoff = plan.opacity_cutoff;
+            let surfaces =
+                Isosurfaces::new(layer, of_sheets, (&scale, extent), cutoff, BORDER, limits);
+            slabs::render(&layers, &surfaces, tiles, slabs, watch)
+        }
     }
-    let key = (layer.transfer.clone(), plan.compositing, scale);
-    let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
-        Integrals::new(transfer, *compositing, scale)
-    });
-    let extent = finite.map_or(0.0, |range| scale.extent(range));
-    let classifier = Classifier::new(plan, layer, &splats.slabs, integrals, extent, BORDER, limits);
-    slabs::render(&layers, &classifier, tiles, slabs, watch)
 }
 
 impl Buffers {

@@ -28,6 +28,15 @@ pub(super) struct OnPart<S: Simd> {
     pub(super) bulge: f32x8<S>,
 }
 
+/// What a part of a ray goes from and to.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Ends {
+    /// The node of the sheet that holds more, and as far from it as the other one holds of it (model §8).
+    AsHeld,
+    /// Both nodes (model §12): parts on end leave nothing out between them.
+    Nodes,
+}
+
 /// What lies between the nodes on the rays of eight pixels.
 pub(super) struct Parts<S: Simd> {
     /// How much of the ray it is, in `unit`s.
@@ -92,6 +101,12 @@ impl<S: Simd> Rays8<S> {
         (self.lengths[FIRST] + self.lengths[FIRST + 1]) * 0.5
     }
 
+    /// How much of the ray the sheets of both nodes hold.
+    #[inline(always)]
+    pub(super) fn lengths(&self) -> AtNodes<S> {
+        [self.lengths[FIRST], self.lengths[FIRST + 1]]
+    }
+
     /// How much of the ray the sheet of the first node holds.
     #[inline(always)]
     pub(super) fn first_length(&self) -> f32x8<S> {
@@ -121,8 +136,8 @@ impl<S: Simd> Rays8<S> {
 
     /// Densities at the ends of the part between the nodes.
     #[inline(always)]
-    pub(super) fn densities(&self) -> AtNodes<S> {
-        self.part_ends(self.at_nodes(&self.densities))
+    pub(super) fn densities(&self, ends: Ends) -> AtNodes<S> {
+        self.part_ends(ends, self.at_nodes(&self.densities))
     }
 
     /// What is the mean of each sheet, at the nodes.
@@ -138,15 +153,19 @@ impl<S: Simd> Rays8<S> {
         means[here] - (before + behind) * (1.0 / 24.0)
     }
 
-    /// Where a part begins and ends: a sheet that holds less than the other is as far from it as it holds of
-    /// it.
+    /// What a part begins and ends with.
     #[inline(always)]
-    fn part_ends(&self, [first, last]: AtNodes<S>) -> AtNodes<S> {
-        let change = last - first;
-        [
-            last - self.shares_before[FIRST] * change,
-            self.shares_behind[FIRST].mul_add(change, first),
-        ]
+    fn part_ends(&self, ends: Ends, [first, last]: AtNodes<S>) -> AtNodes<S> {
+        match ends {
+            Ends::AsHeld => {
+                let change = last - first;
+                [
+                    last - self.shares_before[FIRST] * change,
+                    self.shares_behind[FIRST].mul_add(change, first),
+                ]
+            }
+            Ends::Nodes => [first, last],
+        }
     }
 
     /// Slopes to the right and upwards, per world unit, and along the ray, per sheet. `pixels` are the world
@@ -160,12 +179,13 @@ impl<S: Simd> Rays8<S> {
         sheets: &[&DensitySheet; N_SHEETS],
         place: [usize; 2],
         pixels: &[f32; N_SHEETS],
+        ends: Ends,
     ) -> [OnPart<S>; 3] {
         simd.vectorize(
             #[inline(always)]
             || {
-                let [right, up] = self.across(simd, sheets, place, pixels);
-                [right, up, self.along(simd)]
+                let [right, up] = self.across(simd, sheets, place, pixels, ends);
+                [right, up, self.along(simd, ends)]
             },
         )
     }
@@ -178,6 +198,7 @@ impl<S: Simd> Rays8<S> {
         sheets: &[&DensitySheet; N_SHEETS],
         [row, column]: [usize; 2],
         pixels: &[f32; N_SHEETS],
+        ends: Ends,
     ) -> [OnPart<S>; 2] {
         let zero = f32x8::splat(simd, 0.0);
         let (mut right, mut up) = ([zero; N_SHEETS], [zero; N_SHEETS]);
@@ -192,16 +213,16 @@ impl<S: Simd> Rays8<S> {
             right[idx] = per_pixel * difference(simd, here, after, before);
             up[idx] = per_pixel * difference(simd, here, above, below);
         }
-        [self.across_part(&right), self.across_part(&up)]
+        [self.across_part(ends, &right), self.across_part(ends, &up)]
     }
 
     /// A slope on the part of which that are the means in sheets.
     #[inline(always)]
-    fn across_part(&self, means: &[f32x8<S>; N_SHEETS]) -> OnPart<S> {
+    fn across_part(&self, ends: Ends, means: &[f32x8<S>; N_SHEETS]) -> OnPart<S> {
         let outer = self.shares_before[FIRST - 1] * (means[FIRST - 1] - means[FIRST])
             + self.shares_behind[FIRST + 1] * (means[FIRST + 2] - means[FIRST + 1]);
         let bulge = self.evenness() * outer * (-1.0 / 16.0);
-        OnPart { ends: self.part_ends(self.at_nodes(means)), bulge }
+        OnPart { ends: self.part_ends(ends, self.at_nodes(means)), bulge }
     }
 
     /// `λ`: 1 between sheets that hold as much of the ray, 0 where one holds nothing.
@@ -213,20 +234,20 @@ impl<S: Simd> Rays8<S> {
     /// Slopes along the ray: from both sides, or from the one that there is; where there are two sheets on
     /// either side, of the fourth order.
     #[inline(never)]
-    fn along(&self, simd: S) -> OnPart<S> {
+    fn along(&self, simd: S, ends: Ends) -> OnPart<S> {
         simd.vectorize(
             #[inline(always)]
-            || self.along_inlined(simd),
+            || self.along_inlined(simd, ends),
         )
     }
 
     #[inline(always)]
-    fn along_inlined(&self, simd: S) -> OnPart<S> {
+    fn along_inlined(&self, simd: S, ends: Ends) -> OnPart<S> {
         let d = &self.densities;
         let outer = self.backward(FIRST - 1) + self.forward(FIRST + 1);
         let half_way = (d[FIRST + 1] - d[FIRST]) * (7.0 / 6.0) - outer * (1.0 / 12.0);
         let nodes = [self.slope_at_node(simd, FIRST), self.slope_at_node(simd, FIRST + 1)];
-        let ends = self.part_ends(nodes);
+        let ends = self.part_ends(ends, nodes);
         OnPart { ends, bulge: self.evenness() * (half_way - (ends[0] + ends[1]) * 0.5) }
     }
 

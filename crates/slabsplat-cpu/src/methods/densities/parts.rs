@@ -12,23 +12,18 @@
 use super::super::lit_faces::LitFaces;
 use super::integrals::Integrals;
 use super::nodes::Parts;
-use super::rays::Rays;
+use super::normals::{Normals, Slopes};
 use super::sheets::{Eight, LANES};
 use fearless_simd::Simd;
 use slabsplat_core::{Compositing, View};
 use slabsplat_traverse::{BlinnPhong8, Light8};
 
-/// Slopes of eight parts.
-struct Slopes {
-    /// Where they begin: to the right and upwards per world unit, along the ray per sheet.
-    starts: [Eight; 3],
-    /// From the start to the end.
-    changes: [Eight; 3],
-    /// Four times how much more they are half way than in the mean of both.
-    bulges: [Eight; 3],
-    /// The middle of what is seen of each, and how much of it is seen.
+/// What is seen of eight parts.
+struct Seen {
+    slopes: Slopes,
+    /// The middle of it, and how much of each part it is.
     middles: Eight,
-    seen: Eight,
+    shares: Eight,
     /// How the rays are slanted.
     slants: [Eight; 2],
     lies: Lies,
@@ -43,51 +38,27 @@ pub(super) struct Lies {
     pub(super) ends: [f32; 2],
 }
 
-impl Slopes {
-    /// Those of parts of which what is seen lies in the mean at those places.
+impl Seen {
+    /// What lies in the mean at those places.
     #[inline(always)]
-    fn of<S: Simd>(parts: &Parts<S>, places: &Eight, slants: [Eight; 2], lies: Lies) -> Self {
-        let mut slopes = Self {
-            starts: [[0.0; LANES]; 3],
-            changes: [[0.0; LANES]; 3],
-            bulges: [[0.0; LANES]; 3],
-            middles: *places,
-            seen: [0.0; LANES],
-            slants,
-            lies,
-        };
-        for (axis, slope) in parts.slopes.iter().enumerate() {
-            let [start, end] = slope.ends;
-            slopes.starts[axis] = start.into();
-            slopes.changes[axis] = (end - start).into();
-            slopes.bulges[axis] = (slope.bulge * 4.0).into();
-        }
-        for (seen, place) in slopes.seen.iter_mut().zip(places) {
+    fn of<S: Simd>(parts: &Parts<S>, middles: &Eight, slants: [Eight; 2], lies: Lies) -> Self {
+        let mut shares = [0.0; LANES];
+        for (share, middle) in shares.iter_mut().zip(middles) {
             // It lies evenly around its mean, as far as the part goes on both sides.
-            *seen = 2.0 * place.min(1.0 - place);
+            *share = 2.0 * middle.min(1.0 - middle);
         }
-        slopes
+        Self { slopes: Slopes::of(&parts.slopes), middles: *middles, shares, slants, lies }
     }
 
-    /// Where on its part, from 0 to 1, a place of what is seen is, counted from its middle.
+    /// Where on each part, from 0 to 1, a place of what is seen is, counted from its middle.
     #[inline(always)]
-    fn place(&self, lane: usize, at: f32) -> f32 {
-        self.middles[lane] + self.seen[lane] * at
-    }
-
-    /// The slopes at a place of what is seen, counted from its middle.
-    #[inline(always)]
-    fn at(&self, at: f32) -> [Eight; 3] {
-        let mut slopes = [[0.0; LANES]; 3];
-        for (axis, slopes) in slopes.iter_mut().enumerate() {
-            let (starts, changes) = (&self.starts[axis], &self.changes[axis]);
-            for lane in 0..LANES {
-                let t = self.place(lane, at);
-                let curve = t * (1.0 - t) * self.bulges[axis][lane];
-                slopes[lane] = starts[lane] + t * changes[lane] + curve;
-            }
+    fn places(&self, at: f32) -> Eight {
+        let mut places = [0.0; LANES];
+        let seen = self.middles.iter().zip(&self.shares);
+        for (place, (middle, share)) in places.iter_mut().zip(seen) {
+            *place = middle + share * at;
         }
-        slopes
+        places
     }
 }
 
@@ -100,11 +71,7 @@ pub(super) struct PartShader<'a> {
     pub(super) compositing: Compositing,
     /// By directions to the right, upwards and forward.
     pub(super) light: Option<BlinnPhong8>,
-    pub(super) rays: Rays,
-    /// A gradient from which on surfaces are lit in full: scaled, per world unit.
-    pub(super) faint: f32,
-    /// Sheets in a world unit.
-    pub(super) per_sheet: f32,
+    pub(super) normals: Normals,
     /// Faces of the region, if they are lit.
     pub(super) faces: Option<LitFaces<'a>>,
     pub(super) view: View,
@@ -177,7 +144,7 @@ impl PartShader<'_> {
         through: &Eight,
         lies: Lies,
     ) -> [[Eight; 2]; N] {
-        let slopes = Slopes::of(parts, places, self.rays.slants(lies.first_pixel), lies);
+        let seen = Seen::of(parts, places, self.normals.slants(lies.first_pixel), lies);
         let mut channels = [[[0.0; LANES]; 2]; N];
         let mut weights = [0.0; LANES];
         for lane in 0..LANES {
@@ -185,7 +152,7 @@ impl PartShader<'_> {
             weights[lane] = 1.0 / ((1.0 + q) * (1.0 + q * q));
         }
         for at in LIT_AT {
-            let lights: [Light8; N] = self.light_at(simd, light, &slopes, at);
+            let lights: [Light8; N] = self.light_at(simd, light, &seen, at);
             for ([diffuse, specular], light) in channels.iter_mut().zip(&lights) {
                 for lane in 0..LANES {
                     diffuse[lane] += weights[lane] * light.diffuse[lane];
@@ -223,15 +190,16 @@ impl PartShader<'_> {
         &self,
         simd: S,
         light: &BlinnPhong8,
-        slopes: &Slopes,
+        seen: &Seen,
         at: f32,
     ) -> [Light8; N] {
         simd.vectorize(
             #[inline(always)]
             || {
-                let mut normals = self.normals(&slopes.at(at), &slopes.slants);
+                let places = seen.places(at);
+                let mut normals = self.normals.of(&seen.slopes.at(&places), &seen.slants);
                 if let Some(faces) = &self.faces {
-                    self.put_faces(faces, slopes, at, &mut normals);
+                    self.put_faces(faces, seen.lies, &places, &mut normals);
                 }
                 light.of_normals(&normals)
             },
@@ -240,35 +208,22 @@ impl PartShader<'_> {
 
     /// Puts the normals of lit faces in the place of those near them.
     #[inline(never)]
-    fn put_faces(&self, faces: &LitFaces<'_>, slopes: &Slopes, at: f32, normals: &mut [Eight; 3]) {
-        let Lies { first_pixel: [x, y], ends: [front, back] } = slopes.lies;
+    fn put_faces(
+        &self,
+        faces: &LitFaces<'_>,
+        Lies { first_pixel: [x, y], ends: [front, back] }: Lies,
+        places: &Eight,
+        normals: &mut [Eight; 3],
+    ) {
         for lane in 0..LANES {
             let pixel = [x + lane, y].map(|p| p as f64 - self.border as f64 + 0.5);
             let ray = self.view.ray(pixel);
-            let depth = front + slopes.place(lane, at) * (back - front);
+            let depth = front + places[lane] * (back - front);
             let normal = normals.each_mut().map(|components| &mut components[lane]);
             if let Some(face) = faces.at(ray.start + ray.step * f64::from(depth)) {
                 let lit_by = face.instead_of(normal.each_ref().map(|component| **component));
                 normal.into_iter().zip(lit_by).for_each(|(own, by)| *own = by);
             }
         }
-    }
-
-    /// `−∇d/max(|∇d|, faint)`, to the right, upwards and forward.
-    #[inline(always)]
-    fn normals(&self, [right, up, along]: &[Eight; 3], slants: &[Eight; 2]) -> [Eight; 3] {
-        let mut normals = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            // From a sheet to the next, a pixel moves with its ray.
-            let depth = along[lane] * self.per_sheet
-                - slants[0][lane] * right[lane]
-                - slants[1][lane] * up[lane];
-            let squared = right[lane] * right[lane] + up[lane] * up[lane] + depth * depth;
-            let factor = -1.0 / squared.sqrt().max(self.faint);
-            normals[0][lane] = right[lane] * factor;
-            normals[1][lane] = up[lane] * factor;
-            normals[2][lane] = depth * factor;
-        }
-        normals
     }
 }

@@ -9,15 +9,14 @@
 //! Until then a tile's pixels hold what was found, scaled, in their first channel; in their second how much,
 //! which is 1, or for a mean the length that it was taken over; in their third by how much it counts.
 
+use super::groups::{BLOCKS_PER_GROUP, Group, groups_in};
 use super::nodes::Rays8;
 use super::sheets::{
     AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch,
 };
 use super::values::ValueScale;
 use crate::methods::slabs::Sheets;
-use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use crate::pixels::quad::QUAD;
-use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
@@ -37,9 +36,6 @@ pub(super) struct Gatherer<'a> {
 
 /// A sheet counts in full that holds this part of its thickness.
 pub(super) const FULL_PART: f64 = 1.0 / 16.0;
-
-/// Blocks that eight pixels on end lie in.
-const BLOCKS_PER_GROUP: usize = LANES / BLOCK_SIDE;
 
 impl Gatherer<'_> {
     /// Looks at the first of the two sheets in the middle, if `last` is the slab of the last one.
@@ -71,22 +67,16 @@ impl Gatherer<'_> {
         let faces = self.faces(last);
         let blocks = sheets[N_BESIDE].held().and(tile.open);
         let blocks = region.map_or(blocks, |region| blocks.and(region.showing(faces)));
-        for block_row in 0..BLOCKS_ACROSS {
-            for group in 0..TILE_SIDE / LANES {
-                if blocks.row(block_row) >> (group * BLOCKS_PER_GROUP) & 0b11 == 0 {
-                    continue;
-                }
-                for row in block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE {
-                    let mut shares = [1.0; LANES];
-                    if let Some(region) = region {
-                        let (halves, _) = shares.as_chunks_mut::<QUAD>();
-                        for (half, shares) in halves.iter_mut().enumerate() {
-                            *shares = region.shares(row, group * LANES + half * QUAD, faces);
-                        }
-                    }
-                    self.gather_eight(simd, &sheets, [row, group], shares, tile);
+        for group in groups_in(blocks) {
+            let Group { row, column, .. } = group;
+            let mut shares = [1.0; LANES];
+            if let Some(region) = region {
+                let (halves, _) = shares.as_chunks_mut::<QUAD>();
+                for (half, shares) in halves.iter_mut().enumerate() {
+                    *shares = region.shares(row, column + half * QUAD, faces);
                 }
             }
+            self.gather_eight(simd, &sheets, [row, column], shares, tile);
         }
     }
 
@@ -95,18 +85,18 @@ impl Gatherer<'_> {
         &self,
         simd: S,
         sheets: &[&DensitySheet; N_SHEETS],
-        [row, group]: [usize; 2],
+        [row, column]: [usize; 2],
         shares: [f32; LANES],
         tile: &mut Tile,
     ) {
-        let rays = Rays8::of(simd, sheets, row, group * LANES);
+        let rays = Rays8::of(simd, sheets, row, column);
         let lengths: [f32; LANES] = rays.first_length().into();
         let values: [f32; LANES] = match self.statistic {
             Statistic::Maximum => rays.peak(simd, 1.0).into(),
             Statistic::Minimum => rays.peak(simd, -1.0).into(),
             Statistic::Average => rays.first_density().into(),
         };
-        let quads = &mut tile.pixels[row][group * BLOCKS_PER_GROUP..][..BLOCKS_PER_GROUP];
+        let quads = &mut tile.pixels[row][column / QUAD..][..BLOCKS_PER_GROUP];
         for (half, quad) in quads.iter_mut().enumerate() {
             for pixel in 0..QUAD {
                 let lane = half * QUAD + pixel;

@@ -1,13 +1,13 @@
-//! Values as sheets sum them: 32-bit numbers from −1 to 1, counted from the middle of the transfer function,
-//! where digits matter most.
+//! Values as sheets sum them: 32-bit numbers from −1 to 1, counted from the middle of the transfer function
+//! or of the isosurfaces, where digits matter most.
 
 use rayon::prelude::*;
-use slabsplat_core::{Sample, TransferFunction, Volume, with_samples};
+use slabsplat_core::{Isosurface, Sample, TransferFunction, Volume, with_samples};
 
 /// Takes values to what is summed, and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ValueScale {
-    /// Half of the middle of the transfer function: halved numbers have finite differences.
+    /// Half of that middle: halved numbers have finite differences.
     half_middle: f64,
     /// Half of the largest distance of a value from that middle.
     half_reach: f64,
@@ -16,9 +16,9 @@ pub(super) struct ValueScale {
 }
 
 impl ValueScale {
-    /// The scale for values of the range `finite`, if there are any, under `transfer`.
-    pub(super) fn new(finite: Option<[f64; 2]>, transfer: &TransferFunction) -> Self {
-        let [first, last] = ends(transfer);
+    /// The scale for values of the range `finite`, if there are any, and those from `first` to `last`, which
+    /// decide.
+    pub(super) fn new(finite: Option<[f64; 2]>, [first, last]: [f64; 2]) -> Self {
         let half_middle = 0.25 * first + 0.25 * last;
         let [lo, hi] = finite.unwrap_or([first, last]);
         let ends = [lo.min(first), hi.max(last)];
@@ -57,9 +57,18 @@ impl ValueScale {
 }
 
 /// The first and the last point of either function.
-fn ends(transfer: &TransferFunction) -> [f64; 2] {
+pub(super) fn ends_of_transfer(transfer: &TransferFunction) -> [f64; 2] {
+    ends_of(transfer.positions())
+}
+
+/// The first and the last surface.
+pub(super) fn ends_of_isosurfaces(isosurfaces: &[Isosurface]) -> [f64; 2] {
+    ends_of(isosurfaces.iter().map(Isosurface::value))
+}
+
+fn ends_of(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
-    transfer.positions().fold(none, |[lo, hi], x| [lo.min(x), hi.max(x)])
+    values.fold(none, |[lo, hi], x| [lo.min(x), hi.max(x)])
 }
 
 /// The least and the largest finite value; `None` if there is none.
@@ -100,7 +109,7 @@ mod tests {
             ([7.0, 7.0], vec![7.0]),
             ([-1.7e308, 1.7e308], vec![-1e308, 1.7e308]),
         ] {
-            let scale = ValueScale::new(Some(range), &transfer(&points));
+            let scale = ValueScale::new(Some(range), ends_of_transfer(&transfer(&points)));
             for value in [range[0], range[1], points[0]] {
                 let back = scale.value(scale.scaled(value).into());
                 let tolerance = 1e-6 * (0.5 * value - scale.half_middle).abs() + 1e-12;
@@ -116,7 +125,7 @@ mod tests {
         let volume = Volume::new(grid, samples.into(), Scaling { slope: -2.0, intercept: 1.0 });
         let range = finite_range(&volume.unwrap());
         assert_eq!(range, Some([-5.0, -5.0]));
-        let scale = ValueScale::new(range, &transfer(&[-2.0, 9.0]));
+        let scale = ValueScale::new(range, [-2.0, 9.0]);
         let back = |value: f64| scale.value(scale.scaled(value).into());
         assert!((back(f64::INFINITY) - 9.0).abs() < 1e-5, "the transfer function's end");
         assert!((back(f64::NEG_INFINITY) + 5.0).abs() < 1e-5, "the least value");

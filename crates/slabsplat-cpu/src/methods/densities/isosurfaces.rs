@@ -1,0 +1,361 @@
+//! Surfaces on which densities have given values (model §12).
+//!
+//! ```text
+//! for each part between two nodes, of eight pixels at once:
+//!     for each value that lies between the densities at both, in the order in which the ray passes them:
+//!         the place at which a cubic has it                            (crossing.rs)
+//!         fade out where the volume ends; look whether the region holds the place
+//!         slopes there, normal, light                                  (normals.rs)
+//!         lay it behind what the part has shown so far
+//!     composite the part, as any sheet
+//! ```
+
+use super::crossing::Way;
+use super::depths::Depths;
+use super::groups::{Group, groups_in};
+use super::nodes::{AtNodes, Ends, Rays8};
+use super::normals::{Normals, Slopes};
+use super::sheets::{AT_ONCE, Eight, LANES, Limits, N_BESIDE, Retained, Ring, Scratch};
+use super::values::ValueScale;
+use crate::methods::slabs::Sheets;
+use crate::pixels::sheet::Sheet;
+use crate::pixels::tile::Tile;
+use crate::pixels::tile_region::TileRegion;
+use crate::sections::cut::bits;
+use fearless_simd::{Simd, f32x8, prelude::*};
+use slabsplat_backend::{LayerPlan, Slabs};
+use slabsplat_core::{Compositing, IsoRange, Isosurface};
+use slabsplat_traverse::{BlinnPhong8, Light8};
+
+/// Finds and shades surfaces.
+pub(super) struct Isosurfaces<'a> {
+    /// By value, rising.
+    surfaces: Vec<Surface>,
+    /// By directions to the right, upwards and forward.
+    light: Option<BlinnPhong8>,
+    normals: Normals,
+    depths: Depths<'a>,
+    cutoff: f32,
+    limits: Limits,
+    fading: Fading,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    /// Scaled.
+    value: f32,
+    opacity: f32,
+    color: [f32; 3],
+}
+
+/// From where a sheet holds this part of its thickness, a surface begins to show, and counts in full from
+/// where it holds that one: half way in between, half a voxel outside of the outermost ones, volumes end.
+const FADING: [f64; 2] = [0.375, 0.625];
+
+/// A density that is less than this part of all values below a surface's counts as on it: plateaus that are
+/// rounded to either side must not be speckled.
+const PLATEAU: f64 = 1.0 / (1 << 19) as f64;
+
+/// Where volumes end, surfaces do.
+#[derive(Clone, Copy, Debug)]
+struct Fading {
+    /// The length of the ray in a sheet, in `unit`s, from which on a surface shows.
+    least: f32,
+    /// By how much more it counts for a longer one.
+    per_length: f32,
+}
+
+impl Fading {
+    /// In sheets of that thickness, in `unit`s.
+    fn new(thickness: f64) -> Self {
+        let [least, most] = FADING.map(|part| part * thickness);
+        Self { least: least as f32, per_length: (1.0 / (most - least)) as f32 }
+    }
+
+    /// By how much a surface counts where sheets hold so much.
+    fn counts(&self, length: f32) -> f32 {
+        ((length - self.least) * self.per_length).clamp(0.0, 1.0)
+    }
+}
+
+/// The values that the surfaces of a layer count as, each a range.
+pub(super) fn ranges(layer: &LayerPlan<'_>, scale: &ValueScale) -> Vec<IsoRange> {
+    let range = |surface: &Isosurface| {
+        let value = scale.value(on_scale(surface, scale));
+        IsoRange { lo: value, hi: value }
+    };
+    layer.isosurfaces.iter().map(range).collect()
+}
+
+/// What the value of a surface counts as, scaled.
+fn on_scale(surface: &Isosurface, scale: &ValueScale) -> f64 {
+    let [least, largest] = scale.ends().map(f64::from);
+    scale.unclamped(surface.value()) - PLATEAU * (largest - least)
+}
+
+/// Parts of the rays of eight pixels, some of which pass a surface.
+struct Passing<'a> {
+    densities: [Eight; 2],
+    slopes: Slopes,
+    /// Slopes along the rays, at both ends.
+    along: [Eight; 2],
+    slants: [Eight; 2],
+    /// How much of the rays the sheets at both ends hold.
+    lengths: [Eight; 2],
+    /// Which of them pass any, a bit each.
+    passing: u64,
+    group: Group,
+    /// The depths of both ends, and what of a tile is seen.
+    depths: [f32; 2],
+    region: Option<&'a TileRegion>,
+}
+
+/// Where eight rays pass a surface each.
+#[derive(Default)]
+struct Crossings {
+    places: Eight,
+    /// 0 where none is passed.
+    opacities: Eight,
+    colors: [Eight; 3],
+}
+
+impl<'a> Isosurfaces<'a> {
+    /// Those of a layer, for values on a scale of which the finite ones have that extent.
+    pub(super) fn new(
+        layer: &'a LayerPlan<'_>,
+        slabs: &'a Slabs,
+        (scale, extent): (&ValueScale, f64),
+        cutoff: f32,
+        border: usize,
+        limits: Limits,
+    ) -> Self {
+        let mut surfaces: Vec<Surface> =
+            layer.isosurfaces.iter().map(|surface| Surface::new(surface, layer, scale)).collect();
+        surfaces.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let thickness = slabs.grid.thickness() / layer.volume.grid().unit();
+        Self {
+            surfaces,
+            light: layer
+                .light
+                .as_ref()
+                .map(|light| BlinnPhong8::new(&light.seen_along(layer.view.axes()))),
+            normals: Normals::new(layer, &slabs.grid, extent, border),
+            depths: Depths { slabs: &slabs.grid, view: layer.view },
+            cutoff,
+            limits,
+            fading: Fading::new(thickness),
+        }
+    }
+
+    /// Draws what lies between the two sheets in the middle, if `last` is the slab of the last one, behind
+    /// what the tile holds. `sums` is empty.
+    #[inline(never)]
+    fn draw<S: Simd>(
+        &self,
+        simd: S,
+        last: usize,
+        ring: &Ring,
+        sums: &mut Sheet,
+        tile: (&mut Tile, Option<&TileRegion>),
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.draw_inlined(simd, last, ring, sums, tile),
+        );
+    }
+
+    #[inline(always)]
+    fn draw_inlined<S: Simd>(
+        &self,
+        simd: S,
+        last: usize,
+        ring: &Ring,
+        sums: &mut Sheet,
+        (tile, region): (&mut Tile, Option<&TileRegion>),
+    ) {
+        let depths = self.depths.of_nodes(last);
+        let sheets = ring.up_to(last);
+        // What lies between a sheet and nothing has no density to go to.
+        let blocks = sheets[N_BESIDE].held().and(sheets[N_BESIDE + 1].held()).and(tile.open);
+        let blocks = region.map_or(blocks, |region| blocks.and(region.showing(depths)));
+        let pixels = self.depths.pixel_sizes(last);
+        for group in groups_in(blocks) {
+            let rays = Rays8::of(simd, &sheets, group.row, group.column);
+            let densities = rays.densities(Ends::Nodes);
+            let passing = self.passing(simd, densities) & are_held(simd, rays.lengths());
+            let passing = if passing == 0 { 0 } else { passing & group.open(tile) };
+            if passing == 0 {
+                continue;
+            }
+            let place = [group.row, group.column];
+            let slopes = rays.slopes(simd, &sheets, place, &pixels, Ends::Nodes);
+            let parts = Passing {
+                densities: densities.map(Into::into),
+                along: slopes[2].ends.map(Into::into),
+                slopes: Slopes::of(&slopes),
+                slants: self.normals.slants(group.first_pixel(tile)),
+                lengths: rays.lengths().map(Into::into),
+                passing,
+                group,
+                depths,
+                region,
+            };
+            group.write(&self.sums(simd, &parts), passing, sums);
+        }
+        tile.put_behind(simd, Compositing::Associated, sums, self.cutoff);
+        if let Some(region) = region {
+            tile.close_all(region.over_from(depths[1]));
+        }
+    }
+
+    /// Which of eight rays pass any surface from one density to another, a bit each.
+    #[inline(always)]
+    fn passing<S: Simd>(&self, simd: S, [a, b]: AtNodes<S>) -> u64 {
+        let (least, largest) = (a.min(b), a.max(b));
+        let of_surface = |surface: &Surface| {
+            let value = f32x8::splat(simd, surface.value);
+            (least.simd_lt(value) & largest.simd_ge(value)).to_bitmask()
+        };
+        self.surfaces.iter().map(of_surface).fold(0, |passing, more| passing | more)
+    }
+
+    /// Premultiplied colours and opacities of eight parts. A function of its own, as few parts need it.
+    #[inline(never)]
+    fn sums<S: Simd>(&self, simd: S, parts: &Passing<'_>) -> [Eight; 4] {
+        let mut sums = [[0.0; LANES]; 4];
+        for nth in 0..self.surfaces.len() {
+            let crossings = parts.crossings(&self.surfaces, nth, &self.fading);
+            if crossings.opacities == [0.0; LANES] {
+                continue;
+            }
+            let lights = self.lights_at(simd, parts, &crossings.places);
+            for lane in 0..LANES {
+                let opacity = (1.0 - sums[3][lane]) * crossings.opacities[lane];
+                let channels = sums.iter_mut().zip(&crossings.colors).zip(&lights);
+                for ((sums, colors), light) in channels {
+                    let lit = colors[lane] * light.diffuse[lane] + light.specular[lane];
+                    sums[lane] += opacity * if lit < 1.0 { lit } else { 1.0 };
+                }
+                sums[3][lane] += opacity;
+            }
+        }
+        sums
+    }
+
+    /// The light at a place of each of eight parts, for each channel of their colours.
+    #[inline(always)]
+    fn lights_at<S: Simd>(&self, simd: S, parts: &Passing<'_>, places: &Eight) -> [Light8; 3] {
+        let Some(light) = &self.light else {
+            return [Light8 { diffuse: [1.0; LANES], specular: [0.0; LANES] }; 3];
+        };
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let normals = self.normals.of(&parts.slopes.at(places), &parts.slants);
+                if light.is_white() {
+                    let [of_all] = light.of_normals(&normals);
+                    return [of_all; 3];
+                }
+                light.of_normals(&normals)
+            },
+        )
+    }
+}
+
+/// Of which of eight rays both sheets hold something, a bit each.
+#[inline(always)]
+fn are_held<S: Simd>(simd: S, [a, b]: AtNodes<S>) -> u64 {
+    a.min(b).simd_gt(f32x8::splat(simd, 0.0)).to_bitmask()
+}
+
+impl Surface {
+    fn new(surface: &Isosurface, layer: &LayerPlan<'_>, scale: &ValueScale) -> Self {
+        let color = surface.color().unwrap_or_else(|| layer.transfer.color(surface.value()));
+        Self {
+            value: on_scale(surface, scale) as f32,
+            opacity: surface.opacity() as f32,
+            color: color.map(|channel| channel as f32),
+        }
+    }
+}
+
+impl Passing<'_> {
+    /// Where they pass the surfaces that come `nth` on their way.
+    fn crossings(&self, surfaces: &[Surface], nth: usize, fading: &Fading) -> Crossings {
+        let mut crossings = Crossings::default();
+        for lane in bits(self.passing) {
+            let [start, end] = self.densities.map(|densities| densities[lane]);
+            let is_rising = start < end;
+            let surface = surfaces[if is_rising { nth } else { surfaces.len() - 1 - nth }];
+            if (start < surface.value) == (end < surface.value) {
+                continue;
+            }
+            let along = self.along.map(|slopes| slopes[lane]);
+            let place = Way::new([start, end], along).place_of(surface.value);
+            if self.region_holds(lane, place) {
+                crossings.places[lane] = place;
+                crossings.opacities[lane] =
+                    surface.opacity * fading.counts(self.length(lane, place));
+                for (colors, channel) in crossings.colors.iter_mut().zip(surface.color) {
+                    colors[lane] = channel;
+                }
+            }
+        }
+        crossings
+    }
+
+    /// How much sheets hold at a place.
+    fn length(&self, lane: usize, place: f32) -> f32 {
+        let [first, last] = self.lengths.map(|lengths| lengths[lane]);
+        first + place * (last - first)
+    }
+
+    fn region_holds(&self, lane: usize, place: f32) -> bool {
+        let [front, back] = self.depths;
+        let depth = front + place * (back - front);
+        self.region
+            .is_none_or(|region| region.holds(self.group.row, self.group.column + lane, depth))
+    }
+}
+
+impl Sheets for Isosurfaces<'_> {
+    type Retained = Retained;
+    type Scratch = Scratch;
+
+    const AT_ONCE: usize = AT_ONCE;
+    const N_BEHIND: usize = N_BESIDE + 1;
+    const CUTS_SUMS: bool = false;
+
+    /// A surface may lie anywhere between two sheets.
+    fn splits_slabs(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        slab: usize,
+        sheet: &mut Sheet,
+        (tile, region): (&mut Tile, Option<&TileRegion>),
+        retained: &mut Retained,
+        rings: &mut Scratch,
+    ) {
+        if sheet.touched.is_empty() && retained.is_none() {
+            return;
+        }
+        let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
+        ring.push(simd, slab, sheet, &self.limits);
+        for last in slab..slab + AT_ONCE {
+            self.draw(simd, last, ring, sheet, (tile, region));
+        }
+    }
+
+    fn release(&self, retained: &mut Retained, rings: &mut Scratch) {
+        Ring::release(retained, rings);
+    }
+
+    fn scratch_bytes(rings: &Scratch) -> usize {
+        rings.len() * Ring::BYTES
+    }
+}
