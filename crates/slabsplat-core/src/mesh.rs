@@ -109,6 +109,17 @@ impl Mesh {
         self.of_corners(&self.parts.normals, triangle)
     }
 
+    /// The normal at a vertex, of length 1 or 0, if there are any.
+    #[inline]
+    pub fn vertex_normal(&self, vertex: usize) -> Option<[f32; 3]> {
+        self.parts.normals.get(vertex).copied()
+    }
+
+    /// The colour of a vertex, if there are any.
+    pub fn vertex_color(&self, vertex: usize) -> Option<[f32; 3]> {
+        self.parts.colors.get(vertex).copied()
+    }
+
     /// The colours at its corners, if vertices have any.
     #[inline]
     pub fn colors(&self, triangle: usize) -> Option<[[f32; 3]; 3]> {
@@ -124,13 +135,6 @@ impl Mesh {
     /// What was not taken of the triangles that were given.
     pub fn dropped(&self) -> DroppedTriangles {
         self.dropped
-    }
-
-    /// The least box along the axes around all triangles; `None` if there are none.
-    pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let triangles = 0..self.parts.triangles.len();
-        let corners = triangles.flat_map(|triangle| self.corners(triangle));
-        corners.map(|corner| [corner; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
     }
 
     fn of_corners<T: Copy>(&self, of_vertices: &[T], triangle: usize) -> Option<[T; 3]> {
@@ -230,13 +234,11 @@ mod tests {
         let mesh = Mesh::new(parts.clone()).unwrap();
         assert_eq!(mesh.normals(0), Some([[0.0; 3], [0.0, 0.0, 1.0], [0.0; 3]]));
         assert_eq!(mesh.colors(0), Some([[0.0; 3], [0.5, 0.0, 0.0], [1.0, 0.25, 1.0]]));
-        assert_eq!(mesh.bounds(), Some([DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)]));
         let mut few = parts.clone();
         few.normals.pop();
         assert!(Mesh::new(few).unwrap_err().to_string().contains("2 normals"));
         let mut many = parts;
         many.colors.push([0.0; 3]);
         assert!(Mesh::new(many).unwrap_err().to_string().contains("4 colours"));
-        assert_eq!(Mesh::default().bounds(), None);
     }
 }

@@ -71,15 +71,12 @@ impl MeshLayer {
         self.world_from_mesh
     }
 
-    /// The box of the world around it; `None` if it has no triangles.
+    /// The least box of the world around it; `None` if it has no triangles.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let [min, max] = self.mesh.bounds()?;
-        let corners = (0..8).map(|corner| {
-            let far = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
-            let far = glam::BVec3::from_array(far);
-            [self.world_from_mesh.transform_point3(DVec3::select(far, max, min)); 2]
-        });
-        corners.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+        let triangles = 0..self.mesh.triangles().len();
+        let corners = triangles.flat_map(|triangle| self.mesh.corners(triangle));
+        let in_world = corners.map(|corner| [self.world_from_mesh.transform_point3(corner); 2]);
+        in_world.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
     }
 }
 
@@ -121,6 +118,7 @@ mod tests {
         let elsewhere = plain.clone().placed(placed).unwrap();
         assert_ne!(plain, elsewhere);
         assert_eq!(elsewhere.bounds(), Some([DVec3::new(-1.0, -2.0, 1.0), 4.0 * DVec3::Z]));
+        assert_eq!(MeshLayer::new(Mesh::default()).bounds(), None);
         for bad in [DVec3::new(1.0, 0.0, 1.0), DVec3::NAN, DVec3::INFINITY] {
             let flat = DAffine3::from_mat3(DMat3::from_diagonal(bad));
             assert_eq!(plain.clone().placed(flat), Err(MeshError::BadPlace), "{bad}");

@@ -2,6 +2,7 @@
 
 use super::density;
 use super::frame::Frame;
+use super::mesh;
 use super::view::View;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Method, Mode, Region, Scene};
@@ -87,7 +88,8 @@ const PLACE_OF_A_PLANE: f64 = 1e-5;
 
 /// The pixels, row by row, that may look quite another way to a renderer that rounds otherwise: if the planes
 /// were moved by 10⁻⁵ `unit`s, some share would change by more than half. In `extinction`, only where a ray
-/// lies within a plane; in the other models, where it also meets one in the middle of a slab.
+/// lies within a plane; in the other models, where it also meets one in the middle of a slab. And those of which
+/// a sample is as undecided about meshes.
 pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
     let view = View::new(&scene.camera, &scene.image);
     let slabs = match scene.settings.method {
@@ -104,7 +106,9 @@ pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
         })
     };
     let (width, height) = (i64::from(scene.image.width), i64::from(scene.image.height));
-    (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).map(is_undecided).collect()
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let by_meshes = mesh::undecided_pixels(scene, &slabs);
+    pixels.zip(by_meshes).map(|(at, by_meshes)| by_meshes || is_undecided(at)).collect()
 }
 
 #[cfg(test)]
