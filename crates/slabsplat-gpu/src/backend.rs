@@ -193,6 +193,9 @@ impl<D: Device> Backend for GpuBackend<D> {
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
+        if plan.meshes.is_some() {
+            return Err(self.unable("its shaders draw no meshes"));
+        }
         let [layer] = plan.layers.as_slice() else {
             return Err(self.unable("its shaders draw one layer at a time"));
         };
