@@ -10,6 +10,7 @@ use super::sheets::{
 };
 use crate::methods::slabs::Sheets;
 use crate::pixels::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
+use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::quad::QUAD;
 use crate::pixels::rectangle::TILE_SIDE;
 use crate::pixels::sheet::Sheet;
@@ -128,7 +129,9 @@ impl<'a> Classifier<'a> {
         if let Some(region) = region {
             region.cut(sums, ends);
         }
-        tile.put_behind(simd, self.shader.compositing, sums, self.cutoff);
+        let (compositing, cutoff) = (self.shader.compositing, self.cutoff);
+        tile.end_rays_in(SlabToEndIn { compositing, faces: ends, cutoff }, sums);
+        tile.put_behind(simd, compositing, sums, cutoff);
         if let Some(region) = region {
             tile.close_all(region.over_from(ends[1]));
         }
@@ -241,6 +244,10 @@ impl Sheets for Classifier<'_> {
     const AT_ONCE: usize = AT_ONCE;
     const N_BEHIND: usize = N_BESIDE + 1;
     const CUTS_SUMS: bool = false;
+
+    fn front(&self, slab: usize) -> f32 {
+        self.ends_of_part(slab)[0]
+    }
 
     fn splits_slabs(&self) -> bool {
         self.shader.compositing.sums_extinction()
