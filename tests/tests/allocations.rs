@@ -2,7 +2,11 @@
 //!
 //! It is on its own, as the heap is counted for the whole process.
 
-use slabsplat::{Automatic, ImageDesc, Method, RenderSettings, Renderer, backend_named, io};
+use slabsplat::glam::DVec3;
+use slabsplat::{
+    Automatic, ImageDesc, Mesh, MeshLayer, MeshParts, Method, RenderSettings, Renderer,
+    backend_named, io,
+};
 
 #[global_allocator]
 static HEAP: dhat::Alloc = dhat::Alloc;
@@ -21,9 +25,12 @@ fn allocations_of_a_warm_frame() {
     let automatic = Automatic::new(volume);
     let [width, height] = SIZE;
     let image = ImageDesc { width, height, background: [0.0; 4] };
-    for &method in Method::ALL {
+    let with_slabs = [Method::ImageAligned, Method::PostClassified];
+    let without_meshes = Method::ALL.iter().map(|method| (*method, Vec::new()));
+    let with_meshes = with_slabs.into_iter().map(|method| (method, vec![cross()]));
+    for (method, meshes) in without_meshes.chain(with_meshes) {
         let settings = RenderSettings::default().method(method);
-        let scene = automatic.scene(image, settings);
+        let scene = automatic.scene(image, settings).meshes(meshes);
         let mut renderer = Renderer::new(backend_named("cpu").expect("the CPU is there"));
         let mut taken_by_frame = |step: u32| {
             let scene = scene.clone().camera(scene.camera.orbited(f64::from(step)));
@@ -39,4 +46,17 @@ fn allocations_of_a_warm_frame() {
             assert!(n_bytes < PICTURE + 8192 && n_blocks < 20, "{method}: {n_bytes} in {n_blocks}");
         }
     }
+}
+
+/// Two squares through the middle of the volume, across each other.
+fn cross() -> MeshLayer {
+    let corner = |x: f64, y: f64, z: f64| 25.0 * DVec3::new(x, y, z);
+    let square = |turn: fn(f64, f64) -> [f64; 3]| {
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[a, b]| turn(a, b))
+    };
+    let corners = [square(|a, b| [a, b, 0.0]), square(|a, b| [a, 0.0, b])].concat();
+    let positions = corners.into_iter().map(|[x, y, z]| corner(x, y, z)).collect();
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let parts = MeshParts { positions, triangles, ..MeshParts::default() };
+    MeshLayer::new(Mesh::new(parts).expect("it has neither normals nor colours"))
 }

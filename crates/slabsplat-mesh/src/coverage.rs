@@ -8,6 +8,7 @@
 use crate::samples::{N_SAMPLES, SAMPLES};
 use crate::vertices::Corner;
 use robust::{Coord, orient2d};
+use std::cmp::Ordering;
 
 /// A triangle in the image that has an area, its corners the way round in which what is inside is left.
 pub(crate) struct Coverage {
@@ -39,7 +40,13 @@ const MAX_ERROR: f64 = 8.0 * f64::EPSILON;
 
 impl Coverage {
     /// `None` if it is seen from the side.
-    pub(crate) fn new([a, b, c]: [Corner; 3]) -> Option<Self> {
+    ///
+    /// Corners are put into one order first: files have triangles twice, one for each side, and both must be
+    /// equally deep to the last bit, or rounding would choose between their colours.
+    pub(crate) fn new(mut corners: [Corner; 3]) -> Option<Self> {
+        let place = |corner: &Corner| [corner.at[0], corner.at[1], corner.point.z];
+        corners.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal));
+        let [a, b, c] = corners;
         let area = Edge { start: a.at, end: b.at }.exact(c.at);
         if area == 0.0 {
             return None;

@@ -19,6 +19,9 @@ const SAMPLES: [[f64; 2]; 8] = {
     samples
 };
 
+/// Depths are one that differ by rounding alone, as those of a triangle that is there twice, for both sides.
+const ONE_DEPTH: f64 = 1e-10;
+
 /// All triangles of a scene.
 pub(super) struct Surfaces<'a> {
     triangles: Vec<Triangle<'a>>,
@@ -71,11 +74,12 @@ impl<'a> Surfaces<'a> {
             let color = || triangle.color([1.0 - u - v, u, v], view.axes.forward);
             is_there.then(|| Hit { depth, color: color() })
         };
-        let in_order = |a: &Hit, b: &Hit| {
-            let numbers = |hit: &Hit| [hit.depth, hit.color[0], hit.color[1], hit.color[2]];
-            numbers(a).partial_cmp(&numbers(b)).expect("depths and colours are numbers")
-        };
-        self.triangles.iter().filter_map(hit).min_by(in_order)
+        let hits: Vec<Hit> = self.triangles.iter().filter_map(hit).collect();
+        let nearest = hits.iter().map(|hit| hit.depth).fold(f64::INFINITY, f64::min);
+        let at_one_depth = |hit: &Hit| hit.depth - nearest <= ONE_DEPTH * nearest.abs().max(1.0);
+        let in_order =
+            |a: &Hit, b: &Hit| a.color.partial_cmp(&b.color).expect("colours are numbers");
+        hits.into_iter().filter(at_one_depth).min_by(in_order)
     }
 }
 

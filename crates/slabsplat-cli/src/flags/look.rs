@@ -55,6 +55,9 @@ impl LookFlags {
             layer.shading = self.shading_over(layer.shading)?;
             layer.transfer = transfer.clone().or_else(|| layer.transfer.take());
         }
+        for mesh in &mut file.meshes {
+            mesh.shading = self.shading_over(mesh.shading)?;
+        }
         Ok(())
     }
 
