@@ -22,7 +22,10 @@ pub(crate) fn in_view<'a>(
     for layer in &scene.meshes {
         let light = match layer.shading {
             Shading::None => None,
-            Shading::Phong(phong) => Some(BlinnPhong::new(phong.checked()?, view.axes().forward)),
+            Shading::Phong(phong) => {
+                let phong = phong.checked()?;
+                Some(BlinnPhong::new(phong, &scene.lights, view.axes().forward))
+            }
         };
         let is_cut = !layer.region.is_everywhere();
         let region = is_cut.then(|| RegionInView::new(&layer.region, &view));

@@ -30,7 +30,8 @@ impl Surface<'_> {
             of_corners.map_or(MeshLayer::DEFAULT_COLOR, |colors| mean(shares, colors).to_array())
         });
         let color = DVec3::from_array(color);
-        let lit = self.of_mesh.light.map_or(color, |light| light.lit(color, self.normal(shares)));
+        let light = self.of_mesh.light.as_ref();
+        let lit = light.map_or(color, |light| light.lit(color, self.normal(shares)));
         lit.as_vec3().to_array()
     }
 
