@@ -67,7 +67,8 @@ fn leave_undecided(expected: &mut ReferenceImage, scene: &Scene, image: &Image) 
     n_undecided
 }
 
-/// Pictures with meshes may be off by no more than their tolerance, and the CPU merges what the definition says.
+/// Pictures with meshes may be off by no more than their tolerance, and the CPU merges what the definition
+/// says.
 #[test]
 fn tolerance_beside_meshes() {
     let mut worst = 0.0_f64;
@@ -144,8 +145,8 @@ fn meshes_come_and_go() {
     });
 }
 
-/// A medium that is the same everywhere in a cube about the world's origin, 24 world units a side, which takes
-/// so much light per world unit.
+/// A medium that is the same everywhere in a cube about the world's origin, 24 world units a side, which
+/// takes so much light per world unit.
 fn medium(extinction: f64) -> Layer {
     let place = DAffine3::from_translation(DVec3::splat(-12.0));
     let grid = Grid::new([25; 3], place).expect("no step is 0");

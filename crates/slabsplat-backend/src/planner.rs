@@ -104,8 +104,8 @@ impl Planner {
     /// Plans a frame of `scene` that draws the voxels whose opacity is above 0.
     ///
     /// # Errors
-    /// If the scene has neither layers nor meshes, the settings name no kernel, or their numbers cannot be used with these
-    /// layers.
+    /// If the scene has neither layers nor meshes, the settings name no kernel, or their numbers cannot be
+    /// used with these layers.
     pub fn plan<'a>(&mut self, scene: &'a Scene) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;

@@ -1,5 +1,6 @@
 //! What a [`Scene`] is made of: [`Layer`]s, each a [`Volume`] on a [`Grid`] with a [`TransferFunction`] and
-//! [`Shading`]; [`MeshLayer`]s, each an opaque [`Mesh`]; a [`Camera`] and [`RenderSettings`]; and what comes out, an [`Image`].
+//! [`Shading`]; [`MeshLayer`]s, each an opaque [`Mesh`]; a [`Camera`] and [`RenderSettings`]; and what comes
+//! out, an [`Image`].
 //!
 //! Everything here is checked where it is made. A [`Grid`] that exists can be inverted, a
 //! [`TransferFunction`] has sorted and finite points, a [`Camera`] has three right-angled axes, so

@@ -12,7 +12,8 @@ use std::sync::Arc;
 pub struct MeshLayer {
     /// Whose triangles are shown. A mesh never changes.
     pub mesh: Arc<Mesh>,
-    /// Red, green and blue, 0 to 1, of all of it; if there is none, that of its vertices, or else a light grey.
+    /// Red, green and blue, 0 to 1, of all of it; if there is none, that of its vertices, or else a light
+    /// grey.
     pub color: Option<[f64; 3]>,
     /// What light does to it.
     pub shading: Shading,

@@ -243,8 +243,8 @@ mod tests {
     use slabsplat_backend::Planner;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, Layer, Method, Projection, Region, RenderSettings, Scaling, Scene,
-        TransferFunction, Volume,
+        Camera, Grid, ImageDesc, Layer, Mesh, MeshLayer, Method, Projection, Region,
+        RenderSettings, Scaling, Scene, TransferFunction, Volume,
     };
 
     /// A device that must not be used.
@@ -306,6 +306,11 @@ mod tests {
         assert_eq!(
             refused(&scene.clone().layers(vec![cut])),
             "Fake 3000 cannot make this frame: its shaders cut nothing off"
+        );
+        let mesh = MeshLayer::new(Mesh::default());
+        assert_eq!(
+            refused(&scene.clone().meshes(vec![mesh])),
+            "Fake 3000 cannot make this frame: its shaders draw no meshes"
         );
         assert_eq!(
             refused(&scene.layers(vec![layer.clone(), layer])),

@@ -46,8 +46,8 @@ impl Surface<'_> {
         normal.normalize_or_zero()
     }
 
-    /// How much its corners count where a ray meets it (Möller & Trumbore, "Fast, Minimum Storage Ray-Triangle
-    /// Intersection", Journal of Graphics Tools 2(1), 1997).
+    /// How much its corners count where a ray meets it (Möller & Trumbore, "Fast, Minimum Storage
+    /// Ray-Triangle Intersection", Journal of Graphics Tools 2(1), 1997).
     fn shares(&self, ray: &ViewRay) -> [f64; 3] {
         let [a, b, c] = self.vertices.map(|vertex| vertex.corner.point);
         let (right, left) = (b - a, c - a);

@@ -129,7 +129,8 @@ impl TileHits {
 }
 
 impl Nearest {
-    /// Takes another hit that is not behind it: one before it, or at the same depth that of the lesser colour.
+    /// Takes another hit that is not behind it: one before it, or at the same depth that of the lesser
+    /// colour.
     fn replace(&mut self, other: Self, frame: &Frame<'_>, ray: impl Fn() -> ViewRay) {
         let color = |hit: &Self| frame.surface(hit.triangle).color(&ray());
         if other.depth < self.depth || color(&other) < color(self) {

@@ -47,7 +47,8 @@ impl OpenScene {
         Self::with_volumes(loaded, file)
     }
 
-    /// The scene of `file` with volumes that are already there, one for each layer; labels and meshes are read.
+    /// The scene of `file` with volumes that are already there, one for each layer; labels and meshes are
+    /// read.
     ///
     /// # Errors
     /// If the camera or a region makes no sense, or labels or meshes cannot be read.

@@ -50,7 +50,8 @@ impl<'a> Surfaces<'a> {
     pub(super) fn new(scene: &'a Scene, view: &View) -> Self {
         let units = scene.layers.iter().map(|layer| layer.volume.grid().unit());
         let unit = units.reduce(f64::min).unwrap_or_else(|| unit_of_meshes(&scene.meshes));
-        let triangles = scene.meshes.iter().flat_map(|layer| triangles(layer, &scene.lights)).collect();
+        let triangles =
+            scene.meshes.iter().flat_map(|layer| triangles(layer, &scene.lights)).collect();
         Self { triangles, near_depth: view.near_depth(unit) }
     }
 
@@ -111,10 +112,7 @@ impl Triangle<'_> {
     }
 }
 
-fn triangles<'a>(
-    layer: &'a MeshLayer,
-    lights: &'a [Light],
-) -> impl Iterator<Item = Triangle<'a>> {
+fn triangles<'a>(layer: &'a MeshLayer, lights: &'a [Light]) -> impl Iterator<Item = Triangle<'a>> {
     let MeshLayer { mesh, color, shading, region, .. } = layer;
     let world_from_mesh = layer.world_from_mesh();
     let world_from_normal: DMat3 = world_from_mesh.matrix3.inverse().transpose();
@@ -156,8 +154,8 @@ pub(super) fn share_before(compositing: Compositing, [front, back]: [f64; 2], de
     }
 }
 
-/// The mean of what samples show: what `before` returns of a depth, or of all of it, and then the surface or the
-/// background.
+/// The mean of what samples show: what `before` returns of a depth, or of all of it, and then the surface or
+/// the background.
 pub(super) fn mean_of_samples(
     hits: &[Option<Hit>],
     [r, g, b, opacity]: [f64; 4],
@@ -180,14 +178,14 @@ pub(super) fn mean_of_samples(
 /// By how many pixels renderers may disagree on where edges are, and by how many world units on depths.
 const PLACE_OF_AN_EDGE: f64 = 1e-5;
 
-/// By how much colours may differ, and depths as part of a slab, of which a picture shows nothing: of what lies
-/// a hundred-thousandth of a pixel apart. Rounding moves things by less than a thousandth of that.
+/// By how much colours may differ, and depths as part of a slab, of which a picture shows nothing: of what
+/// lies a hundred-thousandth of a pixel apart. Rounding moves things by less than a thousandth of that.
 const MUCH_OF_A_COLOR: f64 = 1e-3;
 const MUCH_OF_A_SLAB: f64 = 1e-2;
 
-/// The pixels, row by row, of which a sample may look quite another way to a renderer that rounds otherwise: if
-/// what is hit so little beside it has another colour or depth, or if it lies just in the middle of a slab that
-/// a surface does not split.
+/// The pixels, row by row, of which a sample may look quite another way to a renderer that rounds otherwise:
+/// if what is hit so little beside it has another colour or depth, or if it lies just in the middle of a slab
+/// that a surface does not split.
 pub(super) fn undecided_pixels(scene: &Scene, slabs: &[[f64; 2]]) -> Vec<bool> {
     let view = View::new(&scene.camera, &scene.image);
     let surfaces = Surfaces::new(scene, &view);

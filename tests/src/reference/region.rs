@@ -88,8 +88,8 @@ const PLACE_OF_A_PLANE: f64 = 1e-5;
 
 /// The pixels, row by row, that may look quite another way to a renderer that rounds otherwise: if the planes
 /// were moved by 10⁻⁵ `unit`s, some share would change by more than half. In `extinction`, only where a ray
-/// lies within a plane; in the other models, where it also meets one in the middle of a slab. And those of which
-/// a sample is as undecided about meshes.
+/// lies within a plane; in the other models, where it also meets one in the middle of a slab. And those of
+/// which a sample is as undecided about meshes.
 pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
     let view = View::new(&scene.camera, &scene.image);
     let slabs = match scene.settings.method {

@@ -27,7 +27,8 @@ use std::path::{Path, PathBuf};
 /// What is drawn, and all flags about how.
 #[derive(Args)]
 pub(crate) struct SceneFlags {
-    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), or a built-in volume as builtin:NAME or builtin:NAME:SIZE
+    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), or a built-in volume as builtin:NAME
+    /// or builtin:NAME:SIZE
     #[arg(value_name = "INPUT")]
     input: PathBuf,
 

@@ -8,8 +8,8 @@
 //! opacity = 1 − what goes through the others
 //! ```
 //!
-//! So a pixel has one opacity, whatever part of it a surface covers, and a slab in which none of its rays ends
-//! is composited as if there were no surfaces. A pixel whose rays have all ended is as opaque as can be.
+//! So a pixel has one opacity, whatever part of it a surface covers, and a slab in which none of its rays
+//! ends is composited as if there were no surfaces. A pixel whose rays have all ended is as opaque as can be.
 
 use super::blocks::{BLOCK_SIDE, BLOCKS_ACROSS};
 use super::quad::QUAD;

@@ -1,4 +1,5 @@
-//! What a scene file as a whole means: its layers, of volumes or meshes, be it one at the top or several below `[[layers]]`.
+//! What a scene file as a whole means: its layers, of volumes or meshes, be it one at the top or several
+//! below `[[layers]]`.
 
 use std::path::{Path, PathBuf};
 
