@@ -5,7 +5,7 @@
 //! Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997) is asked. So an edge has
 //! just one place, whichever of its two triangles it belongs to.
 
-use crate::samples::{N_SAMPLES, SAMPLES};
+use crate::samples::SAMPLES;
 use crate::vertices::Corner;
 use robust::{Coord, orient2d};
 use std::cmp::Ordering;
@@ -67,8 +67,8 @@ impl Coverage {
         if sides.contains(&Side::Outside) {
             return;
         }
-        for sample in 0..N_SAMPLES {
-            let at = [0, 1].map(|axis| pixel[axis] + SAMPLES[sample][axis]);
+        for (sample, place) in SAMPLES.iter().enumerate() {
+            let at = [pixel[0] + place[0], pixel[1] + place[1]];
             let mut weights = [0.0; 3];
             let mut is_covered = true;
             for ((edge, side), weight) in self.edges.iter().zip(sides).zip(&mut weights) {
@@ -83,13 +83,9 @@ impl Coverage {
 
     /// The depth where the triangle is divided into such areas, at most that of the farthest corner.
     fn depth(&self, weights: [f64; 3]) -> f64 {
-        let (mut sum, mut weighted) = (0.0, 0.0);
-        for corner in 0..3 {
-            let weight = weights[corner] * self.scales[corner];
-            sum += weight;
-            weighted += weight * self.depths[corner];
-        }
-        weighted / sum
+        let [a, b, c] = [0, 1, 2].map(|corner| weights[corner] * self.scales[corner]);
+        let [z_a, z_b, z_c] = self.depths;
+        (a * z_a + b * z_b + c * z_c) / (a + b + c)
     }
 }
 

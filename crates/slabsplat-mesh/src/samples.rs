@@ -28,10 +28,10 @@ mod tests {
 
     #[test]
     fn samples_share_no_row_column_or_diagonal() {
-        for a in 0..N_SAMPLES {
-            for b in 0..a {
-                let [across, down] = [0, 1].map(|axis| (SAMPLES[a][axis] - SAMPLES[b][axis]).abs());
-                assert!(0.0 < across && 0.0 < down && across != down, "{a} {b}");
+        for (idx, a) in SAMPLES.iter().enumerate() {
+            for b in &SAMPLES[..idx] {
+                let [across, down] = [0, 1].map(|axis| (a[axis] - b[axis]).abs());
+                assert!(0.0 < across && 0.0 < down && across != down, "{a:?} {b:?}");
             }
         }
         let mean = |axis: usize| SAMPLES.iter().map(|s| s[axis]).sum::<f64>() / N_SAMPLES as f64;

@@ -21,7 +21,7 @@ impl Document {
         for (idx, mut section) in sections.into_iter().enumerate() {
             let in_layer = |error: Diagnostic| if is_list { error.in_layer(idx) } else { error };
             if let Some(mesh) = section.mesh.take() {
-                meshes.push(section.into_mesh(mesh, folder).map_err(in_layer)?);
+                meshes.push(section.into_mesh(&mesh, folder).map_err(in_layer)?);
             } else {
                 color_maps.push(section.color_map(folder));
                 layers.push(section.into_layer(folder).map_err(in_layer)?);

@@ -8,7 +8,6 @@ use slabsplat_core::{Mesh, MeshLayer, Phong, Shading};
 use super::RegionDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{LayerSection, MeshSection};
-use super::settings_section::SettingsSection;
 use crate::{IoError, read_mesh};
 
 /// What a scene file says of an opaque mesh.
@@ -61,7 +60,7 @@ impl LayerSection {
     /// The mesh of a layer that has one.
     pub(super) fn into_mesh(
         self,
-        mesh: MeshSection,
+        mesh: &MeshSection,
         folder: &Path,
     ) -> Result<MeshFile, Diagnostic> {
         let of_volumes = [
@@ -85,7 +84,7 @@ impl LayerSection {
             path: folder.join(path),
             color: mesh.checked_color()?,
             world_from_mesh: mesh.place()?,
-            shading: self.shading.unwrap_or_else(SettingsSection::default).into_shading()?,
+            shading: self.shading.unwrap_or_default().into_shading()?,
             region,
         })
     }

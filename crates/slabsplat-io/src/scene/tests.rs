@@ -431,9 +431,9 @@ fn scene_meshes_say_what_is_wrong() {
 fn scene_loads_its_mesh() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.obj");
-    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n").unwrap();
+    fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n").unwrap();
     let scene = "[mesh]\npath = \"a.obj\"\naffine = [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 5]]";
-    std::fs::write(dir.path().join("a.toml"), scene).unwrap();
+    fs::write(dir.path().join("a.toml"), scene).unwrap();
     let scene = read_scene(&dir.path().join("a.toml")).unwrap();
     let (layer, warnings) = scene.meshes[0].load().unwrap();
     assert_eq!(layer.bounds(), Some([DVec3::Z * 5.0, DVec3::new(2.0, 2.0, 5.0)]));
