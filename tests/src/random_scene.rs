@@ -8,6 +8,7 @@
 mod camera;
 mod grid;
 mod labels;
+mod mesh;
 mod region;
 mod volume;
 
@@ -173,6 +174,15 @@ pub fn add_labels(rng: &mut Rng, scene: &mut Scene) {
         });
         layer.labels = Some(labels::random_labels(rng, &volume, &grid, [lo, hi]));
     }
+}
+
+/// The same with opaque meshes among them, where the method has any.
+pub fn random_meshes(rng: &mut Rng, kind: &SceneKind) -> Scene {
+    let mut scene = random_layers(rng, kind);
+    let first = *scene.layers[0].volume.grid();
+    let axes = scene.camera.axes();
+    scene.meshes = mesh::random_meshes(rng, &axes, first.center_in_world(), radius(&first));
+    scene
 }
 
 fn random_layer(rng: &mut Rng, method: Method, volume: Volume, value_range: [f64; 2]) -> Layer {

@@ -2,8 +2,10 @@
 //!
 //! It is on its own, as the heap is counted for the whole process.
 
+use slabsplat::glam::DVec3;
 use slabsplat::{
-    Automatic, ImageDesc, Isosurface, Method, Mode, RenderSettings, Renderer, backend_named, io,
+    Automatic, ImageDesc, Isosurface, Mesh, MeshLayer, MeshParts, Method, Mode, RenderSettings,
+    Renderer, backend_named, io,
 };
 
 #[global_allocator]
@@ -23,11 +25,14 @@ fn allocations_of_a_warm_frame() {
     let automatic = Automatic::new(volume);
     let [width, height] = SIZE;
     let image = ImageDesc { width, height, background: [0.0; 4] };
-    let by_method = Method::ALL.iter().map(|&method| RenderSettings::default().method(method));
+    let by_method = |method: &Method| RenderSettings::default().method(*method);
     let surfaces = RenderSettings::default().mode(Mode::Isosurfaces);
-    for settings in by_method.chain([surfaces]) {
-        let what = format!("{} {}", settings.method, settings.mode);
-        let mut scene = automatic.scene(image, settings);
+    let without_meshes = Method::ALL.iter().map(by_method).chain([surfaces]);
+    let with_meshes = [Method::ImageAligned, Method::PostClassified];
+    let with_meshes = with_meshes.iter().map(|method| (by_method(method), vec![cross()]));
+    for (settings, meshes) in without_meshes.map(|settings| (settings, vec![])).chain(with_meshes) {
+        let what = format!("{} {}, {} meshes", settings.method, settings.mode, meshes.len());
+        let mut scene = automatic.scene(image, settings).meshes(meshes);
         let surface = Isosurface::new(0.5, 0.4, None).expect("they are numbers");
         scene.layers[0].isosurfaces = vec![surface];
         let mut renderer = Renderer::new(backend_named("cpu").expect("the CPU is there"));
@@ -45,4 +50,17 @@ fn allocations_of_a_warm_frame() {
             assert!(n_bytes < PICTURE + 8192 && n_blocks < 20, "{what}: {n_bytes} in {n_blocks}");
         }
     }
+}
+
+/// Two squares through the middle of the volume, across each other.
+fn cross() -> MeshLayer {
+    let corner = |x: f64, y: f64, z: f64| 25.0 * DVec3::new(x, y, z);
+    let square = |turn: fn(f64, f64) -> [f64; 3]| {
+        [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[a, b]| turn(a, b))
+    };
+    let corners = [square(|a, b| [a, b, 0.0]), square(|a, b| [a, 0.0, b])].concat();
+    let positions = corners.into_iter().map(|[x, y, z]| corner(x, y, z)).collect();
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
+    let parts = MeshParts { positions, triangles, ..MeshParts::default() };
+    MeshLayer::new(Mesh::new(parts).expect("it has neither normals nor colours"))
 }

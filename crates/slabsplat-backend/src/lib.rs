@@ -42,11 +42,12 @@
 //!
 //! # Reading order
 //!
-//! `plan`, `slabs`, `cached`, `tables`, `layer_order`, `planner`; `contract`, `conformance`.
+//! `plan`, `slabs`, `cached`, `tables`, `layer_order`, `meshes`, `planner`; `contract`, `conformance`.
 
 mod cached;
 mod contract;
 mod layer_order;
+mod meshes;
 mod plan;
 mod planner;
 mod slabs;
@@ -58,8 +59,8 @@ pub mod conformance;
 pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
 pub use plan::{
-    ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, SectionSplats,
-    SeparableDensities, ShownDensities, SmoothSections, Splats,
+    ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, MeshPlan, MeshesPlan,
+    SectionSplats, SeparableDensities, ShownDensities, SmoothSections, Splats,
 };
 pub use planner::{PlanError, Planner};
 pub use slabs::Slabs;

@@ -2,8 +2,8 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, Isosurface, Labels, Mode, PiecewiseLinear,
-    RegionInView, SliceOrder, Statistic, TransferFunction, View, Volume,
+    BlinnPhong, Compositing, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
+    PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction, View, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -14,10 +14,15 @@ use std::sync::Arc;
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
 #[derive(Clone, Debug)]
 pub struct FramePlan<'a> {
-    /// What is drawn: at least one layer, and only one but for [`ColorSplats::Sections`]. All splat alike,
+    /// The volumes that are drawn: only one but for [`ColorSplats::Sections`]. All splat alike,
     /// and are cut by the same slabs; they are summed in this order, which is not that of the scene. Those
     /// with one region follow each other.
+    ///
+    /// None where there are meshes alone.
     pub layers: Vec<LayerPlan<'a>>,
+    /// The opaque meshes among them, if there are any: only for [`ColorSplats::Sections`] and
+    /// [`Splats::Densities`] without a statistic, or alone.
+    pub meshes: Option<MeshesPlan<'a>>,
     /// Size and background of the picture.
     pub image: ImageDesc,
     /// What a sheet sums, and how that becomes a pixel; of no meaning but for colours and for densities that
@@ -67,6 +72,27 @@ pub struct LayerPlan<'a> {
     pub half_depth: f64,
     /// What is splatted, and into which sheets.
     pub splats: Splats,
+}
+
+/// The opaque meshes of a frame (model §14).
+#[derive(Clone, Debug)]
+pub struct MeshesPlan<'a> {
+    /// View space and pixels. Depths count from the centre of all layers, and nothing is hit before the near
+    /// depth.
+    pub view: View,
+    /// At least one; their order has no meaning.
+    pub meshes: Vec<MeshPlan<'a>>,
+}
+
+/// One mesh of a frame.
+#[derive(Clone, Debug)]
+pub struct MeshPlan<'a> {
+    /// Its triangles, where they are, and their colour.
+    pub layer: &'a MeshLayer,
+    /// What light does to that, if there is any.
+    pub light: Option<BlinnPhong>,
+    /// Where it is seen, if not everywhere.
+    pub region: Option<RegionInView>,
 }
 
 /// A permission, which a backend need not make use of: faces that do not split a voxel's kernel are skipped,

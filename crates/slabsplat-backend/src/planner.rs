@@ -1,6 +1,7 @@
 //! Makes frame plans, and keeps the tables that the next frame can use again.
 
 use crate::layer_order::in_one_order;
+use crate::meshes;
 use crate::slabs::Depths;
 use crate::tables::{LayerToSplat, Tables};
 use crate::{DensitySplats, FramePlan, LayerPlan, ShownDensities};
@@ -37,7 +38,7 @@ pub enum PlanError {
     #[error(transparent)]
     TooManySlabs(#[from] TooManySlabs),
     /// There is nothing to draw.
-    #[error("the scene has no layers")]
+    #[error("the scene has no layers and no meshes")]
     NoLayers,
     /// Its sheets are not of colours in slabs, which layers could share.
     #[error(
@@ -70,6 +71,17 @@ pub enum PlanError {
         /// What densities do not have.
         of_voxels: &'static str,
     },
+    /// Its sheets have no depths up to which they could count, or are not composited.
+    #[error(
+        "{what} draws no meshes: image-aligned and post-classified sheets that are composited do"
+    )]
+    NoMeshes {
+        /// The method or the mode.
+        what: String,
+    },
+    /// No numbers hold where all of them are.
+    #[error("the meshes of the scene are too large, or too far apart, to be seen at once")]
+    MeshesTooLarge,
     /// The method has no densities to choose from.
     #[error(
         "the mode {mode} shows densities, which {method} has none of: use image-aligned or post-classified"
@@ -100,8 +112,8 @@ impl Planner {
     /// Plans a frame of `scene` that draws the voxels whose opacity is above 0.
     ///
     /// # Errors
-    /// If the scene has no layers, the settings name no kernel, or their numbers cannot be used with these
-    /// layers.
+    /// If the scene has neither layers nor meshes, the settings name no kernel, or their numbers cannot be
+    /// used with these layers.
     pub fn plan<'a>(&mut self, scene: &'a Scene) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
@@ -115,7 +127,19 @@ impl Planner {
         let layers = in_one_order(&scene.layers);
         let seen = layers.iter().map(|layer| SeenLayer::new(layer, &layers, scene));
         let seen = collected(n_layers, seen)?;
-        let unit = least_unit(&layers).ok_or(PlanError::NoLayers)?;
+        let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.view));
+        let meshes = meshes::in_view(scene, views)?;
+        let frame = FramePlan {
+            layers: Vec::new(),
+            meshes,
+            image: scene.image,
+            compositing: scene.settings.mode.compositing().unwrap_or(Compositing::Extinction),
+            opacity_cutoff: scene.settings.opacity_cutoff as f32,
+        };
+        let Some(unit) = least_unit(&layers) else {
+            return frame.meshes.is_some().then_some(frame).ok_or(PlanError::NoLayers);
+        };
+        let has_meshes = frame.meshes.is_some();
         let width = match method {
             Method::ImageAligned => settings.slab_width,
             Method::PostClassified => settings.slab_width / DensitySplats::SHEETS_PER_SLAB,
@@ -141,7 +165,8 @@ impl Planner {
             let slabs = depths.in_slabs(&slabs, &view);
             let (view, shape, kernel) = (&view, &shape, &*kernel);
             let is_cut = !layer.region.is_everywhere();
-            let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_cut };
+            let is_split = is_cut || has_meshes;
+            let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split };
             Ok(LayerPlan {
                 volume: &layer.volume,
                 relevant: shown_ranges(layer, scene.settings.mode.into()),
@@ -163,12 +188,7 @@ impl Planner {
                 shape: *shape,
             })
         };
-        Ok(FramePlan {
-            layers: collected(n_layers, parts.map(plan))?,
-            image: scene.image,
-            compositing: scene.settings.mode.compositing().unwrap_or(Compositing::Extinction),
-            opacity_cutoff: scene.settings.opacity_cutoff as f32,
-        })
+        Ok(FramePlan { layers: collected(n_layers, parts.map(plan))?, ..frame })
     }
 }
 
@@ -198,6 +218,14 @@ fn check_method(scene: &Scene) -> Result<(), PlanError> {
     };
     let n_layers = scene.layers.len();
     check_voxels(scene)?;
+    if !scene.meshes.is_empty() {
+        if !has_slabs {
+            return Err(PlanError::NoMeshes { what: format!("the method {method}") });
+        }
+        if is_of_densities(mode) {
+            return Err(PlanError::NoMeshes { what: format!("the mode {mode}") });
+        }
+    }
     if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
         return Err(PlanError::NoRegions(method));
     }

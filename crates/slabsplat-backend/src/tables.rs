@@ -32,8 +32,8 @@ pub(crate) struct LayerToSplat<'a> {
     pub(crate) settings: RenderSettings,
     /// What sheets are of, if they are of slabs.
     pub(crate) slabs: Slabs,
-    /// Whether a region cuts them.
-    pub(crate) is_cut: bool,
+    /// Whether a slab may have a share of them: a region cuts them, or meshes end rays.
+    pub(crate) is_split: bool,
 }
 
 /// Everything that the tables are made from.
@@ -66,12 +66,12 @@ impl TableKey {
 impl Tables {
     /// What a layer splats.
     pub(crate) fn splats(&mut self, layer: LayerToSplat<'_>) -> Splats {
-        let LayerToSplat { kernel, grid, view, shape, settings, slabs, is_cut } = layer;
+        let LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split } = layer;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let colors = match key.settings.method {
             Method::ImageAligned => ColorSplats::Sections(Box::new(SectionSplats {
                 slabs,
-                merged: self.merged_sections(kernel, &key, view, shape, (grid.unit(), is_cut)),
+                merged: self.merged_sections(kernel, &key, view, shape, (grid.unit(), is_split)),
                 tilted: self.tilted_sections(kernel, &key, shape),
                 table: self.section_table(kernel, key),
             })),
@@ -93,10 +93,10 @@ impl Tables {
         key: &TableKey,
         view: &View,
         shape: &FootprintShape,
-        (unit, is_cut): (f64, bool),
+        (unit, is_split): (f64, bool),
     ) -> Option<MergedSections> {
         let layer_depth = shape.half_depth / unit;
-        let view = SplitView { layer_depth, steepest_ray: view.steepest_ray(), is_cut };
+        let view = SplitView { layer_depth, steepest_ray: view.steepest_ray(), is_cut: is_split };
         let levels = SplitLevels::new(&key.settings, kernel, view);
         if levels.are_all_last() {
             return None;

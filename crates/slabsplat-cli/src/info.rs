@@ -1,19 +1,22 @@
-//! `slabsplat info`: what a volume is.
+//! `slabsplat info`: what a volume is, or a mesh.
 
 use crate::flags::RawFlags;
+use crate::mesh_info::MeshInfo;
+use crate::plain::plain;
 use crate::progress::Progress;
 use crate::{input, terminal};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::io::LoadedVolume;
+use slabsplat::io::{IoError, LoadedMesh, LoadedVolume, read_mesh};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Tell what a volume is: size, place, type, range of values
+/// Tell what a volume or a mesh is: size, place, type, range of values
 #[derive(Args)]
 pub(crate) struct InfoArgs {
-    /// A volume file, a scene file, or a built-in volume as builtin:NAME or builtin:NAME:SIZE
+    /// A volume file, a mesh (.ply, .stl, .obj), a scene file, or a built-in volume as builtin:NAME or
+    /// builtin:NAME:SIZE
     #[arg(value_name = "VOLUME")]
     volume: PathBuf,
 
@@ -29,13 +32,21 @@ pub(crate) fn run(args: &InfoArgs) -> Result<()> {
     let progress = Progress::start("reading", 0);
     let mut file = input::scene_file(&args.volume)?;
     let volumes = input::load(&mut file, &args.raw)?;
-    let infos: Vec<Info> = volumes.iter().map(Info::of).collect();
+    let meshes = file.meshes.iter().map(|mesh| read_mesh(&mesh.path));
+    let meshes = meshes.collect::<Result<Vec<LoadedMesh>, IoError>>()?;
     drop(progress);
     volumes.iter().for_each(|loaded| terminal::warn_all(&loaded.warnings));
-    let text = match infos.as_slice() {
-        [info] if args.json => format!("{:#}\n", info.json()),
-        _ if args.json => format!("{:#}\n", infos.iter().map(Info::json).collect::<Value>()),
-        _ => infos.iter().map(Info::text).collect::<Vec<_>>().join("\n"),
+    meshes.iter().for_each(|loaded| terminal::warn_all(&loaded.warnings));
+    let volumes: Vec<Info> = volumes.iter().map(Info::of).collect();
+    let meshes: Vec<MeshInfo> = meshes.iter().map(MeshInfo::of).collect();
+    let json = volumes.iter().map(Info::json).chain(meshes.iter().map(MeshInfo::json));
+    let text = match json.collect::<Vec<Value>>().as_slice() {
+        [info] if args.json => format!("{info:#}\n"),
+        infos if args.json => format!("{:#}\n", Value::from(infos)),
+        _ => {
+            let texts = volumes.iter().map(Info::text).chain(meshes.iter().map(MeshInfo::text));
+            texts.collect::<Vec<_>>().join("\n")
+        }
     };
     terminal::answer(&text)
 }
@@ -121,42 +132,5 @@ impl Info {
             let _ = writeln!(text, "{key:<8} {}", row.join("  "));
         }
         text
-    }
-}
-
-/// Six digits after the point, without trailing zeros; exponents only where that says nothing.
-fn plain(value: f64) -> String {
-    let is_tiny = value != 0.0 && value.abs() < 1e-4;
-    if is_tiny || (value.is_finite() && 1e12 <= value.abs()) {
-        return format!("{value:e}");
-    }
-    let text = format!("{value:.6}");
-    if !text.contains('.') {
-        return text;
-    }
-    match text.trim_end_matches('0').trim_end_matches('.') {
-        "-0" => "0".to_owned(),
-        trimmed => trimmed.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn plain_numbers() {
-        for (value, expected) in [
-            (0.0, "0"),
-            (-0.0, "0"),
-            (1.5, "1.5"),
-            (-255.0, "-255"),
-            (0.1 + 0.2, "0.3"),
-            (1e-7, "1e-7"),
-            (2e20, "2e20"),
-            (f64::INFINITY, "inf"),
-        ] {
-            assert_eq!(plain(value), expected);
-        }
     }
 }

@@ -1,17 +1,20 @@
 //! What a command is to work on: a scene file, a volume file, a raw file, or a built-in volume.
 
 use crate::flags::RawFlags;
-use anyhow::{Context, Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail};
 use slabsplat::io::{self, IoError, LayerFile, LoadedVolume, SceneFile, VolumeSource};
 use std::path::Path;
 
-/// The scene of `input`. That of a volume is empty: all of it is found from the volume.
+/// The scene of `input`. That of a volume or a mesh is empty: all of it is found from what that holds.
 pub(crate) fn scene_file(input: &Path) -> Result<SceneFile> {
     if let Some(builtin) = input.to_str().and_then(|input| input.strip_prefix("builtin:")) {
         return Ok(SceneFile::of_volume(builtin_source(builtin)?));
     }
     if is_scene(input) {
         return Ok(io::read_scene(input)?);
+    }
+    if io::is_mesh_name(input) {
+        return Ok(SceneFile::of_mesh(input));
     }
     Ok(SceneFile::of_volume(VolumeSource::File(input.to_owned())))
 }
@@ -23,7 +26,12 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 
 /// The volumes of `file`, the first of them as the flags describe it.
 pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
-    let (first, others) = file.layers.split_first_mut().context("the scene has no layers")?;
+    let Some((first, others)) = file.layers.split_first_mut() else {
+        if flags.spacing.is_some() || flags.desc()?.is_some() {
+            bail!("there is no volume that --spacing, --dims and the like could describe");
+        }
+        return Ok(Vec::new());
+    };
     let mut volumes = vec![load_as(first, flags)?];
     for other in others {
         volumes.push(load_as(other, &RawFlags::default())?);

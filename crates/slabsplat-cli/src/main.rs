@@ -17,11 +17,13 @@ mod backends;
 mod bench;
 mod demo;
 mod info;
+mod plain;
 mod popping;
 mod render;
 
 mod columns;
 mod environment;
+mod mesh_info;
 mod meter;
 mod output;
 mod progress;

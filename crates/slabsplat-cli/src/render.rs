@@ -71,6 +71,9 @@ fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
     let range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
     let is_cut = scene.layers.iter().any(|layer| !layer.region.is_everywhere());
     Some(match range {
+        None if !scene.meshes.is_empty() && scene.layers.is_empty() => {
+            "the camera looks past it, or all of it is cut off".to_owned()
+        }
         None => "all voxels are NaN".to_owned(),
         Some([min, max])
             if scene.settings.mode == Mode::Isosurfaces && frame.stats.n_voxels == 0 =>

@@ -1,5 +1,6 @@
 //! What a [`Scene`] is made of: [`Layer`]s, each a [`Volume`] on a [`Grid`] with a [`TransferFunction`] and
-//! [`Shading`]; a [`Camera`] and [`RenderSettings`]; and what comes out, an [`Image`].
+//! [`Shading`]; [`MeshLayer`]s, each an opaque [`Mesh`]; a [`Camera`] and [`RenderSettings`]; and what comes
+//! out, an [`Image`].
 //!
 //! Everything here is checked where it is made. A [`Grid`] that exists can be inverted, a
 //! [`TransferFunction`] has sorted and finite points, a [`Camera`] has three right-angled axes, so
@@ -16,7 +17,8 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`, `transfer`, `isosurface`, `compositing`, `light`, `shading`;
-//! `settings_table`, `interval`, `choices`, `settings`; `region`, `labels`, `layer`, `scene`; `view`,
+//! `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`, `labels`, `layer`, `mesh_layer`,
+//! `scene`; `view`,
 //! `region_in_view`, `slabs`, `slices`; `image`.
 //!
 //! ```
@@ -45,8 +47,11 @@ mod interval;
 mod settings;
 mod settings_table;
 
+mod mesh;
+
 mod labels;
 mod layer;
+mod mesh_layer;
 mod region;
 mod scene;
 
@@ -69,6 +74,8 @@ pub use isosurface::{Isosurface, IsosurfaceError};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
 pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
+pub use mesh::{DroppedTriangles, Mesh, MeshError, MeshParts};
+pub use mesh_layer::MeshLayer;
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};

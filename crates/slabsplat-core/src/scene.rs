@@ -1,6 +1,6 @@
 //! Everything that decides a pixel (`docs/model.md`).
 
-use crate::{Camera, ImageDesc, Layer, Light, RenderSettings};
+use crate::{Camera, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
 
 /// A picture to be made of one thing or several.
 ///
@@ -30,6 +30,8 @@ pub struct Scene {
     /// What is seen. All that lies in a slab is summed before anything is composited, so that the order of
     /// layers has no meaning (model §10).
     pub layers: Vec<Layer>,
+    /// Opaque surfaces among them (model §14), in any order. There may be no layers beside them.
+    pub meshes: Vec<MeshLayer>,
     /// Where they are seen from.
     pub camera: Camera,
     /// What shines on all of them; without a light there is what is ambient.
@@ -45,6 +47,19 @@ impl Scene {
     pub fn new(layer: Layer, camera: Camera) -> Self {
         Self {
             layers: vec![layer],
+            meshes: Vec::new(),
+            camera,
+            lights: vec![Light::default()],
+            image: ImageDesc::default(),
+            settings: RenderSettings::default(),
+        }
+    }
+
+    /// Meshes alone, seen by `camera`; all else as by default.
+    pub fn of_meshes(meshes: Vec<MeshLayer>, camera: Camera) -> Self {
+        Self {
+            layers: Vec::new(),
+            meshes,
             camera,
             lights: vec![Light::default()],
             image: ImageDesc::default(),
@@ -56,6 +71,12 @@ impl Scene {
     #[must_use]
     pub fn layers(self, layers: Vec<Layer>) -> Self {
         Self { layers, ..self }
+    }
+
+    /// The same with other meshes.
+    #[must_use]
+    pub fn meshes(self, meshes: Vec<MeshLayer>) -> Self {
+        Self { meshes, ..self }
     }
 
     /// The same from elsewhere.
@@ -86,7 +107,9 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Grid, Isosurface, Projection, Region, Scaling, Shading, TransferFunction, Volume};
+    use crate::{
+        Grid, Isosurface, Mesh, Projection, Region, Scaling, Shading, TransferFunction, Volume,
+    };
     use glam::DVec3;
 
     #[test]
@@ -108,8 +131,10 @@ mod tests {
             .isosurfaces(isosurfaces)
             .shading(Shading::None)
             .region(region);
+        let mesh = MeshLayer::new(Mesh::default());
         let expected = Scene {
             layers: vec![layer.clone()],
+            meshes: vec![mesh.clone()],
             camera: camera(DVec3::X),
             lights: vec![],
             image: ImageDesc { width: 7, height: 5, background: [1.0; 4] },
@@ -126,10 +151,14 @@ mod tests {
             .region(layer.region.clone());
         let scene = Scene::new(other, camera(DVec3::Z))
             .layers(vec![layer])
+            .meshes(vec![mesh.clone()])
             .camera(expected.camera)
             .lights(vec![])
             .image(expected.image)
             .settings(expected.settings.clone());
         assert_eq!(scene, expected);
+        let alone = Scene::of_meshes(vec![mesh], camera(DVec3::X)).lights(vec![]);
+        let alone = alone.image(expected.image).settings(expected.settings.clone());
+        assert_eq!(alone, expected.layers(Vec::new()));
     }
 }

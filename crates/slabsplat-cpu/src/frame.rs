@@ -1,6 +1,7 @@
 //! One frame from plan to picture: dispatch to the method, and what all of them share.
 
 use crate::footprints::raster::Raster;
+use crate::meshes;
 use crate::methods::{Stage, axis_aligned, densities, every_sample, image_aligned};
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
@@ -17,6 +18,7 @@ use slabsplat_traverse::{BrickView, Classification, VoxelLighting, VoxelRules};
 pub(crate) struct Buffers {
     /// Of an image of that size, with that border.
     tiles: Cached<([u32; 2], usize), Tiles>,
+    meshes: meshes::Buffers,
     of_methods: OfMethods,
 }
 
@@ -48,25 +50,18 @@ struct Drawn {
 pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) -> Frame {
     let mut watch = Stopwatch::start();
     let image_size = [plan.image.width, plan.image.height];
-    let Buffers { tiles, of_methods } = buffers;
+    let Buffers { tiles, meshes, of_methods } = buffers;
     // All layers splat alike.
-    let first = &plan.layers[0];
-    let border = match &first.splats {
-        Splats::Colors(_) => 0,
-        Splats::Densities(_) => densities::BORDER,
+    let first = plan.layers.first();
+    let border = match first.map(|layer| &layer.splats) {
+        Some(Splats::Colors(_)) | None => 0,
+        Some(Splats::Densities(_)) => densities::BORDER,
     };
     let tiles = tiles.made_of((image_size, border), |_| Tiles::new(image_size, border));
     tiles.clear();
-    of_methods.forget_others(&first.splats);
-    let Drawn { n_voxels, n_occluded } = match &first.splats {
-        Splats::Colors(splats) => of_methods.colors(plan, splats, level, tiles, &mut watch),
-        Splats::Densities(splats) => {
-            let buffers = &mut of_methods.densities;
-            let [n_voxels, n_occluded] =
-                densities::render(plan, first, level, splats, tiles, buffers, &mut watch);
-            Drawn { n_voxels, n_occluded }
-        }
-    };
+    meshes::render(plan.meshes.as_ref(), tiles, meshes, &mut watch);
+    let Drawn { n_voxels, n_occluded } = of_methods.draw(plan, level, tiles, &mut watch);
+    tiles.end_rays_before(f32::INFINITY, plan.opacity_cutoff);
     let stats = FrameStats { n_voxels, n_occluded, ..tiles.stats() };
     let image = tiles.image(plan.image.premultiplied_background());
     watch.done("image");
@@ -75,6 +70,30 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
 }
 
 impl OfMethods {
+    /// Splats all layers, if there are any.
+    fn draw(
+        &mut self,
+        plan: &FramePlan<'_>,
+        level: Level,
+        tiles: &mut Tiles,
+        watch: &mut Stopwatch,
+    ) -> Drawn {
+        let Some(first) = plan.layers.first() else {
+            *self = Self::default();
+            return Drawn { n_voxels: 0, n_occluded: 0 };
+        };
+        self.forget_others(&first.splats);
+        match &first.splats {
+            Splats::Colors(splats) => self.colors(plan, splats, level, tiles, watch),
+            Splats::Densities(splats) => {
+                let buffers = &mut self.densities;
+                let [n_voxels, n_occluded] =
+                    densities::render(plan, first, level, splats, tiles, buffers, watch);
+                Drawn { n_voxels, n_occluded }
+            }
+        }
+    }
+
     /// Frees what only methods need that these splats are not of: each may hold all voxels.
     fn forget_others(&mut self, splats: &Splats) {
         let Self { image_aligned, axis_aligned, every_sample, densities, .. } = self;
@@ -168,6 +187,6 @@ impl OfLayer {
 impl Buffers {
     fn resident_bytes(&self) -> u64 {
         let of_tiles = self.tiles.value().map_or(0, Tiles::resident_bytes);
-        (of_tiles + self.of_methods.resident_bytes()) as u64
+        (of_tiles + self.meshes.resident_bytes() + self.of_methods.resident_bytes()) as u64
     }
 }

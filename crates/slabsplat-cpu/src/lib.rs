@@ -3,10 +3,11 @@
 //! # How a frame is made
 //!
 //! 1. Find the relevant voxels, if they are not those of the last plan (`slabsplat-traverse`).
-//! 2. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for what saturated parts
+//! 2. Rasterise opaque meshes, if there are any: their samples wait in the tiles until slabs come to them.
+//! 3. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for what saturated parts
 //!    of the image hide: *project* and *shade* their voxels and *toss* them onto square tiles of the image,
 //!    in parallel.
-//! 3. For every tile, in parallel: sort its voxels by slab, and then, slab by slab from the eye, *splat* the
+//! 4. For every tile, in parallel: sort its voxels by slab, and then, slab by slab from the eye, *splat* the
 //!    sections into a sheet of the tile's size and *composite* it.
 //!
 //! A sheet that covers a tile stays in the first-level cache, so the full-screen sheets of the paper and
@@ -23,6 +24,7 @@
 //! | floor | holds |
 //! | --- | --- |
 //! | `frame` | dispatch to a method, and what every frame has |
+//! | `meshes` | where rays end at opaque meshes (`slabsplat-mesh`) |
 //! | `methods` | the four methods: image-aligned, axis-aligned, every-sample, densities |
 //! | `separable` | sections by separable footprints, a short cut of image-aligned |
 //! | `sections` | sections of eight voxels at a time, and their splatting |
@@ -40,6 +42,7 @@
 
 mod footprints;
 mod frame;
+mod meshes;
 mod methods;
 mod pixels;
 mod sections;

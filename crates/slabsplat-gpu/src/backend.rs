@@ -193,6 +193,9 @@ impl<D: Device> Backend for GpuBackend<D> {
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
+        if plan.meshes.is_some() {
+            return Err(self.unable("its shaders draw no meshes"));
+        }
         let [layer] = plan.layers.as_slice() else {
             return Err(self.unable("its shaders draw one layer at a time"));
         };
@@ -243,8 +246,8 @@ mod tests {
     use slabsplat_backend::Planner;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, Layer, Method, Projection, Region, RenderSettings, Scaling, Scene,
-        TransferFunction, Volume,
+        Camera, Grid, ImageDesc, Layer, Mesh, MeshLayer, Method, Projection, Region,
+        RenderSettings, Scaling, Scene, TransferFunction, Volume,
     };
 
     /// A device that must not be used.
@@ -306,6 +309,11 @@ mod tests {
         assert_eq!(
             refused(&scene.clone().layers(vec![cut])),
             "Fake 3000 cannot make this frame: its shaders cut nothing off"
+        );
+        let mesh = MeshLayer::new(Mesh::default());
+        assert_eq!(
+            refused(&scene.clone().meshes(vec![mesh])),
+            "Fake 3000 cannot make this frame: its shaders draw no meshes"
         );
         assert_eq!(
             refused(&scene.layers(vec![layer.clone(), layer])),

@@ -35,6 +35,15 @@ pub enum IoError {
         /// The file.
         path: PathBuf,
     },
+    /// The file is a mesh in none of the formats that can be read.
+    #[error(
+        "{} is not a mesh file that can be read: expected PLY (.ply), STL (.stl) or OBJ (.obj)",
+        path.display()
+    )]
+    UnknownMesh {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file breaks the rules of its format.
     #[error("{}: {what}", path.display())]
     Malformed {

@@ -1,4 +1,4 @@
-//! Files in, files out: volumes, scene files and transfer functions are read, pictures written.
+//! Files in, files out: volumes, meshes, scene files and transfer functions are read, pictures written.
 //!
 //! The crates that render never see a file; this one never renders. Whatever a file holds, reading it
 //! gives a volume or an [`IoError`] of one line that says what, where and what to do: no panic, and
@@ -12,6 +12,7 @@
 //! | NIfTI-1 and -2 (`.nii`, `.hdr` with `.img`; all maybe `.gz`) | [`read_volume`] |
 //! | raw with a `.json` description beside it | [`read_volume`] |
 //! | raw, described by the caller | [`read_raw`] |
+//! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML) | [`read_scene`] |
 //! | ParaView colour maps (JSON) | [`read_color_map`] |
 //!
@@ -43,11 +44,13 @@
 //!
 //! # Reading order
 //!
-//! `error`; `volume` and its folders; `builtin`; `scene`; `picture`.
+//! `error`; `volume` and its folders; `mesh`; `builtin`; `scene`; `picture`.
 
 mod error;
 
 mod volume;
+
+mod mesh;
 
 mod builtin;
 
@@ -59,9 +62,10 @@ mod text;
 
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
 pub use error::IoError;
+pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{write_exr, write_picture, write_png};
 pub use scene::{
-    CameraDesc, LabelColors, LabelsFile, LayerFile, PRESET_NAMES, ProjectionKind, RegionDesc,
-    SceneFile, VolumeSource, preset_transfer, read_color_map, read_scene,
+    CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, ProjectionKind,
+    RegionDesc, SceneFile, VolumeSource, preset_transfer, read_color_map, read_scene,
 };
 pub use volume::{Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume};

@@ -7,8 +7,10 @@ use slabsplat_seeds::for_each_seed;
 use std::fs;
 use std::path::Path;
 
-use slabsplat_io::{read_color_map, read_scene, read_volume};
-use small_files::{COLOR_MAP, SCENE, SIDECAR, gzip, nifti1, nifti2, nrrd_header, voxels};
+use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
+use small_files::{
+    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, gzip, nifti1, nifti2, nrrd_header, ply, voxels,
+};
 
 /// Changes tried on each file.
 const N_MUTATIONS: usize = 1500;
@@ -29,6 +31,10 @@ fn scene(path: &Path) -> Result<(), slabsplat_io::IoError> {
 
 fn color_map(path: &Path) -> Result<(), slabsplat_io::IoError> {
     read_color_map(path).map(drop)
+}
+
+fn mesh(path: &Path) -> Result<(), slabsplat_io::IoError> {
+    read_mesh(path).map(drop)
 }
 
 /// A valid file of each kind, beside the raw data that some name.
@@ -52,6 +58,11 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("a.json", SIDECAR.as_bytes().to_vec(), volume),
         ("scene.toml", SCENE.as_bytes().to_vec(), scene),
         ("map.json", COLOR_MAP.as_bytes().to_vec(), color_map),
+        ("text.ply", ply("ascii", b"0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), mesh),
+        ("binary.ply", ply("binary_little_endian", &BINARY_PLY), mesh),
+        ("text.stl", STL.as_bytes().to_vec(), mesh),
+        ("binary.stl", [&[b' '; 80][..], &1_u32.to_le_bytes(), &[1; 50]].concat(), mesh),
+        ("a.obj", b"v 0 0 0\nv 1 0 0 1\nv 0 1 0 1 1 1\nvn 0 0 1\nf 1//1 2 -1//1\n".to_vec(), mesh),
     ]
 }
 

@@ -1,10 +1,10 @@
 //! Sensible defaults for a volume that nobody has described: what is visible, and from where.
 
 use rayon::prelude::*;
-use slabsplat_core::glam::DVec3;
+use slabsplat_core::glam::{BVec3, DVec3};
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Layer, Projection, RenderSettings, Sample, Scaling, Scene,
-    TransferFunction, Volume, with_samples,
+    Camera, CameraError, Grid, ImageDesc, Layer, Projection, RenderSettings, Sample, Scaling,
+    Scene, TransferFunction, Volume, with_samples,
 };
 use std::sync::Arc;
 
@@ -33,6 +33,9 @@ const COLORS: [[f64; 3]; 3] = [[0.55, 0.25, 0.2], [0.85, 0.55, 0.45], [1.0, 0.93
 /// Vertical field of view of the automatic perspective camera.
 const FOV_Y_RADIANS: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
+/// Room that a picture has around the box of a mesh, as a part of that.
+const MARGIN_OF_BOX: f64 = 0.05;
+
 /// Voxel steps around the grid that kernels cover.
 const MARGIN_VOXELS: f64 = 2.0;
 
@@ -52,7 +55,9 @@ impl Automatic {
 
     /// A camera on the world's +x, +y, +z side with z upwards, whose picture the volume fills.
     pub fn camera(&self, image: &ImageDesc, is_perspective: bool) -> Camera {
-        fitting_camera(&[*self.volume.grid()], image, is_perspective)
+        let seen = Extent { grids: &[*self.volume.grid()], boxes: &[] };
+        fitting_camera(seen, image, is_perspective)
+            .expect("the eye is off the z axis, and a grid is not too far from the origin to tell")
     }
 
     /// The defaults as a whole scene: orthographic, lit by a headlight.
@@ -62,40 +67,77 @@ impl Automatic {
     }
 }
 
-/// A camera on the world's +x, +y, +z side with z upwards, whose picture the grids fill.
-pub(crate) fn fitting_camera(grids: &[Grid], image: &ImageDesc, is_perspective: bool) -> Camera {
-    let target = Grid::center_of_all(grids);
+/// What a picture is to hold.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent<'a> {
+    /// Those of volumes.
+    pub(crate) grids: &'a [Grid],
+    /// The least and the greatest corner of boxes around all else.
+    pub(crate) boxes: &'a [[DVec3; 2]],
+}
+
+/// A camera on the world's +x, +y, +z side with z upwards, whose picture all of that fills.
+///
+/// # Errors
+/// If meshes are so large or so far away that no number holds where it is.
+pub(crate) fn fitting_camera(
+    seen: Extent<'_>,
+    image: &ImageDesc,
+    is_perspective: bool,
+) -> Result<Camera, CameraError> {
+    let target = seen.center();
     let to_eye = DVec3::new(0.78, 0.50, 0.38).normalize();
-    let radius = reach(grids, DVec3::length, target);
+    let radius = seen.reach(DVec3::length);
     let aspect = f64::from(image.width) / f64::from(image.height);
     let (projection, distance) = if is_perspective {
         let half_angle = (0.5 * FOV_Y_RADIANS).tan() * aspect.min(1.0);
         let distance = radius / half_angle.atan().sin();
         (Projection::Perspective { fov_y_radians: FOV_Y_RADIANS }, distance)
     } else {
-        let view_height = fitting_height(grids, to_eye, aspect);
+        let view_height = fitting_height(seen, to_eye, aspect);
         (Projection::Orthographic { view_height }, 3.0 * radius)
     };
     Camera::new(target + to_eye * distance, target, DVec3::Z, projection)
-        .expect("the eye is off the z axis, and a grid is not too far from the origin to tell")
 }
 
-/// World height of an orthographic picture that holds the grids as a whole.
-fn fitting_height(grids: &[Grid], to_eye: DVec3, aspect: f64) -> f64 {
-    let target = Grid::center_of_all(grids);
+/// World height of an orthographic picture that holds all.
+fn fitting_height(seen: Extent<'_>, to_eye: DVec3, aspect: f64) -> f64 {
     let right = (-to_eye).cross(DVec3::Z).normalize();
     let up = right.cross(-to_eye);
-    let extent = |axis: DVec3| reach(grids, |from_target| from_target.dot(axis).abs(), target);
+    let extent = |axis: DVec3| seen.reach(|from_target| from_target.dot(axis).abs());
     2.0 * extent(up).max(extent(right) / aspect)
 }
 
-/// The most that any corner is away from the target, by that measure, and what kernels cover around it.
-fn reach(grids: &[Grid], measure: impl Fn(DVec3) -> f64, target: DVec3) -> f64 {
-    let of_grid = |grid: &Grid| {
-        let corners = grid.corners_in_world().map(|corner| measure(corner - target));
-        corners.fold(0.0, f64::max) + MARGIN_VOXELS * grid.unit()
-    };
-    grids.iter().map(of_grid).fold(0.0, f64::max)
+impl Extent<'_> {
+    /// The middle: of a single grid, or of the box around all.
+    fn center(&self) -> DVec3 {
+        if self.boxes.is_empty() {
+            return Grid::center_of_all(self.grids);
+        }
+        let of_grids = self.grids.iter().flat_map(Grid::corners_in_world).map(|it| [it; 2]);
+        let all = of_grids.chain(self.boxes.iter().copied());
+        let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let [min, max] = all.fold(nothing, |[min, max], [a, b]| [min.min(a), max.max(b)]);
+        min.midpoint(max)
+    }
+
+    /// The most that any corner is away from the middle, by that measure, and what kernels cover around it.
+    fn reach(&self, measure: impl Fn(DVec3) -> f64) -> f64 {
+        let center = self.center();
+        let of_grid = |grid: &Grid| {
+            let corners = grid.corners_in_world().map(|corner| measure(corner - center));
+            corners.fold(0.0, f64::max) + MARGIN_VOXELS * grid.unit()
+        };
+        let of_box = |[min, max]: &[DVec3; 2]| {
+            let corners = (0..8).map(|corner: u8| {
+                let is_far = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
+                measure(DVec3::select(BVec3::from_array(is_far), *max, *min) - center)
+            });
+            (1.0 + MARGIN_OF_BOX) * corners.fold(0.0, f64::max)
+        };
+        let of_all = self.grids.iter().map(of_grid).chain(self.boxes.iter().map(of_box));
+        of_all.fold(0.0, f64::max)
+    }
 }
 
 fn transfer_of(volume: &Volume) -> TransferFunction {

@@ -1,9 +1,10 @@
 //! The scene of a file, with everything left out filled in.
 
 use crate::Automatic;
-use crate::automatic::fitting_camera;
+use crate::automatic::{Extent, fitting_camera};
 use slabsplat_backend::PlanError;
-use slabsplat_core::{CameraError, Grid, Layer, RegionError, Scene, Volume};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{CameraError, Grid, Layer, MeshLayer, RegionError, Scene, Volume};
 use slabsplat_io::{IoError, LayerFile, LoadedVolume, SceneFile};
 use std::sync::Arc;
 use thiserror::Error;
@@ -37,19 +38,20 @@ pub enum OpenError {
 }
 
 impl OpenScene {
-    /// Loads the volumes of `file` and fills in what the file leaves out.
+    /// Loads the volumes and meshes of `file` and fills in what the file leaves out.
     ///
     /// # Errors
-    /// If a volume cannot be read, or the camera or a region makes no sense.
+    /// If a volume or a mesh cannot be read, or the camera or a region makes no sense.
     pub fn open(file: &SceneFile) -> Result<Self, OpenError> {
         let loaded = file.layers.iter().map(LayerFile::load_volume).collect::<Result<_, _>>()?;
         Self::with_volumes(loaded, file)
     }
 
-    /// The scene of `file` with volumes that are already there, one for each layer; labels are read.
+    /// The scene of `file` with volumes that are already there, one for each layer; labels and meshes are
+    /// read.
     ///
     /// # Errors
-    /// If the camera or a region makes no sense, or labels cannot be read.
+    /// If the camera or a region makes no sense, or labels or meshes cannot be read.
     ///
     /// # Panics
     /// If there are more volumes or fewer.
@@ -62,10 +64,23 @@ impl OpenScene {
             layer(volume, of_file, &mut all_warnings)
         });
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
+        let mut meshes = Vec::with_capacity(file.meshes.len());
+        for mesh in &file.meshes {
+            let (mesh, warnings) = mesh.load()?;
+            meshes.push(mesh);
+            all_warnings.extend(warnings);
+        }
+        if layers.is_empty() && meshes.is_empty() {
+            return Err(PlanError::NoLayers.into());
+        }
         let grids: Vec<Grid> = layers.iter().map(|layer| *layer.volume.grid()).collect();
-        let fallback = fitting_camera(&grids, &file.image, file.camera.is_perspective());
-        let [first, ..] = layers.as_slice() else { return Err(PlanError::NoLayers.into()) };
-        let scene = Scene::new(first.clone(), file.camera.complete(&fallback)?)
+        let boxes: Vec<[DVec3; 2]> = meshes.iter().filter_map(MeshLayer::bounds).collect();
+        // Of a mesh without triangles nothing is seen from anywhere.
+        let nowhere = [[DVec3::ZERO, DVec3::ONE]];
+        let is_empty = grids.is_empty() && boxes.is_empty();
+        let seen = Extent { grids: &grids, boxes: if is_empty { &nowhere } else { &boxes } };
+        let fallback = fitting_camera(seen, &file.image, file.camera.is_perspective())?;
+        let scene = Scene::of_meshes(meshes, file.camera.complete(&fallback)?)
             .layers(layers)
             .lights(file.lights.clone())
             .image(file.image)

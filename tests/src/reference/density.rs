@@ -4,6 +4,7 @@
 use super::between_sheets::{Between, InSheet};
 use super::classified_part::part;
 use super::isosurfaces::{Crossing, crossings};
+use super::mesh::{Surfaces, mean_of_samples, share_before};
 use super::region::{PLACE_OF_A_PLANE, RegionOnRay, normal_by_faces, splitting};
 use super::statistic::{self, OneForAll};
 use super::view::View;
@@ -34,6 +35,7 @@ struct Frame<'a> {
     image_size: [usize; 2],
     background: [f64; 4],
     view: View,
+    surfaces: Surfaces<'a>,
     kernel: KernelInView,
     unit: f64,
     /// That of a sheet, half a slab's, in `unit`s.
@@ -50,6 +52,16 @@ struct Frame<'a> {
 struct Voxel {
     center_in_view: DVec3,
     value: f64,
+}
+
+/// What lies between the middles of two sheets, at one pixel.
+struct PartOfRay {
+    between: Between,
+    /// What the region leaves of it.
+    share: f64,
+    ends: [f64; 2],
+    /// What that shows, if no surface is before its end.
+    whole: Premultiplied,
 }
 
 /// `ΣH` and `ΣH·v` of a pixel of a sheet.
@@ -139,6 +151,7 @@ impl<'a> Frame<'a> {
             image_size: [scene.image.width, scene.image.height].map(|side| side as usize),
             background: scene.image.background.map(f64::from),
             view,
+            surfaces: Surfaces::new(scene, &view),
             kernel,
             unit: grid.unit(),
             width: 0.5 * settings.slab_width,
@@ -204,25 +217,40 @@ impl<'a> Frame<'a> {
         };
         let sheets: Vec<InSheet> = (0..here.len()).map(in_sheet).collect();
         let region = RegionOnRay::moved(&self.layer.region, &self.view, at, moved.plane);
-        let mut pixel = match (self.mode.statistic(), self.mode) {
+        let hits = self.surfaces.hits(&self.view, at);
+        let of_all = match (self.mode.statistic(), self.mode) {
             (Some(statistic), _) => self.one_for_all(statistic, &sheets, &region),
             (None, Mode::Isosurfaces) => self.isosurfaces(at, &sheets, &region, moved.value),
-            (None, _) => self.composited(at, &sheets, &region),
+            (None, _) => {
+                let parts = self.parts(at, &sheets, &region);
+                let up_to = |depth| self.composited(at, &parts, depth);
+                return mean_of_samples(&hits, self.background, up_to);
+            }
         };
-        let [r, g, b, opacity] = self.background;
-        pixel.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
-        let [r, g, b] = pixel.color;
-        [r, g, b, pixel.opacity]
+        mean_of_samples(&hits, self.background, |_| of_all)
     }
 
-    /// The parts of a ray, from front to back.
-    fn composited(&self, at: [i64; 2], sheets: &[InSheet], region: &RegionOnRay) -> Premultiplied {
+    /// The parts of a ray that hold anything, from front to back.
+    fn parts(&self, at: [i64; 2], sheets: &[InSheet], region: &RegionOnRay) -> Vec<PartOfRay> {
+        let part = |(before, six): (usize, &[InSheet; 6])| {
+            let ends = [before + 2, before + 3].map(|sheet| self.middle(sheet));
+            let (between, share) = (Between::new(six), region.share(self.compositing, ends));
+            PartOfRay { whole: self.classified(at, &between, share, ends), between, share, ends }
+        };
+        let sixes = sheets.array_windows().enumerate();
+        let hold = |six: &[InSheet; 6]| 0.0 < six[2].length || 0.0 < six[3].length;
+        sixes.filter(|(_, six)| hold(six)).map(part).collect()
+    }
+
+    /// What a ray that ends at a depth, or nowhere, composites of parts.
+    fn composited(&self, at: [i64; 2], parts: &[PartOfRay], depth: Option<f64>) -> Premultiplied {
         let mut pixel = Premultiplied::default();
-        for (before, six) in sheets.array_windows().enumerate() {
-            if 0.0 < six[2].length || 0.0 < six[3].length {
-                let ends = [before + 2, before + 3].map(|sheet| self.middle(sheet));
-                let share = region.share(self.compositing, ends);
-                pixel.lay_over(self.classified(at, &Between::new(six), share, ends));
+        for PartOfRay { between, share, ends, whole } in parts {
+            let before = depth.map_or(1.0, |depth| share_before(self.compositing, *ends, depth));
+            if before == 1.0 {
+                pixel.lay_over(*whole);
+            } else if 0.0 < before {
+                pixel.lay_over(self.classified(at, between, share * before, *ends));
             }
         }
         pixel

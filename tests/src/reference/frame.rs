@@ -27,6 +27,8 @@ pub(super) struct LayerInView {
     pub(super) kernel: KernelInView,
     pub(super) voxels: Vec<Voxel>,
     pub(super) region: Region,
+    /// Whether a slab may be split: by the region, or where a mesh ends rays.
+    pub(super) is_cut: bool,
 }
 
 /// A voxel whose opacity is above 0.
@@ -71,7 +73,8 @@ impl Frame {
         let view = View::new(&scene.camera, &scene.image);
         let slabs = Slabs::new(scene, &view);
         let in_view = |layer| LayerInView::new(layer, scene, &slabs, &view);
-        let layers: Vec<LayerInView> = scene.layers.iter().map(in_view).collect();
+        let mut layers: Vec<LayerInView> = scene.layers.iter().map(in_view).collect();
+        layers.iter_mut().for_each(|layer| layer.is_cut |= !scene.meshes.is_empty());
         let sheets = match settings.method {
             Method::ImageAligned if merge::applies(settings, tolerance) => {
                 let tolerance = tolerance / layers.len() as f64;
@@ -112,6 +115,7 @@ impl LayerInView {
             kernel: KernelInView::new(kernel, hierarchy, &grid, &view.axes),
             voxels: visible_voxels(layer, &scene.lights, view),
             region: layer.region.clone(),
+            is_cut: !layer.region.is_everywhere(),
         }
     }
 

@@ -77,7 +77,7 @@ struct Levels {
     depth_reach: f64,
     steepest_ray: f64,
     tolerance: f64,
-    /// Whether a region cuts the layer.
+    /// Whether a region or a mesh cuts the layer.
     is_cut: bool,
 }
 
@@ -92,7 +92,7 @@ impl Levels {
             depth_reach,
             steepest_ray: view.steepest_ray(),
             tolerance,
-            is_cut: !layer.region.is_everywhere(),
+            is_cut: layer.is_cut,
         }
     }
 

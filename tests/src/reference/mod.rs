@@ -9,7 +9,8 @@
 //! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `slabs` (§10) and `region` (§11); `frame` (§4) and `row` put
 //! them together; `merge` (§7) is what a tolerance changes; `between_sheets`, `classified_part` and `density`
-//! (§8) are the method `post-classified`, `statistic` and `isosurfaces` the modes of §12.
+//! (§8) are the method `post-classified`, `statistic` and `isosurfaces` the modes of §12; `mesh` (§14) ends
+//! rays at opaque surfaces.
 
 mod gradient;
 mod hierarchy;
@@ -27,6 +28,7 @@ mod frame;
 mod image;
 mod isosurfaces;
 mod merge;
+mod mesh;
 mod region;
 mod row;
 mod slabs;
@@ -71,12 +73,15 @@ pub fn render_within_tolerance(scene: &Scene) -> ReferenceImage {
 
 /// Whether sheets sum densities: for `post-classified`, and in the modes of §12.
 fn is_of_densities(scene: &Scene) -> bool {
-    scene.settings.method == Method::PostClassified || scene.settings.mode.compositing().is_none()
+    let has_densities = scene.settings.method == Method::PostClassified
+        || scene.settings.mode.compositing().is_none();
+    has_densities && !scene.layers.is_empty()
 }
 
 fn picture(frame: &frame::Frame, scene: &Scene) -> ReferenceImage {
     let (width, height) = (scene.image.width, scene.image.height);
+    let surfaces = mesh::Surfaces::new(scene, &frame.view);
     let rows: Vec<Vec<[f64; 4]>> =
-        (0..height).into_par_iter().map(|y| row::row(frame, y)).collect();
+        (0..height).into_par_iter().map(|y| row::row(frame, &surfaces, y)).collect();
     ReferenceImage { width, height, pixels: rows.concat() }
 }

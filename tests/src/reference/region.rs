@@ -2,6 +2,7 @@
 
 use super::density;
 use super::frame::Frame;
+use super::mesh;
 use super::view::View;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Method, Mode, Region, Scene};
@@ -93,9 +94,9 @@ pub(super) const PLACE_OF_A_PLANE: f64 = 1e-5;
 
 /// The pixels, row by row, that may look quite another way to a renderer that rounds otherwise: if the planes
 /// were moved by 10⁻⁵ `unit`s, some share would change by more than half. In `extinction`, only where a ray
-/// lies within a plane; in the other models, where it also meets one in the middle of a slab. Of isosurfaces,
-/// those that show another colour if planes are moved or values differ by 10⁻⁵ of their range: where a ray
-/// just touches a surface.
+/// lies within a plane; in the other models, where it also meets one in the middle of a slab. And those of
+/// which a sample is as undecided about meshes. Of isosurfaces, those that show another colour if planes are
+/// moved or values differ by 10⁻⁵ of their range: where a ray just touches a surface.
 pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
     if scene.settings.mode == Mode::Isosurfaces {
         return density::undecided_isosurfaces(scene);
@@ -115,7 +116,9 @@ pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
         })
     };
     let (width, height) = (i64::from(scene.image.width), i64::from(scene.image.height));
-    (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).map(is_undecided).collect()
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    let by_meshes = mesh::undecided_pixels(scene, &slabs);
+    pixels.zip(by_meshes).map(|(at, by_meshes)| by_meshes || is_undecided(at)).collect()
 }
 
 #[cfg(test)]

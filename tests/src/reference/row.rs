@@ -1,6 +1,7 @@
 //! One row of pixels: every sheet summed along each ray, and composited from front to back.
 
 use super::frame::{Frame, LayerInView, Sheet, SheetSplat, Voxel};
+use super::mesh::{Surfaces, mean_of_samples, share_before};
 use super::region::RegionOnRay;
 use super::{Cut, Premultiplied, SheetSums};
 
@@ -18,27 +19,40 @@ struct Splat<'a> {
 }
 
 /// The premultiplied RGBA of row `y`, background included.
-pub(super) fn row(frame: &Frame, y: u32) -> Vec<[f64; 4]> {
+pub(super) fn row(frame: &Frame, surfaces: &Surfaces<'_>, y: u32) -> Vec<[f64; 4]> {
     let splats: Vec<_> = frame.sheets.iter().map(|sheet| splats(frame, sheet, y)).collect();
     let pixel = |x: u32| {
         let at = [i64::from(x), i64::from(y)];
         let on_ray = |layer: &LayerInView| RegionOnRay::new(&layer.region, &frame.view, at);
         let regions: Vec<RegionOnRay> = frame.layers.iter().map(on_ray).collect();
-        let mut sum = Premultiplied::default();
-        for (sheet, splats) in frame.sheets.iter().zip(&splats) {
+        let in_sheet = |(sheet, splats): (&Sheet, &Vec<Vec<Splat<'_>>>)| {
             let mut sums = SheetSums::new(frame.compositing);
             for ((layer, splats), region) in frame.layers.iter().zip(splats).zip(&regions) {
                 let share = sheet.faces.map_or(1.0, |it| region.share(frame.compositing, it));
                 sums.add_share(share, layer_at(frame, layer, splats, x));
             }
-            sum.lay_over(sums.finish());
-        }
-        let [r, g, b, opacity] = frame.background;
-        sum.lay_over(Premultiplied { color: [r, g, b].map(|c| c * opacity), opacity });
-        let [r, g, b] = sum.color;
-        [r, g, b, sum.opacity]
+            sums
+        };
+        let sums: Vec<SheetSums> = frame.sheets.iter().zip(&splats).map(in_sheet).collect();
+        let hits = surfaces.hits(&frame.view, at);
+        mean_of_samples(&hits, frame.background, |depth| composited(frame, &sums, depth))
     };
     (0..frame.view.width()).map(pixel).collect()
+}
+
+/// What a ray that ends at a depth, or nowhere, composites of the sums of sheets.
+fn composited(frame: &Frame, sums: &[SheetSums], depth: Option<f64>) -> Premultiplied {
+    let mut pixel = Premultiplied::default();
+    for (sheet, sums) in frame.sheets.iter().zip(sums) {
+        let share = depth.map_or(1.0, |depth| {
+            let faces = sheet.faces.expect("only slabs have depths up to which they count");
+            share_before(frame.compositing, faces, depth)
+        });
+        let mut before = SheetSums::new(frame.compositing);
+        before.add_share(share, *sums);
+        pixel.lay_over(before.finish());
+    }
+    pixel
 }
 
 /// The splats of a sheet that may reach row `y`, layer by layer.

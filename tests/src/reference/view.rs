@@ -77,7 +77,13 @@ impl View {
 
     /// The same in world space.
     pub(super) fn ray_in_world(&self, at: [i64; 2], depth: f64) -> DVec3 {
-        let [right, up] = self.ray_in_view(at, depth);
+        self.point_in_world(at.map(|pixel| pixel as f64 + 0.5), depth)
+    }
+
+    /// Where the ray through a point of the image is at `depth`, in world space.
+    pub(super) fn point_in_world(&self, [x, y]: [f64; 2], depth: f64) -> DVec3 {
+        let from_middle = [x - 0.5 * f64::from(self.width), 0.5 * f64::from(self.height) - y];
+        let [right, up] = from_middle.map(|pixels| pixels * self.pixel_size(depth));
         let axes = &self.axes;
         self.eye + right * axes.right + up * axes.up + depth * axes.forward
     }

@@ -31,7 +31,7 @@ pub(super) const FLOORS: &[Floors] = &[Floors {
         &["footprints"],
         &["sections"],
         &["separable"],
-        &["methods"],
+        &["meshes", "methods"],
         &["frame"],
     ],
 }];
@@ -69,8 +69,19 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "the contract knows no backend, no file and no traversal",
     },
     Layer {
+        name: "slabsplat-mesh",
+        may_use: &["slabsplat-core", "slabsplat-traverse", "slabsplat-backend"],
+        why: "where rays meet surfaces is a matter of the plan, and of no kernel and no pixel",
+    },
+    Layer {
         name: "slabsplat-cpu",
-        may_use: &["slabsplat-core", "slabsplat-kernel", "slabsplat-traverse", "slabsplat-backend"],
+        may_use: &[
+            "slabsplat-core",
+            "slabsplat-kernel",
+            "slabsplat-traverse",
+            "slabsplat-backend",
+            "slabsplat-mesh",
+        ],
         why: "a backend executes a plan: it reads no file and sees no other backend",
     },
     Layer {
@@ -93,6 +104,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-io",
             "slabsplat-traverse",
             "slabsplat-backend",
+            "slabsplat-mesh",
             "slabsplat-cpu",
             "slabsplat-gpu",
             "slabsplat-wgpu",
@@ -113,6 +125,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-io",
             "slabsplat-traverse",
             "slabsplat-backend",
+            "slabsplat-mesh",
             "slabsplat-cpu",
             "slabsplat-shaders",
             "slabsplat-gpu",
@@ -201,6 +214,11 @@ pub(super) const EXTERNALS: &[External] = &[
     },
     External { name: "ash", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
     External { name: "gpu-allocator", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
+    External {
+        name: "robust",
+        users: Users::Only(&["slabsplat-mesh"]),
+        why: "exact predicates are for where edges are; volumes have none",
+    },
     External { name: "image", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "serde", users: Users::Only(CODERS), why: CODECS },
     External { name: "toml", users: Users::Only(CODERS), why: CODECS },

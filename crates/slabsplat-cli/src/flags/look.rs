@@ -81,6 +81,9 @@ impl LookFlags {
                 layer.isosurfaces.clone_from(&self.isosurfaces);
             }
         }
+        for mesh in &mut file.meshes {
+            mesh.shading = self.shading_over(mesh.shading)?;
+        }
         Ok(())
     }
 

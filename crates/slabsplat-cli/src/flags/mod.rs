@@ -20,13 +20,15 @@ use crate::progress::Progress;
 use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
+use slabsplat::io::MeshFile;
 use slabsplat::{OpenScene, Renderer, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
 #[derive(Args)]
 pub(crate) struct SceneFlags {
-    /// A scene file (.toml), a volume file, or a built-in volume as builtin:NAME or builtin:NAME:SIZE
+    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), or a built-in volume as builtin:NAME
+    /// or builtin:NAME:SIZE
     #[arg(value_name = "INPUT")]
     input: PathBuf,
 
@@ -34,6 +36,10 @@ pub(crate) struct SceneFlags {
     /// that say what a layer is like are about INPUT's
     #[arg(long = "layer", value_name = "FILE")]
     layers: Vec<PathBuf>,
+
+    /// An opaque mesh in the same picture: .ply, .stl or .obj; may be given several times
+    #[arg(long = "mesh", value_name = "FILE")]
+    meshes: Vec<PathBuf>,
 
     #[command(flatten)]
     raw: RawFlags,
@@ -70,8 +76,11 @@ impl SceneFlags {
         self.in_scene(|| {
             let n_own = file.layers.len();
             for path in &self.layers {
-                file.layers.extend(input::scene_file(path)?.layers);
+                let other = input::scene_file(path)?;
+                file.layers.extend(other.layers);
+                file.meshes.extend(other.meshes);
             }
+            file.meshes.extend(self.meshes.iter().map(MeshFile::new));
             let loaded = input::load(&mut file, &self.raw)?;
             let mut opened = OpenScene::with_volumes(loaded, &file)?;
             self.look.lay_points_over(&mut opened.scene.layers[..n_own])?;

@@ -17,7 +17,7 @@ pub(super) struct RegionFlags {
     )]
     crop: Option<[DVec3; 2]>,
 
-    /// The same with corners that count voxels
+    /// The same with corners that count voxels; meshes have none
     #[arg(
         long, value_name = "I0,J0,K0,I1,J1,K1", value_parser = values::ends,
         allow_hyphen_values = true, conflicts_with = "crop"
@@ -42,8 +42,11 @@ pub(super) struct RegionFlags {
 impl RegionFlags {
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
         let mut is_cut = false;
-        for region in file.layers.iter_mut().map(|layer| &mut layer.region) {
-            if let Some(ends) = self.crop.or(self.crop_index) {
+        let SceneFile { layers, meshes, .. } = file;
+        let of_layers = layers.iter_mut().map(|layer| (&mut layer.region, self.crop_index));
+        let of_meshes = meshes.iter_mut().map(|mesh| (&mut mesh.region, None));
+        for (region, crop_index) in of_layers.chain(of_meshes) {
+            if let Some(ends) = self.crop.or(crop_index) {
                 region.ends = Some(ends);
                 region.is_index = self.crop_index.is_some();
             }

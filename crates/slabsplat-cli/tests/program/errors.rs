@@ -34,6 +34,8 @@ fn errors_say_what_and_where() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("empty.nrrd"), "").unwrap();
     std::fs::write(dir.path().join("a.raw"), [0; 7]).unwrap();
+    std::fs::write(dir.path().join("broken.stl"), [b'x'; 99]).unwrap();
+    std::fs::write(dir.path().join("a.obj"), "v 0 0 0\nv 9 0 0\nv 0 9 9\nf 1 2 3\n").unwrap();
     std::fs::write(dir.path().join("text.toml"), "= what = is = this").unwrap();
     std::fs::create_dir(dir.path().join("dir.png")).unwrap();
     let files = names_in(dir.path());
@@ -44,6 +46,16 @@ fn errors_say_what_and_where() {
         ("render empty.nrrd -o a.png", "empty.nrrd"),
         ("render builtin:teapot -o a.png", "marschner-lobb"),
         ("render builtin:cube --layer missing.nrrd -o a.png", "missing.nrrd"),
+        ("render builtin:cube --mesh missing.ply -o a.png", "missing.ply"),
+        (
+            "render builtin:cube --mesh a.raw -o a.png",
+            "expected PLY (.ply), STL (.stl) or OBJ (.obj)",
+        ),
+        ("render broken.stl -o a.png", "broken.stl: cut off: there should be"),
+        ("info broken.stl", "broken.stl: cut off: there should be"),
+        ("render builtin:cube --mesh a.obj --method every-sample -o a.png", "draws no meshes"),
+        ("render builtin:cube --mesh a.obj --mode maximum -o a.png", "draws no meshes"),
+        ("render a.obj --spacing 1,1,1 -o a.png", "there is no volume"),
         ("render builtin:cube --cut-out -o a.png", "add --crop or --clip"),
         ("render builtin:cube --lit-cuts -o a.png", "add --crop or --clip"),
         ("render builtin:cube --clip 1,0,0,0 --method axis-aligned -o a.png", "cuts nothing off"),

@@ -71,3 +71,23 @@ fn info_without_a_reader_is_no_error() {
     assert!(output.stderr.is_empty(), "{}", crate::text(&output.stderr));
     assert!(output.status.success());
 }
+
+#[test]
+fn info_of_a_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let mesh = "v 0 0 0\nv 2 0 0 1 0 0\nv 0 3 4\nf 1 2 3\nf 1 1 2\n";
+    std::fs::write(dir.path().join("a.obj"), mesh).unwrap();
+    let expected = value!({
+        "format": "OBJ",
+        "triangles": 1,
+        "left_out": 1,
+        "vertices": 3,
+        "normals": false,
+        "colors": true,
+        "min": [0.0, 0.0, 0.0],
+        "max": [2.0, 3.0, 4.0],
+    });
+    assert_eq!(json(dir.path(), "info a.obj --json"), expected);
+    let text = answer(dir.path(), "info a.obj");
+    assert!(text.contains("0, 0, 0 to 2, 3, 4"), "{text}");
+}

@@ -328,3 +328,29 @@ fn render_by_every_mode() {
     pictures.dedup();
     assert_eq!(pictures.len(), modes.len(), "each is another picture");
 }
+
+/// A square before a volume, and the same alone: told what is left out, with the light that flags say.
+#[test]
+fn render_mesh_beside_a_volume_and_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let square = "v -9 -9 20\nv 9 -9 20\nv 9 9 20\nv -9 9 20\nf 1 2 3 4\nf 1 2 9\n";
+    std::fs::write(dir.path().join("a.obj"), square).unwrap();
+    let scene = "[mesh]\npath = \"a.obj\"\ncolor = [1, 0, 0]\n[shading]\nmodel = \"none\"\n";
+    std::fs::write(dir.path().join("a.toml"), scene).unwrap();
+    let view = "--eye 0,0,50 --target 0,0,0 --up 0,1,0 --view-height 10 --width 8 --height 8";
+    let args = format!("render builtin:cube --mesh a.obj {view} -o both.exr");
+    let output = slabsplat(dir.path(), &args);
+    let stderr = text(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    assert!(stderr.contains("a.obj: 1 of 3 triangles are left out"), "{stderr}");
+    let [alone, behind] = ["a.obj", "builtin:cube --layer a.obj"]
+        .map(|input| bytes_of(dir.path(), &format!("{input} {view} -o it.exr")));
+    assert_eq!(bytes_of(dir.path(), &format!("a.obj {view} -o both.exr")), alone);
+    assert_eq!(behind, alone, "the square hides the cube");
+    let red = bytes_of(dir.path(), &format!("a.toml {view} -o red.png"));
+    let lit = bytes_of(dir.path(), &format!("a.toml {view} --shading phong -o lit.png"));
+    assert_ne!(red, lit);
+    // The camera finds it.
+    let output = slabsplat(dir.path(), "render a.obj --width 8 --height 8 -o found.png");
+    assert!(!text(&output.stderr).contains("nothing is visible"), "{}", text(&output.stderr));
+}

@@ -4,6 +4,7 @@
 use super::Stage;
 use super::lit_faces::LitFaces;
 use super::slabs::{self, SectionsInSlabs, Sheets, Voxels};
+use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
@@ -11,8 +12,8 @@ use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use fearless_simd::Simd;
 use slabsplat_backend::{ColorSplats, FramePlan, Splats};
-use slabsplat_core::Compositing;
 use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Compositing, SlabGrid};
 use slabsplat_traverse::{Brick, BrickBounds, BrickView, RelevantList, VoxelLighting, VoxelRecord};
 
 /// What is cached from frame to frame.
@@ -36,13 +37,18 @@ pub(crate) fn render(
             layers.push((stage, SectionsInSlabs::of_colors(splats)));
         }
     }
-    let sheets = Composited { compositing: plan.compositing, cutoff: plan.opacity_cutoff };
+    let [(_, first), ..] = layers.as_slice() else { return 0 };
+    let sheets = Composited {
+        compositing: plan.compositing,
+        cutoff: plan.opacity_cutoff,
+        slabs: first.slabs(),
+    };
     slabs::render(&layers, &sheets, tiles, &mut buffers.0, watch)
 }
 
 impl Buffers {
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.0.resident_bytes::<Composited>()
+        self.0.resident_bytes::<Composited<'_>>()
     }
 }
 
@@ -110,18 +116,23 @@ impl Voxels for Shaded<'_> {
 }
 
 /// A sheet goes behind what there is of the picture.
-struct Composited {
+struct Composited<'a> {
     compositing: Compositing,
     cutoff: f32,
+    slabs: &'a SlabGrid,
 }
 
-impl Sheets for Composited {
+impl Sheets for Composited<'_> {
     type Retained = ();
     type Scratch = ();
 
     const AT_ONCE: usize = 1;
     const N_BEHIND: usize = 0;
     const CUTS_SUMS: bool = true;
+
+    fn front(&self, slab: usize) -> f32 {
+        self.slabs.front(slab) as f32
+    }
 
     fn splits_slabs(&self) -> bool {
         self.compositing.sums_extinction()
@@ -131,12 +142,15 @@ impl Sheets for Composited {
     fn take<S: Simd>(
         &self,
         simd: S,
-        _: usize,
+        slab: usize,
         sheet: &mut Sheet,
         (tile, _): (&mut Tile, Option<&TileRegion>),
         (): &mut (),
         (): &mut (),
     ) {
+        let faces = self.slabs.faces(slab).map(|face| face as f32);
+        let (compositing, cutoff) = (self.compositing, self.cutoff);
+        tile.end_rays_in(SlabToEndIn { compositing, faces, cutoff }, sheet);
         tile.put_behind(simd, self.compositing, sheet, self.cutoff);
     }
 

@@ -5,8 +5,10 @@ use super::compositing::put_behind;
 use super::quad::{QUAD, Quad};
 use super::rectangle::{PixelBox, TILE_SIDE};
 use super::sheet::{Pixels, Sheet};
+use super::surfaces::Surfaces;
 use fearless_simd::Simd;
 use slabsplat_core::{Compositing, over};
+use slabsplat_traverse::PixelRect;
 use std::ops::Range;
 
 const _: () = assert!(BLOCK_SIDE == QUAD, "a block is a quad wide");
@@ -27,6 +29,8 @@ pub(crate) struct Tile {
     /// Premultiplied colour and opacity. Pixels outside of the image are opaque from the start, and so are
     /// those of other tiles.
     pub(crate) pixels: Box<Pixels>,
+    /// Where rays end.
+    pub(crate) surfaces: Surfaces,
     pub(crate) stats: TileStats,
 }
 
@@ -52,6 +56,7 @@ impl Tile {
             open: Blocks::NONE,
             needed: Blocks::NONE,
             pixels: Sheet::default().sums,
+            surfaces: Surfaces::default(),
             stats: TileStats::default(),
         };
         tile.clear();
@@ -83,6 +88,13 @@ impl Tile {
     /// The blocks whose sums are needed while those are open.
     fn needed_for(&self, open: Blocks) -> Blocks {
         if self.border == 0 { open } else { open.with_neighbors() }
+    }
+
+    /// The pixels of the image that are this tile's own, and the first of them in the tile.
+    pub(crate) fn own_pixels(&self) -> (PixelRect, [usize; 2]) {
+        let min = self.origin.map(|pixel| pixel as u32);
+        let end = [0, 1].map(|axis| min[axis] + self.inside[axis].len() as u32);
+        (PixelRect { min, end }, [self.border; 2])
     }
 
     /// Whether no pixel may change any more.
@@ -143,7 +155,7 @@ impl Tile {
     }
 
     /// Closes a block if all its pixels are at least as opaque as `cutoff`.
-    fn close_if_saturated(&mut self, [column, row]: [usize; 2], cutoff: f32) {
+    pub(super) fn close_if_saturated(&mut self, [column, row]: [usize; 2], cutoff: f32) {
         let mut rows = self.pixels[row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE].iter();
         if rows.all(|row| row[column].opacities().iter().all(|opacity| cutoff <= *opacity)) {
             self.close([column, row]);

@@ -29,6 +29,11 @@ impl Tiles {
         self.tiles.par_iter_mut().for_each(Tile::clear);
     }
 
+    /// Ends all rays at surfaces before a depth, where nothing is left to be composited before that.
+    pub(crate) fn end_rays_before(&mut self, depth: f32, cutoff: f32) {
+        self.tiles.par_iter_mut().for_each(|tile| tile.end_rays_before(depth, cutoff));
+    }
+
     /// Calls `work` with every tile, in parallel.
     pub(crate) fn for_each<W: Default + Send>(
         &mut self,
@@ -80,7 +85,9 @@ impl Tiles {
     }
 
     pub(crate) fn resident_bytes(&self) -> usize {
-        let bytes = |tile: &Tile| size_of::<Tile>() + size_of_val(&*tile.pixels);
+        let bytes = |tile: &Tile| {
+            size_of::<Tile>() + size_of_val(&*tile.pixels) + tile.surfaces.resident_bytes()
+        };
         self.tiles.iter().map(bytes).sum()
     }
 }

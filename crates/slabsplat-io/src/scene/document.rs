@@ -14,6 +14,7 @@ use super::settings_section::{Section, SettingsSection, keys};
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
     pub(super) volume: Option<VolumeSection>,
+    pub(super) mesh: Option<MeshSection>,
     pub(super) classify: Option<ClassifySection>,
     pub(super) labels: Option<LabelsSection>,
     pub(super) shading: Option<SettingsSection<Phong>>,
@@ -34,6 +35,7 @@ pub(super) struct Document {
 pub(super) struct LayerSection {
     pub(super) name: Option<String>,
     pub(super) volume: Option<VolumeSection>,
+    pub(super) mesh: Option<MeshSection>,
     pub(super) classify: Option<ClassifySection>,
     pub(super) labels: Option<LabelsSection>,
     pub(super) shading: Option<SettingsSection<Phong>>,
@@ -49,6 +51,16 @@ pub(super) struct VolumeSection {
     /// Voxels a side, with `generate`.
     pub(super) size: Option<usize>,
     pub(super) spacing: Option<[f64; 3]>,
+}
+
+/// Instead of a volume.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshSection {
+    pub(super) path: Option<PathBuf>,
+    pub(super) color: Option<[f64; 3]>,
+    /// What takes the file's coordinates to the world, by rows.
+    pub(super) affine: Option<[[f64; 4]; 3]>,
 }
 
 /// Points, a preset or a file. Without `color`, all that is visible is white. Beside them, isosurfaces.

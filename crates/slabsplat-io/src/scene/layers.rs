@@ -1,4 +1,5 @@
-//! What a scene file as a whole means: its layers, be it one at the top or several below `[[layers]]`.
+//! What a scene file as a whole means: its layers, of volumes or meshes, be it one at the top or several
+//! below `[[layers]]`.
 
 use std::path::{Path, PathBuf};
 
@@ -16,16 +17,20 @@ impl Document {
     ) -> Result<(SceneFile, Vec<Option<PathBuf>>), Diagnostic> {
         let sections = self.take_layers()?;
         let is_list = self.layers.is_some();
-        let color_maps = sections.iter().map(|layer| layer.color_map(folder)).collect();
-        let layers = sections.into_iter().enumerate().map(|(idx, section)| {
-            let layer = section.into_layer(folder);
-            layer.map_err(|error| if is_list { error.in_layer(idx) } else { error })
-        });
-        let layers = layers.collect::<Result<_, _>>()?;
+        let (mut layers, mut color_maps, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+        for (idx, mut section) in sections.into_iter().enumerate() {
+            let in_layer = |error: Diagnostic| if is_list { error.in_layer(idx) } else { error };
+            if let Some(mesh) = section.mesh.take() {
+                meshes.push(section.into_mesh(&mesh, folder).map_err(in_layer)?);
+            } else {
+                color_maps.push(section.color_map(folder));
+                layers.push(section.into_layer(folder).map_err(in_layer)?);
+            }
+        }
         let (settings, backend) = self.render.into_settings()?;
         let (camera, image) = (self.camera.into_desc()?, self.image.into_desc()?);
         let lights = into_lights(self.lights)?;
-        Ok((SceneFile { layers, camera, lights, image, settings, backend }, color_maps))
+        Ok((SceneFile { layers, meshes, camera, lights, image, settings, backend }, color_maps))
     }
 
     /// The layers, of which there is at least one.
@@ -33,6 +38,7 @@ impl Document {
         let top = LayerSection {
             name: None,
             volume: self.volume.take(),
+            mesh: self.mesh.take(),
             classify: self.classify.take(),
             labels: self.labels.take(),
             shading: self.shading.take(),
@@ -55,6 +61,7 @@ impl LayerSection {
     fn first_section(&self) -> Option<&'static str> {
         let sections = [
             ("volume", self.volume.is_some()),
+            ("mesh", self.mesh.is_some()),
             ("classify", self.classify.is_some()),
             ("labels", self.labels.is_some()),
             ("shading", self.shading.is_some()),
@@ -69,9 +76,10 @@ impl LayerSection {
     }
 
     fn into_layer(self, folder: &Path) -> Result<LayerFile, Diagnostic> {
-        let Self { name, volume, classify, labels, shading, region } = self;
+        let Self { name, volume, mesh: _, classify, labels, shading, region } = self;
         let volume = volume.ok_or_else(|| {
-            let what = "the scene has no [volume]: add one with path or generate";
+            let what =
+                "the scene has no [volume] and no [mesh]: add one with path, or generate a volume";
             Diagnostic::at("volume", "", what)
         })?;
         let by_gradient = classify.as_ref().map(ClassifySection::checked_gradient_opacity);

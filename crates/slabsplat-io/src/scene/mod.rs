@@ -18,6 +18,7 @@ mod labels;
 mod region;
 
 mod color_map;
+mod mesh;
 mod preset;
 
 mod diagnostic;
@@ -31,6 +32,7 @@ use slabsplat_core::{
 pub use camera::{CameraDesc, ProjectionKind};
 pub use color_map::read_color_map;
 pub use labels::{LabelColors, LabelsFile};
+pub use mesh::MeshFile;
 pub use preset::{PRESET_NAMES, preset_transfer};
 pub use region::RegionDesc;
 
@@ -42,8 +44,10 @@ use document::Document;
 /// parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneFile {
-    /// What is seen; at least one layer.
+    /// The volumes that are seen.
     pub layers: Vec<LayerFile>,
+    /// Opaque meshes among them; there is at least one of either.
+    pub meshes: Vec<MeshFile>,
     /// Where they are seen from.
     pub camera: CameraDesc,
     /// What shines on them.
@@ -116,8 +120,18 @@ pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
 impl SceneFile {
     /// A scene that leaves everything to a volume and to the defaults.
     pub fn of_volume(volume: VolumeSource) -> Self {
+        Self { layers: vec![LayerFile::of_volume(volume)], ..Self::of_nothing() }
+    }
+
+    /// A scene of a mesh alone.
+    pub fn of_mesh(path: impl Into<PathBuf>) -> Self {
+        Self { meshes: vec![MeshFile::new(path)], ..Self::of_nothing() }
+    }
+
+    fn of_nothing() -> Self {
         Self {
-            layers: vec![LayerFile::of_volume(volume)],
+            layers: Vec::new(),
+            meshes: Vec::new(),
             camera: CameraDesc::default(),
             lights: vec![Light::default()],
             image: ImageDesc::default(),

@@ -24,14 +24,26 @@ impl RegionDesc {
     /// # Errors
     /// If the box ends before it starts, or an end is not finite.
     pub fn on(&self, grid: &Grid) -> Result<Region, RegionError> {
-        let convex = match self.ends {
-            Some(ends) if self.is_index => Region::in_index_box(grid, ends)?,
-            Some(ends) => Region::in_box(ends)?,
-            None => Region::default(),
-        };
+        match self.ends {
+            Some(ends) if self.is_index => Ok(self.within(Region::in_index_box(grid, ends)?)),
+            _ => self.in_world(),
+        }
+    }
+
+    /// The region of what has no grid. A box that counts voxels is left out.
+    ///
+    /// # Errors
+    /// As [`on`](Self::on).
+    pub fn in_world(&self) -> Result<Region, RegionError> {
+        let ends = self.ends.filter(|_| !self.is_index);
+        Ok(self.within(ends.map_or(Ok(Region::default()), Region::in_box)?))
+    }
+
+    /// What planes and switches leave of a box.
+    fn within(&self, convex: Region) -> Region {
         let convex = self.planes.iter().fold(convex, |region, plane| region.behind(*plane));
         let region = if self.is_inverted { convex.inverted() } else { convex };
-        Ok(if self.is_lit { region.lit() } else { region })
+        if self.is_lit { region.lit() } else { region }
     }
 }
 

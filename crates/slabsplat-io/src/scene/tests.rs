@@ -239,8 +239,8 @@ fn scene_unknown_keys_are_named() {
     );
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
-        "scene.toml:1: unknown key \"size\"; known are volume, classify, labels, shading, region, \
-         layers, camera, lights, image, render",
+        "scene.toml:1: unknown key \"size\"; known are volume, mesh, classify, labels, shading, \
+         region, layers, camera, lights, image, render",
     );
 }
 
@@ -382,6 +382,74 @@ fn scene_layers_say_what_is_wrong() {
     check(&changed("[[1, 0, 0, 3]]", "[[0, 0, 0, 3]]"), ":8: a plane needs");
     check(&changed("ct-bone", "ct-bones"), ":14: there is no preset");
     check(&changed("generate", "generates"), ":5: unknown key \"generates\" in [layers.volume]");
+}
+
+/// A haze about an implant.
+const WITH_MESH: &str = r#"
+[[layers]]
+[layers.volume]
+generate = "sphere"
+
+[[layers]]
+name = "implant"
+[layers.mesh]
+path = "implant.stl"
+color = [0.8, 0.75, 0.5]
+affine = [[-1, 0, 0, 1], [0, -1, 0, 2], [0, 0, 1, 3]]
+[layers.shading]
+ambient = 0.5
+[layers.region]
+planes = [[1, 0, 0, 3]]
+"#;
+
+#[test]
+fn scene_of_a_volume_and_a_mesh() {
+    let scene = read(WITH_MESH).unwrap();
+    let ([_], [implant]) = (scene.layers.as_slice(), scene.meshes.as_slice()) else {
+        panic!("{scene:?}")
+    };
+    let name = implant.path.file_name().and_then(|name| name.to_str());
+    assert_eq!((implant.name.as_deref(), name), (Some("implant"), Some("implant.stl")));
+    assert_eq!(implant.color, Some([0.8, 0.75, 0.5]));
+    let moved = implant.world_from_mesh.transform_point3(DVec3::ONE);
+    assert_eq!(moved, DVec3::new(0.0, 1.0, 4.0));
+    assert_eq!(implant.shading, Shading::Phong(Phong::default().ambient(0.5)));
+    assert_eq!(implant.region.planes.len(), 1);
+    let alone = read("[mesh]\npath = \"a.ply\"").unwrap();
+    assert_eq!((alone.layers.len(), alone.meshes.len()), (0, 1));
+    let plain = MeshFile::new(alone.meshes[0].path.clone());
+    assert_eq!(alone.meshes, [plain]);
+}
+
+#[test]
+fn scene_meshes_say_what_is_wrong() {
+    let check = |from: &str, to: &str, expected: &str| {
+        let err = read(&WITH_MESH.replacen(from, to, 1)).unwrap_err();
+        assert!(err.contains(expected), "{err} should contain {expected}");
+    };
+    check("path = \"implant.stl\"", "", ":8: [mesh] needs a path");
+    check("0.75, 0.5]", "0.75, 5]", ":10: color must be");
+    check("[0, 0, 1, 3]]", "[0, 0, 0, 3]]", ":11: a mesh cannot be placed");
+    check("[layers.region]", "[layers.region]\nindex = true", ":15: a mesh has no voxels");
+    let classify = "[layers.classify]\npreset = \"ct-bone\"\n[layers.shading]";
+    check("[layers.shading]", classify, ":12: a layer with a mesh has no [classify]");
+    let volume = "[layers.volume]\npath = \"a\"\n[layers.shading]";
+    check("[layers.shading]", volume, ":12: a layer with a mesh has no [volume]");
+    check("color", "colour", ":10: unknown key \"colour\"");
+}
+
+#[test]
+fn scene_loads_its_mesh() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.obj");
+    fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n").unwrap();
+    let scene = "[mesh]\npath = \"a.obj\"\naffine = [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 5]]";
+    fs::write(dir.path().join("a.toml"), scene).unwrap();
+    let scene = read_scene(&dir.path().join("a.toml")).unwrap();
+    let (layer, warnings) = scene.meshes[0].load().unwrap();
+    assert_eq!(layer.bounds(), Some([DVec3::Z * 5.0, DVec3::new(2.0, 2.0, 5.0)]));
+    assert!(warnings[0].ends_with("1 of 2 triangles are left out: 1 have no area"), "{warnings:?}");
+    assert!(MeshFile::new(dir.path().join("b.obj")).load().is_err());
 }
 
 #[test]

@@ -94,3 +94,23 @@ pub(crate) const COLOR_MAP: &str = r#"[{"Name": "x", "Points": [0, 0, 0.5, 0, 25
 /// The description of a raw file of 4 × 3 × 2 voxels.
 pub(crate) const SIDECAR: &str = r#"{"file": "a.raw", "dims": [4, 3, 2], "type": "int16",
     "endian": "little", "header_bytes": 0, "spacing": [1, 1, 2.5], "origin": [0, 0, -3]}"#;
+
+/// A triangle, but for its data.
+pub(crate) fn ply(format: &str, data: &[u8]) -> Vec<u8> {
+    let header = format!(
+        "ply\nformat {format} 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+         property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    [header.as_bytes(), data].concat()
+}
+
+/// The data of a triangle: nine coordinates, the count and the numbers of its corners.
+pub(crate) const BINARY_PLY: [u8; 49] = {
+    let mut data = [0; 49];
+    (data[14], data[15], data[30], data[31]) = (0x80, 0x3f, 0x80, 0x3f);
+    (data[36], data[41], data[45]) = (3, 1, 2);
+    data
+};
+
+pub(crate) const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
+    vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";

@@ -9,6 +9,7 @@ use super::normals::Normals;
 use super::parts::{Lies, PartShader};
 use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch};
 use crate::methods::slabs::Sheets;
+use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
@@ -100,7 +101,9 @@ impl<'a> Classifier<'a> {
         if let Some(region) = region {
             region.cut(sums, ends);
         }
-        tile.put_behind(simd, self.shader.compositing, sums, self.cutoff);
+        let (compositing, cutoff) = (self.shader.compositing, self.cutoff);
+        tile.end_rays_in(SlabToEndIn { compositing, faces: ends, cutoff }, sums);
+        tile.put_behind(simd, compositing, sums, cutoff);
         if let Some(region) = region {
             tile.close_all(region.over_from(ends[1]));
         }
@@ -153,6 +156,10 @@ impl Sheets for Classifier<'_> {
     const AT_ONCE: usize = AT_ONCE;
     const N_BEHIND: usize = N_BESIDE + 1;
     const CUTS_SUMS: bool = false;
+
+    fn front(&self, slab: usize) -> f32 {
+        self.depths.of_nodes(slab)[0]
+    }
 
     fn splits_slabs(&self) -> bool {
         self.shader.compositing.sums_extinction()

@@ -326,6 +326,11 @@ impl Sheets for Isosurfaces<'_> {
     const N_BEHIND: usize = N_BESIDE + 1;
     const CUTS_SUMS: bool = false;
 
+    /// Rays do not end: no plan has isosurfaces beside meshes.
+    fn front(&self, _: usize) -> f32 {
+        f32::NEG_INFINITY
+    }
+
     /// A surface may lie anywhere between two sheets.
     fn splits_slabs(&self) -> bool {
         true

@@ -148,6 +148,11 @@ impl Sheets for Gatherer<'_> {
     const N_BEHIND: usize = N_BESIDE + 1;
     const CUTS_SUMS: bool = false;
 
+    /// Rays do not end: no plan has one density that stands for all beside meshes.
+    fn front(&self, _: usize) -> f32 {
+        f32::NEG_INFINITY
+    }
+
     fn splits_slabs(&self) -> bool {
         self.statistic == Statistic::Average
     }

@@ -71,6 +71,7 @@ pub(super) fn through<H: Sheets>(
         dispatch!(level, simd => {
             advance(simd, slabs, passes_here, sheets, tile, of_tile, workspace);
         });
+        tile.end_rays_before(sheets.front(slabs.end), passes[0].stage.plan.opacity_cutoff);
         for ((waiting, pass), voxels) in
             of_tile.waiting.iter_mut().zip(passes).zip(&workspace.sums.voxels)
         {

@@ -92,6 +92,10 @@ pub(super) fn render<H: Sheets>(
     });
     let mut passes: Vec<Pass<'_>> = passes.collect();
     watch.done("bricks");
+    if let Some(range) = first_range(&passes) {
+        let first = range as usize * passes[0].setup.slabs.n_per_range;
+        tiles.end_rays_before(sheets.front(first), passes[0].stage.plan.opacity_cutoff);
+    }
     occlusion.start(&tiles.grid, &tiles.tiles);
     of_tiles.resize_with(tiles.tiles.len(), OfTile::default);
     of_tiles.iter_mut().for_each(|of_tile| of_tile.clear(layers.len()));

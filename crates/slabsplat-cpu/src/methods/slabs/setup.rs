@@ -12,6 +12,7 @@ use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
 use crate::separable::slab::SeparableSlab;
 use slabsplat_backend::{DensitySplats, SectionSplats, Slabs, SmoothSections};
+use slabsplat_core::SlabGrid;
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, SectionTable, SeparableSections, SeparableShapes, SplitLevels,
     TiltedSections,
@@ -70,6 +71,11 @@ impl<'a> SectionsInSlabs<'a> {
             levels: merged.as_ref().map(|merged| &merged.levels),
             are_of_means: false,
         }
+    }
+
+    /// Where they are.
+    pub(in crate::methods) fn slabs(&self) -> &'a SlabGrid {
+        &self.slabs.grid
     }
 
     /// Of voxels that have values.

@@ -49,6 +49,9 @@ pub(in crate::methods) trait Sheets: Sync {
     /// Whether regions cut what sections sum to. If not, they cut what the method makes of it.
     const CUTS_SUMS: bool;
 
+    /// The depth before which nothing is left to be composited, once all slabs before one were taken.
+    fn front(&self, slab: usize) -> f32;
+
     /// Whether a slab has a part in a region; if not, it is in it or not by its middle.
     fn splits_slabs(&self) -> bool;
 

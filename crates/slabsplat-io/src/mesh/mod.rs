@@ -1,0 +1,137 @@
+//! Reading meshes: PLY, STL, OBJ. What cannot be drawn of one is left out, and a warning says how much.
+//!
+//! The readers are our own: triangles that refer to nothing, or to NaN, must not cost the rest of the file,
+//! and no count of a header is believed before its bytes are there.
+//!
+//! Reading order: this file, `numbers`, then a format each: `stl`, `obj`, `ply_header` and `ply`.
+
+mod numbers;
+mod obj;
+mod ply;
+mod ply_header;
+mod stl;
+
+use std::fs;
+use std::path::Path;
+
+use slabsplat_core::{DroppedTriangles, Mesh, MeshParts};
+
+use crate::IoError;
+
+/// A mesh, and what is worth knowing about where it came from.
+#[derive(Clone, Debug)]
+pub struct LoadedMesh {
+    /// The mesh, where the file says that it is.
+    pub mesh: Mesh,
+    /// What it was read from.
+    pub format: MeshFormat,
+    /// What the file got wrong; one line each.
+    pub warnings: Vec<String>,
+}
+
+/// What a mesh was read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MeshFormat {
+    /// Stanford's polygon file format, as text or in binary numbers of either order.
+    Ply,
+    /// Stereolithography, as text or in binary.
+    Stl,
+    /// Wavefront's, without its materials.
+    Obj,
+}
+
+/// Stands for a vertex that is not there.
+const NO_VERTEX: u32 = u32::MAX;
+
+impl MeshFormat {
+    /// The format's name as it is written in prose.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ply => "PLY",
+            Self::Stl => "STL",
+            Self::Obj => "OBJ",
+        }
+    }
+
+    /// By what the file begins with and how long it is, and by its name where that says nothing.
+    fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
+        if ply_header::is_ply(bytes) {
+            return Some(Self::Ply);
+        }
+        if stl::is_binary(bytes) {
+            return Some(Self::Stl);
+        }
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        match extension.map(str::to_ascii_lowercase).as_deref() {
+            Some("ply") => Some(Self::Ply),
+            Some("stl") => Some(Self::Stl),
+            Some("obj") => Some(Self::Obj),
+            _ => None,
+        }
+    }
+}
+
+/// Whether a file's name is that of a mesh: `.ply`, `.stl` or `.obj`.
+pub fn is_mesh_name(path: &Path) -> bool {
+    MeshFormat::of(path, &[]).is_some()
+}
+
+/// Reads a mesh: PLY (`.ply`), STL (`.stl`) or OBJ (`.obj`).
+///
+/// # Errors
+/// If the file cannot be read, is in no such format, or is broken.
+pub fn read_mesh(path: &Path) -> Result<LoadedMesh, IoError> {
+    let bytes = fs::read(path).map_err(IoError::read(path))?;
+    let format = MeshFormat::of(path, &bytes);
+    let format = format.ok_or_else(|| IoError::UnknownMesh { path: path.to_owned() })?;
+    let parts = match format {
+        MeshFormat::Ply => ply::read(&bytes),
+        MeshFormat::Stl => stl::read(&bytes),
+        MeshFormat::Obj => obj::read(&bytes),
+    };
+    let parts = parts.map_err(|what| IoError::malformed(path, what))?;
+    let n_triangles = parts.triangles.len();
+    let mesh = Mesh::new(parts).expect("a reader makes as many normals and colours as vertices");
+    let warnings = warning(path, n_triangles, mesh.dropped()).into_iter().collect();
+    Ok(LoadedMesh { mesh, format, warnings })
+}
+
+fn warning(path: &Path, n_triangles: usize, dropped: DroppedTriangles) -> Option<String> {
+    let path = path.display();
+    if n_triangles == 0 {
+        return Some(format!("{path}: there are no triangles"));
+    }
+    let DroppedTriangles { n_without_vertices, n_not_finite, n_flat } = dropped;
+    let reasons = [
+        (n_without_vertices, "refer to vertices that are not there"),
+        (n_not_finite, "have a corner that is not finite"),
+        (n_flat, "have no area"),
+    ];
+    let reasons = reasons.into_iter().filter(|(n, _)| 0 < *n);
+    let reasons: Vec<String> = reasons.map(|(n, what)| format!("{n} {what}")).collect();
+    let n_all = dropped.n_all();
+    (0 < n_all).then(|| {
+        format!("{path}: {n_all} of {n_triangles} triangles are left out: {}", reasons.join(", "))
+    })
+}
+
+/// Adds the triangles of a polygon: those with its first corner and two that follow each other. One with
+/// fewer than three corners counts as a triangle that cannot be drawn.
+fn add_polygon(parts: &mut MeshParts, corners: &[u32]) {
+    match corners {
+        [first, others @ ..] if 1 < others.len() => {
+            parts.triangles.extend(others.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+        }
+        [first, ..] => parts.triangles.push([*first; 3]),
+        [] => parts.triangles.push([NO_VERTEX; 3]),
+    }
+}
+
+/// The number of the vertex that is added next.
+fn next_vertex(parts: &MeshParts) -> Result<u32, String> {
+    let next = u32::try_from(parts.positions.len()).ok().filter(|next| *next < NO_VERTEX);
+    next.ok_or_else(|| "a mesh can have up to 4294967294 vertices".to_owned())
+}
+
+#[cfg(test)]
+mod tests;

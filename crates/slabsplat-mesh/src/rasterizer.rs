@@ -1,0 +1,116 @@
+//! The triangles of a frame, on every tile.
+
+use crate::clip::Polygon;
+use crate::surface::Surface;
+use crate::tile::{Hit, TileHits};
+use crate::vertices::{Vertex, project};
+use slabsplat_backend::MeshesPlan;
+use slabsplat_traverse::{PixelRect, TileBuckets, TileGrid, TileRect};
+
+/// Where the vertices and triangles of a frame's meshes are. Made to be used again.
+#[derive(Debug, Default)]
+pub struct Rasterizer {
+    /// Of all meshes.
+    vertices: Vec<Vertex>,
+    /// The first vertex and the first triangle of each mesh, and where the last ones end.
+    firsts: Vec<[usize; 2]>,
+    buckets: TileBuckets,
+}
+
+/// A frame whose vertices are projected.
+pub(crate) struct Frame<'a> {
+    pub(crate) plan: &'a MeshesPlan<'a>,
+    vertices: &'a [Vertex],
+    firsts: &'a [[usize; 2]],
+}
+
+impl Rasterizer {
+    /// Projects the vertices of a frame, and tosses its triangles onto tiles.
+    ///
+    /// # Panics
+    /// If there are more than 2³² triangles.
+    pub fn start(&mut self, plan: &MeshesPlan<'_>, tiles: &TileGrid) {
+        let Self { vertices, firsts, buckets } = self;
+        let mut ends = [0, 0];
+        firsts.clear();
+        firsts.push(ends);
+        for of_mesh in &plan.meshes {
+            let mesh = &of_mesh.layer.mesh;
+            ends[0] += mesh.positions().len();
+            ends[1] += mesh.triangles().len();
+            firsts.push(ends);
+        }
+        let [n_vertices, n_triangles] = ends;
+        assert!(u32::try_from(n_triangles).is_ok(), "a frame has up to 2³² triangles");
+        vertices.resize(n_vertices, Vertex::default());
+        for (of_mesh, of_all) in plan.meshes.iter().zip(firsts.windows(2)) {
+            project(plan, of_mesh, &mut vertices[of_all[0][0]..of_all[1][0]]);
+        }
+        let frame = Frame { plan, vertices, firsts };
+        buckets.toss(tiles, n_triangles, |triangle| frame.tiles_of(triangle as u32, tiles));
+    }
+
+    /// Calls `take` with each of those pixels of a tile of the image that is hit, from the first column and
+    /// row, and with its hits, at most [`N_SAMPLES`](crate::N_SAMPLES) and the nearest first.
+    pub fn hits_on_tile(
+        &self,
+        plan: &MeshesPlan<'_>,
+        tile_idx: usize,
+        pixels: &PixelRect,
+        hits: &mut TileHits,
+        take: impl FnMut([usize; 2], &[Hit]),
+    ) {
+        let Self { vertices, firsts, buckets } = self;
+        let frame = Frame { plan, vertices, firsts };
+        let mut triangles = buckets.on_tile(tile_idx).peekable();
+        if triangles.peek().is_none() {
+            return;
+        }
+        hits.start(pixels);
+        triangles.for_each(|triangle| hits.add(&frame, triangle as u32));
+        hits.finish(&frame, take);
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        self.vertices.capacity() * size_of::<Vertex>() + self.buckets.resident_bytes()
+    }
+}
+
+impl<'a> Frame<'a> {
+    /// A triangle by its number among those of all meshes.
+    pub(crate) fn surface(&self, triangle: u32) -> Surface<'a> {
+        let triangle = triangle as usize;
+        let mesh_idx = self.firsts.partition_point(|first| first[1] <= triangle) - 1;
+        let [first_vertex, first_triangle] = self.firsts[mesh_idx];
+        let of_mesh = &self.plan.meshes[mesh_idx];
+        let triangle = triangle - first_triangle;
+        let vertices = of_mesh.layer.mesh.triangles()[triangle]
+            .map(|vertex| &self.vertices[first_vertex + vertex as usize]);
+        Surface { of_mesh, triangle, vertices }
+    }
+
+    /// What of a triangle is not before the near depth.
+    pub(crate) fn polygon(&self, triangle: u32) -> Polygon {
+        let corners = self.surface(triangle).vertices.map(|vertex| vertex.corner);
+        Polygon::behind_near(corners, &self.plan.view)
+    }
+
+    /// The tiles on which a triangle may lie.
+    fn tiles_of(&self, triangle: u32, tiles: &TileGrid) -> TileRect {
+        let Some([min, max]) = self.polygon(triangle).bounds() else { return TileRect::EMPTY };
+        let size = self.plan.view.image_size();
+        let border = tiles.border() as u32;
+        let mut pixels = PixelRect { min: [0; 2], end: [0; 2] };
+        for axis in 0..2 {
+            // Casts saturate.
+            let end = ((max[axis] + 1.0).max(0.0) as u32).min(size[axis]);
+            let first = min[axis].max(0.0) as u32;
+            if end <= first {
+                return TileRect::EMPTY;
+            }
+            (pixels.min[axis], pixels.end[axis]) = (first + border, end + border);
+        }
+        tiles.tiles_of(&pixels)
+    }
+}

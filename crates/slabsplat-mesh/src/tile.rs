@@ -1,0 +1,153 @@
+//! The hits of a tile's samples.
+
+use crate::coverage::Coverage;
+use crate::rasterizer::Frame;
+use crate::samples::{N_SAMPLES, SAMPLES};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{RegionInView, ViewRay};
+use slabsplat_traverse::PixelRect;
+
+/// Where the ray of a sample ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hit {
+    /// In world units, from the centre of what is seen.
+    pub depth: f32,
+    /// Lit.
+    pub color: [f32; 3],
+}
+
+/// The nearest hits of the samples of a rectangle of pixels. Made to be used again.
+#[derive(Debug, Default)]
+pub struct TileHits {
+    left: u32,
+    top: u32,
+    n_columns: usize,
+    /// Of each sample, pixel by pixel, row by row.
+    nearest: Vec<Nearest>,
+    /// The triangle whose colour was found last, and that, if it has one alone.
+    last: Option<(u32, [f32; 3])>,
+}
+
+/// What a sample hits first: a depth, and a triangle.
+#[derive(Clone, Copy, Debug)]
+struct Nearest {
+    depth: f64,
+    triangle: u32,
+}
+
+const NOTHING: Nearest = Nearest { depth: f64::INFINITY, triangle: 0 };
+
+impl TileHits {
+    /// Makes it that of some pixels, of which nothing is hit.
+    pub(crate) fn start(&mut self, pixels: &PixelRect) {
+        let [n_columns, n_rows] = [0, 1].map(|axis| (pixels.end[axis] - pixels.min[axis]) as usize);
+        (self.left, self.top, self.n_columns) = (pixels.min[0], pixels.min[1], n_columns);
+        self.nearest.clear();
+        self.nearest.resize(n_columns * n_rows * N_SAMPLES, NOTHING);
+        self.last = None;
+    }
+
+    /// Adds what is hit of a triangle.
+    pub(crate) fn add(&mut self, frame: &Frame<'_>, triangle: u32) {
+        let surface = frame.surface(triangle);
+        let region = surface.of_mesh.region.as_ref();
+        let polygon = frame.polygon(triangle);
+        for piece in polygon.triangles() {
+            let Some(coverage) = Coverage::new(piece) else { continue };
+            let bounds = piece.map(|corner| corner.at);
+            let [columns, rows] = self.pixels_within(bounds);
+            for row in rows {
+                for column in columns.clone() {
+                    let pixel = [self.left + column as u32, self.top + row as u32];
+                    let first = (row * self.n_columns + column) * N_SAMPLES;
+                    coverage.samples(pixel.map(f64::from), |sample, depth| {
+                        let is_there = || {
+                            region.is_none_or(|region| {
+                                holds(region, point(&ray(frame, pixel, sample), depth))
+                            })
+                        };
+                        let nearest = &mut self.nearest[first + sample];
+                        if depth <= nearest.depth && is_there() {
+                            let ray = || ray(frame, pixel, sample);
+                            nearest.replace(Nearest { depth, triangle }, frame, ray);
+                        }
+                    });
+                }
+            }
+        }
+    }
+
+    /// The columns and the rows whose samples may lie within a triangle, from the first.
+    fn pixels_within(&self, corners: [[f64; 2]; 3]) -> [std::ops::Range<usize>; 2] {
+        let n_rows = self.nearest.len() / N_SAMPLES / self.n_columns.max(1);
+        let range = |axis: usize, first: u32, n: usize| {
+            let along = corners.map(|corner| corner[axis] - f64::from(first));
+            let min = along.into_iter().fold(f64::INFINITY, f64::min);
+            let max = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            // Casts saturate.
+            (min.max(0.0) as usize).min(n)..((max + 1.0).max(0.0) as usize).min(n)
+        };
+        [range(0, self.left, self.n_columns), range(1, self.top, n_rows)]
+    }
+
+    /// Calls `take` with each pixel that is hit, from the first column and row, and its hits, nearest first.
+    pub(crate) fn finish(&mut self, frame: &Frame<'_>, mut take: impl FnMut([usize; 2], &[Hit])) {
+        let Self { left, top, n_columns, nearest, last } = self;
+        let mut hits = [Hit::default(); N_SAMPLES];
+        for (idx, nearest) in nearest.chunks_exact(N_SAMPLES).enumerate() {
+            let [column, row] = [idx % *n_columns, idx / *n_columns];
+            let pixel = [*left + column as u32, *top + row as u32];
+            let mut n_hits = 0;
+            for (sample, nearest) in nearest.iter().enumerate() {
+                if nearest.depth == f64::INFINITY {
+                    continue;
+                }
+                let color = match last {
+                    Some((triangle, color)) if *triangle == nearest.triangle => *color,
+                    _ => {
+                        let surface = frame.surface(nearest.triangle);
+                        let color = surface.color(&ray(frame, pixel, sample));
+                        *last = surface.is_even().then_some((nearest.triangle, color));
+                        color
+                    }
+                };
+                hits[n_hits] = Hit { depth: nearest.depth as f32, color };
+                n_hits += 1;
+            }
+            if 0 < n_hits {
+                let hits = &mut hits[..n_hits];
+                hits.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+                take([column, row], hits);
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        self.nearest.capacity() * size_of::<Nearest>()
+    }
+}
+
+impl Nearest {
+    /// Takes another hit that is not behind it: one before it, or at the same depth that of the lesser
+    /// colour.
+    fn replace(&mut self, other: Self, frame: &Frame<'_>, ray: impl Fn() -> ViewRay) {
+        let color = |hit: &Self| frame.surface(hit.triangle).color(&ray());
+        if other.depth < self.depth || color(&other) < color(self) {
+            *self = other;
+        }
+    }
+}
+
+fn ray(frame: &Frame<'_>, pixel: [u32; 2], sample: usize) -> ViewRay {
+    frame.plan.view.ray([0, 1].map(|axis| f64::from(pixel[axis]) + SAMPLES[sample][axis]))
+}
+
+fn point(ray: &ViewRay, depth: f64) -> DVec3 {
+    ray.start + depth * ray.step
+}
+
+fn holds(region: &RegionInView, point: DVec3) -> bool {
+    let is_behind = region.planes().iter().all(|plane| plane.normal.dot(point) <= plane.distance);
+    is_behind != region.is_inverted()
+}

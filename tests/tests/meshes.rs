@@ -1,0 +1,296 @@
+//! Opaque meshes (model §14), on scenes at random: the CPU against the float64 reference at the tolerances of
+//! model §9, and what must not change a picture.
+
+use slabsplat::glam::{DAffine3, DMat3, DVec3};
+use slabsplat::{
+    Camera, Compositing, Grid, Image, ImageDesc, Layer, Mesh, MeshLayer, MeshParts, Method, Mode,
+    Normalization, Projection, RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction,
+    Volume,
+};
+use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
+use slabsplat_tests::exact_settings;
+use slabsplat_tests::random_scene::{SceneKind, random_meshes};
+use slabsplat_tests::reference::{self, ReferenceImage, undecided_pixels};
+use slabsplat_tests::render::render;
+
+/// What a pixel may differ from the reference at most, and on average over a picture.
+const MAX_DIFFERENCE: f64 = 1e-3;
+const MEAN_DIFFERENCE: f64 = 1e-4;
+
+/// The part of a tolerance that the CPU backend may use up with simpler footprints.
+const SHARE_OF_FOOTPRINTS: f64 = 0.2;
+
+#[test]
+fn parity_of_meshes_in_layers() {
+    check_parity(Method::ImageAligned);
+}
+
+#[test]
+fn parity_of_meshes_in_densities() {
+    check_parity(Method::PostClassified);
+}
+
+fn check_parity(method: Method) {
+    let (mut n_scenes, mut n_undecided, mut max, mut mean) = (0, 0, 0.0_f64, 0.0_f64);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        for kind in SceneKind::share(seed).filter(|kind| kind.method == method) {
+            let mut scene = random_meshes(&mut rng, &kind);
+            // Meshes alone, now and then.
+            if rng.u32(..8) == 0 && method == Method::ImageAligned {
+                scene.layers.clear();
+            }
+            let image = render("cpu", &scene);
+            let mut expected = reference::render(&scene);
+            n_undecided += leave_undecided(&mut expected, &scene, &image);
+            let off = expected.compare(&image);
+            let what = format!("{kind:?}, w {}", scene.settings.slab_width);
+            let Scene { meshes, .. } = &scene;
+            assert!(off.max < MAX_DIFFERENCE, "{off:?}: {what}, {meshes:?}");
+            assert!(off.mean < MEAN_DIFFERENCE, "{off:?}: {what}, {meshes:?}");
+            (n_scenes, max, mean) = (n_scenes + 1, max.max(off.max), mean.max(off.mean));
+        }
+    });
+    println!(
+        "{n_scenes} scenes: at most {max:.1e}, {mean:.1e} on average; {n_undecided} undecided"
+    );
+}
+
+/// Takes over the pixels that depend on how edges are rounded, and says how many they are.
+fn leave_undecided(expected: &mut ReferenceImage, scene: &Scene, image: &Image) -> usize {
+    let mut n_undecided = 0;
+    for (idx, is_undecided) in undecided_pixels(scene).into_iter().enumerate() {
+        if is_undecided {
+            expected.pixels[idx] = image.pixels()[idx].map(f64::from);
+            n_undecided += 1;
+        }
+    }
+    n_undecided
+}
+
+/// Pictures with meshes may be off by no more than their tolerance, and the CPU merges what the definition
+/// says.
+#[test]
+fn tolerance_beside_meshes() {
+    let mut worst = 0.0_f64;
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let merges = |kind: &SceneKind| {
+            kind.method == Method::ImageAligned
+                && kind.compositing == Compositing::Extinction
+                && kind.normalization == Normalization::None
+        };
+        for kind in SceneKind::share(seed).filter(merges) {
+            let tolerance = [1e-3, 0.05][rng.usize(..2)];
+            let mut scene = random_meshes(&mut rng, &kind);
+            (scene.image.width, scene.image.height) = (16, 16);
+            scene.settings.tolerance = tolerance;
+            let image = render("cpu", &scene);
+            let both = [reference::render_within_tolerance(&scene), reference::render(&scene)];
+            let [merged, exact] = both.map(|mut expected| {
+                leave_undecided(&mut expected, &scene, &image);
+                expected.compare(&image).max
+            });
+            assert!(merged < 1e-3 + SHARE_OF_FOOTPRINTS * tolerance, "{merged}: {kind:?}");
+            assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {kind:?}");
+            worst = worst.max(exact / tolerance);
+        }
+    });
+    println!("at most {worst:.2} tolerances");
+}
+
+/// Nor does the order of triangles and of their corners' vertices, but for which corner is the first.
+#[test]
+fn order_of_meshes_and_triangles_changes_no_bit() {
+    for_each_seed(1, |mut rng| {
+        let has_meshes =
+            |kind: &SceneKind| matches!(kind.method, Method::ImageAligned | Method::PostClassified);
+        for kind in SceneKind::all().into_iter().filter(has_meshes).step_by(5) {
+            let mut scene = random_meshes(&mut rng, &kind);
+            let expected = render("cpu", &scene);
+            rng.shuffle(&mut scene.meshes);
+            for layer in &mut scene.meshes {
+                let mesh = &layer.mesh;
+                let mut triangles = mesh.triangles().to_vec();
+                rng.shuffle(&mut triangles);
+                let n_vertices = mesh.positions().len();
+                let normals = (0..n_vertices).filter_map(|vertex| mesh.vertex_normal(vertex));
+                let parts = MeshParts {
+                    positions: mesh.positions().to_vec(),
+                    triangles,
+                    normals: normals.collect(),
+                    colors: (0..n_vertices).filter_map(|it| mesh.vertex_color(it)).collect(),
+                };
+                layer.mesh = Mesh::new(parts).expect("nothing is lost").into();
+            }
+            assert!(render("cpu", &scene) == expected, "{kind:?}");
+        }
+    });
+}
+
+/// What was drawn before leaves no trace, be it with meshes or without.
+#[test]
+fn meshes_come_and_go() {
+    for_each_seed(1, |mut rng| {
+        let has_meshes =
+            |kind: &SceneKind| matches!(kind.method, Method::ImageAligned | Method::PostClassified);
+        let mut renderer = slabsplat::Renderer::new(slabsplat_tests::render::open("cpu"));
+        for kind in SceneKind::all().into_iter().filter(has_meshes).step_by(17) {
+            let scene = random_meshes(&mut rng, &kind);
+            let without = scene.clone().meshes(Vec::new());
+            let alone = scene.clone().layers(Vec::new());
+            for scene in [&scene, &without, &scene, &alone, &without] {
+                let image = renderer.render(scene).expect("the scene is valid").image;
+                assert!(image == render("cpu", scene), "{kind:?}");
+            }
+        }
+    });
+}
+
+/// A medium that is the same everywhere in a cube about the world's origin, 24 world units a side, which
+/// takes so much light per world unit.
+fn medium(extinction: f64) -> Layer {
+    let place = DAffine3::from_translation(DVec3::splat(-12.0));
+    let grid = Grid::new([25; 3], place).expect("no step is 0");
+    let samples = Samples::F64(vec![1.0; grid.n_voxels()]);
+    let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+    let opacity = -(-extinction).exp_m1();
+    let transfer = TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [0.2, 0.4, 0.8])]);
+    Layer::new(volume, transfer.expect("an opacity is from 0 to 1")).shading(Shading::None)
+}
+
+/// An opaque square across the view, 40 world units a side, of one colour.
+fn wall(z: f64, color: [f64; 3]) -> MeshLayer {
+    let corner = |x: f64, y: f64| DVec3::new(20.0 * x, 20.0 * y, z);
+    let positions =
+        vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let parts =
+        MeshParts { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshParts::default() };
+    let mesh = Mesh::new(parts).expect("it has neither normals nor colours");
+    MeshLayer::new(mesh).shading(Shading::None).color(color)
+}
+
+/// Looks along −z at the origin, from 40.
+fn scene(layers: Vec<Layer>, meshes: Vec<MeshLayer>, settings: RenderSettings) -> Scene {
+    let projection = Projection::Orthographic { view_height: 12.0 };
+    let camera = Camera::new(40.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, projection);
+    Scene::of_meshes(meshes, camera.expect("up is not forward"))
+        .layers(layers)
+        .image(ImageDesc { width: 40, height: 40, background: [1.0; 4] })
+        .settings(settings)
+}
+
+const RED: [f64; 3] = [1.0, 0.0, 0.0];
+
+/// Exactly as much of a haze lies before a wall as there is before it, however thick slabs are.
+#[test]
+fn wall_in_a_haze() {
+    for method in [Method::ImageAligned, Method::PostClassified] {
+        for (z, slab_width) in [(0.0, 1.0), (0.3, 1.0), (-5.7, 1.0), (7.25, 3.3), (2.0, 0.4)] {
+            let settings = exact_settings().method(method).slab_width(slab_width);
+            let image = render("cpu", &scene(vec![medium(0.05)], vec![wall(z, RED)], settings));
+            let through = (-0.05 * (12.5 - z)).exp();
+            for pixel in image.pixels() {
+                let [red, green, blue, alpha] = pixel.map(f64::from);
+                let haze = 1.0 - through;
+                let expected = [through + 0.2 * haze, 0.4 * haze, 0.8 * haze, 1.0];
+                for (channel, expected) in [red, green, blue, alpha].into_iter().zip(expected) {
+                    // Kernels sum up to nearly 1, and end not all at once.
+                    assert!(
+                        (channel - expected).abs() < 0.01,
+                        "{method} {z} {slab_width}: {pixel:?} {expected}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// What lies behind a wall is not there, and never looked at.
+#[test]
+fn wall_hides_what_is_behind() {
+    for method in [Method::ImageAligned, Method::PostClassified] {
+        let settings = exact_settings().method(method);
+        let of = |meshes| scene(vec![medium(0.3)], meshes, settings.clone());
+        let mut renderer = slabsplat::Renderer::new(slabsplat_tests::render::open("cpu"));
+        let frame = renderer.render(&of(vec![wall(20.0, RED)])).expect("the scene is valid");
+        assert!(frame.image.pixels().iter().all(|pixel| *pixel == [1.0, 0.0, 0.0, 1.0]));
+        assert_eq!(frame.stats.n_splats, 0, "{method}");
+        assert_eq!(frame.stats.n_occluded, frame.stats.n_voxels, "{method}");
+        // Half way in, the other half is hidden.
+        let half = renderer.render(&of(vec![wall(0.0, RED)])).expect("the scene is valid").stats;
+        let all = renderer.render(&of(vec![])).expect("the scene is valid").stats;
+        assert!(half.n_splats < all.n_splats * 7 / 10, "{method}: {half:?} {all:?}");
+        // Behind it all, it changes nothing but the background.
+        let behind = render("cpu", &of(vec![wall(-30.0, [1.0; 3])]));
+        let difference = behind.max_difference(&render("cpu", &of(vec![])));
+        assert!(difference < 1e-6, "{method}: {difference}");
+    }
+}
+
+/// A wall that covers half of each pixel: the mean of what it hides and what it shows.
+#[test]
+fn edge_is_smooth() {
+    // A pixel is 0.3 wide: the wall's edge runs through the middle of the tenth column.
+    let moved = DAffine3::from_translation(DVec3::new(20.0 - 6.0 + 9.5 * 0.3, 0.0, 0.0));
+    let wall = wall(0.0, RED).placed(moved).expect("it is only moved");
+    for mode in [Mode::Extinction, Mode::Separate, Mode::Associated] {
+        let settings = exact_settings().mode(mode);
+        let image = |meshes| render("cpu", &scene(vec![medium(0.05)], meshes, settings.clone()));
+        let (with, without) = (image(vec![wall.clone()]), image(vec![]));
+        for y in 0..40 {
+            assert_eq!(with.pixel(8, y), without.pixel(8, y), "{mode}");
+            let [edge, hidden, shown] = [with.pixel(9, y), with.pixel(10, y), without.pixel(9, y)];
+            for channel in 0..4 {
+                let expected = 0.5 * (hidden[channel] + shown[channel]);
+                assert!((edge[channel] - expected).abs() < 1e-5, "{mode}: {edge:?} {expected}");
+            }
+        }
+    }
+}
+
+/// A mesh of no triangles is none.
+#[test]
+fn mesh_of_nothing() {
+    let empty = MeshLayer::new(Mesh::default());
+    let settings = RenderSettings::default();
+    let with = scene(vec![medium(0.1)], vec![empty.clone()], settings.clone().tolerance(0.0));
+    let without = with.clone().meshes(Vec::new());
+    assert!(render("cpu", &with) == render("cpu", &without));
+    let alone = render("cpu", &scene(Vec::new(), vec![empty], settings));
+    assert!(alone.pixels().iter().all(|pixel| *pixel == [1.0; 4]));
+}
+
+/// Meshes that no number holds are an error or nothing, not a panic.
+#[test]
+fn meshes_beyond_numbers() {
+    for size in [1e-300, 1e-30, 1e30, 1e150, 1e300, 1e308] {
+        let place = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::splat(size)));
+        let Ok(layer) = wall(0.5, RED).placed(place) else { continue };
+        let settings = RenderSettings::default();
+        let beside = scene(vec![medium(0.1)], vec![layer.clone()], settings.clone());
+        let image = render("cpu", &beside);
+        assert!(image.pixels().iter().flatten().all(|channel| channel.is_finite()), "{size}");
+        let alone = scene(Vec::new(), vec![layer], settings);
+        let mut renderer = slabsplat::Renderer::new(slabsplat_tests::render::open("cpu"));
+        if let Ok(frame) = renderer.render(&alone) {
+            assert!(frame.image.pixels().iter().flatten().all(|it| it.is_finite()), "{size}");
+        }
+    }
+}
+
+#[test]
+fn methods_without_meshes_say_so() {
+    let mut planner = slabsplat::Planner::default();
+    for (method, mode, who) in [
+        (Method::AxisAligned, Mode::Extinction, "the method axis-aligned draws no meshes"),
+        (Method::EverySample, Mode::Separate, "the method every-sample draws no meshes"),
+        (Method::ImageAligned, Mode::Maximum, "the mode maximum draws no meshes"),
+        (Method::PostClassified, Mode::Average, "the mode average draws no meshes"),
+    ] {
+        let settings = RenderSettings::default().method(method).mode(mode);
+        let scene = scene(vec![medium(0.1)], vec![wall(0.0, RED)], settings);
+        let error = planner.plan(&scene).expect_err("there are no such pictures").to_string();
+        assert!(error.starts_with(who), "{error}");
+    }
+    let nothing = scene(Vec::new(), Vec::new(), RenderSettings::default());
+    assert!(planner.plan(&nothing).is_err());
+}
