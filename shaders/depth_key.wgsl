@@ -6,6 +6,7 @@
 // summation, and the list is sorted by one word after the other, the least important first.
 
 //#include "shared/step.wgsl"
+//#include "shared/counted.wgsl"
 //#include "shared/coords.wgsl"
 //#include "shared/record.wgsl"
 
@@ -41,7 +42,7 @@ fn depth_key(
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
     let place = linear_group(group, n_groups) * 256u + thread;
-    if min(counts[COUNT_VOXELS], step.n_elements) <= place {
+    if n_counted() <= place {
         return;
     }
     let voxel_idx = voxel_idx_of(order[place]);

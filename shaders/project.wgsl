@@ -3,6 +3,7 @@
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
+//#include "shared/layer.wgsl"
 //#include "shared/coords.wgsl"
 //#include "shared/record.wgsl"
 //#include "shared/splat.wgsl"
@@ -10,16 +11,20 @@
 //#include "shared/slabs.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/compositing.wgsl"
+//#include "shared/region.wgsl"
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> step: Step;
-@group(0) @binding(2) var<storage, read> records: array<Record>;
-@group(0) @binding(3) var<storage, read_write> splats: array<Splat>;
+@group(0) @binding(1) var<uniform> layers: array<Layer, MAX_LAYERS>;
+@group(0) @binding(2) var<uniform> step: Step;
+@group(0) @binding(3) var<storage, read> table: array<vec4<f32>>;
+// The layer's records and the splats of all layers, as much of either as is bound.
+@group(0) @binding(4) var<storage, read> records: array<Record>;
+@group(0) @binding(5) var<storage, read_write> splats: array<Splat>;
 // By voxel: what the list is sorted by, the voxel itself, and the tiles that it touches.
-@group(0) @binding(4) var<storage, read_write> keys: array<u32>;
-@group(0) @binding(5) var<storage, read_write> order: array<u32>;
-@group(0) @binding(6) var<storage, read_write> rects: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(6) var<storage, read_write> keys: array<u32>;
+@group(0) @binding(7) var<storage, read_write> order: array<u32>;
+@group(0) @binding(8) var<storage, read_write> rects: array<vec2<u32>>;
+@group(0) @binding(9) var<storage, read_write> counts: array<u32>;
 
 @compute @workgroup_size(256)
 fn project(
@@ -27,40 +32,65 @@ fn project(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
-    let local = linear_group(group, n_groups) * 256u + thread;
-    let voxel = step.first + local;
-    if voxel == 0u {
-        counts[COUNT_FAULTS] = 0u;
+    let place = linear_group(group, n_groups) * 256u + thread;
+    let record_idx = step.first + place;
+    let voxel = layers[step.layer].first_voxel + record_idx;
+    if record_idx == 0u {
+        begin_counts();
     }
-    if step.n_elements <= local || counts[COUNT_VOXELS] <= voxel {
+    if step.n_elements <= place {
         return;
     }
-    let record = records[local];
+    if counts[step.count_slot] <= record_idx {
+        // Behind the voxels of a layer there is room for some more, which the next one leaves.
+        if 1u < frame.n_layers {
+            keys[voxel] = 0u;
+            order[voxel] = voxel;
+            rects[voxel] = NO_TILES;
+        }
+        return;
+    }
+    let in_chunk = (1u << step.chunk_bits) - 1u;
+    let record = records[record_idx & in_chunk];
     let center = in_view(record.voxel_idx);
     let sheet = sheet_of(record.voxel_idx, center.z);
-    splats[local] = Splat(center, sheet, splat_color(record));
+    splats[voxel & in_chunk] = Splat(center, sheet, splat_color(record, center));
     keys[voxel] = sheet;
     order[voxel] = voxel;
     rects[voxel] = rect_of(center, sheet);
 }
 
+// One thread of each layer: what has been counted so far, layer by layer.
+fn begin_counts() {
+    if step.layer == 0u {
+        counts[COUNT_FAULTS] = 0u;
+        counts[COUNT_VOXELS] = counts[step.count_slot];
+    } else {
+        counts[COUNT_VOXELS] += counts[step.count_slot];
+    }
+}
+
 fn in_view(voxel_idx: u32) -> vec3<f32> {
-    let from_center = vec3<f32>(coords_of(voxel_idx, frame.dims)) - frame.center_in_index;
+    let layer = step.layer;
+    let coords = coords_of(voxel_idx, layers[layer].dims);
+    let from_center = vec3<f32>(coords) - layers[layer].center_in_index;
     return vec3(
-        dot(frame.right.xyz, from_center) + frame.right.w,
-        dot(frame.up.xyz, from_center) + frame.up.w,
-        dot(frame.depth.xyz, from_center) + frame.depth.w,
+        dot(layers[layer].right.xyz, from_center) + layers[layer].right.w,
+        dot(layers[layer].up.xyz, from_center) + layers[layer].up.w,
+        dot(layers[layer].depth.xyz, from_center) + layers[layer].depth.w,
     );
 }
 
 fn sheet_of(voxel_idx: u32, depth: f32) -> u32 {
+    let layer = step.layer;
     switch frame.method {
         case METHOD_SECTIONS: {
-            return max(slabs_of(depth).x, frame.first_drawn);
+            return max(slabs_of(layer, depth).x, layers[layer].first_drawn);
         }
         case METHOD_SLICES: {
-            let slice = coords_of(voxel_idx, frame.dims)[frame.slice_axis & 3u];
-            return select(slice, frame.n_sheets - 1u - slice, 4u <= frame.slice_axis);
+            let axis = layers[layer].slice_axis;
+            let slice = coords_of(voxel_idx, layers[layer].dims)[axis & 3u];
+            return select(slice, frame.n_sheets - 1u - slice, 4u <= axis);
         }
         default: {
             return 0u;
@@ -70,8 +100,8 @@ fn sheet_of(voxel_idx: u32, depth: f32) -> u32 {
 
 // The rectangle of pixels that a whole kernel covers at a depth, as its least and its largest corner.
 fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
-    let scale = scale_at(depth);
-    let half = frame.half_extent * (scale * stretch_of(scale) * frame.radius);
+    let scale = scale_at(step.layer, depth);
+    let half = layers[step.layer].half_extent * (scale * stretch_of(scale) * frame.radius);
     let at = pixel_of(center, scale);
     return vec4(at - half, at + half);
 }
@@ -80,15 +110,15 @@ fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
 // section bound all of them.
 fn rect_of(center: vec3<f32>, sheet: u32) -> vec2<u32> {
     if frame.method == METHOD_SECTIONS {
-        let last = slabs_of(center.z).y;
-        if last < sheet {
+        let last = slabs_of(step.layer, center.z).y;
+        if last < sheet || is_beyond(step.layer, center) {
             return NO_TILES;
         }
-        let near = bounds_at(center, middle_of(sheet));
-        let far = bounds_at(center, middle_of(last));
+        let near = bounds_at(center, middle_of(step.layer, sheet));
+        let far = bounds_at(center, middle_of(step.layer, last));
         return tiles_within(min(near.xy, far.xy), max(near.zw, far.zw));
     }
-    if center.z < frame.near {
+    if center.z < layers[step.layer].near {
         return NO_TILES;
     }
     let bounds = bounds_at(center, center.z);
@@ -110,29 +140,33 @@ fn tiles_within(least: vec2<f32>, largest: vec2<f32>) -> vec2<u32> {
 }
 
 // The voxel's colour and weight in the form that the compositing sums.
-fn splat_color(record: Record) -> vec4<f32> {
-    let color = light_up(record.color.rgb, record.normal);
+fn splat_color(record: Record, center: vec3<f32>) -> vec4<f32> {
+    var color = record.color.rgb;
+    if layers[step.layer].is_lit == 1u {
+        color = light_up(color, normal_by_faces(step.layer, center, record.normal));
+    }
     return summed_color(frame.compositing, color, record.color.a);
 }
 
 fn light_up(color: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    if frame.is_lit == 0u {
-        return color;
-    }
+    let layer = step.layer;
+    let ambient = layers[layer].ambient;
     if all(normal == vec3(0.0)) {
-        return min(color * frame.ambient, vec3(1.0));
+        return min(color * ambient, vec3(1.0));
     }
-    let n_l = facing(normal, frame.to_light);
+    let n_l = facing(normal, layers[layer].to_light);
     var highlight = 0.0;
     if 0.0 < n_l {
-        highlight = frame.specular * power(facing(normal, frame.halfway), frame.shininess);
+        let n_h = facing(normal, layers[layer].halfway);
+        highlight = layers[layer].specular * power(n_h, layers[layer].shininess);
     }
-    return clamp(color * (frame.ambient + frame.diffuse * n_l) + highlight, vec3(0.0), vec3(1.0));
+    let diffuse = layers[layer].diffuse * n_l;
+    return clamp(color * (ambient + diffuse) + highlight, vec3(0.0), vec3(1.0));
 }
 
 fn facing(normal: vec3<f32>, direction: vec3<f32>) -> f32 {
     let product = dot(normal, direction);
-    return select(max(product, 0.0), abs(product), frame.is_two_sided == 1u);
+    return select(max(product, 0.0), abs(product), layers[step.layer].is_two_sided == 1u);
 }
 
 // `pow` is not defined everywhere for 0.

@@ -1,6 +1,7 @@
 // Sorting, first half of a pass: how often each digit occurs in each block.
 
 //#include "shared/step.wgsl"
+//#include "shared/counted.wgsl"
 //#include "shared/digits.wgsl"
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -22,7 +23,7 @@ fn sort_count(
     }
     workgroupBarrier();
     let block = linear_group(group, n_groups);
-    let end = min((block + 1u) * KEYS_PER_BLOCK, n_keys());
+    let end = min((block + 1u) * KEYS_PER_BLOCK, n_counted());
     for (var i = block * KEYS_PER_BLOCK + thread; i < end; i += 256u) {
         atomicAdd(&n_of_digit[digit_of(keys[i])], 1u);
     }

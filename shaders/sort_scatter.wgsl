@@ -4,6 +4,7 @@
 
 //#include "shared/step.wgsl"
 //#include "shared/scan.wgsl"
+//#include "shared/counted.wgsl"
 //#include "shared/digits.wgsl"
 
 @group(0) @binding(0) var<uniform> step: Step;
@@ -27,7 +28,7 @@ fn sort_scatter(
 ) {
     let block = linear_group(group, n_groups);
     let start = block * KEYS_PER_BLOCK + thread * KEYS_PER_THREAD;
-    let end = min(start + KEYS_PER_THREAD, n_keys());
+    let end = min(start + KEYS_PER_THREAD, n_counted());
     // Four bits for each digit hold 0 … 15; a thread has at most 8 keys.
     var own = vec2(0u);
     for (var i = start; i < end; i++) {

@@ -11,11 +11,16 @@
 // of the list, which moves along it with the sheets. `every-sample` has no sheets: there, all splats of the
 // list form one run, and each is put behind the pixel by itself.
 //
+// The splats of all layers are in one list. Those of a sheet that begin together come layer by layer, and layers
+// of one region follow each other: so a pixel has sums of one region at a time, and where the next splat has another
+// region, they are multiplied by what the pixel's ray has of the sheet in theirs, and put aside.
+//
 // A tile that has visited many splats pauses after a sheet, and the next dispatch continues it: systems
 // reset devices that do not answer for seconds.
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
+//#include "shared/layer.wgsl"
 //#include "shared/splat.wgsl"
 //#include "shared/pixels.wgsl"
 //#include "shared/slabs.wgsl"
@@ -23,18 +28,20 @@
 //#include "shared/tile.wgsl"
 //#include "shared/tile_work.wgsl"
 //#include "shared/compositing.wgsl"
+//#include "shared/region.wgsl"
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 // The tiles `first .. first + n_elements`; the first pixel that is bound is that of row `first_sample`.
 @group(0) @binding(1) var<uniform> step: Step;
-@group(0) @binding(2) var<storage, read> tossed_voxels: array<u32>;
-@group(0) @binding(3) var<storage, read> table: array<vec4<f32>>;
-@group(0) @binding(4) var<storage, read_write> tiles: array<TileWork>;
-@group(0) @binding(5) var<storage, read_write> pixels: array<vec4<f32>>;
-@group(0) @binding(6) var<storage, read> splats_0: array<Splat>;
-@group(0) @binding(7) var<storage, read> splats_1: array<Splat>;
-@group(0) @binding(8) var<storage, read> splats_2: array<Splat>;
-@group(0) @binding(9) var<storage, read> splats_3: array<Splat>;
+@group(0) @binding(2) var<uniform> layers: array<Layer, MAX_LAYERS>;
+@group(0) @binding(3) var<storage, read> tossed_voxels: array<u32>;
+@group(0) @binding(4) var<storage, read> table: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read_write> tiles: array<TileWork>;
+@group(0) @binding(6) var<storage, read_write> pixels: array<vec4<f32>>;
+@group(0) @binding(7) var<storage, read> splats_0: array<Splat>;
+@group(0) @binding(8) var<storage, read> splats_1: array<Splat>;
+@group(0) @binding(9) var<storage, read> splats_2: array<Splat>;
+@group(0) @binding(10) var<storage, read> splats_3: array<Splat>;
 
 const BATCH: u32 = 64u;
 
@@ -48,6 +55,7 @@ struct Footprint {
     row_t: f32,
     // The quadratic form in pixels.
     across: f32,
+    lean: f32,
     along: f32,
     // Tilted sections: the slab's faces, in index units behind the voxel, and what a pixel adds to them.
     front: f32,
@@ -56,6 +64,7 @@ struct Footprint {
     row: u32,
     // The sheet in which the splat begins.
     sheet: u32,
+    layer: u32,
 }
 
 // What a batch holds of the run that the sheet needs.
@@ -154,12 +163,17 @@ fn composite(
     var n_staged = 0u;
     var n_visits = 0u;
     var is_whole = true;
+    // The region of what is being summed, and where the ray is in it.
+    var region = 0u;
+    var interval = interval_of(0u, vec2<f32>(at) + 0.5);
     while begin < todo.end && sheet < frame.n_sheets {
         if frame.max_visits < n_visits {
             atomicAdd(&n_splatted, n_staged);
             return Composited(pixel, begin, sheet, STATE_PAUSED);
         }
         var sums = vec4(0.0);
+        // Of other regions, cut.
+        var joined = vec4(0.0);
         var n_alive = 0u;
         // The place of the batch.
         var first = begin;
@@ -183,6 +197,15 @@ fn composite(
             if is_open {
                 var i = now.n_dead;
                 while i < now.end {
+                    if frame.has_regions == 1u {
+                        let next = layers[staged[i].layer].region;
+                        if next != region {
+                            joined += sums * share_of(region, interval, sheet);
+                            sums = vec4(0.0);
+                            region = next;
+                            interval = interval_of(region, vec2<f32>(at) + 0.5);
+                        }
+                    }
                     let splat = weighted(i, vec2<f32>(at) + 0.5);
                     if frame.method == METHOD_VOXELS {
                         pixel += (1.0 - pixel.a) * resolve(frame.compositing, splat);
@@ -210,6 +233,9 @@ fn composite(
             }
         }
         is_whole = is_whole && is_last;
+        if frame.has_regions == 1u {
+            sums = joined + sums * share_of(region, interval, sheet);
+        }
         pixel += (1.0 - pixel.a) * resolve(frame.compositing, sums);
         is_open = is_inside && pixel.a < frame.opacity_cutoff;
         n_visits += n_alive + 1u;
@@ -232,6 +258,15 @@ fn first_sheet(todo: TileWork) -> u32 {
     return splat_at(tossed_voxels[todo.begin]).sheet;
 }
 
+// The layer of a voxel: the last one that does not begin behind it.
+fn layer_of(voxel: u32) -> u32 {
+    var layer = 0u;
+    while layer + 1u < frame.n_layers && layers[layer + 1u].first_voxel <= voxel {
+        layer++;
+    }
+    return layer;
+}
+
 fn splat_at(voxel: u32) -> Splat {
     let local = voxel & ((1u << step.chunk_bits) - 1u);
     switch voxel >> step.chunk_bits {
@@ -249,40 +284,44 @@ fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
     if end <= place {
         return 0u;
     }
-    let splat = splat_at(tossed_voxels[place]);
+    let voxel = tossed_voxels[place];
+    let splat = splat_at(voxel);
+    let layer = layer_of(voxel);
     staged[thread].sheet = splat.sheet;
+    staged[thread].layer = layer;
     if sheet < splat.sheet {
         return 0u;
     }
     if frame.method == METHOD_SECTIONS {
-        return stage_section(splat, sheet, thread);
+        return stage_section(splat, layer, sheet, thread);
     }
     if frame.method == METHOD_SLICES && splat.sheet < sheet {
         return 0u;
     }
-    stage_shape(splat, splat.center.z, thread);
+    stage_shape(splat, layer, splat.center.z, thread);
     staged[thread].rho_squared_max = frame.radius * frame.radius;
     staged[thread].row = 0u;
     staged[thread].row_t = 0.0;
     return 1u;
 }
 
-fn stage_section(splat: Splat, slab: u32, thread: u32) -> u32 {
-    let faces = vec2(front_of(slab), front_of(slab + 1u));
+fn stage_section(splat: Splat, layer: u32, slab: u32, thread: u32) -> u32 {
+    let faces = vec2(front_of(layer, slab), front_of(layer, slab + 1u));
     let depth = splat.center.z;
-    if depth + frame.half_depth <= faces.x || faces.y <= depth - frame.half_depth {
+    let half_depth = layers[layer].half_depth;
+    if depth + half_depth <= faces.x || faces.y <= depth - half_depth {
         return 0u;
     }
-    stage_shape(splat, middle_of(slab), thread);
-    let from_voxel = (faces - depth) * frame.index_per_depth;
+    stage_shape(splat, layer, middle_of(layer, slab), thread);
+    let from_voxel = (faces - depth) * layers[layer].index_per_depth;
     staged[thread].front = from_voxel.x;
     staged[thread].back = from_voxel.y;
-    let row = row_at(from_voxel.x, from_voxel.y);
+    let row = row_at(layer, from_voxel.x, from_voxel.y);
     staged[thread].row = row.first_element;
     staged[thread].row_t = row.t;
     // The disc in which the slab cuts the ball.
     var nearest = 0.0;
-    if frame.is_tilted == 0u {
+    if layers[layer].is_tilted == 0u {
         nearest = max(max(from_voxel.x, -from_voxel.y), 0.0);
     }
     staged[thread].rho_squared_max = frame.radius * frame.radius - nearest * nearest;
@@ -290,14 +329,15 @@ fn stage_section(splat: Splat, slab: u32, thread: u32) -> u32 {
 }
 
 // What depends on the depth at which a splat is projected.
-fn stage_shape(splat: Splat, depth: f32, thread: u32) {
-    let scale = scale_at(depth);
+fn stage_shape(splat: Splat, layer: u32, depth: f32, thread: u32) {
+    let scale = scale_at(layer, depth);
     let stretch = stretch_of(scale);
     let pixels = scale * stretch;
     staged[thread].center = pixel_of(splat.center, scale);
-    staged[thread].across = frame.across / (pixels * pixels);
-    staged[thread].along = frame.along / (pixels * pixels);
-    staged[thread].tilt = frame.tilt / pixels;
+    staged[thread].across = layers[layer].across / (pixels * pixels);
+    staged[thread].lean = layers[layer].lean;
+    staged[thread].along = layers[layer].along / (pixels * pixels);
+    staged[thread].tilt = layers[layer].tilt / pixels;
     staged[thread].color = splat.color / (stretch * stretch);
 }
 
@@ -342,7 +382,7 @@ fn weighted(i: u32, at: vec2<f32>) -> vec4<f32> {
         return vec4(0.0);
     }
     let d = at - staged[i].center;
-    let x = d.x + frame.lean * d.y;
+    let x = d.x + staged[i].lean * d.y;
     let rho_squared = staged[i].across * x * x + staged[i].along * d.y * d.y;
     if staged[i].rho_squared_max <= rho_squared {
         return vec4(0.0);
@@ -350,7 +390,7 @@ fn weighted(i: u32, at: vec2<f32>) -> vec4<f32> {
     var row = Row(staged[i].row, staged[i].row_t);
     if frame.is_tilted == 1u && frame.method == METHOD_SECTIONS {
         let later = dot(staged[i].tilt, d);
-        row = row_at(staged[i].front + later, staged[i].back + later);
+        row = row_at(staged[i].layer, staged[i].front + later, staged[i].back + later);
     }
     return staged[i].color * weight_at(row, rho_squared);
 }
@@ -360,8 +400,10 @@ fn cull(first: u32, end: u32, sheet: u32, thread: u32) {
     var n = 0u;
     for (var place = first + thread; place < end; place += BATCH) {
         if frame.method == METHOD_SECTIONS {
-            let slabs = slabs_of(splat_at(tossed_voxels[place]).center.z);
-            let next = max(max(slabs.x, frame.first_drawn), sheet);
+            let voxel = tossed_voxels[place];
+            let layer = layer_of(voxel);
+            let slabs = slabs_of(layer, splat_at(voxel).center.z);
+            let next = max(max(slabs.x, layers[layer].first_drawn), sheet);
             n += max(slabs.y + 1u, next) - next;
         } else {
             n += 1u;

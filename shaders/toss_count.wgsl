@@ -3,6 +3,7 @@
 
 //#include "shared/step.wgsl"
 //#include "shared/scan.wgsl"
+//#include "shared/counted.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/toss.wgsl"
 
@@ -19,7 +20,7 @@ fn toss_count(
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
     let block = linear_group(group, n_groups);
-    let end = min((block + 1u) * PER_BLOCK, n_voxels());
+    let end = min((block + 1u) * PER_BLOCK, n_counted());
     var n = 0u;
     for (var i = block * PER_BLOCK + thread; i < end; i += 256u) {
         n = saturating_sum(n, n_touched(rects[order[i]]));

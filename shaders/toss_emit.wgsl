@@ -4,6 +4,7 @@
 //#include "shared/step.wgsl"
 //#include "shared/scan.wgsl"
 //#include "shared/frame.wgsl"
+//#include "shared/counted.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/toss.wgsl"
 
@@ -26,7 +27,7 @@ fn toss_emit(
 ) {
     let block = linear_group(group, n_groups);
     let start = block * PER_BLOCK + thread * PER_THREAD;
-    let end = min(start + PER_THREAD, n_voxels());
+    let end = min(start + PER_THREAD, n_counted());
     var n = 0u;
     for (var i = start; i < end; i++) {
         n = saturating_sum(n, n_touched(rects[order[i]]));

@@ -10,8 +10,3 @@ const KEYS_PER_BLOCK: u32 = 2048u;
 fn digit_of(key: u32) -> u32 {
     return (key >> step.shift) & 15u;
 }
-
-// How many keys there are.
-fn n_keys() -> u32 {
-    return min(counts[step.count_slot], step.n_elements);
-}

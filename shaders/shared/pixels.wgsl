@@ -1,11 +1,11 @@
 // From view space to pixels (model §5).
 
-// Pixels per unit at a depth.
-fn scale_at(depth: f32) -> f32 {
+// Pixels per unit of a layer at a depth.
+fn scale_at(layer: u32, depth: f32) -> f32 {
     if frame.is_perspective == 1u {
-        return frame.pixels_per_unit / (depth + frame.eye_distance);
+        return layers[layer].pixels_per_unit / (depth + layers[layer].eye_distance);
     }
-    return frame.pixels_per_unit;
+    return layers[layer].pixels_per_unit;
 }
 
 // By how much footprints are widened where a pixel covers more than a unit.

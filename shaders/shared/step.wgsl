@@ -18,6 +18,8 @@ struct Step {
     first_block: u32,
     // The first sample that the bound part of the volume holds.
     first_sample: u32,
+    // The layer that it is about.
+    layer: u32,
 }
 
 const NO_COUNT: u32 = 0xffffffffu;
@@ -34,6 +36,8 @@ const COUNT_FULL_TILES: u32 = 7u;
 const COUNT_PAUSED_TILES: u32 = 8u;
 // Whether a driver cut a loop short: some stop all loops after 65535 turns.
 const COUNT_FAULTS: u32 = 9u;
+// Relevant voxels of each list that there is.
+const COUNT_OF_LISTS: u32 = 10u;
 
 // The number of a workgroup in a dispatch that is wider than one dimension allows.
 fn linear_group(group: vec3<u32>, n_groups: vec3<u32>) -> u32 {

@@ -1,4 +1,5 @@
-// Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row.
+// Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row. Each layer has a
+// table; all have rows of one length.
 //
 // Rows run over the half chord √(R² − ρ²), and stand at equal steps of the depth to which the slab goes into the
 // kernel. An element holds all four values that are interpolated between: two neighbours of a row, and
@@ -12,16 +13,18 @@ struct Row {
     t: f32,
 }
 
-// The row of the section between the faces `front` and `back`, in index units behind the voxel.
-fn row_at(front: f32, back: f32) -> Row {
+// The row of the section of a layer between the faces `front` and `back`, in index units behind the voxel.
+fn row_at(layer: u32, front: f32, back: f32) -> Row {
     let from_front = back + frame.radius;
-    let depth = select(from_front, min(from_front, frame.radius - front), frame.is_mirrored == 1u);
-    let position = clamp(depth * frame.rows_per_index, 0.0, frame.last_row);
+    let is_mirrored = layers[layer].is_mirrored == 1u;
+    let depth = select(from_front, min(from_front, frame.radius - front), is_mirrored);
+    let position = clamp(depth * layers[layer].rows_per_index, 0.0, layers[layer].last_row);
+    let first_element = layers[layer].first_element;
     if frame.is_nearest == 1u {
-        return Row(u32(position + 0.5) * frame.row_len, 0.0);
+        return Row(first_element + u32(position + 0.5) * frame.row_len, 0.0);
     }
     let row = floor(position);
-    return Row(u32(row) * frame.row_len, position - row);
+    return Row(first_element + u32(row) * frame.row_len, position - row);
 }
 
 // The weight at `rho_squared`, which is less than the radius squared.

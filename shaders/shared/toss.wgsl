@@ -3,10 +3,6 @@
 const PER_THREAD: u32 = 8u;
 const PER_BLOCK: u32 = 2048u;
 
-fn n_voxels() -> u32 {
-    return min(counts[COUNT_VOXELS], step.n_elements);
-}
-
 fn n_touched(rect: vec2<u32>) -> u32 {
     let size = rect_size(rect);
     return size.x * size.y;

@@ -1,5 +1,5 @@
-//! Layers and regions (model §§10, 11), on scenes at random: the CPU against the float64 reference at the
-//! tolerances of model §9, and what must not change a picture.
+//! Layers and regions (model §§10, 11), on scenes at random: every backend that has the method against the
+//! float64 reference and against the CPU at the tolerances of model §9, and what must not change a picture.
 
 use fastrand::Rng;
 use slabsplat::{
@@ -7,12 +7,15 @@ use slabsplat::{
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
-use slabsplat_tests::reference::{self, ReferenceImage, undecided_pixels};
-use slabsplat_tests::render::render;
+use slabsplat_tests::reference::{self, Difference, ReferenceImage, undecided_pixels};
+use slabsplat_tests::render::{backends, backends_with, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
+
+/// What a pixel may differ from that of the CPU backend.
+const FROM_CPU: f64 = 1e-3;
 
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
@@ -34,40 +37,65 @@ fn parity_of_cut_densities() {
 }
 
 fn check_parity(method: Method) {
-    let (mut n_scenes, mut n_undecided, mut max, mut mean) = (0, 0, 0.0_f64, 0.0_f64);
+    let mut tallies: Vec<(&str, Tally)> =
+        backends_with(method).map(|backend| (backend, Tally::default())).collect();
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(|kind| kind.method == method) {
             let scene = random_layers(&mut rng, &kind);
-            let image = render("cpu", &scene);
-            let mut expected = reference::render(&scene);
-            n_undecided += leave_undecided(&mut expected, &scene, &image);
-            let off = expected.compare(&image);
-            let what = what(&kind, &scene);
-            assert!(
-                off.max < MAX_DIFFERENCE,
-                "{:?} is off by {}: {what}",
-                off.worst_pixel,
-                off.max
-            );
-            assert!(off.mean < MEAN_DIFFERENCE, "pixels are off by {}: {what}", off.mean);
-            (n_scenes, max, mean) = (n_scenes + 1, max.max(off.max), mean.max(off.mean));
+            let expected = reference::render(&scene);
+            let undecided = undecided_pixels(&scene);
+            let by_cpu = in_64_bits(&render("cpu", &scene));
+            for (backend, tally) in &mut tallies {
+                let image = render(backend, &scene);
+                let compare = |expected: &ReferenceImage| {
+                    leaving(&undecided, expected.clone(), &image).compare(&image)
+                };
+                let (off, from_cpu) = (compare(&expected), compare(&by_cpu).max);
+                let what = format!("{backend}, {}", what(&kind, &scene));
+                let Difference { max, mean, worst_pixel, .. } = off;
+                assert!(max < MAX_DIFFERENCE, "{worst_pixel:?} is off by {max}: {what}");
+                assert!(mean < MEAN_DIFFERENCE, "pixels are off by {mean}: {what}");
+                assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
+                tally.add(&off, from_cpu);
+                tally.n_undecided += undecided.iter().filter(|is_undecided| **is_undecided).count();
+            }
         }
     });
-    println!(
-        "{n_scenes} scenes: at most {max:.1e}, {mean:.1e} on average; {n_undecided} undecided"
-    );
+    for (backend, tally) in tallies {
+        println!("{backend}: {tally:?}");
+    }
 }
 
-/// Takes over the pixels that depend on how planes are rounded, and says how many they are.
-fn leave_undecided(expected: &mut ReferenceImage, scene: &Scene, image: &Image) -> usize {
-    let mut n_undecided = 0;
-    for (idx, is_undecided) in undecided_pixels(scene).into_iter().enumerate() {
-        if is_undecided {
-            expected.pixels[idx] = image.pixels()[idx].map(f64::from);
-            n_undecided += 1;
-        }
+/// The largest differences, each over all scenes.
+#[derive(Debug, Default)]
+struct Tally {
+    n_scenes: usize,
+    n_undecided: usize,
+    max: f64,
+    mean: f64,
+    from_cpu: f64,
+}
+
+impl Tally {
+    fn add(&mut self, off: &Difference, from_cpu: f64) {
+        self.n_scenes += 1;
+        self.max = self.max.max(off.max);
+        self.mean = self.mean.max(off.mean);
+        self.from_cpu = self.from_cpu.max(from_cpu);
     }
-    n_undecided
+}
+
+fn in_64_bits(image: &Image) -> ReferenceImage {
+    let pixels = image.pixels().iter().map(|pixel| pixel.map(f64::from)).collect();
+    ReferenceImage { width: image.width(), height: image.height(), pixels }
+}
+
+/// Takes over the pixels that depend on how planes are rounded.
+fn leaving(undecided: &[bool], mut expected: ReferenceImage, image: &Image) -> ReferenceImage {
+    for (idx, _) in undecided.iter().enumerate().filter(|(_, is_undecided)| **is_undecided) {
+        expected.pixels[idx] = image.pixels()[idx].map(f64::from);
+    }
+    expected
 }
 
 fn what(kind: &SceneKind, scene: &Scene) -> String {
@@ -91,9 +119,12 @@ fn region_and_complement_are_the_whole() {
             let parts =
                 [region.clone(), region.inverted()].map(|region| layer.clone().region(region));
             let parts = scene.clone().layers(parts.to_vec());
-            let difference = render("cpu", &parts).max_difference(&render("cpu", &scene));
-            assert!(difference < ROUNDED_TWICE, "{difference}: {}", what(&kind, &parts));
-            worst = worst.max(difference);
+            for backend in backends() {
+                let difference = render(backend, &parts).max_difference(&render(backend, &scene));
+                let what = what(&kind, &parts);
+                assert!(difference < ROUNDED_TWICE, "{difference} by {backend}: {what}");
+                worst = worst.max(difference);
+            }
         }
     });
     println!("at most {worst:.1e}");
@@ -106,10 +137,16 @@ fn order_of_layers_changes_no_bit() {
         for kind in SceneKind::all().into_iter().filter(has_layers).step_by(3) {
             let mut scene = random_layers(&mut rng, &kind);
             scene.settings.tolerance = [0.0, 0.05][rng.usize(..2)];
-            let expected = render("cpu", &scene);
-            for _ in 0..3 {
-                rng.shuffle(&mut scene.layers);
-                assert!(render("cpu", &scene) == expected, "{}", what(&kind, &scene));
+            for backend in backends() {
+                let expected = render(backend, &scene);
+                for _ in 0..3 {
+                    rng.shuffle(&mut scene.layers);
+                    assert!(
+                        render(backend, &scene) == expected,
+                        "{backend}, {}",
+                        what(&kind, &scene)
+                    );
+                }
             }
         }
     });
@@ -136,11 +173,11 @@ fn tolerance_of_layers() {
             }
             let image = render("cpu", &scene);
             let what = what(&kind, &scene);
-            let [mut merged, mut exact] =
+            let [merged, exact] =
                 [reference::render_within_tolerance(&scene), reference::render(&scene)];
-            leave_undecided(&mut merged, &scene, &image);
-            leave_undecided(&mut exact, &scene, &image);
-            let [merged, exact] = [merged, exact].map(|expected| expected.compare(&image).max);
+            let undecided = undecided_pixels(&scene);
+            let [merged, exact] = [merged, exact]
+                .map(|expected| leaving(&undecided, expected, &image).compare(&image).max);
             assert!(merged < 1e-3 + SHARE_OF_FOOTPRINTS * tolerance, "{merged}: {what}");
             assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {what}");
 

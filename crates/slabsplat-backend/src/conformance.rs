@@ -6,8 +6,8 @@
 use crate::{Backend, BackendError, Frame, FrameId, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling,
-    Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, ImageDesc, Layer, Method, Plane, Projection, Region, RenderSettings,
+    Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use std::sync::Arc;
 use std::task::Poll;
@@ -25,6 +25,9 @@ pub fn check(backend: &mut dyn Backend) {
     frames_can_be_taken_once(backend);
     unknown_frame_is_an_error(backend);
     methods_are_those_told(backend);
+    order_of_layers_changes_no_bit(backend);
+    layers_are_summed(backend);
+    regions_cut(backend);
 }
 
 fn empty_plan_gives_background(backend: &mut dyn Backend) {
@@ -135,6 +138,58 @@ fn methods_are_those_told(backend: &mut dyn Backend) {
             Err(BackendError::Unable { .. }) if !has_it => {}
             other => panic!("{method}, reported as {has_it}: {other:?}"),
         }
+    }
+}
+
+fn order_of_layers_changes_no_bit(backend: &mut dyn Backend) {
+    let volume = volume([5, 4, 3]);
+    let mut scene = scene(&volume, Method::ImageAligned, Compositing::Extinction);
+    scene.layers.push(scene.layers[0].clone());
+    scene.layers[1].transfer = transfer(0.2);
+    let first = render(backend, &scene);
+    scene.layers.swap(0, 1);
+    let swapped = render(backend, &scene);
+    assert!(swapped.image == first.image, "the planner puts layers into one order");
+    assert_eq!(swapped.stats, first.stats);
+    assert_eq!(first.stats.n_voxels, 120, "of both layers");
+}
+
+/// Two layers of the same voxels are one of twice the extinction, whatever a third one does not show.
+fn layers_are_summed(backend: &mut dyn Backend) {
+    let volume = volume([5, 4, 3]);
+    let mut scene = scene(&volume, Method::ImageAligned, Compositing::Extinction);
+    scene.settings.tolerance = 0.0;
+    scene.layers[0].transfer = transfer(0.75);
+    let whole = render(backend, &scene).image;
+    scene.layers[0].transfer = transfer(0.5);
+    scene.layers.push(scene.layers[0].clone());
+    scene.layers.push(scene.layers[0].clone());
+    scene.layers[2].transfer = transfer(0.0);
+    let difference = render(backend, &scene).image.max_difference(&whole);
+    assert!(difference < 1e-4, "{difference}");
+}
+
+/// A region of everything cuts nothing, its complement all, and halves are a whole.
+fn regions_cut(backend: &mut dyn Backend) {
+    let volume = volume([5, 4, 3]);
+    for &compositing in Compositing::ALL {
+        let mut scene = scene(&volume, Method::ImageAligned, compositing);
+        scene.settings.tolerance = 0.0;
+        let whole = render(backend, &scene).image;
+        let behind = |x: f64| Region::new(vec![Plane::new(DVec3::X, x).expect("it is not zero")]);
+        let mut cut = |regions: &[Region]| {
+            let layer = &scene.layers[0];
+            let layers = regions.iter().map(|region| layer.clone().region(region.clone()));
+            render(backend, &scene.clone().layers(layers.collect())).image
+        };
+        let difference = cut(&[behind(99.0)]).max_difference(&whole);
+        assert!(difference < 1e-5, "{compositing}: {difference}");
+        let nothing = cut(&[behind(99.0).inverted()]);
+        assert!(nothing.pixels().iter().all(|&pixel| pixel == [0.0; 4]), "{compositing}");
+        let halves = [behind(0.3), behind(0.3).inverted()];
+        let difference = cut(&halves).max_difference(&whole);
+        assert!(difference < 1e-4, "{compositing}: {difference}");
+        assert!(1e-3 < cut(&halves[..1]).max_difference(&whole), "{compositing}");
     }
 }
 

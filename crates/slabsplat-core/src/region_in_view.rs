@@ -30,6 +30,9 @@ pub struct ViewRay {
 }
 
 impl RegionInView {
+    /// By how many `unit`s a plane must be nearer than those before it to count as nearer (model §11).
+    pub const HAIR: f64 = 1.0 / 1024.0;
+
     /// The region as `view` sees it.
     pub fn new(region: &Region, view: &View) -> Self {
         let axes = view.axes();
@@ -66,12 +69,15 @@ impl RegionInView {
 
     /// The face nearest to a point: its normal, away from the region, and how far behind it the point lies in
     /// world units, negative outside of the region. Nothing, if there are no planes.
+    ///
+    /// A plane is nearer than those before it if it is by more than a hair's breadth: where a point is as far
+    /// from two, rounding decides nothing.
     #[inline]
-    pub fn face_near(&self, point: DVec3) -> Option<(DVec3, f64)> {
+    pub fn face_near(&self, point: DVec3, hair: f64) -> Option<(DVec3, f64)> {
         let mut nearest: Option<(DVec3, f64)> = None;
         for PlaneInView { normal, distance } in &self.planes {
             let before = normal.dot(point) - distance;
-            if nearest.is_none_or(|(_, most)| most < before) {
+            if nearest.is_none_or(|(_, most)| most + hair < before) {
                 nearest = Some((*normal, before));
             }
         }
@@ -189,12 +195,18 @@ mod tests {
             (DVec3::new(-1.0, 0.0, -4.0), DVec3::X, 1.0),
             (DVec3::new(2.0, 0.0, 0.5), DVec3::X, -2.0),
         ] {
-            let (found, depth) = seen.face_near(corner + from_corner).unwrap();
+            let (found, depth) = seen.face_near(corner + from_corner, 1e-9).unwrap();
             assert!(found.abs_diff_eq(normal, 1e-12) && (depth - behind).abs() < 1e-12, "{found}");
-            let (found, depth) = inverted.face_near(corner + from_corner).unwrap();
+            let (found, depth) = inverted.face_near(corner + from_corner, 1e-9).unwrap();
             assert!(found.abs_diff_eq(-normal, 1e-12) && (depth + behind).abs() < 1e-12, "{found}");
         }
-        assert_eq!(RegionInView::new(&Region::default(), &view).face_near(corner), None);
+        assert_eq!(RegionInView::new(&Region::default(), &view).face_near(corner, 0.0), None);
+        // As far from both: the first is taken, until the second is nearer by more than a hair.
+        for (nearer, normal) in [(0.0, DVec3::X), (9e-4, DVec3::X), (1.1e-3, DVec3::Z)] {
+            let point = corner - DVec3::new(1.0, 0.0, 1.0 - nearer);
+            let (found, _) = seen.face_near(point, 1e-3).unwrap();
+            assert!(found.abs_diff_eq(normal, 1e-12), "{nearer}: {found}");
+        }
     }
 
     #[test]

@@ -7,18 +7,19 @@
 //! rounds of splatting.
 
 use crate::frame_memory::FrameMemory;
+use crate::frame_params::ColorLayer;
 use crate::frame_passes::max_rounds;
 use crate::job::{Job, KnownVolume};
 use crate::memory::{Memory, backend_error};
-use crate::params::Counts;
-use crate::voxel_list::VoxelList;
+use crate::params::{Counts, MAX_LAYERS};
+use crate::voxel_lists::VoxelLists;
 use crate::{Device, DeviceKind, Done, Work, WorkId};
 use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, LayerPlan,
     Splats, StageTime,
 };
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Image, Lamp, Method};
+use slabsplat_core::{Image, Lamp, Method, Volume};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::task::Poll;
@@ -29,8 +30,9 @@ pub struct GpuBackend<D> {
     caps: Caps,
     device: D,
     memory: Memory,
-    known: Option<Arc<KnownVolume>>,
-    list: VoxelList,
+    /// The volumes of the last frame.
+    known: Vec<Arc<KnownVolume>>,
+    lists: VoxelLists,
     frame: FrameMemory,
     n_submitted: u64,
     /// In the order of submission.
@@ -57,8 +59,8 @@ impl<D: Device> GpuBackend<D> {
         Self {
             caps: Caps { name, device: info.name.clone(), methods: METHODS },
             memory: Memory::default(),
-            known: None,
-            list: VoxelList::new(info),
+            known: Vec::new(),
+            lists: VoxelLists::new(),
             frame: FrameMemory::new(info),
             n_submitted: 0,
             under_way: VecDeque::new(),
@@ -72,34 +74,41 @@ impl<D: Device> GpuBackend<D> {
         &self.device
     }
 
-    fn known(&mut self, layer: &LayerPlan<'_>) -> Arc<KnownVolume> {
-        match &self.known {
-            Some(known) if Arc::ptr_eq(&known.volume, layer.volume) => known.clone(),
-            _ => {
-                self.known = None;
-                self.known.insert(Arc::new(KnownVolume::new(layer.volume.clone()))).clone()
-            }
-        }
+    /// The volume of each layer of a plan.
+    fn known(&mut self, plan: &FramePlan<'_>) -> Vec<Arc<KnownVolume>> {
+        let is_needed = |known: &Arc<KnownVolume>| {
+            plan.layers.iter().any(|layer| Arc::ptr_eq(&known.volume, layer.volume))
+        };
+        self.known.retain(is_needed);
+        let mut of_layer = |volume: &Arc<Volume>| {
+            let found = self.known.iter().find(|known| Arc::ptr_eq(&known.volume, volume)).cloned();
+            found.unwrap_or_else(|| {
+                let known = Arc::new(KnownVolume::new(volume.clone()));
+                self.known.push(known.clone());
+                known
+            })
+        };
+        plan.layers.iter().map(|layer| of_layer(layer.volume)).collect()
     }
 
     /// Sends a job out.
     fn begin(&mut self, job: &Job) -> Result<WorkId, BackendError> {
         let begun = self.try_begin(job);
         if begun.is_err() {
-            self.list.forget(&mut self.memory, &mut self.device);
+            self.lists.forget(&mut self.memory, &mut self.device);
             self.frame.forget(&mut self.memory, &mut self.device);
         }
         begun
     }
 
     fn try_begin(&mut self, job: &Job) -> Result<WorkId, BackendError> {
-        let Self { device, memory, list, frame, .. } = self;
+        let Self { device, memory, lists, frame, .. } = self;
         let mut writes = Vec::new();
         frame.grow_constant(memory, device)?;
         let counts = frame.counts.all();
-        let mut passes = list.passes((memory, device), job, counts, &mut writes)?;
+        let mut passes = lists.passes((memory, device), job, counts, &mut writes)?;
         frame.prepare((memory, device), job, &mut writes)?;
-        passes.extend(frame.passes((memory, device), job, &list.records, &mut writes)?);
+        passes.extend(frame.passes((memory, device), job, &lists.lists, &mut writes)?);
         let reads = frame.reads(job, device.info());
         let work = Work { writes, passes: passes.into(), reads };
         device.submit(&work).map_err(|error| backend_error(device, "a frame's transfers", &error))
@@ -123,7 +132,7 @@ impl<D: Device> GpuBackend<D> {
             Ok(Poll::Pending) => return Ok(Poll::Pending),
             Err(error) => return Err(backend_error(&self.device, "a frame", &error)),
         };
-        let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0]);
+        let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0][..size_of::<Counts>()]);
         if counts.n_faults != 0 {
             let reason = "its driver ends loops before they are through, as Mesa's software driver does before \
                           version 23";
@@ -187,39 +196,48 @@ fn max_visits(kind: DeviceKind) -> u32 {
 /// What there are shaders for.
 const METHODS: &[Method] = &[Method::ImageAligned, Method::AxisAligned, Method::EverySample];
 
+const NO_DENSITIES: &str = "its shaders sum no densities, as the method post-classified and the modes maximum, \
+                            minimum, average and isosurfaces do";
+
+/// The layers of a plan, or why there are no shaders for it.
+fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>, String> {
+    if plan.meshes.is_some() {
+        return Err("its shaders draw no meshes".to_owned());
+    }
+    let n_layers = plan.layers.len();
+    if (MAX_LAYERS as usize) < n_layers {
+        return Err(format!("its shaders draw {MAX_LAYERS} layers at a time, not {n_layers}"));
+    }
+    let colors = |layer: &'a LayerPlan<'p>| match &layer.splats {
+        Splats::Densities(_) => Err(NO_DENSITIES.to_owned()),
+        Splats::Colors(_) if layer.labels.is_some() => Err("its shaders know no labels".to_owned()),
+        Splats::Colors(_) if layer.gradient_opacity.is_some() => {
+            Err("its shaders know no opacity by gradients".to_owned())
+        }
+        Splats::Colors(_) if !has_simple_light(layer) => {
+            Err("its shaders know one white light".to_owned())
+        }
+        Splats::Colors(splats) => Ok((layer, splats)),
+    };
+    plan.layers.iter().map(colors).collect()
+}
+
+fn has_simple_light(layer: &LayerPlan<'_>) -> bool {
+    let is_white = |lamp: &Lamp| lamp.color == DVec3::ONE;
+    layer
+        .light
+        .as_ref()
+        .is_none_or(|light| matches!(light.lamps.as_slice(), [lamp] if is_white(lamp)))
+}
+
 impl<D: Device> Backend for GpuBackend<D> {
     fn caps(&self) -> &Caps {
         &self.caps
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
-        if plan.meshes.is_some() {
-            return Err(self.unable("its shaders draw no meshes"));
-        }
-        let [layer] = plan.layers.as_slice() else {
-            return Err(self.unable("its shaders draw one layer at a time"));
-        };
-        if layer.region.is_some() {
-            return Err(self.unable("its shaders cut nothing off"));
-        }
-        if layer.labels.is_some() {
-            return Err(self.unable("its shaders know no labels"));
-        }
-        if layer.gradient_opacity.is_some() {
-            return Err(self.unable("its shaders know no opacity by gradients"));
-        }
-        let is_white = |lamp: &Lamp| lamp.color == DVec3::ONE;
-        if layer
-            .light
-            .as_ref()
-            .is_some_and(|light| !matches!(light.lamps.as_slice(), [lamp] if is_white(lamp)))
-        {
-            return Err(self.unable("its shaders know one white light"));
-        }
-        let Splats::Colors(splats) = &layer.splats else {
-            return Err(self.unable("its shaders do not know the method \"post-classified\""));
-        };
-        let mut job = Job::new(plan, layer, splats, self.known(layer), self.list.records.most());
+        let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
+        let mut job = Job::new(plan, &layers, self.known(plan), self.frame.splats.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
         let frame = FrameId(self.n_submitted);
@@ -246,8 +264,8 @@ mod tests {
     use slabsplat_backend::Planner;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, Layer, Mesh, MeshLayer, Method, Projection, Region,
-        RenderSettings, Scaling, Scene, TransferFunction, Volume,
+        Camera, Grid, ImageDesc, Layer, Mesh, MeshLayer, Method, Projection, RenderSettings,
+        Scaling, Scene, TransferFunction, Volume,
     };
 
     /// A device that must not be used.
@@ -303,12 +321,7 @@ mod tests {
         let densities = RenderSettings::default().method(Method::PostClassified);
         assert_eq!(
             refused(&scene.clone().settings(densities)),
-            "Fake 3000 cannot make this frame: its shaders do not know the method \"post-classified\""
-        );
-        let cut = layer.clone().region(Region::default().inverted());
-        assert_eq!(
-            refused(&scene.clone().layers(vec![cut])),
-            "Fake 3000 cannot make this frame: its shaders cut nothing off"
+            format!("Fake 3000 cannot make this frame: {NO_DENSITIES}")
         );
         let mesh = MeshLayer::new(Mesh::default());
         assert_eq!(
@@ -316,8 +329,8 @@ mod tests {
             "Fake 3000 cannot make this frame: its shaders draw no meshes"
         );
         assert_eq!(
-            refused(&scene.layers(vec![layer.clone(), layer])),
-            "Fake 3000 cannot make this frame: its shaders draw one layer at a time"
+            refused(&scene.layers(vec![layer; 65])),
+            "Fake 3000 cannot make this frame: its shaders draw 64 layers at a time, not 65"
         );
     }
 }

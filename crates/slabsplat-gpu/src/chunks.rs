@@ -64,6 +64,12 @@ impl Chunks {
             .map(|(first, n_elements, chunk)| (first, n_elements, self.buffers[chunk].all()))
     }
 
+    /// The chunk of an element, and how many there are from it to the end of a full one.
+    pub(crate) fn chunk_of(&self, element: u64) -> (Slice, u64) {
+        let chunk = element >> self.bits;
+        (self.buffers[chunk as usize].all(), ((chunk + 1) << self.bits) - element)
+    }
+
     pub(crate) fn all(&self) -> impl Iterator<Item = Slice> + '_ {
         self.buffers.iter().map(Buffer::all)
     }

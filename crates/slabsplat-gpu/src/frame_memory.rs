@@ -1,11 +1,14 @@
 //! The buffers of a frame: what is in them, how large they are, what is written and read back.
 
 use crate::chunks::Chunks;
-use crate::job::{Job, Table};
+use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
-use crate::params::{Counts, DepthParams, Frame, SPLAT_BYTES, TILE_SIDE, TILE_WORK_BYTES};
+use crate::params::{
+    COUNTS_BYTES, DepthParams, Frame, Layer, MAX_LAYERS, SPLAT_BYTES, TILE_SIDE, TILE_WORK_BYTES,
+};
 use crate::pass_list::{StepBuffer, n_groups};
 use crate::sums::{BLOCK, Sorter, Sums};
+use crate::tables::TablesBuffer;
 use crate::{Device, DeviceInfo, Slice, Write};
 use slabsplat_backend::BackendError;
 
@@ -13,11 +16,11 @@ use slabsplat_backend::BackendError;
 #[derive(Debug)]
 pub(crate) struct FrameMemory {
     pub(crate) frame: Buffer,
+    pub(crate) layers: Buffer,
     pub(crate) depth: Buffer,
     pub(crate) steps: StepBuffer,
     pub(crate) counts: Buffer,
-    pub(crate) table: Buffer,
-    pub(crate) table_of: Option<Table>,
+    pub(crate) tables: TablesBuffer,
     pub(crate) splats: Chunks,
     pub(crate) rects: Buffer,
     /// The voxels, front to back.
@@ -48,11 +51,11 @@ impl FrameMemory {
     pub(crate) fn new(info: &DeviceInfo) -> Self {
         Self {
             frame: Buffer::new("frame parameters"),
+            layers: Buffer::new("layer parameters"),
             depth: Buffer::new("depth parameters"),
             steps: StepBuffer::new(),
             counts: Buffer::new("counts"),
-            table: Buffer::new("section table"),
-            table_of: None,
+            tables: TablesBuffer::new(),
             splats: Chunks::new("projected voxels", SPLAT_BYTES, info),
             rects: Buffer::new("tiles touched by voxels"),
             voxels: Sorter::new(["voxel keys", "voxel order"]),
@@ -73,7 +76,8 @@ impl FrameMemory {
     ) -> Result<(), BackendError> {
         memory.grow(device, &mut self.frame, size_of::<Frame>() as u64)?;
         memory.grow(device, &mut self.depth, size_of::<DepthParams>() as u64)?;
-        memory.grow(device, &mut self.counts, size_of::<Counts>() as u64)
+        memory.grow(device, &mut self.layers, u64::from(MAX_LAYERS) * size_of::<Layer>() as u64)?;
+        memory.grow(device, &mut self.counts, COUNTS_BYTES)
     }
 
     /// Sees to it that the job's buffers are large enough, and writes what is new.
@@ -83,7 +87,7 @@ impl FrameMemory {
         job: &'a Job,
         writes: &mut Vec<Write<'a>>,
     ) -> Result<(), BackendError> {
-        let n_voxels = job.max_voxels;
+        let n_voxels = job.max_voxels();
         self.splats.grow(memory, device, n_voxels)?;
         check_binding(device, "tiles touched by voxels", 8 * n_voxels)?;
         memory.grow(device, &mut self.rects, 8 * n_voxels)?;
@@ -98,11 +102,12 @@ impl FrameMemory {
         for (band, buffer) in bands.iter().zip(&mut self.bands) {
             memory.grow(device, buffer, band.n_bytes(&job.frame))?;
         }
-        self.write_table(memory, device, job, writes)?;
+        self.tables.write((memory, device), job, writes)?;
         let mut write = |buffer: &Buffer, bytes: &'a [u8]| {
             writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
         };
         write(&self.frame, bytemuck::bytes_of(&job.frame));
+        write(&self.layers, bytemuck::cast_slice(&job.params));
         if let Some(sort) = &job.depth_sort {
             write(&self.depth, bytemuck::bytes_of(&sort.params));
         }
@@ -138,30 +143,8 @@ impl FrameMemory {
         self.make_room(memory, device, n_splats + n_splats / 4)
     }
 
-    fn write_table<'a, D: Device>(
-        &mut self,
-        memory: &mut Memory,
-        device: &mut D,
-        job: &Job,
-        writes: &mut Vec<Write<'a>>,
-    ) -> Result<(), BackendError> {
-        if self.table_of.as_ref().is_some_and(|table| table.is(&job.table)) {
-            return Ok(());
-        }
-        self.table_of = None;
-        let quads = job.table.quads();
-        let bytes: &[u8] = bytemuck::cast_slice(&quads);
-        check_binding(device, "section table", bytes.len() as u64)?;
-        memory.grow(device, &mut self.table, bytes.len() as u64)?;
-        let buffer = self.table.all().buffer;
-        writes.push(Write { buffer, offset: 0, bytes: bytes.to_vec().into() });
-        self.table_of = Some(job.table.clone());
-        Ok(())
-    }
-
     /// Gives everything back. What was promised did not happen, so the next job begins anew.
     pub(crate) fn forget<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {
-        self.table_of = None;
         self.max_splats = 0;
         self.n_rounds = 1;
         memory.free_all(device, self.splats.buffers().chain(self.tossed.buffers()));
@@ -169,10 +152,11 @@ impl FrameMemory {
         memory.free_all(device, self.bands.iter_mut());
         let others = [
             &mut self.frame,
+            &mut self.layers,
             &mut self.depth,
             self.steps.emptied(),
             &mut self.counts,
-            &mut self.table,
+            self.tables.emptied(),
             &mut self.rects,
             &mut self.work,
         ];

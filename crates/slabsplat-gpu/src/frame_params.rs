@@ -1,86 +1,64 @@
-//! A plan as the shaders read it. Everything is worked out in 64 bits and then rounded once; lengths are in
-//! `unit`s, so that no scale of a world is too large or too small for 32 bits.
+//! A plan as the shaders read it: what all layers share. Everything is worked out in 64 bits and then rounded
+//! once.
 
 use crate::classification::compositing_code;
 use crate::params::{Frame, TILE_SIDE, flag};
-use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, SectionSplats, Slabs};
-use slabsplat_core::{BlinnPhong, Lookup, SliceOrder};
+use crate::regions::ray_per_pixel;
+use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan};
+use slabsplat_core::Lookup;
 
-/// What the shaders read of `plan`, whose splats are these, and whose table has `row_len` quads in a row.
+/// A layer of colours, as a plan has it.
+pub(crate) type ColorLayer<'a, 'p> = (&'a LayerPlan<'p>, &'a ColorSplats);
+
+/// What the shaders read of `plan`, whose layers are these, and whose tables have `row_len` quads in a row.
 pub(crate) fn frame_params(
     plan: &FramePlan<'_>,
-    layer: &LayerPlan<'_>,
-    splats: &ColorSplats,
+    layers: &[ColorLayer<'_, '_>],
     row_len: u32,
 ) -> Frame {
+    let [(layer, splats), ..] = layers else { panic!("a plan has layers") };
+    let view = &layer.view;
+    let is_tilted = |layer: &LayerPlan<'_>| layer.shape.is_tilted(layer.radius);
     let mut frame = Frame {
-        opacity_cutoff: plan.opacity_cutoff,
+        image_size: view.image_size(),
+        n_tiles: view.image_size().map(|side| side.div_ceil(TILE_SIDE)),
+        image_center: view.image_size().map(|side| 0.5 * side as f32),
+        is_perspective: flag(view.is_perspective()),
         compositing: compositing_code(plan.compositing),
-        background: plan.image.background,
+        n_layers: layers.len() as u32,
+        has_regions: flag(layers.iter().any(|(layer, _)| layer.region.is_some())),
+        is_tilted: flag(layers.iter().any(|(layer, _)| is_tilted(layer))),
+        // All layers splat one kernel, and read it alike.
+        radius: layer.radius as f32,
         row_len,
+        opacity_cutoff: plan.opacity_cutoff,
+        background: plan.image.background,
         ..bytemuck::Zeroable::zeroed()
     };
-    put_view(layer, &mut frame);
-    put_footprint(layer, &mut frame);
     put_sheets(layer, splats, &mut frame);
-    if let Some(light) = &layer.light {
-        put_light(light, &mut frame);
+    for (_, splats) in layers {
+        if let ColorSplats::Sections(sections) = splats {
+            frame.n_slabs_before = frame.n_slabs_before.max(sections.slabs.n_before as u32);
+        }
     }
     frame
 }
 
-fn put_view(layer: &LayerPlan<'_>, frame: &mut Frame) {
-    let (grid, view) = (layer.volume.grid(), &layer.view);
-    let unit = grid.unit();
-    let from_index = view.from_index(grid);
-    let row = |axis: usize| {
-        let in_units = from_index.matrix.row(axis) / unit;
-        in_units.extend(from_index.center_in_view[axis] / unit).as_vec4().to_array()
-    };
-    [frame.right, frame.up, frame.depth] = [0, 1, 2].map(row);
-    frame.center_in_index = from_index.center_in_index.as_vec3().to_array();
-    frame.dims = grid.dims().map(|n| n as u32);
-    frame.image_size = view.image_size();
-    frame.n_tiles = view.image_size().map(|side| side.div_ceil(TILE_SIDE));
-    frame.image_center = view.image_size().map(|side| 0.5 * side as f32);
-    frame.is_perspective = flag(view.is_perspective());
-    let near = view.near_depth();
-    // A unit before the near depth is the eye, where there is one.
-    let eye_to_near = if view.is_perspective() { unit } else { 0.0 };
-    frame.eye_distance = ((eye_to_near - near) / unit) as f32;
-    frame.near = (near / unit) as f32;
-    frame.pixels_per_unit = (view.pixels_per_world(near) * unit) as f32;
-}
-
-fn put_footprint(layer: &LayerPlan<'_>, frame: &mut Frame) {
-    let (shape, unit) = (&layer.shape, layer.volume.grid().unit());
-    frame.radius = layer.radius as f32;
-    frame.half_depth = (layer.half_depth / unit) as f32;
-    frame.index_per_depth = (shape.index_per_depth * unit) as f32;
-    frame.is_tilted = flag(shape.is_tilted(layer.radius));
-    frame.across = (shape.across * unit * unit) as f32;
-    frame.lean = -shape.lean as f32;
-    frame.along = (shape.along * unit * unit) as f32;
-    let [right, up] = shape.tilt.map(|c| (c * unit) as f32);
-    frame.tilt = [right, -up];
-    frame.half_extent = shape.half_extent.map(|c| (c / unit) as f32);
-}
-
+/// What sheets of the first layer have in common with those of the others.
 fn put_sheets(layer: &LayerPlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
     frame.method = method_code(splats);
     match splats {
         ColorSplats::Sections(sections) => {
-            let SectionSplats { slabs, table, .. } = &**sections;
-            put_slabs(layer, slabs, frame);
-            let rows = table.rows();
+            let (grid, table) = (sections.slabs.grid, &sections.table);
+            frame.n_sheets = grid.n_slabs() as u32;
+            frame.first_slab = (grid.front(0) / grid.thickness()).round() as i32;
             frame.samples_per_index = table.samples_per_index();
-            frame.rows_per_index = rows.rows_per_index;
-            frame.last_row = rows.last_row;
-            frame.is_mirrored = flag(rows.mirrored);
             frame.is_nearest = flag(table.lookup() == Lookup::Nearest);
+            let [start, step] = ray_per_pixel(&layer.view);
+            [frame.ray_start, frame.ray_step] = [(start / grid.thickness()) as f32, step as f32];
         }
         ColorSplats::Slices { order, table } => {
-            put_slices(order, frame);
+            frame.n_sheets = order.n_slices as u32;
             frame.samples_per_index = table.samples_per_index();
         }
         ColorSplats::Voxels { table } => {
@@ -97,32 +75,4 @@ fn method_code(splats: &ColorSplats) -> u32 {
         ColorSplats::Slices { .. } => 1,
         ColorSplats::Voxels { .. } => 2,
     }
-}
-
-fn put_slabs(layer: &LayerPlan<'_>, slabs: &Slabs, frame: &mut Frame) {
-    let Slabs { grid, first_drawn, n_before } = *slabs;
-    frame.n_sheets = grid.n_slabs() as u32;
-    frame.slab_thickness = (grid.thickness() / layer.volume.grid().unit()) as f32;
-    frame.first_slab = (grid.front(0) / grid.thickness()).round() as i32;
-    frame.n_slabs_before = n_before as u32;
-    frame.first_drawn = first_drawn as u32;
-}
-
-fn put_slices(order: &SliceOrder, frame: &mut Frame) {
-    frame.n_sheets = order.n_slices as u32;
-    frame.slice_axis = order.axis as u32 + if order.is_reversed { 4 } else { 0 };
-}
-
-/// A light and a viewer, both infinitely far away.
-fn put_light(BlinnPhong { phong, lamps }: &BlinnPhong, frame: &mut Frame) {
-    frame.is_lit = 1;
-    frame.is_two_sided = flag(phong.two_sided);
-    // The backend lets no frames through that have more, or coloured ones.
-    if let [lamp] = lamps.as_slice() {
-        frame.to_light = lamp.to_light.as_vec3().to_array();
-        frame.halfway = lamp.halfway.as_vec3().to_array();
-    }
-    let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
-    [frame.ambient, frame.diffuse, frame.specular, frame.shininess] =
-        coefficients.map(|c| c as f32);
 }

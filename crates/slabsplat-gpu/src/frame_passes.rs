@@ -4,9 +4,10 @@ use crate::chunks::Chunks;
 use crate::frame_memory::{FrameMemory, bands};
 use crate::job::Job;
 use crate::memory::{Buffer, Memory};
-use crate::params::{COUNT_SPLATS, COUNT_VOXELS, Step, TILE_SIDE};
+use crate::params::{COUNT_SPLATS, RECORD_BYTES, SPLAT_BYTES, Step, TILE_SIDE};
 use crate::pass_list::{MAX_STEPS, PassList, n_groups};
 use crate::sums::{BLOCK, bits_for};
+use crate::voxel_list::VoxelList;
 use crate::{Device, DeviceInfo, Pass, Write};
 use slabsplat_backend::BackendError;
 use slabsplat_shaders::{DEPTH_KEY, PROJECT, SPLAT, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
@@ -17,22 +18,24 @@ pub(crate) fn max_rounds(n_bands: usize) -> u32 {
     (MAX_STEPS / 2 / n_bands as u64) as u32
 }
 
+const _: () = assert!(RECORD_BYTES == SPLAT_BYTES, "chunks of both have as many elements");
+
 impl FrameMemory {
     /// The stages of a frame, from relevant voxels to pixels.
     pub(crate) fn passes<D: Device>(
         &mut self,
         (memory, device): (&mut Memory, &mut D),
         job: &Job,
-        records: &Chunks,
+        lists: &[VoxelList],
         writes: &mut Vec<Write<'_>>,
     ) -> Result<Vec<Pass>, BackendError> {
         self.voxels.restart();
         self.tiles.restart();
         let mut passes = self.steps.list(memory, device)?;
         passes.begin("project");
-        self.push_project(job, records, &mut passes);
+        self.push_project(job, lists, &mut passes);
         passes.begin("sort");
-        self.push_depth_sort(job, records, &mut passes);
+        self.push_depth_sort(job, &lists[0].records, &mut passes);
         passes.begin("toss");
         self.push_toss(job, &mut passes);
         passes.begin("splat");
@@ -40,23 +43,39 @@ impl FrameMemory {
         Ok(self.steps.finish(passes, writes))
     }
 
-    fn push_project(&self, job: &Job, records: &Chunks, passes: &mut PassList) {
-        let n_voxels = job.max_voxels;
-        for ((first, n, records), (_, _, splats)) in
-            records.filled(n_voxels).zip(self.splats.filled(n_voxels))
-        {
-            let (keys, order) = (self.voxels.keys(), self.voxels.values());
-            let [frame, rects, counts] = [&self.frame, &self.rects, &self.counts].map(Buffer::all);
-            let bindings = [frame, records, splats, keys, order, rects, counts];
-            let step = Step { first: first as u32, n_elements: n as u32, ..Step::default() };
-            passes.push(&PROJECT, &bindings, step, n_groups(n, 256));
+    /// A pass for each run of voxels of a layer whose records are in one chunk, and whose splats are.
+    fn push_project(&self, job: &Job, lists: &[VoxelList], passes: &mut PassList) {
+        let [frame, layers, rects, counts] =
+            [&self.frame, &self.layers, &self.rects, &self.counts].map(Buffer::all);
+        let (keys, order, tables) = (self.voxels.keys(), self.voxels.values(), self.tables.all());
+        for (idx, (layer, list)) in job.layers.iter().zip(lists).enumerate() {
+            let first_voxel = u64::from(job.params[idx].first_voxel);
+            for (first, n, records) in list.records.filled(layer.max_voxels) {
+                let mut start = first;
+                while start < first + n {
+                    let (splats, n_in_chunk) = self.splats.chunk_of(first_voxel + start);
+                    let n_elements = n_in_chunk.min(first + n - start);
+                    let step = Step {
+                        first: start as u32,
+                        n_elements: n_elements as u32,
+                        count_slot: list.count_slot,
+                        chunk_bits: self.splats.bits,
+                        layer: idx as u32,
+                        ..Step::default()
+                    };
+                    let bindings =
+                        [frame, layers, tables, records, splats, keys, order, rects, counts];
+                    passes.push(&PROJECT, &bindings, step, n_groups(n_elements, 256));
+                    start += n_elements;
+                }
+            }
         }
     }
 
     /// Sorts the voxels by sheet, or, where there are no sheets, by depth and then by place.
     fn push_depth_sort(&mut self, job: &Job, records: &Chunks, passes: &mut PassList) {
-        let (n_voxels, counts) = (job.max_voxels, self.counts.all());
-        let keys = (n_voxels, COUNT_VOXELS);
+        let (n_voxels, counts) = (job.max_voxels(), self.counts.all());
+        let keys = (n_voxels, job.count_slot());
         let Some(depth_sort) = &job.depth_sort else {
             return self.voxels.sort(passes, counts, keys, bits_for(job.frame.n_sheets));
         };
@@ -71,6 +90,7 @@ impl FrameMemory {
                 let step = Step {
                     n_elements: n_voxels as u32,
                     shift: axis | word,
+                    count_slot: job.count_slot(),
                     chunk_bits: records.bits,
                     ..Step::default()
                 };
@@ -84,15 +104,15 @@ impl FrameMemory {
     }
 
     fn push_toss(&mut self, job: &Job, passes: &mut PassList) {
-        let (n_voxels, counts) = (job.max_voxels, self.counts.all());
+        let (n_voxels, counts) = (job.max_voxels(), self.counts.all());
         let n_blocks = n_groups(n_voxels, BLOCK);
         let (order, rects) = (self.voxels.values(), self.rects.all());
         let [sums, totals] = [&self.tossed.elements, &self.tossed.totals].map(Buffer::all);
-        let n_elements = n_voxels as u32;
-        let step = Step { n_elements, n_blocks, ..Step::default() };
+        let (n_elements, count_slot) = (n_voxels as u32, job.count_slot());
+        let step = Step { n_elements, count_slot, n_blocks, ..Step::default() };
         passes.push(&TOSS_COUNT, &[order, rects, sums, counts], step, n_blocks);
         self.tossed.scan(passes, counts, u64::from(n_blocks), COUNT_SPLATS);
-        let step = Step { n_elements, n_blocks: self.max_splats as u32, ..Step::default() };
+        let step = Step { n_blocks: self.max_splats as u32, ..step };
         let (tiles, voxels) = (self.tiles.keys(), self.tiles.values());
         let bindings = [self.frame.all(), order, rects, sums, totals, tiles, voxels, counts];
         passes.push(&TOSS_EMIT, &bindings, step, n_blocks);
@@ -119,8 +139,9 @@ impl FrameMemory {
                 first_sample: band.first_row,
                 ..Step::default()
             };
-            let (voxels, table, work) = (self.tiles.values(), self.table.all(), self.work.all());
-            let mut bindings = vec![self.frame.all(), voxels, table, work, pixels.all()];
+            let [frame, layers, work] = [&self.frame, &self.layers, &self.work].map(Buffer::all);
+            let (voxels, tables) = (self.tiles.values(), self.tables.all());
+            let mut bindings = vec![frame, layers, voxels, tables, work, pixels.all()];
             bindings.extend(self.splats.all());
             passes.push(&SPLAT, &bindings, step, n_tiles);
         }

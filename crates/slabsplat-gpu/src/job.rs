@@ -3,14 +3,15 @@
 
 use crate::classification::Classification;
 use crate::depth_params::DepthSort;
-use crate::frame_params::frame_params;
+use crate::frame_params::{ColorLayer, frame_params};
+use crate::layer_params::layer_params;
 use crate::number::Numbers;
-use crate::params::{Frame, TILE_SIDE};
+use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, TILE_SIDE};
+use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
 use crate::samples::KeyCounts;
-use crate::section_table::{Quad, footprint_quads, section_quads};
-use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan};
+use crate::tables::Table;
+use slabsplat_backend::{ColorSplats, FramePlan};
 use slabsplat_core::Volume;
-use slabsplat_kernel::{FootprintTable, SectionTable};
 use std::sync::Arc;
 
 /// A volume, and what one pass over all its samples finds.
@@ -21,21 +22,25 @@ pub(crate) struct KnownVolume {
     pub(crate) key_counts: KeyCounts,
 }
 
-/// The table of a plan.
-#[derive(Clone, Debug)]
-pub(crate) enum Table {
-    Sections(Arc<SectionTable>),
-    Footprint(Arc<FootprintTable>),
-}
-
 /// A frame to be made.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
-    pub(crate) known: Arc<KnownVolume>,
-    pub(crate) classification: Classification,
     pub(crate) frame: Frame,
+    /// In the order of the plan.
+    pub(crate) layers: Vec<JobLayer>,
+    /// What the shaders read of them.
+    pub(crate) params: Vec<Layer>,
+    /// The planes of all regions.
+    pub(crate) planes: Vec<[Element; ELEMENTS_OF_PLANE as usize]>,
     /// How the list is sorted, if not by sheets.
     pub(crate) depth_sort: Option<DepthSort>,
+}
+
+/// A layer of a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct JobLayer {
+    pub(crate) known: Arc<KnownVolume>,
+    pub(crate) classification: Classification,
     pub(crate) table: Table,
     /// At least as many voxels as are relevant, and at least one: a little more than are, so that the
     /// number stays where the list grows and shrinks a little.
@@ -49,81 +54,105 @@ impl KnownVolume {
     }
 }
 
-impl Table {
-    /// Whether both are one table, not only alike.
-    pub(crate) fn is(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Sections(a), Self::Sections(b)) => Arc::ptr_eq(a, b),
-            (Self::Footprint(a), Self::Footprint(b)) => Arc::ptr_eq(a, b),
-            _ => false,
-        }
-    }
-
-    pub(crate) fn quads(&self) -> Vec<Quad> {
-        match self {
-            Self::Sections(table) => section_quads(table),
-            Self::Footprint(table) => footprint_quads(table),
-        }
-    }
-
-    fn row_len(&self) -> u32 {
-        // A quad for every two neighbours.
-        match self {
-            Self::Sections(table) => table.row_len() as u32 - 1,
-            Self::Footprint(table) => table.row().len() as u32 - 1,
-        }
-    }
-}
-
 impl Job {
-    /// What a plan of one layer asks for, whose splats are these, of a volume that is known. The list should
-    /// stay below `most_voxels`, if it can.
+    /// What a plan asks for, whose layers are these, of volumes that are known. The list should stay below
+    /// `most_voxels`, if it can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
-        layer: &LayerPlan<'_>,
-        splats: &ColorSplats,
-        known: Arc<KnownVolume>,
+        layers: &[ColorLayer<'_, '_>],
+        known: Vec<Arc<KnownVolume>>,
         most_voxels: u64,
     ) -> Self {
-        let table = match splats {
-            ColorSplats::Sections(sections) => Table::Sections(sections.table.clone()),
-            ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table } => {
-                Table::Footprint(table.clone())
-            }
+        let tables = layers.iter().map(|(_, splats)| Table::of(splats));
+        let job_layer =
+            |((known, (layer, _)), table): ((Arc<KnownVolume>, &ColorLayer<'_, '_>), _)| {
+                let classification = Classification::new(plan, layer, &known.numbers);
+                let max_voxels = known.key_counts.at_most(&classification.key_ranges).max(1);
+                JobLayer { known, classification, table, max_voxels }
+            };
+        let mut job_layers: Vec<_> =
+            known.into_iter().zip(layers).zip(tables).map(job_layer).collect();
+        leave_room(&mut job_layers, most_voxels);
+        let (params, planes) = placed(layers, &job_layers);
+        let depth_sort = match layers {
+            [(layer, ColorSplats::Voxels { .. })] => Some(DepthSort::new(layer)),
+            _ => None,
         };
-        let sorts_by_depth = matches!(splats, ColorSplats::Voxels { .. });
-        let classification = Classification::new(plan, layer, &known.numbers);
-        let n_relevant = known.key_counts.at_most(&classification.key_ranges).max(1);
-        let granule = (n_relevant / 8).next_power_of_two();
-        let max_voxels = n_relevant.next_multiple_of(granule).min(most_voxels.max(n_relevant));
-        Self {
-            max_voxels,
-            classification,
-            frame: frame_params(plan, layer, splats, table.row_len()),
-            depth_sort: sorts_by_depth.then(|| DepthSort::new(layer)),
-            table,
-            known,
-        }
+        let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
+        let frame = frame_params(plan, layers, row_len);
+        Self { frame, layers: job_layers, params, planes, depth_sort }
+    }
+
+    /// Room for the voxels of all layers.
+    pub(crate) fn max_voxels(&self) -> u64 {
+        self.layers.iter().map(|layer| layer.max_voxels).sum()
+    }
+
+    /// Where the device counts the voxels that are sorted: of several layers all that there is room for.
+    pub(crate) fn count_slot(&self) -> u32 {
+        if self.layers.len() == 1 { COUNT_VOXELS } else { NO_COUNT }
     }
 
     pub(crate) fn n_tiles(&self) -> u32 {
         self.frame.n_tiles[0] * self.frame.n_tiles[1]
     }
 
-    /// About how many splats are tossed: each voxel, as often as a footprint at the grid's centre touches
+    /// About how many splats are tossed: each voxel, as often as a footprint at the centre of all touches
     /// tiles. Close-ups may need more, which shows when it is too late, or far less.
     pub(crate) fn expected_splats(&self) -> u64 {
-        let frame = &self.frame;
-        let distance = if frame.is_perspective == 1 { frame.eye_distance.max(1.0) } else { 1.0 };
-        let scale = frame.pixels_per_unit / distance;
+        let of_layer = |(layer, params): (&JobLayer, &Layer)| {
+            (layer.max_voxels as f64 * f64::from(self.tiles_of_footprint(params))) as u64
+        };
+        self.layers.iter().zip(&self.params).map(of_layer).sum()
+    }
+
+    fn tiles_of_footprint(&self, layer: &Layer) -> f32 {
+        let is_perspective = self.frame.is_perspective == 1;
+        let distance = if is_perspective { layer.eye_distance.max(1.0) } else { 1.0 };
+        let scale = layer.pixels_per_unit / distance;
         let pixels = scale * (1.0 / scale).max(1.0);
-        let across =
-            |half_extent: f32| 1.0 + 2.0 * half_extent * frame.radius * pixels / TILE_SIDE as f32;
-        let per_voxel = frame.half_extent.map(across).iter().product::<f32>();
-        (self.max_voxels as f64 * f64::from(per_voxel.min(MOST_TILES_EXPECTED))) as u64
+        let across = |half_extent: f32| {
+            1.0 + 2.0 * half_extent * self.frame.radius * pixels / TILE_SIDE as f32
+        };
+        layer.half_extent.map(across).iter().product::<f32>().min(MOST_TILES_EXPECTED)
     }
 }
 
 /// Of voxels with larger footprints most are outside of the picture. A guess must not cost more memory than a
 /// frame needs; if it was too small, the counts tell.
 const MOST_TILES_EXPECTED: f32 = 4.0;
+
+/// Leaves some room behind the voxels of each layer, if all together stay below `most_voxels`.
+fn leave_room(layers: &mut [JobLayer], most_voxels: u64) {
+    let roomy = |layer: &JobLayer| {
+        layer.max_voxels.next_multiple_of((layer.max_voxels / 8).next_power_of_two())
+    };
+    if layers.iter().map(roomy).sum::<u64>() <= most_voxels {
+        layers.iter_mut().for_each(|layer| layer.max_voxels = roomy(layer));
+    }
+}
+
+/// What the shaders read of layers, their voxels, tables and planes one after the other; and the planes.
+fn placed(
+    layers: &[ColorLayer<'_, '_>],
+    job_layers: &[JobLayer],
+) -> (Vec<Layer>, Vec<[Element; ELEMENTS_OF_PLANE as usize]>) {
+    let n_quads: u32 = job_layers.iter().map(|layer| layer.table.n_quads()).sum();
+    let (mut params, mut planes): (Vec<Layer>, Vec<_>) = Default::default();
+    let (mut first_voxel, mut first_element, mut region) = (0, 0, 0);
+    for (idx, ((layer, splats), job_layer)) in layers.iter().zip(job_layers).enumerate() {
+        // Layers of one region follow each other.
+        if layers[region as usize].0.region != layer.region {
+            region = idx as u32;
+        }
+        let first_plane = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32;
+        if let ColorSplats::Sections(sections) = splats {
+            planes.extend(regions::planes(layer, &sections.slabs));
+        }
+        let own = layer_params(layer, splats);
+        params.push(Layer { first_voxel, first_element, region, first_plane, ..own });
+        first_voxel += job_layer.max_voxels as u32;
+        first_element += job_layer.table.n_quads();
+    }
+    (params, planes)
+}

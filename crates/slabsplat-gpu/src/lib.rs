@@ -4,16 +4,17 @@
 //!
 //! # How a frame is made
 //!
-//! 1. *Classify*, if volume or transfer function changed: the device finds the relevant voxels among the
-//!    samples that it holds, with their normals and colours. A new transfer function sends its points
-//!    (32 bytes each), a new volume its samples.
-//! 2. *Project*: every relevant voxel is shaded and projected. A new camera sends 288 bytes, and
-//!    32 for each pass.
+//! 1. *Classify*, each layer whose volume or transfer function changed: the device finds the relevant voxels
+//!    among the samples that it holds, with their normals and colours. A new transfer function sends its
+//!    points (32 bytes each), a new volume its samples.
+//! 2. *Project*: every relevant voxel is shaded and projected, into one list for all layers; those beyond
+//!    their layer's region are tossed nowhere. A new camera sends 112 bytes, 224 a layer, 32 for each plane
+//!    of a region, and 36 for each pass.
 //! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
 //! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
 //!    keeps the order from front to back within each.
 //! 5. *Splat*: a workgroup renders a tile, sheet by sheet, in registers, and stops when all pixels are
-//!    saturated.
+//!    saturated. Sums of a slab are cut by the region of what they are of.
 //!
 //! Sorts and sums are stable and take no part in races, so a frame gives the same bits every time.
 //! Classification compares samples as the integers that they are, and positions of the transfer function
@@ -26,18 +27,20 @@
 //!
 //! # Reading order
 //!
-//! `device`; `voxel_list`, `frame_passes` and `frame_memory`, which are the frame, with `pass_list`, `sums`,
-//! `chunks` and `memory` below them; `backend` and `job`; `params`, `frame_params`, `depth_params`,
-//! `classification`, `number`, `samples` and `section_table`, which say a plan in the shaders' terms. The
-//! stages themselves are in `shaders/`.
+//! `device`; `voxel_lists`, `voxel_list`, `volumes`, `frame_passes`, `frame_memory` and `tables`, which are
+//! the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and `job`; `params`,
+//! `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`, `samples` and
+//! `section_table`, which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
 
 mod device;
 
 mod classification;
 mod depth_params;
 mod frame_params;
+mod layer_params;
 mod number;
 mod params;
+mod regions;
 mod samples;
 mod section_table;
 mod segments;
@@ -50,7 +53,10 @@ mod sums;
 mod frame_memory;
 mod frame_passes;
 mod job;
+mod tables;
+mod volumes;
 mod voxel_list;
+mod voxel_lists;
 
 mod backend;
 

@@ -12,53 +12,71 @@ pub(crate) fn flag(is_set: bool) -> u32 {
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Frame {
+    pub(crate) image_size: [u32; 2],
+    pub(crate) n_tiles: [u32; 2],
+    pub(crate) image_center: [f32; 2],
+    pub(crate) is_perspective: u32,
+    pub(crate) method: u32,
+    pub(crate) compositing: u32,
+    pub(crate) n_sheets: u32,
+    pub(crate) first_slab: i32,
+    pub(crate) n_slabs_before: u32,
+    pub(crate) n_layers: u32,
+    pub(crate) has_regions: u32,
+    pub(crate) is_tilted: u32,
+    pub(crate) radius: f32,
+    pub(crate) samples_per_index: f32,
+    pub(crate) row_len: u32,
+    pub(crate) is_nearest: u32,
+    pub(crate) opacity_cutoff: f32,
+    pub(crate) ray_start: f32,
+    pub(crate) ray_step: f32,
+    pub(crate) max_visits: u32,
+    pub(crate) padding: u32,
+    pub(crate) background: [f32; 4],
+}
+
+/// `shaders/shared/layer.wgsl`, likewise.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Layer {
     pub(crate) right: [f32; 4],
     pub(crate) up: [f32; 4],
     pub(crate) depth: [f32; 4],
     pub(crate) center_in_index: [f32; 3],
     pub(crate) pixels_per_unit: f32,
     pub(crate) dims: [u32; 3],
-    pub(crate) is_perspective: u32,
-    pub(crate) image_size: [u32; 2],
-    pub(crate) n_tiles: [u32; 2],
-    pub(crate) image_center: [f32; 2],
-    pub(crate) eye_distance: f32,
-    pub(crate) near: f32,
-    pub(crate) radius: f32,
-    pub(crate) half_depth: f32,
-    pub(crate) index_per_depth: f32,
-    pub(crate) is_tilted: u32,
-    pub(crate) across: f32,
-    pub(crate) lean: f32,
-    pub(crate) along: f32,
-    pub(crate) opacity_cutoff: f32,
-    pub(crate) tilt: [f32; 2],
-    pub(crate) half_extent: [f32; 2],
-    pub(crate) method: u32,
-    pub(crate) compositing: u32,
-    pub(crate) n_sheets: u32,
-    pub(crate) first_drawn: u32,
-    pub(crate) slab_thickness: f32,
-    pub(crate) first_slab: i32,
-    pub(crate) n_slabs_before: u32,
-    pub(crate) slice_axis: u32,
-    pub(crate) samples_per_index: f32,
-    pub(crate) rows_per_index: f32,
-    pub(crate) last_row: f32,
-    pub(crate) row_len: u32,
-    pub(crate) is_mirrored: u32,
-    pub(crate) is_nearest: u32,
-    pub(crate) is_lit: u32,
-    pub(crate) is_two_sided: u32,
+    pub(crate) first_voxel: u32,
     pub(crate) to_light: [f32; 3],
     pub(crate) ambient: f32,
     pub(crate) halfway: [f32; 3],
     pub(crate) diffuse: f32,
     pub(crate) specular: f32,
     pub(crate) shininess: f32,
-    pub(crate) max_visits: u32,
-    pub(crate) padding: u32,
-    pub(crate) background: [f32; 4],
+    pub(crate) is_lit: u32,
+    pub(crate) is_two_sided: u32,
+    pub(crate) eye_distance: f32,
+    pub(crate) near: f32,
+    pub(crate) half_depth: f32,
+    pub(crate) index_per_depth: f32,
+    pub(crate) tilt: [f32; 2],
+    pub(crate) half_extent: [f32; 2],
+    pub(crate) across: f32,
+    pub(crate) lean: f32,
+    pub(crate) along: f32,
+    pub(crate) slab_thickness: f32,
+    pub(crate) first_drawn: u32,
+    pub(crate) slice_axis: u32,
+    pub(crate) is_tilted: u32,
+    pub(crate) first_element: u32,
+    pub(crate) rows_per_index: f32,
+    pub(crate) last_row: f32,
+    pub(crate) is_mirrored: u32,
+    pub(crate) region: u32,
+    pub(crate) first_plane: u32,
+    pub(crate) n_planes: u32,
+    pub(crate) is_inverted: u32,
+    pub(crate) has_lit_faces: u32,
 }
 
 /// `shaders/shared/sample.wgsl`.
@@ -100,6 +118,7 @@ pub(crate) struct Step {
     pub(crate) n_blocks: u32,
     pub(crate) first_block: u32,
     pub(crate) first_sample: u32,
+    pub(crate) layer: u32,
 }
 
 /// No slot of the counts.
@@ -125,6 +144,14 @@ pub(crate) struct Counts {
 /// Slots of [`Counts`].
 pub(crate) const COUNT_VOXELS: u32 = 0;
 pub(crate) const COUNT_SPLATS: u32 = 1;
+/// The first of the slots behind them, one for each list of relevant voxels.
+pub(crate) const COUNT_OF_LISTS: u32 = (size_of::<Counts>() / size_of::<u32>()) as u32;
+
+/// Bytes of all counts on the device.
+pub(crate) const COUNTS_BYTES: u64 = 4 * (COUNT_OF_LISTS + MAX_LAYERS) as u64;
+
+/// `shaders/shared/layer.wgsl`: layers that a frame can have.
+pub(crate) const MAX_LAYERS: u32 = 64;
 
 /// Bytes of `shaders/shared/record.wgsl` and `splat.wgsl`.
 pub(crate) const RECORD_BYTES: u64 = 32;
@@ -139,6 +166,7 @@ pub(crate) const TILE_SIDE: u32 = 8;
 mod tests {
     use super::*;
     use crate::classification::compositing_code;
+    use crate::regions::ELEMENTS_OF_PLANE;
     use slabsplat_core::Compositing;
     use slabsplat_shaders::{STRUCTS, StructLayout};
     use std::mem::offset_of;
@@ -162,53 +190,67 @@ mod tests {
     #[test]
     fn layouts_are_the_shaders() {
         check!(Frame {
+            image_size,
+            n_tiles,
+            image_center,
+            is_perspective,
+            method,
+            compositing,
+            n_sheets,
+            first_slab,
+            n_slabs_before,
+            n_layers,
+            has_regions,
+            is_tilted,
+            radius,
+            samples_per_index,
+            row_len,
+            is_nearest,
+            opacity_cutoff,
+            ray_start,
+            ray_step,
+            max_visits,
+            padding,
+            background,
+        });
+        check!(Layer {
             right,
             up,
             depth,
             center_in_index,
             pixels_per_unit,
             dims,
-            is_perspective,
-            image_size,
-            n_tiles,
-            image_center,
-            eye_distance,
-            near,
-            radius,
-            half_depth,
-            index_per_depth,
-            is_tilted,
-            across,
-            lean,
-            along,
-            opacity_cutoff,
-            tilt,
-            half_extent,
-            method,
-            compositing,
-            n_sheets,
-            first_drawn,
-            slab_thickness,
-            first_slab,
-            n_slabs_before,
-            slice_axis,
-            samples_per_index,
-            rows_per_index,
-            last_row,
-            row_len,
-            is_mirrored,
-            is_nearest,
-            is_lit,
-            is_two_sided,
+            first_voxel,
             to_light,
             ambient,
             halfway,
             diffuse,
             specular,
             shininess,
-            max_visits,
-            padding,
-            background,
+            is_lit,
+            is_two_sided,
+            eye_distance,
+            near,
+            half_depth,
+            index_per_depth,
+            tilt,
+            half_extent,
+            across,
+            lean,
+            along,
+            slab_thickness,
+            first_drawn,
+            slice_axis,
+            is_tilted,
+            first_element,
+            rows_per_index,
+            last_row,
+            is_mirrored,
+            region,
+            first_plane,
+            n_planes,
+            is_inverted,
+            has_lit_faces,
         });
         check!(VolumeParams {
             gradient_x,
@@ -231,6 +273,7 @@ mod tests {
             n_blocks,
             first_block,
             first_sample,
+            layer,
         });
     }
 
@@ -253,6 +296,9 @@ mod tests {
         }
         declares(format!("const COUNT_VOXELS: u32 = {COUNT_VOXELS}u;"));
         declares(format!("const COUNT_SPLATS: u32 = {COUNT_SPLATS}u;"));
+        declares(format!("const COUNT_OF_LISTS: u32 = {COUNT_OF_LISTS}u;"));
+        declares(format!("const MAX_LAYERS: u32 = {MAX_LAYERS}u;"));
+        declares(format!("const ELEMENTS_OF_PLANE: u32 = {ELEMENTS_OF_PLANE}u;"));
         let slot = |offset: usize| offset / size_of::<u32>();
         declares(format!("COUNT_SPLATTED: u32 = {}u", slot(offset_of!(Counts, n_splatted))));
         declares(format!("COUNT_CULLED: u32 = {}u", slot(offset_of!(Counts, n_culled))));

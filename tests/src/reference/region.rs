@@ -79,7 +79,7 @@ pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVe
     let mut nearest = (DVec3::ZERO, f64::NEG_INFINITY);
     for plane in region.planes() {
         let before = plane.normal().dot(at) - plane.distance();
-        if nearest.1 < before {
+        if nearest.1 + unit / 1024.0 < before {
             nearest = (plane.normal(), before);
         }
     }
@@ -192,6 +192,10 @@ mod tests {
         check(&inverted, DVec3::new(-9.0, 0.0, 5.0), -DVec3::Z);
         check(&inverted, DVec3::new(-9.0, 0.0, 9.0), DVec3::Y);
         check(&Region::new(region.planes().to_vec()), DVec3::Z * 4.0, DVec3::Y);
+        // As far from both, and nearer to the second by less and by more than 1/1024 `unit`.
+        check(&region, DVec3::new(1.0, 0.0, 5.0), DVec3::Z);
+        check(&region, DVec3::new(1.0019, 0.0, 5.0), DVec3::Z);
+        check(&region, DVec3::new(1.002, 0.0, 5.0), DVec3::X);
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub(super) struct LitFaces<'a> {
     region: &'a RegionInView,
     axes: &'a ViewAxes,
     per_unit: f64,
+    hair: f64,
 }
 
 /// How many `unit`s behind a face its normal counts for nothing; it counts in full up to one before that.
@@ -27,22 +28,23 @@ impl<'a> LitFaces<'a> {
     /// `None` if there are none.
     pub(super) fn of(layer: &'a LayerPlan<'_>) -> Option<Self> {
         let region = layer.region.as_ref().filter(|region| region.is_lit())?;
-        let per_unit = 1.0 / layer.volume.grid().unit();
-        Some(Self { region, axes: layer.view.axes(), per_unit })
+        let unit = layer.volume.grid().unit();
+        let (per_unit, hair) = (1.0 / unit, RegionInView::HAIR * unit);
+        Some(Self { region, axes: layer.view.axes(), per_unit, hair })
     }
 
     /// The normal of the face near a point of view space, if it counts there.
     #[inline]
     pub(super) fn at(&self, point: DVec3) -> Option<FaceNormal> {
-        let (normal, behind) = self.region.face_near(point)?;
+        let (normal, behind) = self.region.face_near(point, self.hair)?;
         let share = DEEPEST - behind * self.per_unit;
         (0.0 < share).then_some(FaceNormal { normal, share: share.min(1.0) })
     }
 
     /// Whether the normal of a face counts at any point of a box.
     pub(super) fn may_be_in(&self, center: DVec3, half_extents: DVec3) -> bool {
-        let Some((_, behind)) = self.region.face_near(center) else { return false };
-        behind * self.per_unit < DEEPEST + half_extents.length() * self.per_unit
+        let Some((_, behind)) = self.region.face_near(center, 0.0) else { return false };
+        behind * self.per_unit < DEEPEST + (half_extents.length() + self.hair) * self.per_unit
     }
 
     /// The same direction in the world.

@@ -1,0 +1,90 @@
+//! A layer of a plan as the shaders read it. Everything is worked out in 64 bits and then rounded once;
+//! lengths are in `unit`s, so that no scale of a world is too large or too small for 32 bits.
+
+use crate::params::{Layer, flag};
+use slabsplat_backend::{ColorSplats, LayerPlan, SectionSplats, Slabs};
+use slabsplat_core::{BlinnPhong, SliceOrder};
+
+/// What the shaders read of a layer, but for where its voxels, its table and its planes are among those of
+/// all layers.
+pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &ColorSplats) -> Layer {
+    let mut layer = bytemuck::Zeroable::zeroed();
+    put_view(plan, &mut layer);
+    put_footprint(plan, &mut layer);
+    match splats {
+        ColorSplats::Sections(sections) => {
+            let SectionSplats { slabs, table, .. } = &**sections;
+            put_slabs(plan, slabs, &mut layer);
+            let rows = table.rows();
+            layer.rows_per_index = rows.rows_per_index;
+            layer.last_row = rows.last_row;
+            layer.is_mirrored = flag(rows.mirrored);
+        }
+        ColorSplats::Slices { order, .. } => put_slices(order, &mut layer),
+        ColorSplats::Voxels { .. } => {}
+    }
+    if let Some(light) = &plan.light {
+        put_light(light, &mut layer);
+    }
+    if let Some(region) = &plan.region {
+        layer.n_planes = region.planes().len() as u32;
+        layer.is_inverted = flag(region.is_inverted());
+        layer.has_lit_faces = flag(region.is_lit());
+    }
+    layer
+}
+
+fn put_view(plan: &LayerPlan<'_>, layer: &mut Layer) {
+    let (grid, view) = (plan.volume.grid(), &plan.view);
+    let unit = grid.unit();
+    let from_index = view.from_index(grid);
+    let row = |axis: usize| {
+        let in_units = from_index.matrix.row(axis) / unit;
+        in_units.extend(from_index.center_in_view[axis] / unit).as_vec4().to_array()
+    };
+    [layer.right, layer.up, layer.depth] = [0, 1, 2].map(row);
+    layer.center_in_index = from_index.center_in_index.as_vec3().to_array();
+    layer.dims = grid.dims().map(|n| n as u32);
+    let near = view.near_depth();
+    // A unit before the near depth is the eye, where there is one.
+    let eye_to_near = if view.is_perspective() { unit } else { 0.0 };
+    layer.eye_distance = ((eye_to_near - near) / unit) as f32;
+    layer.near = (near / unit) as f32;
+    layer.pixels_per_unit = (view.pixels_per_world(near) * unit) as f32;
+}
+
+fn put_footprint(plan: &LayerPlan<'_>, layer: &mut Layer) {
+    let (shape, unit) = (&plan.shape, plan.volume.grid().unit());
+    layer.half_depth = (plan.half_depth / unit) as f32;
+    layer.index_per_depth = (shape.index_per_depth * unit) as f32;
+    layer.is_tilted = flag(shape.is_tilted(plan.radius));
+    layer.across = (shape.across * unit * unit) as f32;
+    layer.lean = -shape.lean as f32;
+    layer.along = (shape.along * unit * unit) as f32;
+    let [right, up] = shape.tilt.map(|c| (c * unit) as f32);
+    layer.tilt = [right, -up];
+    layer.half_extent = shape.half_extent.map(|c| (c / unit) as f32);
+}
+
+fn put_slabs(plan: &LayerPlan<'_>, slabs: &Slabs, layer: &mut Layer) {
+    layer.slab_thickness = (slabs.grid.thickness() / plan.volume.grid().unit()) as f32;
+    layer.first_drawn = slabs.first_drawn as u32;
+}
+
+fn put_slices(order: &SliceOrder, layer: &mut Layer) {
+    layer.slice_axis = order.axis as u32 + if order.is_reversed { 4 } else { 0 };
+}
+
+/// A light and a viewer, both infinitely far away.
+fn put_light(BlinnPhong { phong, lamps }: &BlinnPhong, layer: &mut Layer) {
+    layer.is_lit = 1;
+    layer.is_two_sided = flag(phong.two_sided);
+    // The backend lets no frames through that have more, or coloured ones.
+    if let [lamp] = lamps.as_slice() {
+        layer.to_light = lamp.to_light.as_vec3().to_array();
+        layer.halfway = lamp.halfway.as_vec3().to_array();
+    }
+    let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
+    [layer.ambient, layer.diffuse, layer.specular, layer.shininess] =
+        coefficients.map(|c| c as f32);
+}

@@ -1,0 +1,70 @@
+//! Regions as the shaders read them: `shaders/shared/region.wgsl`.
+
+use slabsplat_backend::{LayerPlan, Slabs};
+use slabsplat_core::glam::DMat3;
+use slabsplat_core::{PlaneInView, RegionInView, View};
+
+/// An element of the shaders' `table`.
+pub(crate) type Element = [f32; 4];
+
+/// Elements that a plane takes.
+pub(crate) const ELEMENTS_OF_PLANE: u32 = 2;
+
+/// The planes of a layer's region, none if it is everywhere.
+pub(crate) fn planes<'a>(
+    layer: &'a LayerPlan<'_>,
+    slabs: &'a Slabs,
+) -> impl Iterator<Item = [Element; ELEMENTS_OF_PLANE as usize]> + 'a {
+    let view = &layer.view;
+    let axes = view.axes();
+    let world_from_view = DMat3::from_cols(axes.right, axes.up, axes.forward);
+    let reach = Reach::new(layer, slabs);
+    let planes = layer.region.as_ref().map_or(&[][..], RegionInView::planes);
+    planes.iter().map(move |plane| {
+        let distance = plane.distance / slabs.grid.thickness();
+        let in_world = world_from_view * plane.normal;
+        [plane.normal.extend(distance), in_world.extend(reach.before(plane))]
+            .map(|element| element.as_vec4().to_array())
+    })
+}
+
+/// How far a voxel of a layer adds to what is drawn.
+struct Reach {
+    /// Takes steps in index space to steps in view space.
+    view_from_index: DMat3,
+    /// Of the largest footprint, in index space.
+    radius: f64,
+    /// How far the steepest ray moves sideways within half a slab, over which rays count as parallel.
+    aside: f64,
+    thickness: f64,
+}
+
+impl Reach {
+    fn new(layer: &LayerPlan<'_>, slabs: &Slabs) -> Self {
+        let (view, thickness) = (&layer.view, slabs.grid.thickness());
+        let [_, end] = slabs.grid.faces(slabs.grid.n_slabs() - 1);
+        let farthest = view.pixels_per_world(end.max(view.near_depth()));
+        Self {
+            view_from_index: view.from_index(layer.volume.grid()).matrix,
+            radius: layer.radius * view.stretch(farthest),
+            aside: 0.5 * thickness * view.steepest_ray(),
+            thickness,
+        }
+    }
+
+    /// How far before a plane a voxel may lie that adds to anything behind it, in thicknesses of a slab: as
+    /// far as its footprint goes, and to the other end of a slab that the plane cuts.
+    fn before(&self, PlaneInView { normal, .. }: &PlaneInView) -> f64 {
+        let of_kernel = self.radius * (self.view_from_index.transpose() * *normal).length();
+        let of_ray = self.aside * normal.truncate().length();
+        (of_kernel + of_ray) / self.thickness + normal.z.abs()
+    }
+}
+
+/// Where the ray of a pixel is at depth 0, and how far it moves over one world unit of depth, for each pixel
+/// that it is from the optical axis.
+pub(crate) fn ray_per_pixel(view: &View) -> [f64; 2] {
+    let [width, height] = view.image_size().map(f64::from);
+    let beside_axis = view.ray([0.5 * width + 1.0, 0.5 * height]);
+    [beside_axis.start.x, beside_axis.step.x]
+}

@@ -1,0 +1,115 @@
+// Where a layer is seen (model §11): behind all of some planes, or not behind all of them.
+//
+// A plane takes two elements of `table`: its normal in view space and its distance from the centre of all
+// layers; then its normal in the world, and how far before it a voxel may be that adds to anything behind it.
+// Distances are in thicknesses of a slab, which all layers share.
+//
+// Whoever includes this declares `table`.
+
+const ELEMENTS_OF_PLANE: u32 = 2u;
+
+// Depths beyond everything.
+const NEAREST: f32 = -1e30;
+const FARTHEST: f32 = 1e30;
+
+// A ray that crosses a plane more slowly, in thicknesses a thickness, never does.
+const LEAST_APPROACH: f32 = 1e-12;
+
+fn plane_of(layer: u32, n: u32) -> vec4<f32> {
+    return table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n];
+}
+
+// The normal in the world, and the reach of a voxel.
+fn face_of(layer: u32, n: u32) -> vec4<f32> {
+    return table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n + 1u];
+}
+
+// Where the ray of a pixel is in the convex set, from the first depth to the second: nowhere if it ends before
+// it begins.
+fn interval_of(layer: u32, at: vec2<f32>) -> vec2<f32> {
+    let from_axis = vec2(at.x - frame.image_center.x, frame.image_center.y - at.y);
+    var interval = vec2(NEAREST, FARTHEST);
+    for (var n = 0u; n < layers[layer].n_planes; n++) {
+        let plane = plane_of(layer, n);
+        let across = dot(plane.xy, from_axis);
+        // approach·z ≤ left
+        let approach = across * frame.ray_step + plane.z;
+        let left = plane.w - across * frame.ray_start;
+        if LEAST_APPROACH < approach {
+            interval.y = min(interval.y, left / approach);
+        } else if approach < -LEAST_APPROACH {
+            interval.x = max(interval.x, left / approach);
+        } else if left < 0.0 {
+            interval.y = NEAREST;
+        }
+    }
+    return interval;
+}
+
+// What part of a slab lies in the region of a layer, given where the ray is in its convex set.
+fn share_of(layer: u32, interval: vec2<f32>, slab: u32) -> f32 {
+    let front = f32(frame.first_slab + i32(slab));
+    var share = 0.0;
+    switch frame.compositing {
+        case COMPOSITING_SEPARATE, COMPOSITING_ASSOCIATED: {
+            let middle = front + 0.5;
+            share = select(0.0, 1.0, interval.x <= middle && middle < interval.y);
+        }
+        case COMPOSITING_EXTINCTION, default: {
+            share = max(min(interval.y, front + 1.0) - max(interval.x, front), 0.0);
+        }
+    }
+    return select(share, 1.0 - share, layers[layer].is_inverted == 1u);
+}
+
+// How far before a plane a voxel of a layer lies.
+fn before_plane(plane: vec4<f32>, layer: u32, center: vec3<f32>) -> f32 {
+    return dot(plane.xyz, center) / layers[layer].slab_thickness - plane.w;
+}
+
+// Whether a voxel of a layer adds to nothing that is seen of it.
+fn is_beyond(layer: u32, center: vec3<f32>) -> bool {
+    let is_inverted = layers[layer].is_inverted == 1u;
+    var is_behind_all = true;
+    for (var n = 0u; n < layers[layer].n_planes; n++) {
+        let before = before_plane(plane_of(layer, n), layer, center);
+        let reach = face_of(layer, n).w;
+        if !is_inverted && reach < before {
+            return true;
+        }
+        is_behind_all = is_behind_all && before < -reach;
+    }
+    return is_inverted && is_behind_all;
+}
+
+// How many `unit`s behind a face its normal counts for nothing; it counts in full up to one before that.
+const DEEPEST: f32 = 1.75;
+
+// By how many `unit`s a plane must be nearer than those before it to count as nearer.
+const HAIR: f32 = 1.0 / 1024.0;
+
+// What becomes of the normal of a voxel that may be near a lit face.
+fn normal_by_faces(layer: u32, center: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    if layers[layer].has_lit_faces == 0u || layers[layer].n_planes == 0u {
+        return normal;
+    }
+    let hair = HAIR / layers[layer].slab_thickness;
+    var nearest = 0u;
+    var most = before_plane(plane_of(layer, 0u), layer, center);
+    for (var n = 1u; n < layers[layer].n_planes; n++) {
+        let before = before_plane(plane_of(layer, n), layer, center);
+        if most + hair < before {
+            nearest = n;
+            most = before;
+        }
+    }
+    let outwards = select(1.0, -1.0, layers[layer].is_inverted == 1u);
+    let behind = -most * outwards * layers[layer].slab_thickness;
+    let share = clamp(DEEPEST - behind, 0.0, 1.0);
+    if share == 0.0 {
+        return normal;
+    }
+    let mixed = face_of(layer, nearest).xyz * (outwards * share) + normal * (1.0 - share);
+    let length = length(mixed);
+    return select(vec3(0.0), mixed / length, 0.0 < length);
+}
