@@ -177,10 +177,17 @@ fn scaled_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     if normal.is_nan() { DVec3::ZERO } else { normal }
 }
 
+/// One that has that length already, but for rounding, stays as it is.
 fn of_length_one(normal: [f32; 3]) -> [f32; 3] {
-    let normal = DVec3::from_array(normal.map(f64::from));
-    normal.try_normalize().unwrap_or(DVec3::ZERO).as_vec3().to_array()
+    let wide = DVec3::from_array(normal.map(f64::from));
+    if (wide.length() - 1.0).abs() < ROUNDING {
+        return normal;
+    }
+    wide.try_normalize().unwrap_or(DVec3::ZERO).as_vec3().to_array()
 }
+
+/// What 32-bit normals may be longer or shorter than 1.
+const ROUNDING: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {

@@ -31,7 +31,9 @@ impl Tiles {
 
     /// Ends all rays at surfaces before a depth, where nothing is left to be composited before that.
     pub(crate) fn end_rays_before(&mut self, depth: f32, cutoff: f32) {
-        self.tiles.par_iter_mut().for_each(|tile| tile.end_rays_before(depth, cutoff));
+        if self.tiles.iter().any(|tile| tile.surfaces.any_before(depth)) {
+            self.tiles.par_iter_mut().for_each(|tile| tile.end_rays_before(depth, cutoff));
+        }
     }
 
     /// Calls `work` with every tile, in parallel.
