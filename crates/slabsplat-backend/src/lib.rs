@@ -44,14 +44,18 @@
 //!
 //! # Reading order
 //!
-//! `plan`, `slabs`, `cached`, `tables`, `layer_order`, `meshes`, `planner`; `contract`, `conformance`.
+//! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
+//! `meshes`, `planner`; `contract`, `conformance`.
 
 mod cached;
 mod contract;
 mod layer_order;
 mod meshes;
 mod plan;
+mod plan_error;
 mod planner;
+mod scene_checks;
+mod shown_values;
 mod slabs;
 mod tables;
 
@@ -64,5 +68,6 @@ pub use plan::{
     ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, MeshPlan, MeshesPlan,
     SectionSplats, SeparableDensities, ShownDensities, SmoothSections, Splats,
 };
-pub use planner::{PlanError, Planner};
+pub use plan_error::PlanError;
+pub use planner::Planner;
 pub use slabs::Slabs;

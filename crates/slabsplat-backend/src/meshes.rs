@@ -1,7 +1,6 @@
 //! The opaque meshes of a frame (model §14).
 
-use crate::planner::PlanError;
-use crate::{MeshPlan, MeshesPlan};
+use crate::{MeshPlan, MeshesPlan, PlanError};
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{BlinnPhong, Grid, MeshLayer, RegionInView, Scene, Shading, View};
 

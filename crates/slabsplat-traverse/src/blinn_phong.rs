@@ -2,7 +2,7 @@
 
 use crate::{NORMAL_STEPS, VoxelRecord};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{BlinnPhong, Lamp, Phong};
+use slabsplat_core::{BlinnPhong, Lamp, Light, Phong};
 
 /// [`BlinnPhong`], rounded for eight normals at a time.
 ///
@@ -23,10 +23,12 @@ pub struct BlinnPhong8 {
     /// Products from which there are highlights.
     least_facing: f32,
     two_sided: bool,
-    lamps: Vec<Lamp8>,
+    /// An array, so that a frame takes nothing from the heap for them.
+    lamps: [Lamp8; Light::MAX_LIGHTS],
+    n_lamps: usize,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Lamp8 {
     to_light: [f32; 3],
     halfway: [f32; 3],
@@ -64,6 +66,11 @@ impl BlinnPhong8 {
     pub fn new(light: &BlinnPhong) -> Self {
         let BlinnPhong { phong, lamps } = light;
         let shininess = phong.shininess;
+        // The planner lets no more lights through.
+        let mut lamps8 = [Lamp8::default(); Light::MAX_LIGHTS];
+        for (lamp8, lamp) in lamps8.iter_mut().zip(lamps) {
+            *lamp8 = Lamp8::new(phong, lamp);
+        }
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
         Self {
             ambient: phong.ambient as f32,
@@ -78,14 +85,20 @@ impl BlinnPhong8 {
                 0.0
             },
             two_sided: phong.two_sided,
-            lamps: lamps.iter().map(|lamp| Lamp8::new(phong, lamp)).collect(),
+            lamps: lamps8,
+            n_lamps: lamps.len().min(Light::MAX_LIGHTS),
         }
+    }
+
+    #[inline]
+    fn lamps(&self) -> &[Lamp8] {
+        &self.lamps[..self.n_lamps]
     }
 
     /// Whether all light is white, so that one channel stands for all three.
     pub fn is_white(&self) -> bool {
         let is_gray = |[r, g, b]: [f32; 3]| r == g && g == b;
-        self.lamps.iter().all(|lamp| is_gray(lamp.diffuse) && is_gray(lamp.specular))
+        self.lamps().iter().all(|lamp| is_gray(lamp.diffuse) && is_gray(lamp.specular))
     }
 
     /// The light on eight voxels, in the first channels. A normal of zero gets the ambient term alone, as its
@@ -115,7 +128,7 @@ impl BlinnPhong8 {
         to_length_1: &[f32; 8],
     ) -> [Light8; N] {
         let mut channels = [Light8 { diffuse: [self.ambient; 8], specular: [0.0; 8] }; N];
-        for lamp in &self.lamps {
+        for lamp in self.lamps() {
             let n_l = self.facing(normals, to_length_1, lamp.to_light);
             let mut n_h = self.facing(normals, to_length_1, lamp.halfway);
             for n_h in &mut n_h {

@@ -4,8 +4,8 @@ use super::*;
 use crate::{ColorSplats, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, KernelName, Lookup, Normalization, Projection, RenderSettings,
-    Scaling, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Isosurface, KernelName, Lookup, Normalization, Projection,
+    RenderSettings, Scaling, TransferFunction, Volume,
 };
 use slabsplat_kernel::{SectionTable, SplitLevels, SplitView};
 use std::sync::Arc;

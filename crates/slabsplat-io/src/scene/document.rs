@@ -34,6 +34,7 @@ pub(super) struct Document {
 #[serde(deny_unknown_fields)]
 pub(super) struct LayerSection {
     pub(super) name: Option<String>,
+    pub(super) visible: Option<bool>,
     pub(super) volume: Option<VolumeSection>,
     pub(super) mesh: Option<MeshSection>,
     pub(super) classify: Option<ClassifySection>,

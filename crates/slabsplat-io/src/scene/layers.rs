@@ -20,12 +20,21 @@ impl Document {
         let (mut layers, mut color_maps, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
         for (idx, mut section) in sections.into_iter().enumerate() {
             let in_layer = |error: Diagnostic| if is_list { error.in_layer(idx) } else { error };
+            let is_visible = section.visible.unwrap_or(true);
             if let Some(mesh) = section.mesh.take() {
-                meshes.push(section.into_mesh(&mesh, folder).map_err(in_layer)?);
+                let mesh = section.into_mesh(&mesh, folder).map_err(in_layer)?;
+                meshes.extend(is_visible.then_some(mesh));
             } else {
-                color_maps.push(section.color_map(folder));
-                layers.push(section.into_layer(folder).map_err(in_layer)?);
+                let color_map = section.color_map(folder);
+                let layer = section.into_layer(folder).map_err(in_layer)?;
+                if is_visible {
+                    color_maps.push(color_map);
+                    layers.push(layer);
+                }
             }
+        }
+        if layers.is_empty() && meshes.is_empty() {
+            return Err(Diagnostic::general("no layer of the scene is visible"));
         }
         let (settings, backend) = self.render.into_settings()?;
         let (camera, image) = (self.camera.into_desc()?, self.image.into_desc()?);
@@ -37,6 +46,7 @@ impl Document {
     fn take_layers(&mut self) -> Result<Vec<LayerSection>, Diagnostic> {
         let top = LayerSection {
             name: None,
+            visible: None,
             volume: self.volume.take(),
             mesh: self.mesh.take(),
             classify: self.classify.take(),
@@ -76,7 +86,7 @@ impl LayerSection {
     }
 
     fn into_layer(self, folder: &Path) -> Result<LayerFile, Diagnostic> {
-        let Self { name, volume, mesh: _, classify, labels, shading, region } = self;
+        let Self { name, visible: _, volume, mesh: _, classify, labels, shading, region } = self;
         let volume = volume.ok_or_else(|| {
             let what =
                 "the scene has no [volume] and no [mesh]: add one with path, or generate a volume";

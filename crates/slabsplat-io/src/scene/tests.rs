@@ -376,6 +376,11 @@ fn scene_layers_say_what_is_wrong() {
     };
     let changed = |from: &str, to: &str| TWO_LAYERS.replacen(from, to, 1);
     check("layers = []", "layers is empty");
+    let hidden = "[[layers]]\nvisible = false\n[layers.volume]\ngenerate = \"cube\"\n";
+    check(hidden, "no layer of the scene is visible");
+    let visible = read(&format!("{hidden}{TWO_LAYERS}")).unwrap();
+    assert_eq!(visible, read(TWO_LAYERS).unwrap());
+    check(&hidden.replace("generate", "generates"), ":4: unknown key \"generates\"");
     check("[[layers]]\nname = \"a\"", ":1: the scene has no [volume]");
     check(&format!("{TWO_LAYERS}[shading]\nambient = 1"), ":17: [shading] belongs below");
     check(&changed("ambient = 0.5", "ambient = -1"), ":16: ambient");

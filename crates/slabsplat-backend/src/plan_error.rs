@@ -1,0 +1,94 @@
+//! Why a scene cannot be drawn.
+
+use slabsplat_core::{
+    ImageError, LightError, Method, Mode, OutOfRange, SettingsError, TooManySlabs, ViewError,
+};
+use slabsplat_kernel::UnknownKernel;
+use thiserror::Error;
+
+/// Why a scene cannot be drawn.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PlanError {
+    /// There is no such kernel.
+    #[error(transparent)]
+    UnknownKernel(#[from] UnknownKernel),
+    /// A width, count or cut-off cannot be used.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// There is no such picture.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// Voxels would be too large or too small.
+    #[error(transparent)]
+    View(#[from] ViewError),
+    /// A coefficient of the shading cannot be used.
+    #[error(transparent)]
+    Shading(#[from] OutOfRange),
+    /// A light cannot be used.
+    #[error(transparent)]
+    Light(#[from] LightError),
+    /// The slabs are too thin for the volume.
+    #[error(transparent)]
+    TooManySlabs(#[from] TooManySlabs),
+    /// There is nothing to draw.
+    #[error("the scene has no layers and no meshes")]
+    NoLayers,
+    /// Its sheets are not of colours in slabs, which layers could share.
+    #[error(
+        "{what} draws one layer, not {n_layers}: image-aligned sheets that are composited draw any number"
+    )]
+    OneLayer {
+        /// The method or the mode.
+        what: String,
+        /// How many layers the scene has.
+        n_layers: usize,
+    },
+    /// Sheets of this method are not of slabs, which a region could cut.
+    #[error("the method {0} cuts nothing off: image-aligned and post-classified do")]
+    NoRegions(Method),
+    /// Labels are of voxels, and of another number of them than there are.
+    #[error("labels of {labels:?} voxels are not those of a volume of {volume:?}")]
+    LabelsOfAnotherGrid {
+        /// Of the labels, along each axis.
+        labels: [usize; 3],
+        /// Of the volume.
+        volume: [usize; 3],
+    },
+    /// A density is a mean over voxels, each of which has its own.
+    #[error(
+        "{what} shows densities, which have no {of_voxels}: use image-aligned sheets that are composited"
+    )]
+    OfVoxelsAlone {
+        /// The method or the mode.
+        what: String,
+        /// What densities do not have.
+        of_voxels: &'static str,
+    },
+    /// Its sheets have no depths up to which they could count, or are not composited.
+    #[error(
+        "{what} draws no meshes: image-aligned and post-classified sheets that are composited do"
+    )]
+    NoMeshes {
+        /// The method or the mode.
+        what: String,
+    },
+    /// No numbers hold where all of them are.
+    #[error("the meshes of the scene are too large, or too far apart, to be seen at once")]
+    MeshesTooLarge,
+    /// The method has no densities to choose from.
+    #[error(
+        "the mode {mode} shows densities, which {method} has none of: use image-aligned or post-classified"
+    )]
+    NoDensities {
+        /// The mode.
+        mode: Mode,
+        /// The method.
+        method: Method,
+    },
+    /// There is no surface to draw.
+    #[error("the mode isosurfaces needs a value: add --isosurface, or isosurfaces in [classify]")]
+    NoIsosurfaces,
+    /// Of two surfaces that are one, neither is in front.
+    #[error("there are two isosurfaces of the value {0}: leave one out")]
+    IsosurfaceTwice(f64),
+}

@@ -1,0 +1,82 @@
+//! Which methods and modes draw which scenes.
+
+use crate::PlanError;
+use slabsplat_core::{Isosurface, Layer, Method, Mode, RenderSettings, Scene};
+
+/// Whether a mode shows densities, whatever the method.
+pub(crate) fn is_of_densities(mode: Mode) -> bool {
+    mode.compositing().is_none()
+}
+
+/// Whether the method can draw such a scene.
+pub(crate) fn check_method(scene: &Scene) -> Result<(), PlanError> {
+    let RenderSettings { method, mode, .. } = scene.settings;
+    let has_slabs = match method {
+        Method::ImageAligned | Method::PostClassified => true,
+        Method::AxisAligned | Method::EverySample => false,
+    };
+    let n_layers = scene.layers.len();
+    check_voxels(scene)?;
+    if !scene.meshes.is_empty() {
+        if !has_slabs {
+            return Err(PlanError::NoMeshes { what: format!("the method {method}") });
+        }
+        if is_of_densities(mode) {
+            return Err(PlanError::NoMeshes { what: format!("the mode {mode}") });
+        }
+    }
+    if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
+        return Err(PlanError::NoRegions(method));
+    }
+    if is_of_densities(mode) {
+        if !has_slabs {
+            return Err(PlanError::NoDensities { mode, method });
+        }
+        if 1 < n_layers {
+            return Err(PlanError::OneLayer { what: format!("the mode {mode}"), n_layers });
+        }
+    } else if 1 < n_layers && method != Method::ImageAligned {
+        return Err(PlanError::OneLayer { what: format!("the method {method}"), n_layers });
+    }
+    Ok(())
+}
+
+/// Whether the method can tell voxels, where these have labels or opacities of their own.
+fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
+    let RenderSettings { method, mode, .. } = scene.settings;
+    let densities = match method {
+        _ if is_of_densities(mode) => Some(format!("the mode {mode}")),
+        Method::PostClassified => Some(format!("the method {method}")),
+        Method::ImageAligned | Method::AxisAligned | Method::EverySample => None,
+    };
+    for layer in &scene.layers {
+        let of_voxels = [
+            ("labels", layer.labels.is_some()),
+            ("opacity by gradients", layer.gradient_opacity.is_some()),
+        ];
+        let of_voxels = of_voxels.into_iter().find_map(|(name, is_there)| is_there.then_some(name));
+        if let (Some(what), Some(of_voxels)) = (&densities, of_voxels) {
+            return Err(PlanError::OfVoxelsAlone { what: what.clone(), of_voxels });
+        }
+        if let Some(labels) = &layer.labels {
+            let [labels, volume] = [labels.map().dims(), layer.volume.grid().dims()];
+            if labels != volume {
+                return Err(PlanError::LabelsOfAnotherGrid { labels, volume });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether there are surfaces to draw, each of another value.
+pub(crate) fn check_isosurfaces(layer: &Layer) -> Result<(), PlanError> {
+    let mut values: Vec<f64> = layer.isosurfaces.iter().map(Isosurface::value).collect();
+    if values.is_empty() {
+        return Err(PlanError::NoIsosurfaces);
+    }
+    values.sort_by(f64::total_cmp);
+    match values.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(PlanError::IsosurfaceTwice(pair[0])),
+        None => Ok(()),
+    }
+}

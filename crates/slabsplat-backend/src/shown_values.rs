@@ -1,0 +1,45 @@
+//! Which values of a layer a frame shows: those of the voxels to be listed, or of the densities.
+
+use crate::ShownDensities;
+use slabsplat_core::{IsoRange, Isosurface, LabelStyle, Layer, Statistic, TransferFunction};
+
+/// The values that are visible of any voxel.
+fn visible_ranges(layer: &Layer) -> Vec<IsoRange> {
+    let of_layer = &layer.transfer;
+    let Some(labels) = &layer.labels else { return of_layer.iso_ranges() };
+    let styles = labels.map().labels().iter().map(|&label| labels.style(label));
+    let shown: Vec<&LabelStyle> =
+        styles.filter(|style| style.transfer(of_layer).is_some()).collect();
+    let own = shown.iter().filter_map(|style| style.transfer.as_ref());
+    let shows_layer = shown.iter().any(|style| style.transfer.is_none());
+    IsoRange::union(
+        own.chain(shows_layer.then_some(of_layer)).flat_map(TransferFunction::iso_ranges),
+    )
+}
+
+/// The values that decide what is shown of a layer.
+pub(crate) fn shown_ranges(layer: &Layer, shown: ShownDensities) -> Vec<IsoRange> {
+    let visible = visible_ranges(layer);
+    match shown {
+        ShownDensities::Composited => visible,
+        ShownDensities::Statistic(statistic) => deciding_ranges(visible, statistic),
+        ShownDensities::Isosurfaces => {
+            let values = layer.isosurfaces.iter().map(Isosurface::value);
+            let mut ranges: Vec<IsoRange> = values.map(|v| IsoRange { lo: v, hi: v }).collect();
+            ranges.sort_by(|a, b| a.lo.total_cmp(&b.lo));
+            ranges
+        }
+    }
+}
+
+/// The densities that decide which one stands for all, where those of some ranges are visible.
+fn deciding_ranges(visible: Vec<IsoRange>, statistic: Statistic) -> Vec<IsoRange> {
+    let (Some(first), Some(last)) = (visible.first(), visible.last()) else { return visible };
+    // A larger density hides a visible one, or a lesser one does; into a mean all of them go.
+    let (lo, hi) = match statistic {
+        Statistic::Maximum => (first.lo, f64::INFINITY),
+        Statistic::Minimum => (f64::NEG_INFINITY, last.hi),
+        Statistic::Average => (f64::NEG_INFINITY, f64::INFINITY),
+    };
+    vec![IsoRange { lo, hi }]
+}
