@@ -69,8 +69,6 @@ fn errors_say_what_and_where() {
             "the method post-classified draws one layer, not 2",
         ),
         ("render builtin:cube --mode isosurfaces -o a.png", "add --isosurface"),
-        ("render builtin:cube --isosurface nan -o a.png", "needs a finite value, not NaN"),
-        ("render builtin:cube --isosurface 9:2 -o a.png", "between 0 and 1, not at 2"),
         (
             "render builtin:cube --isosurface 9 --isosurface 9:1 -o a.png",
             "two isosurfaces of the value 9",
@@ -152,6 +150,8 @@ fn errors_of_usage_exit_with_2() {
         "render builtin:cube -o a.png --method splat",
         "render builtin:cube -o a.png --eye 1,2",
         "render builtin:cube -o a.png --kernel box",
+        "render builtin:cube -o a.png --isosurface nan",
+        "render builtin:cube -o a.png --isosurface 9:2",
         "render builtin:cube -o a.png --width -1",
         "render builtin:cube -o a.png --preset ct-bone --transfer-file a.json",
         "bench",
