@@ -60,7 +60,7 @@ fn project(
     rects[voxel] = rect_of(center, sheet);
 }
 
-// One thread of each layer: what has been counted so far, layer by layer.
+// By one thread of each layer, one layer after the other: how many voxels there are so far.
 fn begin_counts() {
     if step.layer == 0u {
         counts[COUNT_FAULTS] = 0u;

@@ -11,9 +11,9 @@
 // of the list, which moves along it with the sheets. `every-sample` has no sheets: there, all splats of the
 // list form one run, and each is put behind the pixel by itself.
 //
-// The splats of all layers are in one list. Those of a sheet that begin together come layer by layer, and layers
-// of one region follow each other: so a pixel has sums of one region at a time, and where the next splat has another
-// region, they are multiplied by what the pixel's ray has of the sheet in theirs, and put aside.
+// The splats of all layers are in one list. Those that begin in one sheet come layer by layer, and layers of
+// one region follow each other: so a pixel has sums of one region at a time. Where the next splat has another
+// region, they are multiplied by their region's share of the sheet, and put aside.
 //
 // A tile that has visited many splats pauses after a sheet, and the next dispatch continues it: systems
 // reset devices that do not answer for seconds.

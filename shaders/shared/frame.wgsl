@@ -29,8 +29,8 @@ struct Frame {
     is_nearest: u32,
     opacity_cutoff: f32,
 
-    // Where a pixel's ray is at depth 0, and how far it moves over one unit of depth, per pixel from the optical
-    // axis. All in thicknesses of a slab.
+    // Where a pixel's ray is at depth 0, and how far it moves over one unit of depth, for each pixel that it is
+    // from the optical axis. All in thicknesses of a slab.
     ray_start: f32,
     ray_step: f32,
     // Splats after which a tile pauses, so that no dispatch takes too long.

@@ -1,5 +1,5 @@
-// Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row. Each layer has a
-// table; all have rows of one length.
+// Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row. Each layer has
+// a table; all have rows of one length.
 //
 // Rows run over the half chord √(R² − ρ²), and stand at equal steps of the depth to which the slab goes into the
 // kernel. An element holds all four values that are interpolated between: two neighbours of a row, and
