@@ -154,14 +154,18 @@ fn light_up(color: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
     if all(normal == vec3(0.0)) {
         return min(color * ambient, vec3(1.0));
     }
-    let n_l = facing(normal, layers[layer].to_light);
-    var highlight = 0.0;
-    if 0.0 < n_l {
-        let n_h = facing(normal, layers[layer].halfway);
-        highlight = layers[layer].specular * power(n_h, layers[layer].shininess);
+    var scattered = vec3(ambient);
+    var mirrored = vec3(0.0);
+    for (var i = 0u; i < frame.n_lamps; i++) {
+        let n_l = facing(normal, frame.lamps[i].to_light.xyz);
+        if 0.0 < n_l {
+            let n_h = facing(normal, frame.lamps[i].halfway.xyz);
+            let highlight = layers[layer].specular * power(n_h, layers[layer].shininess);
+            scattered += layers[layer].diffuse * n_l * frame.lamps[i].color.rgb;
+            mirrored += highlight * frame.lamps[i].color.rgb;
+        }
     }
-    let diffuse = layers[layer].diffuse * n_l;
-    return clamp(color * (ambient + diffuse) + highlight, vec3(0.0), vec3(1.0));
+    return clamp(color * scattered + mirrored, vec3(0.0), vec3(1.0));
 }
 
 fn facing(normal: vec3<f32>, direction: vec3<f32>) -> f32 {

@@ -1,5 +1,15 @@
 // Everything about a frame that all layers share. Pixels count from the image's upper left corner.
 
+const MAX_LAMPS: u32 = 16u;
+
+// A light and a viewer, both infinitely far away (model §6): directions towards the light and half way between
+// both, and the light's colour.
+struct Lamp {
+    to_light: vec4<f32>,
+    halfway: vec4<f32>,
+    color: vec4<f32>,
+}
+
 struct Frame {
     image_size: vec2<u32>,
     n_tiles: vec2<u32>,
@@ -35,10 +45,11 @@ struct Frame {
     ray_step: f32,
     // Splats after which a tile pauses, so that no dispatch takes too long.
     max_visits: u32,
-    padding: u32,
+    n_lamps: u32,
 
     // Straight colour and opacity.
     background: vec4<f32>,
+    lamps: array<Lamp, MAX_LAMPS>,
 }
 
 const METHOD_SECTIONS: u32 = 0u;

@@ -19,10 +19,8 @@ struct Layer {
     // The number of its first voxel among those of all layers.
     first_voxel: u32,
 
-    // Blinn–Phong (model §6).
-    to_light: vec3<f32>,
+    // Blinn–Phong (model §6); the lights are the frame's.
     ambient: f32,
-    halfway: vec3<f32>,
     diffuse: f32,
     specular: f32,
     shininess: f32,
@@ -68,4 +66,5 @@ struct Layer {
     is_inverted: u32,
     // Whether its faces are lit as surfaces.
     has_lit_faces: u32,
+    padding: vec2<u32>,
 }

@@ -1,11 +1,11 @@
 //! Several lights in any colours (model §6): scenes at random against the float64 reference, at the
-//! tolerances of model §9.
+//! tolerances of model §9, and GPUs against the CPU.
 
 use slabsplat::{Light, Scene};
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, add_lights, random_scene};
 use slabsplat_tests::reference;
-use slabsplat_tests::render::render;
+use slabsplat_tests::render::{backends_with, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -21,11 +21,16 @@ fn parity_of_lights() {
         for kind in SceneKind::share(seed).step_by(3) {
             let mut scene = random_scene(&mut rng, &kind);
             add_lights(&mut rng, &mut scene);
-            let off = reference::render(&scene).compare(&render("cpu", &scene));
+            let image = render("cpu", &scene);
+            let off = reference::render(&scene).compare(&image);
             let what = format!("{kind:?}, {:?}", scene.lights);
             assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
             assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);
             (n_scenes, max) = (n_scenes + 1, max.max(off.max));
+            for backend in backends_with(kind.method).filter(|name| *name != "cpu") {
+                let difference = render(backend, &scene).max_difference(&image);
+                assert!(f64::from(difference) < MAX_DIFFERENCE, "{backend}: {difference}: {what}");
+            }
         }
     });
     println!("{n_scenes} scenes: at most {max:.1e}");

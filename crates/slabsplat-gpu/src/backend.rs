@@ -18,8 +18,7 @@ use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, LayerPlan,
     Splats, StageTime,
 };
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Image, Lamp, Method, Volume};
+use slabsplat_core::{Image, Method, Volume};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::task::Poll;
@@ -214,20 +213,9 @@ fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>,
         Splats::Colors(_) if layer.gradient_opacity.is_some() => {
             Err("its shaders know no opacity by gradients".to_owned())
         }
-        Splats::Colors(_) if !has_simple_light(layer) => {
-            Err("its shaders know one white light".to_owned())
-        }
         Splats::Colors(splats) => Ok((layer, splats)),
     };
     plan.layers.iter().map(colors).collect()
-}
-
-fn has_simple_light(layer: &LayerPlan<'_>) -> bool {
-    let is_white = |lamp: &Lamp| lamp.color == DVec3::ONE;
-    layer
-        .light
-        .as_ref()
-        .is_none_or(|light| matches!(light.lamps.as_slice(), [lamp] if is_white(lamp)))
 }
 
 impl<D: Device> Backend for GpuBackend<D> {

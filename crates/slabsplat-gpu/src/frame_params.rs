@@ -2,10 +2,11 @@
 //! once.
 
 use crate::classification::compositing_code;
-use crate::params::{Frame, TILE_SIDE, flag};
+use crate::params::{Frame, Lamp, TILE_SIDE, flag};
 use crate::regions::ray_per_pixel;
 use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan};
 use slabsplat_core::Lookup;
+use slabsplat_core::glam::DVec3;
 
 /// A layer of colours, as a plan has it.
 pub(crate) type ColorLayer<'a, 'p> = (&'a LayerPlan<'p>, &'a ColorSplats);
@@ -36,6 +37,7 @@ pub(crate) fn frame_params(
         ..bytemuck::Zeroable::zeroed()
     };
     put_sheets(layer, splats, &mut frame);
+    put_lamps(layers, &mut frame);
     for (_, splats) in layers {
         if let ColorSplats::Sections(sections) = splats {
             frame.n_slabs_before = frame.n_slabs_before.max(sections.slabs.n_before as u32);
@@ -69,6 +71,18 @@ fn put_sheets(layer: &LayerPlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
 }
 
 /// The number by which the shaders know the method.
+/// All layers that are lit at all have the same lights.
+fn put_lamps(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
+    let Some(light) = layers.iter().find_map(|(layer, _)| layer.light.as_ref()) else { return };
+    let four = |v: DVec3| v.extend(0.0).as_vec4().to_array();
+    for (lamp, of_plan) in frame.lamps.iter_mut().zip(&light.lamps) {
+        let [to_light, halfway, color] =
+            [of_plan.to_light, of_plan.halfway, of_plan.color].map(four);
+        *lamp = Lamp { to_light, halfway, color };
+        frame.n_lamps += 1;
+    }
+}
+
 fn method_code(splats: &ColorSplats) -> u32 {
     match splats {
         ColorSplats::Sections(_) => 0,

@@ -3,7 +3,7 @@
 
 use crate::params::{Layer, flag};
 use slabsplat_backend::{ColorSplats, LayerPlan, SectionSplats, Slabs};
-use slabsplat_core::{BlinnPhong, SliceOrder};
+use slabsplat_core::{Phong, SliceOrder};
 
 /// What the shaders read of a layer, but for where its voxels, its table and its planes are among those of
 /// all layers.
@@ -24,7 +24,7 @@ pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &ColorSplats) -> Layer 
         ColorSplats::Voxels { .. } => {}
     }
     if let Some(light) = &plan.light {
-        put_light(light, &mut layer);
+        put_shading(&light.phong, &mut layer);
     }
     if let Some(region) = &plan.region {
         layer.n_planes = region.planes().len() as u32;
@@ -75,15 +75,9 @@ fn put_slices(order: &SliceOrder, layer: &mut Layer) {
     layer.slice_axis = order.axis as u32 + if order.is_reversed { 4 } else { 0 };
 }
 
-/// A light and a viewer, both infinitely far away.
-fn put_light(BlinnPhong { phong, lamps }: &BlinnPhong, layer: &mut Layer) {
+fn put_shading(phong: &Phong, layer: &mut Layer) {
     layer.is_lit = 1;
     layer.is_two_sided = flag(phong.two_sided);
-    // The backend lets no frames through that have more, or coloured ones.
-    if let [lamp] = lamps.as_slice() {
-        layer.to_light = lamp.to_light.as_vec3().to_array();
-        layer.halfway = lamp.halfway.as_vec3().to_array();
-    }
     let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
     [layer.ambient, layer.diffuse, layer.specular, layer.shininess] =
         coefficients.map(|c| c as f32);

@@ -2,6 +2,7 @@
 //! the shaders' own.
 
 use bytemuck::{Pod, Zeroable};
+use slabsplat_core::Light;
 
 /// A flag in a struct that a shader reads.
 pub(crate) fn flag(is_set: bool) -> u32 {
@@ -32,8 +33,18 @@ pub(crate) struct Frame {
     pub(crate) ray_start: f32,
     pub(crate) ray_step: f32,
     pub(crate) max_visits: u32,
-    pub(crate) padding: u32,
+    pub(crate) n_lamps: u32,
     pub(crate) background: [f32; 4],
+    pub(crate) lamps: [Lamp; Light::MAX_LIGHTS],
+}
+
+/// A light, likewise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Lamp {
+    pub(crate) to_light: [f32; 4],
+    pub(crate) halfway: [f32; 4],
+    pub(crate) color: [f32; 4],
 }
 
 /// `shaders/shared/layer.wgsl`, likewise.
@@ -47,9 +58,7 @@ pub(crate) struct Layer {
     pub(crate) pixels_per_unit: f32,
     pub(crate) dims: [u32; 3],
     pub(crate) first_voxel: u32,
-    pub(crate) to_light: [f32; 3],
     pub(crate) ambient: f32,
-    pub(crate) halfway: [f32; 3],
     pub(crate) diffuse: f32,
     pub(crate) specular: f32,
     pub(crate) shininess: f32,
@@ -77,6 +86,7 @@ pub(crate) struct Layer {
     pub(crate) n_planes: u32,
     pub(crate) is_inverted: u32,
     pub(crate) has_lit_faces: u32,
+    pub(crate) padding: [u32; 2],
 }
 
 /// `shaders/shared/sample.wgsl`.
@@ -210,9 +220,11 @@ mod tests {
             ray_start,
             ray_step,
             max_visits,
-            padding,
+            n_lamps,
             background,
+            lamps,
         });
+        check!(Lamp { to_light, halfway, color });
         check!(Layer {
             right,
             up,
@@ -221,9 +233,7 @@ mod tests {
             pixels_per_unit,
             dims,
             first_voxel,
-            to_light,
             ambient,
-            halfway,
             diffuse,
             specular,
             shininess,
@@ -251,6 +261,7 @@ mod tests {
             n_planes,
             is_inverted,
             has_lit_faces,
+            padding,
         });
         check!(VolumeParams {
             gradient_x,
