@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::settings_table::{Settings, settings};
-use crate::{Interval, Lamp, Light, OutOfRange, ViewAxes};
+use crate::{Interval, Lamp, Light, OutOfRange};
 
 /// How a voxel's colour is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,12 +67,6 @@ impl BlinnPhong {
     /// For a viewer who looks along `forward`, of length 1.
     pub fn new(phong: Phong, lights: &[Light], forward: DVec3) -> Self {
         Self { phong, lamps: lights.iter().map(|&light| Lamp::new(light, forward)).collect() }
-    }
-
-    /// The same light by other directions: to the right, upwards and forward.
-    pub fn seen_along(&self, axes: &ViewAxes) -> Self {
-        let lamps = self.lamps.iter().map(|lamp| lamp.seen_along(axes)).collect();
-        Self { phong: self.phong, lamps }
     }
 
     /// What `color` becomes on a surface with that normal, which is no longer than 1: a faint surface has a

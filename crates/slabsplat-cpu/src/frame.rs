@@ -11,7 +11,7 @@ use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
 };
 use slabsplat_core::{Compositing, Labels, TransferFunction, Volume};
-use slabsplat_traverse::{BrickView, Classification, VoxelLighting, VoxelRules};
+use slabsplat_traverse::{BlinnPhong8, BrickView, Classification, VoxelLighting, VoxelRules};
 
 /// What is cached from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
@@ -36,6 +36,8 @@ struct OfMethods {
 struct OfLayer {
     relevant: Relevant,
     classification: Cached<ClassifiedBy, Classification>,
+    /// Of the last frame; only its room serves the next one.
+    light: Option<BlinnPhong8>,
 }
 
 type ClassifiedBy = (TransferFunction, Option<Labels>, Compositing, ByIdentity<Volume>);
@@ -167,6 +169,7 @@ impl OfLayer {
         let classification = self
             .classification
             .made_of(classified_by, |_| Classification::new(&rules, compositing, volume));
+        self.light = layer.light.as_ref().map(BlinnPhong8::new);
         Stage {
             plan,
             layer,
@@ -174,7 +177,7 @@ impl OfLayer {
             raster: Raster::new(layer, 0),
             list: self.relevant.voxels(volume, &layer.relevant, &rules),
             bricks: BrickView::new(volume.grid(), &layer.view),
-            lighting: VoxelLighting::new(classification, volume, rules, layer.light.as_ref()),
+            lighting: VoxelLighting::new(classification, volume, rules, self.light.as_ref()),
         }
     }
 

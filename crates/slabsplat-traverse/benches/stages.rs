@@ -7,8 +7,8 @@ use slabsplat_core::{
     TransferFunction, View, Volume,
 };
 use slabsplat_traverse::{
-    BrickRanges, BrickView, Classification, DepthOrder, RelevantList, TileBuckets, TileGrid,
-    TileRect, VoxelLighting, VoxelRules,
+    BlinnPhong8, BrickRanges, BrickView, Classification, DepthOrder, RelevantList, TileBuckets,
+    TileGrid, TileRect, VoxelLighting, VoxelRules,
 };
 
 const SIDE: usize = 128;
@@ -67,7 +67,8 @@ fn stages(c: &mut Criterion) {
     let rules = VoxelRules::by_value(&transfer);
     let classification = Classification::new(&rules, Compositing::Extinction, &volume);
     let light = BlinnPhong::new(Phong::default(), &[Light::default()], view.axes().forward);
-    let lighting = VoxelLighting::new(&classification, &volume, rules, Some(&light));
+    let light8 = BlinnPhong8::new(&light);
+    let lighting = VoxelLighting::new(&classification, &volume, rules, Some(&light8));
     let mut colors = Vec::new();
     group.bench_function("shade", |b| b.iter(|| lighting.shade(&list, &mut colors)));
     let mut points = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::{NORMAL_STEPS, VoxelRecord};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{BlinnPhong, Lamp, Light, Phong};
+use slabsplat_core::{BlinnPhong, Lamp, Light, Phong, ViewAxes};
 
 /// [`BlinnPhong`], rounded for eight normals at a time.
 ///
@@ -23,7 +23,6 @@ pub struct BlinnPhong8 {
     /// Products from which there are highlights.
     least_facing: f32,
     two_sided: bool,
-    /// An array, so that a frame takes nothing from the heap for them.
     lamps: [Lamp8; Light::MAX_LIGHTS],
     n_lamps: usize,
 }
@@ -64,12 +63,21 @@ const LEAST_HIGHLIGHT: f64 = 1e-9;
 impl BlinnPhong8 {
     /// The same light.
     pub fn new(light: &BlinnPhong) -> Self {
-        let BlinnPhong { phong, lamps } = light;
+        Self::of(&light.phong, light.lamps.iter().copied())
+    }
+
+    /// The same light by other directions: to the right, upwards and forward.
+    pub fn seen_along(light: &BlinnPhong, axes: &ViewAxes) -> Self {
+        Self::of(&light.phong, light.lamps.iter().map(|lamp| lamp.seen_along(axes)))
+    }
+
+    fn of(phong: &Phong, lamps: impl ExactSizeIterator<Item = Lamp>) -> Self {
+        let n_lamps = lamps.len().min(Light::MAX_LIGHTS);
         let shininess = phong.shininess;
         // The planner lets no more lights through.
         let mut lamps8 = [Lamp8::default(); Light::MAX_LIGHTS];
         for (lamp8, lamp) in lamps8.iter_mut().zip(lamps) {
-            *lamp8 = Lamp8::new(phong, lamp);
+            *lamp8 = Lamp8::new(phong, &lamp);
         }
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
         Self {
@@ -86,7 +94,7 @@ impl BlinnPhong8 {
             },
             two_sided: phong.two_sided,
             lamps: lamps8,
-            n_lamps: lamps.len().min(Light::MAX_LIGHTS),
+            n_lamps,
         }
     }
 

@@ -10,16 +10,16 @@ use crate::blinn_phong::{BlinnPhong8, Light8};
 use crate::gradient_opacity::GradientOpacity;
 use crate::order::Ordered;
 use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord, VoxelRules};
-use slabsplat_core::{BlinnPhong, Volume, with_samples};
+use slabsplat_core::{Volume, with_samples};
 
 /// Everything that a voxel's colour depends on in one frame, but for the voxel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct VoxelLighting<'a> {
     classification: &'a Classification,
     volume: &'a Volume,
     rules: VoxelRules<'a>,
     grid: BrickGrid,
-    blinn_phong: Option<BlinnPhong8>,
+    light: Option<&'a BlinnPhong8>,
 }
 
 impl<'a> VoxelLighting<'a> {
@@ -28,10 +28,9 @@ impl<'a> VoxelLighting<'a> {
         classification: &'a Classification,
         volume: &'a Volume,
         rules: VoxelRules<'a>,
-        light: Option<&BlinnPhong>,
+        light: Option<&'a BlinnPhong8>,
     ) -> Self {
-        let blinn_phong = light.map(BlinnPhong8::new);
-        Self { classification, volume, rules, grid: BrickGrid::new(volume.grid()), blinn_phong }
+        Self { classification, volume, rules, grid: BrickGrid::new(volume.grid()), light }
     }
 
     /// Writes red, green, blue and opacity of all voxels of `list` into `colors`, in parallel.
@@ -48,7 +47,7 @@ impl<'a> VoxelLighting<'a> {
     pub fn shade_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
         let is_weighted = self.classification.compositing().weights_colors();
-        match (&self.blinn_phong, is_weighted) {
+        match (self.light, is_weighted) {
             (Some(light), true) if light.is_white() => {
                 light_up::<1>(light, records, colors, |weight| weight);
             }
@@ -143,7 +142,9 @@ mod tests {
     use crate::tests::{random_ranges, random_volume};
     use crate::{BrickRanges, RelevantList};
     use slabsplat_core::glam::DVec3;
-    use slabsplat_core::{Compositing, Grid, Lamp, Light, Phong, Scaling, TransferFunction};
+    use slabsplat_core::{
+        BlinnPhong, Compositing, Grid, Lamp, Light, Phong, Scaling, TransferFunction,
+    };
     use slabsplat_seeds::for_each_seed;
 
     #[test]
@@ -235,8 +236,9 @@ mod tests {
                 let rules = VoxelRules::by_value(&transfer);
                 let classification = Classification::new(&rules, compositing, &volume);
                 let light = BlinnPhong::new(phong, &random_lights(&mut rng), forward);
+                let light8 = BlinnPhong8::new(&light);
                 let mut colors = Vec::new();
-                VoxelLighting::new(&classification, &volume, rules, Some(&light))
+                VoxelLighting::new(&classification, &volume, rules, Some(&light8))
                     .shade(&list, &mut colors);
 
                 for brick in list.bricks() {

@@ -379,7 +379,7 @@ fn scene_layers_say_what_is_wrong() {
     let hidden = "[[layers]]\nvisible = false\n[layers.volume]\ngenerate = \"cube\"\n";
     check(hidden, "no layer of the scene is visible");
     let visible = read(&format!("{hidden}{TWO_LAYERS}")).unwrap();
-    assert_eq!(visible, read(TWO_LAYERS).unwrap());
+    assert_eq!((visible.layers.len(), visible.layers[0].name.as_deref()), (2, Some("ball")));
     check(&hidden.replace("generate", "generates"), ":4: unknown key \"generates\"");
     check("[[layers]]\nname = \"a\"", ":1: the scene has no [volume]");
     check(&format!("{TWO_LAYERS}[shading]\nambient = 1"), ":17: [shading] belongs below");

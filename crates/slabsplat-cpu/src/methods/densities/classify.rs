@@ -43,7 +43,7 @@ impl<'a> Classifier<'a> {
                 light: layer
                     .light
                     .as_ref()
-                    .map(|light| BlinnPhong8::new(&light.seen_along(layer.view.axes()))),
+                    .map(|light| BlinnPhong8::seen_along(light, layer.view.axes())),
                 normals: Normals::new(layer, &slabs.grid, extent, border),
                 faces: LitFaces::of(layer),
                 view: layer.view,

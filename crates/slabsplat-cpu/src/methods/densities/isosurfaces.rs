@@ -138,7 +138,7 @@ impl<'a> Isosurfaces<'a> {
             light: layer
                 .light
                 .as_ref()
-                .map(|light| BlinnPhong8::new(&light.seen_along(layer.view.axes()))),
+                .map(|light| BlinnPhong8::seen_along(light, layer.view.axes())),
             normals: Normals::new(layer, &slabs.grid, extent, border),
             depths: Depths { slabs: &slabs.grid, view: layer.view },
             cutoff,
