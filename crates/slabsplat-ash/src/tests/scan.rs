@@ -5,7 +5,8 @@ use slabsplat_seeds::for_each_seed;
 use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS};
 
 const BLOCK_LEN: usize = 2048;
-const STEP_BYTES: u64 = 32;
+/// Of `shaders/shared/step.wgsl`.
+const STEP_BYTES: u64 = 36;
 
 /// Buffers for prefix sums of one length, and the passes.
 pub(super) struct Scan {
@@ -22,7 +23,7 @@ pub(super) struct Scan {
 impl Scan {
     pub(super) fn new(device: &mut AshDevice, n: usize) -> Self {
         let n_blocks = n.div_ceil(BLOCK_LEN);
-        let step_offset = device.info().offset_alignment.max(STEP_BYTES);
+        let step_offset = STEP_BYTES.next_multiple_of(device.info().offset_alignment);
         let mut whole =
             |label, size: u64| slice(device.create_buffer(label, size).unwrap(), 0, size);
         let elements = whole("elements", n as u64 * 4);
@@ -39,7 +40,7 @@ impl Scan {
             pass(&SCAN_BLOCKS, "blocks", 0, [elements, totals], n_blocks),
             pass(&SCAN_TOTALS, "totals", 1, [totals, counts], 1),
         ];
-        let step = |n: usize| vec![0, n as u32, 2, 0, 0, 0, 0, 0];
+        let step = |n: usize| vec![0, n as u32, 2, 0, 0, 0, 0, 0, 0];
         let step_words = [step(n), step(n_blocks)];
         Self { elements, totals, counts, steps, step_words, step_offset, passes }
     }

@@ -10,6 +10,9 @@ use std::borrow::Cow;
 /// Elements that a workgroup sums up.
 const BLOCK: usize = 2048;
 
+/// Of `shaders/shared/step.wgsl`.
+const STEP_BYTES: u64 = 36;
+
 /// Where the second of the two steps is; a multiple of every device's alignment.
 const SECOND_STEP: u64 = 256;
 
@@ -26,7 +29,7 @@ impl Scan {
         let n_blocks = n_elements.div_ceil(BLOCK);
         let [elements_size, totals_size] = [n_elements, n_blocks].map(|n| 4 * n as u64);
         let mut make = |label, size| device.create_buffer(label, size).unwrap();
-        let steps = make("steps", SECOND_STEP + 32);
+        let steps = make("steps", SECOND_STEP + STEP_BYTES);
         let elements = make("elements", elements_size);
         let totals = make("totals", totals_size);
         let counts = make("counts", 16);
@@ -34,13 +37,17 @@ impl Scan {
         let blocks = Pass {
             shader: &SCAN_BLOCKS,
             stage: "blocks",
-            bindings: vec![slice(steps, 0, 32), slice(elements, 0, elements_size), all_totals],
+            bindings: vec![
+                slice(steps, 0, STEP_BYTES),
+                slice(elements, 0, elements_size),
+                all_totals,
+            ],
             groups: [n_blocks as u32, 1, 1],
         };
         let totals_of_totals = Pass {
             shader: &SCAN_TOTALS,
             stage: "totals",
-            bindings: vec![slice(steps, SECOND_STEP, 32), all_totals, slice(counts, 0, 16)],
+            bindings: vec![slice(steps, SECOND_STEP, STEP_BYTES), all_totals, slice(counts, 0, 16)],
             groups: [1, 1, 1],
         };
         let passes = vec![blocks, totals_of_totals];
@@ -51,7 +58,7 @@ impl Scan {
     fn work<'a>(&'a self, values: &'a [u32]) -> Work<'a> {
         let [steps, elements, totals, counts] = self.buffers;
         let step = |n_elements: usize, count_slot| {
-            let step = [0, n_elements as u32, count_slot, 0, 0, 0, 0, 0];
+            let step = [0, n_elements as u32, count_slot, 0, 0, 0, 0, 0, 0];
             bytemuck::cast_slice::<u32, u8>(&step).to_vec()
         };
         let write = |buffer, offset, bytes| Write { buffer, offset, bytes };
