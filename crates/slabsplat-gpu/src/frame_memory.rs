@@ -106,7 +106,7 @@ impl FrameMemory {
         let mut write = |buffer: &Buffer, bytes: &'a [u8]| {
             writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
         };
-        write(&self.frame, bytemuck::bytes_of(&job.frame));
+        write(&self.frame, job.frame.bytes_in_use());
         write(&self.layers, bytemuck::cast_slice(&job.params));
         if let Some(sort) = &job.depth_sort {
             write(&self.depth, bytemuck::bytes_of(&sort.params));

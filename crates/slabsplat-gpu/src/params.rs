@@ -38,6 +38,15 @@ pub(crate) struct Frame {
     pub(crate) lamps: [Lamp; Light::MAX_LIGHTS],
 }
 
+impl Frame {
+    /// What shaders look at: the rest are lamps that there are not.
+    pub(crate) fn bytes_in_use(&self) -> &[u8] {
+        let n_unused = self.lamps.len() - self.n_lamps as usize;
+        let bytes = bytemuck::bytes_of(self);
+        &bytes[..bytes.len() - n_unused * size_of::<Lamp>()]
+    }
+}
+
 /// A light, likewise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
