@@ -10,6 +10,7 @@ mod grid;
 mod labels;
 mod mesh;
 mod region;
+mod transfer_2d;
 mod volume;
 
 use crate::exact_settings;
@@ -159,6 +160,16 @@ pub fn add_gradient_opacity(rng: &mut Rng, scene: &mut Scene) {
         let factor = at.into_iter().map(|x| (x, [[0.0, 1.0, rng.f64()][rng.usize(..3)]])).collect();
         let factor = PiecewiseLinear::new("factor", factor).expect("sorted points within 0 to 1");
         layer.gradient_opacity = Some(factor);
+    }
+}
+
+/// Makes values and gradients decide together in some layers: in boxes that overlap, or as a picture says.
+pub fn add_transfer_2d(rng: &mut Rng, scene: &mut Scene) {
+    for layer in &mut scene.layers {
+        if rng.u32(..4) != 0 {
+            let [lo, hi] = layer.volume.summary().range.unwrap_or([0.0, 1.0]);
+            layer.transfer_2d = Some(transfer_2d::random_transfer_2d(rng, [lo, hi]));
+        }
     }
 }
 

@@ -1,11 +1,11 @@
-//! Labels (model §13), and opacities by gradients (§6): scenes at random against the float64 reference, at
-//! the tolerances of model §9; and labels of another grid, one by one.
+//! Labels (model §13), opacities by gradients and two-dimensional transfer functions (§6): scenes at random
+//! against the float64 reference, at the tolerances of model §9; and labels of another grid, one by one.
 
 use slabsplat::glam::DVec3;
 use slabsplat::{LabelMap, Method, Region, Renderer, Scaling, Volume};
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{
-    SceneKind, add_gradient_opacity, add_labels, random_layers, random_scene,
+    SceneKind, add_gradient_opacity, add_labels, add_transfer_2d, random_layers, random_scene,
 };
 use slabsplat_tests::reference;
 use slabsplat_tests::render::{open, render};
@@ -14,7 +14,8 @@ use slabsplat_tests::render::{open, render};
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
 
-/// Of one layer or several, by every method that has labels; some with opacities by gradients, too.
+/// Of one layer or several, by every method that has labels; some with opacities by gradients or
+/// two-dimensional transfer functions, too.
 #[test]
 fn parity_of_labels() {
     let (mut n_scenes, mut max) = (0, 0.0_f64);
@@ -32,6 +33,9 @@ fn parity_of_labels() {
             }
             if rng.bool() {
                 add_gradient_opacity(&mut rng, &mut scene);
+            }
+            if rng.bool() {
+                add_transfer_2d(&mut rng, &mut scene);
             }
             let off = reference::render(&scene).compare(&render("cpu", &scene));
             let what = format!("{kind:?}, w {}", scene.settings.slab_width);
@@ -64,6 +68,9 @@ fn labels_take_turns() {
             let mut borders = scenes[rng.usize(..scenes.len())].clone();
             add_gradient_opacity(&mut rng, &mut borders);
             scenes.push(borders);
+            let mut by_both = scenes[rng.usize(..scenes.len())].clone();
+            add_transfer_2d(&mut rng, &mut by_both);
+            scenes.push(by_both);
 
             let fresh: Vec<_> = scenes.iter().map(|scene| render("cpu", scene)).collect();
             let mut renderer = Renderer::new(open("cpu"));

@@ -1,7 +1,8 @@
 //! The order in which layers are summed: not the scene's, so that a picture does not depend on it by a bit.
 
 use slabsplat_core::{
-    LabelMap, LabelStyle, Labels, Layer, Phong, PiecewiseLinear, Shading, TransferFunction, Volume,
+    LabelMap, LabelStyle, Labels, Layer, Phong, PiecewiseLinear, Shading, TransferFunction,
+    TransferFunction2d, Volume,
 };
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -64,7 +65,12 @@ fn look(layer: &Layer) -> impl Iterator<Item = f64> {
     let points = points(&layer.transfer);
     let factors = layer.gradient_opacity.iter().flat_map(PiecewiseLinear::points);
     let factors = factors.flat_map(|&(gradient, [factor])| [gradient, factor]);
-    points.chain(light(layer.shading)).chain(factors).chain(styles(layer.labels.as_ref()))
+    let by_both = layer.transfer_2d.iter().flat_map(TransferFunction2d::numbers);
+    points
+        .chain(light(layer.shading))
+        .chain(factors)
+        .chain(by_both)
+        .chain(styles(layer.labels.as_ref()))
 }
 
 /// A function of values.

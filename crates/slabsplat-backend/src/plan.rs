@@ -3,7 +3,8 @@
 use crate::Slabs;
 use slabsplat_core::{
     BlinnPhong, Compositing, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
-    PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction, View, Volume,
+    PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction, TransferFunction2d,
+    View, Volume,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -50,6 +51,9 @@ pub struct LayerPlan<'a> {
     pub relevant: Vec<IsoRange>,
     /// Their opacity and colour.
     pub transfer: &'a TransferFunction,
+    /// What these are by value and gradient together instead, only for [`Splats::Colors`]; `relevant` then
+    /// holds what is visible of any gradient.
+    pub transfer_2d: Option<&'a TransferFunction2d>,
     /// What opacity is multiplied with, by the length of a voxel's gradient per `unit`; only for
     /// [`Splats::Colors`].
     pub gradient_opacity: Option<&'a PiecewiseLinear<1>>,

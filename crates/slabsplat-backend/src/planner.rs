@@ -83,6 +83,7 @@ impl Planner {
                 volume: &layer.volume,
                 relevant: shown_ranges(layer, scene.settings.mode.into()),
                 transfer: &layer.transfer,
+                transfer_2d: layer.transfer_2d.as_ref(),
                 gradient_opacity: layer.gradient_opacity.as_ref(),
                 labels: layer.labels.as_ref(),
                 isosurfaces: &layer.isosurfaces,

@@ -51,6 +51,7 @@ fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
     };
     for layer in &scene.layers {
         let of_voxels = [
+            ("two-dimensional transfer functions", layer.transfer_2d.is_some()),
             ("labels", layer.labels.is_some()),
             ("opacity by gradients", layer.gradient_opacity.is_some()),
         ];

@@ -5,15 +5,19 @@ use slabsplat_core::{IsoRange, Isosurface, LabelStyle, Layer, Statistic, Transfe
 
 /// The values that are visible of any voxel.
 fn visible_ranges(layer: &Layer) -> Vec<IsoRange> {
-    let of_layer = &layer.transfer;
-    let Some(labels) = &layer.labels else { return of_layer.iso_ranges() };
+    let ranges_of_layer = || match &layer.transfer_2d {
+        Some(transfer_2d) => transfer_2d.iso_ranges(),
+        None => layer.transfer.iso_ranges(),
+    };
+    let Some(labels) = &layer.labels else { return ranges_of_layer() };
     let styles = labels.map().labels().iter().map(|&label| labels.style(label));
     let shown: Vec<&LabelStyle> =
-        styles.filter(|style| style.transfer(of_layer).is_some()).collect();
+        styles.filter(|style| style.transfer(&layer.transfer).is_some()).collect();
     let own = shown.iter().filter_map(|style| style.transfer.as_ref());
     let shows_layer = shown.iter().any(|style| style.transfer.is_none());
+    let of_layer = shows_layer.then(ranges_of_layer);
     IsoRange::union(
-        own.chain(shows_layer.then_some(of_layer)).flat_map(TransferFunction::iso_ranges),
+        own.flat_map(TransferFunction::iso_ranges).chain(of_layer.into_iter().flatten()),
     )
 }
 

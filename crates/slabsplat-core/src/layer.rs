@@ -1,7 +1,8 @@
 //! One of the things that a scene shows (model §10).
 
 use crate::{
-    Isosurface, Labels, Phong, PiecewiseLinear, Region, Shading, TransferFunction, Volume,
+    Isosurface, Labels, Phong, PiecewiseLinear, Region, Shading, TransferFunction,
+    TransferFunction2d, Volume,
 };
 use std::sync::Arc;
 
@@ -16,6 +17,8 @@ pub struct Layer {
     pub volume: Arc<Volume>,
     /// Which values are visible, and in which colour.
     pub transfer: TransferFunction,
+    /// What decides instead, by values and gradients together.
+    pub transfer_2d: Option<TransferFunction2d>,
     /// What opacities are multiplied with, 0 … 1, as a function of how fast values change there: the length
     /// of the gradient, per `unit` (Levoy 1988).
     pub gradient_opacity: Option<PiecewiseLinear<1>>,
@@ -35,6 +38,7 @@ impl Layer {
         Self {
             volume: volume.into(),
             transfer,
+            transfer_2d: None,
             gradient_opacity: None,
             labels: None,
             isosurfaces: Vec::new(),
@@ -53,6 +57,12 @@ impl Layer {
     #[must_use]
     pub fn transfer(self, transfer: TransferFunction) -> Self {
         Self { transfer, ..self }
+    }
+
+    /// The same with what values and gradients make visible together, instead of values alone.
+    #[must_use]
+    pub fn transfer_2d(self, transfer_2d: impl Into<Option<TransferFunction2d>>) -> Self {
+        Self { transfer_2d: transfer_2d.into(), ..self }
     }
 
     /// The same with opacities that depend on gradients.
@@ -88,10 +98,19 @@ impl Layer {
 
 impl PartialEq for Layer {
     fn eq(&self, other: &Self) -> bool {
-        let Self { volume, transfer, gradient_opacity, labels, isosurfaces, shading, region } =
-            other;
+        let Self {
+            volume,
+            transfer,
+            transfer_2d,
+            gradient_opacity,
+            labels,
+            isosurfaces,
+            shading,
+            region,
+        } = other;
         Arc::ptr_eq(&self.volume, volume)
             && self.transfer == *transfer
+            && self.transfer_2d == *transfer_2d
             && self.gradient_opacity == *gradient_opacity
             && self.labels == *labels
             && self.isosurfaces == *isosurfaces

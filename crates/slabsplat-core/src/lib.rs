@@ -16,10 +16,9 @@
 //!
 //! # Reading order
 //!
-//! `grid`, `sample`, `volume`; `camera`, `transfer`, `isosurface`, `compositing`, `light`, `shading`;
-//! `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`, `labels`, `layer`, `mesh_layer`,
-//! `scene`; `view`,
-//! `region_in_view`, `slabs`, `slices`; `image`.
+//! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
+//! `compositing`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`,
+//! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -41,6 +40,8 @@ mod isosurface;
 mod light;
 mod shading;
 mod transfer;
+mod transfer_2d;
+mod transfer_image;
 
 mod choices;
 mod interval;
@@ -86,6 +87,8 @@ pub use shading::{BlinnPhong, Phong, Shading};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
 pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
+pub use transfer_2d::{Transfer2dError, TransferBox, TransferFunction2d};
+pub use transfer_image::TransferImage;
 pub use view::{View, ViewError, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
 

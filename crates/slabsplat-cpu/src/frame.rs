@@ -10,8 +10,10 @@ use fearless_simd::Level;
 use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
 };
-use slabsplat_core::{Compositing, Labels, TransferFunction, Volume};
-use slabsplat_traverse::{BlinnPhong8, BrickView, Classification, VoxelLighting, VoxelRules};
+use slabsplat_core::{Compositing, Volume};
+use slabsplat_traverse::{
+    BlinnPhong8, BrickView, Classification, OwnVoxelRules, VoxelLighting, VoxelRules,
+};
 
 /// What is cached from frame to frame: what need not be made anew, and memory.
 #[derive(Debug, Default)]
@@ -40,7 +42,7 @@ struct OfLayer {
     light: Option<BlinnPhong8>,
 }
 
-type ClassifiedBy = (TransferFunction, Option<Labels>, Compositing, ByIdentity<Volume>);
+type ClassifiedBy = (OwnVoxelRules, Compositing, ByIdentity<Volume>);
 
 /// What a frame drew, but for what tiles tell.
 struct Drawn {
@@ -162,10 +164,10 @@ impl OfLayer {
         layer: &'a LayerPlan<'a>,
         level: Level,
     ) -> Stage<'a> {
-        let LayerPlan { volume, transfer, labels, gradient_opacity, .. } = *layer;
-        let rules = VoxelRules { transfer, labels, gradient_opacity };
+        let LayerPlan { volume, transfer, transfer_2d, labels, gradient_opacity, .. } = *layer;
+        let rules = VoxelRules { transfer, transfer_2d, labels, gradient_opacity };
         let (compositing, identity) = (plan.compositing, ByIdentity::of(volume));
-        let classified_by = (transfer.clone(), labels.cloned(), compositing, identity);
+        let classified_by = (OwnVoxelRules::new(&rules), compositing, identity);
         let classification = self
             .classification
             .made_of(classified_by, |_| Classification::new(&rules, compositing, volume));

@@ -210,7 +210,7 @@ fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>,
     let colors = |layer: &'a LayerPlan<'p>| match &layer.splats {
         Splats::Densities(_) => Err(NO_DENSITIES.to_owned()),
         Splats::Colors(_) if layer.labels.is_some() => Err("its shaders know no labels".to_owned()),
-        Splats::Colors(_) if layer.gradient_opacity.is_some() => {
+        Splats::Colors(_) if layer.gradient_opacity.is_some() || layer.transfer_2d.is_some() => {
             Err("its shaders know no opacity by gradients".to_owned())
         }
         Splats::Colors(splats) => Ok((layer, splats)),

@@ -7,11 +7,12 @@
 use crate::VoxelRules;
 use crate::order::Ordered;
 use slabsplat_core::{
-    Compositing, LabelStyle, Labels, SampleType, Scaling, TransferFunction, Volume,
+    Compositing, LabelStyle, Labels, SampleType, Scaling, TransferFunction, TransferFunction2d,
+    Volume,
 };
 
-/// What is seen of every sample: red, green and blue, and the weight that is summed over a sheet, which
-/// is `α`, or `μ = −ln(1 − α)` for `extinction`.
+/// What is seen of every sample, and with a two-dimensional transfer function of every voxel: red, green and
+/// blue, and the weight that is summed over a sheet, which is `α`, or `μ = −ln(1 − α)` for `extinction`.
 ///
 /// To be cached while the transfer function, the labels, the compositing, and the volume's type and scaling
 /// stay.
@@ -20,16 +21,22 @@ pub struct Classification {
     compositing: Compositing,
     /// By the layer's transfer function, and then by those that labels have of their own.
     by_transfer: Vec<ByTransfer>,
+    transfer_2d: Option<TransferFunction2d>,
+    scaling: Scaling,
     labels: Option<ByLabel>,
 }
+
+/// The place of the layer's transfer function.
+const OF_LAYER: usize = 0;
 
 /// Transfer functions of labels that get a table.
 const MAX_TABLES: usize = 16;
 
 impl Classification {
-    /// Classifies the samples of `volume` by value and label; by gradient is another matter.
+    /// Classifies the samples of `volume` by value and label.
     pub fn new(rules: &VoxelRules<'_>, compositing: Compositing, volume: &Volume) -> Self {
-        let VoxelRules { transfer, labels, .. } = *rules;
+        let VoxelRules { transfer, transfer_2d, labels, gradient_opacity: _ } = *rules;
+        let scaling = volume.scaling();
         let mut by_transfer = vec![ByTransfer::new(transfer, compositing, volume)];
         let labels = labels.map(|labels| {
             ByLabel::new(labels, |transfer| {
@@ -41,7 +48,8 @@ impl Classification {
                 by_transfer.len() - 1
             })
         });
-        Self { compositing, by_transfer, labels }
+        let transfer_2d = transfer_2d.cloned();
+        Self { compositing, by_transfer, transfer_2d, scaling, labels }
     }
 
     /// How sheets are summed.
@@ -65,14 +73,47 @@ impl Classification {
     /// of [`LabelMap::indices`](slabsplat_core::LabelMap::indices).
     #[inline]
     pub(crate) fn of<T: Ordered>(&self, sample: T, label_idx: Option<u16>) -> [f32; 4] {
-        match (&self.labels, label_idx) {
-            (Some(labels), Some(label_idx)) => {
-                let look = &labels.looks[usize::from(label_idx)];
+        match self.look(label_idx) {
+            Some(look) => {
                 let classified = self.by_transfer[look.by_transfer_idx].of(sample);
                 look.laid_over(classified, self.compositing)
             }
-            _ => self.by_transfer[0].of(sample),
+            None => self.by_transfer[OF_LAYER].of(sample),
         }
+    }
+
+    /// The same of a voxel with that gradient, per `unit`.
+    #[inline]
+    pub(crate) fn of_gradient<T: Ordered>(
+        &self,
+        sample: T,
+        gradient: f64,
+        label_idx: Option<u16>,
+    ) -> [f32; 4] {
+        let look = self.look(label_idx);
+        match (&self.transfer_2d, look) {
+            (Some(transfer_2d), None) => self.by_2d(transfer_2d, sample, gradient),
+            (Some(transfer_2d), Some(look)) if look.by_transfer_idx == OF_LAYER => {
+                look.laid_over(self.by_2d(transfer_2d, sample, gradient), self.compositing)
+            }
+            _ => self.of(sample, label_idx),
+        }
+    }
+
+    fn by_2d<T: Ordered>(
+        &self,
+        transfer_2d: &TransferFunction2d,
+        sample: T,
+        gradient: f64,
+    ) -> [f32; 4] {
+        let value = self.scaling.apply(sample.to_f64());
+        let (opacity, [r, g, b]) = transfer_2d.at(value, gradient);
+        [r, g, b, self.compositing.weight(opacity)].map(|channel| channel as f32)
+    }
+
+    fn look(&self, label_idx: Option<u16>) -> Option<&LabelLook> {
+        let labels = self.labels.as_ref()?;
+        Some(&labels.looks[usize::from(label_idx?)])
     }
 }
 
@@ -160,7 +201,7 @@ impl ByLabel {
         let mut look = |&label: &i64| {
             let LabelStyle { transfer, color, opacity } = labels.style(label);
             LabelLook {
-                by_transfer_idx: transfer.as_ref().map_or(0, &mut add),
+                by_transfer_idx: transfer.as_ref().map_or(OF_LAYER, &mut add),
                 color: color.map(|color| color.map(|channel| channel as f32)),
                 opacity: *opacity as f32,
             }

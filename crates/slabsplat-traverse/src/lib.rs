@@ -5,7 +5,7 @@
 //! - `bricks`, `voxel`: how the volume is cut up, and what is stored of a voxel;
 //! - `order`: iso-ranges of values as ranges of samples;
 //! - `brick_ranges`: the least and the largest value of every brick, once a volume;
-//! - `visible_labels`, `gradient_opacity`, `voxel_rules`: what decides beside its value whether a voxel is
+//! - `visible_labels`, `gradient_length`, `voxel_rules`: what decides beside its value whether a voxel is
 //!   visible;
 //! - `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
 //! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, kept up to date by
@@ -41,7 +41,7 @@ mod order;
 
 mod brick_ranges;
 mod gradient;
-mod gradient_opacity;
+mod gradient_length;
 mod membership;
 mod relevant_list;
 mod relevant_update;
@@ -73,4 +73,4 @@ pub use relevant_list::{ListChange, RelevantList};
 pub use shade::VoxelLighting;
 pub use toss::{PixelRect, TileBuckets, TileEntry, TileGrid, TileRect, TileToss};
 pub use voxel::{NORMAL_STEPS, VoxelRecord};
-pub use voxel_rules::VoxelRules;
+pub use voxel_rules::{OwnVoxelRules, VoxelRules};

@@ -7,7 +7,7 @@
 //! than `shininess` · 2·10⁻⁷ of a highlight, which is less than the keeping of normals in 16 bits does.
 
 use crate::blinn_phong::{BlinnPhong8, Light8};
-use crate::gradient_opacity::GradientOpacity;
+use crate::gradient_length::GradientLengths;
 use crate::order::Ordered;
 use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord, VoxelRules};
 use slabsplat_core::{Volume, with_samples};
@@ -72,26 +72,42 @@ impl<'a> VoxelLighting<'a> {
         records: &[VoxelRecord],
         colors: &mut [[f32; 4]],
     ) {
+        let labels = self.rules.labels.map(|labels| labels.map().indices());
+        if self.rules.are_by_gradient() {
+            return self.classify_by_gradient((samples, labels), brick, records, colors);
+        }
         let voxels = colors.iter_mut().zip(self.grid.voxel_indices(brick, records));
         let classification = self.classification;
-        match self.rules.labels {
+        match labels {
             None => {
                 for (color, idx) in voxels {
                     *color = classification.of(samples[idx], None);
                 }
             }
             Some(labels) => {
-                let labels = labels.map().indices();
                 for (color, idx) in voxels {
                     *color = classification.of(samples[idx], Some(labels[idx]));
                 }
             }
         }
-        if let Some(factor) = self.rules.gradient_opacity {
-            let factor = GradientOpacity::new(self.volume, samples, factor);
-            for (color, record) in colors.iter_mut().zip(records) {
-                let coords = self.grid.voxel_coords(brick, *record);
-                *color = classification.thinned(*color, factor.at(coords));
+    }
+
+    fn classify_by_gradient<T: Ordered>(
+        &self,
+        (samples, labels): (&[T], Option<&[u16]>),
+        brick: &Brick,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
+        let gradients = GradientLengths::new(self.volume, samples);
+        for (color, record) in colors.iter_mut().zip(records) {
+            let coords = self.grid.voxel_coords(brick, *record);
+            let idx = self.grid.voxel_idx(coords);
+            let gradient = gradients.at(coords);
+            let label_idx = labels.map(|labels| labels[idx]);
+            *color = self.classification.of_gradient(samples[idx], gradient, label_idx);
+            if let Some(factor) = self.rules.gradient_opacity {
+                *color = self.classification.thinned(*color, factor.at(gradient)[0]);
             }
         }
     }

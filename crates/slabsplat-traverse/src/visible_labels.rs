@@ -13,18 +13,22 @@ pub(crate) struct VisibleLabels<'a, T> {
     ranges: Vec<Vec<[T; 2]>>,
 }
 
+const INVISIBLE: usize = 0;
+const OF_LAYER: usize = 1;
+
 impl<'a, T: Ordered> VisibleLabels<'a, T> {
-    /// `in_samples` are the samples with values in iso-ranges.
+    /// Of labels without a transfer function of their own samples `of_layer` are visible; `in_samples` are
+    /// the samples with values in iso-ranges.
     pub(crate) fn new(
         labels: &'a Labels,
         transfer: &TransferFunction,
+        of_layer: Vec<[T; 2]>,
         in_samples: impl Fn(&[IsoRange]) -> Vec<[T; 2]>,
     ) -> Self {
-        let [invisible, of_layer] = [0, 1];
-        let mut ranges = vec![Vec::new(), in_samples(&transfer.iso_ranges())];
+        let mut ranges = vec![Vec::new(), of_layer];
         let mut ranges_of_label = |&label: &i64| match labels.style(label).transfer(transfer) {
-            None => invisible,
-            Some(own) if std::ptr::eq(own, transfer) => of_layer,
+            None => INVISIBLE,
+            Some(own) if std::ptr::eq(own, transfer) => OF_LAYER,
             Some(own) => {
                 ranges.push(in_samples(&own.iso_ranges()));
                 ranges.len() - 1
@@ -33,6 +37,11 @@ impl<'a, T: Ordered> VisibleLabels<'a, T> {
         let map = labels.map();
         let ranges_of = map.labels().iter().map(&mut ranges_of_label).collect();
         Self { of_voxels: map.indices(), ranges_of, ranges }
+    }
+
+    /// Whether a voxel's label shows what the layer shows.
+    pub(crate) fn is_of_layer(&self, voxel_idx: usize) -> bool {
+        self.ranges_of[usize::from(self.of_voxels[voxel_idx])] == OF_LAYER
     }
 
     /// A bit for each of up to eight voxels from that one on, the first in the lowest.

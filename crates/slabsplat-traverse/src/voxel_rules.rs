@@ -1,16 +1,20 @@
 //! What decides beside its value whether a voxel is visible, and how opaque it is.
 
-use crate::gradient_opacity::GradientOpacity;
+use crate::gradient_length::GradientLengths;
 use crate::order::Ordered;
 use crate::visible_labels::VisibleLabels;
-use slabsplat_core::{IsoRange, Labels, PiecewiseLinear, TransferFunction, Volume};
+use slabsplat_core::{
+    IsoRange, Labels, PiecewiseLinear, Scaling, TransferFunction, TransferFunction2d, Volume,
+};
 
 /// How a layer classifies its voxels: by value, by label (model §13), and by gradient (§6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelRules<'a> {
     /// What is seen of values.
     pub transfer: &'a TransferFunction,
-    /// What changes that by label.
+    /// What is seen of values and gradients instead.
+    pub transfer_2d: Option<&'a TransferFunction2d>,
+    /// What changes either by label.
     pub labels: Option<&'a Labels>,
     /// What opacity is multiplied with, by the length of the gradient per `unit`.
     pub gradient_opacity: Option<&'a PiecewiseLinear<1>>,
@@ -19,19 +23,67 @@ pub struct VoxelRules<'a> {
 impl<'a> VoxelRules<'a> {
     /// By value alone.
     pub fn by_value(transfer: &'a TransferFunction) -> Self {
-        Self { transfer, labels: None, gradient_opacity: None }
+        Self { transfer, transfer_2d: None, labels: None, gradient_opacity: None }
     }
 
     /// Whether values alone decide.
     pub fn are_by_value(&self) -> bool {
-        self.labels.is_none() && self.gradient_opacity.is_none()
+        self.transfer_2d.is_none() && self.labels.is_none() && self.gradient_opacity.is_none()
+    }
+
+    /// Whether gradients have a say.
+    pub(crate) fn are_by_gradient(&self) -> bool {
+        self.transfer_2d.is_some() || self.gradient_opacity.is_some()
+    }
+
+    /// Values of which something is visible where no label says otherwise.
+    fn iso_ranges(&self) -> Vec<IsoRange> {
+        match self.transfer_2d {
+            Some(transfer_2d) => transfer_2d.iso_ranges(),
+            None => self.transfer.iso_ranges(),
+        }
+    }
+}
+
+/// The same rules, to be kept: what is cached was made by them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OwnVoxelRules {
+    transfer: TransferFunction,
+    transfer_2d: Option<TransferFunction2d>,
+    labels: Option<Labels>,
+    gradient_opacity: Option<PiecewiseLinear<1>>,
+}
+
+impl OwnVoxelRules {
+    /// A copy of rules; large things in it are shared.
+    pub fn new(rules: &VoxelRules<'_>) -> Self {
+        let VoxelRules { transfer, transfer_2d, labels, gradient_opacity } = *rules;
+        Self {
+            transfer: transfer.clone(),
+            transfer_2d: transfer_2d.cloned(),
+            labels: labels.cloned(),
+            gradient_opacity: gradient_opacity.cloned(),
+        }
+    }
+
+    /// The rules.
+    pub fn rules(&self) -> VoxelRules<'_> {
+        let Self { transfer, transfer_2d, labels, gradient_opacity } = self;
+        VoxelRules {
+            transfer,
+            transfer_2d: transfer_2d.as_ref(),
+            labels: labels.as_ref(),
+            gradient_opacity: gradient_opacity.as_ref(),
+        }
     }
 }
 
 /// Which voxels that have visible values are visible.
 pub(crate) struct VisibleVoxels<'a, T> {
+    rules: VoxelRules<'a>,
     labels: Option<VisibleLabels<'a, T>>,
-    gradient_opacity: Option<GradientOpacity<'a, T>>,
+    gradients: Option<GradientLengths<'a, T>>,
+    scaling: Scaling,
 }
 
 impl<'a, T: Ordered> VisibleVoxels<'a, T> {
@@ -42,11 +94,15 @@ impl<'a, T: Ordered> VisibleVoxels<'a, T> {
         samples: &'a [T],
         in_samples: impl Fn(&[IsoRange]) -> Vec<[T; 2]>,
     ) -> Self {
-        let VoxelRules { transfer, labels, gradient_opacity } = *rules;
+        let labels = |labels| {
+            let of_layer = in_samples(&rules.iso_ranges());
+            VisibleLabels::new(labels, rules.transfer, of_layer, in_samples)
+        };
         Self {
-            labels: labels.map(|labels| VisibleLabels::new(labels, transfer, in_samples)),
-            gradient_opacity: gradient_opacity
-                .map(|factor| GradientOpacity::new(volume, samples, factor)),
+            rules: *rules,
+            labels: rules.labels.map(labels),
+            gradients: rules.are_by_gradient().then(|| GradientLengths::new(volume, samples)),
+            scaling: volume.scaling(),
         }
     }
 
@@ -62,14 +118,30 @@ impl<'a, T: Ordered> VisibleVoxels<'a, T> {
     ) -> u8 {
         let of_labels = self.labels.as_ref().map(|labels| labels.of_row(voxel_idx, samples));
         let mut visible = bits & of_labels.unwrap_or(u8::MAX);
-        if let Some(factor) = &self.gradient_opacity {
-            for bit in 0..samples.len() {
+        if let Some(gradients) = &self.gradients {
+            for (bit, &sample) in samples.iter().enumerate() {
                 let is_open = visible >> bit & 1 == 1;
-                if is_open && factor.at([x + bit, y, z]) <= 0.0 {
+                if is_open
+                    && !self.has_visible(gradients.at([x + bit, y, z]), voxel_idx + bit, sample)
+                {
                     visible &= !(1 << bit);
                 }
             }
         }
         visible
+    }
+
+    /// Whether a voxel is visible by its gradient.
+    fn has_visible(&self, gradient: f64, voxel_idx: usize, sample: T) -> bool {
+        let VoxelRules { transfer_2d, gradient_opacity, .. } = self.rules;
+        let is_of_layer =
+            || self.labels.as_ref().is_none_or(|labels| labels.is_of_layer(voxel_idx));
+        if let Some(transfer_2d) = transfer_2d
+            && is_of_layer()
+            && transfer_2d.opacity(self.scaling.apply(sample.to_f64()), gradient) <= 0.0
+        {
+            return false;
+        }
+        gradient_opacity.is_none_or(|factor| 0.0 < factor.at(gradient)[0])
     }
 }

@@ -99,6 +99,7 @@ fn layer(
     let transfer = file.transfer.clone().unwrap_or_else(automatic);
     let region = file.region.on(volume.grid())?;
     let layer = Layer::new(volume, transfer)
+        .transfer_2d(file.transfer_2d.clone())
         .gradient_opacity(file.gradient_opacity.clone())
         .isosurfaces(file.isosurfaces.clone())
         .shading(file.shading)

@@ -186,23 +186,31 @@ fn whole_footprints(voxel_indices: Vec<usize>) -> Sheet {
 }
 
 fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
-    let Layer { volume, transfer, shading, region, .. } = layer;
+    let Layer { volume, transfer, transfer_2d, gradient_opacity, shading, region, .. } = layer;
     let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
-        let value = volume.value(voxel_idx);
+        let value = Some(volume.value(voxel_idx)).filter(|value| !value.is_nan())?;
         let style = style(layer, voxel_idx);
-        let transfer = style.transfer.as_ref().unwrap_or(transfer);
         let coords = grid.voxel_coords(voxel_idx);
         let gradient = gradient_in_world(volume, coords);
-        let opacity = by_gradient(layer, coords) * style.opacity * transfer.opacity(value);
-        if value.is_nan() || opacity <= 0.0 {
+        let steepness = grid.unit() * gradient_length(volume, coords);
+        let (opacity, color) = match (&style.transfer, transfer_2d) {
+            (None, Some(transfer_2d)) => transfer_2d.at(value, steepness),
+            (own, _) => {
+                let transfer = own.as_ref().unwrap_or(transfer);
+                (transfer.opacity(value), transfer.color(value))
+            }
+        };
+        let factor = gradient_opacity.as_ref().map_or(1.0, |factor| factor.at(steepness)[0]);
+        let opacity = factor * style.opacity * opacity;
+        if opacity <= 0.0 {
             return None;
         }
         let center_in_index = DVec3::from_array(coords.map(|c| c as f64));
         let center_in_world = grid.world_from_index().transform_point3(center_in_index);
         let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
         let normal = normal_by_faces(region, grid.unit(), center_in_world, normal);
-        let color = style.color.unwrap_or_else(|| transfer.color(value));
+        let color = style.color.unwrap_or(color);
         Some(Voxel {
             coords,
             center_in_view: view.view_from_world(center_in_world),
@@ -211,13 +219,6 @@ fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()
-}
-
-/// What opacity is multiplied with where values change that fast (model §6).
-fn by_gradient(layer: &Layer, coords: [usize; 3]) -> f64 {
-    let Some(factor) = &layer.gradient_opacity else { return 1.0 };
-    let length = layer.volume.grid().unit() * gradient_length(&layer.volume, coords);
-    factor.at(length)[0]
 }
 
 /// What a voxel's label changes (model §13).

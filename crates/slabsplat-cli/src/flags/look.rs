@@ -4,8 +4,11 @@ use super::table::{TableFlags, flag_name};
 use super::values::{self, ColorPoints, OpacityPoints};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use slabsplat::io::{self, SceneFile};
-use slabsplat::{Isosurface, Layer, Mode, Phong, PiecewiseLinear, Shading, TransferFunction};
+use slabsplat::io::{self, SceneFile, TransferImageFile};
+use slabsplat::{
+    Isosurface, Layer, Mode, Phong, PiecewiseLinear, Shading, TransferBox, TransferFunction,
+    TransferFunction2d,
+};
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -24,6 +27,23 @@ pub(super) struct LookFlags {
         allow_hyphen_values = true
     )]
     color: Option<ColorPoints>,
+
+    /// A box of values and of how much values change in a voxel step there, opaque and white unless these
+    /// follow, as "60,120,5,inf:0.4:1,0.8,0.6"; may be given several times
+    #[arg(
+        long = "transfer-box", value_name = "V0,V1,G0,G1[:OPACITY[:R,G,B]]",
+        value_parser = values::transfer_box, allow_hyphen_values = true,
+        conflicts_with_all = ["opacity", "color", "preset", "transfer_file"]
+    )]
+    transfer_boxes: Vec<TransferBox>,
+
+    /// A picture (PNG, EXR) of colours and opacities: values from left to right, gradients from below to
+    /// above
+    #[arg(
+        long, value_name = "FILE:V0,V1,G0,G1", value_parser = values::transfer_image,
+        conflicts_with_all = ["opacity", "color", "preset", "transfer_file", "transfer_boxes"]
+    )]
+    transfer_image: Option<TransferImageFile>,
 
     /// What opacity is multiplied with, by how much values change in a voxel step there: points of a
     /// function, as "0:0,20:1"
@@ -67,12 +87,16 @@ impl LookFlags {
     /// All but points of opacity or of colour alone: the others may have to be found from the volume.
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
         let transfer = self.whole_transfer()?;
+        let transfer_2d = self.transfer_2d()?;
         let by_gradient = self.gradient_opacity.as_ref().map(|OpacityPoints(points)| {
             PiecewiseLinear::new("--gradient-opacity", points.clone())
         });
         let by_gradient = by_gradient.transpose()?;
         for layer in &mut file.layers {
             layer.shading = self.shading_over(layer.shading)?;
+            if transfer_2d.is_some() || self.are_by_value() {
+                layer.transfer_2d.clone_from(&transfer_2d);
+            }
             layer.transfer = transfer.clone().or_else(|| layer.transfer.take());
             if by_gradient.is_some() {
                 layer.gradient_opacity.clone_from(&by_gradient);
@@ -90,6 +114,20 @@ impl LookFlags {
     /// The mode that flags about looks mean.
     pub(super) fn mode(&self) -> Option<Mode> {
         (!self.isosurfaces.is_empty()).then_some(Mode::Isosurfaces)
+    }
+
+    /// Whether flags say what is seen of values.
+    fn are_by_value(&self) -> bool {
+        let Self { opacity, color, preset, transfer_file, .. } = self;
+        opacity.is_some() || color.is_some() || preset.is_some() || transfer_file.is_some()
+    }
+
+    fn transfer_2d(&self) -> Result<Option<TransferFunction2d>> {
+        let boxes = || TransferFunction2d::Boxes(self.transfer_boxes.clone());
+        match &self.transfer_image {
+            Some(image) => Ok(Some(image.load()?)),
+            None => Ok((!self.transfer_boxes.is_empty()).then(boxes)),
+        }
     }
 
     /// The transfer function that flags say as a whole.

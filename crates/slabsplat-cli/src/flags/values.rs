@@ -2,7 +2,8 @@
 //! print, so they are plain sentences.
 
 use slabsplat::glam::DVec3;
-use slabsplat::{Isosurface, Light, Plane, Region, SampleType};
+use slabsplat::io::TransferImageFile;
+use slabsplat::{Isosurface, Light, Plane, Region, SampleType, TransferBox};
 
 /// Value and opacity, of each point of a transfer function.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,6 +87,23 @@ pub(crate) fn isosurface(text: &str) -> Result<Isosurface, String> {
     Isosurface::new(value, opacity, color).map_err(|error| error.to_string())
 }
 
+/// `V0,V1,G0,G1`, and after colons opacity and `R,G,B`.
+pub(crate) fn transfer_box(text: &str) -> Result<TransferBox, String> {
+    let mut parts = text.splitn(3, ':');
+    let [v0, v1, g0, g1] = numbers(parts.next().unwrap_or_default())?;
+    let opacity = parts.next().map_or(Ok(1.0), number)?;
+    let color = parts.next().map_or(Ok([1.0; 3]), numbers)?;
+    let part = TransferBox::new([v0, v1], [g0, g1]);
+    part.and_then(|part| part.opacity(opacity)?.color(color)).map_err(|error| error.to_string())
+}
+
+/// `FILE:V0,V1,G0,G1`.
+pub(crate) fn transfer_image(text: &str) -> Result<TransferImageFile, String> {
+    let (path, ends) = text.rsplit_once(':').ok_or("expected FILE:V0,V1,G0,G1")?;
+    let [v0, v1, g0, g1] = numbers(ends)?;
+    Ok(TransferImageFile { path: path.into(), values: [v0, v1], gradients: [g0, g1] })
+}
+
 /// `headlight`, or a direction towards the light, `X,Y,Z`; and after a colon its colour, `R,G,B`.
 pub(crate) fn light(text: &str) -> Result<Light, String> {
     let (source, color) = match text.split_once(':') {
@@ -154,6 +172,16 @@ mod tests {
         assert_eq!(isosurface("-80"), Ok(Isosurface::new(-80.0, 1.0, None).unwrap()));
         let red = Isosurface::new(1.5, 0.25, Some([1.0, 0.0, 0.0])).unwrap();
         assert_eq!(isosurface("1.5: 0.25: 1,0,0"), Ok(red));
+        let part = TransferBox::new([0.0, 9.0], [1.0, f64::INFINITY]).unwrap();
+        assert_eq!(transfer_box("0,9,1,inf"), Ok(part));
+        let part = part.opacity(0.5).and_then(|part| part.color([0.0, 1.0, 0.0])).unwrap();
+        assert_eq!(transfer_box("0,9, 1,inf: 0.5: 0,1,0"), Ok(part));
+        let image = TransferImageFile {
+            path: "C:/a:b.png".into(),
+            values: [-1.0, 9.0],
+            gradients: [0.0, 5.0],
+        };
+        assert_eq!(transfer_image("C:/a:b.png:-1,9,0,5"), Ok(image));
         let below = Light::towards(-DVec3::Y).unwrap();
         assert_eq!(light("0,-2,0"), Ok(below));
         assert_eq!(light("0,-2,0:1,0.5,0"), Ok(below.color([1.0, 0.5, 0.0])));
@@ -178,6 +206,10 @@ mod tests {
         check(isosurface("inf").map(drop), "needs a finite value, not inf");
         check(isosurface("80:1.5").map(drop), "between 0 and 1, not at 1.5");
         check(isosurface("80:1:1,0").map(drop), "expected 3 numbers");
+        check(transfer_box("0,9,1").map(drop), "expected 4 numbers");
+        check(transfer_box("9,0,1,2").map(drop), "values go from the least to the largest");
+        check(transfer_box("0,9,1,2:7").map(drop), "between 0 and 1, not at 7");
+        check(transfer_image("a.png").map(drop), "expected FILE:V0,V1,G0,G1");
         check(light("sun").map(drop), "or headlight");
         check(light("0,0,0").map(drop), "other than zero");
         check(sample_type("int12").map(drop), "uint8, int8, uint16");

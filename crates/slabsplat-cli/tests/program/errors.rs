@@ -88,15 +88,9 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --sections 1 -o a.png", "sections"),
         ("render builtin:cube --opacity-cutoff -1 -o a.png", "opacity_cutoff"),
         ("render builtin:cube --tolerance -1 -o a.png", "tolerance"),
-        ("render builtin:cube --opacity 0:2 -o a.png", "point 0 of opacity lies outside 0 to 1"),
-        ("render builtin:cube --opacity 5:0,0:1 -o a.png", "out of order"),
-        ("render builtin:cube --color inf:0,0,0 -o a.png", "not finite"),
-        ("render builtin:cube --gradient-opacity 0:2 -o a.png", "lies outside 0 to 1"),
         ("render builtin:cube --ambient -1 -o a.png", "ambient"),
         ("render builtin:cube --shading none --light 0,0,1 -o a.png", "--light"),
         ("render builtin:cube --light 0,0,1:1,2,-3 -o a.png", "colour of a light"),
-        ("render builtin:cube --preset ct-fog -o a.png", "ct-bone"),
-        ("render builtin:cube --transfer-file no.json -o a.png", "no.json"),
         ("render builtin:cube --eye nan,0,0 -o a.png", "eye"),
         ("render builtin:cube --up 0,0,0 -o a.png", "up vector"),
         ("render builtin:cube --view-height -3 -o a.png", "view_height"),
@@ -131,6 +125,28 @@ fn errors_say_what_and_where() {
 }
 
 #[test]
+fn errors_of_transfer_functions() {
+    let dir = tempfile::tempdir().unwrap();
+    for (args, expected) in [
+        ("render builtin:cube --opacity 0:2 -o a.png", "point 0 of opacity lies outside 0 to 1"),
+        ("render builtin:cube --opacity 5:0,0:1 -o a.png", "out of order"),
+        ("render builtin:cube --color inf:0,0,0 -o a.png", "not finite"),
+        ("render builtin:cube --gradient-opacity 0:2 -o a.png", "lies outside 0 to 1"),
+        ("render builtin:cube --transfer-image no.png:0,1,0,1 -o a.png", "cannot read no.png"),
+        (
+            "render builtin:cube --transfer-box 0,9,0,9 --mode maximum -o a.png",
+            "no two-dimensional transfer functions",
+        ),
+        ("render builtin:cube --preset ct-fog -o a.png", "ct-bone"),
+        ("render builtin:cube --transfer-file no.json -o a.png", "no.json"),
+    ] {
+        let line = diagnostic(dir.path(), args);
+        assert!(line.contains(expected), "{args}: {line}");
+        assert!(names_in(dir.path()).is_empty(), "{args} leaves nothing behind");
+    }
+}
+
+#[test]
 fn errors_keep_the_old_picture() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.png"), "old").unwrap();
@@ -151,6 +167,8 @@ fn errors_of_usage_exit_with_2() {
         "render builtin:cube -o a.png --eye 1,2",
         "render builtin:cube -o a.png --kernel box",
         "render builtin:cube -o a.png --isosurface nan",
+        "render builtin:cube -o a.png --transfer-box 3,2,0,1",
+        "render builtin:cube -o a.png --transfer-image a.png",
         "render builtin:cube -o a.png --isosurface 9:2",
         "render builtin:cube -o a.png --width -1",
         "render builtin:cube -o a.png --preset ct-bone --transfer-file a.json",

@@ -144,6 +144,7 @@ fn render_flags_override_keys() {
         "--preset ct-bone",
         "--shading none",
         "--gradient-opacity 0:0,90:1",
+        "--transfer-box 0,255,0,inf:0.5:0,1,0",
         "--diffuse 0.1",
         "--light -1,-2,-3",
         "--light headlight:1,0.5,0",

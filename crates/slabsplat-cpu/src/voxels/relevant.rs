@@ -1,8 +1,8 @@
 //! The relevant voxels of the last plan, cached for the next one.
 
 use slabsplat_backend::{ByIdentity, Cached};
-use slabsplat_core::{IsoRange, Labels, PiecewiseLinear, TransferFunction, Volume};
-use slabsplat_traverse::{BrickRanges, RelevantList, VoxelRules};
+use slabsplat_core::{IsoRange, Volume};
+use slabsplat_traverse::{BrickRanges, OwnVoxelRules, RelevantList, VoxelRules};
 use std::sync::Arc;
 
 /// What is cached between frames; nothing before the first.
@@ -13,15 +13,8 @@ pub(crate) struct Relevant(Cached<ByIdentity<Volume>, OfVolume>);
 struct OfVolume {
     brick_ranges: BrickRanges,
     /// What decides beside ranges which voxels are listed.
-    rules: Option<OwnRules>,
+    rules: Option<OwnVoxelRules>,
     list: RelevantList,
-}
-
-type OwnRules = (TransferFunction, Option<Labels>, Option<PiecewiseLinear<1>>);
-
-fn as_rules((transfer, labels, gradient_opacity): &OwnRules) -> VoxelRules<'_> {
-    let (labels, gradient_opacity) = (labels.as_ref(), gradient_opacity.as_ref());
-    VoxelRules { transfer, labels, gradient_opacity }
 }
 
 impl Relevant {
@@ -40,10 +33,8 @@ impl Relevant {
         });
         let OfVolume { brick_ranges, rules: listed_by, list } = of_volume;
         let rules = (!rules.are_by_value()).then_some(rules);
-        if listed_by.as_ref().map(as_rules) != rules.copied() {
-            *listed_by = rules.map(|&VoxelRules { transfer, labels, gradient_opacity }| {
-                (transfer.clone(), labels.cloned(), gradient_opacity.cloned())
-            });
+        if listed_by.as_ref().map(OwnVoxelRules::rules) != rules.copied() {
+            *listed_by = rules.map(OwnVoxelRules::new);
             *list = RelevantList::default();
         }
         if list.ranges() != ranges {

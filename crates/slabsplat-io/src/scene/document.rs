@@ -64,7 +64,8 @@ pub(super) struct MeshSection {
     pub(super) affine: Option<[[f64; 4]; 3]>,
 }
 
-/// Points, a preset or a file. Without `color`, all that is visible is white. Beside them, isosurfaces.
+/// Points, a preset, a file, or boxes or a picture of values and gradients. Without `color`, all that is
+/// visible is white. Beside them, isosurfaces.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ClassifySection {
@@ -72,10 +73,33 @@ pub(super) struct ClassifySection {
     pub(super) color: Option<Vec<[f64; 4]>>,
     pub(super) preset: Option<String>,
     pub(super) file: Option<PathBuf>,
+    pub(super) boxes: Option<Vec<BoxSection>>,
+    pub(super) image: Option<TransferImageSection>,
     /// What opacity is multiplied with, by the length of the gradient.
     pub(super) gradient_opacity: Option<Vec<[f64; 2]>>,
     #[serde(default)]
     pub(super) isosurfaces: Vec<IsosurfaceSection>,
+}
+
+/// A box of values and gradients; of all gradients if it does not say.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BoxSection {
+    pub(super) values: [f64; 2],
+    pub(super) gradients: Option<[f64; 2]>,
+    pub(super) opacity: Option<f64>,
+    pub(super) color: Option<[f64; 3]>,
+    /// Over how much of values and of gradients it fades.
+    pub(super) fade: Option<[f64; 2]>,
+}
+
+/// A picture, and the values and gradients at its edges.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TransferImageSection {
+    pub(super) file: PathBuf,
+    pub(super) values: [f64; 2],
+    pub(super) gradients: [f64; 2],
 }
 
 #[derive(Deserialize)]

@@ -4,20 +4,29 @@
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
-use super::document::{ClassifySection, Document, IsosurfaceSection, LayerSection};
+use super::document::{
+    ClassifySection, Document, IsosurfaceSection, LayerSection, TransferImageSection,
+};
 use super::sections::into_lights;
 use super::settings_section::SettingsSection;
-use super::{LayerFile, SceneFile};
+use super::{LayerFile, SceneFile, TransferImageFile};
+
+/// What other files say of how a layer looks.
+#[derive(Default)]
+pub(super) struct LookFiles {
+    pub(super) color_map: Option<PathBuf>,
+    pub(super) transfer_image: Option<TransferImageFile>,
+}
 
 impl Document {
-    /// All but what is in colour maps, whose files are told for each layer.
+    /// All but what other files say of how layers look, which are told for each.
     pub(super) fn into_scene(
         mut self,
         folder: &Path,
-    ) -> Result<(SceneFile, Vec<Option<PathBuf>>), Diagnostic> {
+    ) -> Result<(SceneFile, Vec<LookFiles>), Diagnostic> {
         let sections = self.take_layers()?;
         let is_list = self.layers.is_some();
-        let (mut layers, mut color_maps, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut layers, mut look_files, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
         for (idx, mut section) in sections.into_iter().enumerate() {
             let in_layer = |error: Diagnostic| if is_list { error.in_layer(idx) } else { error };
             let is_visible = section.visible.unwrap_or(true);
@@ -25,10 +34,10 @@ impl Document {
                 let mesh = section.into_mesh(&mesh, folder).map_err(in_layer)?;
                 meshes.extend(is_visible.then_some(mesh));
             } else {
-                let color_map = section.color_map(folder);
+                let of_layer = section.look_files(folder);
                 let layer = section.into_layer(folder).map_err(in_layer)?;
                 if is_visible {
-                    color_maps.push(color_map);
+                    look_files.push(of_layer);
                     layers.push(layer);
                 }
             }
@@ -39,7 +48,7 @@ impl Document {
         let (settings, backend) = self.render.into_settings()?;
         let (camera, image) = (self.camera.into_desc()?, self.image.into_desc()?);
         let lights = into_lights(self.lights)?;
-        Ok((SceneFile { layers, meshes, camera, lights, image, settings, backend }, color_maps))
+        Ok((SceneFile { layers, meshes, camera, lights, image, settings, backend }, look_files))
     }
 
     /// The layers, of which there is at least one.
@@ -80,9 +89,17 @@ impl LayerSection {
         sections.into_iter().find_map(|(name, is_there)| is_there.then_some(name))
     }
 
-    /// The colour map's file, if the layer names one.
-    fn color_map(&self, folder: &Path) -> Option<PathBuf> {
-        self.classify.as_ref()?.file.as_ref().map(|file| folder.join(file))
+    fn look_files(&self, folder: &Path) -> LookFiles {
+        let Some(classify) = &self.classify else { return LookFiles::default() };
+        let image = |section: &TransferImageSection| TransferImageFile {
+            path: folder.join(&section.file),
+            values: section.values,
+            gradients: section.gradients,
+        };
+        LookFiles {
+            color_map: classify.file.as_ref().map(|file| folder.join(file)),
+            transfer_image: classify.image.as_ref().map(image),
+        }
     }
 
     fn into_layer(self, folder: &Path) -> Result<LayerFile, Diagnostic> {
@@ -92,6 +109,8 @@ impl LayerSection {
                 "the scene has no [volume] and no [mesh]: add one with path, or generate a volume";
             Diagnostic::at("volume", "", what)
         })?;
+        classify.as_ref().map_or(Ok(()), ClassifySection::check_ways)?;
+        let transfer_2d = classify.as_ref().map(ClassifySection::to_transfer_2d);
         let by_gradient = classify.as_ref().map(ClassifySection::checked_gradient_opacity);
         let isosurfaces = classify.iter().flat_map(|section| &section.isosurfaces);
         let isosurfaces =
@@ -102,6 +121,7 @@ impl LayerSection {
             spacing: volume.checked_spacing()?,
             volume: volume.into_source(folder)?,
             transfer: transfer.flatten(),
+            transfer_2d: transfer_2d.transpose()?.flatten(),
             gradient_opacity: by_gradient.transpose()?.flatten(),
             labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
             isosurfaces,

@@ -2,8 +2,8 @@
 //!
 //! Reading order: this file (what a scene file says), `document`, `settings_section` and `choice` (how it
 //! spells it), `layers` and `sections` (what that means), `camera`, `labels` and `label_table`, `region`,
-//! `preset` and `color_map` (transfer functions from elsewhere), `diagnostic` (what a file does wrong, and in
-//! which line).
+//! `preset`, `color_map` and `transfer_image` (transfer functions from elsewhere), `diagnostic` (what a file
+//! does wrong, and in which line).
 
 mod document;
 
@@ -20,13 +20,15 @@ mod region;
 mod color_map;
 mod mesh;
 mod preset;
+mod transfer_image;
 
 mod diagnostic;
 
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{
-    ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading, TransferFunction,
+    ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading,
+    TransferFunction, TransferFunction2d,
 };
 
 pub use camera::{CameraDesc, ProjectionKind};
@@ -35,10 +37,12 @@ pub use labels::{LabelColors, LabelsFile};
 pub use mesh::MeshFile;
 pub use preset::{PRESET_NAMES, preset_transfer};
 pub use region::RegionDesc;
+pub use transfer_image::TransferImageFile;
 
 use crate::{IoError, LoadedVolume, VolumeFormat, builtin_volume, read_volume, text};
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
+use layers::LookFiles;
 
 /// What a scene file says. What it leaves to the volumes is `None`: transfer functions, and the camera's
 /// parts.
@@ -71,6 +75,8 @@ pub struct LayerFile {
     pub spacing: Option<[f64; 3]>,
     /// Which values are visible, and in which colour.
     pub transfer: Option<TransferFunction>,
+    /// What decides instead, by values and gradients together.
+    pub transfer_2d: Option<TransferFunction2d>,
     /// What opacities are multiplied with, by the length of the gradient per voxel step.
     pub gradient_opacity: Option<PiecewiseLinear<1>>,
     /// What its voxels belong to.
@@ -108,10 +114,14 @@ pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
     let document: Document =
         toml::from_str(&text).map_err(|error| in_file(from_toml(&error, &text)))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let (mut scene, color_maps) = document.into_scene(folder).map_err(in_file)?;
-    for (layer, color_map) in scene.layers.iter_mut().zip(color_maps) {
+    let (mut scene, look_files) = document.into_scene(folder).map_err(in_file)?;
+    for (layer, LookFiles { color_map, transfer_image }) in scene.layers.iter_mut().zip(look_files)
+    {
         if let Some(color_map) = color_map {
             layer.transfer = Some(read_color_map(&color_map)?);
+        }
+        if let Some(image) = transfer_image {
+            layer.transfer_2d = Some(image.load()?);
         }
     }
     Ok(scene)
@@ -149,6 +159,7 @@ impl LayerFile {
             volume,
             spacing: None,
             transfer: None,
+            transfer_2d: None,
             gradient_opacity: None,
             labels: None,
             isosurfaces: Vec::new(),

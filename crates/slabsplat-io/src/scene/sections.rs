@@ -6,13 +6,14 @@ use std::path::Path;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     ImageDesc, Isosurface, LabelStyle, Light, NotAChoice, Phong, PiecewiseLinear, Plane, Region,
-    RenderSettings, Shading, TransferError, TransferFunction,
+    RenderSettings, Shading, Transfer2dError, TransferBox, TransferError, TransferFunction,
+    TransferFunction2d,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    CameraSection, ClassifySection, ImageSection, IsosurfaceSection, LabelStyleSection,
+    BoxSection, CameraSection, ClassifySection, ImageSection, IsosurfaceSection, LabelStyleSection,
     LabelsSection, LightSection, RegionSection, VolumeSection,
 };
 use super::preset::preset_transfer;
@@ -48,15 +49,8 @@ impl VolumeSection {
 impl ClassifySection {
     /// `None` if the section has none, or it is in a file.
     pub(super) fn into_transfer(self) -> Result<Option<TransferFunction>, Diagnostic> {
-        let Self { opacity, color, preset, file, gradient_opacity: _, isosurfaces: _ } = self;
-        let n_ways = usize::from(opacity.is_some() || color.is_some())
-            + usize::from(preset.is_some())
-            + usize::from(file.is_some());
-        if 1 < n_ways {
-            let what = "[classify] takes one of: opacity (and color), preset, file";
-            return Err(Diagnostic::at("classify", "", what));
-        }
-        if n_ways == 0 || file.is_some() {
+        let Self { opacity, color, preset, .. } = self;
+        if opacity.is_none() && color.is_none() && preset.is_none() {
             return Ok(None);
         }
         if let Some(name) = preset {
@@ -69,6 +63,43 @@ impl ClassifySection {
             .ok_or_else(|| Diagnostic::at("classify", "color", "color needs opacity beside it"))?;
         let color = color.unwrap_or_else(|| vec![[0.0, 1.0, 1.0, 1.0]]);
         transfer(&opacity, &color).map(Some)
+    }
+}
+
+impl ClassifySection {
+    /// That there is no second one beside what says how values look.
+    pub(super) fn check_ways(&self) -> Result<(), Diagnostic> {
+        let ways = [
+            self.opacity.is_some() || self.color.is_some(),
+            self.preset.is_some(),
+            self.file.is_some(),
+            self.boxes.is_some(),
+            self.image.is_some(),
+        ];
+        if 1 < ways.into_iter().filter(|&is_there| is_there).count() {
+            let what = "[classify] takes one of: opacity (and color), preset, file, boxes, image";
+            return Err(Diagnostic::at("classify", "", what));
+        }
+        Ok(())
+    }
+
+    /// `None` if the section has none, or it is in a file.
+    pub(super) fn to_transfer_2d(&self) -> Result<Option<TransferFunction2d>, Diagnostic> {
+        let Some(boxes) = &self.boxes else { return Ok(None) };
+        let boxes = boxes.iter().map(BoxSection::to_box).collect::<Result<_, _>>();
+        boxes
+            .map(|boxes| Some(TransferFunction2d::Boxes(boxes)))
+            .map_err(|error| Diagnostic::at("classify", "boxes", error.to_string()))
+    }
+}
+
+impl BoxSection {
+    fn to_box(&self) -> Result<TransferBox, Transfer2dError> {
+        let Self { values, gradients, opacity, color, fade } = *self;
+        TransferBox::new(values, gradients.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]))?
+            .opacity(opacity.unwrap_or(1.0))?
+            .color(color.unwrap_or([1.0; 3]))?
+            .fade(fade.unwrap_or([0.0; 2]))
     }
 }
 
@@ -93,11 +124,14 @@ impl ClassifySection {
 
     /// What must be there, and not in a file.
     fn into_points(self) -> Result<TransferFunction, Diagnostic> {
-        if self.gradient_opacity.is_some() || !self.isosurfaces.is_empty() {
-            let what = "gradient_opacity and isosurfaces are a layer's, and no label's: they go into its \
-                        [classify]";
+        let is_by_gradient =
+            self.gradient_opacity.is_some() || self.boxes.is_some() || self.image.is_some();
+        if is_by_gradient || !self.isosurfaces.is_empty() {
+            let what = "boxes, image, gradient_opacity and isosurfaces are a layer's, and no label's: they go \
+                        into its [classify]";
             return Err(Diagnostic::at("labels", "styles", what));
         }
+        self.check_ways()?;
         let what = "classify of a style needs opacity (and color), or preset";
         self.into_transfer()?.ok_or_else(|| Diagnostic::at("labels", "styles", what))
     }

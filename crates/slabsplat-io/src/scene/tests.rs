@@ -283,6 +283,15 @@ fn scene_bad_values_name_their_line() {
     check("[classify]\npreset = \"gray\"\nfile = \"a\"", ":4: [classify] takes one of");
     check("[classify]\npreset = \"grey\"", ":5: there is no preset \"grey\"");
     check("[classify]\ngradient_opacity = [[0, 1.5]]", ":5: point 0 of gradient_opacity");
+    check("[classify]\nboxes = []\npreset = \"gray\"", ":4: [classify] takes one of");
+    check("[classify]\nboxes = [{ gradients = [0, 1] }]", ":5: missing field `values`");
+    check("[classify]\nboxes = [{ values = [1, 0] }]", ":5: values go from the least to the");
+    check("[classify]\nboxes = [{ values = [0, 1], fade = [0.6, 0] }]", "not over 0.6 of 0 to 1");
+    check(
+        "[classify]\nboxes = [{ values = [0, 1], opacity = 2 }]",
+        ":5: the opacity of a transfer",
+    );
+    check("[classify]\nimage = { file = \"a.png\" }", ":5: missing field `values`");
     check("[classify]\nisosurfaces = [{ value = nan }]", ":5: an isosurface needs a finite value");
     check("[[classify.isosurfaces]]\nvalue = 1\nopacity = 2", "between 0 and 1, not at 2");
     check("[classify]\nisosurfaces = [{ opacity = 1 }]", ":5: missing field `value`");
@@ -306,6 +315,21 @@ fn scene_bad_values_name_their_line() {
     check("[[layers]]", ":1: [volume] belongs below [[layers]], as [layers.volume]");
     check("[volume]", ":4: ");
     check("x = [", ":4: ");
+}
+
+#[test]
+fn scene_has_two_dimensional_transfer_functions() {
+    let boxes = "[classify]\nboxes = [{ values = [2, 4], gradients = [1, inf], opacity = 0.5 }, { values \
+                 = [5, 9], color = [1, 0, 0], fade = [2, 0] }]";
+    let layer = read_layer(&format!("{SMALL}{boxes}"));
+    let transfer = layer.transfer_2d.unwrap();
+    assert!(layer.transfer.is_none() && (transfer.opacity(3.0, 7.0) - 0.5).abs() < 1e-12);
+    assert_eq!(transfer.opacity(3.0, 0.5), 0.0);
+    assert_eq!(transfer.at(6.0, 0.0).1, [1.0, 0.0, 0.0]);
+    assert!((transfer.opacity(6.0, 0.0) - 0.5).abs() < 1e-12);
+    let image = "[classify]\nimage = { file = \"no.png\", values = [0, 1], gradients = [0, 1] }";
+    let error = read(&format!("{SMALL}{image}")).unwrap_err();
+    assert!(error.contains("cannot read no.png"), "{error}");
 }
 
 const TWO_LAYERS: &str = r#"

@@ -1,29 +1,28 @@
-//! What opacities are multiplied with where values change as fast as they do (model §6).
+//! How much values change in a `unit`, which opacities may depend on (model §6).
 
 use crate::order::Ordered;
+use slabsplat_core::Volume;
 use slabsplat_core::glam::{DMat3, DVec3};
-use slabsplat_core::{PiecewiseLinear, Volume};
 
-/// A function of the gradient's length, voxel by voxel.
+/// The lengths of gradients, voxel by voxel, per `unit`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct GradientOpacity<'a, T> {
+pub(crate) struct GradientLengths<'a, T> {
     samples: &'a [T],
     dims: [usize; 3],
     /// From differences of samples to the gradient of values, per `unit`.
     gradient_from_differences: DMat3,
-    factor: &'a PiecewiseLinear<1>,
 }
 
-impl<'a, T: Ordered> GradientOpacity<'a, T> {
+impl<'a, T: Ordered> GradientLengths<'a, T> {
     /// `samples` are those of `volume`.
-    pub(crate) fn new(volume: &Volume, samples: &'a [T], factor: &'a PiecewiseLinear<1>) -> Self {
+    pub(crate) fn new(volume: &Volume, samples: &'a [T]) -> Self {
         let grid = volume.grid();
         let per_unit = volume.scaling().slope * grid.unit();
         let gradient_from_differences = grid.index_from_world().matrix3.transpose() * per_unit;
-        Self { samples, dims: grid.dims(), gradient_from_differences, factor }
+        Self { samples, dims: grid.dims(), gradient_from_differences }
     }
 
-    /// 0 … 1.
+    /// At least 0, and never NaN.
     #[inline]
     pub(crate) fn at(&self, coords: [usize; 3]) -> f64 {
         let [n_x, n_y, _] = self.dims;
@@ -35,7 +34,7 @@ impl<'a, T: Ordered> GradientOpacity<'a, T> {
         };
         let gradient = self.gradient_from_differences * DVec3::new(along(0), along(1), along(2));
         let length = gradient.length();
-        self.factor.at(if length.is_nan() { f64::INFINITY } else { length })[0]
+        if length.is_nan() { f64::INFINITY } else { length }
     }
 
     /// Of the samples beside a voxel; NaN beside infinities, too.
