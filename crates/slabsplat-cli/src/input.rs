@@ -26,6 +26,7 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 
 /// The volumes of `file`, the first of them as the flags describe it.
 pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
+    io::check_memory(file.layers.iter().flat_map(LayerFile::memory_needs).collect())?;
     let Some((first, others)) = file.layers.split_first_mut() else {
         if flags.spacing.is_some() || flags.desc()?.is_some() {
             bail!("there is no volume that --spacing, --dims and the like could describe");

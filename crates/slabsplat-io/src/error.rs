@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
+use crate::memory::{MemoryNeeds, in_units};
 use slabsplat_core::{GridError, LabelError, VolumeError};
 
 /// Why a file could not be read or written, or a built-in volume not made.
@@ -71,6 +72,18 @@ pub enum IoError {
         found: u64,
         /// What to do.
         hint: &'static str,
+    },
+    /// There is no room for what a scene shows.
+    #[error(
+        "the volumes need {} of memory, and {} are free: {needs}",
+        in_units(needs.total_bytes()),
+        in_units(*free_bytes)
+    )]
+    OutOfMemory {
+        /// What each of them needs.
+        needs: MemoryNeeds,
+        /// What is free.
+        free_bytes: u64,
     },
     /// The grid that the file describes cannot be used.
     #[error("{}: {source}", path.display())]

@@ -44,7 +44,7 @@
 //!
 //! # Reading order
 //!
-//! `error`; `volume` and its folders; `mesh`; `builtin`; `scene`; `picture`.
+//! `error`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`; `picture`.
 
 mod error;
 
@@ -58,10 +58,12 @@ mod scene;
 
 mod picture;
 
+mod memory;
 mod text;
 
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
 pub use error::IoError;
+pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{write_exr, write_picture, write_png};
 pub use scene::{
@@ -69,4 +71,6 @@ pub use scene::{
     RegionDesc, SceneFile, TransferImageFile, VolumeSource, preset_transfer, read_color_map,
     read_scene,
 };
-pub use volume::{Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume};
+pub use volume::{
+    Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume, volume_bytes,
+};

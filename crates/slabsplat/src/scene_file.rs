@@ -5,7 +5,7 @@ use crate::automatic::{Extent, fitting_camera};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{CameraError, Grid, Layer, MeshLayer, RegionError, Scene, Volume};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume, SceneFile};
+use slabsplat_io::{IoError, LayerFile, LoadedVolume, SceneFile, check_memory};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -41,8 +41,10 @@ impl OpenScene {
     /// Loads the volumes and meshes of `file` and fills in what the file leaves out.
     ///
     /// # Errors
-    /// If a volume or a mesh cannot be read, or the camera or a region makes no sense.
+    /// If a volume or a mesh cannot be read, or all volumes have no room in memory, or the camera or a region
+    /// makes no sense.
     pub fn open(file: &SceneFile) -> Result<Self, OpenError> {
+        check_memory(file.layers.iter().flat_map(LayerFile::memory_needs).collect())?;
         let loaded = file.layers.iter().map(LayerFile::load_volume).collect::<Result<_, _>>()?;
         Self::with_volumes(loaded, file)
     }

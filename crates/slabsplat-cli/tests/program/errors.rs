@@ -147,6 +147,18 @@ fn errors_of_transfer_functions() {
 }
 
 #[test]
+fn errors_of_memory_say_what_each_volume_needs() {
+    let dir = tempfile::tempdir().unwrap();
+    let huge = r#"{"dims": [60000, 60000, 60000], "type": "uint8"}"#;
+    std::fs::write(dir.path().join("huge.json"), huge).unwrap();
+    let small = r#"{"dims": [10, 10, 10], "type": "int16", "endian": "little"}"#;
+    std::fs::write(dir.path().join("small.json"), small).unwrap();
+    let line = diagnostic(dir.path(), "render small.json --layer huge.json -o a.png");
+    let needs = ["196.5 TiB of memory", "small.json 2.0 KiB", "huge.json 196.5 TiB"];
+    assert!(needs.iter().all(|need| line.contains(need)), "{line}");
+}
+
+#[test]
 fn errors_keep_the_old_picture() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("a.png"), "old").unwrap();

@@ -200,7 +200,7 @@ impl VolumeSource {
     }
 
     /// What stands for the volume in a message.
-    fn path(&self) -> PathBuf {
+    pub(crate) fn path(&self) -> PathBuf {
         match self {
             Self::File(path) => path.clone(),
             Self::Builtin { name, .. } => PathBuf::from(name),

@@ -15,7 +15,7 @@ mod nrrd;
 mod raw;
 mod sidecar;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
@@ -71,15 +71,46 @@ impl VolumeFormat {
 /// If the file cannot be read, is in no such format, is broken, or holds something other than one
 /// scalar volume.
 pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
+    match header_of(path)? {
+        HeaderFile::Nrrd(header) => nrrd::read(&header),
+        HeaderFile::Nifti(header) => nifti::read(&header),
+        HeaderFile::Sidecar(header) => sidecar::read(&header),
+    }
+}
+
+/// Bytes that the samples of a volume will take in memory, on the word of its header, which nothing has
+/// backed yet.
+///
+/// # Errors
+/// As [`read_volume`], as far as the header tells.
+pub fn volume_bytes(path: &Path) -> Result<u64, IoError> {
+    let (dims, sample_type) = match header_of(path)? {
+        HeaderFile::Nrrd(header) => nrrd::dims_and_type(&header),
+        HeaderFile::Nifti(header) => nifti::dims_and_type(&header),
+        HeaderFile::Sidecar(header) => sidecar::dims_and_type(&header),
+    }?;
+    let n_voxels = dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
+    Ok(n_voxels.saturating_mul(sample_type.size_bytes() as u64))
+}
+
+/// The file that says what a volume is like.
+enum HeaderFile {
+    Nrrd(PathBuf),
+    Nifti(PathBuf),
+    Sidecar(PathBuf),
+}
+
+/// By the content of a file, or by its name where that says nothing.
+fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
     let start = stream::first_bytes(path)?;
     if nrrd::is_nrrd(&start) {
-        return nrrd::read(path);
+        return Ok(HeaderFile::Nrrd(path.to_owned()));
     }
     if nifti::is_header(&start) {
-        return nifti::read(path);
+        return Ok(HeaderFile::Nifti(path.to_owned()));
     }
     match stream::plain_extension(path).as_str() {
-        "json" => sidecar::read(path),
+        "json" => Ok(HeaderFile::Sidecar(path.to_owned())),
         "nrrd" | "nhdr" => {
             Err(IoError::malformed(path, "not an NRRD file: it does not begin with NRRD000"))
         }
@@ -88,8 +119,10 @@ pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
             "not a NIfTI file, or cut off: it does not begin with a whole NIfTI header (Analyze 7.5 is not \
              read)",
         )),
-        "img" => nifti::read_by_image(path),
-        _ if path.with_extension("json").is_file() => sidecar::read(&path.with_extension("json")),
+        "img" => nifti::header_beside(path).map(HeaderFile::Nifti),
+        _ if path.with_extension("json").is_file() => {
+            Ok(HeaderFile::Sidecar(path.with_extension("json")))
+        }
         _ => Err(IoError::UnknownFormat { path: path.to_owned() }),
     }
 }

@@ -38,10 +38,8 @@ fn unit_spacing() -> [f64; 3] {
 
 pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
     let malformed = |what: String| IoError::malformed(path, what);
-    let sidecar: Sidecar = serde_json::from_str(&text::read(path)?)
-        .map_err(|e| malformed(format!("not a description of a raw volume: {e}")))?;
-    let sample_type = names::sample_type(&sidecar.r#type)
-        .ok_or_else(|| IoError::unsupported(path, names::unknown_type(&sidecar.r#type)))?;
+    let sidecar = parse(path)?;
+    let sample_type = sidecar.sample_type(path)?;
     if let Some(order) = sidecar.order.filter(|order| !order.starts_with("x fastest")) {
         let what =
             format!("voxels stored {order:?} cannot be read: store x fastest, then y, then z");
@@ -59,6 +57,25 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
         None => path.with_extension("raw"),
     };
     placed_at(read_raw(&data_path, &desc)?, sidecar.origin, path)
+}
+
+/// What a description says of the volume's size.
+pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
+    let sidecar = parse(path)?;
+    Ok((sidecar.dims, sidecar.sample_type(path)?))
+}
+
+fn parse(path: &Path) -> Result<Sidecar, IoError> {
+    serde_json::from_str(&text::read(path)?).map_err(|error| {
+        IoError::malformed(path, format!("not a description of a raw volume: {error}"))
+    })
+}
+
+impl Sidecar {
+    fn sample_type(&self, path: &Path) -> Result<SampleType, IoError> {
+        names::sample_type(&self.r#type)
+            .ok_or_else(|| IoError::unsupported(path, names::unknown_type(&self.r#type)))
+    }
 }
 
 fn endian(name: Option<&str>, sample_type: SampleType) -> Result<Endian, String> {

@@ -28,8 +28,7 @@ pub(super) fn is_header(start: &[u8]) -> bool {
 
 /// Reads a volume by its header, which may hold the voxels too.
 pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
-    let header = Header::parse(&first_bytes(path)?)
-        .ok_or_else(|| IoError::malformed(path, "not a NIfTI header"))?;
+    let header = parse(path)?;
     let mut warnings = Vec::new();
     let dims = dims(&header, path, &mut warnings)?;
     let grid = orientation::grid(&header, dims, &mut warnings)
@@ -53,13 +52,22 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
     Ok(LoadedVolume { volume, format, warnings })
 }
 
-/// Reads a volume by the second file of a pair.
-pub(super) fn read_by_image(path: &Path) -> Result<LoadedVolume, IoError> {
-    let header_path = counterpart(path, "hdr").ok_or_else(|| {
+/// What a header says of the volume's size.
+pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
+    let header = parse(path)?;
+    Ok((dims(&header, path, &mut Vec::new())?, sample_type(&header, path)?))
+}
+
+fn parse(path: &Path) -> Result<Header, IoError> {
+    Header::parse(&first_bytes(path)?).ok_or_else(|| IoError::malformed(path, "not a NIfTI header"))
+}
+
+/// The first file of a pair, by the second.
+pub(super) fn header_beside(path: &Path) -> Result<PathBuf, IoError> {
+    counterpart(path, "hdr").ok_or_else(|| {
         let what = "an image without a header: the file of this name with .hdr is missing";
         IoError::malformed(path, what)
-    })?;
-    read(&header_path)
+    })
 }
 
 fn image_of(path: &Path) -> Result<PathBuf, IoError> {

@@ -56,6 +56,12 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
     Ok(LoadedVolume { volume, format: VolumeFormat::Nrrd, warnings })
 }
 
+/// What a header says of the volume's size.
+pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
+    let header = Header::read(path)?;
+    Ok((axes::find(&header)?.dims, sample_type(&header)?))
+}
+
 fn sample_type(header: &Header) -> Result<SampleType, IoError> {
     let name = header.needed("type")?;
     names::sample_type(name).ok_or_else(|| header.unsupported(names::unknown_type(name)))

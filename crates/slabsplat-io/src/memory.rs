@@ -1,0 +1,155 @@
+//! Whether what a scene shows has room in memory, before any of it is read.
+//!
+//! How much is free is what the system says (`sysinfo`), and no more than a container's limit leaves. What a
+//! frame needs beside the volumes depends on what is visible, and is not counted.
+
+use std::fmt;
+
+use sysinfo::{MemoryRefreshKind, RefreshKind, System};
+
+use crate::{IoError, LayerFile, VolumeSource, volume_bytes};
+
+/// Memory that something takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryNeed {
+    /// What takes it, for people.
+    pub what: String,
+    /// How much that is.
+    pub bytes: u64,
+}
+
+/// What [`IoError::OutOfMemory`] lists.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MemoryNeeds(pub Vec<MemoryNeed>);
+
+impl LayerFile {
+    /// What its volume and its labels take, on the word of their headers. What cannot be read takes nothing:
+    /// that is told when it is.
+    pub fn memory_needs(&self) -> Vec<MemoryNeed> {
+        let volume = match &self.volume {
+            VolumeSource::File(path) => volume_bytes(path).ok(),
+            VolumeSource::Builtin { .. } => None,
+        };
+        let volume = volume
+            .map(|bytes| MemoryNeed { what: self.volume.path().display().to_string(), bytes });
+        let labels = self.labels.as_ref().and_then(|labels| {
+            let bytes = volume_bytes(&labels.path).ok()?;
+            Some(MemoryNeed { what: labels.path.display().to_string(), bytes })
+        });
+        volume.into_iter().chain(labels).collect()
+    }
+}
+
+/// That all of it has room at once.
+///
+/// # Errors
+/// If it has not, which says how much each needs.
+pub fn check_memory(needs: Vec<MemoryNeed>) -> Result<(), IoError> {
+    match free_bytes() {
+        Some(free_bytes) => check_within(needs, free_bytes),
+        None => Ok(()),
+    }
+}
+
+fn check_within(needs: Vec<MemoryNeed>, free_bytes: u64) -> Result<(), IoError> {
+    let needs = MemoryNeeds(needs);
+    if needs.total_bytes() <= free_bytes {
+        return Ok(());
+    }
+    Err(IoError::OutOfMemory { needs, free_bytes })
+}
+
+/// `None` where the system does not tell.
+fn free_bytes() -> Option<u64> {
+    let memory =
+        RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram().with_swap());
+    let system = System::new_with_specifics(memory);
+    let free = system.available_memory().saturating_add(system.free_swap());
+    let of_container = system.cgroup_limits().map(|limits| limits.free_memory);
+    Some(free.min(of_container.unwrap_or(u64::MAX))).filter(|&free| 0 < free)
+}
+
+impl MemoryNeeds {
+    pub(crate) fn total_bytes(&self) -> u64 {
+        self.0.iter().fold(0, |sum, need| sum.saturating_add(need.bytes))
+    }
+}
+
+impl fmt::Display for MemoryNeeds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (idx, MemoryNeed { what, bytes }) in self.0.iter().enumerate() {
+            let separator = if idx == 0 { "" } else { ", " };
+            write!(f, "{separator}{what} {}", in_units(*bytes))?;
+        }
+        Ok(())
+    }
+}
+
+/// Bytes as people read them.
+pub(crate) fn in_units(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["bytes", "KiB", "MiB", "GiB", "TiB"];
+    let mut number = bytes as f64;
+    let mut unit = 0;
+    while 1024.0 <= number && unit + 1 < UNITS.len() {
+        number /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 { format!("{bytes} bytes") } else { format!("{number:.1} {}", UNITS[unit]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_errors_say_what_each_needs() {
+        let need = |what: &str, bytes| MemoryNeed { what: what.to_owned(), bytes };
+        let needs = vec![need("cortex.nii.gz", 3 << 30), need("vessels.nrrd", 5 << 20)];
+        assert!(check_within(needs.clone(), 4 << 30).is_ok());
+        let error = check_within(needs, 2 << 30).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "the volumes need 3.0 GiB of memory, and 2.0 GiB are free: cortex.nii.gz 3.0 GiB, vessels.nrrd \
+             5.0 MiB"
+        );
+        assert!(check_within(vec![need("a", u64::MAX), need("b", 1)], 9).is_err());
+    }
+
+    #[test]
+    fn memory_needs_are_those_of_headers() {
+        let dir = tempfile::tempdir().unwrap();
+        let check = |name: &str, header: &str, expected: &[u64]| {
+            let path = dir.path().join(name);
+            std::fs::write(&path, header).unwrap();
+            let needs = LayerFile::of_volume(VolumeSource::File(path)).memory_needs();
+            let bytes: Vec<u64> = needs.iter().map(|need| need.bytes).collect();
+            assert_eq!(bytes, expected, "{header}");
+        };
+        let nrrd = |sizes: &str| {
+            format!(
+                "NRRD0004\ntype: int16\ndimension: 3\nsizes: {sizes}\nencoding: gzip\nendian: little\n\n"
+            )
+        };
+        check("a.nrrd", &nrrd("4 5 6"), &[240]);
+        check("b.nrrd", &nrrd("4000000000 4000000000 4000000000"), &[u64::MAX]);
+        check("a.json", r#"{"dims": [2, 3, 4], "type": "float64"}"#, &[192]);
+        check("broken.json", "{}", &[]);
+        let builtin = VolumeSource::Builtin { name: "cube".to_owned(), size: None };
+        assert!(LayerFile::of_volume(builtin).memory_needs().is_empty());
+    }
+
+    #[test]
+    fn memory_is_told_in_units() {
+        assert_eq!(in_units(1023), "1023 bytes");
+        assert_eq!(in_units(1536), "1.5 KiB");
+        assert_eq!(in_units(u64::MAX), "16777216.0 TiB");
+    }
+
+    /// Where it is not known nothing is refused; where it is, a byte has room.
+    #[test]
+    fn memory_that_is_free_is_some() {
+        assert!(free_bytes().is_none_or(|free| 1 << 20 < free));
+        let byte = MemoryNeed { what: "a byte".to_owned(), bytes: 1 };
+        assert!(check_memory(vec![byte]).is_ok());
+    }
+}
