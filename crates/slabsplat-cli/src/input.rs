@@ -2,7 +2,9 @@
 
 use crate::flags::RawFlags;
 use anyhow::{Result, anyhow, bail};
-use slabsplat::io::{self, IoError, LayerFile, LoadedVolume, SceneFile, VolumeSource};
+use slabsplat::io::{
+    self, IoError, LayerFile, LoadedVolume, MemoryNeed, RawDesc, SceneFile, VolumeSource,
+};
 use std::path::Path;
 
 /// The scene of `input`. That of a volume or a mesh is empty: all of it is found from what that holds.
@@ -26,35 +28,32 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 
 /// The volumes of `file`, the first of them as the flags describe it.
 pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
-    io::check_memory(file.layers.iter().flat_map(LayerFile::memory_needs).collect())?;
-    let Some((first, others)) = file.layers.split_first_mut() else {
-        if flags.spacing.is_some() || flags.desc()?.is_some() {
+    io::check_memory(MemoryNeed::of_layers(&file.layers))?;
+    let mut desc = flags.desc()?;
+    let Some(first) = file.layers.first_mut() else {
+        if flags.spacing.is_some() || desc.is_some() {
             bail!("there is no volume that --spacing, --dims and the like could describe");
         }
         return Ok(Vec::new());
     };
-    let mut volumes = vec![load_as(first, flags)?];
-    for other in others {
-        volumes.push(load_as(other, &RawFlags::default())?);
-    }
-    Ok(volumes)
-}
-
-fn load_as(layer: &mut LayerFile, flags: &RawFlags) -> Result<LoadedVolume> {
     if let Some(spacing) = flags.spacing {
-        layer.spacing = Some(spacing.to_array());
+        first.spacing = Some(spacing.to_array());
     }
-    let Some(mut desc) = flags.desc()? else {
-        return layer.load_volume().map_err(|error| match error {
+    LayerFile::load_volumes(&file.layers, |layer| match desc.take() {
+        Some(desc) => load_raw(layer, &desc),
+        None => layer.load_volume().map_err(|error| match error {
             IoError::UnknownFormat { .. } => {
                 anyhow!("{error}; --dims and --type tell what a raw file holds")
             }
             _ => error.into(),
-        });
-    };
-    desc.spacing = layer.spacing.unwrap_or(desc.spacing);
+        }),
+    })
+}
+
+fn load_raw(layer: &LayerFile, desc: &RawDesc) -> Result<LoadedVolume> {
+    let spacing = layer.spacing.unwrap_or(desc.spacing);
     match &layer.volume {
-        VolumeSource::File(path) => Ok(io::read_raw(path, &desc)?),
+        VolumeSource::File(path) => Ok(io::read_raw(path, &RawDesc { spacing, ..*desc })?),
         VolumeSource::Builtin { name, .. } => {
             bail!("{name} is built in, not a raw file: leave out --dims, --type and the like")
         }

@@ -4,6 +4,7 @@
 //! frame needs beside the volumes depends on what is visible, and is not counted.
 
 use std::fmt;
+use std::path::Path;
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
@@ -22,21 +23,34 @@ pub struct MemoryNeed {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryNeeds(pub Vec<MemoryNeed>);
 
-impl LayerFile {
-    /// What its volume and its labels take, on the word of their headers. What cannot be read takes nothing:
-    /// that is told when it is.
-    pub fn memory_needs(&self) -> Vec<MemoryNeed> {
-        let volume = match &self.volume {
-            VolumeSource::File(path) => volume_bytes(path).ok(),
-            VolumeSource::Builtin { .. } => None,
+impl MemoryNeed {
+    /// What volumes and labels of layers take, on the word of their headers. What cannot be read takes
+    /// nothing: that is told when it is.
+    pub fn of_layers(layers: &[LayerFile]) -> Vec<Self> {
+        let with_index = layers.iter().enumerate();
+        let is_first = |(idx, layer): &(usize, &LayerFile)| {
+            !layers[..*idx].iter().any(|before| layer.shares_volume(before))
         };
-        let volume = volume
-            .map(|bytes| MemoryNeed { what: self.volume.path().display().to_string(), bytes });
-        let labels = self.labels.as_ref().and_then(|labels| {
-            let bytes = volume_bytes(&labels.path).ok()?;
-            Some(MemoryNeed { what: labels.path.display().to_string(), bytes })
-        });
-        volume.into_iter().chain(labels).collect()
+        let volumes = with_index.filter(is_first).filter_map(|(_, layer)| layer.need_of_volume());
+        volumes.chain(layers.iter().filter_map(LayerFile::need_of_labels)).collect()
+    }
+}
+
+impl LayerFile {
+    fn need_of_volume(&self) -> Option<MemoryNeed> {
+        let VolumeSource::File(path) = &self.volume else { return None };
+        MemoryNeed::of_file(path)
+    }
+
+    fn need_of_labels(&self) -> Option<MemoryNeed> {
+        MemoryNeed::of_file(&self.labels.as_ref()?.path)
+    }
+}
+
+impl MemoryNeed {
+    fn of_file(path: &Path) -> Option<Self> {
+        let bytes = volume_bytes(path).ok()?;
+        Some(Self { what: path.display().to_string(), bytes })
     }
 }
 
@@ -121,7 +135,8 @@ mod tests {
         let check = |name: &str, header: &str, expected: &[u64]| {
             let path = dir.path().join(name);
             std::fs::write(&path, header).unwrap();
-            let needs = LayerFile::of_volume(VolumeSource::File(path)).memory_needs();
+            let layer = LayerFile::of_volume(VolumeSource::File(path));
+            let needs = MemoryNeed::of_layers(&[layer.clone(), layer]);
             let bytes: Vec<u64> = needs.iter().map(|need| need.bytes).collect();
             assert_eq!(bytes, expected, "{header}");
         };
@@ -135,7 +150,7 @@ mod tests {
         check("a.json", r#"{"dims": [2, 3, 4], "type": "float64"}"#, &[192]);
         check("broken.json", "{}", &[]);
         let builtin = VolumeSource::Builtin { name: "cube".to_owned(), size: None };
-        assert!(LayerFile::of_volume(builtin).memory_needs().is_empty());
+        assert!(MemoryNeed::of_layers(&[LayerFile::of_volume(builtin)]).is_empty());
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::automatic::{Extent, fitting_camera};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{CameraError, Grid, Layer, MeshLayer, RegionError, Scene, Volume};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume, SceneFile, check_memory};
+use slabsplat_io::{IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -44,8 +44,8 @@ impl OpenScene {
     /// If a volume or a mesh cannot be read, or all volumes have no room in memory, or the camera or a region
     /// makes no sense.
     pub fn open(file: &SceneFile) -> Result<Self, OpenError> {
-        check_memory(file.layers.iter().flat_map(LayerFile::memory_needs).collect())?;
-        let loaded = file.layers.iter().map(LayerFile::load_volume).collect::<Result<_, _>>()?;
+        check_memory(MemoryNeed::of_layers(&file.layers))?;
+        let loaded = LayerFile::load_volumes(&file.layers, LayerFile::load_volume)?;
         Self::with_volumes(loaded, file)
     }
 
@@ -92,11 +92,10 @@ impl OpenScene {
 }
 
 fn layer(
-    volume: Volume,
+    volume: Arc<Volume>,
     file: &LayerFile,
     all_warnings: &mut Vec<String>,
 ) -> Result<Layer, OpenError> {
-    let volume = Arc::new(volume);
     let automatic = || Automatic::new(volume.clone()).transfer().clone();
     let transfer = file.transfer.clone().unwrap_or_else(automatic);
     let region = file.region.on(volume.grid())?;

@@ -168,6 +168,30 @@ impl LayerFile {
         }
     }
 
+    /// Whether its volume is that of the other layer, so that one may serve both.
+    pub fn shares_volume(&self, other: &Self) -> bool {
+        self.volume == other.volume && self.spacing == other.spacing
+    }
+
+    /// The volumes of all layers, by `load`; one that several of them show is loaded once.
+    ///
+    /// # Errors
+    /// As `load`.
+    pub fn load_volumes<E>(
+        layers: &[Self],
+        mut load: impl FnMut(&Self) -> Result<LoadedVolume, E>,
+    ) -> Result<Vec<LoadedVolume>, E> {
+        let mut volumes: Vec<LoadedVolume> = Vec::with_capacity(layers.len());
+        for layer in layers {
+            let before = layers.iter().zip(&volumes).find(|(other, _)| layer.shares_volume(other));
+            volumes.push(match before {
+                Some((_, loaded)) => LoadedVolume { warnings: Vec::new(), ..loaded.clone() },
+                None => load(layer)?,
+            });
+        }
+        Ok(volumes)
+    }
+
     /// Reads or makes the volume, with the layer's spacing if it has one.
     ///
     /// # Errors
@@ -192,7 +216,7 @@ impl VolumeSource {
         match self {
             Self::File(path) => read_volume(path),
             Self::Builtin { name, size } => Ok(LoadedVolume {
-                volume: builtin_volume(name, *size)?,
+                volume: builtin_volume(name, *size)?.into(),
                 format: VolumeFormat::Builtin,
                 warnings: Vec::new(),
             }),
@@ -200,7 +224,7 @@ impl VolumeSource {
     }
 
     /// What stands for the volume in a message.
-    pub(crate) fn path(&self) -> PathBuf {
+    fn path(&self) -> PathBuf {
         match self {
             Self::File(path) => path.clone(),
             Self::Builtin { name, .. } => PathBuf::from(name),

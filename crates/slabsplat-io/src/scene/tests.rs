@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
@@ -511,4 +512,23 @@ fn scene_loads_its_volume() {
 fn scene_must_be_there() {
     let err = read_scene(Path::new("/nonexistent/scene.toml")).unwrap_err().to_string();
     assert!(err.starts_with("cannot read /nonexistent/scene.toml: "), "{err}");
+}
+
+/// A volume that layers share is loaded once, and warned of once.
+#[test]
+fn scene_loads_each_volume_once() {
+    let cube = |size| LayerFile::of_volume(VolumeSource::Builtin { name: "cube".into(), size });
+    let stretched = LayerFile { spacing: Some([1.0, 1.0, 2.0]), ..cube(Some(8)) };
+    let layers = [cube(Some(8)), cube(Some(9)), stretched, cube(Some(8))];
+    let mut n_loaded = 0;
+    let volumes = LayerFile::load_volumes(&layers, |layer| {
+        n_loaded += 1;
+        let loaded = layer.load_volume()?;
+        Ok::<_, IoError>(LoadedVolume { warnings: vec!["once".to_owned()], ..loaded })
+    });
+    let volumes = volumes.unwrap();
+    assert_eq!((n_loaded, volumes.len()), (3, 4));
+    assert!(Arc::ptr_eq(&volumes[0].volume, &volumes[3].volume));
+    assert_eq!(volumes[2].volume.grid().spacing(), [1.0, 1.0, 2.0]);
+    assert_eq!(volumes.iter().map(|loaded| loaded.warnings.len()).sum::<usize>(), 3);
 }

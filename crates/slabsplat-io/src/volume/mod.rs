@@ -16,6 +16,7 @@ mod raw;
 mod sidecar;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
@@ -28,8 +29,8 @@ use crate::IoError;
 /// A volume, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
 pub struct LoadedVolume {
-    /// The volume, placed in RAS+ millimetres if the file says where it is.
-    pub volume: Volume,
+    /// The volume, placed in RAS+ millimetres if the file says where it is; a copy shares it.
+    pub volume: Arc<Volume>,
     /// What it was read from.
     pub format: VolumeFormat,
     /// What the file left open or got wrong, and what was assumed; one line each.
@@ -136,8 +137,16 @@ impl LoadedVolume {
     /// If a spacing is zero or not finite.
     pub fn with_spacing(self, spacing: [f64; 3]) -> Result<Self, GridError> {
         let grid = respaced(self.volume.grid(), spacing, self.format == VolumeFormat::Builtin)?;
-        let volume = self.volume.with_grid(grid).expect("the grid has as many voxels as before");
-        Ok(Self { volume, ..self })
+        Ok(self.on_grid(grid))
+    }
+}
+
+impl LoadedVolume {
+    /// The same on another grid of as many voxels.
+    fn on_grid(self, grid: Grid) -> Self {
+        let volume = Arc::unwrap_or_clone(self.volume).with_grid(grid);
+        let volume = volume.expect("the grid has as many voxels as before");
+        Self { volume: volume.into(), ..self }
     }
 }
 
@@ -163,8 +172,9 @@ fn assemble(
     grid: Grid,
     samples: Samples,
     scaling: Scaling,
-) -> Result<Volume, IoError> {
+) -> Result<Arc<Volume>, IoError> {
     Volume::new(grid, samples, scaling)
+        .map(Arc::new)
         .map_err(|source: VolumeError| IoError::Volume { path: path.to_owned(), source })
 }
 
@@ -190,6 +200,7 @@ mod tests {
     #[test]
     fn respaced_builtin_stays_centered() {
         let volume = crate::builtin_volume("cube", None).unwrap();
+        let volume = Arc::new(volume);
         let loaded = LoadedVolume { volume, format: VolumeFormat::Builtin, warnings: vec![] };
         let loaded = loaded.with_spacing([1.0, 1.0, 2.0]).unwrap();
         assert!(loaded.volume.grid().center_in_world().length() < 1e-12);

@@ -96,8 +96,7 @@ fn placed_at(loaded: LoadedVolume, origin: [f64; 3], path: &Path) -> Result<Load
     let placed = DAffine3::from_mat3_translation(matrix, DVec3::from_array(origin));
     let grid = Grid::new(grid.dims(), placed)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let volume = loaded.volume.with_grid(grid).expect("the grid has as many voxels as before");
-    Ok(LoadedVolume { volume, ..loaded })
+    Ok(loaded.on_grid(grid))
 }
 
 #[cfg(test)]
