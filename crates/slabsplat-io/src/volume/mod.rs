@@ -4,12 +4,18 @@
 //! file must be long enough first, a packed one could not unpack to more than its length allows,
 //! and memory then grows with what really comes.
 //!
-//! Reading order: `stream` (bytes from files), `buffer` (bytes to samples), then a format each.
+//! Reading order: `stream` (bytes from files), `buffer` (bytes to samples); `data_files`, `data`, `ascii`
+//! (samples in one file or many, however they are written), `names`; then a format each.
 
 mod buffer;
 mod stream;
 
+mod ascii;
+mod data;
+mod data_files;
 mod names;
+
+mod metaimage;
 mod nifti;
 mod nrrd;
 mod raw;
@@ -46,6 +52,8 @@ pub enum VolumeFormat {
     Nifti1,
     /// NIfTI-2, one file or a pair.
     Nifti2,
+    /// MetaImage, with its data attached or in files of their own.
+    MetaImage,
     /// Samples without a header.
     Raw,
     /// No file: see [`builtin_volume`](crate::builtin_volume).
@@ -59,14 +67,16 @@ impl VolumeFormat {
             Self::Nrrd => "NRRD",
             Self::Nifti1 => "NIfTI-1",
             Self::Nifti2 => "NIfTI-2",
+            Self::MetaImage => "MetaImage",
             Self::Raw => "raw",
             Self::Builtin => "built-in",
         }
     }
 }
 
-/// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`,
-/// either file of a `.hdr`/`.img` pair), or raw described by a `.json` beside it (the path of either).
+/// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
+/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), or raw described by a `.json` beside it (the
+/// path of either).
 ///
 /// # Errors
 /// If the file cannot be read, is in no such format, is broken, or holds something other than one
@@ -75,6 +85,7 @@ pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
     match header_of(path)? {
         HeaderFile::Nrrd(header) => nrrd::read(&header),
         HeaderFile::Nifti(header) => nifti::read(&header),
+        HeaderFile::MetaImage(header) => metaimage::read(&header),
         HeaderFile::Sidecar(header) => sidecar::read(&header),
     }
 }
@@ -88,6 +99,7 @@ pub fn volume_bytes(path: &Path) -> Result<u64, IoError> {
     let (dims, sample_type) = match header_of(path)? {
         HeaderFile::Nrrd(header) => nrrd::dims_and_type(&header),
         HeaderFile::Nifti(header) => nifti::dims_and_type(&header),
+        HeaderFile::MetaImage(header) => metaimage::dims_and_type(&header),
         HeaderFile::Sidecar(header) => sidecar::dims_and_type(&header),
     }?;
     let n_voxels = dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
@@ -98,6 +110,7 @@ pub fn volume_bytes(path: &Path) -> Result<u64, IoError> {
 enum HeaderFile {
     Nrrd(PathBuf),
     Nifti(PathBuf),
+    MetaImage(PathBuf),
     Sidecar(PathBuf),
 }
 
@@ -107,6 +120,9 @@ fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
     if nrrd::is_nrrd(&start) {
         return Ok(HeaderFile::Nrrd(path.to_owned()));
     }
+    if metaimage::is_header(&start) {
+        return Ok(HeaderFile::MetaImage(path.to_owned()));
+    }
     if nifti::is_header(&start) {
         return Ok(HeaderFile::Nifti(path.to_owned()));
     }
@@ -114,6 +130,9 @@ fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
         "json" => Ok(HeaderFile::Sidecar(path.to_owned())),
         "nrrd" | "nhdr" => {
             Err(IoError::malformed(path, "not an NRRD file: it does not begin with NRRD000"))
+        }
+        "mha" | "mhd" => {
+            Err(IoError::malformed(path, "not a MetaImage file: it does not begin with its fields"))
         }
         "nii" | "hdr" => Err(IoError::malformed(
             path,

@@ -1,4 +1,4 @@
-//! The many names of a few sample types, as NRRD and descriptions of raw files spell them.
+//! The many names of a few sample types, as NRRD, MetaImage and descriptions of raw files spell them.
 
 use slabsplat_core::SampleType;
 

@@ -1,11 +1,11 @@
-//! Bytes from files, plain or packed by gzip. Knows how many there can be before it is asked for
+//! Bytes from files, plain or packed by gzip or zlib. Knows how many there can be before it is asked for
 //! them.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use flate2::bufread::MultiGzDecoder;
+use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::buffer::{ReadFailure, SampleBuffer};
 use crate::IoError;
@@ -27,6 +27,7 @@ pub(super) struct DataStream<'p> {
 enum Reader {
     Plain(BufReader<File>),
     Gzip(Box<MultiGzDecoder<BufReader<File>>>),
+    Zlib(Box<ZlibDecoder<BufReader<File>>>),
 }
 
 impl<'p> DataStream<'p> {
@@ -50,17 +51,22 @@ impl<'p> DataStream<'p> {
     fn peek(&mut self) -> Result<&[u8], IoError> {
         let buffer = match &mut self.reader {
             Reader::Plain(reader) => reader.fill_buf(),
-            Reader::Gzip(_) => Ok(&[][..]),
+            Reader::Gzip(_) | Reader::Zlib(_) => Ok(&[][..]),
         };
         buffer.map_err(IoError::read(self.path))
     }
 
-    /// What follows, unpacked.
-    pub(super) fn unpacked(self) -> Self {
+    /// What follows, unpacked by zlib if it begins as that does, else by gzip.
+    pub(super) fn unpacked(mut self) -> Self {
+        let is_zlib = matches!(self.peek(), Ok([0x78, flags, ..]) if is_zlib_header(*flags));
         let Reader::Plain(reader) = self.reader else {
             return self;
         };
-        let reader = Reader::Gzip(Box::new(MultiGzDecoder::new(reader)));
+        let reader = if is_zlib {
+            Reader::Zlib(Box::new(ZlibDecoder::new(reader)))
+        } else {
+            Reader::Gzip(Box::new(MultiGzDecoder::new(reader)))
+        };
         let n_left_at_most = self.n_left_at_most.saturating_mul(MAX_GZIP_RATIO);
         Self { reader, n_left_at_most, ..self }
     }
@@ -136,10 +142,16 @@ impl Read for DataStream<'_> {
         let n_read = match &mut self.reader {
             Reader::Plain(reader) => reader.read(bytes)?,
             Reader::Gzip(reader) => reader.read(bytes)?,
+            Reader::Zlib(reader) => reader.read(bytes)?,
         };
         self.n_left_at_most = self.n_left_at_most.saturating_sub(n_read as u64);
         Ok(n_read)
     }
+}
+
+/// Whether a byte may come second in a zlib stream that begins with 0x78 (RFC 1950 §2.2).
+fn is_zlib_header(flags: u8) -> bool {
+    (0x7800 + u16::from(flags)).is_multiple_of(31)
 }
 
 fn too_short(path: &Path, needed: u64, found: u64) -> IoError {

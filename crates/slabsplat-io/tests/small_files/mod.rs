@@ -9,6 +9,24 @@ pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().expect("memory can be written")
 }
 
+/// Packs bytes as zlib does.
+pub(crate) fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    encoder.write_all(bytes).expect("memory can be written");
+    encoder.finish().expect("memory can be written")
+}
+
+/// A MetaImage of 4 × 3 × 2 voxels of 16 bits, with what comes after its header.
+pub(crate) fn metaimage(is_packed: &str, data_file: &str, data: &[u8]) -> Vec<u8> {
+    let header = format!(
+        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
+         CompressedData = {is_packed}\nCompressedDataSize = 9\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n\
+         Offset = 1 2 3\nElementSpacing = 1 1.5 2\nDimSize = 4 3 2\nHeaderSize = 0\n\
+         ElementType = MET_SHORT\nElementDataFile = {data_file}\n"
+    );
+    [header.as_bytes(), data].concat()
+}
+
 /// An NRRD header of 4 × 3 × 2 voxels of 16 bits, without its last empty line.
 pub(crate) fn nrrd_header(encoding: &str) -> String {
     format!(

@@ -1,30 +1,10 @@
-//! Where the data are: after the header, in one other file, or in many.
+//! Where the header says that the data are.
 
 use std::path::PathBuf;
 
+use super::super::data_files::{DataFiles, Pattern, count};
 use super::header::Header;
 use crate::IoError;
-
-/// The files that hold the data, in order. Each holds an equal share.
-#[derive(Debug, PartialEq)]
-pub(super) enum DataFiles {
-    /// Behind the header, from this byte on.
-    Attached(PathBuf, u64),
-    /// Each of these.
-    Given(Vec<PathBuf>),
-    /// So many with numbers in their names. The names are made when they are needed: there are as
-    /// many as the header says, which may be far too many.
-    Numbered { folder: PathBuf, pattern: Pattern, first: i64, step: i64, n_files: usize },
-}
-
-/// A name with a number in it, such as `slice%03d.raw`.
-#[derive(Debug, PartialEq)]
-pub(super) struct Pattern {
-    before: String,
-    after: String,
-    pads_with_zeros: bool,
-    width: usize,
-}
 
 /// Finds the data's files. Names are relative to the header's folder.
 pub(super) fn find(header: &Header, file_sizes: &[usize]) -> Result<DataFiles, IoError> {
@@ -47,30 +27,6 @@ pub(super) fn find(header: &Header, file_sizes: &[usize]) -> Result<DataFiles, I
     check_count(header, n_files, subdim, file_sizes)?;
     let [first, _, step] = numbers;
     Ok(DataFiles::Numbered { folder, pattern, first, step, n_files: n_files as usize })
-}
-
-impl DataFiles {
-    /// How many files there are, at least 1.
-    pub(super) fn len(&self) -> usize {
-        match self {
-            Self::Attached(..) => 1,
-            Self::Given(paths) => paths.len(),
-            Self::Numbered { n_files, .. } => *n_files,
-        }
-    }
-
-    /// A file, and the byte at which its data may begin.
-    pub(super) fn get(&self, file_idx: usize) -> (PathBuf, u64) {
-        match self {
-            Self::Attached(path, offset) => (path.clone(), *offset),
-            Self::Given(paths) => (paths[file_idx].clone(), 0),
-            Self::Numbered { folder, pattern, first, step, .. } => {
-                // The result lies between the header's bounds, the product maybe not.
-                let number = first.wrapping_add(step.wrapping_mul(file_idx as i64));
-                (folder.join(pattern.name(number)), 0)
-            }
-        }
-    }
 }
 
 /// Checks that the files together are the volume. `subdim` says how many axes one file has; without
@@ -126,42 +82,6 @@ fn name_of(text: &str, n_last_words: usize) -> &str {
         let text = text.trim_end();
         text.rsplit_once(char::is_whitespace).map_or("", |(before, _)| before)
     })
-}
-
-fn count([min, max, step]: [i64; 3]) -> Option<u64> {
-    let span = i128::from(max) - i128::from(min);
-    let step = i128::from(step);
-    if step == 0 || span.signum() * step.signum() < 0 {
-        return None;
-    }
-    u64::try_from(span / step + 1).ok()
-}
-
-impl Pattern {
-    fn parse(text: &str) -> Option<Self> {
-        let (before, rest) = text.split_once('%')?;
-        let end = rest.find(|c: char| !c.is_ascii_digit())?;
-        let (digits, after) = rest.split_at(end);
-        let after = after.strip_prefix(['d', 'i', 'u'])?;
-        let width = if digits.is_empty() { 0 } else { digits.parse().ok()? };
-        // A file name cannot be longer.
-        let is_sane = width <= 255 && !after.contains('%');
-        is_sane.then(|| Self {
-            before: before.to_owned(),
-            after: after.to_owned(),
-            pads_with_zeros: digits.starts_with('0'),
-            width,
-        })
-    }
-
-    fn name(&self, number: i64) -> String {
-        let Self { before, after, pads_with_zeros, width } = self;
-        if *pads_with_zeros {
-            format!("{before}{number:0width$}{after}")
-        } else {
-            format!("{before}{number:width$}{after}")
-        }
-    }
 }
 
 #[cfg(test)]

@@ -5,11 +5,9 @@
 //! also both at once. Not read: bzip2 and hex, 64-bit integers, several values a voxel.
 //!
 //! Reading order: `header` (lines to fields), `axes` (which three axes are the volume's), `space`
-//! (where they lie), `files` (where the data are), `data` (reading them), `ascii`.
+//! (where they lie), `files` (where the data are).
 
-mod ascii;
 mod axes;
-mod data;
 mod files;
 mod header;
 mod space;
@@ -18,17 +16,10 @@ use std::path::Path;
 
 use slabsplat_core::{Grid, SampleType, Scaling};
 
+use super::data::{self, Encoding};
 use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
 use crate::IoError;
 use header::Header;
-
-/// How the samples are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Encoding {
-    Raw,
-    Gzip,
-    Text,
-}
 
 /// Whether the file begins as every NRRD does.
 pub(super) fn is_nrrd(start: &[u8]) -> bool {
@@ -51,7 +42,7 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
         byte_skip: header.parsed("byte skip")?.unwrap_or(0),
     };
     let files = files::find(&header, &axes.file_sizes)?;
-    let samples = data::read(&header, &layout, &files, &mut warnings)?;
+    let samples = data::read(path, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume { volume, format: VolumeFormat::Nrrd, warnings })
 }
@@ -71,7 +62,7 @@ fn encoding(header: &Header) -> Result<Encoding, IoError> {
     let name = header.needed("encoding")?;
     match name.to_lowercase().as_str() {
         "raw" => Ok(Encoding::Raw),
-        "gz" | "gzip" => Ok(Encoding::Gzip),
+        "gz" | "gzip" => Ok(Encoding::Packed),
         "txt" | "text" | "ascii" => Ok(Encoding::Text),
         _ => Err(header.unsupported(format!(
             "encoding {name:?} is not supported: save the file as raw, gzip or ascii"

@@ -3,8 +3,8 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
-use super::super::buffer::SampleBuffer;
-use super::super::stream::DataStream;
+use super::buffer::SampleBuffer;
+use super::stream::DataStream;
 use crate::IoError;
 
 /// No number needs more digits: a 64-bit float written out in full has 1077.

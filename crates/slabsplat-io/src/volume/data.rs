@@ -4,13 +4,20 @@ use std::path::Path;
 
 use slabsplat_core::{SampleType, Samples};
 
-use super::super::buffer::{Endian, SampleBuffer};
-use super::super::stream::DataStream;
-use super::Encoding;
 use super::ascii;
-use super::files::DataFiles;
-use super::header::Header;
+use super::buffer::{Endian, SampleBuffer};
+use super::data_files::DataFiles;
+use super::stream::DataStream;
 use crate::IoError;
+
+/// How the samples are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Raw,
+    /// By gzip or zlib.
+    Packed,
+    Text,
+}
 
 /// How the samples lie in their files.
 pub(super) struct Layout {
@@ -24,14 +31,16 @@ pub(super) struct Layout {
     pub(super) byte_skip: i64,
 }
 
+/// Reads the samples of files that hold equal shares of them; `path` is that of the header.
 pub(super) fn read(
-    header: &Header,
+    path: &Path,
     layout: &Layout,
     files: &DataFiles,
     warnings: &mut Vec<String>,
 ) -> Result<Samples, IoError> {
     if layout.byte_skip < 0 && layout.encoding != Encoding::Raw {
-        return Err(header.malformed("a byte skip below 0 is only for the raw encoding"));
+        let what = "a byte skip below 0 is only for the raw encoding";
+        return Err(IoError::malformed(path, what));
     }
     // The number of files was checked against the sizes of the axes.
     let n_samples_each = layout.n_samples / files.len();
@@ -41,7 +50,7 @@ pub(super) fn read(
         read_file(&path, offset, layout, n_samples_each, &mut buffer, warnings)?;
     }
     Ok(buffer.finish(match layout.encoding {
-        Encoding::Raw | Encoding::Gzip => layout.endian,
+        Encoding::Raw | Encoding::Packed => layout.endian,
         Encoding::Text => Endian::NATIVE,
     }))
 }
@@ -57,12 +66,12 @@ fn read_file(
     let sample_bytes = layout.sample_type.size_bytes();
     let mut stream = DataStream::open(path, offset)?;
     stream.skip_lines(layout.line_skip)?;
-    if layout.encoding == Encoding::Gzip {
+    if layout.encoding == Encoding::Packed {
         stream = stream.unpacked();
     }
     stream.skip(byte_skip(&stream, layout.byte_skip, n_samples as u64 * sample_bytes as u64))?;
     match layout.encoding {
-        Encoding::Raw | Encoding::Gzip => stream.fill(buffer, n_samples, sample_bytes)?,
+        Encoding::Raw | Encoding::Packed => stream.fill(buffer, n_samples, sample_bytes)?,
         Encoding::Text => return ascii::read(path, stream, buffer, n_samples),
     }
     // With data counted from the end, whatever comes after them was meant to be there.
