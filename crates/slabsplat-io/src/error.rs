@@ -29,7 +29,7 @@ pub enum IoError {
     /// The file is in none of the formats that can be read.
     #[error(
         "{} is not a volume file that can be read: expected NRRD (.nrrd, .nhdr), NIfTI (.nii, \
-         .nii.gz, .hdr), MetaImage (.mha, .mhd) or raw with a .json description beside it",
+         .nii.gz, .hdr), MetaImage (.mha, .mhd), TIFF or raw with a .json description beside it",
         path.display()
     )]
     UnknownFormat {

@@ -9,8 +9,8 @@ use std::path::Path;
 
 use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
 use small_files::{
-    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, gzip, metaimage, nifti1, nifti2, nrrd_header, ply,
-    voxels, zlib,
+    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, gzip, metaimage, nifti1, nifti2, nrrd_header,
+    ome_tiff, ply, voxels, zlib,
 };
 
 /// Changes tried on each file.
@@ -60,6 +60,7 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("a.mhd", metaimage("False", "a.raw", b""), volume),
         ("listed.mhd", metaimage("False", "LIST\na.raw\na.raw", b""), volume),
         ("patterned.mhd", metaimage("False", "slice%02d.raw 1 2 1", b""), volume),
+        ("a.ome.tif", ome_tiff(), volume),
         ("a.json", SIDECAR.as_bytes().to_vec(), volume),
         ("scene.toml", SCENE.as_bytes().to_vec(), scene),
         ("map.json", COLOR_MAP.as_bytes().to_vec(), color_map),

@@ -20,6 +20,7 @@ mod nifti;
 mod nrrd;
 mod raw;
 mod sidecar;
+mod tiff;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -54,6 +55,8 @@ pub enum VolumeFormat {
     Nifti2,
     /// MetaImage, with its data attached or in files of their own.
     MetaImage,
+    /// Pages of a TIFF.
+    Tiff,
     /// Samples without a header.
     Raw,
     /// No file: see [`builtin_volume`](crate::builtin_volume).
@@ -68,6 +71,7 @@ impl VolumeFormat {
             Self::Nifti1 => "NIfTI-1",
             Self::Nifti2 => "NIfTI-2",
             Self::MetaImage => "MetaImage",
+            Self::Tiff => "TIFF",
             Self::Raw => "raw",
             Self::Builtin => "built-in",
         }
@@ -75,8 +79,8 @@ impl VolumeFormat {
 }
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
-/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), or raw described by a `.json` beside it (the
-/// path of either).
+/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), TIFF (a page a slice), or raw described by a
+/// `.json` beside it (the path of either).
 ///
 /// # Errors
 /// If the file cannot be read, is in no such format, is broken, or holds something other than one
@@ -87,6 +91,7 @@ pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
         HeaderFile::Nifti(header) => nifti::read(&header),
         HeaderFile::MetaImage(header) => metaimage::read(&header),
         HeaderFile::Sidecar(header) => sidecar::read(&header),
+        HeaderFile::Tiff(path) => tiff::read(&path),
     }
 }
 
@@ -101,6 +106,7 @@ pub fn volume_bytes(path: &Path) -> Result<u64, IoError> {
         HeaderFile::Nifti(header) => nifti::dims_and_type(&header),
         HeaderFile::MetaImage(header) => metaimage::dims_and_type(&header),
         HeaderFile::Sidecar(header) => sidecar::dims_and_type(&header),
+        HeaderFile::Tiff(path) => tiff::dims_and_type(&path),
     }?;
     let n_voxels = dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
     Ok(n_voxels.saturating_mul(sample_type.size_bytes() as u64))
@@ -112,6 +118,7 @@ enum HeaderFile {
     Nifti(PathBuf),
     MetaImage(PathBuf),
     Sidecar(PathBuf),
+    Tiff(PathBuf),
 }
 
 /// By the content of a file, or by its name where that says nothing.
@@ -119,6 +126,9 @@ fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
     let start = stream::first_bytes(path)?;
     if nrrd::is_nrrd(&start) {
         return Ok(HeaderFile::Nrrd(path.to_owned()));
+    }
+    if tiff::is_tiff(&start) {
+        return Ok(HeaderFile::Tiff(path.to_owned()));
     }
     if metaimage::is_header(&start) {
         return Ok(HeaderFile::MetaImage(path.to_owned()));
@@ -133,6 +143,9 @@ fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
         }
         "mha" | "mhd" => {
             Err(IoError::malformed(path, "not a MetaImage file: it does not begin with its fields"))
+        }
+        "tif" | "tiff" => {
+            Err(IoError::malformed(path, "not a TIFF file: it does not begin as one"))
         }
         "nii" | "hdr" => Err(IoError::malformed(
             path,

@@ -1,6 +1,10 @@
 //! Small valid files of every format, to be spoilt.
 
-use std::io::Write;
+use std::io::{Cursor, Write};
+
+use tiff::encoder::colortype::Gray16;
+use tiff::encoder::{Compression, TiffEncoder};
+use tiff::tags::Tag;
 
 /// Packs bytes as gzip does.
 pub(crate) fn gzip(bytes: &[u8]) -> Vec<u8> {
@@ -25,6 +29,24 @@ pub(crate) fn metaimage(is_packed: &str, data_file: &str, data: &[u8]) -> Vec<u8
          ElementType = MET_SHORT\nElementDataFile = {data_file}\n"
     );
     [header.as_bytes(), data].concat()
+}
+
+/// A TIFF of 4 × 3 × 2 voxels of 16 bits, packed, with OME-XML.
+pub(crate) fn ome_tiff() -> Vec<u8> {
+    let description = "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeX=\"4\" SizeY=\"3\" SizeZ=\"2\" \
+                       SizeC=\"1\" SizeT=\"1\" PhysicalSizeX=\"1\" PhysicalSizeY=\"1\" PhysicalSizeZ=\"2\">\
+                       <TiffData IFD=\"0\" PlaneCount=\"2\"/></Pixels></Image></OME>";
+    let mut bytes = Cursor::new(Vec::new());
+    let encoder = TiffEncoder::new(&mut bytes).expect("memory can be written");
+    let mut encoder = encoder.with_compression(Compression::Lzw);
+    for page in [0_u16, 12] {
+        let mut image = encoder.new_image::<Gray16>(4, 3).expect("memory can be written");
+        let described = image.encoder().write_tag(Tag::ImageDescription, description);
+        described.expect("memory can be written");
+        let samples: Vec<u16> = (page..page + 12).map(|n| 100 * n).collect();
+        image.write_data(&samples).expect("memory can be written");
+    }
+    bytes.into_inner()
 }
 
 /// An NRRD header of 4 × 3 × 2 voxels of 16 bits, without its last empty line.

@@ -1,0 +1,191 @@
+//! The pages of a TIFF, which all have one size and one type.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use slabsplat_core::SampleType;
+use tiff::decoder::{Decoder, DecodingSampleType, Limits};
+use tiff::tags::Tag;
+use tiff::{ColorType, TiffError};
+
+use crate::IoError;
+
+/// No packing that the crate knows makes more of a byte: deflate's 1032, and LZW's codes of 12 bits for 4096
+/// bytes.
+const MAX_RATIO: u64 = 4096;
+
+/// Of a single page.
+const MAX_PAGE_BYTES: u64 = 8 << 30;
+
+/// The bit of `NewSubfileType` for a page that is another one made smaller.
+const IS_REDUCED: u32 = 1;
+
+/// A file whose pages have been looked at, and not read.
+pub(super) struct Pages {
+    path: PathBuf,
+    decoder: Decoder<BufReader<File>>,
+    /// Places among all pages of those that are not smaller ones of others.
+    indices: Vec<usize>,
+    /// Pixels in a row, and rows.
+    pub(super) size: [usize; 2],
+    pub(super) sample_type: SampleType,
+    /// What the first page says of all.
+    pub(super) description: String,
+    /// Pixels per unit of length to the right and downwards, as the first page says.
+    pub(super) resolution: [Option<f64>; 2],
+}
+
+impl Pages {
+    pub(super) fn open(path: &Path) -> Result<Self, IoError> {
+        let file = File::open(path).map_err(IoError::read(path))?;
+        let n_bytes = file.metadata().map_err(IoError::read(path))?.len();
+        let in_file = |error: TiffError| to_io_error(path, error);
+        let mut limits = Limits::default();
+        let most = n_bytes.saturating_mul(MAX_RATIO).min(MAX_PAGE_BYTES);
+        limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
+        let decoder = Decoder::new(BufReader::new(file)).map_err(in_file)?.with_limits(limits);
+        let mut pages = Self {
+            path: path.to_owned(),
+            decoder,
+            indices: Vec::new(),
+            size: [0; 2],
+            sample_type: SampleType::U8,
+            description: String::new(),
+            resolution: [None; 2],
+        };
+        pages.look_at_first()?;
+        pages.look_at_all()?;
+        Ok(pages)
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// The bytes of a page, in this machine's byte order.
+    pub(super) fn read_into(&mut self, page_idx: usize, page: &mut Vec<u8>) -> Result<(), IoError> {
+        let Self { path, decoder, indices, size, sample_type, .. } = self;
+        let in_file = |error: TiffError| to_io_error(path, error);
+        decoder.seek_to_image(indices[page_idx]).map_err(in_file)?;
+        let n_bytes = size[0].saturating_mul(size[1]).saturating_mul(sample_type.size_bytes());
+        let n_in_file = decoder.image_buffer_layout().map_err(in_file)?.len;
+        if n_in_file != n_bytes {
+            let what = format!("page {page_idx} has {n_in_file} bytes, not {n_bytes}");
+            return Err(IoError::malformed(path.as_path(), what));
+        }
+        page.clear();
+        page.resize(n_bytes, 0);
+        decoder.read_image_bytes(page).map_err(in_file)
+    }
+
+    fn look_at_first(&mut self) -> Result<(), IoError> {
+        (self.size, self.sample_type) = self.size_and_type()?;
+        let [width, height] = self.size.map(|n| n as u64);
+        let n_bytes = width.saturating_mul(height) * self.sample_type.size_bytes() as u64;
+        if MAX_PAGE_BYTES < n_bytes {
+            let what = format!("pages of {width} x {height} pixels are too large");
+            return Err(IoError::unsupported(self.path.as_path(), what));
+        }
+        let description = self.decoder.get_tag_ascii_string(Tag::ImageDescription);
+        self.description = description.unwrap_or_default();
+        self.resolution = [Tag::XResolution, Tag::YResolution].map(|tag| self.ratio(tag));
+        Ok(())
+    }
+
+    fn ratio(&mut self, tag: Tag) -> Option<f64> {
+        let terms = self.decoder.get_tag(tag).ok()?.into_u32_vec().ok();
+        let number = match terms.as_deref() {
+            Some([numerator, denominator]) => f64::from(*numerator) / f64::from(*denominator),
+            _ => self.decoder.get_tag_f64(tag).ok()?,
+        };
+        Some(number).filter(|number| number.is_normal() && 0.0 < *number)
+    }
+
+    fn look_at_all(&mut self) -> Result<(), IoError> {
+        for page_idx in 0.. {
+            if 0 < page_idx {
+                if !self.decoder.more_images() {
+                    break;
+                }
+                self.decoder.next_image().map_err(|error| to_io_error(&self.path, error))?;
+            }
+            let kind = self.decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType).ok().flatten();
+            if kind.unwrap_or(0) & IS_REDUCED == 0 {
+                self.check_like_first(page_idx)?;
+                self.indices.push(page_idx);
+            }
+        }
+        if self.indices.is_empty() {
+            return Err(IoError::malformed(
+                self.path.as_path(),
+                "the file has no page of full size",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_like_first(&mut self, page_idx: usize) -> Result<(), IoError> {
+        let (size, sample_type) = self.size_and_type()?;
+        if (size, sample_type) == (self.size, self.sample_type) {
+            return Ok(());
+        }
+        let ([w, h], [w0, h0]) = (size, self.size);
+        let [name, name0] = [sample_type, self.sample_type].map(SampleType::name);
+        let what = format!(
+            "page {page_idx} has {w} x {h} pixels of {name}, the first {w0} x {h0} of {name0}: a volume \
+             needs slices of one size and type"
+        );
+        Err(IoError::unsupported(self.path.as_path(), what))
+    }
+
+    /// Of the page that the decoder is at.
+    fn size_and_type(&mut self) -> Result<([usize; 2], SampleType), IoError> {
+        let in_file = |error: TiffError| to_io_error(&self.path, error);
+        let (width, height) = self.decoder.dimensions().map_err(in_file)?;
+        let color = self.decoder.colortype().map_err(in_file)?;
+        let unsupported = |what: String| Err(IoError::unsupported(self.path.as_path(), what));
+        if !matches!(color, ColorType::Gray(8 | 16 | 32 | 64)) {
+            let what = "pages of colours, or of less than 8 bits, cannot be read: save one channel in gray";
+            return unsupported(format!("{what} ({color:?})"));
+        }
+        let stored = self.decoder.image_buffer_layout().map_err(in_file)?.sample_type;
+        let sample_type = match stored {
+            Some(DecodingSampleType::U8) => SampleType::U8,
+            Some(DecodingSampleType::U16) => SampleType::U16,
+            Some(DecodingSampleType::U32) => SampleType::U32,
+            Some(DecodingSampleType::I8) => SampleType::I8,
+            Some(DecodingSampleType::I16) => SampleType::I16,
+            Some(DecodingSampleType::I32) => SampleType::I32,
+            Some(DecodingSampleType::F32) => SampleType::F32,
+            Some(DecodingSampleType::F64) => SampleType::F64,
+            other => {
+                let name = other.map_or("unknown".to_owned(), |other| format!("{other:?}"));
+                return unsupported(format!(
+                    "pixels of type {name} cannot be read: convert them to float32"
+                ));
+            }
+        };
+        Ok(([width as usize, height as usize], sample_type))
+    }
+
+    pub(super) fn malformed(&self, what: impl Into<String>) -> IoError {
+        IoError::malformed(self.path.as_path(), what)
+    }
+
+    pub(super) fn unsupported(&self, what: impl Into<String>) -> IoError {
+        IoError::unsupported(self.path.as_path(), what)
+    }
+}
+
+fn to_io_error(path: &Path, error: TiffError) -> IoError {
+    match error {
+        TiffError::IoError(source) => IoError::Read { path: path.to_owned(), source },
+        TiffError::UnsupportedError(error) => IoError::unsupported(path, error.to_string()),
+        TiffError::LimitsExceeded => {
+            IoError::malformed(path, "a page says to be larger than what the file could unpack to")
+        }
+        other => IoError::malformed(path, format!("not a sound TIFF: {other}")),
+    }
+}
