@@ -24,6 +24,7 @@ const IS_REDUCED: u32 = 1;
 /// A file whose pages have been looked at, and not read.
 pub(super) struct Pages {
     path: PathBuf,
+    n_bytes: u64,
     decoder: Decoder<BufReader<File>>,
     /// Places among all pages of those that are not smaller ones of others.
     indices: Vec<usize>,
@@ -47,6 +48,7 @@ impl Pages {
         let decoder = Decoder::new(BufReader::new(file)).map_err(in_file)?.with_limits(limits);
         let mut pages = Self {
             path: path.to_owned(),
+            n_bytes,
             decoder,
             indices: Vec::new(),
             size: [0; 2],
@@ -88,10 +90,16 @@ impl Pages {
             let what = format!("pages of {width} x {height} pixels are too large");
             return Err(IoError::unsupported(self.path.as_path(), what));
         }
-        let description = self.decoder.get_tag_ascii_string(Tag::ImageDescription);
-        self.description = description.unwrap_or_default();
+        self.description = self.description_of_page().unwrap_or_default();
         self.resolution = [Tag::XResolution, Tag::YResolution].map(|tag| self.ratio(tag));
         Ok(())
+    }
+
+    /// `None` if it is longer than the file: the crate prints that where nobody asked.
+    fn description_of_page(&mut self) -> Option<String> {
+        let entry = self.decoder.image_ifd().find_entry(Tag::ImageDescription)?;
+        let is_backed = entry.count() <= self.n_bytes;
+        is_backed.then(|| self.decoder.get_tag_ascii_string(Tag::ImageDescription).ok())?
     }
 
     fn ratio(&mut self, tag: Tag) -> Option<f64> {
