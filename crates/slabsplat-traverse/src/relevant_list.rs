@@ -106,9 +106,19 @@ impl RelevantList {
         results: &mut [T],
         fill: impl Fn(&Brick, &[VoxelRecord], &mut [T]) + Sync,
     ) {
+        self.fill_bricks(&self.bricks, results, fill);
+    }
+
+    /// The same for the voxels of some of the [`bricks`](Self::bricks) only.
+    pub fn fill_bricks<T: Send>(
+        &self,
+        bricks: &[Brick],
+        results: &mut [T],
+        fill: impl Fn(&Brick, &[VoxelRecord], &mut [T]) + Sync,
+    ) {
         let mut rest = results;
-        let mut tasks = Vec::with_capacity(self.bricks.len() / BRICKS_PER_TASK + 1);
-        for bricks in self.bricks.chunks(BRICKS_PER_TASK) {
+        let mut tasks = Vec::with_capacity(bricks.len() / BRICKS_PER_TASK + 1);
+        for bricks in bricks.chunks(BRICKS_PER_TASK) {
             let n_voxels = bricks.iter().map(|brick| usize::from(brick.n_voxels)).sum();
             let (part, others) = rest.split_at_mut(n_voxels);
             tasks.push((bricks, part));

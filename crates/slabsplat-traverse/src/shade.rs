@@ -45,7 +45,7 @@ impl<'a> VoxelLighting<'a> {
     /// them: `(c, α)` for `separate`, `(αc, α)` for `associated`, `(μc, μ)` with `μ = −ln(1 − α)`
     /// for `extinction`. There are as many `records` as `colors`.
     pub fn shade_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
-        with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
+        self.classify_brick(brick, records, colors);
         let is_weighted = self.classification.compositing().weights_colors();
         match (self.light, is_weighted) {
             (Some(light), true) if light.is_white() => {
@@ -63,6 +63,13 @@ impl<'a> VoxelLighting<'a> {
             }
             (None, false) => {}
         }
+    }
+
+    /// Writes red, green, blue and weight of voxels of one brick into `colors`: before light, and colours not
+    /// yet times weights. There are as many `records` as `colors`.
+    #[inline]
+    pub fn classify_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
+        with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
     }
 
     fn classify<T: Ordered>(
