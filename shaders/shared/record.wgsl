@@ -1,4 +1,5 @@
-// What is kept of a relevant voxel for as long as the transfer function stays.
+// What is stored of a relevant voxel while all stays that decides how it looks. `classify_emit` writes it, or the
+// host, where labels or gradients decide beside values.
 
 struct Record {
     // −∇v/|∇v| in world space; zero where there is no gradient.

@@ -9,7 +9,8 @@
 use crate::frame_memory::FrameMemory;
 use crate::frame_params::ColorLayer;
 use crate::frame_passes::max_rounds;
-use crate::job::{Job, KnownVolume};
+use crate::job::Job;
+use crate::listings::Listings;
 use crate::memory::{Memory, backend_error};
 use crate::params::{Counts, MAX_LAYERS};
 use crate::voxel_lists::VoxelLists;
@@ -18,9 +19,8 @@ use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, LayerPlan,
     Splats, StageTime,
 };
-use slabsplat_core::{Image, Method, Volume};
+use slabsplat_core::{Image, Method};
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::task::Poll;
 
 /// Renders on a device.
@@ -29,8 +29,7 @@ pub struct GpuBackend<D> {
     caps: Caps,
     device: D,
     memory: Memory,
-    /// The volumes of the last frame.
-    known: Vec<Arc<KnownVolume>>,
+    listings: Listings,
     lists: VoxelLists,
     frame: FrameMemory,
     n_submitted: u64,
@@ -58,7 +57,7 @@ impl<D: Device> GpuBackend<D> {
         Self {
             caps: Caps { name, device: info.name.clone(), methods: METHODS },
             memory: Memory::default(),
-            known: Vec::new(),
+            listings: Listings::default(),
             lists: VoxelLists::new(),
             frame: FrameMemory::new(info),
             n_submitted: 0,
@@ -71,23 +70,6 @@ impl<D: Device> GpuBackend<D> {
     /// What executes the frames.
     pub fn device(&self) -> &D {
         &self.device
-    }
-
-    /// The volume of each layer of a plan.
-    fn known(&mut self, plan: &FramePlan<'_>) -> Vec<Arc<KnownVolume>> {
-        let is_needed = |known: &Arc<KnownVolume>| {
-            plan.layers.iter().any(|layer| Arc::ptr_eq(&known.volume, layer.volume))
-        };
-        self.known.retain(is_needed);
-        let mut of_layer = |volume: &Arc<Volume>| {
-            let found = self.known.iter().find(|known| Arc::ptr_eq(&known.volume, volume)).cloned();
-            found.unwrap_or_else(|| {
-                let known = Arc::new(KnownVolume::new(volume.clone()));
-                self.known.push(known.clone());
-                known
-            })
-        };
-        plan.layers.iter().map(|layer| of_layer(layer.volume)).collect()
     }
 
     /// Sends a job out.
@@ -115,6 +97,7 @@ impl<D: Device> GpuBackend<D> {
 
     /// Moves what is done from the front of `under_way` to `done`.
     fn collect(&mut self) {
+        self.lists.collect(&mut self.device);
         while let Some(mut first) = self.under_way.pop_front() {
             match self.finish(&mut first) {
                 Ok(Poll::Pending) => return self.under_way.push_front(first),
@@ -209,10 +192,6 @@ fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>,
     }
     let colors = |layer: &'a LayerPlan<'p>| match &layer.splats {
         Splats::Densities(_) => Err(NO_DENSITIES.to_owned()),
-        Splats::Colors(_) if layer.labels.is_some() => Err("its shaders know no labels".to_owned()),
-        Splats::Colors(_) if layer.gradient_opacity.is_some() || layer.transfer_2d.is_some() => {
-            Err("its shaders know no opacity by gradients".to_owned())
-        }
         Splats::Colors(splats) => Ok((layer, splats)),
     };
     plan.layers.iter().map(colors).collect()
@@ -225,7 +204,7 @@ impl<D: Device> Backend for GpuBackend<D> {
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
         let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
-        let mut job = Job::new(plan, &layers, self.known(plan), self.frame.splats.most());
+        let mut job = Job::new(plan, &layers, self.listings.of(plan), self.frame.splats.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
         let frame = FrameId(self.n_submitted);
@@ -255,6 +234,7 @@ mod tests {
         Camera, Grid, ImageDesc, Layer, Mesh, MeshLayer, Method, Projection, RenderSettings,
         Scaling, Scene, TransferFunction, Volume,
     };
+    use std::sync::Arc;
 
     /// A device that must not be used.
     struct Untouched(DeviceInfo);

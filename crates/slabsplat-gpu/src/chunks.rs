@@ -2,7 +2,7 @@
 //! list takes. A voxel's buffer and its place there are the upper and the lower bits of its number.
 
 use crate::memory::{Buffer, Memory, too_large};
-use crate::{Device, DeviceInfo, Slice};
+use crate::{Device, DeviceInfo, Slice, Write};
 use slabsplat_backend::BackendError;
 
 /// Buffers that a shader sees at once.
@@ -68,6 +68,20 @@ impl Chunks {
     pub(crate) fn chunk_of(&self, element: u64) -> (Slice, u64) {
         let chunk = element >> self.bits;
         (self.buffers[chunk as usize].all(), ((chunk + 1) << self.bits) - element)
+    }
+
+    /// Writes the bytes of elements from that one on, for which there is room.
+    pub(crate) fn writes<'a>(&self, first: u64, mut bytes: &'a [u8]) -> Vec<Write<'a>> {
+        let (mut element, mut writes) = (first, Vec::new());
+        while !bytes.is_empty() {
+            let (chunk, n_left) = self.chunk_of(element);
+            let n_bytes = (bytes.len() as u64).min(n_left * self.element_bytes);
+            let (now, later) = bytes.split_at(n_bytes as usize);
+            let offset = (element & ((1 << self.bits) - 1)) * self.element_bytes;
+            writes.push(Write { buffer: chunk.buffer, offset, bytes: now.into() });
+            (element, bytes) = (element + n_left, later);
+        }
+        writes
     }
 
     pub(crate) fn all(&self) -> impl Iterator<Item = Slice> + '_ {

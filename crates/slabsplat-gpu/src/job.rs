@@ -1,26 +1,14 @@
 //! A frame to be made: all of a plan that the device needs, in the shaders' own terms, so that the
 //! plan can go.
 
-use crate::classification::Classification;
 use crate::depth_params::DepthSort;
 use crate::frame_params::{ColorLayer, frame_params};
 use crate::layer_params::layer_params;
-use crate::number::Numbers;
+use crate::listing::Listing;
 use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, TILE_SIDE};
 use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
-use crate::samples::KeyCounts;
 use crate::tables::Table;
 use slabsplat_backend::{ColorSplats, FramePlan};
-use slabsplat_core::Volume;
-use std::sync::Arc;
-
-/// A volume, and what one pass over all its samples finds.
-#[derive(Debug)]
-pub(crate) struct KnownVolume {
-    pub(crate) volume: Arc<Volume>,
-    pub(crate) numbers: Numbers,
-    pub(crate) key_counts: KeyCounts,
-}
 
 /// A frame to be made.
 #[derive(Clone, Debug)]
@@ -39,39 +27,28 @@ pub(crate) struct Job {
 /// A layer of a frame.
 #[derive(Clone, Debug)]
 pub(crate) struct JobLayer {
-    pub(crate) known: Arc<KnownVolume>,
-    pub(crate) classification: Classification,
+    pub(crate) listing: Listing,
     pub(crate) table: Table,
     /// At least as many voxels as are relevant, and at least one: a little more than are, so that the
     /// number stays where the list grows and shrinks a little.
     pub(crate) max_voxels: u64,
 }
 
-impl KnownVolume {
-    pub(crate) fn new(volume: Arc<Volume>) -> Self {
-        let (numbers, key_counts) = (Numbers::new(&volume), KeyCounts::new(&volume));
-        Self { volume, numbers, key_counts }
-    }
-}
-
 impl Job {
-    /// What a plan asks for, whose layers are these, of volumes that are known. The list should stay below
-    /// `most_voxels`, if it can.
+    /// What a plan asks for, whose layers are these, with their voxels listed so. All voxels together should
+    /// stay below `most_voxels`, if they can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
         layers: &[ColorLayer<'_, '_>],
-        known: Vec<Arc<KnownVolume>>,
+        listings: Vec<Listing>,
         most_voxels: u64,
     ) -> Self {
         let tables = layers.iter().map(|(_, splats)| Table::of(splats));
-        let job_layer =
-            |((known, (layer, _)), table): ((Arc<KnownVolume>, &ColorLayer<'_, '_>), _)| {
-                let classification = Classification::new(plan, layer, &known.numbers);
-                let max_voxels = known.key_counts.at_most(&classification.key_ranges).max(1);
-                JobLayer { known, classification, table, max_voxels }
-            };
-        let mut job_layers: Vec<_> =
-            known.into_iter().zip(layers).zip(tables).map(job_layer).collect();
+        let job_layer = |(listing, table): (Listing, _)| {
+            let max_voxels = listing.max_voxels().max(1);
+            JobLayer { listing, table, max_voxels }
+        };
+        let mut job_layers: Vec<_> = listings.into_iter().zip(tables).map(job_layer).collect();
         leave_room(&mut job_layers, most_voxels);
         let (params, planes) = placed(layers, &job_layers);
         let depth_sort = match layers {

@@ -6,7 +6,8 @@
 //!
 //! 1. *Classify*, each layer whose volume or transfer function changed: the device finds the relevant voxels
 //!    among the samples that it holds, with their normals and colours. A new transfer function sends its
-//!    points (32 bytes each), a new volume its samples.
+//!    points (32 bytes each), a new volume its samples. Where more than a voxel's value decides how it looks,
+//!    the host lists the relevant voxels instead and sends a record of each, 32 bytes, if anything changed.
 //! 2. *Project*: every relevant voxel is shaded and projected, into one list for all layers; those beyond
 //!    their layer's region are tossed nowhere. A new camera sends 112 bytes, 224 a layer, 32 for each plane
 //!    of a region, and 36 for each pass.
@@ -27,10 +28,11 @@
 //!
 //! # Reading order
 //!
-//! `device`; `voxel_lists`, `voxel_list`, `volumes`, `frame_passes`, `frame_memory` and `tables`, which are
-//! the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and `job`; `params`,
-//! `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`, `samples` and
-//! `section_table`, which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
+//! `device`; `listing`, which says who lists a layer's voxels, `listings`, `host_list` and `known_volume`;
+//! `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`, `frame_memory` and `tables`,
+//! which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and `job`;
+//! `params`, `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`, `samples`
+//! and `section_table`, which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
 
 mod device;
 
@@ -50,10 +52,17 @@ mod memory;
 mod pass_list;
 mod sums;
 
+mod host_list;
+mod known_volume;
+mod listing;
+mod listings;
+
+mod classifier;
 mod frame_memory;
 mod frame_passes;
 mod job;
 mod tables;
+mod uploads;
 mod volumes;
 mod voxel_list;
 mod voxel_lists;

@@ -113,6 +113,15 @@ pub(crate) struct VolumeParams {
     pub(crate) compositing: u32,
 }
 
+/// `shaders/shared/record.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Record {
+    pub(crate) normal: [f32; 3],
+    pub(crate) voxel_idx: u32,
+    pub(crate) color: [f32; 4],
+}
+
 /// `shaders/depth_key.wgsl`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -172,8 +181,8 @@ pub(crate) const COUNTS_BYTES: u64 = 4 * (COUNT_OF_LISTS + MAX_LAYERS) as u64;
 /// `shaders/shared/layer.wgsl`: layers that a frame can have.
 pub(crate) const MAX_LAYERS: u32 = 64;
 
-/// Bytes of `shaders/shared/record.wgsl` and `splat.wgsl`.
-pub(crate) const RECORD_BYTES: u64 = 32;
+pub(crate) const RECORD_BYTES: u64 = size_of::<Record>() as u64;
+/// Bytes of `shaders/shared/splat.wgsl`.
 pub(crate) const SPLAT_BYTES: u64 = 32;
 /// Bytes of `shaders/shared/tile_work.wgsl`.
 pub(crate) const TILE_WORK_BYTES: u64 = 24;
@@ -283,6 +292,7 @@ mod tests {
             n_colors,
             compositing,
         });
+        check!(Record { normal, voxel_idx, color });
         check!(DepthParams { low, high, dims, fraction_bits, bias, padding });
         check!(Step {
             first,
@@ -299,7 +309,6 @@ mod tests {
 
     #[test]
     fn sizes_are_the_shaders() {
-        assert_eq!(u64::from(layout("Record").size), RECORD_BYTES);
         assert_eq!(u64::from(layout("Splat").size), SPLAT_BYTES);
         assert_eq!(u64::from(layout("TileWork").size), TILE_WORK_BYTES);
     }

@@ -1,13 +1,14 @@
 //! Volumes on the device: their samples, which stay there for as long as jobs are about them.
 
-use crate::job::{Job, KnownVolume};
+use crate::job::Job;
+use crate::known_volume::KnownVolume;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::samples::{Piece, pieces};
 use crate::{Device, Write};
 use slabsplat_backend::BackendError;
 use std::sync::Arc;
 
-/// The volumes of the last job, each once.
+/// The volumes of the last job whose samples are looked at, each once.
 #[derive(Debug, Default)]
 pub(crate) struct Volumes {
     resident: Vec<Resident>,
@@ -28,17 +29,17 @@ impl Volumes {
         job: &'a Job,
         writes: &mut Vec<Write<'a>>,
     ) -> Result<(), BackendError> {
-        let is_needed = |resident: &mut Resident| {
-            job.layers.iter().any(|layer| Arc::ptr_eq(&layer.known, &resident.known))
-        };
+        let needed = || job.layers.iter().filter_map(|layer| layer.listing.samples());
+        let is_needed =
+            |resident: &mut Resident| needed().any(|known| Arc::ptr_eq(known, &resident.known));
         for mut old in self.resident.extract_if(.., |resident| !is_needed(resident)) {
             old.free(memory, device);
         }
-        for layer in &job.layers {
-            if self.place_of(&layer.known).is_none() {
-                self.resident.push(Resident { known: layer.known.clone(), pieces: Vec::new() });
+        for known in needed() {
+            if self.place_of(known).is_none() {
+                self.resident.push(Resident { known: known.clone(), pieces: Vec::new() });
                 let pieces = &mut self.resident.last_mut().expect("one was pushed").pieces;
-                take((memory, device), &layer.known, pieces, writes)?;
+                take((memory, device), known, pieces, writes)?;
             }
         }
         Ok(())

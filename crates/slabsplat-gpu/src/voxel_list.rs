@@ -1,114 +1,109 @@
-//! The relevant voxels of a layer on the device: `L_r` of the paper's §4, made by the device itself from
-//! samples that stay there. A new transfer function sends its points, nothing else.
+//! The relevant voxels of a layer on the device: a record each, and how many there are.
 
 use crate::chunks::Chunks;
-use crate::classification::Classification;
-use crate::job::{JobLayer, KnownVolume};
-use crate::memory::{Buffer, Memory};
-use crate::params::{COUNT_OF_LISTS, RECORD_BYTES, Step};
-use crate::pass_list::{PassList, n_groups};
-use crate::samples::{Piece, VOXELS_PER_BLOCK};
-use crate::sums::{BLOCK, Sums};
+use crate::classifier::Classifier;
+use crate::host_list::HostList;
+use crate::job::JobLayer;
+use crate::listing::{Listing, ListingName};
+use crate::memory::Memory;
+use crate::params::{COUNT_OF_LISTS, RECORD_BYTES};
+use crate::pass_list::PassList;
+use crate::uploads::Uploads;
+use crate::volumes::Volumes;
 use crate::{Device, DeviceInfo, Slice, Write};
 use slabsplat_backend::BackendError;
-use slabsplat_shaders::{CLASSIFY_COUNT, CLASSIFY_EMIT};
-use std::sync::Arc;
 
-const _: () = assert!(VOXELS_PER_BLOCK == BLOCK as usize, "a block's count is one to be summed");
+/// What its records are called where there is no room for them.
+const LABEL: &str = "relevant voxels";
 
-/// The relevant voxels of a layer of the last job, and what they were made from.
+/// The relevant voxels of a layer of the last job, and by what they were listed.
 #[derive(Debug)]
 pub(crate) struct VoxelList {
-    made_for: Option<(Arc<KnownVolume>, Classification)>,
-    params: Buffer,
-    transfer: Buffer,
-    sums: Sums,
+    listed: Option<ListingName>,
+    classifier: Classifier,
     pub(crate) records: Chunks,
-    /// Where the device counts them.
+    /// Where it is counted how many there are.
     pub(crate) count_slot: u32,
+}
+
+/// What goes ahead of a frame's own passes, to which each list that is made adds.
+pub(crate) struct Preamble<'m, 'a> {
+    pub(crate) volumes: &'m Volumes,
+    pub(crate) counts: Slice,
+    pub(crate) passes: &'m mut PassList,
+    pub(crate) uploads: &'m mut Uploads,
+    pub(crate) writes: &'m mut Vec<Write<'a>>,
 }
 
 impl VoxelList {
     /// An empty list, with that number among all that there are.
     pub(crate) fn new(number: u32, info: &DeviceInfo) -> Self {
         Self {
-            made_for: None,
-            params: Buffer::new("volume parameters"),
-            transfer: Buffer::new("transfer function"),
-            sums: Sums::new("relevant counts", "relevant totals"),
-            records: Chunks::new("relevant voxels", RECORD_BYTES, info),
+            listed: None,
+            classifier: Classifier::new(),
+            records: Chunks::new(LABEL, RECORD_BYTES, info),
             count_slot: COUNT_OF_LISTS + number,
         }
     }
 
     /// Whether it is that of a layer.
     pub(crate) fn is_of(&self, layer: &JobLayer) -> bool {
-        self.made_for.as_ref().is_some_and(|(known, classification)| {
-            Arc::ptr_eq(known, &layer.known) && *classification == layer.classification
-        })
+        self.listed.as_ref().is_some_and(|listed| listed.is_of(&layer.listing))
     }
 
-    /// Sees to it that there is room for a layer's list, and writes what it is made from beside samples.
-    pub(crate) fn prepare<'a, D: Device>(
+    /// Makes it that of a layer: by passes, or by records that are sent at once and go before all passes.
+    pub(crate) fn make<'a, D: Device>(
         &mut self,
         (memory, device): (&mut Memory, &mut D),
         layer: &'a JobLayer,
-        writes: &mut Vec<Write<'a>>,
+        preamble: Preamble<'_, 'a>,
     ) -> Result<(), BackendError> {
-        self.made_for = None;
-        let Classification { params, transfer, .. } = &layer.classification;
-        let (params, transfer) = (bytemuck::bytes_of(params), bytemuck::cast_slice(transfer));
-        memory.grow(device, &mut self.params, params.len() as u64)?;
-        memory.grow(device, &mut self.transfer, transfer.len() as u64)?;
+        let Preamble { volumes, counts, passes, uploads, writes } = preamble;
+        self.listed = None;
         self.records.grow(memory, device, layer.max_voxels)?;
-        self.sums.grow(memory, device, n_blocks(layer))?;
-        for (buffer, bytes) in [(&self.params, params), (&self.transfer, transfer)] {
-            writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
+        match &layer.listing {
+            Listing::ByDevice(known, classification) => {
+                self.classifier.prepare((memory, device), known, classification, writes)?;
+                let (pieces, count) = (volumes.pieces(known), (counts, self.count_slot));
+                self.classifier.push_passes(known, pieces, &self.records, count, passes);
+            }
+            Listing::ByHost(list) => {
+                self.classifier.forget(memory, device);
+                self.send(device, list, uploads)?;
+                writes.push(self.count(counts, list));
+            }
+        }
+        self.listed = Some(layer.listing.name());
+        Ok(())
+    }
+
+    /// Sends the records of a list.
+    fn send<D: Device>(
+        &self,
+        device: &mut D,
+        list: &HostList,
+        uploads: &mut Uploads,
+    ) -> Result<(), BackendError> {
+        for piece in list.pieces() {
+            let bytes = bytemuck::cast_slice(&piece.records);
+            let writes = self.records.writes(piece.first, bytes);
+            uploads.send(device, LABEL, writes)?;
         }
         Ok(())
     }
 
-    /// Pushes the passes that make it that of a layer, whose samples are in these pieces.
-    pub(crate) fn push_passes(
-        &mut self,
-        layer: &JobLayer,
-        pieces: &[(Piece, Buffer)],
-        counts: Slice,
-        passes: &mut PassList,
-    ) {
-        let step = |piece: &Piece| Step {
-            first: piece.voxels.start as u32,
-            n_elements: piece.voxels.len() as u32,
-            first_block: (piece.voxels.start / VOXELS_PER_BLOCK) as u32,
-            first_sample: piece.samples.start as u32,
-            chunk_bits: self.records.bits,
-            ..Step::default()
-        };
-        let groups = |piece: &Piece| n_groups(piece.voxels.len() as u64, BLOCK);
-        let [params, transfer] = [&self.params, &self.transfer].map(Buffer::all);
-        let [sums, totals] = [&self.sums.elements, &self.sums.totals].map(Buffer::all);
-        for (piece, samples) in pieces {
-            let bindings = [params, samples.all(), transfer, sums];
-            passes.push(&CLASSIFY_COUNT, &bindings, step(piece), groups(piece));
-        }
-        self.sums.scan(passes, counts, n_blocks(layer), self.count_slot);
-        for (piece, samples) in pieces {
-            let mut bindings = vec![params, samples.all(), transfer, sums, totals];
-            bindings.extend(self.records.all());
-            passes.push(&CLASSIFY_EMIT, &bindings, step(piece), groups(piece));
-        }
-        self.made_for = Some((layer.known.clone(), layer.classification.clone()));
+    /// Writes how many voxels a list has.
+    fn count<'a>(&self, counts: Slice, list: &HostList) -> Write<'a> {
+        let n_voxels = list.n_voxels() as u32;
+        let offset = counts.offset + size_of_val(&n_voxels) as u64 * u64::from(self.count_slot);
+        let bytes = bytemuck::bytes_of(&n_voxels).to_vec().into();
+        Write { buffer: counts.buffer, offset, bytes }
     }
 
     /// Gives everything back.
     pub(crate) fn forget<D: Device>(&mut self, memory: &mut Memory, device: &mut D) {
-        self.made_for = None;
-        memory.free_all(device, self.records.buffers().chain(self.sums.buffers()));
-        memory.free_all(device, [&mut self.params, &mut self.transfer].into_iter());
+        self.listed = None;
+        memory.free_all(device, self.records.buffers());
+        self.classifier.forget(memory, device);
     }
-}
-
-/// Blocks of a layer's voxels.
-fn n_blocks(layer: &JobLayer) -> u64 {
-    n_groups(layer.known.volume.grid().n_voxels() as u64, BLOCK).into()
 }

@@ -3,8 +3,9 @@
 use crate::job::Job;
 use crate::memory::Memory;
 use crate::pass_list::StepBuffer;
+use crate::uploads::Uploads;
 use crate::volumes::Volumes;
-use crate::voxel_list::VoxelList;
+use crate::voxel_list::{Preamble, VoxelList};
 use crate::{Device, Pass, Slice, Write};
 use slabsplat_backend::BackendError;
 
@@ -14,15 +15,21 @@ pub(crate) struct VoxelLists {
     pub(crate) lists: Vec<VoxelList>,
     volumes: Volumes,
     steps: StepBuffer,
+    uploads: Uploads,
 }
 
 impl VoxelLists {
     pub(crate) fn new() -> Self {
-        Self { lists: Vec::new(), volumes: Volumes::default(), steps: StepBuffer::new() }
+        Self {
+            lists: Vec::new(),
+            volumes: Volumes::default(),
+            steps: StepBuffer::new(),
+            uploads: Uploads::default(),
+        }
     }
 
     /// The passes that leave the relevant voxels of a job's layers in the lists, and what must be written
-    /// before; none if that is what is there.
+    /// before; none if that is what is there. Records that the host has made are sent at once.
     pub(crate) fn passes<'a, D: Device>(
         &mut self,
         (memory, device): (&mut Memory, &mut D),
@@ -32,7 +39,7 @@ impl VoxelLists {
     ) -> Result<Vec<Pass>, BackendError> {
         self.arrange((memory, device), job);
         self.volumes.update((memory, device), job, writes)?;
-        let Self { lists, volumes, steps } = self;
+        let Self { lists, volumes, steps, uploads } = self;
         let of_layers = || lists.iter().zip(&job.layers);
         if of_layers().all(|(list, layer)| list.is_of(layer)) {
             return Ok(Vec::new());
@@ -41,11 +48,17 @@ impl VoxelLists {
         passes.begin("classify");
         for (list, layer) in lists.iter_mut().zip(&job.layers) {
             if !list.is_of(layer) {
-                list.prepare((memory, device), layer, writes)?;
-                list.push_passes(layer, volumes.pieces(&layer.known), counts, &mut passes);
+                let passes = &mut passes;
+                let preamble = Preamble { volumes, counts, passes, uploads, writes };
+                list.make((memory, device), layer, preamble)?;
             }
         }
         Ok(steps.finish(passes, writes))
+    }
+
+    /// Notes which of the records that were sent have arrived.
+    pub(crate) fn collect<D: Device>(&mut self, device: &mut D) {
+        self.uploads.collect(device);
     }
 
     /// Gives everything back. What was promised did not happen, so the next job begins anew.

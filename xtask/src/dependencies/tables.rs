@@ -91,8 +91,14 @@ pub(super) const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "slabsplat-gpu",
-        may_use: &["slabsplat-core", "slabsplat-kernel", "slabsplat-backend", "slabsplat-shaders"],
-        why: "a frame is data: it knows neither who executes it nor how a CPU would",
+        may_use: &[
+            "slabsplat-core",
+            "slabsplat-kernel",
+            "slabsplat-traverse",
+            "slabsplat-backend",
+            "slabsplat-shaders",
+        ],
+        why: "a frame is data: it knows neither who executes it nor how a CPU would splat",
     },
     Layer { name: "slabsplat-wgpu", may_use: EXECUTOR, why: EXECUTES },
     Layer { name: "slabsplat-ash", may_use: EXECUTOR, why: EXECUTES },

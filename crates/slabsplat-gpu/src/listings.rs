@@ -1,0 +1,59 @@
+//! What the last plan's voxels were listed by, cached for the next one.
+
+use crate::classification::Classification;
+use crate::host_list::{HostList, rules_of};
+use crate::known_volume::KnownVolume;
+use crate::listing::Listing;
+use slabsplat_backend::{FramePlan, LayerPlan};
+use slabsplat_core::Volume;
+use std::sync::Arc;
+
+/// The volumes of the last plan, and what the host listed of them.
+#[derive(Debug, Default)]
+pub(crate) struct Listings {
+    volumes: Vec<Arc<KnownVolume>>,
+    host_lists: Vec<Arc<HostList>>,
+}
+
+impl Listings {
+    /// How the voxels of each layer of a plan are listed. What no layer needs is dropped before anything is
+    /// made, as two lists need not fit at a time.
+    pub(crate) fn of(&mut self, plan: &FramePlan<'_>) -> Vec<Listing> {
+        let is_shown = |known: &Arc<KnownVolume>| {
+            plan.layers.iter().any(|layer| Arc::ptr_eq(&known.volume, layer.volume))
+        };
+        self.volumes.retain(is_shown);
+        self.host_lists.retain(|list| plan.layers.iter().any(|layer| list.is_of(plan, layer)));
+        plan.layers.iter().map(|layer| self.listing(plan, layer)).collect()
+    }
+
+    fn listing(&mut self, plan: &FramePlan<'_>, layer: &LayerPlan<'_>) -> Listing {
+        let known = self.known(layer.volume);
+        if rules_of(layer).are_by_value() {
+            let classification = Classification::new(plan, layer, &known.numbers);
+            Listing::ByDevice(known, classification)
+        } else {
+            let is_it = |list: &HostList| list.is_of(plan, layer);
+            let make = || HostList::new(plan, layer, &known);
+            Listing::ByHost(found_or_added(&mut self.host_lists, is_it, make))
+        }
+    }
+
+    fn known(&mut self, volume: &Arc<Volume>) -> Arc<KnownVolume> {
+        let is_it = |known: &KnownVolume| Arc::ptr_eq(&known.volume, volume);
+        found_or_added(&mut self.volumes, is_it, || KnownVolume::new(volume.clone()))
+    }
+}
+
+fn found_or_added<T>(
+    all: &mut Vec<Arc<T>>,
+    is_it: impl Fn(&T) -> bool,
+    make: impl FnOnce() -> T,
+) -> Arc<T> {
+    if let Some(found) = all.iter().find(|one| is_it(one)) {
+        return found.clone();
+    }
+    let made = Arc::new(make());
+    all.push(made.clone());
+    made
+}
