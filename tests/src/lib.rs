@@ -1,13 +1,15 @@
 //! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that
 //! uses no tables, the scenes of the paper's figures ([`paper_scenes`]), and scenes at random over
 //! every choice a scene can make ([`random_scene`]); [`render`] draws with every backend, and
-//! [`spy_device`] stands between a backend and its device.
+//! [`spy_device`] stands between a backend and its device, on which [`on_devices`] runs tests.
 //!
 //! Nothing here is fast, and nothing here shares code with the renderer under test beyond the types
 //! of `slabsplat-core`. The tests themselves are in `tests/tests/`.
 
 pub mod reference;
 pub mod render;
+
+pub mod on_devices;
 pub mod spy_device;
 
 pub mod paper_scenes;

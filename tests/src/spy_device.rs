@@ -13,6 +13,8 @@ pub struct Orders {
     pub n_submitted: usize,
     /// After how many more buffers there is no memory for one; for one only.
     pub buffers_left: Option<usize>,
+    /// After how many more works there is no memory for one; for one only.
+    pub works_left: Option<usize>,
     /// Why the device is lost from now on.
     pub lost: Option<&'static str>,
 }
@@ -51,6 +53,13 @@ pub fn locked(orders: &Mutex<Orders>) -> MutexGuard<'_, Orders> {
     orders.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// One less is left, or there is no memory for what takes so many bytes.
+fn take_one(left: &mut Option<usize>, bytes: u64) -> Result<(), DeviceError> {
+    let was_last = *left == Some(0);
+    *left = left.and_then(|left| left.checked_sub(1));
+    if was_last { Err(DeviceError::OutOfMemory { bytes }) } else { Ok(()) }
+}
+
 impl Device for SpyDevice {
     fn info(&self) -> &DeviceInfo {
         &self.info
@@ -58,12 +67,7 @@ impl Device for SpyDevice {
 
     fn create_buffer(&mut self, label: &'static str, size: u64) -> Result<BufferId, DeviceError> {
         let mut orders = self.now()?;
-        if let Some(left) = orders.buffers_left {
-            orders.buffers_left = left.checked_sub(1);
-            if left == 0 {
-                return Err(DeviceError::OutOfMemory { bytes: size });
-            }
-        }
+        take_one(&mut orders.buffers_left, size)?;
         drop(orders);
         assert!(size <= self.info.max_buffer_bytes, "{label}: {size} bytes");
         self.inner.create_buffer(label, size)
@@ -75,8 +79,10 @@ impl Device for SpyDevice {
 
     fn submit(&mut self, work: &Work<'_>) -> Result<WorkId, DeviceError> {
         let mut orders = self.now()?;
+        let n_bytes = work.writes.iter().map(|write| write.bytes.len()).sum::<usize>();
+        take_one(&mut orders.works_left, n_bytes as u64)?;
         orders.n_submitted += 1;
-        orders.bytes_written += work.writes.iter().map(|write| write.bytes.len()).sum::<usize>();
+        orders.bytes_written += n_bytes;
         drop(orders);
         for slice in work.passes.iter().flat_map(|pass| &pass.bindings) {
             assert!(slice.size <= self.info.max_binding_bytes, "{slice:?} is too large to bind");

@@ -3,16 +3,18 @@
 
 use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
-    Backend, BackendError, Camera, Frame, FrameId, Grid, ImageDesc, Layer, Lookup, Method, Mode,
-    Plane, Planner, Projection, Region, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    BackendError, Camera, FrameId, Grid, Layer, Lookup, Method, Plane, Planner, Projection, Region,
+    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
-use slabsplat_gpu::{DeviceInfo, GpuBackend};
+use slabsplat_gpu::DeviceInfo;
 use slabsplat_seeds::for_each_seed;
-use slabsplat_tests::exact_settings;
-use slabsplat_tests::render::{devices, open, validation_messages};
-use slabsplat_tests::spy_device::{Orders, SpyDevice, locked};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::task::Poll;
+use slabsplat_tests::on_devices::{
+    alone, as_it_is, layered_scene, listed_by_host, on_devices, render, scene, stretched, submit,
+    take, transfer, volume, with_host_list,
+};
+use slabsplat_tests::render::open;
+use slabsplat_tests::spy_device::locked;
+use std::sync::{Arc, Mutex};
 
 /// What two backends may differ by.
 const PARITY: f32 = 1e-3;
@@ -34,103 +36,6 @@ fn other_methods_are_refused() {
     });
 }
 
-/// A ball of waves in 64-bit floats.
-fn volume(dims: [usize; 3]) -> Arc<Volume> {
-    let grid = Grid::with_spacing(dims, [1.0, 1.2, 0.9]).expect("the spacing is positive");
-    let center = grid.center_in_index();
-    let value = |voxel_idx: usize| {
-        let at = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
-        let r = at.distance(center) / center.length();
-        (1.0 - r) * (0.7 + 0.3 * (at.x * 0.7 + at.y * 0.3).sin() * (0.5 * at.z).cos())
-    };
-    let samples: Vec<f64> = (0..grid.n_voxels()).map(value).collect();
-    Arc::new(Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel"))
-}
-
-/// The whole of `volume`, on an image of that many columns.
-fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
-    let target = volume.grid().center_in_world();
-    let size = volume.grid().dims().into_iter().max().expect("there are three") as f64;
-    let projection = Projection::Orthographic { view_height: 1.4 * size };
-    let eye = target + DVec3::new(3.0, 2.0, -2.5) * size;
-    let camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
-    Scene::new(Layer::new(volume.clone(), transfer(0.3)), camera)
-        .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
-        .settings(exact_settings().method(method).mode(Mode::Extinction))
-}
-
-fn transfer(opacity: f64) -> TransferFunction {
-    let opacities = vec![(0.1, [0.0]), (0.8, [opacity])];
-    let colors = vec![(0.0, [1.0, 0.3, 0.1]), (1.0, [0.2, 0.9, 1.0])];
-    TransferFunction::new(opacities, colors).expect("the points are sorted")
-}
-
-fn submit(backend: &mut dyn Backend, scene: &Scene) -> Result<FrameId, BackendError> {
-    backend.submit(&Planner::default().plan(scene).expect("the scene is valid"))
-}
-
-fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendError> {
-    loop {
-        if let Poll::Ready(frame) = backend.poll_image(frame)? {
-            let messages = validation_messages();
-            assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
-            return Ok(frame);
-        }
-        std::thread::yield_now();
-    }
-}
-
-fn render(backend: &mut dyn Backend, scene: &Scene) -> Result<Frame, BackendError> {
-    let frame = submit(backend, scene)?;
-    take(backend, frame)
-}
-
-/// Two volumes that interleave, on grids of different steps, each in a region of its own.
-fn layered_scene(volumes: [&Arc<Volume>; 2], width: u32) -> Scene {
-    let mut scene = scene(volumes[0], width, Method::ImageAligned);
-    let center = volumes[0].grid().center_in_world();
-    let cut = |normal: DVec3| Plane::new(normal, normal.dot(center)).expect("it is not zero");
-    scene.layers[0].region = Region::new(vec![cut(DVec3::X), cut(DVec3::Y)]).inverted().lit();
-    let colors = vec![(0.0, [0.1, 0.9, 0.2]), (1.0, [0.9, 0.9, 0.2])];
-    let transfer = TransferFunction::new(vec![(0.1, [0.0]), (0.9, [0.4])], colors);
-    let second = Layer::new(volumes[1].clone(), transfer.expect("the points are sorted"));
-    scene.layers.push(second.region(Region::new(vec![cut(DVec3::new(0.3, 1.0, 0.2))])));
-    scene
-}
-
-/// The same values on a grid with steps of another length, about the same centre.
-fn stretched(volume: &Arc<Volume>, by: f64) -> Arc<Volume> {
-    let old = volume.grid();
-    let place = old.world_from_index();
-    let center = old.center_in_world();
-    let origin = center + by * (place.translation - center);
-    let place = DAffine3::from_mat3_translation(place.matrix3 * by, origin);
-    let grid = Grid::new(old.dims(), place).expect("it can be inverted as before");
-    let volume = Volume::new(grid, volume.samples().clone(), volume.scaling());
-    Arc::new(volume.expect("there are as many samples"))
-}
-
-/// Runs a test on every device, with limits as `change` leaves them.
-fn on_devices(
-    change: impl Fn(&mut DeviceInfo),
-    test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
-) {
-    for (name, device) in devices() {
-        let spy = SpyDevice::new(device, &change);
-        let orders = spy.orders();
-        test(name, &mut GpuBackend::new(name, spy), &orders);
-    }
-}
-
-fn as_it_is(_: &mut DeviceInfo) {}
-
-/// To be held by a test, so that one is run at a time: together they would open dozens of devices at once,
-/// which Mesa's software driver has been seen to crash under.
-fn alone() -> MutexGuard<'static, ()> {
-    static ONE: Mutex<()> = Mutex::new(());
-    ONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
 /// Lists in four chunks, samples in pieces, pictures in bands: the bits are those of one piece.
 #[test]
 fn small_bindings_give_the_same_bits() {
@@ -145,8 +50,9 @@ fn small_bindings_give_the_same_bits() {
     // The second layer begins within a chunk, and ends in another.
     let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 40);
     check_small_bindings("layers", layers, 512 << 10);
-    let layers = layered_scene([&small, &stretched(&volume([34, 40, 36]), 0.3)], 40);
-    check_small_bindings("more layers", layers, 512 << 10);
+    let mut layers = layered_scene([&small, &stretched(&volume([34, 40, 36]), 0.3)], 40);
+    layers.layers[1] = listed_by_host(layers.layers[1].clone());
+    check_small_bindings("layers, one of which the host lists", layers, 512 << 10);
 }
 
 fn check_small_bindings(what: &str, mut scene: Scene, max_bytes: u64) {
@@ -210,10 +116,11 @@ fn as_many_layers_as_there_can_be() {
 fn what_does_not_fit_is_an_error() {
     let _alone = alone();
     let (large, small) = (volume([40, 36, 30]), volume([5, 4, 3]));
-    let check = |change: fn(&mut DeviceInfo), what: &str| {
+    let by_device: fn(Scene) -> Scene = |scene| scene;
+    let check = |change: fn(&mut DeviceInfo), list: fn(Scene) -> Scene, what: &str| {
         on_devices(change, |name, backend, _| {
             let scene_of = |volume: &Arc<Volume>| {
-                let mut scene = scene(volume, 24, Method::ImageAligned);
+                let mut scene = list(scene(volume, 24, Method::ImageAligned));
                 scene.settings.sections = 16;
                 scene.settings.radial_samples = 16;
                 scene.settings.lookup = Lookup::Nearest;
@@ -229,9 +136,10 @@ fn what_does_not_fit_is_an_error() {
             assert!(frame.is_ok(), "{name}, {what}: {frame:?}");
         });
     };
-    check(|info| info.max_binding_bytes = 30_000, "samples");
-    check(|info| info.max_binding_bytes = 64 << 10, "relevant voxels");
-    check(|info| info.memory_bytes = Some(4 << 20), "on");
+    check(|info| info.max_binding_bytes = 30_000, by_device, "samples");
+    check(|info| info.max_binding_bytes = 64 << 10, by_device, "relevant voxels");
+    check(|info| info.max_binding_bytes = 64 << 10, with_host_list, "relevant voxels");
+    check(|info| info.memory_bytes = Some(4 << 20), by_device, "on");
 }
 
 /// Memory may run out at any buffer. The frame is lost, and the next one is right.
@@ -239,7 +147,7 @@ fn what_does_not_fit_is_an_error() {
 fn out_of_memory_is_survived() {
     let _alone = alone();
     let volume = volume([9, 8, 7]);
-    let scene = layered_scene([&volume, &stretched(&volume, 0.7)], 24);
+    let scene = with_host_list(layered_scene([&volume, &stretched(&volume, 0.7)], 24));
     on_devices(as_it_is, |name, backend, _| {
         let expected = render(backend, &scene).expect("a tiny frame fits").image;
         let n_failures = Mutex::new(0);
@@ -259,6 +167,35 @@ fn out_of_memory_is_survived() {
         }
         let n_failures = n_failures.into_inner().expect("no test failed");
         assert!(30 < n_failures && n_failures < 80, "{name}: {n_failures} failures");
+    });
+}
+
+/// Records that the host has listed go to the device before their frame does. Whichever does not get there,
+/// the frame is lost, and the next one is right.
+#[test]
+fn lost_works_are_survived() {
+    let _alone = alone();
+    let volume = volume([9, 8, 7]);
+    let scenes = [0.3, 0.2].map(|opacity| {
+        let mut scene = layered_scene([&volume, &stretched(&volume, 0.7)], 24);
+        scene.layers[0].transfer = transfer(opacity);
+        scene.layers = scene.layers.into_iter().map(listed_by_host).collect();
+        scene
+    });
+    on_devices(as_it_is, |name, backend, orders| {
+        let expected =
+            scenes.each_ref().map(|scene| render(backend, scene).expect("it fits").image);
+        for n_works in 0..4 {
+            locked(orders).works_left = Some(n_works);
+            let failed = render(backend, &scenes[0]).is_err();
+            locked(orders).works_left = None;
+            // One for each layer, and the frame's own.
+            assert_eq!(failed, n_works < 3, "{name}, after {n_works} works");
+            for (scene, expected) in scenes.iter().zip(&expected) {
+                let frame = render(backend, scene).expect("there is memory again");
+                assert!(frame.image == *expected, "{name}, after {n_works} works");
+            }
+        }
     });
 }
 
@@ -307,6 +244,38 @@ fn little_moves_when_little_changes() {
         let reclassified = n_written(&scene);
         println!("{name}: again {again}, relit {relit}, reclassified {reclassified} bytes");
         assert!(again <= 512 && relit <= 512 && reclassified <= 1024, "{name}");
+    });
+}
+
+/// Of a layer that the host lists no sample is sent, and records only if what they are made of changes.
+#[test]
+fn little_moves_when_a_list_of_the_host_stays() {
+    let _alone = alone();
+    let volume = volume([20, 20, 20]);
+    on_devices(as_it_is, |name, backend, orders| {
+        let by_device = scene(&volume, 32, Method::ImageAligned);
+        let mut scene = with_host_list(by_device.clone());
+        let mut planner = Planner::default();
+        let mut sent = |scene: &Scene| {
+            locked(orders).bytes_written = 0;
+            let plan = planner.plan(scene).expect("the scene is valid");
+            let frame = backend.submit(&plan).expect("a small frame fits");
+            let n_voxels = take(backend, frame).expect("the device is there").stats.n_voxels;
+            (locked(orders).bytes_written, 32 * n_voxels as usize)
+        };
+        sent(&scene);
+        let (again, _) = sent(&scene);
+        scene.layers[0].shading = Shading::None;
+        let (relit, _) = sent(&scene);
+        scene.layers[0].gradient_opacity = None;
+        let (reclassified, records) = sent(&scene);
+        let all = [again, relit, reclassified, records];
+        println!("{name}: again {again}, relit {relit}, reclassified {reclassified} of {records}");
+        assert!(again <= 512 && relit <= 512, "{name}: {all:?}");
+        assert!(records <= reclassified && reclassified <= records + 1024, "{name}: {all:?}");
+        let samples = 8 * volume.grid().n_voxels();
+        let (by_device, _) = sent(&by_device);
+        assert!(samples <= by_device, "{name}: they were not there before");
     });
 }
 
@@ -471,6 +440,8 @@ fn frames_under_way_keep_apart() {
     let mut scenes: Vec<_> =
         (0..5).map(|i| scene(&volumes[i % 2], 20 + 6 * i as u32, GPU_METHODS[i % 3])).collect();
     scenes.insert(3, layered_scene([&volumes[1], &volumes[0]], 30));
+    scenes.insert(4, with_host_list(scenes[3].clone()));
+    scenes[1] = with_host_list(scenes[1].clone());
     on_devices(as_it_is, |name, backend, _| {
         let ids: Vec<FrameId> =
             scenes.iter().map(|scene| submit(backend, scene).expect("it fits")).collect();
@@ -490,7 +461,8 @@ fn every_sample_type_is_classified_alike() {
     let _alone = alone();
     let mut worst = 0.0_f32;
     for_each_seed(1, |mut rng| {
-        let cases: Vec<_> = (0..48).map(|i| typed_case(&mut rng, i)).collect();
+        let mut cases: Vec<_> = (0..48).map(|i| typed_case(&mut rng, i)).collect();
+        cases.extend((0..8).map(|i| with_host_list(typed_case(&mut rng, i))));
         worst = worst.max(assert_classified_alike(&cases));
     });
     println!("largest difference from the CPU {worst:.1e}");

@@ -1,24 +1,29 @@
 //! Labels (model §13), opacities by gradients and two-dimensional transfer functions (§6): scenes at random
-//! against the float64 reference, at the tolerances of model §9; and labels of another grid, one by one.
+//! by every backend against the float64 reference and against the CPU, at the tolerances of model §9; and
+//! labels of another grid, one by one.
 
+use fastrand::Rng;
 use slabsplat::glam::DVec3;
-use slabsplat::{LabelMap, Method, Region, Renderer, Scaling, Volume};
+use slabsplat::{Compositing, LabelMap, Method, Region, Renderer, Scaling, Scene, Volume};
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{
     SceneKind, add_gradient_opacity, add_labels, add_transfer_2d, random_layers, random_scene,
 };
 use slabsplat_tests::reference;
-use slabsplat_tests::render::{open, render};
+use slabsplat_tests::render::{backends, open, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
 const MEAN_DIFFERENCE: f64 = 1e-4;
 
+/// What a pixel may differ from that of the CPU backend.
+const FROM_CPU: f32 = 1e-3;
+
 /// Of one layer or several, by every method that has labels; some with opacities by gradients or
-/// two-dimensional transfer functions, too.
+/// two-dimensional transfer functions, too, and some layers with none of these.
 #[test]
 fn parity_of_labels() {
-    let (mut n_scenes, mut max) = (0, 0.0_f64);
+    let (mut n_scenes, mut max, mut max_from_cpu) = (0, 0.0_f64, 0.0_f32);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         let has_labels = |kind: &SceneKind| kind.method != Method::PostClassified;
         for kind in SceneKind::share(seed).filter(has_labels).step_by(2) {
@@ -37,22 +42,46 @@ fn parity_of_labels() {
             if rng.bool() {
                 add_transfer_2d(&mut rng, &mut scene);
             }
-            let off = reference::render(&scene).compare(&render("cpu", &scene));
-            let what = format!("{kind:?}, w {}", scene.settings.slab_width);
-            assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
-            assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);
-            (n_scenes, max) = (n_scenes + 1, max.max(off.max));
+            leave_some_by_value(&mut rng, &mut scene);
+            let (expected, by_cpu) = (reference::render(&scene), render("cpu", &scene));
+            for backend in some_backends(&mut rng) {
+                let image = render(backend, &scene);
+                let (off, from_cpu) = (expected.compare(&image), image.max_difference(&by_cpu));
+                let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
+                assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
+                assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);
+                assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
+                (max, max_from_cpu) = (max.max(off.max), max_from_cpu.max(from_cpu));
+            }
+            n_scenes += 1;
         }
     });
-    println!("{n_scenes} scenes: at most {max:.1e}");
+    println!("{n_scenes} scenes: at most {max:.1e}, from the CPU {max_from_cpu:.1e}");
 }
 
-/// What is cached of labels, of their looks and of a transfer function does not show in the next frame.
+/// The CPU, and for every other scene one of the others: a driver that plays a GPU takes its time.
+fn some_backends(rng: &mut Rng) -> impl Iterator<Item = &'static str> {
+    let (cpu, others) = backends().split_first().expect("there is always the CPU");
+    let other = others.get(rng.usize(..2 * others.len().max(1)));
+    [cpu].into_iter().chain(other).copied()
+}
+
+/// Takes from layers behind the first what makes their voxels differ beside values.
+fn leave_some_by_value(rng: &mut Rng, scene: &mut Scene) {
+    for layer in &mut scene.layers[1..] {
+        if rng.u32(..3) == 0 {
+            (layer.labels, layer.gradient_opacity, layer.transfer_2d) = (None, None, None);
+        }
+    }
+}
+
+/// What is cached of labels, of their looks, of a transfer function and of how sheets are summed does not
+/// show in the next frame.
 #[test]
 fn labels_take_turns() {
     for_each_seed(1, |mut rng| {
         let kinds = SceneKind::all().into_iter().filter(|kind| kind.method == Method::ImageAligned);
-        for kind in kinds.step_by(11) {
+        for (number, kind) in kinds.step_by(11).enumerate() {
             let plain = random_scene(&mut rng, &kind);
             let mut scenes = vec![plain.clone(), plain.clone(), plain.clone(), plain];
             let [_, labelled, others, restyled] = scenes.as_mut_slice() else { unreachable!() };
@@ -67,20 +96,36 @@ fn labels_take_turns() {
             scenes.push(lighter);
             let mut borders = scenes[rng.usize(..scenes.len())].clone();
             add_gradient_opacity(&mut rng, &mut borders);
+            borders.camera = borders.camera.orbited(0.3);
             scenes.push(borders);
             let mut by_both = scenes[rng.usize(..scenes.len())].clone();
             add_transfer_2d(&mut rng, &mut by_both);
             scenes.push(by_both);
-
-            let fresh: Vec<_> = scenes.iter().map(|scene| render("cpu", scene)).collect();
-            let mut renderer = Renderer::new(open("cpu"));
-            for _ in 0..12 {
-                let turn = rng.usize(..scenes.len());
-                let image = renderer.render(&scenes[turn]).expect("the scene is valid").image;
-                assert!(image == fresh[turn], "{kind:?}, turn {turn}");
+            let mut summed = scenes[1].clone();
+            summed.settings.mode = Compositing::ALL[rng.usize(..Compositing::ALL.len())].into();
+            scenes.push(summed);
+            let mut layered = random_layers(&mut rng, &kind);
+            add_labels(&mut rng, &mut layered);
+            leave_some_by_value(&mut rng, &mut layered);
+            scenes.push(layered);
+            // The CPU first; the others take longer, where a driver plays them.
+            let n_backends = if number % 9 == 0 { backends().len() } else { 1 };
+            for backend in &backends()[..n_backends] {
+                check_turns(&mut rng, backend, &scenes);
             }
         }
     });
+}
+
+/// Draws scenes in any order by one renderer.
+fn check_turns(rng: &mut Rng, backend: &str, scenes: &[Scene]) {
+    let fresh: Vec<_> = scenes.iter().map(|scene| render(backend, scene)).collect();
+    let mut renderer = Renderer::new(open(backend));
+    for _ in 0..2 * scenes.len() {
+        let turn = rng.usize(..scenes.len());
+        let image = renderer.render(&scenes[turn]).expect("the scene is valid").image;
+        assert!(image == fresh[turn], "{backend}, turn {turn}");
+    }
 }
 
 /// A voxel has the label whose voxel is nearest to it, counted in steps along the axes of the labels' grid.

@@ -29,10 +29,11 @@
 //! # Reading order
 //!
 //! `device`; `listing`, which says who lists a layer's voxels, `listings`, `host_list` and `known_volume`;
-//! `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`, `frame_memory` and `tables`,
-//! which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and `job`;
-//! `params`, `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`, `samples`
-//! and `section_table`, which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
+//! `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`, `frame_memory` and
+//! `tables`, which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and
+//! `job`; `params`, `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`,
+//! `samples` and `section_table`, which say a plan in the shaders' terms. The stages themselves are in
+//! `shaders/`.
 
 mod device;
 

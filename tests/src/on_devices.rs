@@ -1,0 +1,175 @@
+//! Frames on devices under observation: how tests of what only backends on a GPU can get wrong run, and
+//! their scenes.
+
+use crate::exact_settings;
+use crate::render::{devices, validation_messages};
+use crate::spy_device::{Orders, SpyDevice};
+use slabsplat::glam::{DAffine3, DVec3};
+use slabsplat::{
+    Backend, BackendError, Camera, Frame, FrameId, Grid, ImageDesc, LabelMap, LabelStyle, Labels,
+    Layer, Method, Mode, PiecewiseLinear, Plane, Planner, Projection, Region, Scaling, Scene,
+    TransferFunction, Volume,
+};
+use slabsplat_gpu::{DeviceInfo, GpuBackend};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::Poll;
+
+/// A ball of waves in 64-bit floats.
+///
+/// # Panics
+/// If there are no voxels.
+pub fn volume(dims: [usize; 3]) -> Arc<Volume> {
+    let grid = Grid::with_spacing(dims, [1.0, 1.2, 0.9]).expect("the spacing is positive");
+    let center = grid.center_in_index();
+    let value = |voxel_idx: usize| {
+        let at = DVec3::from_array(grid.voxel_coords(voxel_idx).map(|c| c as f64));
+        let r = at.distance(center) / center.length();
+        (1.0 - r) * (0.7 + 0.3 * (at.x * 0.7 + at.y * 0.3).sin() * (0.5 * at.z).cos())
+    };
+    let samples: Vec<f64> = (0..grid.n_voxels()).map(value).collect();
+    Arc::new(Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("one sample a voxel"))
+}
+
+/// The whole of `volume`, on an image of that many columns.
+///
+/// # Panics
+/// Never: the camera is one of our own.
+pub fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
+    let target = volume.grid().center_in_world();
+    let size = volume.grid().dims().into_iter().max().expect("there are three") as f64;
+    let projection = Projection::Orthographic { view_height: 1.4 * size };
+    let eye = target + DVec3::new(3.0, 2.0, -2.5) * size;
+    let camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
+    Scene::new(Layer::new(volume.clone(), transfer(0.3)), camera)
+        .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
+        .settings(exact_settings().method(method).mode(Mode::Extinction))
+}
+
+/// A ramp up to that opacity.
+///
+/// # Panics
+/// If it is not one.
+pub fn transfer(opacity: f64) -> TransferFunction {
+    let opacities = vec![(0.1, [0.0]), (0.8, [opacity])];
+    let colors = vec![(0.0, [1.0, 0.3, 0.1]), (1.0, [0.2, 0.9, 1.0])];
+    TransferFunction::new(opacities, colors).expect("the points are sorted")
+}
+
+/// Submits a frame.
+///
+/// # Errors
+/// If the backend refuses it.
+///
+/// # Panics
+/// If the scene is not valid.
+pub fn submit(backend: &mut dyn Backend, scene: &Scene) -> Result<FrameId, BackendError> {
+    backend.submit(&Planner::default().plan(scene).expect("the scene is valid"))
+}
+
+/// Waits for a frame.
+///
+/// # Errors
+/// If there is none.
+///
+/// # Panics
+/// If the validation of a graphics interface has found fault with anything so far.
+pub fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendError> {
+    loop {
+        if let Poll::Ready(frame) = backend.poll_image(frame)? {
+            let messages = validation_messages();
+            assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+            return Ok(frame);
+        }
+        std::thread::yield_now();
+    }
+}
+
+/// Submits a frame and waits for it.
+///
+/// # Errors
+/// If the backend refuses it, or there is none.
+///
+/// # Panics
+/// As both.
+pub fn render(backend: &mut dyn Backend, scene: &Scene) -> Result<Frame, BackendError> {
+    let frame = submit(backend, scene)?;
+    take(backend, frame)
+}
+
+/// Two volumes that interleave, on grids of different steps, each in a region of its own.
+///
+/// # Panics
+/// Never, for volumes of these tests.
+pub fn layered_scene(volumes: [&Arc<Volume>; 2], width: u32) -> Scene {
+    let mut scene = scene(volumes[0], width, Method::ImageAligned);
+    let center = volumes[0].grid().center_in_world();
+    let cut = |normal: DVec3| Plane::new(normal, normal.dot(center)).expect("it is not zero");
+    scene.layers[0].region = Region::new(vec![cut(DVec3::X), cut(DVec3::Y)]).inverted().lit();
+    let colors = vec![(0.0, [0.1, 0.9, 0.2]), (1.0, [0.9, 0.9, 0.2])];
+    let transfer = TransferFunction::new(vec![(0.1, [0.0]), (0.9, [0.4])], colors);
+    let second = Layer::new(volumes[1].clone(), transfer.expect("the points are sorted"));
+    scene.layers.push(second.region(Region::new(vec![cut(DVec3::new(0.3, 1.0, 0.2))])));
+    scene
+}
+
+/// The layer with voxels that look otherwise by label and gradient, so that the host lists them.
+///
+/// # Panics
+/// Never, for volumes of these tests.
+pub fn listed_by_host(layer: Layer) -> Layer {
+    let grid = *layer.volume.grid();
+    let labels: Vec<u8> = (0..grid.n_voxels()).map(|idx| (idx / 5 % 4) as u8).collect();
+    let labels = Volume::new(grid, labels.into(), Scaling::IDENTITY).expect("one a voxel");
+    let map = LabelMap::new(&labels, &grid).expect("labels are whole numbers");
+    let green = LabelStyle { color: Some([0.2, 1.0, 0.3]), opacity: 0.7, transfer: None };
+    let own = LabelStyle { transfer: Some(transfer(0.5)), ..LabelStyle::default() };
+    let invisible = LabelStyle { opacity: 0.0, ..LabelStyle::default() };
+    let labels = Labels::new(map, [(1, green), (2, own), (3, invisible)]);
+    let factor = PiecewiseLinear::new("factor", vec![(0.0, [0.3]), (0.4, [1.0])]);
+    layer
+        .labels(labels.expect("opacities are from 0 to 1"))
+        .gradient_opacity(factor.expect("so are these"))
+}
+
+/// The scene with its first layer [listed by the host](listed_by_host).
+pub fn with_host_list(mut scene: Scene) -> Scene {
+    scene.layers[0] = listed_by_host(scene.layers[0].clone());
+    scene
+}
+
+/// The same values on a grid with steps of another length, about the same centre.
+///
+/// # Panics
+/// Never, for volumes of these tests.
+pub fn stretched(volume: &Arc<Volume>, by: f64) -> Arc<Volume> {
+    let old = volume.grid();
+    let place = old.world_from_index();
+    let center = old.center_in_world();
+    let origin = center + by * (place.translation - center);
+    let place = DAffine3::from_mat3_translation(place.matrix3 * by, origin);
+    let grid = Grid::new(old.dims(), place).expect("it can be inverted as before");
+    let volume = Volume::new(grid, volume.samples().clone(), volume.scaling());
+    Arc::new(volume.expect("there are as many samples"))
+}
+
+/// Runs a test on every device, with limits as `change` leaves them.
+pub fn on_devices(
+    change: impl Fn(&mut DeviceInfo),
+    test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
+) {
+    for (name, device) in devices() {
+        let spy = SpyDevice::new(device, &change);
+        let orders = spy.orders();
+        test(name, &mut GpuBackend::new(name, spy), &orders);
+    }
+}
+
+/// Leaves limits as they are.
+pub fn as_it_is(_: &mut DeviceInfo) {}
+
+/// To be held by a test, so that one is run at a time: together they would open dozens of devices at once,
+/// which Mesa's software driver has been seen to crash under.
+pub fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
