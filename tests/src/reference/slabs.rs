@@ -31,6 +31,11 @@ impl Slabs {
         }
     }
 
+    /// Their halves, numbered in turn.
+    pub(super) fn halves(self) -> Self {
+        Self { width: 0.5 * self.width, ..self }
+    }
+
     /// The depth of slab `n`'s front face.
     pub(super) fn face(&self, n: i64) -> f64 {
         self.center + n as f64 * self.width * self.unit

@@ -1,7 +1,9 @@
 //! One density for all on its ray (model §12).
 
+use super::Premultiplied;
 use super::between_sheets::InSheet;
-use slabsplat_core::Statistic;
+use super::sheet::weight;
+use slabsplat_core::{Compositing, Statistic};
 
 /// What stands for all sheets of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +39,25 @@ pub(super) fn of_sheets(
         }
     };
     Some(OneForAll { density, counting: counting().map(weight).fold(0.0, f64::max) })
+}
+
+/// What layers show together, each by the density that stands for all of it: what goes through all of them is
+/// hidden by none, and colours count by extinction.
+pub(super) fn joined(layers: impl Iterator<Item = Premultiplied>) -> Premultiplied {
+    let (mut through, mut extinction, mut color) = (1.0, 0.0, [0.0; 3]);
+    for layer in layers.filter(|layer| 0.0 < layer.opacity) {
+        let of_layer = weight(Compositing::Extinction, layer.opacity);
+        through *= 1.0 - layer.opacity;
+        extinction += of_layer;
+        for (sum, channel) in color.iter_mut().zip(layer.color) {
+            *sum += of_layer * channel / layer.opacity;
+        }
+    }
+    let opacity = 1.0 - through;
+    match 0.0 < extinction {
+        true => Premultiplied { color: color.map(|sum| opacity * sum / extinction), opacity },
+        false => Premultiplied::default(),
+    }
 }
 
 /// The most that the parabola through three nodes comes to within the sheet in the middle; the least, if
@@ -122,5 +143,27 @@ mod tests {
         assert_eq!(thin(0.1), [Some([7.0, 1.0]); 3]);
         assert_eq!(thin(0.025), [Some([-2.0, 0.25]), Some([16.75, 0.25]), Some([7.0, 0.25])]);
         assert_eq!(thin(0.0), [None; 3]);
+    }
+
+    #[test]
+    fn statistic_of_layers_by_hand() {
+        let layer = |opacity: f64, gray: f64| Premultiplied { color: [opacity * gray; 3], opacity };
+        let check = |layers: &[Premultiplied], expected: Premultiplied| {
+            for layers in [layers.to_vec(), layers.iter().rev().copied().collect()] {
+                let Premultiplied { color, opacity } = joined(layers.into_iter());
+                let off = (opacity - expected.opacity).abs();
+                let off = (0..3).map(|i| (color[i] - expected.color[i]).abs()).fold(off, f64::max);
+                assert!(off < 1e-12, "{color:?} {opacity}, not {expected:?}");
+            }
+        };
+        check(&[], Premultiplied::default());
+        check(&[layer(0.0, 0.3)], Premultiplied::default());
+        for opacity in [0.4, 1.0] {
+            check(&[layer(opacity, 0.3), layer(0.0, 0.9)], layer(opacity, 0.3));
+        }
+        check(&[layer(0.5, 0.2), layer(0.5, 0.6)], layer(0.75, 0.4));
+        check(&[layer(1.0, 0.2), layer(1.0, 0.6)], layer(1.0, 0.4));
+        // An extinction twice as large.
+        check(&[layer(0.5, 0.6), layer(0.75, 0.0)], layer(0.875, 0.2));
     }
 }
