@@ -45,7 +45,7 @@
 //! # Reading order
 //!
 //! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
-//! `meshes`, `planner`; `contract`, `conformance`.
+//! `meshes`, `planner`; `densities`; `contract`, `conformance`.
 
 mod cached;
 mod contract;
@@ -58,6 +58,8 @@ mod scene_checks;
 mod shown_values;
 mod slabs;
 mod tables;
+
+pub mod densities;
 
 #[cfg(feature = "conformance")]
 pub mod conformance;

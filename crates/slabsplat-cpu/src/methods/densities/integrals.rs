@@ -9,18 +9,15 @@
 //! W = (I(b) − I(a))/(b − a)
 //! ```
 //!
-//! The transfer function's pieces are cut into *cells* on which the weight is nearly a cubic; colours and the
+//! In the cells into which the transfer function is cut the weight is nearly a cubic; colours and the
 //! density are linear there, so that all integrals are of one and the same weight, and colours and places are
 //! true means. They are in 64 bits, as differences are taken.
 
 use super::sheets::Eight;
-use super::values::ValueScale;
 use crate::sections::cut::bits;
 use fearless_simd::{Simd, f64x8, prelude::*};
+use slabsplat_backend::densities::{self, END, NOTHING, ROUNDING, ValueScale, WeightCell};
 use slabsplat_core::{Compositing, TransferFunction};
-
-/// What is integrated: the weight, and that times red, green, blue and the density.
-const N_FUNCTIONS: usize = 5;
 
 /// A number for each, in as many lanes as a vector has.
 type Lanes = [f64; 8];
@@ -79,22 +76,8 @@ pub(super) struct Means {
     pub(super) places: Eight,
 }
 
-/// Densities, scaled, lie between −1 and 1, and those between them not further outside than a third.
-const END: f64 = 1.5;
-
 /// Parts of the densities that have a first cell each.
 const N_STARTS: usize = 1024;
-
-/// What cubics may miss, of a weight.
-const ERROR: f64 = 1e-5;
-
-/// Least width of a cell: nothing that is narrower than rounding.
-const LEAST_WIDTH: f64 = 1.0 / (1 << 22) as f64;
-
-/// Sums of 32-bit floats miss a density by less than this, scaled. A step of the transfer function that lies
-/// on the value of a plateau must not be taken here and missed there, so that a density this far before a
-/// step counts as on it.
-const ROUNDING: f64 = 1.0 / (1 << 19) as f64;
 
 impl Integrals {
     pub(super) fn new(
@@ -102,32 +85,26 @@ impl Integrals {
         compositing: Compositing,
         scale: &ValueScale,
     ) -> Self {
-        let at = |scaled: f64| {
-            let value = scale.value(scaled);
-            (compositing.weight(transfer.opacity(value)), transfer.color(value))
-        };
-        let mut cells = Cells { cells: Vec::new(), sums: [0.0; 8], at: &at };
-        let points = points(transfer, scale);
-        points.windows(2).for_each(|pair| cells.add(pair[0], pair[1]));
-        let cells = cells.cells;
+        let weight = |opacity: f64| compositing.weight(opacity);
+        let mut sums = [0.0; 8];
+        let cells = densities::weight_cells(transfer, weight, scale);
+        let cells: Vec<Cell> = cells.iter().map(|cell| Cell::new(cell, &mut sums)).collect();
         let first = |start: usize| {
             let density = END * (2.0 * start as f64 / N_STARTS as f64 - 1.0);
             cells.partition_point(|cell| cell.start <= density).saturating_sub(1) as u32
         };
         let starts = (0..=N_STARTS).map(first).collect();
-        let visible = transfer.iso_ranges().into_iter().map(|range| {
-            let ends = [range.lo, range.hi].map(|end| scale.unclamped(end).clamp(-2.0, 2.0));
-            [(ends[0] - 2.0 * ROUNDING) as f32, (ends[1] + ROUNDING) as f32]
-        });
         Self {
             cells,
             starts,
-            visible: visible.collect(),
+            visible: densities::visible_densities(transfer, scale),
             plateaus: Plateaus {
                 transfer: transfer.clone(),
                 compositing,
                 scale: *scale,
-                steps: steps(transfer).map(|step| (step, scale.unclamped(step))).collect(),
+                steps: densities::steps(transfer)
+                    .map(|step| (step, scale.unclamped(step)))
+                    .collect(),
             },
         }
     }
@@ -204,8 +181,17 @@ impl Integrals {
     }
 }
 
-/// Weights that no picture shows.
-const NOTHING: f64 = 1e-9;
+impl Cell {
+    /// The integrals on a cell, where they have come to `sums` at its start, and come to them at its end.
+    fn new(cell: &WeightCell, sums: &mut Lanes) -> Self {
+        let mut powers = [*sums; N_POWERS];
+        powers[1..].copy_from_slice(&cell.integrals());
+        for powers in &powers[1..] {
+            sums.iter_mut().zip(powers).for_each(|(sum, term)| *sum += term);
+        }
+        Self { start: cell.start, per_width: 1.0 / cell.width, powers }
+    }
+}
 
 impl Plateaus {
     /// A part of one density.
@@ -230,96 +216,8 @@ impl Plateaus {
     }
 }
 
-/// Cells as they are made.
-struct Cells<'a> {
-    cells: Vec<Cell>,
-    /// The integrals up to here.
-    sums: Lanes,
-    /// Weight and colour at a scaled density.
-    at: &'a dyn Fn(f64) -> (f64, [f64; 3]),
-}
-
-impl Cells<'_> {
-    /// Adds those of a piece between two points of the transfer function.
-    fn add(&mut self, start: f64, end: f64) {
-        let (width, middle) = (end - start, 0.5 * (start + end));
-        let at = |t: f64| (self.at)(start + width * t);
-        let weight = cubic(NODES.map(|node| at(node).0));
-        let [c0, c1, c2, c3] = weight;
-        let is_off = |t: &f64| ERROR < (((c3 * t + c2) * t + c1) * t + c0 - at(*t).0).abs();
-        if LEAST_WIDTH < width && CHECKED.iter().any(is_off) {
-            self.add(start, middle);
-            self.add(middle, end);
-            return;
-        }
-        let [near, far] = [NODES[0], NODES[3]].map(|node| at(node).1);
-        let color = |channel: usize| {
-            let slope = (far[channel] - near[channel]) / (NODES[3] - NODES[0]);
-            [near[channel] - slope * NODES[0], slope]
-        };
-        let factors: [[f64; 2]; N_FUNCTIONS] =
-            [[1.0, 0.0], color(0), color(1), color(2), [start, width]];
-        let mut powers = [[0.0; 8]; N_POWERS];
-        powers[0] = self.sums;
-        for (function, [constant, slope]) in factors.into_iter().enumerate() {
-            for (power, coefficient) in weight.into_iter().enumerate() {
-                let [of_power, of_next] = [power + 1, power + 2].map(|power| width / power as f64);
-                powers[power + 1][function] += of_power * coefficient * constant;
-                powers[power + 2][function] += of_next * coefficient * slope;
-            }
-        }
-        for powers in &powers[1..] {
-            self.sums.iter_mut().zip(powers).for_each(|(sum, term)| *sum += term);
-        }
-        self.cells.push(Cell { start, per_width: 1.0 / width, powers });
-    }
-}
-
-/// Where cubics meet what they stand for: no end, where there may be a step.
-const NODES: [f64; 4] = [0.038, 0.309, 0.691, 0.962];
-
-/// Where they are compared with it.
-const CHECKED: [f64; 6] = [0.002, 0.14, 0.41, 0.59, 0.86, 0.998];
-
-/// The coefficients of the cubic through four values at the nodes.
-fn cubic(values: [f64; 4]) -> [f64; 4] {
-    // Newton's divided differences, and then powers.
-    let mut c = values;
-    for order in 1..4 {
-        for idx in (order..4).rev() {
-            c[idx] = (c[idx] - c[idx - 1]) / (NODES[idx] - NODES[idx - order]);
-        }
-    }
-    let [x0, x1, x2, _] = NODES;
-    [
-        c[0] - c[1] * x0 + c[2] * x0 * x1 - c[3] * x0 * x1 * x2,
-        c[1] - c[2] * (x0 + x1) + c[3] * (x0 * x1 + x0 * x2 + x1 * x2),
-        c[2] - c[3] * (x0 + x1 + x2),
-        c[3],
-    ]
-}
-
-/// The points of both functions, scaled, and both ends; rising, none twice.
-fn points(transfer: &TransferFunction, scale: &ValueScale) -> Vec<f64> {
-    let scaled = transfer.positions().map(|value| scale.unclamped(value));
-    let mut points: Vec<f64> = scaled.filter(|point| point.abs() < END).collect();
-    points.extend([-END, END]);
-    points.sort_by(f64::total_cmp);
-    points.dedup();
-    points
-}
-
-/// Where either function has a step.
-fn steps(transfer: &TransferFunction) -> impl Iterator<Item = f64> + '_ {
-    fn of<const N: usize>(points: &[(f64, [f64; N])]) -> impl Iterator<Item = f64> + '_ {
-        points.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| pair[0].0)
-    }
-    of(transfer.opacity_points().points()).chain(of(transfer.color_points().points()))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::values::ends_of_transfer;
     use super::*;
     use fearless_simd::{Level, dispatch};
     use slabsplat_seeds::for_each_seed;
@@ -338,7 +236,7 @@ mod tests {
                 let opacities = positions.iter().map(|&x| (x, [0.95 * rng.f64()])).collect();
                 let colors = vec![(10.0, [0.9, 0.1, 0.4]), (60.0, [0.2, 0.7, 0.4])];
                 let transfer = TransferFunction::new(opacities, colors).unwrap();
-                let scale = ValueScale::new(Some([0.0, 100.0]), ends_of_transfer(&transfer));
+                let scale = ValueScale::new(Some([0.0, 100.0]), [positions[0], positions[5]]);
                 let compositing = Compositing::ALL[rng.usize(..Compositing::ALL.len())];
                 let integrals = Integrals::new(&transfer, compositing, &scale);
                 for _ in 0..50 {

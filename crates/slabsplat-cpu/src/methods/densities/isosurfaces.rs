@@ -16,13 +16,13 @@ use super::groups::{Group, groups_in};
 use super::nodes::{AtNodes, Ends, Rays8};
 use super::normals::{Normals, Slopes};
 use super::sheets::{AT_ONCE, Eight, LANES, Limits, N_BESIDE, Retained, Ring, Scratch};
-use super::values::ValueScale;
 use crate::methods::slabs::Sheets;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
 use crate::sections::cut::bits;
 use fearless_simd::{Simd, f32x8, prelude::*};
+use slabsplat_backend::densities::{FADING, ValueScale};
 use slabsplat_backend::{LayerPlan, Slabs};
 use slabsplat_core::{Compositing, IsoRange, Isosurface};
 use slabsplat_traverse::{BlinnPhong8, Light8};
@@ -47,14 +47,6 @@ struct Surface {
     opacity: f32,
     color: [f32; 3],
 }
-
-/// From where a sheet holds this part of its thickness, a surface begins to show, and counts in full from
-/// where it holds that one: half way in between, half a voxel outside of the outermost ones, volumes end.
-const FADING: [f64; 2] = [0.375, 0.625];
-
-/// A density that is less than this part of all values below a surface's counts as on it: plateaus that are
-/// rounded to either side must not be speckled.
-const PLATEAU: f64 = 1.0 / (1 << 19) as f64;
 
 /// Where volumes end, surfaces do.
 #[derive(Clone, Copy, Debug)]
@@ -81,16 +73,10 @@ impl Fading {
 /// The values that the surfaces of a layer count as, each a range.
 pub(super) fn ranges(layer: &LayerPlan<'_>, scale: &ValueScale) -> Vec<IsoRange> {
     let range = |surface: &Isosurface| {
-        let value = scale.value(on_scale(surface, scale));
+        let value = scale.value(scale.of_isosurface(surface));
         IsoRange { lo: value, hi: value }
     };
     layer.isosurfaces.iter().map(range).collect()
-}
-
-/// What the value of a surface counts as, scaled.
-fn on_scale(surface: &Isosurface, scale: &ValueScale) -> f64 {
-    let [least, largest] = scale.ends().map(f64::from);
-    scale.unclamped(surface.value()) - PLATEAU * (largest - least)
 }
 
 /// Parts of the rays of eight pixels, some of which pass a surface.
@@ -272,7 +258,7 @@ impl Surface {
     fn new(surface: &Isosurface, layer: &LayerPlan<'_>, scale: &ValueScale) -> Self {
         let color = surface.color().unwrap_or_else(|| layer.transfer.color(surface.value()));
         Self {
-            value: on_scale(surface, scale) as f32,
+            value: scale.of_isosurface(surface) as f32,
             opacity: surface.opacity() as f32,
             color: color.map(|channel| channel as f32),
         }

@@ -25,13 +25,13 @@
 //!
 //! # Reading order
 //!
-//! `values`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rays`, `depths`, `nodes`,
+//! `finite`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rays`, `depths`, `nodes`,
 //! `normals`; `integrals`, `parts`, `classify`; `statistic`; `crossing`, `isosurfaces`.
 
 mod bit_rows;
+mod finite;
 mod reach;
 mod selection;
-mod values;
 mod voxels;
 
 mod depths;
@@ -59,16 +59,17 @@ use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use classify::Classifier;
 use fearless_simd::Level;
+use finite::finite_range;
 use integrals::Integrals;
 use isosurfaces::Isosurfaces;
 use reach::Reach;
 use selection::Selection;
 use sheets::{Limits, Retained, Scratch};
+use slabsplat_backend::densities::{FULL_PART, ValueScale};
 use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan, ShownDensities};
 use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
-use statistic::{FULL_PART, Gatherer};
-use values::{ValueScale, ends_of_isosurfaces, ends_of_transfer, finite_range};
+use statistic::Gatherer;
 use voxels::Selected;
 
 /// Pixels on each side of a tile that are summed for gradients alone.
@@ -140,16 +141,12 @@ fn shown_on_scale(
     shown: ShownDensities,
     finite: Option<[f64; 2]>,
 ) -> (ValueScale, Vec<IsoRange>) {
-    match shown {
-        ShownDensities::Composited | ShownDensities::Statistic(_) => {
-            (ValueScale::new(finite, ends_of_transfer(layer.transfer)), layer.relevant.clone())
-        }
-        ShownDensities::Isosurfaces => {
-            let scale = ValueScale::new(finite, ends_of_isosurfaces(layer.isosurfaces));
-            let ranges = isosurfaces::ranges(layer, &scale);
-            (scale, ranges)
-        }
-    }
+    let scale = ValueScale::of(layer, shown, finite);
+    let ranges = match shown {
+        ShownDensities::Composited | ShownDensities::Statistic(_) => layer.relevant.clone(),
+        ShownDensities::Isosurfaces => isosurfaces::ranges(layer, &scale),
+    };
+    (scale, ranges)
 }
 
 /// Draws the selected voxels of a volume whose finite values are of that range, if there are any.

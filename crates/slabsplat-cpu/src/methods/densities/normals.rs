@@ -5,6 +5,7 @@ use super::rays::Rays;
 use super::sheets::{Eight, LANES};
 use fearless_simd::Simd;
 use slabsplat_backend::LayerPlan;
+use slabsplat_backend::densities::FAINT_GRADIENT;
 use slabsplat_core::SlabGrid;
 
 /// Slopes on eight parts: to the right and upwards per world unit, along the ray per sheet.
@@ -25,10 +26,6 @@ pub(super) struct Normals {
     /// Sheets in a world unit.
     per_sheet: f32,
 }
-
-/// A gradient counts in full from this part of the range of values on, per `unit`: less is the noise of a
-/// plateau, and a normal must not turn about within it.
-const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
 impl Slopes {
     #[inline(always)]

@@ -14,7 +14,6 @@ use super::nodes::Rays8;
 use super::sheets::{
     AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch,
 };
-use super::values::ValueScale;
 use crate::methods::slabs::Sheets;
 use crate::pixels::quad::QUAD;
 use crate::pixels::sheet::Sheet;
@@ -23,6 +22,7 @@ use crate::pixels::tile_region::TileRegion;
 use crate::pixels::tiles::Tiles;
 use fearless_simd::Simd;
 use rayon::prelude::*;
+use slabsplat_backend::densities::ValueScale;
 use slabsplat_core::{SlabGrid, Statistic, TransferFunction};
 
 /// Finds the density that stands for all.
@@ -33,9 +33,6 @@ pub(super) struct Gatherer<'a> {
     /// One over the length of a ray, in `unit`s, with which a sheet counts in full.
     pub(super) per_full_length: f32,
 }
-
-/// A sheet counts in full that holds this part of its thickness.
-pub(super) const FULL_PART: f64 = 1.0 / 16.0;
 
 impl Gatherer<'_> {
     /// Looks at the first of the two sheets in the middle, if `last` is the slab of the last one.

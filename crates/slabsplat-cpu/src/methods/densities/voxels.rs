@@ -2,8 +2,8 @@
 //! its value, in two channels for each of two sheets.
 
 use super::selection::Selection;
-use super::values::ValueScale;
 use crate::methods::slabs::Voxels;
+use slabsplat_backend::densities::ValueScale;
 use slabsplat_core::{Sample, Volume, with_samples};
 use slabsplat_traverse::{Brick, BrickGrid, VoxelRecord};
 
