@@ -141,7 +141,8 @@ fn advance<S: Simd, H: Sheets>(
     while slab < slabs.end.min(held.end.max(*needed_until)) {
         let sheet = add_layers::<S, H>(simd, slab, (passes, tile_idx), tile, sums);
         if !sheet.touched.is_empty() {
-            *needed_until = slab + H::AT_ONCE + H::N_BEHIND;
+            let end = (slab + H::AT_ONCE).min(passes[0].setup.slabs.grid.n_slabs());
+            *needed_until = end + H::N_BEHIND;
         }
         sheets.take(simd, slab, sheet, (tile, region), retained, of_method);
         if H::CUTS_SUMS {
