@@ -1,8 +1,8 @@
 //! The order in which layers are summed: not the scene's, so that a picture does not depend on it by a bit.
 
 use slabsplat_core::{
-    LabelMap, LabelStyle, Labels, Layer, Phong, PiecewiseLinear, Shading, TransferFunction,
-    TransferFunction2d, Volume,
+    Isosurface, LabelMap, LabelStyle, Labels, Layer, Phong, PiecewiseLinear, Shading,
+    TransferFunction, TransferFunction2d, Volume,
 };
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -71,6 +71,7 @@ fn look(layer: &Layer) -> impl Iterator<Item = f64> {
         .chain(factors)
         .chain(by_both)
         .chain(styles(layer.labels.as_ref()))
+        .chain(surfaces(&layer.isosurfaces))
 }
 
 /// A function of values.
@@ -91,6 +92,18 @@ fn styles(labels: Option<&Labels>) -> impl Iterator<Item = f64> {
             .into_iter()
             .chain(color.iter().flatten().copied())
             .chain(of_transfer)
+    })
+}
+
+/// What is shown of them by isosurfaces, whose order has no meaning.
+fn surfaces(isosurfaces: &[Isosurface]) -> impl Iterator<Item = f64> {
+    let mut isosurfaces: Vec<&Isosurface> = isosurfaces.iter().collect();
+    isosurfaces.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    isosurfaces.into_iter().flat_map(|surface| {
+        let color = surface.color();
+        let has_color = f64::from(u8::from(color.is_some()));
+        let numbers = [surface.value(), surface.opacity(), has_color];
+        numbers.into_iter().chain(color.into_iter().flatten())
     })
 }
 

@@ -15,9 +15,9 @@ use std::sync::Arc;
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
 #[derive(Clone, Debug)]
 pub struct FramePlan<'a> {
-    /// The volumes that are drawn: only one but for [`ColorSplats::Sections`]. All splat alike,
-    /// and are cut by the same slabs; they are summed in this order, which is not that of the scene. Those
-    /// with one region follow each other.
+    /// The volumes that are drawn: only one but for [`ColorSplats::Sections`] and [`Splats::Densities`]. All
+    /// splat alike, and are cut by the same slabs; they are summed in this order, which is not that of the
+    /// scene. Those with one region follow each other.
     ///
     /// None where there are meshes alone.
     pub layers: Vec<LayerPlan<'a>>,

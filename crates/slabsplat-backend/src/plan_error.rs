@@ -33,13 +33,14 @@ pub enum PlanError {
     /// There is nothing to draw.
     #[error("the scene has no layers and no meshes")]
     NoLayers,
-    /// Its sheets are not of colours in slabs, which layers could share.
+    /// Its sheets are not of slabs, which layers could share.
     #[error(
-        "{what} draws one layer, not {n_layers}: image-aligned sheets that are composited draw any number"
+        "the method {method} draws one layer, not {n_layers}: image-aligned and post-classified draw any \
+         number"
     )]
     OneLayer {
-        /// The method or the mode.
-        what: String,
+        /// The method.
+        method: Method,
         /// How many layers the scene has.
         n_layers: usize,
     },

@@ -2,7 +2,7 @@
 
 use crate::layer_order::in_one_order;
 use crate::meshes;
-use crate::scene_checks::{check_isosurfaces, check_method, is_of_densities};
+use crate::scene_checks::{check_method, is_of_densities};
 use crate::shown_values::shown_ranges;
 use crate::slabs::Depths;
 use crate::tables::{LayerToSplat, Tables};
@@ -62,6 +62,7 @@ impl Planner {
         let slabs = Depths::slabs(&depths, width * unit)?;
         self.tables.resize_with(n_layers, Tables::default);
         let parts = seen.into_iter().zip(&depths).zip(&mut self.tables);
+        let parts = parts.filter(|((seen, _), _)| shows(seen.layer, settings.mode));
         let plan = |((seen, depths), tables): ((SeenLayer<'a>, &Depths), &mut Tables)| {
             let SeenLayer { layer, view, shape } = seen;
             let grid = layer.volume.grid();
@@ -129,9 +130,6 @@ impl<'a> SeenLayer<'a> {
         if let Shading::Phong(phong) = layer.shading {
             phong.checked()?;
         }
-        if scene.settings.mode == Mode::Isosurfaces {
-            check_isosurfaces(layer)?;
-        }
         let grid = layer.volume.grid();
         let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));
         let view = View::about(center, grid, &scene.camera, &scene.image)?;
@@ -144,6 +142,11 @@ impl<'a> SeenLayer<'a> {
         let of_voxels = self.view.from_index(grid).depth_range(grid);
         Depths { of_voxels, half_depth: radius * self.shape.half_depth }
     }
+}
+
+/// Whether there is anything that a layer could show.
+fn shows(layer: &Layer, mode: Mode) -> bool {
+    mode != Mode::Isosurfaces || !layer.isosurfaces.is_empty()
 }
 
 /// The shortest voxel step of any layer.

@@ -15,7 +15,6 @@ pub(crate) fn check_method(scene: &Scene) -> Result<(), PlanError> {
         Method::ImageAligned | Method::PostClassified => true,
         Method::AxisAligned | Method::EverySample => false,
     };
-    let n_layers = scene.layers.len();
     check_voxels(scene)?;
     if !scene.meshes.is_empty() {
         if !has_slabs {
@@ -28,15 +27,15 @@ pub(crate) fn check_method(scene: &Scene) -> Result<(), PlanError> {
     if !has_slabs && scene.layers.iter().any(|layer| !layer.region.is_everywhere()) {
         return Err(PlanError::NoRegions(method));
     }
-    if is_of_densities(mode) {
-        if !has_slabs {
-            return Err(PlanError::NoDensities { mode, method });
-        }
-        if 1 < n_layers {
-            return Err(PlanError::OneLayer { what: format!("the mode {mode}"), n_layers });
-        }
-    } else if 1 < n_layers && method != Method::ImageAligned {
-        return Err(PlanError::OneLayer { what: format!("the method {method}"), n_layers });
+    if !has_slabs && is_of_densities(mode) {
+        return Err(PlanError::NoDensities { mode, method });
+    }
+    let n_layers = scene.layers.len();
+    if !has_slabs && 1 < n_layers {
+        return Err(PlanError::OneLayer { method, n_layers });
+    }
+    if mode == Mode::Isosurfaces && 0 < n_layers {
+        check_isosurfaces(&scene.layers)?;
     }
     Ok(())
 }
@@ -69,15 +68,17 @@ fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
     Ok(())
 }
 
-/// Whether there are surfaces to draw, each of another value.
-pub(crate) fn check_isosurfaces(layer: &Layer) -> Result<(), PlanError> {
-    let mut values: Vec<f64> = layer.isosurfaces.iter().map(Isosurface::value).collect();
-    if values.is_empty() {
+/// Whether there are surfaces to draw, those of a layer each of another value.
+fn check_isosurfaces(layers: &[Layer]) -> Result<(), PlanError> {
+    if layers.iter().all(|layer| layer.isosurfaces.is_empty()) {
         return Err(PlanError::NoIsosurfaces);
     }
-    values.sort_by(f64::total_cmp);
-    match values.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(PlanError::IsosurfaceTwice(pair[0])),
-        None => Ok(()),
+    for layer in layers {
+        let mut values: Vec<f64> = layer.isosurfaces.iter().map(Isosurface::value).collect();
+        values.sort_by(f64::total_cmp);
+        if let Some(pair) = values.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(PlanError::IsosurfaceTwice(pair[0]));
+        }
     }
+    Ok(())
 }

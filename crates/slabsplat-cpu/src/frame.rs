@@ -92,7 +92,7 @@ impl OfMethods {
             Splats::Densities(splats) => {
                 let buffers = &mut self.densities;
                 let [n_voxels, n_occluded] =
-                    densities::render(plan, first, level, splats, tiles, buffers, watch);
+                    densities::render(plan, splats.shown, level, tiles, buffers, watch);
                 Drawn { n_voxels, n_occluded }
             }
         }

@@ -61,12 +61,8 @@ fn errors_say_what_and_where() {
         ("render builtin:cube --clip 1,0,0,0 --method axis-aligned -o a.png", "cuts nothing off"),
         ("render builtin:cube --mode maximum --method every-sample -o a.png", "has none of"),
         (
-            "render builtin:cube --mode average --layer builtin:cube -o a.png",
-            "the mode average draws one layer, not 2",
-        ),
-        (
-            "render builtin:cube --method post-classified --layer builtin:cube -o a.png",
-            "the method post-classified draws one layer, not 2",
+            "render builtin:cube --method every-sample --layer builtin:cube -o a.png",
+            "the method every-sample draws one layer, not 2",
         ),
         ("render builtin:cube --mode isosurfaces -o a.png", "add --isosurface"),
         (

@@ -3,11 +3,10 @@
 
 use super::Stage;
 use super::lit_faces::LitFaces;
-use super::slabs::{self, SectionsInSlabs, Sheets, Voxels};
+use super::slabs::{self, SectionsInSlabs, Sheets, SlabOnTile, SlabSums, Voxels};
+use crate::pixels::blocks::Blocks;
 use crate::pixels::ended_rays::SlabToEndIn;
-use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
-use crate::pixels::tile_region::TileRegion;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use fearless_simd::Simd;
@@ -115,11 +114,17 @@ impl Voxels for Shaded<'_> {
     }
 }
 
-/// A sheet goes behind what there is of the picture.
+/// Layers are joined, and their sheet goes behind what there is of the picture.
 struct Composited<'a> {
     compositing: Compositing,
     cutoff: f32,
     slabs: &'a SlabGrid,
+}
+
+impl Composited<'_> {
+    fn faces(&self, slab: usize) -> [f32; 2] {
+        self.slabs.faces(slab).map(|face| face as f32)
+    }
 }
 
 impl Sheets for Composited<'_> {
@@ -128,7 +133,6 @@ impl Sheets for Composited<'_> {
 
     const AT_ONCE: usize = 1;
     const N_BEHIND: usize = 0;
-    const CUTS_SUMS: bool = true;
 
     fn front(&self, slab: usize) -> f32 {
         self.slabs.front(slab) as f32
@@ -139,19 +143,46 @@ impl Sheets for Composited<'_> {
     }
 
     #[inline(always)]
+    fn needed(&self, SlabOnTile { slab, regions }: SlabOnTile<'_>, layer: usize) -> Blocks {
+        regions.of(layer).map_or(Blocks::ALL, |region| region.showing(self.faces(slab)))
+    }
+
+    /// Those of one region are cut together.
+    #[inline(always)]
     fn take<S: Simd>(
         &self,
-        simd: S,
-        slab: usize,
-        sheet: &mut Sheet,
-        (tile, _): (&mut Tile, Option<&TileRegion>),
+        _: S,
+        SlabOnTile { slab, regions }: SlabOnTile<'_>,
+        layer: usize,
+        SlabSums { of_layer, joined }: SlabSums<'_>,
         (): &mut (),
         (): &mut (),
     ) {
-        let faces = self.slabs.faces(slab).map(|face| face as f32);
+        if regions.is_that_of_next(layer) {
+            return;
+        }
+        if let Some(region) = regions.of(layer) {
+            region.cut(of_layer, self.faces(slab));
+        }
+        if !regions.is_only() {
+            joined.take_from(of_layer);
+        }
+    }
+
+    #[inline(always)]
+    fn show<S: Simd>(
+        &self,
+        simd: S,
+        SlabOnTile { slab, regions }: SlabOnTile<'_>,
+        SlabSums { of_layer, joined }: SlabSums<'_>,
+        tile: &mut Tile,
+        (): &mut (),
+        (): &mut (),
+    ) {
+        let sheet = if regions.is_only() { of_layer } else { joined };
         let (compositing, cutoff) = (self.compositing, self.cutoff);
-        tile.end_rays_in(SlabToEndIn { compositing, faces, cutoff }, sheet);
-        tile.put_behind(simd, self.compositing, sheet, self.cutoff);
+        tile.end_rays_in(SlabToEndIn { compositing, faces: self.faces(slab), cutoff }, sheet);
+        tile.put_behind(simd, compositing, sheet, cutoff);
     }
 
     fn release(&self, (): &mut (), (): &mut ()) {}

@@ -63,8 +63,14 @@ impl Tile {
         tile
     }
 
-    /// Makes it empty again.
+    /// Makes it empty again, of which nothing is counted.
     pub(crate) fn clear(&mut self) {
+        self.reopen();
+        self.stats = TileStats::default();
+    }
+
+    /// Makes its pixels empty again.
+    pub(crate) fn reopen(&mut self) {
         let [columns, rows] = &self.inside;
         for (row_idx, row) in self.pixels.iter_mut().enumerate() {
             for (quad_idx, quad) in row.iter_mut().enumerate() {
@@ -82,7 +88,6 @@ impl Tile {
         let end = [columns.end, rows.end].map(|end| end as u8);
         self.open = Blocks::meeting(&PixelBox { min, end });
         self.needed = self.needed_for(self.open);
-        self.stats = TileStats::default();
     }
 
     /// The blocks whose sums are needed while those are open.

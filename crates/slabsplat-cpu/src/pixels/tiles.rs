@@ -29,6 +29,11 @@ impl Tiles {
         self.tiles.par_iter_mut().for_each(Tile::clear);
     }
 
+    /// Makes their pixels empty again; what was counted stays.
+    pub(crate) fn reopen(&mut self) {
+        self.tiles.par_iter_mut().for_each(Tile::reopen);
+    }
+
     /// Ends all rays at surfaces before a depth, where nothing is left to be composited before that.
     pub(crate) fn end_rays_before(&mut self, depth: f32, cutoff: f32) {
         if self.tiles.iter().any(|tile| tile.surfaces.any_before(depth)) {

@@ -1,4 +1,9 @@
 //! From the sheets of a tile to its pixels: classification between them, light, compositing.
+//!
+//! ```text
+//! for each layer: the parts between two sheets, classified and lit, cut by its region
+//! composite their sum, as any sheet
+//! ```
 
 use super::super::lit_faces::LitFaces;
 use super::depths::Depths;
@@ -7,25 +12,104 @@ use super::integrals::Integrals;
 use super::nodes::{AtNodes, Ends, N_NODES, OnPart, Parts, Rays8};
 use super::normals::Normals;
 use super::parts::{Lies, PartShader};
-use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch};
-use crate::methods::slabs::Sheets;
+use super::rings::{Rings, Scratch};
+use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Ring};
+use crate::methods::slabs::{Sheets, SlabOnTile, SlabSums};
+use crate::pixels::blocks::BLOCK_SIDE;
 use crate::pixels::ended_rays::SlabToEndIn;
+use crate::pixels::quad::QUAD;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use slabsplat_backend::{FramePlan, LayerPlan, Slabs};
+use slabsplat_core::Compositing;
 use slabsplat_traverse::BlinnPhong8;
 
-/// Classifies and shades what lies between sheets.
+/// Classifies and shades what lies between sheets, of all layers.
 pub(super) struct Classifier<'a> {
+    pub(super) layers: Vec<LayerClassifier<'a>>,
+    pub(super) compositing: Compositing,
+    pub(super) cutoff: f32,
+}
+
+/// Classifies and shades what lies between the sheets of a layer.
+pub(super) struct LayerClassifier<'a> {
     shader: PartShader<'a>,
-    cutoff: f32,
     depths: Depths<'a>,
     limits: Limits,
 }
 
-impl<'a> Classifier<'a> {
+impl Classifier<'_> {
+    /// Classifies what lies between the two sheets in the middle, if `last` is the slab of the last one, and
+    /// puts it behind what the tile holds.
+    #[inline(never)]
+    fn classify<S: Simd>(
+        &self,
+        simd: S,
+        last: SlabOnTile<'_>,
+        rings: &Rings,
+        sums: SlabSums<'_>,
+        tile: &mut Tile,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.classify_inlined(simd, last, rings, sums, tile),
+        );
+    }
+
+    #[inline(always)]
+    fn classify_inlined<S: Simd>(
+        &self,
+        simd: S,
+        SlabOnTile { slab: last, regions }: SlabOnTile<'_>,
+        rings: &Rings,
+        SlabSums { of_layer, joined }: SlabSums<'_>,
+        tile: &mut Tile,
+    ) {
+        let ends = self.layers[0].depths.of_nodes(last);
+        let are_several = 1 < self.layers.len();
+        for (idx, layer) in self.layers.iter().enumerate() {
+            let Some(ring) = rings.of(idx) else { continue };
+            layer.add_parts(simd, (last, ring), of_layer, tile, regions.of(idx));
+            if are_several {
+                if self.compositing == Compositing::Separate {
+                    weight_colors(of_layer);
+                }
+                joined.take_from(of_layer);
+            }
+        }
+        let sums = if are_several { joined } else { of_layer };
+        let (compositing, cutoff) = (self.joining(), self.cutoff);
+        tile.end_rays_in(SlabToEndIn { compositing, faces: ends, cutoff }, sums);
+        tile.put_behind(simd, compositing, sums, cutoff);
+    }
+
+    /// What the sums of parts are composited by (model §10).
+    fn joining(&self) -> Compositing {
+        match self.compositing {
+            Compositing::Separate if 1 < self.layers.len() => Compositing::Associated,
+            Compositing::Separate | Compositing::Associated | Compositing::Extinction => {
+                self.compositing
+            }
+        }
+    }
+}
+
+/// Makes what a layer alone would show in `separate` what it adds to in `associated`.
+fn weight_colors(sums: &mut Sheet) {
+    for [column, block_row] in sums.touched.iter() {
+        for row in &mut sums.sums[block_row * BLOCK_SIDE..(block_row + 1) * BLOCK_SIDE] {
+            for pixel in 0..QUAD {
+                let [r, g, b, weight] = row[column].pixel(pixel);
+                let [r, g, b] = [r, g, b].map(|channel| weight * channel.min(1.0));
+                row[column].set_pixel(pixel, [r, g, b, weight]);
+            }
+        }
+    }
+}
+
+impl<'a> LayerClassifier<'a> {
     /// For values of which the finite ones have that scaled extent.
     pub(super) fn new(
         plan: &FramePlan<'_>,
@@ -49,37 +133,21 @@ impl<'a> Classifier<'a> {
                 view: layer.view,
                 border,
             },
-            cutoff: plan.opacity_cutoff,
             depths: Depths { slabs: &slabs.grid, view: layer.view },
             limits,
         }
     }
 
-    /// Classifies what lies between the two sheets in the middle, if `last` is the slab of the last one, and
-    /// puts it behind what the tile holds. `sums` is empty.
-    #[inline(never)]
-    fn classify<S: Simd>(
-        &self,
-        simd: S,
-        last: usize,
-        ring: &Ring,
-        sums: &mut Sheet,
-        tile: (&mut Tile, Option<&TileRegion>),
-    ) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.classify_inlined(simd, last, ring, sums, tile),
-        );
-    }
-
+    /// Writes what parts between the two sheets in the middle sum to onto an empty sheet, as far as the region
+    /// holds them.
     #[inline(always)]
-    fn classify_inlined<S: Simd>(
+    fn add_parts<S: Simd>(
         &self,
         simd: S,
-        last: usize,
-        ring: &Ring,
+        (last, ring): (usize, &Ring),
         sums: &mut Sheet,
-        (tile, region): (&mut Tile, Option<&TileRegion>),
+        tile: &Tile,
+        region: Option<&TileRegion>,
     ) {
         let ends = self.depths.of_nodes(last);
         let sheets = ring.up_to(last);
@@ -91,7 +159,7 @@ impl<'a> Classifier<'a> {
         for group in groups_in(blocks) {
             let open = group.open(tile);
             if open != 0 {
-                let parts = self.parts(simd, &sheets, [group.row, group.column], open, &pixels);
+                let parts = self.parts(simd, &sheets, group.place(), open, &pixels);
                 if let Some(parts) = parts {
                     let lies = Lies { first_pixel: group.first_pixel(tile), ends };
                     group.write(&self.shader.sums(simd, &parts, lies), parts.seen, sums);
@@ -100,12 +168,6 @@ impl<'a> Classifier<'a> {
         }
         if let Some(region) = region {
             region.cut(sums, ends);
-        }
-        let (compositing, cutoff) = (self.shader.compositing, self.cutoff);
-        tile.end_rays_in(SlabToEndIn { compositing, faces: ends, cutoff }, sums);
-        tile.put_behind(simd, compositing, sums, cutoff);
-        if let Some(region) = region {
-            tile.close_all(region.over_from(ends[1]));
         }
     }
 
@@ -150,46 +212,57 @@ impl<'a> Classifier<'a> {
 }
 
 impl Sheets for Classifier<'_> {
-    type Retained = Retained;
+    type Retained = Rings;
     type Scratch = Scratch;
 
     const AT_ONCE: usize = AT_ONCE;
     const N_BEHIND: usize = N_BESIDE + 1;
-    const CUTS_SUMS: bool = false;
 
     fn front(&self, slab: usize) -> f32 {
-        self.depths.of_nodes(slab)[0]
+        self.layers[0].depths.of_nodes(slab)[0]
     }
 
     fn splits_slabs(&self) -> bool {
-        self.shader.compositing.sums_extinction()
+        self.compositing.sums_extinction()
     }
 
     #[inline(always)]
     fn take<S: Simd>(
         &self,
         simd: S,
-        slab: usize,
-        sheet: &mut Sheet,
-        (tile, region): (&mut Tile, Option<&TileRegion>),
-        retained: &mut Retained,
-        rings: &mut Scratch,
+        SlabOnTile { slab, .. }: SlabOnTile<'_>,
+        layer: usize,
+        SlabSums { of_layer, .. }: SlabSums<'_>,
+        rings: &mut Rings,
+        scratch: &mut Scratch,
     ) {
-        if sheet.touched.is_empty() && retained.is_none() {
+        rings.take(simd, (slab, layer), of_layer, &self.layers[layer].limits, scratch);
+    }
+
+    #[inline(always)]
+    fn show<S: Simd>(
+        &self,
+        simd: S,
+        SlabOnTile { slab, regions }: SlabOnTile<'_>,
+        SlabSums { of_layer, joined }: SlabSums<'_>,
+        tile: &mut Tile,
+        rings: &mut Rings,
+        _: &mut Scratch,
+    ) {
+        if rings.are_none() {
             return;
         }
-        let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
-        ring.push(simd, slab, sheet, &self.limits);
-        for last in slab..slab + AT_ONCE {
-            self.classify(simd, last, ring, sheet, (tile, region));
+        for slab in slab..slab + AT_ONCE {
+            let sums = SlabSums { of_layer: &mut *of_layer, joined: &mut *joined };
+            self.classify(simd, SlabOnTile { slab, regions }, rings, sums, tile);
         }
     }
 
-    fn release(&self, retained: &mut Retained, rings: &mut Scratch) {
-        Ring::release(retained, rings);
+    fn release(&self, rings: &mut Rings, scratch: &mut Scratch) {
+        rings.release(scratch);
     }
 
-    fn scratch_bytes(rings: &Scratch) -> usize {
-        rings.len() * Ring::BYTES
+    fn scratch_bytes(scratch: &Scratch) -> usize {
+        scratch.resident_bytes()
     }
 }

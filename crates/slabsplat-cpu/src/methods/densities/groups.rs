@@ -37,6 +37,12 @@ pub(super) fn groups_in(blocks: Blocks) -> impl Iterator<Item = Group> {
 }
 
 impl Group {
+    /// Where it is on its tile: its row, and its first column.
+    #[inline(always)]
+    pub(super) fn place(&self) -> [usize; 2] {
+        [self.row, self.column]
+    }
+
     /// The first of its pixels, counted from the corner of the image's border.
     #[inline(always)]
     pub(super) fn first_pixel(&self, tile: &Tile) -> [usize; 2] {

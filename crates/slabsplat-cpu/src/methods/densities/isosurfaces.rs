@@ -1,4 +1,4 @@
-//! Surfaces on which densities have given values (model §12).
+//! Surfaces of a layer, on which its densities have given values (model §12).
 //!
 //! ```text
 //! for each part between two nodes, of eight pixels at once:
@@ -6,8 +6,6 @@
 //!         the place at which a cubic has it                            (crossing.rs)
 //!         fade out where the volume ends; look whether the region holds the place
 //!         slopes there, normal, light                                  (normals.rs)
-//!         lay it behind what the part has shown so far
-//!     composite the part, as any sheet
 //! ```
 
 use super::crossing::Way;
@@ -15,28 +13,26 @@ use super::depths::Depths;
 use super::groups::{Group, groups_in};
 use super::nodes::{AtNodes, Ends, Rays8};
 use super::normals::{Normals, Slopes};
-use super::sheets::{AT_ONCE, Eight, LANES, Limits, N_BESIDE, Retained, Ring, Scratch};
-use crate::methods::slabs::Sheets;
-use crate::pixels::sheet::Sheet;
+use super::passed::Passed;
+use super::sheets::{Eight, LANES, Limits, N_BESIDE, Ring};
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
 use crate::sections::cut::bits;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use slabsplat_backend::densities::{FADING, ValueScale};
 use slabsplat_backend::{LayerPlan, Slabs};
-use slabsplat_core::{Compositing, IsoRange, Isosurface};
+use slabsplat_core::{IsoRange, Isosurface};
 use slabsplat_traverse::{BlinnPhong8, Light8};
 
-/// Finds and shades surfaces.
+/// Finds and shades the surfaces of a layer.
 pub(super) struct Isosurfaces<'a> {
     /// By value, rising.
     surfaces: Vec<Surface>,
     /// By directions to the right, upwards and forward.
     light: Option<BlinnPhong8>,
     normals: Normals,
-    depths: Depths<'a>,
-    cutoff: f32,
-    limits: Limits,
+    pub(super) depths: Depths<'a>,
+    pub(super) limits: Limits,
     fading: Fading,
 }
 
@@ -111,7 +107,6 @@ impl<'a> Isosurfaces<'a> {
         layer: &'a LayerPlan<'_>,
         slabs: &'a Slabs,
         (scale, extent): (&ValueScale, f64),
-        cutoff: f32,
         border: usize,
         limits: Limits,
     ) -> Self {
@@ -127,37 +122,34 @@ impl<'a> Isosurfaces<'a> {
                 .map(|light| BlinnPhong8::seen_along(light, layer.view.axes())),
             normals: Normals::new(layer, &slabs.grid, extent, border),
             depths: Depths { slabs: &slabs.grid, view: layer.view },
-            cutoff,
             limits,
             fading: Fading::new(thickness),
         }
     }
 
-    /// Draws what lies between the two sheets in the middle, if `last` is the slab of the last one, behind
-    /// what the tile holds. `sums` is empty.
+    /// Adds the surfaces that rays pass between the two sheets in the middle, if `last` is the slab of the last
+    /// one.
     #[inline(never)]
-    fn draw<S: Simd>(
+    pub(super) fn find<S: Simd>(
         &self,
         simd: S,
-        last: usize,
-        ring: &Ring,
-        sums: &mut Sheet,
-        tile: (&mut Tile, Option<&TileRegion>),
+        (last, ring): (usize, &Ring),
+        (tile, region): (&Tile, Option<&TileRegion>),
+        passed: &mut Vec<Passed>,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.draw_inlined(simd, last, ring, sums, tile),
+            || self.find_inlined(simd, (last, ring), (tile, region), passed),
         );
     }
 
     #[inline(always)]
-    fn draw_inlined<S: Simd>(
+    fn find_inlined<S: Simd>(
         &self,
         simd: S,
-        last: usize,
-        ring: &Ring,
-        sums: &mut Sheet,
-        (tile, region): (&mut Tile, Option<&TileRegion>),
+        (last, ring): (usize, &Ring),
+        (tile, region): (&Tile, Option<&TileRegion>),
+        passed: &mut Vec<Passed>,
     ) {
         let depths = self.depths.of_nodes(last);
         let sheets = ring.up_to(last);
@@ -173,8 +165,7 @@ impl<'a> Isosurfaces<'a> {
             if passing == 0 {
                 continue;
             }
-            let place = [group.row, group.column];
-            let slopes = rays.slopes(simd, &sheets, place, &pixels, Ends::Nodes);
+            let slopes = rays.slopes(simd, &sheets, group.place(), &pixels, Ends::Nodes);
             let parts = Passing {
                 densities: densities.map(Into::into),
                 along: slopes[2].ends.map(Into::into),
@@ -186,11 +177,7 @@ impl<'a> Isosurfaces<'a> {
                 depths,
                 region,
             };
-            group.write(&self.sums(simd, &parts), passing, sums);
-        }
-        tile.put_behind(simd, Compositing::Associated, sums, self.cutoff);
-        if let Some(region) = region {
-            tile.close_all(region.over_from(depths[1]));
+            self.add(simd, &parts, passed);
         }
     }
 
@@ -205,27 +192,26 @@ impl<'a> Isosurfaces<'a> {
         self.surfaces.iter().map(of_surface).fold(0, |passing, more| passing | more)
     }
 
-    /// Premultiplied colours and opacities of eight parts. A function of its own, as few parts need it.
+    /// Adds the surfaces that eight parts pass. A function of its own, as few parts need it.
     #[inline(never)]
-    fn sums<S: Simd>(&self, simd: S, parts: &Passing<'_>) -> [Eight; 4] {
-        let mut sums = [[0.0; LANES]; 4];
+    fn add<S: Simd>(&self, simd: S, parts: &Passing<'_>, passed: &mut Vec<Passed>) {
         for nth in 0..self.surfaces.len() {
-            let crossings = parts.crossings(&self.surfaces, nth, &self.fading);
-            if crossings.opacities == [0.0; LANES] {
+            let Crossings { places, opacities, mut colors } =
+                parts.crossings(&self.surfaces, nth, &self.fading);
+            if opacities == [0.0; LANES] {
                 continue;
             }
-            let lights = self.lights_at(simd, parts, &crossings.places);
-            for lane in 0..LANES {
-                let opacity = (1.0 - sums[3][lane]) * crossings.opacities[lane];
-                let channels = sums.iter_mut().zip(&crossings.colors).zip(&lights);
-                for ((sums, colors), light) in channels {
+            let lights = self.lights_at(simd, parts, &places);
+            for (colors, light) in colors.iter_mut().zip(&lights) {
+                for lane in 0..LANES {
                     let lit = colors[lane] * light.diffuse[lane] + light.specular[lane];
-                    sums[lane] += opacity * if lit < 1.0 { lit } else { 1.0 };
+                    colors[lane] = if lit < 1.0 { lit } else { 1.0 };
                 }
-                sums[3][lane] += opacity;
             }
+            let Passing { group, passing, .. } = *parts;
+            let n_before = passed.len();
+            passed.push(Passed { group, n_before, passing, places, opacities, colors });
         }
-        sums
     }
 
     /// The light at a place of each of eight parts, for each channel of their colours.
@@ -301,52 +287,5 @@ impl Passing<'_> {
         let depth = front + place * (back - front);
         self.region
             .is_none_or(|region| region.holds(self.group.row, self.group.column + lane, depth))
-    }
-}
-
-impl Sheets for Isosurfaces<'_> {
-    type Retained = Retained;
-    type Scratch = Scratch;
-
-    const AT_ONCE: usize = AT_ONCE;
-    const N_BEHIND: usize = N_BESIDE + 1;
-    const CUTS_SUMS: bool = false;
-
-    /// Rays do not end: no plan has isosurfaces beside meshes.
-    fn front(&self, _: usize) -> f32 {
-        f32::NEG_INFINITY
-    }
-
-    /// A surface may lie anywhere between two sheets.
-    fn splits_slabs(&self) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn take<S: Simd>(
-        &self,
-        simd: S,
-        slab: usize,
-        sheet: &mut Sheet,
-        (tile, region): (&mut Tile, Option<&TileRegion>),
-        retained: &mut Retained,
-        rings: &mut Scratch,
-    ) {
-        if sheet.touched.is_empty() && retained.is_none() {
-            return;
-        }
-        let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
-        ring.push(simd, slab, sheet, &self.limits);
-        for last in slab..slab + AT_ONCE {
-            self.draw(simd, last, ring, sheet, (tile, region));
-        }
-    }
-
-    fn release(&self, retained: &mut Retained, rings: &mut Scratch) {
-        Ring::release(retained, rings);
-    }
-
-    fn scratch_bytes(rings: &Scratch) -> usize {
-        rings.len() * Ring::BYTES
     }
 }

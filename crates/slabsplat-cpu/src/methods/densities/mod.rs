@@ -4,15 +4,17 @@
 //! ```text
 //! for each tile, in parallel:
 //!     for each two sheets from the eye, half a slab thick:
-//!         add their sections: length += H, weighted value += H·v               (methods/slabs)
-//!         for each of them:
-//!             put it with the five before it                                   (sheets.rs)
-//!             for each eight open pixels, between the two sheets in the middle:
-//!                 densities in the middle of each                              (nodes.rs)
-//!                 where anything shows between them: slopes on the way         (nodes.rs)
-//!                     mean opacity and colour of all densities on the way      (integrals.rs)
-//!                     light                                                    (parts.rs)
-//!             composite what came of it, as any sheet
+//!         for each layer:
+//!             add its sections: length += H, weighted value += H·v             (methods/slabs)
+//!             put both sheets with the five before them                        (sheets.rs)
+//!         for each of both:
+//!             for each layer:
+//!                 for each eight open pixels, between the two sheets in the middle:
+//!                     densities in the middle of each                          (nodes.rs)
+//!                     where anything shows between them: slopes on the way     (nodes.rs)
+//!                         mean opacity and colour of all densities on the way  (integrals.rs)
+//!                         light                                                (parts.rs)
+//!             composite what came of all layers, as any sheet
 //! ```
 //!
 //! 1. A voxel is splatted only if it has a part in a pixel that may show (`selection.rs`), and if that is not
@@ -25,8 +27,9 @@
 //!
 //! # Reading order
 //!
-//! `finite`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rays`, `depths`, `nodes`,
-//! `normals`; `integrals`, `parts`, `classify`; `statistic`; `crossing`, `isosurfaces`.
+//! `finite`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rings`, `rays`, `depths`,
+//! `nodes`, `normals`; `integrals`, `parts`, `classify`; `statistic`, `joined`; `crossing`, `isosurfaces`,
+//! `passed`, `surfaces`.
 
 mod bit_rows;
 mod finite;
@@ -39,16 +42,21 @@ mod groups;
 mod nodes;
 mod normals;
 mod rays;
+mod rings;
 mod sheets;
 
 mod integrals;
 mod parts;
 
 mod classify;
+
+mod joined;
 mod statistic;
 
 mod crossing;
 mod isosurfaces;
+mod passed;
+mod surfaces;
 
 #[cfg(test)]
 mod tests;
@@ -57,19 +65,24 @@ use super::slabs::{self, SectionsInSlabs, Stage};
 use crate::footprints::raster::Raster;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use classify::Classifier;
+use classify::{Classifier, LayerClassifier};
 use fearless_simd::Level;
 use finite::finite_range;
 use integrals::Integrals;
 use isosurfaces::Isosurfaces;
+use joined::JoinedLayers;
 use reach::Reach;
+use rings::{Rings, Scratch};
 use selection::Selection;
-use sheets::{Limits, Retained, Scratch};
+use sheets::Limits;
 use slabsplat_backend::densities::{FULL_PART, ValueScale};
-use slabsplat_backend::{ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan, ShownDensities};
-use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
+use slabsplat_backend::{
+    ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan, ShownDensities, Splats,
+};
+use slabsplat_core::{Compositing, IsoRange, Statistic, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
 use statistic::Gatherer;
+use surfaces::Surfaces;
 use voxels::Selected;
 
 /// Pixels on each side of a tile that are summed for gradients alone.
@@ -78,10 +91,24 @@ pub(crate) const BORDER: usize = 1;
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
+    of_layers: Vec<OfLayer>,
+    to_draw: BuffersToDraw,
+}
+
+/// What is cached of which voxels of a layer are drawn.
+#[derive(Debug, Default)]
+struct OfLayer {
     finite: Cached<ByIdentity<Volume>, Option<[f64; 2]>>,
     selection: Cached<SelectedBy, Selection>,
-    integrals: CachedIntegrals,
-    slabs: slabs::Buffers<Retained, Scratch>,
+}
+
+/// What is cached of how they are drawn.
+#[derive(Debug, Default)]
+struct BuffersToDraw {
+    /// Of each layer.
+    integrals: Vec<CachedIntegrals>,
+    slabs: slabs::Buffers<Rings, Scratch>,
+    joined: JoinedLayers,
 }
 
 type CachedIntegrals = Cached<(TransferFunction, Compositing, ValueScale), Integrals>;
@@ -89,50 +116,69 @@ type CachedIntegrals = Cached<(TransferFunction, Compositing, ValueScale), Integ
 /// What a selection of voxels depends on: the volume, the visible ranges, and how far voxels reach.
 type SelectedBy = (ByIdentity<Volume>, Vec<IsoRange>, Reach);
 
-/// What the stages of a frame share.
-struct Frame<'a> {
-    plan: &'a FramePlan<'a>,
+/// A layer that is about to be drawn.
+struct LayerToDraw<'a> {
     layer: &'a LayerPlan<'a>,
-    level: Level,
     splats: &'a DensitySplats,
     raster: Raster,
-}
-
-impl<'a> Frame<'a> {
-    fn new(
-        plan: &'a FramePlan<'_>,
-        layer: &'a LayerPlan<'_>,
-        level: Level,
-        splats: &'a DensitySplats,
-    ) -> Self {
-        Self { plan, layer, level, splats, raster: Raster::new(layer, BORDER) }
-    }
+    bricks: BrickView,
+    voxels: Selected<'a>,
+    scale: ValueScale,
+    /// Of all finite values, scaled.
+    extent: f64,
+    limits: Limits,
 }
 
 /// Renders into empty tiles with borders; returns how many voxels may have a part in what is seen, and how
 /// many of them were never tossed, being occluded.
 pub(crate) fn render(
     plan: &FramePlan<'_>,
-    layer: &LayerPlan<'_>,
+    shown: ShownDensities,
     level: Level,
-    splats: &DensitySplats,
     tiles: &mut Tiles,
-    buffers: &mut Buffers,
+    Buffers { of_layers, to_draw }: &mut Buffers,
     watch: &mut Stopwatch,
 ) -> [u64; 2] {
-    let Buffers { finite, selection, integrals, slabs } = buffers;
-    let frame = Frame::new(plan, layer, level, splats);
-    let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));
-    let is_exact = splats.separable.is_none();
-    let reach = Reach::of(layer, &frame.raster, &splats.slabs.grid, is_exact);
-    let (scale, ranges) = shown_on_scale(layer, splats.shown, finite);
-    let selected_by = (ByIdentity::of(layer.volume), ranges, reach);
-    let selection = selection.made_of(selected_by, |(_, ranges, reach)| {
-        Selection::new(layer.volume, finite, ranges, reach)
-    });
+    of_layers.resize_with(plan.layers.len(), OfLayer::default);
+    let layers = of_layers.iter_mut().zip(&plan.layers);
+    let layers: Vec<LayerToDraw<'_>> =
+        layers.filter_map(|(of_layer, layer)| of_layer.to_draw(layer)).collect();
     watch.done("list");
-    let n_occluded = draw(&frame, (finite, scale), selection, tiles, (slabs, integrals), watch);
-    [selection.n_voxels as u64, n_occluded]
+    let n_voxels = layers.iter().map(|layer| layer.voxels.n_voxels() as u64).sum();
+    let n_occluded = draw(plan, shown, level, &layers, tiles, to_draw, watch);
+    [n_voxels, n_occluded]
+}
+
+impl OfLayer {
+    /// `None` of a layer that splats no densities.
+    fn to_draw<'a>(&'a mut self, layer: &'a LayerPlan<'a>) -> Option<LayerToDraw<'a>> {
+        let Splats::Densities(splats) = &layer.splats else { return None };
+        let Self { finite, selection } = self;
+        let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));
+        let raster = Raster::new(layer, BORDER);
+        let is_exact = splats.separable.is_none();
+        let reach = Reach::of(layer, &raster, &splats.slabs.grid, is_exact);
+        let (scale, ranges) = shown_on_scale(layer, splats.shown, finite);
+        let thickness = splats.slabs.grid.thickness() / layer.volume.grid().unit();
+        let selected_by = (ByIdentity::of(layer.volume), ranges, reach);
+        let selection = selection.made_of(selected_by, |(_, ranges, reach)| {
+            Selection::new(layer.volume, finite, ranges, reach)
+        });
+        Some(LayerToDraw {
+            layer,
+            splats,
+            raster,
+            bricks: BrickView::new(layer.volume.grid(), &layer.view),
+            voxels: Selected::new(selection, layer.volume, scale),
+            scale,
+            extent: finite.map_or(0.0, |range| scale.extent(range)),
+            limits: Limits::new(scale.ends(), thickness, is_exact),
+        })
+    }
+
+    fn resident_bytes(&self) -> usize {
+        self.selection.value().map_or(0, Selection::resident_bytes)
+    }
 }
 
 /// What values are summed as, and which densities decide what is shown.
@@ -149,53 +195,112 @@ fn shown_on_scale(
     (scale, ranges)
 }
 
-/// Draws the selected voxels of a volume whose finite values are of that range, if there are any.
 fn draw(
-    Frame { plan, layer, level, splats, raster }: &Frame<'_>,
-    (finite, scale): (Option<[f64; 2]>, ValueScale),
-    selection: &Selection,
+    plan: &FramePlan<'_>,
+    shown: ShownDensities,
+    level: Level,
+    layers: &[LayerToDraw<'_>],
     tiles: &mut Tiles,
-    (slabs, integrals): (&mut slabs::Buffers<Retained, Scratch>, &mut CachedIntegrals),
+    buffers: &mut BuffersToDraw,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let extent = finite.map_or(0.0, |range| scale.extent(range));
-    let voxels = &Selected::new(selection, layer.volume, scale);
-    let bricks = &BrickView::new(layer.volume.grid(), &layer.view);
-    let stage = Stage { plan, layer, level: *level, raster, bricks, voxels };
-    let layers = [(stage, SectionsInSlabs::of_densities(splats))];
-    let limits = Limits::new(scale.ends(), splats.separable.is_none());
-    let of_sheets = &splats.slabs;
-    match splats.shown {
+    let BuffersToDraw { integrals, slabs, .. } = buffers;
+    let (compositing, cutoff) = (plan.compositing, plan.opacity_cutoff);
+    let in_slabs = || layers.iter().map(|layer| layer.in_slabs(plan, level)).collect::<Vec<_>>();
+    match shown {
         ShownDensities::Composited => {
-            let key = (layer.transfer.clone(), plan.compositing, scale);
-            let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
-                Integrals::new(transfer, *compositing, scale)
-            });
-            let classifier =
-                Classifier::new(plan, layer, of_sheets, integrals, extent, BORDER, limits);
-            slabs::render(&layers, &classifier, tiles, slabs, watch)
-        }
-        ShownDensities::Statistic(statistic) => {
-            let width = of_sheets.grid.thickness() / layer.volume.grid().unit();
-            let per_full_length = (1.0 / (FULL_PART * width)) as f32;
-            let gatherer = Gatherer { statistic, slabs: &of_sheets.grid, limits, per_full_length };
-            let n_occluded = slabs::render(&layers, &gatherer, tiles, slabs, watch);
-            statistic::classify(tiles, layer.transfer, &scale);
-            n_occluded
+            integrals.resize_with(layers.len(), CachedIntegrals::default);
+            let layers = layers.iter().zip(integrals);
+            let layers = layers.map(|(layer, integrals)| layer.classifier(plan, integrals));
+            let classifier = Classifier { layers: layers.collect(), compositing, cutoff };
+            slabs::render(&in_slabs(), &classifier, tiles, slabs, watch)
         }
         ShownDensities::Isosurfaces => {
-            let cutoff = plan.opacity_cutoff;
-            let surfaces =
-                Isosurfaces::new(layer, of_sheets, (&scale, extent), cutoff, BORDER, limits);
-            slabs::render(&layers, &surfaces, tiles, slabs, watch)
+            let layers = layers.iter().map(LayerToDraw::isosurfaces).collect();
+            slabs::render(&in_slabs(), &Surfaces { layers, cutoff }, tiles, slabs, watch)
         }
+        ShownDensities::Statistic(statistic) => {
+            draw_one_by_one(plan, statistic, level, layers, tiles, buffers, watch)
+        }
+    }
+}
+
+/// No layer hides another where each is shown by one density.
+fn draw_one_by_one(
+    plan: &FramePlan<'_>,
+    statistic: Statistic,
+    level: Level,
+    layers: &[LayerToDraw<'_>],
+    tiles: &mut Tiles,
+    BuffersToDraw { slabs, joined, .. }: &mut BuffersToDraw,
+    watch: &mut Stopwatch,
+) -> u64 {
+    let are_several = 1 < layers.len();
+    if are_several {
+        joined.clear(tiles);
+    }
+    let mut n_occluded = 0;
+    for (idx, layer) in layers.iter().enumerate() {
+        let (gatherer, in_slabs) = (layer.gatherer(statistic), layer.in_slabs(plan, level));
+        let of_layer = (idx, layers.len());
+        n_occluded += slabs::render_one(&in_slabs, of_layer, &gatherer, tiles, slabs, watch);
+        statistic::classify(tiles, layer.layer.transfer, &layer.scale);
+        if are_several {
+            joined.add(tiles);
+            tiles.reopen();
+        }
+    }
+    if are_several {
+        joined.put(tiles);
+    }
+    n_occluded
+}
+
+impl LayerToDraw<'_> {
+    fn in_slabs<'a>(
+        &'a self,
+        plan: &'a FramePlan<'a>,
+        level: Level,
+    ) -> (Stage<'a>, SectionsInSlabs<'a>) {
+        let Self { layer, splats, raster, bricks, voxels, .. } = self;
+        let stage = Stage { plan, layer, level, raster, bricks, voxels };
+        (stage, SectionsInSlabs::of_densities(splats))
+    }
+
+    fn classifier<'a>(
+        &'a self,
+        plan: &FramePlan<'_>,
+        integrals: &'a mut CachedIntegrals,
+    ) -> LayerClassifier<'a> {
+        let Self { layer, splats, scale, extent, limits, .. } = self;
+        let key = (layer.transfer.clone(), plan.compositing, *scale);
+        let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
+            Integrals::new(transfer, *compositing, scale)
+        });
+        LayerClassifier::new(plan, layer, &splats.slabs, integrals, *extent, BORDER, *limits)
+    }
+
+    fn gatherer(&self, statistic: Statistic) -> Gatherer<'_> {
+        let slabs = &self.splats.slabs.grid;
+        let width = slabs.thickness() / self.layer.volume.grid().unit();
+        let per_full_length = (1.0 / (FULL_PART * width)) as f32;
+        Gatherer { statistic, slabs, limits: self.limits, per_full_length }
+    }
+
+    fn isosurfaces(&self) -> Isosurfaces<'_> {
+        let values = (&self.scale, self.extent);
+        Isosurfaces::new(self.layer, &self.splats.slabs, values, BORDER, self.limits)
     }
 }
 
 impl Buffers {
     pub(crate) fn resident_bytes(&self) -> usize {
-        self.selection.value().map_or(0, Selection::resident_bytes)
-            + self.integrals.value().map_or(0, Integrals::resident_bytes)
-            + self.slabs.resident_bytes::<Classifier<'_>>()
+        let BuffersToDraw { integrals, slabs, joined } = &self.to_draw;
+        let of_integrals =
+            |integrals: &CachedIntegrals| integrals.value().map_or(0, Integrals::resident_bytes);
+        self.of_layers.iter().map(OfLayer::resident_bytes).sum::<usize>()
+            + integrals.iter().map(of_integrals).sum::<usize>()
+            + slabs.resident_bytes::<Classifier<'_>>()
+            + joined.resident_bytes()
     }
 }

@@ -45,12 +45,6 @@ pub(super) struct Ring {
     sheets: [DensitySheet; N_RETAINED],
 }
 
-/// What a tile retains from slab to slab.
-pub(super) type Retained = Option<Box<Ring>>;
-
-/// Rings that no tile has.
-pub(super) type Scratch = Vec<Box<Ring>>;
-
 /// What sums are worth.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
@@ -61,12 +55,16 @@ pub(super) struct Limits {
 }
 
 /// Less of a ray, in `unit`s, may be what separable footprints miss.
-const LEAST_LENGTH: f32 = 1e-3;
+const LEAST_LENGTH: f64 = 1e-3;
+
+/// But no less than this part of a sheet, which may be ever so thin to a layer beside one of finer voxels.
+const LEAST_PART: f64 = 1.0 / 64.0;
 
 impl Limits {
-    /// For values between those ends.
-    pub(super) fn new(values: [f32; 2], are_exact: bool) -> Self {
-        Self { least_length: if are_exact { 0.0 } else { LEAST_LENGTH }, values }
+    /// For values between those ends, in sheets of that thickness, in `unit`s.
+    pub(super) fn new(values: [f32; 2], thickness: f64, are_exact: bool) -> Self {
+        let least = if are_exact { 0.0 } else { LEAST_LENGTH.min(LEAST_PART * thickness) };
+        Self { least_length: least as f32, values }
     }
 }
 
@@ -81,16 +79,8 @@ impl Default for Ring {
 impl Ring {
     pub(super) const BYTES: usize = size_of::<Self>();
 
-    /// Frees what a tile retains, which is empty then.
-    pub(super) fn release(retained: &mut Retained, rings: &mut Scratch) {
-        if let Some(mut ring) = retained.take() {
-            ring.clear();
-            rings.push(ring);
-        }
-    }
-
     /// Makes it empty.
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         for sheet in &mut self.sheets {
             for [column, row] in std::mem::take(&mut sheet.held).iter() {
                 for row in row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE {

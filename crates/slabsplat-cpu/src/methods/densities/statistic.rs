@@ -11,12 +11,10 @@
 
 use super::groups::{BLOCKS_PER_GROUP, Group, groups_in};
 use super::nodes::Rays8;
-use super::sheets::{
-    AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Retained, Ring, Scratch,
-};
-use crate::methods::slabs::Sheets;
+use super::rings::{Rings, Scratch};
+use super::sheets::{AT_ONCE, DensitySheet, LANES, Limits, N_BESIDE, N_SHEETS, Ring};
+use crate::methods::slabs::{Sheets, SlabOnTile, SlabSums};
 use crate::pixels::quad::QUAD;
-use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tile_region::TileRegion;
 use crate::pixels::tiles::Tiles;
@@ -25,7 +23,10 @@ use rayon::prelude::*;
 use slabsplat_backend::densities::ValueScale;
 use slabsplat_core::{SlabGrid, Statistic, TransferFunction};
 
-/// Finds the density that stands for all.
+/// Layers go through the slabs one by one: none hides another.
+const ONLY: usize = 0;
+
+/// Finds the density of a layer that stands for all.
 pub(super) struct Gatherer<'a> {
     pub(super) statistic: Statistic,
     pub(super) slabs: &'a SlabGrid,
@@ -138,12 +139,11 @@ impl Gatherer<'_> {
 }
 
 impl Sheets for Gatherer<'_> {
-    type Retained = Retained;
+    type Retained = Rings;
     type Scratch = Scratch;
 
     const AT_ONCE: usize = AT_ONCE;
     const N_BEHIND: usize = N_BESIDE + 1;
-    const CUTS_SUMS: bool = false;
 
     /// Rays do not end: no plan has one density that stands for all beside meshes.
     fn front(&self, _: usize) -> f32 {
@@ -158,28 +158,37 @@ impl Sheets for Gatherer<'_> {
     fn take<S: Simd>(
         &self,
         simd: S,
-        slab: usize,
-        sheet: &mut Sheet,
-        (tile, region): (&mut Tile, Option<&TileRegion>),
-        retained: &mut Retained,
-        rings: &mut Scratch,
+        SlabOnTile { slab, .. }: SlabOnTile<'_>,
+        layer: usize,
+        SlabSums { of_layer, .. }: SlabSums<'_>,
+        rings: &mut Rings,
+        scratch: &mut Scratch,
     ) {
-        if sheet.touched.is_empty() && retained.is_none() {
-            return;
-        }
-        let ring = retained.get_or_insert_with(|| rings.pop().unwrap_or_default());
-        ring.push(simd, slab, sheet, &self.limits);
+        rings.take(simd, (slab, layer), of_layer, &self.limits, scratch);
+    }
+
+    #[inline(always)]
+    fn show<S: Simd>(
+        &self,
+        simd: S,
+        SlabOnTile { slab, regions }: SlabOnTile<'_>,
+        _: SlabSums<'_>,
+        tile: &mut Tile,
+        rings: &mut Rings,
+        _: &mut Scratch,
+    ) {
+        let Some(ring) = rings.of(ONLY) else { return };
         for last in slab..slab + AT_ONCE {
-            self.gather(simd, last, ring, tile, region);
+            self.gather(simd, last, ring, tile, regions.of(ONLY));
         }
     }
 
-    fn release(&self, retained: &mut Retained, rings: &mut Scratch) {
-        Ring::release(retained, rings);
+    fn release(&self, rings: &mut Rings, scratch: &mut Scratch) {
+        rings.release(scratch);
     }
 
-    fn scratch_bytes(rings: &Scratch) -> usize {
-        rings.len() * Ring::BYTES
+    fn scratch_bytes(scratch: &Scratch) -> usize {
+        scratch.resident_bytes()
     }
 }
 

@@ -23,8 +23,8 @@ fn selection_changes_nothing() {
             let mut tiles = Tiles::new(layer.view.image_size(), BORDER);
             let (mut buffers, mut watch) = (Buffers::default(), Stopwatch::start());
             let level = Level::new();
-            let [n_selected, _] =
-                render(&plan, layer, level, splats, &mut tiles, &mut buffers, &mut watch);
+            let shown = splats.shown;
+            let [n_selected, _] = render(&plan, shown, level, &mut tiles, &mut buffers, &mut watch);
             let selected = tiles.image([0.0; 4]);
             // Of a range that all values lie in, nothing is left out.
             let volume = layer.volume;
@@ -33,10 +33,10 @@ fn selection_changes_nothing() {
             let all = Selection::new(volume, finite, &[everything], &Reach::none());
             assert_eq!(all.n_voxels, volume.grid().n_voxels());
             tiles.clear();
-            let frame = Frame::new(&plan, layer, level, splats);
-            let Buffers { slabs, integrals, .. } = &mut buffers;
-            let (scale, _) = shown_on_scale(layer, splats.shown, finite);
-            draw(&frame, (finite, scale), &all, &mut tiles, (slabs, integrals), &mut watch);
+            let Buffers { of_layers, to_draw } = &mut buffers;
+            let mut to_draw_all = of_layers[0].to_draw(layer).unwrap();
+            to_draw_all.voxels = Selected::new(&all, volume, to_draw_all.scale);
+            draw(&plan, shown, level, &[to_draw_all], &mut tiles, to_draw, &mut watch);
             let difference = tiles.image([0.0; 4]).max_difference(&selected);
             // Sums are rounded: the mean of values at the end of a visible range may lie within it.
             worst = worst.max(difference);

@@ -20,6 +20,10 @@ impl<'a> Selected<'a> {
         Self { selection, volume, scale, grid: BrickGrid::new(volume.grid()) }
     }
 
+    pub(super) fn n_voxels(&self) -> usize {
+        self.selection.n_voxels
+    }
+
     fn values<T: Sample>(
         &self,
         samples: &[T],

@@ -2,8 +2,9 @@
 
 use super::classes::{Classes, N_CLASSES};
 use super::pass::Pass;
+use super::regions::{Regions, RegionsOnTile};
 use super::setup::Setup;
-use super::stage::Sheets;
+use super::sheets::{Sheets, SlabOnTile, SlabSums};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
@@ -30,7 +31,7 @@ struct Sums {
     /// Voxels of a tile, of each layer.
     voxels: Vec<BySheet<SpannedVoxel>>,
     sheet: SheetInWork,
-    /// Where layers have several regions, the sum of all. Empty between slabs.
+    /// Room for the sum of all layers. Empty between slabs.
     joined: Sheet,
 }
 
@@ -56,7 +57,7 @@ pub(super) struct OfTile<R> {
 pub(super) fn through<H: Sheets>(
     slabs: Range<usize>,
     passes: &[Pass<'_>],
-    sheets: &H,
+    (sheets, regions): (&H, &Regions),
     (tiles, of_tiles): (&mut Tiles, &mut [OfTile<H::Retained>]),
     workspaces: &mut Workspaces<Workspace<H::Scratch>>,
 ) {
@@ -67,9 +68,9 @@ pub(super) fn through<H: Sheets>(
         workspace.sums.sort(passes, tile_idx, &of_tile.waiting);
         let level = passes[0].stage.level;
         let slabs = &slabs;
-        let passes_here = (passes, tile_idx);
+        let how = (sheets, regions.on_tile(tile_idx));
         dispatch!(level, simd => {
-            advance(simd, slabs, passes_here, sheets, tile, of_tile, workspace);
+            advance(simd, slabs, passes, how, tile, of_tile, workspace);
         });
         tile.end_rays_before(sheets.front(slabs.end), passes[0].stage.plan.opacity_cutoff);
         for ((waiting, pass), voxels) in
@@ -127,8 +128,8 @@ impl Sums {
 fn advance<S: Simd, H: Sheets>(
     simd: S,
     slabs: &Range<usize>,
-    (passes, tile_idx): (&[Pass<'_>], usize),
-    sheets: &H,
+    passes: &[Pass<'_>],
+    (sheets, regions): (&H, RegionsOnTile<'_>),
     tile: &mut Tile,
     OfTile { retained, needed_until, .. }: &mut OfTile<H::Retained>,
     Workspace { sums, of_method }: &mut Workspace<H::Scratch>,
@@ -137,77 +138,39 @@ fn advance<S: Simd, H: Sheets>(
     let is_retained = slabs.start < *needed_until;
     let start = if is_retained { slabs.start } else { slabs.start.max(held.start) };
     let mut slab = start / H::AT_ONCE * H::AT_ONCE;
-    let region = passes[0].region.tiles.filter(|_| !H::CUTS_SUMS).map(|tiles| &tiles[tile_idx]);
+    let Sums { voxels, sheet, joined } = sums;
     while slab < slabs.end.min(held.end.max(*needed_until)) {
-        let sheet = add_layers::<S, H>(simd, slab, (passes, tile_idx), tile, sums);
-        if !sheet.touched.is_empty() {
-            let end = (slab + H::AT_ONCE).min(passes[0].setup.slabs.grid.n_slabs());
-            *needed_until = end + H::N_BEHIND;
+        let here = SlabOnTile { slab, regions };
+        for (layer, (voxels, Pass { setup, .. })) in voxels.iter().zip(passes).enumerate() {
+            let needed = tile.needed;
+            tile.needed = needed.and(sheets.needed(here, layer));
+            if !tile.needed.is_empty() {
+                match H::AT_ONCE {
+                    1 => add_slab(simd, slab, [1.0; 4], setup, tile, voxels, sheet),
+                    _ => add_pair(simd, slab, setup, tile, voxels, sheet),
+                }
+            }
+            tile.needed = needed;
+            if !sheet.sheet.touched.is_empty() {
+                let end = (slab + H::AT_ONCE).min(setup.slabs.grid.n_slabs());
+                *needed_until = end + H::N_BEHIND;
+            }
+            let sums = SlabSums { of_layer: &mut sheet.sheet, joined };
+            sheets.take(simd, here, layer, sums, retained, of_method);
         }
-        sheets.take(simd, slab, sheet, (tile, region), retained, of_method);
-        if H::CUTS_SUMS {
-            close_behind(slab, passes, tile_idx, tile);
-        }
+        let sums = SlabSums { of_layer: &mut sheet.sheet, joined };
+        sheets.show(simd, here, sums, tile, retained, of_method);
+        slab += H::AT_ONCE;
+        tile.close_all(regions.over_from(sheets.front(slab)));
         if tile.is_saturated() {
             *needed_until = 0;
             break;
         }
-        slab += H::AT_ONCE;
     }
     if *needed_until <= slabs.end {
         *needed_until = 0;
         sheets.release(retained, of_method);
     }
-}
-
-/// Adds all sections of all layers that a slab cuts, or it and the next, and returns their sheet.
-#[inline(always)]
-fn add_layers<'a, S: Simd, H: Sheets>(
-    simd: S,
-    slab: usize,
-    (passes, tile_idx): (&[Pass<'_>], usize),
-    tile: &mut Tile,
-    Sums { voxels, sheet, joined }: &'a mut Sums,
-) -> &'a mut Sheet {
-    for (voxels, Pass { setup, region, .. }) in voxels.iter().zip(passes) {
-        let cut = region
-            .tiles
-            .filter(|_| H::CUTS_SUMS)
-            .map(|tiles| (&tiles[tile_idx], setup.slabs.grid.faces(slab).map(|face| face as f32)));
-        let needed = tile.needed;
-        if let Some((region, faces)) = cut {
-            tile.needed = needed.and(region.showing(faces));
-        }
-        if !tile.needed.is_empty() {
-            match H::AT_ONCE {
-                1 => add_slab(simd, slab, [1.0; 4], setup, tile, voxels, sheet),
-                _ => add_pair(simd, slab, setup, tile, voxels, sheet),
-            }
-        }
-        tile.needed = needed;
-        if region.is_that_of_next {
-            continue;
-        }
-        if let Some((region, faces)) = cut {
-            region.cut(&mut sheet.sheet, faces);
-        }
-        if !region.is_only {
-            joined.take_from(&mut sheet.sheet);
-        }
-    }
-    if passes[0].region.is_only { &mut sheet.sheet } else { joined }
-}
-
-/// Closes the blocks in which nothing is seen behind a slab, as all regions end before.
-#[inline(always)]
-fn close_behind(slab: usize, passes: &[Pass<'_>], tile_idx: usize, tile: &mut Tile) {
-    let mut over = tile.open;
-    for Pass { region, setup, .. } in passes {
-        let Some(tiles) = region.tiles else { return };
-        let [_, back] = setup.slabs.grid.faces(slab);
-        over = over.and(tiles[tile_idx].over_from(back as f32));
-    }
-    tile.close_all(over);
 }
 
 /// The channels of a sheet that has the sums of two slabs, of the first and of the second.

@@ -8,8 +8,10 @@
 //!     for each tile, in parallel (advance.rs):
 //!         toss its voxels by slab
 //!         for each slab of the range:
-//!             splat the sections of all layers onto the sheet (sections/splat.rs, separable/sections.rs)
-//!             hand the sheet to the method
+//!             for each layer:
+//!                 splat its sections onto the sheet (sections/splat.rs, separable/sections.rs)
+//!                 hand the sheet to the method
+//!             let the method composite what it has
 //!     note which blocks of pixels are saturated (occlusion.rs)
 //! ```
 //!
@@ -24,7 +26,7 @@
 //! at once, and what becomes of a sheet, a method says: [`Voxels`] and [`Sheets`].
 //!
 //! Reading order: `stage`; `slab_shapes`, `slab_view`, `span_finder`, `classes`, `beyond`, `setup`,
-//! `occlusion`, `intake`, `regions`, `pass`, `advance`.
+//! `occlusion`, `intake`, `pass`; `regions`, `sheets`, `advance`.
 
 mod advance;
 mod beyond;
@@ -34,6 +36,7 @@ mod occlusion;
 mod pass;
 mod regions;
 mod setup;
+mod sheets;
 mod slab_shapes;
 mod slab_view;
 mod span_finder;
@@ -49,12 +52,20 @@ use pass::Pass;
 use regions::Regions;
 pub(super) use setup::SectionsInSlabs;
 use setup::{Prepared, Setup};
-pub(super) use stage::{Sheets, Stage, Voxels};
+pub(super) use sheets::{Sheets, SlabOnTile, SlabSums};
+pub(super) use stage::{Stage, Voxels};
+use std::slice;
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct Buffers<R, S> {
     of_layers: Vec<OfLayer>,
+    of_all: OfAll<R, S>,
+}
+
+/// What is cached of all layers together.
+#[derive(Debug, Default)]
+struct OfAll<R, S> {
     regions: Regions,
     scratches: Workspaces<Scratch>,
     occlusion: Occlusion,
@@ -80,15 +91,39 @@ pub(super) fn render<H: Sheets>(
     buffers: &mut Buffers<H::Retained, H::Scratch>,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let Buffers { of_layers, regions, scratches, occlusion, of_tiles, workspaces } = buffers;
-    of_layers.resize_with(layers.len(), OfLayer::default);
+    buffers.of_layers.resize_with(layers.len(), OfLayer::default);
+    render_with(layers, sheets, tiles, (&mut buffers.of_layers, &mut buffers.of_all), watch)
+}
+
+/// Renders one of so many layers, each of which has its turn.
+pub(super) fn render_one<H: Sheets>(
+    layer: &(Stage<'_>, SectionsInSlabs<'_>),
+    (layer_idx, n_layers): (usize, usize),
+    sheets: &H,
+    tiles: &mut Tiles,
+    buffers: &mut Buffers<H::Retained, H::Scratch>,
+    watch: &mut Stopwatch,
+) -> u64 {
+    buffers.of_layers.resize_with(n_layers, OfLayer::default);
+    let of_layer = slice::from_mut(&mut buffers.of_layers[layer_idx]);
+    render_with(slice::from_ref(layer), sheets, tiles, (of_layer, &mut buffers.of_all), watch)
+}
+
+fn render_with<H: Sheets>(
+    layers: &[(Stage<'_>, SectionsInSlabs<'_>)],
+    sheets: &H,
+    tiles: &mut Tiles,
+    (of_layers, of_all): (&mut [OfLayer], &mut OfAll<H::Retained, H::Scratch>),
+    watch: &mut Stopwatch,
+) -> u64 {
+    let OfAll { regions, scratches, occlusion, of_tiles, workspaces } = of_all;
     let stages = layers.iter().map(|(stage, _)| stage);
     regions.update(stages, sheets.splits_slabs(), tiles);
-    let passes = layers.iter().zip(of_layers).zip(regions.of_layers());
-    let passes = passes.map(|(((stage, sections), of_layer), region)| {
+    let passes = layers.iter().zip(of_layers);
+    let passes = passes.map(|((stage, sections), of_layer)| {
         let OfLayer { prepared, bricks, intake } = of_layer;
         let setup = Setup::new(stage, sections, prepared, H::AT_ONCE);
-        Pass::new(stage, setup, bricks, intake, region)
+        Pass::new(stage, setup, bricks, intake)
     });
     let mut passes: Vec<Pass<'_>> = passes.collect();
     watch.done("bricks");
@@ -109,7 +144,8 @@ pub(super) fn render<H: Sheets>(
         let slabs = &passes[0].setup.slabs;
         let end = first_range(&passes)
             .map_or(slabs.grid.n_slabs() + H::N_BEHIND, |next| next as usize * slabs.n_per_range);
-        advance::through(start..end, &passes, sheets, (tiles, of_tiles), workspaces);
+        let how = (sheets, &*regions);
+        advance::through(start..end, &passes, how, (tiles, of_tiles), workspaces);
         occlusion.note(&tiles.tiles);
         watch.done("splat");
         start = end;
@@ -124,14 +160,15 @@ fn first_range(passes: &[Pass<'_>]) -> Option<u32> {
 
 impl<R, S: Default> Buffers<R, S> {
     pub(super) fn resident_bytes<H: Sheets<Retained = R, Scratch = S>>(&self) -> usize {
+        let Self { of_layers, of_all } = self;
         let of_layer = |of_layer: &OfLayer| {
             of_layer.intake.resident_bytes() + of_layer.bricks.capacity() * size_of::<(u32, u32)>()
         };
-        self.of_layers.iter().map(of_layer).sum::<usize>()
-            + self.scratches.sum_of(Scratch::resident_bytes)
-            + self.occlusion.resident_bytes()
-            + self.regions.resident_bytes()
-            + self.of_tiles.iter().map(OfTile::resident_bytes).sum::<usize>()
-            + self.workspaces.sum_of(Workspace::resident_bytes::<H>)
+        of_layers.iter().map(of_layer).sum::<usize>()
+            + of_all.scratches.sum_of(Scratch::resident_bytes)
+            + of_all.occlusion.resident_bytes()
+            + of_all.regions.resident_bytes()
+            + of_all.of_tiles.iter().map(OfTile::resident_bytes).sum::<usize>()
+            + of_all.workspaces.sum_of(Workspace::resident_bytes::<H>)
     }
 }

@@ -2,7 +2,6 @@
 
 use super::intake::{Intake, Scratch};
 use super::occlusion::Occlusion;
-use super::regions::OfRegion;
 use super::setup::Setup;
 use super::stage::Stage;
 use crate::workspaces::Workspaces;
@@ -20,8 +19,6 @@ pub(super) struct Pass<'a> {
     pub(super) intake: &'a mut Intake,
     /// To these go first all voxels that wait or were taken in.
     pub(super) first_slabs: Range<usize>,
-    /// Where the layer is seen.
-    pub(super) region: OfRegion<'a>,
 }
 
 impl<'a> Pass<'a> {
@@ -30,10 +27,9 @@ impl<'a> Pass<'a> {
         setup: Setup<'a>,
         bricks: &'a mut Vec<(u32, u32)>,
         intake: &'a mut Intake,
-        region: OfRegion<'a>,
     ) -> Self {
         sort_bricks(stage, &setup, bricks);
-        Self { stage, setup, bricks, intake, first_slabs: 0..0, region }
+        Self { stage, setup, bricks, intake, first_slabs: 0..0 }
     }
 
     /// Takes in the bricks of a range whose first slab is `start`; returns how many voxels were occluded.

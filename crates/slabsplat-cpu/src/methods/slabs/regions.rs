@@ -15,15 +15,11 @@ pub(super) struct Regions {
     group_of: Vec<usize>,
 }
 
-/// A layer's region.
+/// The regions of all layers, on one tile.
 #[derive(Clone, Copy)]
-pub(super) struct OfRegion<'a> {
-    /// On each tile; `None` if it is everywhere.
-    pub(super) tiles: Option<&'a [TileRegion]>,
-    /// Whether the next layer has the same, so that their sums are cut at once.
-    pub(super) is_that_of_next: bool,
-    /// Whether all layers have the same.
-    pub(super) is_only: bool,
+pub(in crate::methods) struct RegionsOnTile<'a> {
+    regions: &'a Regions,
+    tile_idx: usize,
 }
 
 impl Regions {
@@ -51,28 +47,49 @@ impl Regions {
         }
         let n_groups = group_of.last().map_or(0, |group| group + 1);
         groups.truncate(n_groups);
-        if groups.iter().all(|tiles| !tiles.is_empty()) {
-            for (tile_idx, tile) in tiles.tiles.iter_mut().enumerate() {
-                let over = groups.iter().map(|group| group[tile_idx].over_from(f32::NEG_INFINITY));
-                if let Some(over) = over.reduce(Blocks::and) {
-                    tile.close_all(over);
-                }
-            }
+        for (tile_idx, tile) in tiles.tiles.iter_mut().enumerate() {
+            tile.close_all(self.on_tile(tile_idx).over_from(f32::NEG_INFINITY));
         }
     }
 
-    /// In the order of the layers.
-    pub(super) fn of_layers(&self) -> impl Iterator<Item = OfRegion<'_>> {
-        let Self { groups, group_of } = self;
-        group_of.iter().enumerate().map(|(layer, &group)| OfRegion {
-            tiles: (!groups[group].is_empty()).then_some(&*groups[group]),
-            is_that_of_next: group_of.get(layer + 1) == Some(&group),
-            is_only: groups.len() == 1,
-        })
+    pub(super) fn on_tile(&self, tile_idx: usize) -> RegionsOnTile<'_> {
+        RegionsOnTile { regions: self, tile_idx }
     }
 
     pub(super) fn resident_bytes(&self) -> usize {
         self.groups.iter().map(Vec::capacity).sum::<usize>() * TileRegion::BYTES
+    }
+}
+
+impl<'a> RegionsOnTile<'a> {
+    /// Where a layer is seen; `None` if that is everywhere.
+    #[inline]
+    pub(in crate::methods) fn of(&self, layer: usize) -> Option<&'a TileRegion> {
+        self.regions.groups[self.regions.group_of[layer]].get(self.tile_idx)
+    }
+
+    /// Whether the next layer has the same, so that their sums are cut at once.
+    #[inline]
+    pub(in crate::methods) fn is_that_of_next(&self, layer: usize) -> bool {
+        let group_of = &self.regions.group_of;
+        group_of.get(layer + 1) == Some(&group_of[layer])
+    }
+
+    /// Whether all layers have the same.
+    #[inline]
+    pub(in crate::methods) fn is_only(&self) -> bool {
+        self.regions.groups.len() == 1
+    }
+
+    /// The blocks in which nothing is seen behind a depth, as all regions end before.
+    #[inline]
+    pub(super) fn over_from(&self, depth: f32) -> Blocks {
+        let mut over = Blocks::ALL;
+        for group in &self.regions.groups {
+            let Some(region) = group.get(self.tile_idx) else { return Blocks::NONE };
+            over = over.and(region.over_from(depth));
+        }
+        over
     }
 }
 
