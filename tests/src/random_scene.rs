@@ -130,12 +130,27 @@ pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> Scene {
 /// the first and whose steps differ by up to a factor of 3. Regions cut most of them.
 pub fn random_layers(rng: &mut Rng, kind: &SceneKind) -> Scene {
     let mut scene = random_scene(rng, kind);
-    let first = *scene.layers[0].volume.grid();
     let n_more = if kind.method == Method::ImageAligned { rng.usize(..=2) } else { 0 };
+    add_layers(rng, &mut scene, n_more);
+    scene
+}
+
+/// The same with one or two layers more, whatever the method.
+pub fn random_several_layers(rng: &mut Rng, kind: &SceneKind) -> Scene {
+    let mut scene = random_scene(rng, kind);
+    let n_more = rng.usize(1..=2);
+    add_layers(rng, &mut scene, n_more);
+    without_a_jump(&mut scene);
+    scene
+}
+
+/// Adds so many around the first, and cuts most of all.
+fn add_layers(rng: &mut Rng, scene: &mut Scene, n_more: usize) {
+    let first = *scene.layers[0].volume.grid();
     for _ in 0..n_more {
         let grid = grid::random_grid_around(rng, &first);
         let (volume, value_range) = volume::random_volume(rng, grid);
-        scene.layers.push(random_layer(rng, kind.method, volume, value_range));
+        scene.layers.push(random_layer(rng, scene.settings.method, volume, value_range));
     }
     let axes = scene.camera.axes();
     for layer in &mut scene.layers {
@@ -144,7 +159,6 @@ pub fn random_layers(rng: &mut Rng, kind: &SceneKind) -> Scene {
                 region::random_region(rng, &axes, first.center_in_world(), radius(&first));
         }
     }
-    scene
 }
 
 /// Makes opacities of some layers depend on gradients, which are as steep as values are far apart.
