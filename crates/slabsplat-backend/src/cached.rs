@@ -27,6 +27,19 @@ impl<K: PartialEq, V> Cached<K, V> {
         &mut self.0.get_or_insert_with(made).1
     }
 
+    /// The same where a key is dear to copy: `is_it` says whether the cached value was made of it, and `make`
+    /// makes both anew.
+    pub fn made_unless(
+        &mut self,
+        is_it: impl FnOnce(&K) -> bool,
+        make: impl FnOnce() -> (K, V),
+    ) -> &mut V {
+        if !self.0.as_ref().is_some_and(|(made_of, _)| is_it(made_of)) {
+            self.0 = None;
+        }
+        &mut self.0.get_or_insert_with(make).1
+    }
+
     /// What is cached, whatever it was made of.
     pub fn value(&self) -> Option<&V> {
         self.0.as_ref().map(|(_, value)| value)
@@ -67,6 +80,15 @@ mod tests {
             assert_eq!(*value, 10 * key);
         }
         assert_eq!((n_made, cached.value()), (3, Some(&10)));
+        for key in [1, 2, 2] {
+            let is_it = |made_of: &i32| *made_of == key;
+            let value = cached.made_unless(is_it, || {
+                n_made += 1;
+                (key, 10 * key)
+            });
+            assert_eq!(*value, 10 * key);
+        }
+        assert_eq!(n_made, 4);
     }
 
     #[test]

@@ -28,21 +28,19 @@ pub(crate) fn render(
     watch: &mut Stopwatch,
 ) -> u64 {
     let voxels: Vec<Shaded<'_>> = stages.iter().map(Shaded::new).collect();
-    let mut layers = Vec::with_capacity(stages.len());
-    for (stage, voxels) in stages.iter().zip(&voxels) {
+    let layers = stages.iter().zip(&voxels).filter_map(|(stage, voxels)| {
         let Stage { plan, layer, level, raster, bricks, .. } = stage;
-        if let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats {
-            let stage = slabs::Stage { plan, layer, level: *level, raster, bricks, voxels };
-            layers.push((stage, SectionsInSlabs::of_colors(splats)));
-        }
-    }
-    let [(_, first), ..] = layers.as_slice() else { return 0 };
+        let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats else { return None };
+        let stage = slabs::Stage { plan, layer, level: *level, raster, bricks, voxels };
+        Some((stage, SectionsInSlabs::of_colors(splats)))
+    });
+    let Some((_, first)) = layers.clone().next() else { return 0 };
     let sheets = Composited {
         compositing: plan.compositing,
         cutoff: plan.opacity_cutoff,
         slabs: first.slabs(),
     };
-    slabs::render(&layers, &sheets, tiles, &mut buffers.0, watch)
+    slabs::render(layers, &sheets, tiles, &mut buffers.0, watch)
 }
 
 impl Buffers {

@@ -206,18 +206,18 @@ fn draw(
 ) -> u64 {
     let BuffersToDraw { integrals, slabs, .. } = buffers;
     let (compositing, cutoff) = (plan.compositing, plan.opacity_cutoff);
-    let in_slabs = || layers.iter().map(|layer| layer.in_slabs(plan, level)).collect::<Vec<_>>();
+    let in_slabs = layers.iter().map(|layer| layer.in_slabs(plan, level));
     match shown {
         ShownDensities::Composited => {
             integrals.resize_with(layers.len(), CachedIntegrals::default);
             let layers = layers.iter().zip(integrals);
             let layers = layers.map(|(layer, integrals)| layer.classifier(plan, integrals));
             let classifier = Classifier { layers: layers.collect(), compositing, cutoff };
-            slabs::render(&in_slabs(), &classifier, tiles, slabs, watch)
+            slabs::render(in_slabs, &classifier, tiles, slabs, watch)
         }
         ShownDensities::Isosurfaces => {
             let layers = layers.iter().map(LayerToDraw::isosurfaces).collect();
-            slabs::render(&in_slabs(), &Surfaces { layers, cutoff }, tiles, slabs, watch)
+            slabs::render(in_slabs, &Surfaces { layers, cutoff }, tiles, slabs, watch)
         }
         ShownDensities::Statistic(statistic) => {
             draw_one_by_one(plan, statistic, level, layers, tiles, buffers, watch)
@@ -243,7 +243,7 @@ fn draw_one_by_one(
     for (idx, layer) in layers.iter().enumerate() {
         let (gatherer, in_slabs) = (layer.gatherer(statistic), layer.in_slabs(plan, level));
         let of_layer = (idx, layers.len());
-        n_occluded += slabs::render_one(&in_slabs, of_layer, &gatherer, tiles, slabs, watch);
+        n_occluded += slabs::render_one(in_slabs, of_layer, &gatherer, tiles, slabs, watch);
         statistic::classify(tiles, layer.layer.transfer, &layer.scale);
         if are_several {
             joined.add(tiles);
@@ -273,9 +273,14 @@ impl LayerToDraw<'_> {
         integrals: &'a mut CachedIntegrals,
     ) -> LayerClassifier<'a> {
         let Self { layer, splats, scale, extent, limits, .. } = self;
-        let key = (layer.transfer.clone(), plan.compositing, *scale);
-        let integrals = integrals.made_of(key, |(transfer, compositing, scale)| {
-            Integrals::new(transfer, *compositing, scale)
+        // A transfer function is copied only if it is new.
+        let (transfer, compositing) = (layer.transfer, plan.compositing);
+        let is_key = |(of, by, on): &(TransferFunction, Compositing, ValueScale)| {
+            of == transfer && *by == compositing && on == scale
+        };
+        let integrals = integrals.made_unless(is_key, || {
+            let key = (transfer.clone(), compositing, *scale);
+            (key, Integrals::new(transfer, compositing, scale))
         });
         LayerClassifier::new(plan, layer, &splats.slabs, integrals, *extent, BORDER, *limits)
     }

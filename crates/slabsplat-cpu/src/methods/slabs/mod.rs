@@ -54,7 +54,7 @@ pub(super) use setup::SectionsInSlabs;
 use setup::{Prepared, Setup};
 pub(super) use sheets::{Sheets, SlabOnTile, SlabSums};
 pub(super) use stage::{Stage, Voxels};
-use std::slice;
+use std::{iter, slice};
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
@@ -83,46 +83,49 @@ struct OfLayer {
     intake: Intake,
 }
 
-/// Renders into empty tiles; returns how many voxels were never tossed, being occluded.
-pub(super) fn render<H: Sheets>(
-    layers: &[(Stage<'_>, SectionsInSlabs<'_>)],
+/// Renders layers into empty tiles; returns how many voxels were never tossed, being occluded.
+pub(super) fn render<'a, H: Sheets>(
+    layers: impl Iterator<Item = (Stage<'a>, SectionsInSlabs<'a>)> + Clone,
     sheets: &H,
     tiles: &mut Tiles,
     buffers: &mut Buffers<H::Retained, H::Scratch>,
     watch: &mut Stopwatch,
 ) -> u64 {
-    buffers.of_layers.resize_with(layers.len(), OfLayer::default);
-    render_with(layers, sheets, tiles, (&mut buffers.of_layers, &mut buffers.of_all), watch)
+    let Buffers { of_layers, of_all } = buffers;
+    of_layers.resize_with(layers.clone().count(), OfLayer::default);
+    render_with(layers, sheets, tiles, (of_layers, of_all), watch)
 }
 
-/// Renders one of so many layers, each of which has its turn.
-pub(super) fn render_one<H: Sheets>(
-    layer: &(Stage<'_>, SectionsInSlabs<'_>),
+/// The same with one of so many layers, each of which has its turn.
+pub(super) fn render_one<'a, H: Sheets>(
+    layer: (Stage<'a>, SectionsInSlabs<'a>),
     (layer_idx, n_layers): (usize, usize),
     sheets: &H,
     tiles: &mut Tiles,
     buffers: &mut Buffers<H::Retained, H::Scratch>,
     watch: &mut Stopwatch,
 ) -> u64 {
-    buffers.of_layers.resize_with(n_layers, OfLayer::default);
-    let of_layer = slice::from_mut(&mut buffers.of_layers[layer_idx]);
-    render_with(slice::from_ref(layer), sheets, tiles, (of_layer, &mut buffers.of_all), watch)
+    let Buffers { of_layers, of_all } = buffers;
+    of_layers.resize_with(n_layers, OfLayer::default);
+    let of_layer = slice::from_mut(&mut of_layers[layer_idx]);
+    render_with(iter::once(layer), sheets, tiles, (of_layer, of_all), watch)
 }
 
-fn render_with<H: Sheets>(
-    layers: &[(Stage<'_>, SectionsInSlabs<'_>)],
+fn render_with<'a, H: Sheets>(
+    layers: impl Iterator<Item = (Stage<'a>, SectionsInSlabs<'a>)> + Clone,
     sheets: &H,
     tiles: &mut Tiles,
     (of_layers, of_all): (&mut [OfLayer], &mut OfAll<H::Retained, H::Scratch>),
     watch: &mut Stopwatch,
 ) -> u64 {
     let OfAll { regions, scratches, occlusion, of_tiles, workspaces } = of_all;
-    let stages = layers.iter().map(|(stage, _)| stage);
-    regions.update(stages, sheets.splits_slabs(), tiles);
-    let passes = layers.iter().zip(of_layers);
+    let n_layers = of_layers.len();
+    let plans = layers.clone().map(|(stage, _)| stage.layer);
+    regions.update(plans, sheets.splits_slabs(), tiles);
+    let passes = layers.zip(of_layers);
     let passes = passes.map(|((stage, sections), of_layer)| {
         let OfLayer { prepared, bricks, intake } = of_layer;
-        let setup = Setup::new(stage, sections, prepared, H::AT_ONCE);
+        let setup = Setup::new(&stage, &sections, prepared, H::AT_ONCE);
         Pass::new(stage, setup, bricks, intake)
     });
     let mut passes: Vec<Pass<'_>> = passes.collect();
@@ -133,7 +136,7 @@ fn render_with<H: Sheets>(
     }
     occlusion.start(&tiles.grid, &tiles.tiles);
     of_tiles.resize_with(tiles.tiles.len(), OfTile::default);
-    of_tiles.iter_mut().for_each(|of_tile| of_tile.clear(layers.len()));
+    of_tiles.iter_mut().for_each(|of_tile| of_tile.clear(n_layers));
     let (mut n_occluded, mut start) = (0, 0_usize);
     while let Some(range) = first_range(&passes) {
         for pass in &mut passes {

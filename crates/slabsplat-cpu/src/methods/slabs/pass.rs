@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// A layer on its way through the slabs.
 pub(super) struct Pass<'a> {
-    pub(super) stage: &'a Stage<'a>,
+    pub(super) stage: Stage<'a>,
     pub(super) setup: Setup<'a>,
     /// The bricks that are yet to be taken in.
     pub(super) bricks: &'a [(u32, u32)],
@@ -23,12 +23,12 @@ pub(super) struct Pass<'a> {
 
 impl<'a> Pass<'a> {
     pub(super) fn new(
-        stage: &'a Stage<'a>,
+        stage: Stage<'a>,
         setup: Setup<'a>,
         bricks: &'a mut Vec<(u32, u32)>,
         intake: &'a mut Intake,
     ) -> Self {
-        sort_bricks(stage, &setup, bricks);
+        sort_bricks(&stage, &setup, bricks);
         Self { stage, setup, bricks, intake, first_slabs: 0..0 }
     }
 
@@ -43,7 +43,7 @@ impl<'a> Pass<'a> {
     ) -> u64 {
         let n_here = self.bricks.partition_point(|brick| brick.0 == range);
         let (here, behind) = self.bricks.split_at(n_here);
-        let taken = self.intake.take(self.stage, &self.setup, tiles, occlusion, here, scratches);
+        let taken = self.intake.take(&self.stage, &self.setup, tiles, occlusion, here, scratches);
         // What still waits went to some slab before, no longer ago than it is drawn.
         let end = self.first_slabs.end;
         let waited = start.saturating_sub(self.setup.slabs.n_before).min(end)..end;

@@ -1,10 +1,10 @@
 //! The regions of a frame's layers, on every tile.
 
-use super::stage::Stage;
 use crate::pixels::blocks::Blocks;
 use crate::pixels::tile_region::TileRegion;
 use crate::pixels::tiles::Tiles;
 use rayon::prelude::*;
+use slabsplat_backend::LayerPlan;
 
 /// Made to be used again.
 #[derive(Debug, Default)]
@@ -26,15 +26,15 @@ impl Regions {
     /// Makes them those of a frame, and closes what none of them shows of its empty tiles.
     pub(super) fn update<'a>(
         &mut self,
-        stages: impl Iterator<Item = &'a Stage<'a>>,
+        layers: impl Iterator<Item = &'a LayerPlan<'a>>,
         splits_slabs: bool,
         tiles: &mut Tiles,
     ) {
         let Self { groups, group_of } = self;
         group_of.clear();
         let mut last = None;
-        for stage in stages {
-            let region = &stage.layer.region;
+        for layer in layers {
+            let region = &layer.region;
             if last == Some(region) {
                 group_of.extend(group_of.last().copied());
                 continue;
@@ -43,7 +43,7 @@ impl Regions {
             let group = group_of.last().map_or(0, |group| group + 1);
             group_of.push(group);
             groups.resize_with(groups.len().max(group + 1), Vec::new);
-            make(&mut groups[group], stage, splits_slabs, tiles);
+            make(&mut groups[group], layer, splits_slabs, tiles);
         }
         let n_groups = group_of.last().map_or(0, |group| group + 1);
         groups.truncate(n_groups);
@@ -94,12 +94,12 @@ impl<'a> RegionsOnTile<'a> {
 }
 
 /// Makes the region of a layer on each tile; none if it is everywhere.
-fn make(of_tiles: &mut Vec<TileRegion>, stage: &Stage<'_>, splits_slabs: bool, tiles: &Tiles) {
-    let Some(region) = &stage.layer.region else { return of_tiles.clear() };
+fn make(of_tiles: &mut Vec<TileRegion>, layer: &LayerPlan<'_>, splits_slabs: bool, tiles: &Tiles) {
+    let Some(region) = &layer.region else { return of_tiles.clear() };
     let border = tiles.grid.border() as i64;
     of_tiles.resize_with(tiles.tiles.len(), TileRegion::default);
     of_tiles.par_iter_mut().zip(&tiles.tiles).for_each(|(of_tile, tile)| {
         let corner = tile.origin.map(|pixel| pixel as i64 - border);
-        of_tile.update(region, &stage.layer.view, corner, splits_slabs);
+        of_tile.update(region, &layer.view, corner, splits_slabs);
     });
 }

@@ -44,6 +44,7 @@ pub(super) struct Setup<'a> {
 }
 
 /// What a frame's sections are made of.
+#[derive(Clone, Copy)]
 pub(in crate::methods) struct SectionsInSlabs<'a> {
     slabs: &'a Slabs,
     table: &'a Arc<SectionTable>,
@@ -92,7 +93,7 @@ impl<'a> SectionsInSlabs<'a> {
 
 impl<'a> Setup<'a> {
     pub(super) fn new(
-        stage: &'a Stage<'_>,
+        stage: &Stage<'a>,
         sections: &SectionsInSlabs<'a>,
         prepared: &'a mut Prepared,
         at_once: usize,

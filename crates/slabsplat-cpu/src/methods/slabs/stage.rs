@@ -7,6 +7,7 @@ use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
 
 /// What the stages of a frame that goes through slabs share, for one layer.
+#[derive(Clone, Copy)]
 pub(in crate::methods) struct Stage<'a> {
     pub(in crate::methods) plan: &'a FramePlan<'a>,
     pub(in crate::methods) layer: &'a LayerPlan<'a>,
