@@ -1,5 +1,5 @@
-//! Several layers of densities (model §§10, 12), on scenes at random: the CPU against the float64 reference at
-//! the tolerances of model §9, and what must not change a picture.
+//! Several layers of densities (model §§10, 12), on scenes at random: the CPU against the float64 reference
+//! at the tolerances of model §9, and what must not change a picture.
 
 use fastrand::Rng;
 use slabsplat::glam::DVec3;

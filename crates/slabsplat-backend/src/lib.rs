@@ -32,7 +32,8 @@
 //!   [`Backend::submit`], as [`BackendError::Unable`], and never draws by another. The CPU backend has them
 //!   all.
 //! - **Layers.** Every backend draws several layers of colours, and regions, as far as [`FramePlan`] allows
-//!   them; how many layers, may have a limit. One that draws densities may refuse more than one layer of them.
+//!   them; how many layers, may have a limit. One that draws densities may refuse more than one layer of
+//!   them.
 //! - **Errors.** [`BackendError`] is what a caller can act on. After an error the frame is gone and the
 //!   backend can be used on, unless it is [`BackendError::DeviceLost`]. A wrong picture is never
 //!   an acceptable answer.

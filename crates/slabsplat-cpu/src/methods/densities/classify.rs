@@ -138,8 +138,8 @@ impl<'a> LayerClassifier<'a> {
         }
     }
 
-    /// Writes what parts between the two sheets in the middle sum to onto an empty sheet, as far as the region
-    /// holds them.
+    /// Writes what parts between the two sheets in the middle sum to onto an empty sheet, as far as the
+    /// region holds them.
     #[inline(always)]
     fn add_parts<S: Simd>(
         &self,

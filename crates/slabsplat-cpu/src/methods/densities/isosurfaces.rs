@@ -127,8 +127,8 @@ impl<'a> Isosurfaces<'a> {
         }
     }
 
-    /// Adds the surfaces that rays pass between the two sheets in the middle, if `last` is the slab of the last
-    /// one.
+    /// Adds the surfaces that rays pass between the two sheets in the middle, if `last` is the slab of the
+    /// last one.
     #[inline(never)]
     pub(super) fn find<S: Simd>(
         &self,
@@ -202,10 +202,10 @@ impl<'a> Isosurfaces<'a> {
                 continue;
             }
             let lights = self.lights_at(simd, parts, &places);
-            for (colors, light) in colors.iter_mut().zip(&lights) {
-                for lane in 0..LANES {
-                    let lit = colors[lane] * light.diffuse[lane] + light.specular[lane];
-                    colors[lane] = if lit < 1.0 { lit } else { 1.0 };
+            for (colors, Light8 { diffuse, specular }) in colors.iter_mut().zip(&lights) {
+                for (color, light) in colors.iter_mut().zip(diffuse.iter().zip(specular)) {
+                    let lit = *color * light.0 + light.1;
+                    *color = if lit < 1.0 { lit } else { 1.0 };
                 }
             }
             let Passing { group, passing, .. } = *parts;

@@ -140,18 +140,19 @@ pub(crate) fn render(
     watch: &mut Stopwatch,
 ) -> [u64; 2] {
     of_layers.resize_with(plan.layers.len(), OfLayer::default);
-    let layers = of_layers.iter_mut().zip(&plan.layers);
-    let layers: Vec<LayerToDraw<'_>> =
-        layers.filter_map(|(of_layer, layer)| of_layer.to_draw(layer)).collect();
+    let mut layers = Vec::with_capacity(plan.layers.len());
+    let in_plan = of_layers.iter_mut().zip(&plan.layers);
+    layers.extend(in_plan.filter_map(|(of_layer, layer)| of_layer.prepare(layer)));
     watch.done("list");
-    let n_voxels = layers.iter().map(|layer| layer.voxels.n_voxels() as u64).sum();
+    let n_voxels =
+        layers.iter().map(|layer: &LayerToDraw<'_>| layer.voxels.n_voxels() as u64).sum();
     let n_occluded = draw(plan, shown, level, &layers, tiles, to_draw, watch);
     [n_voxels, n_occluded]
 }
 
 impl OfLayer {
     /// `None` of a layer that splats no densities.
-    fn to_draw<'a>(&'a mut self, layer: &'a LayerPlan<'a>) -> Option<LayerToDraw<'a>> {
+    fn prepare<'a>(&'a mut self, layer: &'a LayerPlan<'a>) -> Option<LayerToDraw<'a>> {
         let Splats::Densities(splats) = &layer.splats else { return None };
         let Self { finite, selection } = self;
         let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));

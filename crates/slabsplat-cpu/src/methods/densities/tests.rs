@@ -34,7 +34,7 @@ fn selection_changes_nothing() {
             assert_eq!(all.n_voxels, volume.grid().n_voxels());
             tiles.clear();
             let Buffers { of_layers, to_draw } = &mut buffers;
-            let mut to_draw_all = of_layers[0].to_draw(layer).unwrap();
+            let mut to_draw_all = of_layers[0].prepare(layer).unwrap();
             to_draw_all.voxels = Selected::new(&all, volume, to_draw_all.scale);
             draw(&plan, shown, level, &[to_draw_all], &mut tiles, to_draw, &mut watch);
             let difference = tiles.image([0.0; 4]).max_difference(&selected);

@@ -122,13 +122,12 @@ fn render_with<'a, H: Sheets>(
     let n_layers = of_layers.len();
     let plans = layers.clone().map(|(stage, _)| stage.layer);
     regions.update(plans, sheets.splits_slabs(), tiles);
-    let passes = layers.zip(of_layers);
-    let passes = passes.map(|((stage, sections), of_layer)| {
+    let mut passes = Vec::with_capacity(n_layers);
+    passes.extend(layers.zip(of_layers).map(|((stage, sections), of_layer)| {
         let OfLayer { prepared, bricks, intake } = of_layer;
         let setup = Setup::new(&stage, &sections, prepared, H::AT_ONCE);
         Pass::new(stage, setup, bricks, intake)
-    });
-    let mut passes: Vec<Pass<'_>> = passes.collect();
+    }));
     watch.done("bricks");
     if let Some(range) = first_range(&passes) {
         let first = range as usize * passes[0].setup.slabs.n_per_range;

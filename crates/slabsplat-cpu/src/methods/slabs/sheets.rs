@@ -1,5 +1,5 @@
-//! What a method says of the sheets of a frame that goes through slabs: what becomes of the sums of each layer
-//! in a slab, and of the slab.
+//! What a method says of the sheets of a frame that goes through slabs: what becomes of the sums of each
+//! layer in a slab, and of the slab.
 
 use super::regions::RegionsOnTile;
 use crate::pixels::blocks::Blocks;
