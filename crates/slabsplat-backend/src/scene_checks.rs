@@ -73,11 +73,11 @@ fn check_isosurfaces(layers: &[Layer]) -> Result<(), PlanError> {
     if layers.iter().all(|layer| layer.isosurfaces.is_empty()) {
         return Err(PlanError::NoIsosurfaces);
     }
-    for layer in layers {
-        let mut values: Vec<f64> = layer.isosurfaces.iter().map(Isosurface::value).collect();
-        values.sort_by(f64::total_cmp);
-        if let Some(pair) = values.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(PlanError::IsosurfaceTwice(pair[0]));
+    for Layer { isosurfaces, .. } in layers {
+        for (idx, value) in isosurfaces.iter().map(Isosurface::value).enumerate() {
+            if isosurfaces[..idx].iter().any(|other| other.value() == value) {
+                return Err(PlanError::IsosurfaceTwice(value));
+            }
         }
     }
     Ok(())

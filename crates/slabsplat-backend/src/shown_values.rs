@@ -23,10 +23,9 @@ fn visible_ranges(layer: &Layer) -> Vec<IsoRange> {
 
 /// The values that decide what is shown of a layer.
 pub(crate) fn shown_ranges(layer: &Layer, shown: ShownDensities) -> Vec<IsoRange> {
-    let visible = visible_ranges(layer);
     match shown {
-        ShownDensities::Composited => visible,
-        ShownDensities::Statistic(statistic) => deciding_ranges(visible, statistic),
+        ShownDensities::Composited => visible_ranges(layer),
+        ShownDensities::Statistic(statistic) => deciding_ranges(visible_ranges(layer), statistic),
         ShownDensities::Isosurfaces => {
             let values = layer.isosurfaces.iter().map(Isosurface::value);
             let mut ranges: Vec<IsoRange> = values.map(|v| IsoRange { lo: v, hi: v }).collect();
