@@ -11,6 +11,7 @@ use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
 };
 use slabsplat_core::{Compositing, Volume};
+use slabsplat_mesh::Rasterizer;
 use slabsplat_traverse::{
     BlinnPhong8, BrickView, Classification, OwnVoxelRules, VoxelLighting, VoxelRules,
 };
@@ -20,7 +21,7 @@ use slabsplat_traverse::{
 pub(crate) struct Buffers {
     /// Of an image of that size, with that border.
     tiles: Cached<([u32; 2], usize), Tiles>,
-    meshes: meshes::Buffers,
+    meshes: Rasterizer,
     of_methods: OfMethods,
 }
 

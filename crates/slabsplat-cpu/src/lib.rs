@@ -31,7 +31,7 @@
 //! | `footprints` | where a footprint lies, how it weighs pixels, the inner loop |
 //! | `voxels` | the list, a voxel, and voxels by the sheet they go to first |
 //! | `pixels` | tiles, sheets, compositing |
-//! | `workspaces`, `stopwatch` | what threads keep, how long stages take |
+//! | `stopwatch` | how long stages take |
 //!
 //! ```
 //! use slabsplat_backend::Backend;
@@ -49,7 +49,6 @@ mod sections;
 mod separable;
 mod stopwatch;
 mod voxels;
-mod workspaces;
 
 use fearless_simd::Level;
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, FramePlan};

@@ -3,45 +3,28 @@
 use crate::pixels::surfaces::Surfaces;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use crate::workspaces::Workspaces;
 use slabsplat_backend::MeshesPlan;
-use slabsplat_mesh::{Rasterizer, TileHits};
-
-/// What is cached from frame to frame.
-#[derive(Debug, Default)]
-pub(crate) struct Buffers {
-    rasterizer: Rasterizer,
-    workspaces: Workspaces<TileHits>,
-}
+use slabsplat_mesh::Rasterizer;
 
 /// Notes in all tiles where rays end.
 pub(crate) fn render(
     plan: Option<&MeshesPlan<'_>>,
     tiles: &mut Tiles,
-    buffers: &mut Buffers,
+    rasterizer: &mut Rasterizer,
     watch: &mut Stopwatch,
 ) {
     let Some(plan) = plan else {
         tiles.tiles.iter_mut().for_each(|tile| tile.surfaces = Surfaces::default());
-        *buffers = Buffers::default();
+        *rasterizer = Rasterizer::default();
         return;
     };
-    let Buffers { rasterizer, workspaces } = buffers;
-    rasterizer.start(plan, &tiles.grid);
-    let rasterizer = &*rasterizer;
-    tiles.for_each(workspaces, |tile_idx, tile, hits| {
-        let (pixels, first) = tile.own_pixels();
+    let border = tiles.grid.border();
+    rasterizer.for_each_tile(plan, &tiles.grid, &mut tiles.tiles, |tile, hits| {
         tile.surfaces.clear();
-        rasterizer.hits_on_tile(plan, tile_idx, &pixels, hits, |at, hits| {
-            tile.surfaces.add([0, 1].map(|axis| first[axis] + at[axis]), hits);
+        hits.for_each_pixel(|pixel, hits| {
+            tile.surfaces.add(pixel.map(|at| border + at), hits);
         });
         tile.surfaces.finish();
     });
     watch.done("meshes");
-}
-
-impl Buffers {
-    pub(crate) fn resident_bytes(&self) -> usize {
-        self.rasterizer.resident_bytes() + self.workspaces.sum_of(TileHits::resident_bytes)
-    }
 }

@@ -17,7 +17,8 @@
 //!
 //! What a hit is to a picture, and what becomes of volumes before and behind it, is not decided here.
 //!
-//! Reading order: `samples`; `vertices`, `clip`; `coverage`; `surface`; `tile`, `rasterizer`.
+//! Reading order: `samples`; `vertices`, `clip`; `coverage`; `surface`; `tile`, `rasterizer`;
+//! `seen`.
 
 mod samples;
 
@@ -29,11 +30,14 @@ mod coverage;
 mod surface;
 
 mod rasterizer;
+mod seen;
 mod tile;
 
 #[cfg(test)]
 mod tests;
 
-pub use rasterizer::Rasterizer;
+pub use rasterizer::{HitsOnTile, Rasterizer};
 pub use samples::N_SAMPLES;
-pub use tile::{Hit, TileHits};
+pub use seen::SeenMeshes;
+pub use slabsplat_traverse::TileGrid;
+pub use tile::Hit;

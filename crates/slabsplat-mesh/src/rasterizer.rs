@@ -4,8 +4,9 @@ use crate::clip::Polygon;
 use crate::surface::Surface;
 use crate::tile::{Hit, TileHits};
 use crate::vertices::{Vertex, project};
+use rayon::prelude::*;
 use slabsplat_backend::MeshesPlan;
-use slabsplat_traverse::{PixelRect, TileBuckets, TileGrid, TileRect};
+use slabsplat_traverse::{PixelRect, TileBuckets, TileGrid, TileRect, Workspaces};
 
 /// Where the vertices and triangles of a frame's meshes are. Made to be used again.
 #[derive(Debug, Default)]
@@ -15,6 +16,7 @@ pub struct Rasterizer {
     /// The first vertex and the first triangle of each mesh, and where the last ones end.
     firsts: Vec<[usize; 2]>,
     buckets: TileBuckets,
+    workspaces: Workspaces<TileHits>,
 }
 
 /// A frame whose vertices are projected.
@@ -24,13 +26,45 @@ pub(crate) struct Frame<'a> {
     firsts: &'a [[usize; 2]],
 }
 
+/// The hits on a tile, to be found.
+pub struct HitsOnTile<'a> {
+    frame: &'a Frame<'a>,
+    triangles: &'a TileBuckets,
+    tile_idx: usize,
+    pixels: PixelRect,
+    hits: &'a mut TileHits,
+}
+
 impl Rasterizer {
-    /// Projects the vertices of a frame, and tosses its triangles onto tiles.
+    /// Rasterises the meshes of a plan: calls `work` for every tile, in parallel, with the target that is the
+    /// tile's.
     ///
     /// # Panics
     /// If there are more than 2³² triangles.
-    pub fn start(&mut self, plan: &MeshesPlan<'_>, tiles: &TileGrid) {
-        let Self { vertices, firsts, buckets } = self;
+    pub fn for_each_tile<T: Send>(
+        &mut self,
+        plan: &MeshesPlan<'_>,
+        tiles: &TileGrid,
+        targets: &mut [T],
+        work: impl Fn(&mut T, HitsOnTile<'_>) + Sync,
+    ) {
+        self.start(plan, tiles);
+        let Self { vertices, firsts, buckets: triangles, workspaces } = self;
+        let frame = Frame { plan, vertices, firsts };
+        let image_size = plan.view.image_size();
+        let workspaces = workspaces.for_all_threads();
+        let targets = targets.par_iter_mut().enumerate().with_max_len(1);
+        targets.for_each(|(tile_idx, target)| {
+            let min = tiles.origin(tile_idx).map(|pixel| pixel as u32);
+            let end = [0, 1].map(|axis| (min[axis] + tiles.step()).min(image_size[axis]));
+            let (pixels, hits) = (PixelRect { min, end }, &mut *workspaces.of_this_thread());
+            work(target, HitsOnTile { frame: &frame, triangles, tile_idx, pixels, hits });
+        });
+    }
+
+    /// Projects the vertices of a frame, and tosses its triangles onto tiles.
+    fn start(&mut self, plan: &MeshesPlan<'_>, tiles: &TileGrid) {
+        let Self { vertices, firsts, buckets, .. } = self;
         let mut ends = [0, 0];
         firsts.clear();
         firsts.push(ends);
@@ -50,30 +84,26 @@ impl Rasterizer {
         buckets.toss(tiles, n_triangles, |triangle| frame.tiles_of(triangle as u32, tiles));
     }
 
-    /// Calls `take` with each of those pixels of a tile of the image that is hit, from the first column and
-    /// row, and with its hits, at most [`N_SAMPLES`](crate::N_SAMPLES) and the nearest first.
-    pub fn hits_on_tile(
-        &self,
-        plan: &MeshesPlan<'_>,
-        tile_idx: usize,
-        pixels: &PixelRect,
-        hits: &mut TileHits,
-        take: impl FnMut([usize; 2], &[Hit]),
-    ) {
-        let Self { vertices, firsts, buckets } = self;
-        let frame = Frame { plan, vertices, firsts };
-        let mut triangles = buckets.on_tile(tile_idx).peekable();
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        self.vertices.capacity() * size_of::<Vertex>()
+            + self.buckets.resident_bytes()
+            + self.workspaces.sum_of(TileHits::resident_bytes)
+    }
+}
+
+impl HitsOnTile<'_> {
+    /// Calls `take` with each of the tile's own pixels that is hit, counted from the first column and row,
+    /// and with its hits, at most [`N_SAMPLES`](crate::N_SAMPLES) and the nearest first.
+    pub fn for_each_pixel(self, take: impl FnMut([usize; 2], &[Hit])) {
+        let Self { frame, hits, .. } = self;
+        let mut triangles = self.triangles.on_tile(self.tile_idx).peekable();
         if triangles.peek().is_none() {
             return;
         }
-        hits.start(pixels);
-        triangles.for_each(|triangle| hits.add(&frame, triangle as u32));
-        hits.finish(&frame, take);
-    }
-
-    /// Bytes held.
-    pub fn resident_bytes(&self) -> usize {
-        self.vertices.capacity() * size_of::<Vertex>() + self.buckets.resident_bytes()
+        hits.start(&self.pixels);
+        triangles.for_each(|triangle| hits.add(frame, triangle as u32));
+        hits.finish(frame, take);
     }
 }
 

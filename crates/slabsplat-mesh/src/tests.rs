@@ -5,7 +5,6 @@ use slabsplat_backend::{MeshPlan, MeshesPlan};
 use slabsplat_core::glam::{DMat3, DQuat, DVec3};
 use slabsplat_core::{Camera, Grid, ImageDesc, Mesh, MeshLayer, MeshParts, Projection, View};
 use slabsplat_seeds::for_each_seed;
-use slabsplat_traverse::{PixelRect, TileGrid};
 
 const SIDE: u32 = 40;
 
@@ -32,18 +31,18 @@ fn hits(layers: &[MeshLayer], is_perspective: bool) -> (Vec<usize>, Vec<Hit>) {
     let mesh = |layer| MeshPlan { layer, light: None, region: None };
     let plan = MeshesPlan { view: view(is_perspective), meshes: layers.iter().map(mesh).collect() };
     let tiles = TileGrid::new([SIDE; 2], 16, 1);
-    let mut rasterizer = Rasterizer::default();
-    rasterizer.start(&plan, &tiles);
+    let mut of_tiles = vec![Vec::new(); tiles.n_tiles()];
+    let take_all = |of_tile: &mut Vec<_>, on_tile: HitsOnTile<'_>| {
+        on_tile.for_each_pixel(|pixel, hits| of_tile.push((pixel, hits.to_vec())));
+    };
+    Rasterizer::default().for_each_tile(&plan, &tiles, &mut of_tiles, take_all);
     let (mut counts, mut all) = (vec![0; (SIDE * SIDE) as usize], Vec::new());
-    let mut on_tile = TileHits::default();
-    for tile_idx in 0..tiles.n_tiles() {
-        let min = tiles.origin(tile_idx).map(|pixel| pixel as u32);
-        let pixels = PixelRect { min, end: min.map(|first| (first + tiles.step()).min(SIDE)) };
-        rasterizer.hits_on_tile(&plan, tile_idx, &pixels, &mut on_tile, |[column, row], hits| {
-            let [x, y] = [min[0] as usize + column, min[1] as usize + row];
-            counts[y * SIDE as usize + x] += hits.len();
-            all.extend_from_slice(hits);
-        });
+    for (tile_idx, of_tile) in of_tiles.into_iter().enumerate() {
+        let [left, top] = tiles.origin(tile_idx);
+        for ([column, row], hits) in of_tile {
+            counts[(top + row) * SIDE as usize + left + column] += hits.len();
+            all.extend(hits);
+        }
     }
     (counts, all)
 }

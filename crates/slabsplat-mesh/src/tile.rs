@@ -18,7 +18,7 @@ pub struct Hit {
 
 /// The nearest hits of the samples of a rectangle of pixels. Made to be used again.
 #[derive(Debug, Default)]
-pub struct TileHits {
+pub(crate) struct TileHits {
     left: u32,
     top: u32,
     n_columns: usize,
@@ -123,7 +123,7 @@ impl TileHits {
     }
 
     /// Bytes held.
-    pub fn resident_bytes(&self) -> usize {
+    pub(crate) fn resident_bytes(&self) -> usize {
         self.nearest.capacity() * size_of::<Nearest>()
     }
 }

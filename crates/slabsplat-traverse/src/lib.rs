@@ -14,7 +14,8 @@
 //! - `blinn_phong`, `shade`: Blinn–Phong, once a voxel and frame;
 //! - `project`: index space to view space, voxels and whole bricks;
 //! - `depth_order`: what `every-sample` composites by (`axis-aligned` goes by slices, in core);
-//! - `buckets`, `toss`: buckets instead of a sort (§7), by image tile and then by slab.
+//! - `buckets`, `toss`: buckets instead of a sort (§7), by image tile and then by slab;
+//! - `workspaces`: what threads work with.
 //!
 //! Every stage is parallel, and gives the same result for any number of threads. Nothing here knows
 //! kernels' weights or draws a pixel.
@@ -57,6 +58,8 @@ mod buckets;
 mod depth_order;
 mod toss;
 
+mod workspaces;
+
 #[cfg(test)]
 mod naive_normals;
 #[cfg(test)]
@@ -74,3 +77,4 @@ pub use shade::VoxelLighting;
 pub use toss::{PixelRect, TileBuckets, TileEntry, TileGrid, TileRect, TileToss};
 pub use voxel::{NORMAL_STEPS, VoxelRecord};
 pub use voxel_rules::{OwnVoxelRules, VoxelRules};
+pub use workspaces::Workspaces;

@@ -25,7 +25,7 @@ pub(super) struct Floors {
 pub(super) const FLOORS: &[Floors] = &[Floors {
     folder: "crates/slabsplat-cpu/src",
     from_below: &[
-        &["stopwatch", "workspaces"],
+        &["stopwatch"],
         &["pixels"],
         &["voxels"],
         &["footprints"],
@@ -96,6 +96,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-kernel",
             "slabsplat-traverse",
             "slabsplat-backend",
+            "slabsplat-mesh",
             "slabsplat-shaders",
         ],
         why: "a frame is data: it knows neither who executes it nor how a CPU would splat",

@@ -10,11 +10,10 @@ use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use crate::voxels::by_sheet::BySheet;
 use crate::voxels::voxel::Voxel;
-use crate::workspaces::Workspaces;
 use fearless_simd::{Simd, dispatch};
 use slabsplat_core::SliceOrder;
 use slabsplat_kernel::FootprintTable;
-use slabsplat_traverse::TileBuckets;
+use slabsplat_traverse::{TileBuckets, Workspaces};
 use std::sync::Arc;
 
 /// What is cached from frame to frame.

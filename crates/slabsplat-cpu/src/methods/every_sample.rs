@@ -9,10 +9,9 @@ use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use crate::voxels::voxel::Voxel;
-use crate::workspaces::Workspaces;
 use fearless_simd::{Simd, dispatch};
 use slabsplat_kernel::FootprintTable;
-use slabsplat_traverse::{DepthOrder, TileBuckets};
+use slabsplat_traverse::{DepthOrder, TileBuckets, Workspaces};
 use std::sync::Arc;
 
 /// Voxels between two looks at which blocks are saturated: a look costs about as much as a voxel.

@@ -8,7 +8,6 @@ use super::sheet::{Pixels, Sheet};
 use super::surfaces::Surfaces;
 use fearless_simd::Simd;
 use slabsplat_core::{Compositing, over};
-use slabsplat_traverse::PixelRect;
 use std::ops::Range;
 
 const _: () = assert!(BLOCK_SIDE == QUAD, "a block is a quad wide");
@@ -93,13 +92,6 @@ impl Tile {
     /// The blocks whose sums are needed while those are open.
     fn needed_for(&self, open: Blocks) -> Blocks {
         if self.border == 0 { open } else { open.with_neighbors() }
-    }
-
-    /// The pixels of the image that are this tile's own, and the first of them in the tile.
-    pub(crate) fn own_pixels(&self) -> (PixelRect, [usize; 2]) {
-        let min = self.origin.map(|pixel| pixel as u32);
-        let end = [0, 1].map(|axis| min[axis] + self.inside[axis].len() as u32);
-        (PixelRect { min, end }, [self.border; 2])
     }
 
     /// Whether no pixel may change any more.

@@ -2,11 +2,10 @@
 
 use super::rectangle::TILE_SIDE;
 use super::tile::Tile;
-use crate::workspaces::Workspaces;
 use rayon::prelude::*;
 use slabsplat_backend::FrameStats;
 use slabsplat_core::Image;
-use slabsplat_traverse::TileGrid;
+use slabsplat_traverse::{TileGrid, Workspaces};
 
 /// All tiles of an image, row by row.
 #[derive(Debug)]

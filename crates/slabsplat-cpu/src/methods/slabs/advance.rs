@@ -14,8 +14,8 @@ use crate::sections::span::SpannedVoxel;
 use crate::separable::b_spline::Coefficients;
 use crate::separable::sections::AsSeparable;
 use crate::voxels::by_sheet::BySheet;
-use crate::workspaces::Workspaces;
 use fearless_simd::{Simd, dispatch};
+use slabsplat_traverse::Workspaces;
 use std::ops::Range;
 
 /// What a thread needs.

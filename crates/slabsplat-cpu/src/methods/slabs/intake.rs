@@ -20,10 +20,9 @@ use super::stage::Stage;
 use crate::sections::span::{Span, SpannedVoxel};
 use crate::voxels::by_sheet::N_AT_ONCE;
 use crate::voxels::voxel::Voxel;
-use crate::workspaces::Workspaces;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
-use slabsplat_traverse::{Brick, TileEntry, TileGrid, TileToss, VoxelRecord};
+use slabsplat_traverse::{Brick, TileEntry, TileGrid, TileToss, VoxelRecord, Workspaces};
 use std::cell::Cell;
 use std::ops::Range;
 

@@ -44,7 +44,6 @@ mod stage;
 
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use crate::workspaces::Workspaces;
 use advance::{OfTile, Workspace};
 use intake::{Intake, Scratch};
 use occlusion::Occlusion;
@@ -53,6 +52,7 @@ use regions::Regions;
 pub(super) use setup::SectionsInSlabs;
 use setup::{Prepared, Setup};
 pub(super) use sheets::{Sheets, SlabOnTile, SlabSums};
+use slabsplat_traverse::Workspaces;
 pub(super) use stage::{Stage, Voxels};
 use std::{iter, slice};
 

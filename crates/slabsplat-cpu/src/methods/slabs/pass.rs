@@ -4,9 +4,8 @@ use super::intake::{Intake, Scratch};
 use super::occlusion::Occlusion;
 use super::setup::Setup;
 use super::stage::Stage;
-use crate::workspaces::Workspaces;
 use rayon::prelude::*;
-use slabsplat_traverse::{Brick, TileGrid};
+use slabsplat_traverse::{Brick, TileGrid, Workspaces};
 use std::ops::Range;
 
 /// A layer on its way through the slabs.

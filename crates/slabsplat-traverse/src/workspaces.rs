@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// One for every thread, so that no lock is ever waited for.
 #[derive(Debug)]
-pub(crate) struct Workspaces<W>(Vec<Mutex<W>>);
+pub struct Workspaces<W>(Vec<Mutex<W>>);
 
 impl<W> Default for Workspaces<W> {
     fn default() -> Self {
@@ -14,19 +14,19 @@ impl<W> Default for Workspaces<W> {
 
 impl<W: Default> Workspaces<W> {
     /// Makes sure that there is one for every thread.
-    pub(crate) fn for_all_threads(&mut self) -> &Self {
+    pub fn for_all_threads(&mut self) -> &Self {
         self.0.resize_with(rayon::current_num_threads(), Mutex::default);
         self
     }
 
     /// The workspace of the thread that asks.
-    pub(crate) fn of_this_thread(&self) -> MutexGuard<'_, W> {
+    pub fn of_this_thread(&self) -> MutexGuard<'_, W> {
         let thread = rayon::current_thread_index().unwrap_or(0);
         self.0[thread].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The sum of what `number_of` returns of each.
-    pub(crate) fn sum_of(&self, number_of: impl Fn(&W) -> usize) -> usize {
+    pub fn sum_of(&self, number_of: impl Fn(&W) -> usize) -> usize {
         let locked = |workspace: &Mutex<W>| workspace.lock().map_or(0, |w| number_of(&w));
         self.0.iter().map(locked).sum()
     }
