@@ -16,7 +16,7 @@
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> layers: array<Layer, MAX_LAYERS>;
 @group(0) @binding(2) var<uniform> step: Step;
-@group(0) @binding(3) var<storage, read> table: array<vec4<f32>>;
+@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
 // The layer's records and the splats of all layers, as much of either as is bound.
 @group(0) @binding(4) var<storage, read> records: array<Record>;
 @group(0) @binding(5) var<storage, read_write> splats: array<Splat>;

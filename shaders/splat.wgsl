@@ -15,6 +15,9 @@
 // one region follow each other: so a pixel has sums of one region at a time. Where the next splat has another
 // region, they are multiplied by their region's share of the sheet, and put aside.
 //
+// Where opaque surfaces are, rays of a pixel's samples end on their way from sheet to sheet, also between those that
+// any splat reaches into, and behind them.
+//
 // A tile that has visited many splats pauses after a sheet, and the next dispatch continues it: systems
 // reset devices that do not answer for seconds.
 
@@ -29,13 +32,14 @@
 //#include "shared/tile_work.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/region.wgsl"
+//#include "shared/surfaces.wgsl"
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 // The tiles `first .. first + n_elements`; the first pixel that is bound is that of row `first_sample`.
 @group(0) @binding(1) var<uniform> step: Step;
 @group(0) @binding(2) var<uniform> layers: array<Layer, MAX_LAYERS>;
 @group(0) @binding(3) var<storage, read> tossed_voxels: array<u32>;
-@group(0) @binding(4) var<storage, read> table: array<vec4<f32>>;
+@group(0) @binding(4) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read_write> tiles: array<TileWork>;
 @group(0) @binding(6) var<storage, read_write> pixels: array<vec4<f32>>;
 @group(0) @binding(7) var<storage, read> splats_0: array<Splat>;
@@ -114,14 +118,17 @@ fn splat(
     let is_inside = all(at < frame.image_size);
     let pixel_idx = (at.y - step.first_sample) * frame.image_size.x + at.x;
     var pixel = vec4(0.0);
+    var rays = rays_of(tile, thread);
     if is_inside && is_paused {
         pixel = pixels[pixel_idx];
+        skip_rays(&rays, todo.sheet);
     }
-    let done = composite(todo, pixel, thread, at, is_inside);
+    let done = composite(todo, pixel, &rays, thread, at, is_inside);
     if is_inside {
         pixels[pixel_idx] = done.pixel;
         if done.state != STATE_PAUSED {
-            pixels[pixel_idx] = over_background(done.pixel);
+            let last = end_rays_before(done.pixel, &rays, NO_SHEET);
+            pixels[pixel_idx] = over_background(last);
         }
     }
     workgroupBarrier();
@@ -151,15 +158,16 @@ struct Composited {
 fn composite(
     todo: TileWork,
     pixel_before: vec4<f32>,
+    rays: ptr<function, Rays>,
     thread: u32,
     at: vec2<u32>,
     is_inside: bool,
 ) -> Composited {
-    var pixel = pixel_before;
-    var is_open = is_inside && pixel.a < frame.opacity_cutoff;
     // The run that the sheet needs begins here.
     var begin = todo.begin;
     var sheet = first_sheet(todo);
+    var pixel = end_rays_before(pixel_before, rays, sheet);
+    var is_open = is_inside && pixel.a < frame.opacity_cutoff;
     var n_staged = 0u;
     var n_visits = 0u;
     var is_whole = true;
@@ -236,11 +244,16 @@ fn composite(
         if frame.has_regions == 1u {
             sums = joined + sums * share_of(region, interval, sheet);
         }
-        pixel += (1.0 - pixel.a) * resolve(frame.compositing, sums);
+        next_sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
+        if has_surfaces() && any_ends_before(*rays, next_sheet) {
+            pixel = end_rays(pixel, rays, sums, sheet, next_sheet);
+        } else {
+            pixel += (1.0 - pixel.a) * resolve(frame.compositing, sums);
+        }
         is_open = is_inside && pixel.a < frame.opacity_cutoff;
         n_visits += n_alive + 1u;
         if frame.method != METHOD_VOXELS {
-            sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
+            sheet = next_sheet;
         }
     }
     if !is_whole || (begin < todo.end && sheet < frame.n_sheets) {

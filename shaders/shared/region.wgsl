@@ -16,12 +16,12 @@ const FARTHEST: f32 = 1e30;
 const LEAST_APPROACH: f32 = 1e-12;
 
 fn plane_of(layer: u32, n: u32) -> vec4<f32> {
-    return table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n];
+    return bitcast<vec4<f32>>(table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n]);
 }
 
 // The normal in the world, and the reach of a voxel.
 fn face_of(layer: u32, n: u32) -> vec4<f32> {
-    return table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n + 1u];
+    return bitcast<vec4<f32>>(table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n + 1u]);
 }
 
 // Where the ray of a pixel is in the convex set, from the first depth to the second: nowhere if it ends before

@@ -20,6 +20,8 @@ struct Step {
     first_sample: u32,
     // The layer that it is about.
     layer: u32,
+    // Where surfaces begin: see `surfaces.wgsl`.
+    first_surface: u32,
 }
 
 const NO_COUNT: u32 = 0xffffffffu;

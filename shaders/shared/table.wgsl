@@ -5,7 +5,7 @@
 // kernel. An element holds all four values that are interpolated between: two neighbours of a row, and
 // the same two of the next row. So a look-up is one load.
 //
-// Whoever includes this declares `table`.
+// Whoever includes this declares `table`, which holds other things too, and so is of words.
 
 // A row of the table, and how far it is to the next.
 struct Row {
@@ -32,7 +32,7 @@ fn weight_at(row: Row, rho_squared: f32) -> f32 {
     let half_chord = sqrt(max(frame.radius * frame.radius - rho_squared, 0.0));
     let position = half_chord * frame.samples_per_index;
     let sample = min(floor(position), f32(frame.row_len - 1u));
-    let near = table[row.first_element + u32(sample)];
+    let near = bitcast<vec4<f32>>(table[row.first_element + u32(sample)]);
     let along = mix(near.xz, near.yw, position - sample);
     return mix(along.x, along.y, row.t);
 }

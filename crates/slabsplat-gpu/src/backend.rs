@@ -13,6 +13,7 @@ use crate::job::Job;
 use crate::listings::Listings;
 use crate::memory::{Memory, backend_error};
 use crate::params::{Counts, MAX_LAYERS};
+use crate::surfaces::LastSurfaces;
 use crate::voxel_lists::VoxelLists;
 use crate::{Device, DeviceKind, Done, Work, WorkId};
 use slabsplat_backend::{
@@ -31,6 +32,7 @@ pub struct GpuBackend<D> {
     memory: Memory,
     listings: Listings,
     lists: VoxelLists,
+    surfaces: LastSurfaces,
     frame: FrameMemory,
     n_submitted: u64,
     /// In the order of submission.
@@ -59,6 +61,7 @@ impl<D: Device> GpuBackend<D> {
             memory: Memory::default(),
             listings: Listings::default(),
             lists: VoxelLists::new(),
+            surfaces: LastSurfaces::default(),
             frame: FrameMemory::new(info),
             n_submitted: 0,
             under_way: VecDeque::new(),
@@ -178,13 +181,17 @@ fn max_visits(kind: DeviceKind) -> u32 {
 /// What there are shaders for.
 const METHODS: &[Method] = &[Method::ImageAligned, Method::AxisAligned, Method::EverySample];
 
+const NO_MESHES_AMONG_DENSITIES: &str =
+    "its shaders end no rays at meshes on their way through densities";
+
 const NO_DENSITIES: &str = "its shaders sum no densities, as the method post-classified and the modes maximum, \
                             minimum, average and isosurfaces do";
 
 /// The layers of a plan, or why there are no shaders for it.
 fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>, String> {
-    if plan.meshes.is_some() {
-        return Err("its shaders draw no meshes".to_owned());
+    let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
+    if plan.meshes.is_some() && plan.layers.iter().any(is_of_densities) {
+        return Err(NO_MESHES_AMONG_DENSITIES.to_owned());
     }
     let n_layers = plan.layers.len();
     if (MAX_LAYERS as usize) < n_layers {
@@ -204,7 +211,8 @@ impl<D: Device> Backend for GpuBackend<D> {
 
     fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
         let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
-        let mut job = Job::new(plan, &layers, self.listings.of(plan), self.frame.splats.most());
+        let (listings, surfaces) = (self.listings.of(plan), self.surfaces.of(plan));
+        let mut job = Job::new(plan, &layers, listings, surfaces, self.frame.splats.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
         let work = self.begin(&job)?;
         let frame = FrameId(self.n_submitted);
@@ -287,14 +295,15 @@ mod tests {
             GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err().to_string()
         };
         let densities = RenderSettings::default().method(Method::PostClassified);
+        let scene_of_densities = scene.clone().settings(densities);
         assert_eq!(
-            refused(&scene.clone().settings(densities)),
+            refused(&scene_of_densities),
             format!("Fake 3000 cannot make this frame: {NO_DENSITIES}")
         );
         let mesh = MeshLayer::new(Mesh::default());
         assert_eq!(
-            refused(&scene.clone().meshes(vec![mesh])),
-            "Fake 3000 cannot make this frame: its shaders draw no meshes"
+            refused(&scene_of_densities.meshes(vec![mesh])),
+            format!("Fake 3000 cannot make this frame: {NO_MESHES_AMONG_DENSITIES}")
         );
         assert_eq!(
             refused(&scene.layers(vec![layer; 65])),

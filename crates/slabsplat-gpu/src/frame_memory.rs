@@ -4,7 +4,8 @@ use crate::chunks::Chunks;
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::params::{
-    COUNTS_BYTES, DepthParams, Frame, Layer, MAX_LAYERS, SPLAT_BYTES, TILE_SIDE, TILE_WORK_BYTES,
+    COUNTS_BYTES, Counts, DepthParams, Frame, Layer, MAX_LAYERS, SPLAT_BYTES, TILE_SIDE,
+    TILE_WORK_BYTES,
 };
 use crate::pass_list::{StepBuffer, n_groups};
 use crate::sums::{BLOCK, Sorter, Sums};
@@ -107,7 +108,12 @@ impl FrameMemory {
             writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
         };
         write(&self.frame, job.frame.bytes_in_use());
-        write(&self.layers, bytemuck::cast_slice(&job.params));
+        if job.layers.is_empty() {
+            // No voxel counts them.
+            write(&self.counts, &[0; size_of::<Counts>()]);
+        } else {
+            write(&self.layers, bytemuck::cast_slice(&job.params));
+        }
         if let Some(sort) = &job.depth_sort {
             write(&self.depth, bytemuck::bytes_of(&sort.params));
         }

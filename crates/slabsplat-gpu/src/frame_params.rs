@@ -17,37 +17,37 @@ pub(crate) fn frame_params(
     layers: &[ColorLayer<'_, '_>],
     row_len: u32,
 ) -> Frame {
-    let [(layer, splats), ..] = layers else { panic!("a plan has layers") };
-    let view = &layer.view;
-    let is_tilted = |layer: &LayerPlan<'_>| layer.shape.is_tilted(layer.radius);
+    let image_size = [plan.image.width, plan.image.height];
     let mut frame = Frame {
-        image_size: view.image_size(),
-        n_tiles: view.image_size().map(|side| side.div_ceil(TILE_SIDE)),
-        image_center: view.image_size().map(|side| 0.5 * side as f32),
-        is_perspective: flag(view.is_perspective()),
+        image_size,
+        n_tiles: image_size.map(|side| side.div_ceil(TILE_SIDE)),
+        image_center: image_size.map(|side| 0.5 * side as f32),
         compositing: compositing_code(plan.compositing),
         n_layers: layers.len() as u32,
         has_regions: flag(layers.iter().any(|(layer, _)| layer.region.is_some())),
-        is_tilted: flag(layers.iter().any(|(layer, _)| is_tilted(layer))),
-        // All layers splat one kernel, and read it alike.
-        radius: layer.radius as f32,
         row_len,
         opacity_cutoff: plan.opacity_cutoff,
         background: plan.image.background,
         ..bytemuck::Zeroable::zeroed()
     };
-    put_sheets(layer, splats, &mut frame);
+    put_kernel(layers, &mut frame);
+    put_sheets(layers, &mut frame);
     put_lamps(layers, &mut frame);
-    for (_, splats) in layers {
-        if let ColorSplats::Sections(sections) = splats {
-            frame.n_slabs_before = frame.n_slabs_before.max(sections.slabs.n_before as u32);
-        }
-    }
     frame
 }
 
+/// All layers splat one kernel, and read it alike.
+fn put_kernel(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
+    let Some((layer, _)) = layers.first() else { return };
+    let is_tilted = |layer: &LayerPlan<'_>| layer.shape.is_tilted(layer.radius);
+    frame.is_perspective = flag(layer.view.is_perspective());
+    frame.is_tilted = flag(layers.iter().any(|(layer, _)| is_tilted(layer)));
+    frame.radius = layer.radius as f32;
+}
+
 /// What sheets of the first layer have in common with those of the others.
-fn put_sheets(layer: &LayerPlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
+fn put_sheets(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
+    let Some((layer, splats)) = layers.first() else { return };
     frame.method = method_code(splats);
     match splats {
         ColorSplats::Sections(sections) => {
@@ -68,9 +68,13 @@ fn put_sheets(layer: &LayerPlan<'_>, splats: &ColorSplats, frame: &mut Frame) {
             frame.samples_per_index = table.samples_per_index();
         }
     }
+    for (_, splats) in layers {
+        if let ColorSplats::Sections(sections) = splats {
+            frame.n_slabs_before = frame.n_slabs_before.max(sections.slabs.n_before as u32);
+        }
+    }
 }
 
-/// The number by which the shaders know the method.
 /// All layers that are lit at all have the same lights.
 fn put_lamps(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
     let Some(light) = layers.iter().find_map(|(layer, _)| layer.light.as_ref()) else { return };
@@ -83,6 +87,7 @@ fn put_lamps(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
     }
 }
 
+/// The number by which the shaders know the method.
 fn method_code(splats: &ColorSplats) -> u32 {
     match splats {
         ColorSplats::Sections(_) => 0,

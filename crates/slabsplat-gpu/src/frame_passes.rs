@@ -32,12 +32,14 @@ impl FrameMemory {
         self.voxels.restart();
         self.tiles.restart();
         let mut passes = self.steps.list(memory, device)?;
-        passes.begin("project");
-        self.push_project(job, lists, &mut passes);
-        passes.begin("sort");
-        self.push_depth_sort(job, &lists[0].records, &mut passes);
-        passes.begin("toss");
-        self.push_toss(job, &mut passes);
+        if !job.layers.is_empty() {
+            passes.begin("project");
+            self.push_project(job, lists, &mut passes);
+            passes.begin("sort");
+            self.push_depth_sort(job, &lists[0].records, &mut passes);
+            passes.begin("toss");
+            self.push_toss(job, &mut passes);
+        }
         passes.begin("splat");
         self.push_splat(job, device.info(), &mut passes);
         Ok(self.steps.finish(passes, writes))
@@ -118,13 +120,14 @@ impl FrameMemory {
         passes.push(&TOSS_EMIT, &bindings, step, n_blocks);
         let keys = (self.max_splats, COUNT_SPLATS);
         self.tiles.sort(passes, counts, keys, bits_for(job.n_tiles()));
-        let step =
-            Step { n_elements: job.n_tiles(), n_blocks: self.max_splats as u32, ..Step::default() };
-        let bindings = [self.tiles.keys(), self.work.all(), counts];
-        passes.push(&TILE_RANGES, &bindings, step, n_groups(job.n_tiles().into(), 256));
     }
 
     fn push_splat(&self, job: &Job, info: &DeviceInfo, passes: &mut PassList) {
+        let n_tiles = job.n_tiles();
+        let step =
+            Step { n_elements: n_tiles, n_blocks: self.max_splats as u32, ..Step::default() };
+        let bindings = [self.tiles.keys(), self.work.all(), self.counts.all()];
+        passes.push(&TILE_RANGES, &bindings, step, n_groups(n_tiles.into(), 256));
         let frame = &job.frame;
         let bands = bands(frame, info);
         let n_rounds = self.n_rounds.min(max_rounds(bands.len()));
@@ -137,6 +140,7 @@ impl FrameMemory {
                 n_elements: n_tiles,
                 chunk_bits: self.splats.bits,
                 first_sample: band.first_row,
+                first_surface: job.first_surface(),
                 ..Step::default()
             };
             let [frame, layers, work] = [&self.frame, &self.layers, &self.work].map(Buffer::all);
@@ -145,7 +149,7 @@ impl FrameMemory {
             bindings.extend(self.splats.all());
             passes.push(&SPLAT, &bindings, step, n_tiles);
         }
-        let step = Step { n_elements: job.n_tiles(), ..Step::default() };
+        let step = Step { n_elements: n_tiles, ..Step::default() };
         passes.push(&TALLY, &[self.work.all(), self.counts.all()], step, 1);
     }
 }

@@ -5,21 +5,25 @@ use crate::depth_params::DepthSort;
 use crate::frame_params::{ColorLayer, frame_params};
 use crate::layer_params::layer_params;
 use crate::listing::Listing;
-use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, TILE_SIDE};
+use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, NO_SURFACES, TILE_SIDE};
 use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
+use crate::surfaces::Surfaces;
 use crate::tables::Table;
 use slabsplat_backend::{ColorSplats, FramePlan};
+use std::sync::Arc;
 
 /// A frame to be made.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
     pub(crate) frame: Frame,
-    /// In the order of the plan.
+    /// In the order of the plan. None if there are surfaces alone.
     pub(crate) layers: Vec<JobLayer>,
     /// What the shaders read of them.
     pub(crate) params: Vec<Layer>,
     /// The planes of all regions.
     pub(crate) planes: Vec<[Element; ELEMENTS_OF_PLANE as usize]>,
+    /// Where rays end, if there are meshes.
+    pub(crate) surfaces: Option<Arc<Surfaces>>,
     /// How the list is sorted, if not by sheets.
     pub(crate) depth_sort: Option<DepthSort>,
 }
@@ -35,12 +39,13 @@ pub(crate) struct JobLayer {
 }
 
 impl Job {
-    /// What a plan asks for, whose layers are these, with their voxels listed so. All voxels together should
-    /// stay below `most_voxels`, if they can.
+    /// What a plan asks for, whose layers are these, with their voxels listed so, and with these surfaces.
+    /// All voxels together should stay below `most_voxels`, if they can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
         layers: &[ColorLayer<'_, '_>],
         listings: Vec<Listing>,
+        surfaces: Option<Arc<Surfaces>>,
         most_voxels: u64,
     ) -> Self {
         let tables = layers.iter().map(|(_, splats)| Table::of(splats));
@@ -57,7 +62,19 @@ impl Job {
         };
         let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
         let frame = frame_params(plan, layers, row_len);
-        Self { frame, layers: job_layers, params, planes, depth_sort }
+        Self { frame, layers: job_layers, params, planes, surfaces, depth_sort }
+    }
+
+    /// Elements of the shaders' `table` that section tables take, and planes behind those.
+    pub(crate) fn n_elements(&self) -> [u64; 2] {
+        let of_tables = self.layers.iter().map(|layer| u64::from(layer.table.n_quads())).sum();
+        [of_tables, u64::from(ELEMENTS_OF_PLANE) * self.planes.len() as u64]
+    }
+
+    /// The element at which surfaces begin, behind the planes.
+    pub(crate) fn first_surface(&self) -> u32 {
+        let first = self.n_elements().iter().sum::<u64>() as u32;
+        if self.surfaces.is_some() { first } else { NO_SURFACES }
     }
 
     /// Room for the voxels of all layers.

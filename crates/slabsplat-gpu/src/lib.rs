@@ -10,12 +10,13 @@
 //!    the host lists the relevant voxels instead and sends a record of each, 32 bytes, if anything changed.
 //! 2. *Project*: every relevant voxel is shaded and projected, into one list for all layers; those beyond
 //!    their layer's region are tossed nowhere. A new camera sends 112 bytes, 224 a layer, 32 for each plane
-//!    of a region, and 36 for each pass.
+//!    of a region, and 40 for each pass.
 //! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
 //! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
 //!    keeps the order from front to back within each.
 //! 5. *Splat*: a workgroup renders a tile, sheet by sheet, in registers, and stops when all pixels are
-//!    saturated. Sums of a slab are cut by the region of what they are of.
+//!    saturated. Sums of a slab are cut by the region of what they are of. Where there are opaque meshes,
+//!    rays end at surfaces, which the host has found and sends when they change, 16 bytes each.
 //!
 //! Sorts and sums are stable and take no part in races, so a frame gives the same bits every time.
 //! Classification compares samples as the integers that they are, and positions of the transfer function
@@ -32,8 +33,8 @@
 //! `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`, `frame_memory` and
 //! `tables`, which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and
 //! `job`; `params`, `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`,
-//! `samples` and `section_table`, which say a plan in the shaders' terms. The stages themselves are in
-//! `shaders/`.
+//! `samples`, `section_table`, `surfaces` and `surface_elements`, which say a plan in the shaders' terms. The
+//! stages themselves are in `shaders/`.
 
 mod device;
 
@@ -47,6 +48,8 @@ mod regions;
 mod samples;
 mod section_table;
 mod segments;
+mod surface_elements;
+mod surfaces;
 
 mod chunks;
 mod memory;

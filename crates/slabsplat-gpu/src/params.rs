@@ -147,10 +147,14 @@ pub(crate) struct Step {
     pub(crate) first_block: u32,
     pub(crate) first_sample: u32,
     pub(crate) layer: u32,
+    pub(crate) first_surface: u32,
 }
 
 /// No slot of the counts.
 pub(crate) const NO_COUNT: u32 = u32::MAX;
+
+/// `shaders/shared/surfaces.wgsl`.
+pub(crate) const NO_SURFACES: u32 = u32::MAX;
 
 /// `shaders/shared/step.wgsl`, `COUNT_*`: what a frame counts, as it is read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -196,6 +200,7 @@ mod tests {
     use crate::classification::compositing_code;
     use crate::regions::ELEMENTS_OF_PLANE;
     use slabsplat_core::Compositing;
+    use slabsplat_mesh::N_SAMPLES;
     use slabsplat_shaders::{STRUCTS, StructLayout};
     use std::mem::offset_of;
 
@@ -304,6 +309,7 @@ mod tests {
             first_block,
             first_sample,
             layer,
+            first_surface,
         });
     }
 
@@ -327,6 +333,8 @@ mod tests {
         declares(format!("const COUNT_SPLATS: u32 = {COUNT_SPLATS}u;"));
         declares(format!("const COUNT_OF_LISTS: u32 = {COUNT_OF_LISTS}u;"));
         declares(format!("const MAX_LAYERS: u32 = {MAX_LAYERS}u;"));
+        declares(format!("const NO_SURFACES: u32 = {NO_SURFACES:#x}u;"));
+        declares(format!("const N_SAMPLES: u32 = {N_SAMPLES}u;"));
         declares(format!("const ELEMENTS_OF_PLANE: u32 = {ELEMENTS_OF_PLANE}u;"));
         let slot = |offset: usize| offset / size_of::<u32>();
         declares(format!("COUNT_SPLATTED: u32 = {}u", slot(offset_of!(Counts, n_splatted))));

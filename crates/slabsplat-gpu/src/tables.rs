@@ -1,8 +1,10 @@
-//! What all layers read on the device: their section tables, and the planes of their regions.
+//! What all layers read on the device: their section tables, the planes of their regions, and the surfaces at
+//! which rays end.
 
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::section_table::{Quad, footprint_quads, section_quads};
+use crate::surfaces::Surfaces;
 use crate::{Device, Slice, Write};
 use slabsplat_backend::{BackendError, ColorSplats};
 use slabsplat_kernel::{FootprintTable, SectionTable};
@@ -58,16 +60,25 @@ impl Table {
     }
 }
 
-/// The tables of all layers, one after the other, and then the planes.
+/// The tables of all layers, one after the other, then the planes, and then the surfaces.
 #[derive(Debug)]
 pub(crate) struct TablesBuffer {
     buffer: Buffer,
     holds: Vec<Table>,
+    /// The surfaces that it holds, and from which byte on.
+    surfaces: Option<(u64, Arc<Surfaces>)>,
 }
+
+/// Bytes of an element of the shaders' `table`.
+const ELEMENT_BYTES: u64 = size_of::<Quad>() as u64;
 
 impl TablesBuffer {
     pub(crate) fn new() -> Self {
-        Self { buffer: Buffer::new("section tables"), holds: Vec::new() }
+        Self {
+            buffer: Buffer::new("section tables and surfaces"),
+            holds: Vec::new(),
+            surfaces: None,
+        }
     }
 
     pub(crate) fn all(&self) -> Slice {
@@ -82,18 +93,9 @@ impl TablesBuffer {
         writes: &mut Vec<Write<'a>>,
     ) -> Result<(), BackendError> {
         let tables = || job.layers.iter().map(|layer| &layer.table);
-        let n_quads: u64 = tables().map(|table| u64::from(table.n_quads())).sum();
-        let n_table_bytes = n_quads * size_of::<Quad>() as u64;
-        let planes: &[u8] = bytemuck::cast_slice(&job.planes);
-        let n_bytes = n_table_bytes + planes.len() as u64;
-        let most = device.info().max_binding_bytes.min(device.info().max_buffer_bytes);
-        if most < n_bytes {
-            return Err(too_large(device, "section tables", n_bytes, most));
-        }
-        if self.buffer.size() < n_bytes {
-            self.holds.clear();
-            memory.grow(device, &mut self.buffer, n_bytes)?;
-        }
+        let [n_table_bytes, n_plane_bytes] = job.n_elements().map(|n| n * ELEMENT_BYTES);
+        let surfaces = job.surfaces.as_ref().map(|it| (n_table_bytes + n_plane_bytes, it));
+        self.make_room((memory, device), n_table_bytes + n_plane_bytes, surfaces)?;
         let buffer = self.buffer.all().buffer;
         let are_there = self.holds.len() == job.layers.len()
             && self.holds.iter().zip(tables()).all(|(there, table)| there.is(table));
@@ -103,15 +105,52 @@ impl TablesBuffer {
             writes.push(Write { buffer, offset: 0, bytes });
             self.holds = tables().cloned().collect();
         }
-        if !planes.is_empty() {
-            writes.push(Write { buffer, offset: n_table_bytes, bytes: planes.into() });
+        if !job.planes.is_empty() {
+            let bytes = bytemuck::cast_slice(&job.planes).into();
+            writes.push(Write { buffer, offset: n_table_bytes, bytes });
+        }
+        if let Some((offset, surfaces)) = surfaces
+            && !self.holds_surfaces(offset, surfaces)
+        {
+            let bytes = bytemuck::cast_slice(&surfaces.elements).into();
+            writes.push(Write { buffer, offset, bytes });
+        }
+        self.surfaces = surfaces.map(|(offset, surfaces)| (offset, surfaces.clone()));
+        Ok(())
+    }
+
+    /// Sees to it that there is room for what comes before surfaces, and for them. How many they are changes
+    /// from frame to frame, so there is some to spare.
+    fn make_room<D: Device>(
+        &mut self,
+        (memory, device): (&mut Memory, &mut D),
+        n_bytes_before: u64,
+        surfaces: Option<(u64, &Arc<Surfaces>)>,
+    ) -> Result<(), BackendError> {
+        let n_surface_bytes =
+            surfaces.map_or(0, |(_, it)| it.elements.len() as u64 * ELEMENT_BYTES);
+        let n_bytes = n_bytes_before + n_surface_bytes;
+        let most = device.info().max_binding_bytes.min(device.info().max_buffer_bytes);
+        if most < n_bytes {
+            let what = if surfaces.is_some() { "surfaces of meshes" } else { "section tables" };
+            return Err(too_large(device, what, n_bytes, most));
+        }
+        if self.buffer.size() < n_bytes {
+            self.emptied();
+            memory.grow(device, &mut self.buffer, (n_bytes + n_surface_bytes / 4).min(most))?;
         }
         Ok(())
+    }
+
+    fn holds_surfaces(&self, offset: u64, surfaces: &Arc<Surfaces>) -> bool {
+        let is_it = |(at, it): &(u64, Arc<Surfaces>)| *at == offset && Arc::ptr_eq(it, surfaces);
+        self.surfaces.as_ref().is_some_and(is_it)
     }
 
     /// The buffer, to be freed: nothing is in it then.
     pub(crate) fn emptied(&mut self) -> &mut Buffer {
         self.holds.clear();
+        self.surfaces = None;
         &mut self.buffer
     }
 }

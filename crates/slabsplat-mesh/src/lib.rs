@@ -39,5 +39,4 @@ mod tests;
 pub use rasterizer::{HitsOnTile, Rasterizer};
 pub use samples::N_SAMPLES;
 pub use seen::SeenMeshes;
-pub use slabsplat_traverse::TileGrid;
 pub use tile::Hit;

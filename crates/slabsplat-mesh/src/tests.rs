@@ -5,6 +5,7 @@ use slabsplat_backend::{MeshPlan, MeshesPlan};
 use slabsplat_core::glam::{DMat3, DQuat, DVec3};
 use slabsplat_core::{Camera, Grid, ImageDesc, Mesh, MeshLayer, MeshParts, Projection, View};
 use slabsplat_seeds::for_each_seed;
+use slabsplat_traverse::TileGrid;
 
 const SIDE: u32 = 40;
 
