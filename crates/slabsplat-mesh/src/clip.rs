@@ -3,6 +3,21 @@
 use crate::vertices::Corner;
 use slabsplat_core::View;
 
+/// Whether all of a triangle lies at the near depth or behind it, and where numbers can hold it: so it is
+/// with nearly all triangles, and they need not be cut.
+pub(crate) fn is_behind_near(triangle: &[Corner; 3], view: &View) -> bool {
+    let near = view.near_depth();
+    triangle.iter().all(|it| near <= it.point.z && it.at.iter().all(|c| c.is_finite()))
+}
+
+/// The rectangle of the image around corners: its least and its greatest corner. There is none around none.
+pub(crate) fn bounds_of(corners: &[Corner]) -> Option<[[f64; 2]; 2]> {
+    let corners = corners.iter().map(|corner| [corner.at; 2]);
+    corners.reduce(|[min, max], [a, b]| {
+        [[0, 1].map(|axis| min[axis].min(a[axis])), [0, 1].map(|axis| max[axis].max(b[axis]))]
+    })
+}
+
 /// A convex polygon of three or four corners, or of none.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Polygon {
@@ -44,14 +59,6 @@ impl Polygon {
     pub(crate) fn triangles(&self) -> impl Iterator<Item = [Corner; 3]> {
         let corners = self.corners;
         (2..self.n_corners).map(move |last| [corners[0], corners[last - 1], corners[last]])
-    }
-
-    /// The rectangle of the image around it: its least and its greatest corner.
-    pub(crate) fn bounds(&self) -> Option<[[f64; 2]; 2]> {
-        let corners = self.corners().iter().map(|corner| [corner.at; 2]);
-        corners.reduce(|[min, max], [a, b]| {
-            [[0, 1].map(|axis| min[axis].min(a[axis])), [0, 1].map(|axis| max[axis].max(b[axis]))]
-        })
     }
 }
 

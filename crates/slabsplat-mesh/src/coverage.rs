@@ -5,7 +5,7 @@
 //! Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997) is asked. So an edge has
 //! just one place, whichever of its two triangles it belongs to.
 
-use crate::samples::SAMPLES;
+use crate::samples::{SAMPLES, SampleSet};
 use crate::vertices::Corner;
 use robust::{Coord, orient2d};
 use std::cmp::Ordering;
@@ -43,7 +43,8 @@ impl Coverage {
     ///
     /// Corners are put into one order first: files have triangles twice, one for each side, and both must be
     /// equally deep to the last bit, or rounding would choose between their colours.
-    pub(crate) fn new(mut corners: [Corner; 3]) -> Option<Self> {
+    pub(crate) fn new(corners: &[Corner; 3]) -> Option<Self> {
+        let mut corners = corners.each_ref();
         let place = |corner: &Corner| [corner.at[0], corner.at[1], corner.point.z];
         corners.sort_by(|a, b| place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal));
         let [a, b, c] = corners;
@@ -52,7 +53,7 @@ impl Coverage {
             return None;
         }
         let [a, b, c] = if area < 0.0 { [a, c, b] } else { [a, b, c] };
-        let edge = |start: Corner, end: Corner| Edge { start: start.at, end: end.at };
+        let edge = |start: &Corner, end: &Corner| Edge { start: start.at, end: end.at };
         Some(Self {
             edges: [edge(b, c), edge(c, a), edge(a, b)],
             scales: [a.scale, b.scale, c.scale],
@@ -60,14 +61,20 @@ impl Coverage {
         })
     }
 
-    /// Calls `take` with each sample of a pixel that is covered, and its depth.
+    /// Calls `take` with each of these samples of a pixel that is covered, and its depth.
     #[inline]
-    pub(crate) fn samples(&self, pixel: [f64; 2], mut take: impl FnMut(usize, f64)) {
+    pub(crate) fn samples(
+        &self,
+        pixel: [f64; 2],
+        of_pixel: SampleSet,
+        mut take: impl FnMut(usize, f64),
+    ) {
         let sides = self.edges.map(|edge| edge.side_of_pixel(pixel));
         if sides.contains(&Side::Outside) {
             return;
         }
-        for (sample, place) in SAMPLES.iter().enumerate() {
+        for sample in of_pixel.iter() {
+            let place = SAMPLES[sample];
             let at = [pixel[0] + place[0], pixel[1] + place[1]];
             let mut weights = [0.0; 3];
             let mut is_covered = true;

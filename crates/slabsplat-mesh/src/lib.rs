@@ -4,7 +4,7 @@
 //! ```text
 //! for each vertex, in parallel: where it is in the view and in the image            (vertices.rs)
 //! for each triangle, in parallel: cut it off at the near depth (clip.rs), toss it onto tiles
-//! for each tile, when whoever draws asks for it:                                    (tile.rs)
+//! for each tile, in parallel:                                                       (tile.rs)
 //!     for each triangle there: for each sample that it covers (coverage.rs): keep the nearest
 //!     colour and light of what is kept                                              (surface.rs)
 //! ```
@@ -12,13 +12,13 @@
 //! 1. Whether a triangle covers a sample is exact: two that share an edge leave no crack between them,
 //!    however large, small or thin they are.
 //! 2. Only what a ray ends at is shaded.
-//! 3. The nearest hit is kept, and at one depth the least colour, so that neither the order of triangles nor
+//! 3. Of a triangle between samples no edge is looked at: the rectangle around it holds none.
+//! 4. The nearest hit is kept, and at one depth the least colour, so that neither the order of triangles nor
 //!    that of meshes matters.
 //!
 //! What a hit is to a picture, and what becomes of volumes before and behind it, is not decided here.
 //!
-//! Reading order: `samples`; `vertices`, `clip`; `coverage`; `surface`; `tile`, `rasterizer`;
-//! `seen`.
+//! Reading order: `samples`; `vertices`, `clip`; `coverage`; `surface`; `tile`, `rasterizer`; `seen`.
 
 mod samples;
 

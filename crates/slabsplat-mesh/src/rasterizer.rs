@@ -1,11 +1,12 @@
 //! The triangles of a frame, on every tile.
 
-use crate::clip::Polygon;
+use crate::clip::{Polygon, bounds_of, is_behind_near};
 use crate::surface::Surface;
 use crate::tile::{Hit, TileHits};
 use crate::vertices::{Vertex, project};
 use rayon::prelude::*;
-use slabsplat_backend::MeshesPlan;
+use slabsplat_backend::{MeshPlan, MeshesPlan};
+use slabsplat_core::glam::DMat3;
 use slabsplat_traverse::{PixelRect, TileBuckets, TileGrid, TileRect, Workspaces};
 
 /// Where the vertices and triangles of a frame's meshes are. Made to be used again.
@@ -15,6 +16,8 @@ pub struct Rasterizer {
     vertices: Vec<Vertex>,
     /// The first vertex and the first triangle of each mesh, and where the last ones end.
     firsts: Vec<[usize; 2]>,
+    /// What takes the normals of each mesh to the world.
+    world_from_normals: Vec<DMat3>,
     buckets: TileBuckets,
     workspaces: Workspaces<TileHits>,
 }
@@ -24,6 +27,7 @@ pub(crate) struct Frame<'a> {
     pub(crate) plan: &'a MeshesPlan<'a>,
     vertices: &'a [Vertex],
     firsts: &'a [[usize; 2]],
+    world_from_normals: &'a [DMat3],
 }
 
 /// The hits on a tile, to be found.
@@ -49,8 +53,8 @@ impl Rasterizer {
         work: impl Fn(&mut T, HitsOnTile<'_>) + Sync,
     ) {
         self.start(plan, tiles);
-        let Self { vertices, firsts, buckets: triangles, workspaces } = self;
-        let frame = Frame { plan, vertices, firsts };
+        let Self { vertices, firsts, world_from_normals, buckets: triangles, workspaces } = self;
+        let frame = Frame { plan, vertices, firsts, world_from_normals };
         let image_size = plan.view.image_size();
         let workspaces = workspaces.for_all_threads();
         let targets = targets.par_iter_mut().enumerate().with_max_len(1);
@@ -64,7 +68,11 @@ impl Rasterizer {
 
     /// Projects the vertices of a frame, and tosses its triangles onto tiles.
     fn start(&mut self, plan: &MeshesPlan<'_>, tiles: &TileGrid) {
-        let Self { vertices, firsts, buckets, .. } = self;
+        let Self { vertices, firsts, world_from_normals, buckets, .. } = self;
+        let world_from_normal =
+            |of_mesh: &MeshPlan<'_>| of_mesh.layer.world_from_mesh().matrix3.inverse().transpose();
+        world_from_normals.clear();
+        world_from_normals.extend(plan.meshes.iter().map(world_from_normal));
         let mut ends = [0, 0];
         firsts.clear();
         firsts.push(ends);
@@ -80,7 +88,7 @@ impl Rasterizer {
         for (of_mesh, of_all) in plan.meshes.iter().zip(firsts.windows(2)) {
             project(plan, of_mesh, &mut vertices[of_all[0][0]..of_all[1][0]]);
         }
-        let frame = Frame { plan, vertices, firsts };
+        let frame = Frame { plan, vertices, firsts, world_from_normals };
         buckets.toss(tiles, n_triangles, |triangle| frame.tiles_of(triangle as u32, tiles));
     }
 
@@ -117,18 +125,20 @@ impl<'a> Frame<'a> {
         let triangle = triangle - first_triangle;
         let vertices = of_mesh.layer.mesh.triangles()[triangle]
             .map(|vertex| &self.vertices[first_vertex + vertex as usize]);
-        Surface { of_mesh, triangle, vertices }
-    }
-
-    /// What of a triangle is not before the near depth.
-    pub(crate) fn polygon(&self, triangle: u32) -> Polygon {
-        let corners = self.surface(triangle).vertices.map(|vertex| vertex.corner);
-        Polygon::behind_near(corners, &self.plan.view)
+        let world_from_normal = &self.world_from_normals[mesh_idx];
+        Surface { of_mesh, triangle, vertices, world_from_normal }
     }
 
     /// The tiles on which a triangle may lie.
     fn tiles_of(&self, triangle: u32, tiles: &TileGrid) -> TileRect {
-        let Some([min, max]) = self.polygon(triangle).bounds() else { return TileRect::EMPTY };
+        let (corners, view) =
+            (self.surface(triangle).vertices.map(|vertex| vertex.corner), &self.plan.view);
+        let bounds = if is_behind_near(&corners, view) {
+            bounds_of(&corners)
+        } else {
+            bounds_of(Polygon::behind_near(corners, view).corners())
+        };
+        let Some([min, max]) = bounds else { return TileRect::EMPTY };
         let size = self.plan.view.image_size();
         let border = tiles.border() as u32;
         let mut pixels = PixelRect { min: [0; 2], end: [0; 2] };

@@ -2,7 +2,7 @@
 
 use crate::vertices::Vertex;
 use slabsplat_backend::MeshPlan;
-use slabsplat_core::glam::DVec3;
+use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{MeshLayer, ViewRay};
 
 /// A triangle that was hit.
@@ -11,6 +11,7 @@ pub(crate) struct Surface<'a> {
     /// Its number in the mesh.
     pub(crate) triangle: usize,
     pub(crate) vertices: [&'a Vertex; 3],
+    pub(crate) world_from_normal: &'a DMat3,
 }
 
 impl Surface<'_> {
@@ -41,9 +42,7 @@ impl Surface<'_> {
         if mesh.normals(self.triangle).is_some() {
             return mean(shares, self.vertices.map(|vertex| vertex.normal)).normalize_or_zero();
         }
-        let world_from_mesh = self.of_mesh.layer.world_from_mesh().matrix3;
-        let normal = world_from_mesh.inverse().transpose() * mesh.face_normal(self.triangle);
-        normal.normalize_or_zero()
+        (*self.world_from_normal * mesh.face_normal(self.triangle)).normalize_or_zero()
     }
 
     /// How much its corners count where a ray meets it (Möller & Trumbore, "Fast, Minimum Storage

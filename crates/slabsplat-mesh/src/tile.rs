@@ -1,8 +1,10 @@
 //! The hits of a tile's samples.
 
+use crate::clip::{Polygon, bounds_of, is_behind_near};
 use crate::coverage::Coverage;
 use crate::rasterizer::Frame;
-use crate::samples::{N_SAMPLES, SAMPLES};
+use crate::samples::{N_SAMPLES, SAMPLES, SampleSet};
+use crate::vertices::Corner;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{RegionInView, ViewRay};
 use slabsplat_traverse::PixelRect;
@@ -50,40 +52,57 @@ impl TileHits {
     /// Adds what is hit of a triangle.
     pub(crate) fn add(&mut self, frame: &Frame<'_>, triangle: u32) {
         let surface = frame.surface(triangle);
+        let corners = surface.vertices.map(|vertex| vertex.corner);
         let region = surface.of_mesh.region.as_ref();
-        let polygon = frame.polygon(triangle);
-        for piece in polygon.triangles() {
-            let Some(coverage) = Coverage::new(piece) else { continue };
-            let bounds = piece.map(|corner| corner.at);
-            let [columns, rows] = self.pixels_within(bounds);
-            for row in rows {
-                for column in columns.clone() {
-                    let pixel = [self.left + column as u32, self.top + row as u32];
-                    let first = (row * self.n_columns + column) * N_SAMPLES;
-                    coverage.samples(pixel.map(f64::from), |sample, depth| {
-                        let is_there = || {
-                            region.is_none_or(|region| {
-                                holds(region, point(&ray(frame, pixel, sample), depth))
-                            })
-                        };
-                        let nearest = &mut self.nearest[first + sample];
-                        if depth <= nearest.depth && is_there() {
-                            let ray = || ray(frame, pixel, sample);
-                            nearest.replace(Nearest { depth, triangle }, frame, ray);
-                        }
-                    });
-                }
-            }
+        let view = &frame.plan.view;
+        if is_behind_near(&corners, view) {
+            return self.add_piece(frame, (triangle, region), &corners);
+        }
+        for piece in Polygon::behind_near(corners, view).triangles() {
+            self.add_piece(frame, (triangle, region), &piece);
         }
     }
 
-    /// The columns and the rows whose samples may lie within a triangle, from the first.
-    fn pixels_within(&self, corners: [[f64; 2]; 3]) -> [std::ops::Range<usize>; 2] {
+    fn add_piece(
+        &mut self,
+        frame: &Frame<'_>,
+        (triangle, region): (u32, Option<&RegionInView>),
+        corners: &[Corner; 3],
+    ) {
+        let Some(bounds) = bounds_of(corners) else { return };
+        let [columns, rows] = self.pixels_within(bounds);
+        let mut coverage = None;
+        for (row, column) in rows.flat_map(|row| columns.clone().map(move |column| (row, column))) {
+            let pixel = [self.left + column as u32, self.top + row as u32];
+            let samples = SampleSet::within(bounds, pixel.map(f64::from));
+            if samples.is_empty() {
+                continue;
+            }
+            // Many a small triangle lies between samples, and needs no more.
+            let Some(coverage) = coverage.get_or_insert_with(|| Coverage::new(corners)) else {
+                return;
+            };
+            let first = (row * self.n_columns + column) * N_SAMPLES;
+            coverage.samples(pixel.map(f64::from), samples, |sample, depth| {
+                let is_there = || {
+                    region.is_none_or(|region| {
+                        holds(region, point(&ray(frame, pixel, sample), depth))
+                    })
+                };
+                let nearest = &mut self.nearest[first + sample];
+                if depth <= nearest.depth && is_there() {
+                    let ray = || ray(frame, pixel, sample);
+                    nearest.replace(Nearest { depth, triangle }, frame, ray);
+                }
+            });
+        }
+    }
+
+    /// The columns and the rows whose samples may lie within bounds, from the first.
+    fn pixels_within(&self, bounds: [[f64; 2]; 2]) -> [std::ops::Range<usize>; 2] {
         let n_rows = self.nearest.len() / N_SAMPLES / self.n_columns.max(1);
         let range = |axis: usize, first: u32, n: usize| {
-            let along = corners.map(|corner| corner[axis] - f64::from(first));
-            let min = along.into_iter().fold(f64::INFINITY, f64::min);
-            let max = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let [min, max] = bounds.map(|corner| corner[axis] - f64::from(first));
             // Casts saturate.
             (min.max(0.0) as usize).min(n)..((max + 1.0).max(0.0) as usize).min(n)
         };
