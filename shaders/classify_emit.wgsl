@@ -52,6 +52,9 @@ fn classify_emit(
 
 fn record_of(voxel_idx: u32) -> Record {
     let bits = sample_bits(voxel_idx);
+    if volume.compositing == SUMS_DENSITIES {
+        return Record(vec3(0.0), voxel_idx, vec4(density_at(bits), 0.0, 0.0, 1.0));
+    }
     let weight = summed_weight(volume.compositing, opacity_at(bits));
     return Record(normal_at(voxel_idx, bits), voxel_idx, vec4(color_at(bits), weight));
 }

@@ -12,6 +12,7 @@
 //#include "shared/tile.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/region.wgsl"
+//#include "shared/light.wgsl"
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 @group(0) @binding(1) var<uniform> layers: array<Layer, MAX_LAYERS>;
@@ -84,7 +85,7 @@ fn in_view(voxel_idx: u32) -> vec3<f32> {
 fn sheet_of(voxel_idx: u32, depth: f32) -> u32 {
     let layer = step.layer;
     switch frame.method {
-        case METHOD_SECTIONS: {
+        case METHOD_SECTIONS, METHOD_DENSITIES: {
             return max(slabs_of(layer, depth).x, layers[layer].first_drawn);
         }
         case METHOD_SLICES: {
@@ -109,14 +110,16 @@ fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
 // A section's place and size change monotonically with its slab's depth, so that the first and the last
 // section bound all of them.
 fn rect_of(center: vec3<f32>, sheet: u32) -> vec2<u32> {
-    if frame.method == METHOD_SECTIONS {
+    if frame.method == METHOD_SECTIONS || frame.method == METHOD_DENSITIES {
         let last = slabs_of(step.layer, center.z).y;
         if last < sheet || is_beyond(step.layer, center) {
             return NO_TILES;
         }
         let near = bounds_at(center, middle_of(step.layer, sheet));
         let far = bounds_at(center, middle_of(step.layer, last));
-        return tiles_within(min(near.xy, far.xy), max(near.zw, far.zw));
+        // Slopes of densities are differences to the next pixels, beside the tile too.
+        let beside = select(0.0, 1.0, frame.method == METHOD_DENSITIES);
+        return tiles_within(min(near.xy, far.xy) - beside, max(near.zw, far.zw) + beside);
     }
     if center.z < layers[step.layer].near {
         return NO_TILES;
@@ -141,6 +144,9 @@ fn tiles_within(least: vec2<f32>, largest: vec2<f32>) -> vec2<u32> {
 
 // The voxel's colour and weight in the form that the compositing sums.
 fn splat_color(record: Record, center: vec3<f32>) -> vec4<f32> {
+    if frame.method == METHOD_DENSITIES {
+        return record.color;
+    }
     var color = record.color.rgb;
     if layers[step.layer].is_lit == 1u {
         color = light_up(color, normal_by_faces(step.layer, center, record.normal));
@@ -149,34 +155,9 @@ fn splat_color(record: Record, center: vec3<f32>) -> vec4<f32> {
 }
 
 fn light_up(color: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    let layer = step.layer;
-    let ambient = layers[layer].ambient;
     if all(normal == vec3(0.0)) {
-        return min(color * ambient, vec3(1.0));
+        return min(color * layers[step.layer].ambient, vec3(1.0));
     }
-    var scattered = vec3(ambient);
-    var mirrored = vec3(0.0);
-    for (var i = 0u; i < frame.n_lamps; i++) {
-        let n_l = facing(normal, frame.lamps[i].to_light.xyz);
-        if 0.0 < n_l {
-            let n_h = facing(normal, frame.lamps[i].halfway.xyz);
-            let highlight = layers[layer].specular * power(n_h, layers[layer].shininess);
-            scattered += layers[layer].diffuse * n_l * frame.lamps[i].color.rgb;
-            mirrored += highlight * frame.lamps[i].color.rgb;
-        }
-    }
-    return clamp(color * scattered + mirrored, vec3(0.0), vec3(1.0));
-}
-
-fn facing(normal: vec3<f32>, direction: vec3<f32>) -> f32 {
-    let product = dot(normal, direction);
-    return select(max(product, 0.0), abs(product), layers[step.layer].is_two_sided == 1u);
-}
-
-// `pow` is not defined everywhere for 0.
-fn power(base: f32, exponent: f32) -> f32 {
-    if base <= 0.0 {
-        return select(0.0, 1.0, exponent == 0.0);
-    }
-    return pow(base, exponent);
+    let light = light_on(step.layer, normal);
+    return clamp(color * light.diffuse + light.specular, vec3(0.0), vec3(1.0));
 }

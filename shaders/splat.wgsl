@@ -30,6 +30,7 @@
 //#include "shared/table.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/tile_work.wgsl"
+//#include "shared/footprint.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/region.wgsl"
 //#include "shared/surfaces.wgsl"
@@ -49,42 +50,6 @@
 
 const BATCH: u32 = 64u;
 
-// A splat as all pixels of the tile need it.
-struct Footprint {
-    color: vec4<f32>,
-    // In pixels from the image's upper left corner.
-    center: vec2<f32>,
-    // ρ² at which it ends; negative if it is not to be seen, and the rest is not set then.
-    rho_squared_max: f32,
-    row_t: f32,
-    // The quadratic form in pixels.
-    across: f32,
-    lean: f32,
-    along: f32,
-    // Tilted sections: the slab's faces, in index units behind the voxel, and what a pixel adds to them.
-    front: f32,
-    back: f32,
-    tilt: vec2<f32>,
-    row: u32,
-    // The sheet in which the splat begins.
-    sheet: u32,
-    layer: u32,
-}
-
-// What a batch holds of the run that the sheet needs.
-struct Batch {
-    // Splats that no longer reach into the sheet.
-    n_dead: u32,
-    // The place behind the last splat that begins at or before the sheet.
-    end: u32,
-    // The sheet in which the splat at that place begins.
-    next_sheet: u32,
-    // Whether any pixel can still change.
-    is_open: u32,
-}
-
-var<workgroup> staged: array<Footprint, BATCH>;
-var<workgroup> batch: Batch;
 var<workgroup> work: TileWork;
 var<workgroup> n_splatted: atomic<u32>;
 var<workgroup> n_culled: atomic<u32>;
@@ -271,25 +236,6 @@ fn first_sheet(todo: TileWork) -> u32 {
     return splat_at(tossed_voxels[todo.begin]).sheet;
 }
 
-// The layer of a voxel: the last one that does not begin behind it.
-fn layer_of(voxel: u32) -> u32 {
-    var layer = 0u;
-    while layer + 1u < frame.n_layers && layers[layer + 1u].first_voxel <= voxel {
-        layer++;
-    }
-    return layer;
-}
-
-fn splat_at(voxel: u32) -> Splat {
-    let local = voxel & ((1u << step.chunk_bits) - 1u);
-    switch voxel >> step.chunk_bits {
-        case 0u: { return splats_0[local]; }
-        case 1u: { return splats_1[local]; }
-        case 2u: { return splats_2[local]; }
-        default: { return splats_3[local]; }
-    }
-}
-
 // Stages the splat at a place of the list; 1 if the sheet holds it.
 fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
     staged[thread].sheet = NO_SHEET;
@@ -306,7 +252,13 @@ fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
         return 0u;
     }
     if frame.method == METHOD_SECTIONS {
-        return stage_section(splat, layer, sheet, thread);
+        if stage_section(splat, layer, sheet, thread) == 0u {
+            return 0u;
+        }
+        let row = row_at(layer, staged[thread].front, staged[thread].back);
+        staged[thread].row = row.first_element;
+        staged[thread].row_t = row.t;
+        return 1u;
     }
     if frame.method == METHOD_SLICES && splat.sheet < sheet {
         return 0u;
@@ -316,76 +268,6 @@ fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
     staged[thread].row = 0u;
     staged[thread].row_t = 0.0;
     return 1u;
-}
-
-fn stage_section(splat: Splat, layer: u32, slab: u32, thread: u32) -> u32 {
-    let faces = vec2(front_of(layer, slab), front_of(layer, slab + 1u));
-    let depth = splat.center.z;
-    let half_depth = layers[layer].half_depth;
-    if depth + half_depth <= faces.x || faces.y <= depth - half_depth {
-        return 0u;
-    }
-    stage_shape(splat, layer, middle_of(layer, slab), thread);
-    let from_voxel = (faces - depth) * layers[layer].index_per_depth;
-    staged[thread].front = from_voxel.x;
-    staged[thread].back = from_voxel.y;
-    let row = row_at(layer, from_voxel.x, from_voxel.y);
-    staged[thread].row = row.first_element;
-    staged[thread].row_t = row.t;
-    // The disc in which the slab cuts the ball.
-    var nearest = 0.0;
-    if layers[layer].is_tilted == 0u {
-        nearest = max(max(from_voxel.x, -from_voxel.y), 0.0);
-    }
-    staged[thread].rho_squared_max = frame.radius * frame.radius - nearest * nearest;
-    return 1u;
-}
-
-// What depends on the depth at which a splat is projected.
-fn stage_shape(splat: Splat, layer: u32, depth: f32, thread: u32) {
-    let scale = scale_at(layer, depth);
-    let stretch = stretch_of(scale);
-    let pixels = scale * stretch;
-    staged[thread].center = pixel_of(splat.center, scale);
-    staged[thread].across = layers[layer].across / (pixels * pixels);
-    staged[thread].lean = layers[layer].lean;
-    staged[thread].along = layers[layer].along / (pixels * pixels);
-    staged[thread].tilt = layers[layer].tilt / pixels;
-    staged[thread].color = splat.color / (stretch * stretch);
-}
-
-// Finds what the batch holds of the sheet's run: sheets rise within it, so the ends of the run are where they
-// pass two limits.
-fn find_run(sheet: u32, thread: u32, is_open: bool) {
-    let first_alive = sheet - min(sheet, frame.n_slabs_before);
-    let own = staged[thread].sheet;
-    // Before the first splat there is nothing, as if it had begun long ago.
-    var before_is_dead = true;
-    var before_has_begun = true;
-    if 0u < thread {
-        let before = staged[thread - 1u].sheet;
-        before_is_dead = before < first_alive;
-        before_has_begun = before <= sheet;
-    }
-    if first_alive <= own && before_is_dead {
-        batch.n_dead = thread;
-    }
-    if sheet < own && before_has_begun {
-        batch.end = thread;
-        batch.next_sheet = own;
-    }
-    if thread == BATCH - 1u {
-        if own < first_alive {
-            batch.n_dead = BATCH;
-        }
-        if own <= sheet {
-            batch.end = BATCH;
-            batch.next_sheet = NO_SHEET;
-        }
-    }
-    if is_open {
-        batch.is_open = 1u;
-    }
 }
 
 // The staged splat at a pixel's centre.
@@ -406,21 +288,4 @@ fn weighted(i: u32, at: vec2<f32>) -> vec4<f32> {
         row = row_at(staged[i].layer, staged[i].front + later, staged[i].back + later);
     }
     return staged[i].color * weight_at(row, rho_squared);
-}
-
-// Counts what is left from a place of the list on, now that all pixels are saturated.
-fn cull(first: u32, end: u32, sheet: u32, thread: u32) {
-    var n = 0u;
-    for (var place = first + thread; place < end; place += BATCH) {
-        if frame.method == METHOD_SECTIONS {
-            let voxel = tossed_voxels[place];
-            let layer = layer_of(voxel);
-            let slabs = slabs_of(layer, splat_at(voxel).center.z);
-            let next = max(max(slabs.x, layers[layer].first_drawn), sheet);
-            n += max(slabs.y + 1u, next) - next;
-        } else {
-            n += 1u;
-        }
-    }
-    atomicAdd(&n_culled, n);
 }

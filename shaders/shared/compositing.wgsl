@@ -4,6 +4,8 @@
 const COMPOSITING_SEPARATE: u32 = 0u;
 const COMPOSITING_ASSOCIATED: u32 = 1u;
 const COMPOSITING_EXTINCTION: u32 = 2u;
+// Or else sheets sum values (model §8).
+const SUMS_DENSITIES: u32 = 3u;
 
 // What is summed of an opacity, given both opacity and 1 − opacity.
 fn summed_weight(compositing: u32, opacity: vec2<f32>) -> f32 {
@@ -25,6 +27,30 @@ fn summed_color(compositing: u32, color: vec3<f32>, weight: f32) -> vec4<f32> {
         }
         case COMPOSITING_ASSOCIATED, COMPOSITING_EXTINCTION, default: {
             return vec4(color * weight, weight);
+        }
+    }
+}
+
+// Whether colours are summed times their weight.
+fn weights_colors(compositing: u32) -> bool {
+    switch compositing {
+        case COMPOSITING_SEPARATE: {
+            return false;
+        }
+        case COMPOSITING_ASSOCIATED, COMPOSITING_EXTINCTION, default: {
+            return true;
+        }
+    }
+}
+
+// Whether extinction is summed, which a region may cut anywhere: the two other models cannot split a sheet.
+fn sums_extinction(compositing: u32) -> bool {
+    switch compositing {
+        case COMPOSITING_SEPARATE, COMPOSITING_ASSOCIATED: {
+            return false;
+        }
+        case COMPOSITING_EXTINCTION, default: {
+            return true;
         }
     }
 }

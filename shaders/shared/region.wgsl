@@ -49,15 +49,17 @@ fn interval_of(layer: u32, at: vec2<f32>) -> vec2<f32> {
 // What part of a slab lies in the region of a layer, given where the ray is in its convex set.
 fn share_of(layer: u32, interval: vec2<f32>, slab: u32) -> f32 {
     let front = f32(frame.first_slab + i32(slab));
+    return share_behind(layer, interval, front, sums_extinction(frame.compositing));
+}
+
+// What part of one thickness behind a depth lies there; all of it or nothing, if only its middle decides.
+fn share_behind(layer: u32, interval: vec2<f32>, front: f32, is_split: bool) -> f32 {
     var share = 0.0;
-    switch frame.compositing {
-        case COMPOSITING_SEPARATE, COMPOSITING_ASSOCIATED: {
-            let middle = front + 0.5;
-            share = select(0.0, 1.0, interval.x <= middle && middle < interval.y);
-        }
-        case COMPOSITING_EXTINCTION, default: {
-            share = max(min(interval.y, front + 1.0) - max(interval.x, front), 0.0);
-        }
+    if is_split {
+        share = max(min(interval.y, front + 1.0) - max(interval.x, front), 0.0);
+    } else {
+        let middle = front + 0.5;
+        share = select(0.0, 1.0, interval.x <= middle && middle < interval.y);
     }
     return select(share, 1.0 - share, layers[layer].is_inverted == 1u);
 }
@@ -88,10 +90,16 @@ const DEEPEST: f32 = 1.75;
 // By how many `unit`s a plane must be nearer than those before it to count as nearer.
 const HAIR: f32 = 1.0 / 1024.0;
 
-// What becomes of the normal of a voxel that may be near a lit face.
-fn normal_by_faces(layer: u32, center: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+// A lit face that is near, and how much its normal counts; its plane is of no meaning where that is nothing.
+struct NearFace {
+    plane: u32,
+    share: f32,
+}
+
+// The face of a layer near a point of view space.
+fn face_near(layer: u32, center: vec3<f32>) -> NearFace {
     if layers[layer].has_lit_faces == 0u || layers[layer].n_planes == 0u {
-        return normal;
+        return NearFace(0u, 0.0);
     }
     let hair = HAIR / layers[layer].slab_thickness;
     var nearest = 0u;
@@ -103,13 +111,23 @@ fn normal_by_faces(layer: u32, center: vec3<f32>, normal: vec3<f32>) -> vec3<f32
             most = before;
         }
     }
-    let outwards = select(1.0, -1.0, layers[layer].is_inverted == 1u);
-    let behind = -most * outwards * layers[layer].slab_thickness;
-    let share = clamp(DEEPEST - behind, 0.0, 1.0);
+    let behind = -most * outwards(layer) * layers[layer].slab_thickness;
+    return NearFace(nearest, clamp(DEEPEST - behind, 0.0, 1.0));
+}
+
+// Which way out of a region is, along the normals of its planes.
+fn outwards(layer: u32) -> f32 {
+    return select(1.0, -1.0, layers[layer].is_inverted == 1u);
+}
+
+// What becomes of the normal of a voxel that may be near a lit face.
+fn normal_by_faces(layer: u32, center: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    let face = face_near(layer, center);
+    let share = face.share;
     if share == 0.0 {
         return normal;
     }
-    let mixed = face_of(layer, nearest).xyz * (outwards * share) + normal * (1.0 - share);
+    let mixed = face_of(layer, face.plane).xyz * (outwards(layer) * share) + normal * (1.0 - share);
     let length = length(mixed);
     return select(vec3(0.0), mixed / length, 0.0 < length);
 }

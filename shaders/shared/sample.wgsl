@@ -19,7 +19,7 @@ struct VolumeParams {
     n_ranges: u32,
     n_opacities: u32,
     n_colors: u32,
-    // What a sheet sums, see COMPOSITING_*.
+    // What a sheet sums, see COMPOSITING_* and SUMS_DENSITIES.
     compositing: u32,
 }
 

@@ -42,6 +42,14 @@ fn opacity_at(bits: vec2<u32>) -> vec2<f32> {
     return clamp(at_start.xy + vec2(change, -change), vec2(0.0), vec2(1.0));
 }
 
+// The value that a sheet of densities sums, which the segments of opacity say then (model §8).
+fn density_at(bits: vec2<u32>) -> f32 {
+    let first = volume.n_ranges;
+    let segment = segment_of(key_of(bits), first, volume.n_opacities, ELEMENTS_OF_OPACITY);
+    let at_start = bitcast<vec3<f32>>(transfer[segment + 1u].xyz);
+    return at_start.x + at_start.z * distance_into(segment, bits);
+}
+
 fn color_at(bits: vec2<u32>) -> vec3<f32> {
     let first = volume.n_ranges + ELEMENTS_OF_OPACITY * volume.n_opacities;
     let segment = segment_of(key_of(bits), first, volume.n_colors, ELEMENTS_OF_COLOR);

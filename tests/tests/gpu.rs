@@ -19,34 +19,23 @@ use std::sync::{Arc, Mutex};
 /// What two backends may differ by.
 const PARITY: f32 = 1e-3;
 
-/// The methods that shaders know.
-const GPU_METHODS: [Method; 3] = [Method::ImageAligned, Method::AxisAligned, Method::EverySample];
-
-/// What no shader knows is refused before anything is sent, and the next frame is drawn.
-#[test]
-fn other_methods_are_refused() {
-    let _alone = alone();
-    let volume = volume([9, 8, 7]);
-    on_devices(as_it_is, |name, backend, orders| {
-        let error = render(backend, &scene(&volume, 24, Method::PostClassified));
-        let error = error.expect_err("no shader knows it");
-        assert!(matches!(error, BackendError::Unable { .. }), "{name}: {error}");
-        assert_eq!(locked(orders).n_submitted, 0, "{name}");
-        render(backend, &scene(&volume, 24, Method::ImageAligned)).expect("it fits");
-    });
-}
+/// The methods that classify voxels, as exactly as their samples are.
+const METHODS_OF_COLORS: [Method; 3] =
+    [Method::ImageAligned, Method::AxisAligned, Method::EverySample];
 
 /// Lists in four chunks, samples in pieces, pictures in bands: the bits are those of one piece.
 #[test]
 fn small_bindings_give_the_same_bits() {
     let _alone = alone();
     let [large, small] = [volume([44, 40, 36]), volume([9, 8, 7])];
-    for method in GPU_METHODS {
+    for method in METHODS_OF_COLORS {
         let what = format!("a list in chunks, samples in pieces, {method}");
         check_small_bindings(&what, scene(&large, 40, method), 512 << 10);
         let what = format!("a picture in bands, {method}");
         check_small_bindings(&what, scene(&small, 200, method), 128 << 10);
     }
+    let densities = scene(&volume([24, 20, 36]), 40, Method::PostClassified);
+    check_small_bindings("densities", densities, 384 << 10);
     // The second layer begins within a chunk, and ends in another.
     let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 40);
     check_small_bindings("layers", layers, 512 << 10);
@@ -369,7 +358,10 @@ fn crowded_tiles_pause() {
     let volume = volume([40, 40, 40]);
     let of_method = |method| scene(&volume, 12, method);
     let layers = layered_scene([&volume, &stretched(&volume, 0.8)], 12);
-    for mut scene in GPU_METHODS.map(of_method).into_iter().chain([layers]) {
+    // What is summed again after a pause takes a program that plays a card too long, of more voxels.
+    let densities = scene(&self::volume([16; 3]), 12, Method::PostClassified);
+    let scenes = METHODS_OF_COLORS.map(of_method).into_iter().chain([layers, densities]);
+    for mut scene in scenes {
         let method = scene.settings.method;
         for layer in &mut scene.layers {
             layer.transfer = transfer(1e-4);
@@ -414,11 +406,13 @@ fn too_crowded_tiles_are_an_error() {
 fn samples_of_any_magnitude() {
     let _alone = alone();
     let grid = Grid::with_spacing([3; 3], [1.0; 3]).expect("the spacing is positive");
-    for magnitude in [1e300, 1e100, 1e40, 1.0, 1e-40, 1e-100, 1e-300, 1e-310] {
+    let magnitudes = [1e300, 1e100, 1e40, 1.0, 1e-40, 1e-100, 1e-300, 1e-310];
+    let methods = [Method::ImageAligned, Method::PostClassified];
+    for (magnitude, method) in magnitudes.into_iter().flat_map(|m| methods.map(|of| (m, of))) {
         let samples: Vec<f64> = (0..27).map(|i| magnitude * f64::from(i) / 26.0).collect();
         let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY);
         let volume = Arc::new(volume.expect("one sample a voxel"));
-        let mut scene = scene(&volume, 20, Method::ImageAligned);
+        let mut scene = scene(&volume, 20, method);
         let opacities = vec![(0.0, [0.0]), (magnitude, [0.7])];
         let colors = vec![(0.0, [1.0, 0.0, 0.0]), (magnitude, [0.0, 1.0, 0.0])];
         scene.layers[0].transfer =
@@ -427,7 +421,7 @@ fn samples_of_any_magnitude() {
         on_devices(as_it_is, |name, backend, _| {
             let image = render(backend, &scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
-            assert!(difference < PARITY, "{name}, {magnitude:e}: {difference}");
+            assert!(difference < PARITY, "{name}, {magnitude:e}, {method}: {difference}");
         });
     }
 }
@@ -438,7 +432,7 @@ fn frames_under_way_keep_apart() {
     let _alone = alone();
     let volumes = [volume([12, 10, 9]), volume([9, 13, 8])];
     let mut scenes: Vec<_> =
-        (0..5).map(|i| scene(&volumes[i % 2], 20 + 6 * i as u32, GPU_METHODS[i % 3])).collect();
+        (0..5).map(|i| scene(&volumes[i % 2], 20 + 6 * i as u32, Method::ALL[i % 4])).collect();
     scenes.insert(3, layered_scene([&volumes[1], &volumes[0]], 30));
     scenes.insert(4, with_host_list(scenes[3].clone()));
     scenes[1] = with_host_list(scenes[1].clone());
@@ -559,7 +553,7 @@ fn typed_case(rng: &mut fastrand::Rng, number: usize) -> Scene {
         opacities.push((at[2], [0.3]));
     }
     let volume = Arc::new(volume);
-    let mut scene = scene(&volume, 30, GPU_METHODS[number % 3]);
+    let mut scene = scene(&volume, 30, METHODS_OF_COLORS[number % 3]);
     let colors = vec![(at[0] - 1e-3, [1.0, 0.0, 0.2]), (at[2] + 1e-3, [0.1, 1.0, 0.4])];
     scene.layers[0].transfer =
         TransferFunction::new(opacities, colors).expect("the points are sorted");

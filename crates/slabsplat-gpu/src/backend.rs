@@ -7,7 +7,7 @@
 //! rounds of splatting.
 
 use crate::frame_memory::FrameMemory;
-use crate::frame_params::ColorLayer;
+use crate::frame_params::SplatLayer;
 use crate::frame_passes::max_rounds;
 use crate::job::Job;
 use crate::listings::Listings;
@@ -57,7 +57,7 @@ impl<D: Device> GpuBackend<D> {
     pub fn new(name: &'static str, device: D) -> Self {
         let info = device.info();
         Self {
-            caps: Caps { name, device: info.name.clone(), methods: METHODS },
+            caps: Caps { name, device: info.name.clone(), methods: Method::ALL },
             memory: Memory::default(),
             listings: Listings::default(),
             lists: VoxelLists::new(),
@@ -178,17 +178,11 @@ fn max_visits(kind: DeviceKind) -> u32 {
     }
 }
 
-/// What there are shaders for.
-const METHODS: &[Method] = &[Method::ImageAligned, Method::AxisAligned, Method::EverySample];
-
 const NO_MESHES_AMONG_DENSITIES: &str =
     "its shaders end no rays at meshes on their way through densities";
 
-const NO_DENSITIES: &str = "its shaders sum no densities, as the method post-classified and the modes maximum, \
-                            minimum, average and isosurfaces do";
-
 /// The layers of a plan, or why there are no shaders for it.
-fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>, String> {
+fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<SplatLayer<'a, 'p>>, String> {
     let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
     if plan.meshes.is_some() && plan.layers.iter().any(is_of_densities) {
         return Err(NO_MESHES_AMONG_DENSITIES.to_owned());
@@ -197,11 +191,13 @@ fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<ColorLayer<'a, 'p>>,
     if (MAX_LAYERS as usize) < n_layers {
         return Err(format!("its shaders draw {MAX_LAYERS} layers at a time, not {n_layers}"));
     }
-    let colors = |layer: &'a LayerPlan<'p>| match &layer.splats {
-        Splats::Densities(_) => Err(NO_DENSITIES.to_owned()),
-        Splats::Colors(splats) => Ok((layer, splats)),
+    let splats = |layer: &'a LayerPlan<'p>| match &layer.splats {
+        Splats::Densities(_) if 1 < n_layers => {
+            Err(format!("its shaders draw densities of one layer, not of {n_layers}"))
+        }
+        splats => Ok((layer, splats)),
     };
-    plan.layers.iter().map(colors).collect()
+    plan.layers.iter().map(splats).collect()
 }
 
 impl<D: Device> Backend for GpuBackend<D> {
@@ -297,8 +293,8 @@ mod tests {
         let densities = RenderSettings::default().method(Method::PostClassified);
         let scene_of_densities = scene.clone().settings(densities);
         assert_eq!(
-            refused(&scene_of_densities),
-            format!("Fake 3000 cannot make this frame: {NO_DENSITIES}")
+            refused(&scene_of_densities.clone().layers(vec![layer.clone(); 2])),
+            "Fake 3000 cannot make this frame: its shaders draw densities of one layer, not of 2"
         );
         let mesh = MeshLayer::new(Mesh::default());
         assert_eq!(

@@ -1,9 +1,11 @@
 //! What decides which voxels are relevant and in which colour, as the shaders read it.
 
+use crate::known_volume::KnownVolume;
 use crate::number::Numbers;
 use crate::params::VolumeParams;
-use crate::segments::{color_elements, opacity_elements, segments};
-use slabsplat_backend::{FramePlan, LayerPlan};
+use crate::segments::{Segment, color_elements, opacity_elements, segments, segments_between};
+use slabsplat_backend::densities::ValueScale;
+use slabsplat_backend::{FramePlan, LayerPlan, ShownDensities, Splats};
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{Compositing, IsoRange, Volume};
 
@@ -14,15 +16,29 @@ pub(crate) type Element = [u32; 4];
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Classification {
     pub(crate) params: VolumeParams,
-    /// Iso-ranges, segments of opacity, segments of colour.
+    /// Iso-ranges, segments of opacity, segments of colour; for densities, segments of what sheets sum.
     pub(crate) transfer: Vec<Element>,
     /// The iso-ranges as keys, to count voxels by.
     pub(crate) key_ranges: Vec<[u64; 2]>,
 }
 
+/// Which voxels are listed, and what is recorded of them.
+struct Rules {
+    key_ranges: Vec<[u64; 2]>,
+    opacities: Vec<Segment<1>>,
+    colors: Vec<Segment<3>>,
+    /// What a sheet sums, as a number.
+    sums: u32,
+}
+
 impl Classification {
-    pub(crate) fn new(plan: &FramePlan<'_>, layer: &LayerPlan<'_>, numbers: &Numbers) -> Self {
-        let key_ranges = key_ranges(&layer.relevant, numbers);
+    pub(crate) fn new(plan: &FramePlan<'_>, layer: &LayerPlan<'_>, known: &KnownVolume) -> Self {
+        let numbers = &known.numbers;
+        let rules = match &layer.splats {
+            Splats::Colors(_) => Rules::of_colors(plan, layer, numbers),
+            Splats::Densities(splats) => Rules::of_densities(layer, splats.shown, known),
+        };
+        let Rules { key_ranges, opacities, colors, sums } = rules;
         let mut transfer: Vec<Element> = key_ranges
             .iter()
             .map(|&[first, last]| {
@@ -30,9 +46,7 @@ impl Classification {
                 [a, b, c, d]
             })
             .collect();
-        let opacities = segments(layer.transfer.opacity_points(), numbers);
         transfer.extend(opacities.iter().flat_map(|segment| opacity_elements(segment, numbers)));
-        let colors = segments(layer.transfer.color_points(), numbers);
         transfer.extend(colors.iter().flat_map(|segment| color_elements(segment, numbers)));
         let [gradient_x, gradient_y, gradient_z] = gradient_rows(layer.volume);
         let params = VolumeParams {
@@ -44,9 +58,32 @@ impl Classification {
             n_ranges: key_ranges.len() as u32,
             n_opacities: opacities.len() as u32,
             n_colors: colors.len() as u32,
-            compositing: compositing_code(plan.compositing),
+            compositing: sums,
         };
         Self { params, transfer, key_ranges }
+    }
+}
+
+impl Rules {
+    fn of_colors(plan: &FramePlan<'_>, layer: &LayerPlan<'_>, numbers: &Numbers) -> Self {
+        Self {
+            key_ranges: key_ranges(&layer.relevant, numbers),
+            opacities: segments(layer.transfer.opacity_points(), numbers),
+            colors: segments(layer.transfer.color_points(), numbers),
+            sums: compositing_code(plan.compositing),
+        }
+    }
+
+    /// All voxels count that have a value, if any density is shown; what sheets sum stands for opacity.
+    fn of_densities(layer: &LayerPlan<'_>, shown: ShownDensities, known: &KnownVolume) -> Self {
+        let scale = ValueScale::of(layer, shown, known.finite_range());
+        let numbers = &known.numbers;
+        Self {
+            key_ranges: if layer.relevant.is_empty() { Vec::new() } else { vec![numbers.keys()] },
+            opacities: value_segments(&scale, numbers),
+            colors: Vec::new(),
+            sums: SUMS_DENSITIES,
+        }
     }
 }
 
@@ -54,6 +91,22 @@ impl Classification {
 pub(crate) fn compositing_code(compositing: Compositing) -> u32 {
     compositing as u32
 }
+
+/// What shaders know instead where sheets sum densities.
+pub(crate) const SUMS_DENSITIES: u32 = Compositing::ALL.len() as u32;
+
+/// What sheets sum, by segments: these are halved towards the middle of the scale, where digits matter most,
+/// so that each value is as exact as a float of its size.
+fn value_segments(scale: &ValueScale, numbers: &Numbers) -> Vec<Segment<1>> {
+    let [least, largest] = scale.values();
+    let halves = (0..N_HALVED).map(|n| scale.value(-(0.5_f64.powi(n))));
+    let within = halves.chain([scale.value(0.0)]).filter(|&value| least < value && value < largest);
+    let summed = |value: f64| [scale.unclamped(value.clamp(least, largest))];
+    segments_between(within.chain([least, largest]), summed, numbers)
+}
+
+/// Digits that a value keeps below the middle of the scale.
+const N_HALVED: i32 = 24;
 
 /// The iso-ranges as ranges of keys, rising.
 fn key_ranges(ranges: &[IsoRange], numbers: &Numbers) -> Vec<[u64; 2]> {

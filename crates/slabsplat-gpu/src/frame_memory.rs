@@ -4,7 +4,7 @@ use crate::chunks::Chunks;
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::params::{
-    COUNTS_BYTES, Counts, DepthParams, Frame, Layer, MAX_LAYERS, SPLAT_BYTES, TILE_SIDE,
+    COUNTS_BYTES, Counts, Densities, DepthParams, Frame, Layer, MAX_LAYERS, SPLAT_BYTES, TILE_SIDE,
     TILE_WORK_BYTES,
 };
 use crate::pass_list::{StepBuffer, n_groups};
@@ -19,6 +19,7 @@ pub(crate) struct FrameMemory {
     pub(crate) frame: Buffer,
     pub(crate) layers: Buffer,
     pub(crate) depth: Buffer,
+    pub(crate) densities: Buffer,
     pub(crate) steps: StepBuffer,
     pub(crate) counts: Buffer,
     pub(crate) tables: TablesBuffer,
@@ -54,6 +55,7 @@ impl FrameMemory {
             frame: Buffer::new("frame parameters"),
             layers: Buffer::new("layer parameters"),
             depth: Buffer::new("depth parameters"),
+            densities: Buffer::new("density parameters"),
             steps: StepBuffer::new(),
             counts: Buffer::new("counts"),
             tables: TablesBuffer::new(),
@@ -104,6 +106,9 @@ impl FrameMemory {
             memory.grow(device, buffer, band.n_bytes(&job.frame))?;
         }
         self.tables.write((memory, device), job, writes)?;
+        if job.densities.is_some() {
+            memory.grow(device, &mut self.densities, size_of::<Densities>() as u64)?;
+        }
         let mut write = |buffer: &Buffer, bytes: &'a [u8]| {
             writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
         };
@@ -113,6 +118,9 @@ impl FrameMemory {
             write(&self.counts, &[0; size_of::<Counts>()]);
         } else {
             write(&self.layers, bytemuck::cast_slice(&job.params));
+        }
+        if let Some(densities) = &job.densities {
+            write(&self.densities, bytemuck::bytes_of(&densities.params));
         }
         if let Some(sort) = &job.depth_sort {
             write(&self.depth, bytemuck::bytes_of(&sort.params));
@@ -160,6 +168,7 @@ impl FrameMemory {
             &mut self.frame,
             &mut self.layers,
             &mut self.depth,
+            &mut self.densities,
             self.steps.emptied(),
             &mut self.counts,
             self.tables.emptied(),

@@ -4,17 +4,17 @@
 use crate::classification::compositing_code;
 use crate::params::{Frame, Lamp, TILE_SIDE, flag};
 use crate::regions::ray_per_pixel;
-use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan};
+use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Slabs, Splats};
 use slabsplat_core::Lookup;
 use slabsplat_core::glam::DVec3;
 
-/// A layer of colours, as a plan has it.
-pub(crate) type ColorLayer<'a, 'p> = (&'a LayerPlan<'p>, &'a ColorSplats);
+/// A layer as a plan has it, and what it splats.
+pub(crate) type SplatLayer<'a, 'p> = (&'a LayerPlan<'p>, &'a Splats);
 
 /// What the shaders read of `plan`, whose layers are these, and whose tables have `row_len` quads in a row.
 pub(crate) fn frame_params(
     plan: &FramePlan<'_>,
-    layers: &[ColorLayer<'_, '_>],
+    layers: &[SplatLayer<'_, '_>],
     row_len: u32,
 ) -> Frame {
     let image_size = [plan.image.width, plan.image.height];
@@ -37,7 +37,7 @@ pub(crate) fn frame_params(
 }
 
 /// All layers splat one kernel, and read it alike.
-fn put_kernel(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
+fn put_kernel(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
     let Some((layer, _)) = layers.first() else { return };
     let is_tilted = |layer: &LayerPlan<'_>| layer.shape.is_tilted(layer.radius);
     frame.is_perspective = flag(layer.view.is_perspective());
@@ -45,53 +45,71 @@ fn put_kernel(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
     frame.radius = layer.radius as f32;
 }
 
-/// What sheets of the first layer have in common with those of the others.
-fn put_sheets(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
-    let Some((layer, splats)) = layers.first() else { return };
-    frame.method = method_code(splats);
+/// The slabs that a layer's sheets are of, if they are of any.
+pub(crate) fn slabs_of(splats: &Splats) -> Option<&Slabs> {
     match splats {
-        ColorSplats::Sections(sections) => {
-            let (grid, table) = (sections.slabs.grid, &sections.table);
-            frame.n_sheets = grid.n_slabs() as u32;
-            frame.first_slab = (grid.front(0) / grid.thickness()).round() as i32;
-            frame.samples_per_index = table.samples_per_index();
-            frame.is_nearest = flag(table.lookup() == Lookup::Nearest);
-            let [start, step] = ray_per_pixel(&layer.view);
-            [frame.ray_start, frame.ray_step] = [(start / grid.thickness()) as f32, step as f32];
-        }
-        ColorSplats::Slices { order, table } => {
-            frame.n_sheets = order.n_slices as u32;
-            frame.samples_per_index = table.samples_per_index();
-        }
-        ColorSplats::Voxels { table } => {
-            frame.n_sheets = 1;
-            frame.samples_per_index = table.samples_per_index();
-        }
-    }
-    for (_, splats) in layers {
-        if let ColorSplats::Sections(sections) = splats {
-            frame.n_slabs_before = frame.n_slabs_before.max(sections.slabs.n_before as u32);
-        }
+        Splats::Colors(ColorSplats::Sections(sections)) => Some(&sections.slabs),
+        Splats::Colors(ColorSplats::Slices { .. } | ColorSplats::Voxels { .. }) => None,
+        Splats::Densities(densities) => Some(&densities.slabs),
     }
 }
 
-/// All layers that are lit at all have the same lights.
-fn put_lamps(layers: &[ColorLayer<'_, '_>], frame: &mut Frame) {
-    let Some(light) = layers.iter().find_map(|(layer, _)| layer.light.as_ref()) else { return };
+/// What sheets of the first layer have in common with those of the others.
+fn put_sheets(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
+    let Some((layer, splats)) = layers.first() else { return };
+    frame.method = method_code(splats);
+    if let Some(slabs) = slabs_of(splats) {
+        let grid = slabs.grid;
+        frame.n_sheets = grid.n_slabs() as u32;
+        frame.first_slab = (grid.front(0) / grid.thickness()).round() as i32;
+        let [start, step] = ray_per_pixel(&layer.view);
+        [frame.ray_start, frame.ray_step] = [(start / grid.thickness()) as f32, step as f32];
+    }
+    for slabs in layers.iter().filter_map(|(_, splats)| slabs_of(splats)) {
+        frame.n_slabs_before = frame.n_slabs_before.max(slabs.n_before as u32);
+    }
+    match splats {
+        Splats::Colors(ColorSplats::Sections(sections)) => {
+            let table = &sections.table;
+            frame.samples_per_index = table.samples_per_index();
+            frame.is_nearest = flag(table.lookup() == Lookup::Nearest);
+        }
+        Splats::Colors(ColorSplats::Slices { order, table }) => {
+            frame.n_sheets = order.n_slices as u32;
+            frame.samples_per_index = table.samples_per_index();
+        }
+        Splats::Colors(ColorSplats::Voxels { table }) => {
+            frame.n_sheets = 1;
+            frame.samples_per_index = table.samples_per_index();
+        }
+        // They have tables of another kind.
+        Splats::Densities(_) => {}
+    }
+}
+
+/// All layers that are lit at all have the same lights. Normals of densities are those of view space.
+fn put_lamps(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
+    let is_lit = |(layer, _): &&SplatLayer<'_, '_>| layer.light.is_some();
+    let Some((layer, splats)) = layers.iter().find(is_lit) else { return };
+    let Some(light) = &layer.light else { return };
     let four = |v: DVec3| v.extend(0.0).as_vec4().to_array();
     for (lamp, of_plan) in frame.lamps.iter_mut().zip(&light.lamps) {
-        let [to_light, halfway, color] =
-            [of_plan.to_light, of_plan.halfway, of_plan.color].map(four);
+        let seen = match splats {
+            Splats::Colors(_) => *of_plan,
+            Splats::Densities(_) => of_plan.seen_along(layer.view.axes()),
+        };
+        let [to_light, halfway, color] = [seen.to_light, seen.halfway, seen.color].map(four);
         *lamp = Lamp { to_light, halfway, color };
         frame.n_lamps += 1;
     }
 }
 
 /// The number by which the shaders know the method.
-fn method_code(splats: &ColorSplats) -> u32 {
+fn method_code(splats: &Splats) -> u32 {
     match splats {
-        ColorSplats::Sections(_) => 0,
-        ColorSplats::Slices { .. } => 1,
-        ColorSplats::Voxels { .. } => 2,
+        Splats::Colors(ColorSplats::Sections(_)) => 0,
+        Splats::Colors(ColorSplats::Slices { .. }) => 1,
+        Splats::Colors(ColorSplats::Voxels { .. }) => 2,
+        Splats::Densities(_) => 3,
     }
 }

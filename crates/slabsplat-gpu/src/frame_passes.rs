@@ -145,9 +145,17 @@ impl FrameMemory {
             };
             let [frame, layers, work] = [&self.frame, &self.layers, &self.work].map(Buffer::all);
             let (voxels, tables) = (self.tiles.values(), self.tables.all());
-            let mut bindings = vec![frame, layers, voxels, tables, work, pixels.all()];
+            let mut bindings = vec![frame, layers];
+            let shader = match &job.densities {
+                None => &SPLAT,
+                Some(densities) => {
+                    bindings.push(self.densities.all());
+                    densities.shader
+                }
+            };
+            bindings.extend([voxels, tables, work, pixels.all()]);
             bindings.extend(self.splats.all());
-            passes.push(&SPLAT, &bindings, step, n_tiles);
+            passes.push(shader, &bindings, step, n_tiles);
         }
         let step = Step { n_elements: n_tiles, ..Step::default() };
         passes.push(&TALLY, &[self.work.all(), self.counts.all()], step, 1);

@@ -1,15 +1,16 @@
 //! A frame to be made: all of a plan that the device needs, in the shaders' own terms, so that the
 //! plan can go.
 
+use crate::densities::DensityJob;
 use crate::depth_params::DepthSort;
-use crate::frame_params::{ColorLayer, frame_params};
+use crate::frame_params::{SplatLayer, frame_params, slabs_of};
 use crate::layer_params::layer_params;
 use crate::listing::Listing;
 use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, NO_SURFACES, TILE_SIDE};
 use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
 use crate::surfaces::Surfaces;
 use crate::tables::Table;
-use slabsplat_backend::{ColorSplats, FramePlan};
+use slabsplat_backend::{ColorSplats, FramePlan, Splats};
 use std::sync::Arc;
 
 /// A frame to be made.
@@ -22,6 +23,8 @@ pub(crate) struct Job {
     pub(crate) params: Vec<Layer>,
     /// The planes of all regions.
     pub(crate) planes: Vec<[Element; ELEMENTS_OF_PLANE as usize]>,
+    /// What sheets of densities are shown by, if they are of densities.
+    pub(crate) densities: Option<DensityJob>,
     /// Where rays end, if there are meshes.
     pub(crate) surfaces: Option<Arc<Surfaces>>,
     /// How the list is sorted, if not by sheets.
@@ -43,7 +46,7 @@ impl Job {
     /// All voxels together should stay below `most_voxels`, if they can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
-        layers: &[ColorLayer<'_, '_>],
+        layers: &[SplatLayer<'_, '_>],
         listings: Vec<Listing>,
         surfaces: Option<Arc<Surfaces>>,
         most_voxels: u64,
@@ -57,21 +60,36 @@ impl Job {
         leave_room(&mut job_layers, most_voxels);
         let (params, planes) = placed(layers, &job_layers);
         let depth_sort = match layers {
-            [(layer, ColorSplats::Voxels { .. })] => Some(DepthSort::new(layer)),
+            [(layer, Splats::Colors(ColorSplats::Voxels { .. }))] => Some(DepthSort::new(layer)),
+            _ => None,
+        };
+        let densities = match (layers, job_layers.as_slice()) {
+            ([(layer, Splats::Densities(splats))], [job_layer]) => {
+                let n_before = job_layer.table.n_quads() + ELEMENTS_OF_PLANE * planes.len() as u32;
+                let known = job_layer.listing.samples().expect("densities are listed by value");
+                Some(DensityJob::new(plan, layer, splats, known, n_before))
+            }
             _ => None,
         };
         let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
         let frame = frame_params(plan, layers, row_len);
-        Self { frame, layers: job_layers, params, planes, surfaces, depth_sort }
+        Self { frame, layers: job_layers, params, planes, densities, surfaces, depth_sort }
     }
 
-    /// Elements of the shaders' `table` that section tables take, and planes behind those.
-    pub(crate) fn n_elements(&self) -> [u64; 2] {
+    /// Elements of the shaders' `table` that section tables take, planes behind those, and what densities are
+    /// shown by behind those.
+    pub(crate) fn n_elements(&self) -> [u64; 3] {
         let of_tables = self.layers.iter().map(|layer| u64::from(layer.table.n_quads())).sum();
-        [of_tables, u64::from(ELEMENTS_OF_PLANE) * self.planes.len() as u64]
+        let of_planes = u64::from(ELEMENTS_OF_PLANE) * self.planes.len() as u64;
+        [of_tables, of_planes, self.shown().len() as u64]
     }
 
-    /// The element at which surfaces begin, behind the planes.
+    /// What densities are shown by.
+    pub(crate) fn shown(&self) -> &[Element] {
+        self.densities.as_ref().map_or(&[], |densities| &densities.shown)
+    }
+
+    /// The element at which surfaces begin, behind all that.
     pub(crate) fn first_surface(&self) -> u32 {
         let first = self.n_elements().iter().sum::<u64>() as u32;
         if self.surfaces.is_some() { first } else { NO_SURFACES }
@@ -105,8 +123,9 @@ impl Job {
         let distance = if is_perspective { layer.eye_distance.max(1.0) } else { 1.0 };
         let scale = layer.pixels_per_unit / distance;
         let pixels = scale * (1.0 / scale).max(1.0);
+        let border = if self.densities.is_some() { 1.0 } else { 0.0 };
         let across = |half_extent: f32| {
-            1.0 + 2.0 * half_extent * self.frame.radius * pixels / TILE_SIDE as f32
+            1.0 + 2.0 * (half_extent * self.frame.radius * pixels + border) / TILE_SIDE as f32
         };
         layer.half_extent.map(across).iter().product::<f32>().min(MOST_TILES_EXPECTED)
     }
@@ -128,7 +147,7 @@ fn leave_room(layers: &mut [JobLayer], most_voxels: u64) {
 
 /// What the shaders read of layers, their voxels, tables and planes one after the other; and the planes.
 fn placed(
-    layers: &[ColorLayer<'_, '_>],
+    layers: &[SplatLayer<'_, '_>],
     job_layers: &[JobLayer],
 ) -> (Vec<Layer>, Vec<[Element; ELEMENTS_OF_PLANE as usize]>) {
     let n_quads: u32 = job_layers.iter().map(|layer| layer.table.n_quads()).sum();
@@ -140,8 +159,8 @@ fn placed(
             region = idx as u32;
         }
         let first_plane = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32;
-        if let ColorSplats::Sections(sections) = splats {
-            planes.extend(regions::planes(layer, &sections.slabs));
+        if let Some(slabs) = slabs_of(splats) {
+            planes.extend(regions::planes(layer, slabs));
         }
         let own = layer_params(layer, splats);
         params.push(Layer { first_voxel, first_element, region, first_plane, ..own });

@@ -2,17 +2,17 @@
 //! lengths are in `unit`s, so that no scale of a world is too large or too small for 32 bits.
 
 use crate::params::{Layer, flag};
-use slabsplat_backend::{ColorSplats, LayerPlan, SectionSplats, Slabs};
+use slabsplat_backend::{ColorSplats, LayerPlan, SectionSplats, Slabs, SmoothSections, Splats};
 use slabsplat_core::{Phong, SliceOrder};
 
 /// What the shaders read of a layer, but for where its voxels, its table and its planes are among those of
 /// all layers.
-pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &ColorSplats) -> Layer {
+pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &Splats) -> Layer {
     let mut layer = bytemuck::Zeroable::zeroed();
     put_view(plan, &mut layer);
     put_footprint(plan, &mut layer);
     match splats {
-        ColorSplats::Sections(sections) => {
+        Splats::Colors(ColorSplats::Sections(sections)) => {
             let SectionSplats { slabs, table, .. } = &**sections;
             put_slabs(plan, slabs, &mut layer);
             let rows = table.rows();
@@ -20,8 +20,14 @@ pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &ColorSplats) -> Layer 
             layer.last_row = rows.last_row;
             layer.is_mirrored = flag(rows.mirrored);
         }
-        ColorSplats::Slices { order, .. } => put_slices(order, &mut layer),
-        ColorSplats::Voxels { .. } => {}
+        Splats::Colors(ColorSplats::Slices { order, .. }) => put_slices(order, &mut layer),
+        Splats::Colors(ColorSplats::Voxels { .. }) => {}
+        Splats::Densities(densities) => {
+            put_slabs(plan, &densities.slabs, &mut layer);
+            if let SmoothSections::Table(table) = &densities.smooth {
+                [layer.rows_per_index, layer.last_row] = table.rows();
+            }
+        }
     }
     if let Some(light) = &plan.light {
         put_shading(&light.phong, &mut layer);

@@ -18,6 +18,9 @@
 //!    saturated. Sums of a slab are cut by the region of what they are of. Where there are opaque meshes,
 //!    rays end at surfaces, which the host has found and sends when they change, 16 bytes each.
 //!
+//! Densities (model §§8, 12) go the same way: all voxels are listed, with their values, and what splats them
+//! shows what lies between sheets.
+//!
 //! Sorts and sums are stable and take no part in races, so a frame gives the same bits every time.
 //! Classification compares samples as the integers that they are, and positions of the transfer function
 //! have 48 bits; everything after that is in 32-bit floats, in `unit`s of the grid.
@@ -32,13 +35,15 @@
 //! `device`; `listing`, which says who lists a layer's voxels, `listings`, `host_list` and `known_volume`;
 //! `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`, `frame_memory` and
 //! `tables`, which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and
-//! `job`; `params`, `frame_params`, `layer_params`, `regions`, `depth_params`, `classification`, `number`,
-//! `samples`, `section_table`, `surfaces` and `surface_elements`, which say a plan in the shaders' terms. The
-//! stages themselves are in `shaders/`.
+//! `job`; `params`, `frame_params`, `layer_params`, `densities`, `density_elements`, `regions`,
+//! `depth_params`, `classification`, `number`, `samples`, `section_table`, `surfaces` and `surface_elements`,
+//! which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
 
 mod device;
 
 mod classification;
+mod densities;
+mod density_elements;
 mod depth_params;
 mod frame_params;
 mod layer_params;

@@ -30,7 +30,7 @@ impl Listings {
     fn listing(&mut self, plan: &FramePlan<'_>, layer: &LayerPlan<'_>) -> Listing {
         let known = self.known(layer.volume);
         if rules_of(layer).are_by_value() {
-            let classification = Classification::new(plan, layer, &known.numbers);
+            let classification = Classification::new(plan, layer, &known);
             Listing::ByDevice(known, classification)
         } else {
             let is_it = |list: &HostList| list.is_of(plan, layer);

@@ -98,6 +98,21 @@ pub(crate) struct Layer {
     pub(crate) padding: [u32; 2],
 }
 
+/// `shaders/shared/densities.wgsl`, likewise.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Densities {
+    pub(crate) mode: u32,
+    pub(crate) first_shown: u32,
+    pub(crate) n_shown: u32,
+    pub(crate) is_product: u32,
+    pub(crate) values: [f32; 2],
+    pub(crate) faint: f32,
+    pub(crate) rim: f32,
+    pub(crate) across: [[f32; 4]; 3],
+    pub(crate) along: [[f32; 4]; 3],
+}
+
 /// `shaders/shared/sample.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -197,9 +212,12 @@ pub(crate) const TILE_SIDE: u32 = 8;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::classification::compositing_code;
+    use crate::classification::{SUMS_DENSITIES, compositing_code};
+    use crate::densities::mode_code;
+    use crate::density_elements::ELEMENTS_OF_CELL;
     use crate::regions::ELEMENTS_OF_PLANE;
-    use slabsplat_core::Compositing;
+    use slabsplat_backend::ShownDensities;
+    use slabsplat_core::{Compositing, Statistic};
     use slabsplat_mesh::N_SAMPLES;
     use slabsplat_shaders::{STRUCTS, StructLayout};
     use std::mem::offset_of;
@@ -286,6 +304,17 @@ mod tests {
             has_lit_faces,
             padding,
         });
+        check!(Densities {
+            mode,
+            first_shown,
+            n_shown,
+            is_product,
+            values,
+            faint,
+            rim,
+            across,
+            along,
+        });
         check!(VolumeParams {
             gradient_x,
             gradient_y,
@@ -328,6 +357,17 @@ mod tests {
         for &compositing in Compositing::ALL {
             let (name, code) = (compositing.name().to_uppercase(), compositing_code(compositing));
             declares(format!("const COMPOSITING_{name}: u32 = {code}u;"));
+        }
+        declares(format!("const SUMS_DENSITIES: u32 = {SUMS_DENSITIES}u;"));
+        declares(format!("const ELEMENTS_OF_CELL: u32 = {ELEMENTS_OF_CELL}u;"));
+        for (name, shown) in [
+            ("COMPOSITED", ShownDensities::Composited),
+            ("MAXIMUM", ShownDensities::Statistic(Statistic::Maximum)),
+            ("MINIMUM", ShownDensities::Statistic(Statistic::Minimum)),
+            ("AVERAGE", ShownDensities::Statistic(Statistic::Average)),
+            ("ISOSURFACES", ShownDensities::Isosurfaces),
+        ] {
+            declares(format!("const MODE_{name}: u32 = {}u;", mode_code(shown)));
         }
         declares(format!("const COUNT_VOXELS: u32 = {COUNT_VOXELS}u;"));
         declares(format!("const COUNT_SPLATS: u32 = {COUNT_SPLATS}u;"));

@@ -1,6 +1,6 @@
 //! Regions as the shaders read them: `shaders/shared/region.wgsl`.
 
-use slabsplat_backend::{LayerPlan, Slabs};
+use slabsplat_backend::{LayerPlan, Slabs, Splats};
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{PlaneInView, RegionInView, View};
 
@@ -37,11 +37,18 @@ struct Reach {
     /// How far the steepest ray moves sideways within half a slab, over which rays count as parallel.
     aside: f64,
     thickness: f64,
+    /// Of densities, how far the neighbours lie that slopes are taken to: to the side, and in thicknesses.
+    beside: f64,
+    n_beside: f64,
 }
+
+/// Sheets behind or before the nodes of a part that it is made of, and the half of one to where it begins.
+const SHEETS_BESIDE_PART: f64 = 2.5;
 
 impl Reach {
     fn new(layer: &LayerPlan<'_>, slabs: &Slabs) -> Self {
         let (view, thickness) = (&layer.view, slabs.grid.thickness());
+        let is_of_densities = matches!(layer.splats, Splats::Densities(_));
         let [_, end] = slabs.grid.faces(slabs.grid.n_slabs() - 1);
         let farthest = view.pixels_per_world(end.max(view.near_depth()));
         Self {
@@ -49,6 +56,8 @@ impl Reach {
             radius: layer.radius * view.stretch(farthest),
             aside: 0.5 * thickness * view.steepest_ray(),
             thickness,
+            beside: if is_of_densities { 1.0 / farthest } else { 0.0 },
+            n_beside: if is_of_densities { SHEETS_BESIDE_PART } else { 0.0 },
         }
     }
 
@@ -56,8 +65,10 @@ impl Reach {
     /// far as its footprint goes, and to the other end of a slab that the plane cuts.
     fn before(&self, PlaneInView { normal, .. }: &PlaneInView) -> f64 {
         let of_kernel = self.radius * (self.view_from_index.transpose() * *normal).length();
-        let of_ray = self.aside * normal.truncate().length();
-        (of_kernel + of_ray) / self.thickness + normal.z.abs()
+        let n_thicknesses = 1.0 + 2.0 * self.n_beside;
+        let aside = n_thicknesses * self.aside + self.beside;
+        let of_ray = aside * normal.truncate().length();
+        (of_kernel + of_ray) / self.thickness + (1.0 + self.n_beside) * normal.z.abs()
     }
 }
 

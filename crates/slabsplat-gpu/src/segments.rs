@@ -27,10 +27,19 @@ pub(crate) fn segments<const N: usize>(
     function: &PiecewiseLinear<N>,
     numbers: &Numbers,
 ) -> Vec<Segment<N>> {
+    let positions = function.points().iter().map(|&(position, _)| position);
+    segments_between(positions, |value| function.at(value), numbers)
+}
+
+/// The segments of a function that is linear between some positions, and beyond them.
+pub(crate) fn segments_between<const N: usize>(
+    positions: impl Iterator<Item = f64>,
+    function: impl Fn(f64) -> [f64; N],
+    numbers: &Numbers,
+) -> Vec<Segment<N>> {
     let [least, largest] = numbers.keys();
     let mut starts = vec![least];
-    starts
-        .extend(function.points().iter().map(|&(position, _)| first_key_behind(position, numbers)));
+    starts.extend(positions.map(|position| first_key_behind(position, numbers)));
     starts.sort_unstable();
     starts.dedup();
     starts.retain(|&start| start <= largest);
@@ -38,7 +47,7 @@ pub(crate) fn segments<const N: usize>(
     starts
         .iter()
         .zip(ends)
-        .map(|(&first, end)| segment(function, numbers, first, end - 1))
+        .map(|(&first, end)| segment(&function, numbers, first, end - 1))
         .collect()
 }
 
@@ -52,12 +61,12 @@ fn first_key_behind(position: f64, numbers: &Numbers) -> u64 {
 }
 
 fn segment<const N: usize>(
-    function: &PiecewiseLinear<N>,
+    function: &impl Fn(f64) -> [f64; N],
     numbers: &Numbers,
     first: u64,
     last: u64,
 ) -> Segment<N> {
-    let [at_first, at_last] = [first, last].map(|key| function.at(numbers.value(key)));
+    let [at_first, at_last] = [first, last].map(|key| function(numbers.value(key)));
     let (distance, exponent) = distance([first, last].map(|key| numbers.number(key)));
     let slope = std::array::from_fn(|channel| {
         let change = at_last[channel] - at_first[channel];

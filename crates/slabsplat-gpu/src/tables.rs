@@ -1,29 +1,38 @@
-//! What all layers read on the device: their section tables, the planes of their regions, and the surfaces at
-//! which rays end.
+//! What all layers read on the device: their section tables, the planes of their regions, what densities are
+//! shown by, and the surfaces at which rays end.
 
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::section_table::{Quad, footprint_quads, section_quads};
 use crate::surfaces::Surfaces;
 use crate::{Device, Slice, Write};
-use slabsplat_backend::{BackendError, ColorSplats};
-use slabsplat_kernel::{FootprintTable, SectionTable};
+use slabsplat_backend::{BackendError, ColorSplats, SmoothSections, Splats};
+use slabsplat_kernel::{CubicSectionTable, FootprintTable, SectionTable};
 use std::sync::Arc;
 
 /// The table of a layer.
 #[derive(Clone, Debug)]
 pub(crate) enum Table {
+    /// Of a kernel whose sections are computed.
+    None,
+    Cubics(Arc<CubicSectionTable>),
     Sections(Arc<SectionTable>),
     Footprint(Arc<FootprintTable>),
 }
 
 impl Table {
-    pub(crate) fn of(splats: &ColorSplats) -> Self {
+    pub(crate) fn of(splats: &Splats) -> Self {
         match splats {
-            ColorSplats::Sections(sections) => Self::Sections(sections.table.clone()),
-            ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table } => {
+            Splats::Colors(ColorSplats::Sections(sections)) => {
+                Self::Sections(sections.table.clone())
+            }
+            Splats::Colors(ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table }) => {
                 Self::Footprint(table.clone())
             }
+            Splats::Densities(densities) => match &densities.smooth {
+                SmoothSections::Product(_) => Self::None,
+                SmoothSections::Table(table) => Self::Cubics(table.clone()),
+            },
         }
     }
 
@@ -32,6 +41,8 @@ impl Table {
         match (self, other) {
             (Self::Sections(a), Self::Sections(b)) => Arc::ptr_eq(a, b),
             (Self::Footprint(a), Self::Footprint(b)) => Arc::ptr_eq(a, b),
+            (Self::Cubics(a), Self::Cubics(b)) => Arc::ptr_eq(a, b),
+            (Self::None, Self::None) => true,
             _ => false,
         }
     }
@@ -40,27 +51,33 @@ impl Table {
         match self {
             Self::Sections(table) => section_quads(table),
             Self::Footprint(table) => footprint_quads(table),
+            Self::Cubics(table) => table.coefficients().to_vec(),
+            Self::None => Vec::new(),
         }
     }
 
-    /// A quad for every two neighbours.
+    /// A quad for every two neighbours, or for every cubic.
     pub(crate) fn row_len(&self) -> u32 {
         match self {
+            Self::None => 0,
+            Self::Cubics(_) => CubicSectionTable::ROW_LEN as u32,
             Self::Sections(table) => table.row_len() as u32 - 1,
             Self::Footprint(table) => table.row().len() as u32 - 1,
         }
     }
 
     pub(crate) fn n_quads(&self) -> u32 {
-        let n_rows = match self {
-            Self::Sections(table) => table.n_rows() as u32,
-            Self::Footprint(_) => 1,
-        };
-        n_rows * self.row_len()
+        match self {
+            Self::None => 0,
+            Self::Cubics(table) => table.coefficients().len() as u32,
+            Self::Sections(table) => table.n_rows() as u32 * self.row_len(),
+            Self::Footprint(_) => self.row_len(),
+        }
     }
 }
 
-/// The tables of all layers, one after the other, then the planes, and then the surfaces.
+/// The tables of all layers, one after the other, then the planes, then what densities are shown by, and then
+/// the surfaces.
 #[derive(Debug)]
 pub(crate) struct TablesBuffer {
     buffer: Buffer,
@@ -93,21 +110,28 @@ impl TablesBuffer {
         writes: &mut Vec<Write<'a>>,
     ) -> Result<(), BackendError> {
         let tables = || job.layers.iter().map(|layer| &layer.table);
-        let [n_table_bytes, n_plane_bytes] = job.n_elements().map(|n| n * ELEMENT_BYTES);
-        let surfaces = job.surfaces.as_ref().map(|it| (n_table_bytes + n_plane_bytes, it));
-        self.make_room((memory, device), n_table_bytes + n_plane_bytes, surfaces)?;
+        let n_bytes = job.n_elements().map(|n| n * ELEMENT_BYTES);
+        let n_bytes_before = n_bytes.iter().sum();
+        let surfaces = job.surfaces.as_ref().map(|it| (n_bytes_before, it));
+        self.make_room((memory, device), n_bytes_before, surfaces)?;
         let buffer = self.buffer.all().buffer;
         let are_there = self.holds.len() == job.layers.len()
             && self.holds.iter().zip(tables()).all(|(there, table)| there.is(table));
         if !are_there {
             let quads: Vec<Quad> = tables().flat_map(Table::quads).collect();
             let bytes = bytemuck::cast_slice(&quads).to_vec().into();
-            writes.push(Write { buffer, offset: 0, bytes });
+            if 0 < quads.len() {
+                writes.push(Write { buffer, offset: 0, bytes });
+            }
             self.holds = tables().cloned().collect();
         }
-        if !job.planes.is_empty() {
-            let bytes = bytemuck::cast_slice(&job.planes).into();
-            writes.push(Write { buffer, offset: n_table_bytes, bytes });
+        let [n_table_bytes, n_plane_bytes, _] = n_bytes;
+        let planes: &[u8] = bytemuck::cast_slice(&job.planes);
+        let shown: &[u8] = bytemuck::cast_slice(job.shown());
+        for (offset, bytes) in [(n_table_bytes, planes), (n_table_bytes + n_plane_bytes, shown)] {
+            if !bytes.is_empty() {
+                writes.push(Write { buffer, offset, bytes: bytes.into() });
+            }
         }
         if let Some((offset, surfaces)) = surfaces
             && !self.holds_surfaces(offset, surfaces)

@@ -121,6 +121,23 @@ impl CubicSectionTable {
         at(0) + at(1) + at(2) + at(3) + self.rim * cut_length(faces, half_chord)
     }
 
+    /// The cubics, in powers of the place in a cell: [`Self::ROW_LEN`] for each row. Row `k` is that of the
+    /// depth `(k − 1)/rows_per_index` to which a slab goes into the kernel.
+    pub fn coefficients(&self) -> &[[f32; 4]] {
+        &self.coefficients
+    }
+
+    /// Rows per index unit of that depth, and the last row that a depth may come before, less one.
+    pub fn rows(&self) -> [f32; 2] {
+        [self.rows_per_index, self.last_row]
+    }
+
+    /// What the kernel is just within its radius, as a weight per index unit of ray: by how much a section is
+    /// more than its cubic.
+    pub fn rim(&self) -> f32 {
+        self.rim
+    }
+
     #[inline]
     fn half_chord(&self, rho_squared: f32) -> f32 {
         // Rounding may make the square negative at the edge.

@@ -144,3 +144,36 @@ fn points(transfer: &TransferFunction, scale: &ValueScale) -> Vec<f64> {
     points.dedup();
     points
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::Compositing;
+
+    /// From end to end, over a step and up to where extinction is cut off.
+    #[test]
+    fn weight_cells_are_the_function() {
+        let opacities = vec![(0.0, [0.0]), (40.0, [1.0]), (40.0, [0.2]), (100.0, [0.7])];
+        let colors = vec![(10.0, [0.9, 0.1, 0.4]), (60.0, [0.2, 0.7, 0.4])];
+        let transfer = TransferFunction::new(opacities, colors).unwrap();
+        let scale = ValueScale::new(Some([-20.0, 140.0]), [0.0, 100.0]);
+        for &compositing in Compositing::ALL {
+            let weight = |opacity| compositing.weight(opacity);
+            let cells = weight_cells(&transfer, weight, &scale);
+            assert_eq!((cells[0].start, steps(&transfer).collect::<Vec<_>>()), (-END, vec![40.0]));
+            let ends = cells.iter().skip(1).map(|cell| cell.start).chain([END]);
+            for (cell, end) in cells.iter().zip(ends) {
+                assert!((cell.start + cell.width - end).abs() < 1e-12, "{cell:?} {end}");
+                for t in [0.1, 0.5, 0.9] {
+                    let value = scale.value(cell.start + t * cell.width);
+                    let [c0, c1, c2, c3] = cell.weight;
+                    let off = c0 + t * (c1 + t * (c2 + t * c3)) - weight(transfer.opacity(value));
+                    // A cell that is as narrow as rounding may hold the end of extinction.
+                    assert!(off.abs() < 2.0 * ERROR || cell.width <= LEAST_WIDTH, "{off} {cell:?}");
+                    let red = cell.color[0][0] + t * cell.color[0][1];
+                    assert!((red - transfer.color(value)[0]).abs() < 1e-9, "{red} {cell:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,311 @@
+// Sheets of densities over a tile, from the eye on (model §8): a workgroup renders a tile of 8x8 pixels with a
+// border of one, a thread a pixel.
+//
+//   for each sheet that any of the tile's splats reaches into, and three behind the last:
+//       for each batch of splats from the first that still reaches into it:
+//           every thread stages one splat: where it lies in this sheet
+//           every thread adds all staged splats to its pixel: how much of the ray, and that times the values
+//       the density, and how it changes from pixel to pixel; put that with the five sheets before
+//       show what lies between the two sheets in the middle
+//
+// The pixel's sheets stay in registers; only sums go through workgroup memory, for what its neighbours make of
+// them. A tile that has visited many splats pauses, as systems reset devices that do not answer for seconds.
+// What continues it sums the last five sheets once more, which is cheaper than to store them.
+//
+// Whoever includes this shows what lies between sheets: `showing` puts it behind a pixel, and `shown` makes
+// of that the pixel's premultiplied colour and opacity.
+
+//#include "shared/step.wgsl"
+//#include "shared/frame.wgsl"
+//#include "shared/layer.wgsl"
+//#include "shared/splat.wgsl"
+//#include "shared/pixels.wgsl"
+//#include "shared/slabs.wgsl"
+//#include "shared/tile.wgsl"
+//#include "shared/tile_work.wgsl"
+//#include "shared/footprint.wgsl"
+//#include "shared/compositing.wgsl"
+//#include "shared/region.wgsl"
+//#include "shared/densities.wgsl"
+//#include "shared/density_weight.wgsl"
+//#include "shared/sheets.wgsl"
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+// The tiles `first .. first + n_elements`; the first pixel that is bound is that of row `first_sample`.
+@group(0) @binding(1) var<uniform> step: Step;
+@group(0) @binding(2) var<uniform> layers: array<Layer, MAX_LAYERS>;
+@group(0) @binding(3) var<uniform> densities: Densities;
+@group(0) @binding(4) var<storage, read> tossed_voxels: array<u32>;
+@group(0) @binding(5) var<storage, read> table: array<vec4<f32>>;
+@group(0) @binding(6) var<storage, read_write> tiles: array<TileWork>;
+@group(0) @binding(7) var<storage, read_write> pixels: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> splats_0: array<Splat>;
+@group(0) @binding(9) var<storage, read> splats_1: array<Splat>;
+@group(0) @binding(10) var<storage, read> splats_2: array<Splat>;
+@group(0) @binding(11) var<storage, read> splats_3: array<Splat>;
+
+const SIDE: u32 = TILE_SIDE + 2u;
+const BATCH: u32 = 100u;
+
+var<workgroup> work: TileWork;
+var<workgroup> n_splatted: atomic<u32>;
+var<workgroup> n_culled: atomic<u32>;
+// Whether any thread's loops ended before they were through.
+var<workgroup> is_faulty: atomic<u32>;
+// Of each pixel of the tile and its border: how much of the ray, and that times the values.
+var<workgroup> sums: array<vec2<f32>, BATCH>;
+
+// A pixel, as far as it is the same for all sheets.
+struct Pixel {
+    // Its centre.
+    at: vec2<f32>,
+    // Its place in the tile with its border, row by row.
+    thread: u32,
+    // Whether it is of the image, and not of a border.
+    is_shown: bool,
+    // Where its ray is in the convex set of the region.
+    interval: vec2<f32>,
+}
+
+fn render_tile(local: vec2<u32>, thread: u32, place: u32) {
+    if step.n_elements <= place {
+        return;
+    }
+    let tile = step.first + place;
+    if thread == 0u {
+        work = tiles[tile];
+        atomicStore(&n_splatted, 0u);
+        atomicStore(&n_culled, 0u);
+        atomicStore(&is_faulty, 0u);
+    }
+    let todo = workgroupUniformLoad(&work);
+    let is_paused = todo.state == STATE_PAUSED;
+    if !is_paused && todo.state != STATE_UNTOUCHED {
+        return;
+    }
+    // One further down and right than it is, so that it is never negative.
+    let moved = vec2(tile % frame.n_tiles.x, tile / frame.n_tiles.x) * TILE_SIDE + local;
+    let is_border = any(local == vec2(0u)) || any(local == vec2(SIDE - 1u));
+    let is_shown = !is_border && all(moved <= frame.image_size);
+    let at = vec2<f32>(moved) - 0.5;
+    let pixel_idx = (moved.y - 1u - step.first_sample) * frame.image_size.x + moved.x - 1u;
+    var color = vec4(0.0);
+    if is_shown && is_paused {
+        color = pixels[pixel_idx];
+    }
+    let pixel = Pixel(at, thread, is_shown, interval_of(0u, at));
+    let done = through_sheets(todo, pixel, color);
+    if is_shown {
+        pixels[pixel_idx] = done.color;
+        if done.state != STATE_PAUSED {
+            pixels[pixel_idx] = over_background(shown(done.color));
+        }
+    }
+    workgroupBarrier();
+    if thread == 0u && todo.begin < todo.end {
+        let n_before = todo.n_splatted + atomicLoad(&n_splatted);
+        let n_behind = atomicLoad(&n_culled);
+        let state = select(done.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
+        tiles[tile] = TileWork(done.begin, todo.end, done.sheet, n_before, n_behind, state);
+    }
+}
+
+fn over_background(color: vec4<f32>) -> vec4<f32> {
+    let straight = frame.background;
+    let background = vec4(straight.rgb * straight.a, straight.a);
+    return color + (1.0 - color.a) * background;
+}
+
+// What became of a pixel's tile, which is the same for all pixels, and of the pixel.
+struct Done {
+    color: vec4<f32>,
+    begin: u32,
+    sheet: u32,
+    state: u32,
+}
+
+// Sheets that are summed once more where a tile is continued: all but the last of those that a pixel keeps.
+const N_AGAIN: u32 = N_SHEETS - 1u;
+
+// Sheets behind the last that holds anything, until what lies before them all is shown.
+const N_BEHIND: u32 = N_SHEETS - SECOND;
+
+fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done {
+    var color = color_before;
+    var is_open = pixel.is_shown && color.a < frame.opacity_cutoff;
+    // The run that the sheet needs begins here; and where it began for the sheets that are summed again.
+    var begin = todo.begin;
+    var begins: array<u32, N_AGAIN>;
+    for (var i = 0u; i < N_AGAIN; i++) {
+        begins[i] = begin;
+    }
+    // What lies before this sheet was shown already.
+    let first_shown = first_sheet(todo);
+    var sheet = first_shown;
+    if todo.state == STATE_PAUSED {
+        sheet -= min(sheet, N_AGAIN);
+    }
+    // How many sheets on end hold nothing, up to the last one.
+    var n_empty = N_SHEETS;
+    var n_visits = 0u;
+    while (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
+        // Every round gets further by a sheet.
+        if first_shown < sheet && frame.max_visits < n_visits {
+            return Done(color, begins[0], sheet, STATE_PAUSED);
+        }
+        for (var i = 0u; i + 1u < N_AGAIN; i++) {
+            begins[i] = begins[i + 1u];
+        }
+        begins[N_AGAIN - 1u] = begin;
+        var summed = Summed(vec2(0.0), begin, 0u, 0u, sheet + 1u, true, true);
+        if begin < todo.end && sheet < frame.n_sheets {
+            summed = sum_sheet(begin, todo.end, sheet, pixel, is_open);
+        }
+        if !summed.is_whole {
+            atomicStore(&is_faulty, 1u);
+        }
+        if !summed.is_open {
+            cull(begin, todo.end, sheet, pixel.thread);
+            return Done(color, begin, sheet, STATE_FULL);
+        }
+        if first_shown <= sheet {
+            atomicAdd(&n_splatted, summed.n_staged);
+        }
+        begin = summed.begin;
+        if 0u < summed.n_alive {
+            n_empty = 0u;
+            push_sheet(density_of(sheet, summed.sums, pixel));
+        } else {
+            n_empty++;
+            push_sheet(vec4(0.0));
+        }
+        if is_open && first_shown <= sheet {
+            color = showing(color, sheet, pixel);
+            is_open = color.a < frame.opacity_cutoff;
+        }
+        n_visits += summed.n_alive + 1u;
+        sheet = select(sheet + 1u, summed.next_sheet, N_SHEETS <= n_empty);
+    }
+    if (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
+        atomicStore(&is_faulty, 1u);
+    }
+    return Done(color, begin, sheet, STATE_DONE);
+}
+
+// The sheet at which the tile begins, or continues.
+fn first_sheet(todo: TileWork) -> u32 {
+    if todo.state == STATE_PAUSED || todo.end <= todo.begin {
+        return todo.sheet;
+    }
+    return splat_at(tossed_voxels[todo.begin]).sheet;
+}
+
+// What a sheet holds of the tile's splats. All but the sums and what is staged is the same for all pixels.
+struct Summed {
+    // How much of the ray, and that times the values.
+    sums: vec2<f32>,
+    // The place of the first splat that still reaches into the sheet.
+    begin: u32,
+    // Splats that do.
+    n_alive: u32,
+    // Those that were staged by this thread.
+    n_staged: u32,
+    // The sheet in which the first splat behind them begins.
+    next_sheet: u32,
+    // Whether all of them were added.
+    is_whole: bool,
+    // Whether any pixel can still change; if not, nothing was summed.
+    is_open: bool,
+}
+
+fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> Summed {
+    var summed = Summed(vec2(0.0), begin, 0u, 0u, NO_SHEET, true, true);
+    // The place of the batch.
+    var first = begin;
+    var is_last = false;
+    loop {
+        workgroupBarrier();
+        let is_staged = stage(first + pixel.thread, end, sheet, pixel.thread);
+        if pixel.thread == 0u {
+            batch.is_open = 0u;
+        }
+        workgroupBarrier();
+        find_run(sheet, pixel.thread, is_open);
+        let now = workgroupUniformLoad(&batch);
+        if now.is_open == 0u {
+            summed.is_open = false;
+            return summed;
+        }
+        summed.n_staged += is_staged;
+        var i = now.n_dead;
+        while i < now.end {
+            summed.sums += staged[i].color.wx * weight_at(i, pixel.at);
+            i++;
+        }
+        summed.is_whole = summed.is_whole && now.end <= i;
+        if 0u < now.n_dead {
+            summed.begin = first + now.n_dead;
+        }
+        summed.n_alive += now.end - now.n_dead;
+        first += BATCH;
+        summed.next_sheet = now.next_sheet;
+        is_last = now.end < BATCH || end <= first;
+        if is_last {
+            break;
+        }
+    }
+    summed.is_whole = summed.is_whole && is_last;
+    return summed;
+}
+
+// Stages the splat at a place of the list; 1 if the sheet holds it.
+fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
+    staged[thread].sheet = NO_SHEET;
+    staged[thread].rho_squared_max = -1.0;
+    if end <= place {
+        return 0u;
+    }
+    let splat = splat_at(tossed_voxels[place]);
+    staged[thread].sheet = splat.sheet;
+    staged[thread].layer = 0u;
+    if sheet < splat.sheet {
+        return 0u;
+    }
+    return stage_section(splat, 0u, sheet, thread);
+}
+
+// What a sheet is to a pixel, from the sums of the pixel and of its neighbours.
+fn density_of(sheet: u32, own: vec2<f32>, pixel: Pixel) -> vec4<f32> {
+    let limits = densities.values * own.x;
+    let here = select(vec2(0.0), vec2(own.x, clamp(own.y, limits.x, limits.y)), 0.0 < own.x);
+    sums[pixel.thread] = here;
+    workgroupBarrier();
+    if !pixel.is_shown {
+        return vec4(0.0);
+    }
+    var density = 0.0;
+    if 0.0 < here.x {
+        density = here.y / here.x;
+    }
+    let per_pixel = scale_at(0u, middle_of(0u, sheet));
+    let thread = pixel.thread;
+    let right = difference(here.x, density, sums[thread + 1u], sums[thread - 1u]);
+    let up = difference(here.x, density, sums[thread - SIDE], sums[thread + SIDE]);
+    return vec4(here.x, density, per_pixel * right, per_pixel * up);
+}
+
+// The change of the density from one neighbour to here and from here to the other one, weighted by how much
+// of each there is. It is taken from sums: densities would be rounded once more, and neighbours are nearly
+// alike.
+fn difference(length: f32, density: f32, after: vec2<f32>, before: vec2<f32>) -> f32 {
+    let both = max(after.x + before.x, length);
+    if both <= 0.0 {
+        return 0.0;
+    }
+    return ((after.y - after.x * density) - (before.y - before.x * density)) / both;
+}
+
+// The first node's depth, where `sheet` is the last of the six, in thicknesses of a sheet.
+fn depth_of_first_node(sheet: u32) -> f32 {
+    return f32(frame.first_slab + i32(sheet) - i32(N_SHEETS - 1u - FIRST)) + 0.5;
+}
