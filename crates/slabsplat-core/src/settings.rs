@@ -18,7 +18,7 @@ settings! {
     #[derive(Clone, Debug, PartialEq)]
     #[non_exhaustive]
     pub struct RenderSettings {
-        /// What is summed before it is composited; post-classified has sharp edges, on the CPU only.
+        /// What is summed before it is composited; post-classified has sharp edges.
         method: Method = Method::ImageAligned, choice;
 
         /// The reconstruction kernel.
