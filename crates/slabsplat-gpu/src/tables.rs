@@ -119,8 +119,8 @@ impl TablesBuffer {
             && self.holds.iter().zip(tables()).all(|(there, table)| there.is(table));
         if !are_there {
             let quads: Vec<Quad> = tables().flat_map(Table::quads).collect();
-            let bytes = bytemuck::cast_slice(&quads).to_vec().into();
-            if 0 < quads.len() {
+            if !quads.is_empty() {
+                let bytes = bytemuck::cast_slice(&quads).to_vec().into();
                 writes.push(Write { buffer, offset: 0, bytes });
             }
             self.holds = tables().cloned().collect();
