@@ -67,7 +67,9 @@ fn storage_order_does_not_change_the_picture() {
                 let scene = cube(&view);
                 for name in backends_with(method) {
                     let image = render(name, &scene);
-                    for _ in 0..3 {
+                    // Drivers that only play a device take longer than all else.
+                    let n_restored = if name == "cpu" { 3 } else { 1 };
+                    for _ in 0..n_restored {
                         check_restored(name, &mut rng, &scene, &image);
                     }
                 }
