@@ -2,11 +2,15 @@
 
 use super::*;
 use slabsplat_seeds::for_each_seed;
-use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS};
+use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS, STRUCTS};
 
 const BLOCK_LEN: usize = 2048;
-/// Of `shaders/shared/step.wgsl`.
-const STEP_BYTES: u64 = 36;
+
+/// Of `shaders/shared/step.wgsl`, as naga lays it out.
+fn step_bytes() -> u64 {
+    let step = STRUCTS.iter().find(|layout| layout.name == "Step");
+    step.expect("stages have steps").size.into()
+}
 
 /// Buffers for prefix sums of one length, and the passes.
 pub(super) struct Scan {
@@ -23,24 +27,28 @@ pub(super) struct Scan {
 impl Scan {
     pub(super) fn new(device: &mut AshDevice, n: usize) -> Self {
         let n_blocks = n.div_ceil(BLOCK_LEN);
-        let step_offset = STEP_BYTES.next_multiple_of(device.info().offset_alignment);
+        let step_offset = step_bytes().next_multiple_of(device.info().offset_alignment);
         let mut whole =
             |label, size: u64| slice(device.create_buffer(label, size).unwrap(), 0, size);
         let elements = whole("elements", n as u64 * 4);
         let totals = whole("totals", n_blocks as u64 * 4);
         let counts = whole("counts", 16);
-        let steps = whole("steps", step_offset + STEP_BYTES).buffer;
+        let steps = whole("steps", step_offset + step_bytes()).buffer;
         let pass = |shader, stage, step: u64, [one, other]: [Slice; 2], n_groups: usize| Pass {
             shader,
             stage,
-            bindings: vec![slice(steps, step * step_offset, STEP_BYTES), one, other],
+            bindings: vec![slice(steps, step * step_offset, step_bytes()), one, other],
             groups: [n_groups as u32, 1, 1],
         };
         let passes = vec![
             pass(&SCAN_BLOCKS, "blocks", 0, [elements, totals], n_blocks),
             pass(&SCAN_TOTALS, "totals", 1, [totals, counts], 1),
         ];
-        let step = |n: usize| vec![0, n as u32, 2, 0, 0, 0, 0, 0, 0];
+        let step = |n: usize| {
+            let mut words = vec![0; step_bytes() as usize / size_of::<u32>()];
+            [words[1], words[2]] = [n as u32, 2];
+            words
+        };
         let step_words = [step(n), step(n_blocks)];
         Self { elements, totals, counts, steps, step_words, step_offset, passes }
     }

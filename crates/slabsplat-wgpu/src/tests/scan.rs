@@ -4,14 +4,17 @@ use super::{on_device, run, slice, wait};
 use crate::WgpuDevice;
 use slabsplat_gpu::{BufferId, Device, Done, Pass, Work, Write};
 use slabsplat_seeds::for_each_seed;
-use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS};
+use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS, STRUCTS};
 use std::borrow::Cow;
 
 /// Elements that a workgroup sums up.
 const BLOCK: usize = 2048;
 
-/// Of `shaders/shared/step.wgsl`.
-const STEP_BYTES: u64 = 36;
+/// Of `shaders/shared/step.wgsl`, as naga lays it out.
+fn step_bytes() -> u64 {
+    let step = STRUCTS.iter().find(|layout| layout.name == "Step");
+    step.expect("stages have steps").size.into()
+}
 
 /// Where the second of the two steps is; a multiple of every device's alignment.
 const SECOND_STEP: u64 = 256;
@@ -29,7 +32,7 @@ impl Scan {
         let n_blocks = n_elements.div_ceil(BLOCK);
         let [elements_size, totals_size] = [n_elements, n_blocks].map(|n| 4 * n as u64);
         let mut make = |label, size| device.create_buffer(label, size).unwrap();
-        let steps = make("steps", SECOND_STEP + STEP_BYTES);
+        let steps = make("steps", SECOND_STEP + step_bytes());
         let elements = make("elements", elements_size);
         let totals = make("totals", totals_size);
         let counts = make("counts", 16);
@@ -38,7 +41,7 @@ impl Scan {
             shader: &SCAN_BLOCKS,
             stage: "blocks",
             bindings: vec![
-                slice(steps, 0, STEP_BYTES),
+                slice(steps, 0, step_bytes()),
                 slice(elements, 0, elements_size),
                 all_totals,
             ],
@@ -47,7 +50,11 @@ impl Scan {
         let totals_of_totals = Pass {
             shader: &SCAN_TOTALS,
             stage: "totals",
-            bindings: vec![slice(steps, SECOND_STEP, STEP_BYTES), all_totals, slice(counts, 0, 16)],
+            bindings: vec![
+                slice(steps, SECOND_STEP, step_bytes()),
+                all_totals,
+                slice(counts, 0, 16),
+            ],
             groups: [1, 1, 1],
         };
         let passes = vec![blocks, totals_of_totals];
@@ -58,7 +65,8 @@ impl Scan {
     fn work<'a>(&'a self, values: &'a [u32]) -> Work<'a> {
         let [steps, elements, totals, counts] = self.buffers;
         let step = |n_elements: usize, count_slot| {
-            let step = [0, n_elements as u32, count_slot, 0, 0, 0, 0, 0, 0];
+            let mut step = vec![0; step_bytes() as usize / size_of::<u32>()];
+            [step[1], step[2]] = [n_elements as u32, count_slot];
             bytemuck::cast_slice::<u32, u8>(&step).to_vec()
         };
         let write = |buffer, offset, bytes| Write { buffer, offset, bytes };
