@@ -63,6 +63,9 @@ impl Planner {
         self.tables.resize_with(n_layers, Tables::default);
         let parts = seen.into_iter().zip(&depths).zip(&mut self.tables);
         let parts = parts.filter(|((seen, _), _)| shows(seen.layer, settings.mode));
+        // What densities may be off is off in each layer by itself (model §10).
+        let share_of_tolerance =
+            if method == Method::PostClassified { 1.0 } else { n_layers as f64 };
         let plan = |((seen, depths), tables): ((SeenLayer<'a>, &Depths), &mut Tables)| {
             let SeenLayer { layer, view, shape } = seen;
             let grid = layer.volume.grid();
@@ -73,7 +76,7 @@ impl Planner {
                 .method(method)
                 .slab_width(scale * width)
                 .base_slab_width(scale * settings.base_slab_width)
-                .tolerance(settings.tolerance / n_layers as f64);
+                .tolerance(settings.tolerance / share_of_tolerance);
             settings.check_hierarchy(shape.kappa)?;
             let slabs = depths.in_slabs(&slabs, &view);
             let (view, shape, kernel) = (&view, &shape, &*kernel);
