@@ -4,8 +4,8 @@
 //! file must be long enough first, a packed one could not unpack to more than its length allows,
 //! and memory then grows with what really comes.
 //!
-//! Reading order: `stream` (bytes from files), `buffer` (bytes to samples); `data_files`, `data`, `ascii`
-//! (samples in one file or many, however they are written), `names`; then a format each.
+//! Reading order: `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`; `data_files`,
+//! `data`, `ascii` (samples in one file or many, however they are written), `names`; then a format each.
 
 mod buffer;
 mod stream;
@@ -13,6 +13,7 @@ mod stream;
 mod ascii;
 mod data;
 mod data_files;
+mod header_fields;
 mod names;
 
 mod metaimage;

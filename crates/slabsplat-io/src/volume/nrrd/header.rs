@@ -2,13 +2,11 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::ops::Deref;
+use std::path::Path;
 
+use super::super::header_fields::{HeaderFields, MAX_HEADER_BYTES};
 use crate::IoError;
-
-/// A header longer than this is none: lists of a hundred thousand files are shorter.
-const MAX_HEADER_BYTES: u64 = 4 << 20;
 
 /// The fields that decide what is read; all others are left to whoever wrote them.
 const FIELDS: &[&str] = &[
@@ -35,14 +33,17 @@ const SYNONYMS: &[(&str, &str)] =
 /// The fields of a header.
 #[derive(Debug)]
 pub(super) struct Header {
-    /// The file that the header was read from.
-    pub(super) path: PathBuf,
-    /// Name in lower case, and text.
-    fields: Vec<(String, String)>,
+    fields: HeaderFields,
     /// The lines after `data file: LIST`.
     pub(super) listed_files: Vec<String>,
-    /// Where the header ends, and attached data begin.
-    pub(super) n_bytes: u64,
+}
+
+impl Deref for Header {
+    type Target = HeaderFields;
+
+    fn deref(&self) -> &HeaderFields {
+        &self.fields
+    }
 }
 
 impl Header {
@@ -53,29 +54,14 @@ impl Header {
     }
 
     fn parse(path: &Path, reader: &mut impl BufRead) -> Result<Self, IoError> {
-        let mut header =
-            Self { path: path.to_owned(), fields: vec![], listed_files: vec![], n_bytes: 0 };
-        let magic = header.next_line(reader)?.unwrap_or_default();
+        let mut header = Self { fields: HeaderFields::new(path), listed_files: vec![] };
+        let magic = header.fields.next_line(reader)?.unwrap_or_default();
         header.check_magic(&magic)?;
-        while let Some(line) = header.next_line(reader)?.filter(|line| !line.is_empty()) {
+        while let Some(line) = header.fields.next_line(reader)?.filter(|line| !line.is_empty()) {
             header.take_line(&line)?;
         }
-        if header.n_bytes == MAX_HEADER_BYTES {
-            return Err(header.malformed("the header does not end within 4 MiB"));
-        }
+        header.check_length()?;
         Ok(header)
-    }
-
-    /// The next line without its end; `None` at the end of the file.
-    ///
-    /// Comments and contents are often not UTF-8, so that what is not becomes `�`; where it matters,
-    /// in a number or the name of a file, that fails later and is shown.
-    fn next_line(&mut self, reader: &mut impl BufRead) -> Result<Option<String>, IoError> {
-        let mut bytes = Vec::new();
-        let n_read = reader.read_until(b'\n', &mut bytes).map_err(IoError::read(&self.path))?;
-        self.n_bytes += n_read as u64;
-        let line = String::from_utf8_lossy(&bytes);
-        Ok((0 < n_read).then(|| line.trim_end_matches(['\n', '\r']).to_owned()))
     }
 
     fn check_magic(&self, line: &str) -> Result<(), IoError> {
@@ -113,56 +99,12 @@ impl Header {
         if self.get(&name).is_some() {
             return Err(self.malformed(format!("the header gives {name:?} twice")));
         }
-        self.fields.push((name, text.trim().to_owned()));
+        self.fields.push(name, text.trim());
         Ok(())
     }
 
     fn is_list(&self) -> bool {
         self.get("data file").is_some_and(|text| text.split_whitespace().next() == Some("LIST"))
-    }
-
-    /// The text of a field.
-    pub(super) fn get(&self, name: &str) -> Option<&str> {
-        self.fields.iter().find(|(n, _)| n == name).map(|(_, text)| text.as_str())
-    }
-
-    /// The text of a field that every file must have.
-    pub(super) fn needed(&self, name: &str) -> Result<&str, IoError> {
-        self.get(name).ok_or_else(|| self.malformed(format!("the header has no field {name:?}")))
-    }
-
-    /// A field that is one number.
-    pub(super) fn parsed<T: FromStr>(&self, name: &str) -> Result<Option<T>, IoError> {
-        let parse = |text: &str| {
-            let what = || format!("{name} is {text:?}, which is not a number that it can be");
-            text.parse().map_err(|_| self.malformed(what()))
-        };
-        self.get(name).map(parse).transpose()
-    }
-
-    /// A field that is `n` numbers with blanks between.
-    pub(super) fn numbers<T: FromStr>(
-        &self,
-        name: &str,
-        n: usize,
-    ) -> Result<Option<Vec<T>>, IoError> {
-        let Some(text) = self.get(name) else {
-            return Ok(None);
-        };
-        let numbers: Option<Vec<T>> =
-            text.split_whitespace().map(|token| token.parse().ok()).collect();
-        match numbers {
-            Some(numbers) if numbers.len() == n => Ok(Some(numbers)),
-            _ => Err(self.malformed(format!("{name} should be {n} numbers, not {text:?}"))),
-        }
-    }
-
-    pub(super) fn malformed(&self, what: impl Into<String>) -> IoError {
-        IoError::malformed(&self.path, what)
-    }
-
-    pub(super) fn unsupported(&self, what: impl Into<String>) -> IoError {
-        IoError::unsupported(&self.path, what)
     }
 }
 
