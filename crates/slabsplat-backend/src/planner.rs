@@ -10,17 +10,27 @@ use crate::{DensitySplats, FramePlan, LayerPlan, PlanError};
 use slabsplat_core::{
     BlinnPhong, Compositing, Grid, Layer, Light, Method, Mode, RegionInView, Scene, Shading, View,
 };
-use slabsplat_kernel::{FootprintShape, kernel_named};
+use slabsplat_kernel::{FootprintShape, Kernel, KernelError, Kernels};
+use std::sync::Arc;
 
 /// Makes frame plans. Tables cost a millisecond or more, and seldom change from one frame to the next, so the
 /// last ones are cached.
 #[derive(Debug, Default)]
 pub struct Planner {
+    kernels: Kernels,
     /// Of the layers of the last frame, in its order.
     tables: Vec<Tables>,
 }
 
 impl Planner {
+    /// Adds a kernel, which settings may name from now on.
+    ///
+    /// # Errors
+    /// As [`Kernels::add`].
+    pub fn add_kernel(&mut self, kernel: Arc<dyn Kernel>) -> Result<(), KernelError> {
+        self.kernels.add(kernel)
+    }
+
     /// Plans a frame of `scene` that draws the voxels whose opacity is above 0.
     ///
     /// # Errors
@@ -35,7 +45,7 @@ impl Planner {
         // Both methods with slabs have the same densities.
         let method =
             if is_of_densities(settings.mode) { Method::PostClassified } else { settings.method };
-        let kernel = kernel_named(&settings.kernel.0)?;
+        let kernel = self.kernels.named(&settings.kernel.0)?;
         let layers = in_one_order(&scene.layers);
         let seen = layers.iter().map(|layer| SeenLayer::new(layer, &layers, scene));
         let seen = collected(n_layers, seen)?;

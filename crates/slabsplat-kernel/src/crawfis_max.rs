@@ -28,7 +28,7 @@ const OUTER: Cubic = {
 };
 
 impl Kernel for CrawfisMax {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "crawfis-max"
     }
 

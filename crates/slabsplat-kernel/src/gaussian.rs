@@ -14,7 +14,7 @@ pub struct Gaussian;
 const PEAK_OF_FOOTPRINT: f64 = 0.446;
 
 impl Kernel for Gaussian {
-    fn name(&self) -> &'static str {
+    fn name(&self) -> &str {
         "gaussian"
     }
 

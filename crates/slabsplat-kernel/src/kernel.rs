@@ -1,4 +1,4 @@
-//! What a kernel is, and which there are.
+//! What a kernel is, and which are built in.
 
 use crate::{CrawfisMax, Gaussian};
 use std::fmt::Debug;
@@ -7,10 +7,12 @@ use thiserror::Error;
 
 /// A radially symmetric reconstruction kernel of finite radius, in index space.
 ///
-/// Shifted to all integer points, its copies sum to about 1 everywhere.
+/// Shifted to all integer points, its copies sum to about 1 everywhere; it is nowhere negative, and its
+/// values and line integrals go together. [`Kernels`](crate::Kernels) takes kernels of one's own, and looks
+/// whether they are such. Two calls with the same numbers give the same result.
 pub trait Kernel: Debug + Send + Sync {
-    /// The name that scene files and flags use.
-    fn name(&self) -> &'static str;
+    /// The name that scene files and settings use.
+    fn name(&self) -> &str;
 
     /// `R`: the kernel is 0 from here on, in voxel steps; at most [`MAX_RADIUS`].
     fn radius(&self) -> f64;
@@ -31,18 +33,20 @@ pub trait Kernel: Debug + Send + Sync {
 /// voxels ([`ErrorBudget`](crate::ErrorBudget)), and tables of densities have cells for it.
 pub const MAX_RADIUS: f64 = 2.0;
 
-/// The names of all kernels, the default first.
+/// The names of the built-in kernels, the default first.
 pub const KERNEL_NAMES: &[&str] = &["gaussian", "crawfis-max"];
 
 /// There is no kernel of that name.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("there is no kernel \"{name}\"; there are {}", KERNEL_NAMES.join(", "))]
+#[error("there is no kernel \"{name}\"; there are {}", known.join(", "))]
 pub struct UnknownKernel {
     /// The name asked for.
     pub name: String,
+    /// The names that there are.
+    pub known: Vec<String>,
 }
 
-/// The kernel called `name`.
+/// The built-in kernel called `name`.
 ///
 /// # Errors
 /// If it is none of [`KERNEL_NAMES`].
@@ -50,7 +54,10 @@ pub fn kernel_named(name: &str) -> Result<Arc<dyn Kernel>, UnknownKernel> {
     match name {
         "gaussian" => Ok(Arc::new(Gaussian)),
         "crawfis-max" => Ok(Arc::new(CrawfisMax)),
-        _ => Err(UnknownKernel { name: name.to_owned() }),
+        _ => Err(UnknownKernel {
+            name: name.to_owned(),
+            known: KERNEL_NAMES.iter().copied().map(str::to_owned).collect(),
+        }),
     }
 }
 

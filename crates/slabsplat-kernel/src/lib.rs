@@ -6,12 +6,12 @@
 //! [`SectionTable`]; the two traditional methods use the [`FootprintTable`] of the whole kernel.
 //! [`FootprintShape`] says how a grid that is neither cubic nor upright bends all this.
 //!
-//! Nothing here knows voxels, images or colours. A new kernel implements [`Kernel`] and joins the
-//! list in `kernel.rs`; nothing else in the project changes.
+//! Nothing here knows voxels, images or colours. A new kernel implements [`Kernel`]. It is added to the
+//! [`Kernels`] of who draws with it; a built-in one joins the list in `kernel.rs`, and nothing else changes.
 //!
 //! # Reading order
 //!
-//! `kernel`, `gaussian`, `crawfis_max`; `section`, `hierarchy`; `error_budget`, `split_levels`;
+//! `kernel`, `gaussian`, `crawfis_max`, `kernels`; `section`, `hierarchy`; `error_budget`, `split_levels`;
 //! `section_table`, `cubic_section_table`, `footprint_table`, `radial_polynomials`, `separable_sections`,
 //! `separable_shapes`, `tilted_sections`; `footprint_shape`.
 //!
@@ -40,6 +40,7 @@ mod kernel;
 
 mod crawfis_max;
 mod gaussian;
+mod kernels;
 
 mod hierarchy;
 mod section;
@@ -64,6 +65,7 @@ pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;
 pub use gaussian::Gaussian;
 pub use kernel::{KERNEL_NAMES, Kernel, MAX_RADIUS, UnknownKernel, kernel_named};
+pub use kernels::{KernelError, Kernels};
 pub use radial_polynomials::{Degree, MAX_COEFFICIENTS, RadialPolynomials, chord_units_per_index};
 pub use section::SectionDesc;
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};

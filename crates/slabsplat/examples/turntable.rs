@@ -3,14 +3,20 @@
 
 use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, io};
 use std::error::Error;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const N_FRAMES: u32 = 24;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "turntable".to_owned()));
     std::fs::create_dir_all(&dir)?;
+    turn(&dir)?;
+    println!("{N_FRAMES} frames in {}", dir.display());
+    Ok(())
+}
 
+/// Writes a picture of each step into `dir`.
+pub(crate) fn turn(dir: &Path) -> Result<(), Box<dyn Error>> {
     let volume = io::builtin_volume("neuron", None)?;
     let image = ImageDesc { width: 256, height: 256, background: [0.05, 0.05, 0.07, 1.0] };
     let mut scene = Automatic::new(volume).scene(image, RenderSettings::default());
@@ -22,6 +28,5 @@ fn main() -> Result<(), Box<dyn Error>> {
         io::write_picture(&dir.join(format!("frame-{frame_idx:03}.png")), &frame.image)?;
         scene.camera = scene.camera.orbited(step_radians);
     }
-    println!("{N_FRAMES} frames in {}", dir.display());
     Ok(())
 }

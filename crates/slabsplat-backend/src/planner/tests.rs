@@ -79,7 +79,7 @@ fn planner_merges_sections_of_slabs_as_wide_as_the_kernel() {
             panic!("{:?}", plan.splats);
         };
         let merged = sections.merged.as_ref().expect("faint voxels are whole");
-        let kernel = kernel_named("gaussian").unwrap();
+        let kernel = Kernels::default().named("gaussian").unwrap();
         let split_view = SplitView { layer_depth, steepest_ray: 0.0, is_cut: false };
         let levels = SplitLevels::new(&scene.settings, &*kernel, split_view);
         assert_eq!(merged.levels, levels, "{spacing:?}");
