@@ -171,7 +171,10 @@ pub fn add_gradient_opacity(rng: &mut Rng, scene: &mut Scene) {
         let steepest = if (hi - lo).is_finite() { hi - lo } else { 1.0 };
         let mut at: Vec<f64> = (0..rng.usize(1..4)).map(|_| steepest * rng.f64()).collect();
         at.sort_by(f64::total_cmp);
-        let factor = at.into_iter().map(|x| (x, [[0.0, 1.0, rng.f64()][rng.usize(..3)]])).collect();
+        let factor = at
+            .into_iter()
+            .map(|x| (x, [[0.0, 1.0, rng.f64()][rng.usize(..3)]]))
+            .collect::<Vec<_>>();
         let factor = PiecewiseLinear::new("factor", factor).expect("sorted points within 0 to 1");
         layer.gradient_opacity = Some(factor);
     }
@@ -253,7 +256,8 @@ fn random_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
     // Something is always to be seen, and now and then it is as opaque as can be.
     let peak = rng.usize(..opacities.len());
     opacities[peak].1 = [densest];
-    let colors = positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect();
+    let colors =
+        positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect::<Vec<_>>();
     TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
 }
 
@@ -271,7 +275,8 @@ fn gentle_transfer(rng: &mut Rng, [lo, hi]: [f64; 2]) -> TransferFunction {
     let mut opacities: Vec<_> = positions(rng).into_iter().map(|x| (x, [opacity(rng)])).collect();
     let peak = rng.usize(..opacities.len());
     opacities[peak].1 = [densest];
-    let colors = positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect();
+    let colors =
+        positions(rng).into_iter().map(|x| (x, [0; 3].map(|_| rng.f64()))).collect::<Vec<_>>();
     TransferFunction::new(opacities, colors).expect("sorted points within 0 to 1")
 }
 

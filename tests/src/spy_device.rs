@@ -1,6 +1,7 @@
 //! A device that does what another does, counts what goes through it, and fails on demand.
 
 use slabsplat_gpu::{BufferId, Device, DeviceError, DeviceInfo, Done, Work, WorkId};
+use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
 
@@ -24,6 +25,12 @@ pub struct SpyDevice {
     inner: Box<dyn Device>,
     info: DeviceInfo,
     orders: Arc<Mutex<Orders>>,
+}
+
+impl fmt::Debug for SpyDevice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SpyDevice").field("info", &self.info).finish_non_exhaustive()
+    }
 }
 
 impl SpyDevice {

@@ -78,7 +78,7 @@ fn scene(
     projection: Projection,
     opacity: &[(f64, f64)],
 ) -> Scene {
-    let opacity = opacity.iter().map(|&(value, opacity)| (value, [opacity])).collect();
+    let opacity = opacity.iter().copied();
     let transfer = TransferFunction::new(opacity, vec![(0.0, [0.95, 0.8, 0.55])])
         .expect("the points are sorted");
     let camera = Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)

@@ -44,6 +44,8 @@ pub struct Dependency {
     pub name: String,
     /// Who sees it; `None` stands for the library or program itself.
     pub kind: Option<DependencyKind>,
+    /// Whether it comes with a feature only.
+    pub optional: bool,
 }
 
 /// Who sees a dependency if the library or program does not.

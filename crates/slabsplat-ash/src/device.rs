@@ -22,6 +22,7 @@ use slabsplat_gpu::{
     BufferId, Device, DeviceError, DeviceInfo, Done, OpenOptions, Unavailable, Work, WorkId,
 };
 use std::collections::{HashMap, VecDeque};
+use std::fmt;
 use std::sync::Arc;
 use std::task::Poll;
 
@@ -57,6 +58,13 @@ pub struct AshDevice {
     pub(crate) buffers: Buffers,
     pub(crate) timeline: Timeline,
     pub(crate) context: Arc<Context>,
+}
+
+impl fmt::Debug for AshDevice {
+    /// What it is, and nothing of what it holds.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("AshDevice").field("info", self.info()).finish_non_exhaustive()
+    }
 }
 
 impl AshDevice {

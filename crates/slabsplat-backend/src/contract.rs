@@ -25,6 +25,7 @@ pub trait Backend: Send {
 
 /// What a backend is and what it can do.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Caps {
     /// The name that scene files and flags use.
     pub name: &'static str,
@@ -34,12 +35,20 @@ pub struct Caps {
     pub methods: &'static [Method],
 }
 
+impl Caps {
+    /// Those of a backend.
+    pub fn new(name: &'static str, device: impl Into<String>, methods: &'static [Method]) -> Self {
+        Self { name, device: device.into(), methods }
+    }
+}
+
 /// Names a submitted frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FrameId(pub u64);
 
 /// A finished frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Frame {
     /// The picture, background included.
     pub image: Image,
@@ -49,9 +58,17 @@ pub struct Frame {
     pub cost: FrameCost,
 }
 
+impl Frame {
+    /// A frame that has drawn, and cost, what is said of it.
+    pub fn new(image: Image, stats: FrameStats, cost: FrameCost) -> Self {
+        Self { image, stats, cost }
+    }
+}
+
 /// What a frame drew. Counts are exact and the same in every run on one backend; another may cut the
 /// image into other tiles, and find other splats occluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct FrameStats {
     /// Voxels that were relevant.
     pub n_voxels: u64,
@@ -70,6 +87,7 @@ pub struct FrameStats {
 
 /// What a frame cost; differs from run to run.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FrameCost {
     /// The stages, in their order, and how long each took where the frame was executed. Empty if the
     /// device cannot tell.
@@ -79,8 +97,16 @@ pub struct FrameCost {
     pub resident_bytes: u64,
 }
 
+impl FrameCost {
+    /// What the stages took, and what stays.
+    pub fn new(stages: Vec<StageTime>, resident_bytes: u64) -> Self {
+        Self { stages, resident_bytes }
+    }
+}
+
 /// How long a stage took.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StageTime {
     /// Its name.
     pub name: &'static str,
@@ -88,8 +114,16 @@ pub struct StageTime {
     pub ms: f64,
 }
 
+impl StageTime {
+    /// That of a stage called `name`.
+    pub fn new(name: &'static str, ms: f64) -> Self {
+        Self { name, ms }
+    }
+}
+
 /// Why a frame failed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum BackendError {
     /// The frame needs more memory than there is.
     #[error(
@@ -124,4 +158,15 @@ pub enum BackendError {
     /// No such frame waits to be taken.
     #[error("frame {} was never submitted, or was taken already", .0.0)]
     UnknownFrame(FrameId),
+}
+
+impl BackendError {
+    /// Whether the frame failed because of the device, not because of who asked for it: another backend may
+    /// draw it.
+    pub fn is_of_device(&self) -> bool {
+        match self {
+            Self::OutOfMemory { .. } | Self::DeviceLost { .. } | Self::Unable { .. } => true,
+            Self::UnknownFrame(_) => false,
+        }
+    }
 }

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Why a scene cannot be drawn.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum PlanError {
     /// There is no such kernel.
     #[error(transparent)]

@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn backends_text() {
-        let caps = Caps { name: "ash", device: "Fake 3000".to_owned(), methods: Method::ALL };
+        let caps = Caps::new("ash", "Fake 3000", Method::ALL);
         let expected = "\
 backend  device     driver    kind      largest binding  memory  timed
 ash      Fake 3000  fake 1.0  discrete  2.0 GiB          -       yes

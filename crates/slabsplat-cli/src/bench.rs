@@ -122,7 +122,7 @@ impl Report {
     }
 
     fn json(&self) -> Value {
-        let Frame { image, stats, cost } = &self.frames.last;
+        let Frame { image, stats, cost, .. } = &self.frames.last;
         json!({
             "backend": self.caps.name,
             "device": self.caps.device,
@@ -145,7 +145,7 @@ impl Report {
     }
 
     fn text(&self) -> String {
-        let Frame { image, stats, cost } = &self.frames.last;
+        let Frame { image, stats, cost, .. } = &self.frames.last;
         let picture = format!("{}, {} x {} pixels", self.scene, image.width(), image.height());
         let mut rows = vec![
             ("scene", picture),
@@ -184,19 +184,17 @@ mod tests {
     use slabsplat::{FrameCost, FrameStats, Image, Method, StageTime};
 
     fn frame(stages: &[(&'static str, f64)]) -> Frame {
-        let stages = stages.iter().map(|&(name, ms)| StageTime { name, ms }).collect();
-        Frame {
-            image: Image::filled(3, 2, [0.0; 4]),
-            stats: FrameStats { n_voxels: 1, n_splats: 22, n_culled: 333, ..Default::default() },
-            cost: FrameCost { stages, resident_bytes: 1023 },
-        }
+        let stages = stages.iter().map(|&(name, ms)| StageTime::new(name, ms)).collect();
+        let mut stats = FrameStats::default();
+        (stats.n_voxels, stats.n_splats, stats.n_culled) = (1, 22, 333);
+        Frame::new(Image::filled(3, 2, [0.0; 4]), stats, FrameCost::new(stages, 1023))
     }
 
     fn report() -> Report {
         let mut frames = TimedFrames::new(frame(&[("project", 1.0), ("splat", 9.0)]), 30.0);
         frames.push(frame(&[("project", 2.0), ("splat", 7.0)]), 10.0);
         frames.push(frame(&[("project", 4.0), ("splat", 8.0)]), 20.25);
-        let caps = Caps { name: "ash", device: "Fake 3000".to_owned(), methods: Method::ALL };
+        let caps = Caps::new("ash", "Fake 3000", Method::ALL);
         Report::of("a.toml".to_owned(), &caps, frames)
     }
 

@@ -64,25 +64,16 @@ mod tests {
     use slabsplat::{Image, Method, StageTime};
 
     fn frame(stages: Vec<StageTime>) -> Frame {
-        Frame {
-            image: Image::filled(1, 1, [0.0; 4]),
-            stats: FrameStats {
-                n_voxels: 1,
-                n_occluded: 0,
-                n_splats: 22,
-                n_culled: 333,
-                n_tiles: 4,
-                n_saturated_tiles: 5,
-            },
-            cost: FrameCost { stages, resident_bytes: 3 << 20 },
-        }
+        let mut stats = FrameStats::default();
+        (stats.n_voxels, stats.n_splats, stats.n_culled) = (1, 22, 333);
+        (stats.n_tiles, stats.n_saturated_tiles) = (4, 5);
+        Frame::new(Image::filled(1, 1, [0.0; 4]), stats, FrameCost::new(stages, 3 << 20))
     }
 
     #[test]
     fn stats_are_aligned() {
-        let caps = Caps { name: "ash", device: "Fake 3000".to_owned(), methods: Method::ALL };
-        let stages =
-            vec![StageTime { name: "project", ms: 0.25 }, StageTime { name: "splat", ms: 12.5 }];
+        let caps = Caps::new("ash", "Fake 3000", Method::ALL);
+        let stages = vec![StageTime::new("project", 0.25), StageTime::new("splat", 12.5)];
         let expected = "\
 project               0.250 ms
 splat                12.500 ms

@@ -1,5 +1,6 @@
 //! Orthographic and perspective cameras, and the three axes of the view.
 
+use crate::ProjectionKind;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -8,6 +9,11 @@ use thiserror::Error;
 /// The three vectors always span a view: the eye is not at the target, and up is not along the
 /// viewing direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "crate::serialized::CameraKeys", into = "crate::serialized::CameraKeys")
+)]
 pub struct Camera {
     eye: DVec3,
     target: DVec3,
@@ -43,6 +49,7 @@ pub struct ViewAxes {
 
 /// Why a camera cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum CameraError {
     /// A coordinate is NaN or infinite.
     #[error("the camera's {0} is not finite")]
@@ -70,11 +77,12 @@ impl Camera {
     /// # Errors
     /// If a number is not finite, or the three vectors do not span a view.
     pub fn new(
-        eye: DVec3,
-        target: DVec3,
-        up: DVec3,
+        eye: impl Into<DVec3>,
+        target: impl Into<DVec3>,
+        up: impl Into<DVec3>,
         projection: Projection,
     ) -> Result<Self, CameraError> {
+        let (eye, target, up) = (eye.into(), target.into(), up.into());
         for (name, vector) in [("eye", eye), ("target", target), ("up vector", up)] {
             if !vector.is_finite() {
                 return Err(CameraError::NotFinite(name));
@@ -126,6 +134,14 @@ impl Camera {
 }
 
 impl Projection {
+    /// Which of the two it is.
+    pub fn kind(self) -> ProjectionKind {
+        match self {
+            Self::Orthographic { .. } => ProjectionKind::Orthographic,
+            Self::Perspective { .. } => ProjectionKind::Perspective,
+        }
+    }
+
     fn check(self) -> Result<(), CameraError> {
         match self {
             Self::Orthographic { view_height } => {

@@ -112,8 +112,19 @@ pub enum Lookup {
     Linear,
 }
 
+/// Which of the two projections, without its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ProjectionKind {
+    /// Depth does not change size.
+    Orthographic,
+    /// Rays leave the eye.
+    Perspective,
+}
+
 /// The name of a kernel; `slabsplat-kernel` knows which there are.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(transparent))]
 pub struct KernelName(pub Cow<'static, str>);
 
 /// A word that is none of those to choose from.
@@ -126,17 +137,29 @@ pub struct NotAChoice {
     pub choices: &'static [&'static str],
 }
 
+impl From<&str> for KernelName {
+    fn from(name: &str) -> Self {
+        Self(Cow::Owned(name.to_owned()))
+    }
+}
+
+impl std::fmt::Display for KernelName {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
 impl Default for KernelName {
     fn default() -> Self {
         Self(Cow::Borrowed("gaussian"))
     }
 }
 
-/// Gives a fieldless enum its names, as scene files and flags spell them.
+/// Gives a fieldless enum its names, as scene files and flags spell them; it is printed and parsed by them.
 macro_rules! named {
     ($ty:ident { $($variant:ident = $name:literal),* $(,)? }) => {
         impl $ty {
-            /// Every choice, in the order of the model.
+            /// Every choice, in the order of this documentation.
             pub const ALL: &[Self] = &[$(Self::$variant),*];
 
             /// The name of every choice, in the same order.
@@ -146,14 +169,32 @@ macro_rules! named {
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name),* }
             }
+        }
 
-            /// The choice of that name.
-            ///
-            /// # Errors
-            /// If there is none.
-            pub fn from_name(name: &str) -> Result<Self, NotAChoice> {
-                let not_a_choice = || NotAChoice { word: name.to_owned(), choices: Self::NAMES };
-                Self::ALL.iter().copied().find(|choice| choice.name() == name).ok_or_else(not_a_choice)
+        impl std::str::FromStr for $ty {
+            type Err = $crate::NotAChoice;
+
+            fn from_str(name: &str) -> Result<Self, Self::Err> {
+                let is_it = |choice: &Self| choice.name() == name;
+                Self::ALL.iter().copied().find(is_it).ok_or_else(|| $crate::NotAChoice {
+                    word: name.to_owned(),
+                    choices: Self::NAMES,
+                })
+            }
+        }
+
+        #[cfg(feature = "serde")]
+        impl serde::Serialize for $ty {
+            fn serialize<Z: serde::Serializer>(&self, serializer: Z) -> Result<Z::Ok, Z::Error> {
+                serializer.serialize_str(self.name())
+            }
+        }
+
+        #[cfg(feature = "serde")]
+        impl<'de> serde::Deserialize<'de> for $ty {
+            fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
+                let name = <String as serde::Deserialize>::deserialize(d)?;
+                name.parse().map_err(serde::de::Error::custom)
             }
         }
 
@@ -186,7 +227,10 @@ named!(Mode {
     Isosurfaces = "isosurfaces",
 });
 named!(Normalization { None = "none", Paper = "paper", Product = "product" });
+named!(ProjectionKind { Orthographic = "orthographic", Perspective = "perspective" });
 named!(Lookup { Nearest = "nearest", Linear = "linear" });
+
+pub(crate) use named;
 
 #[cfg(test)]
 mod tests {
@@ -195,9 +239,9 @@ mod tests {
     #[test]
     fn choices_round_trip() {
         for &m in Method::ALL {
-            assert_eq!(Method::from_name(m.name()), Ok(m));
+            assert_eq!(m.to_string().parse(), Ok(m));
         }
-        assert_eq!(Compositing::from_name("extinction"), Ok(Compositing::Extinction));
+        assert_eq!("extinction".parse(), Ok(Compositing::Extinction));
         for &mode in Mode::ALL {
             let of = [mode.compositing().is_some(), mode.statistic().is_some()];
             assert_eq!(of == [false; 2], mode == Mode::Isosurfaces, "{mode}");
@@ -205,7 +249,10 @@ mod tests {
             let same = mode.compositing().map_or(mode, Mode::from);
             assert_eq!(same, mode);
         }
-        let error = Normalization::from_name("both").unwrap_err().to_string();
+        for &kind in ProjectionKind::ALL {
+            assert_eq!(kind.name().parse(), Ok(kind));
+        }
+        let error = "both".parse::<Normalization>().unwrap_err().to_string();
         assert_eq!(error, "\"both\" is not a choice here: use one of none, paper, product");
     }
 }

@@ -15,6 +15,7 @@ pub struct Grid {
 
 /// Why a grid cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum GridError {
     /// An axis has no voxels.
     #[error("the grid is empty: its dimensions are {0:?}")]
@@ -75,6 +76,16 @@ impl Grid {
     /// As [`Grid::new`]; a spacing of zero cannot be inverted.
     pub fn with_spacing(dims: [usize; 3], spacing: [f64; 3]) -> Result<Self, GridError> {
         Self::new(dims, DAffine3::from_scale(DVec3::from_array(spacing)))
+    }
+
+    /// An axis-parallel grid whose middle is the world's origin.
+    ///
+    /// # Errors
+    /// As [`Grid::with_spacing`].
+    pub fn centered(dims: [usize; 3], spacing: [f64; 3]) -> Result<Self, GridError> {
+        let grid = Self::with_spacing(dims, spacing)?;
+        let place = DAffine3 { translation: -grid.center_in_world(), ..grid.world_from_index };
+        Self::new(dims, place)
     }
 
     /// Voxels along x, y and z.
@@ -236,6 +247,14 @@ mod tests {
         }
         check([1.0, 1.0, 1e12], 0.0, DVec3::ZERO, true);
         check([1.0, 1.0, 1.1e12], 0.0, DVec3::ZERO, false);
+    }
+
+    #[test]
+    fn grid_centered_has_its_middle_in_the_origin() {
+        let grid = Grid::centered([3, 4, 5], [1.0, 0.1, 2.5]).unwrap();
+        assert!(grid.center_in_world().length() < 1e-15);
+        assert_eq!(grid.spacing(), [1.0, 0.1, 2.5]);
+        assert!(Grid::centered([3, 0, 5], [1.0; 3]).is_err());
     }
 
     #[test]

@@ -4,6 +4,8 @@ use thiserror::Error;
 
 /// Size and background of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ImageDesc {
     /// Pixels in a row, 1 … 32768.
     pub width: u32,
@@ -23,6 +25,7 @@ pub struct Image {
 
 /// Why a picture cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum ImageError {
     /// A side is 0 or too long, or there are too many pixels.
     #[error(
@@ -38,6 +41,16 @@ pub enum ImageError {
     /// A background channel is outside 0 … 1.
     #[error("the background must be four numbers from 0 to 1, not {0:?}")]
     BadBackground([f32; 4]),
+}
+
+impl ImageError {
+    /// The name of the field of [`ImageDesc`] that a person should look at.
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::BadSize { .. } => "width",
+            Self::BadBackground(_) => "background",
+        }
+    }
 }
 
 /// Longest side of a picture in pixels.
@@ -115,6 +128,23 @@ impl Image {
         &mut self.pixels
     }
 
+    /// The picture as most programs take it: 8 bits of red, green, blue and opacity a pixel, not
+    /// premultiplied, row by row from the top. What is outside 0 … 1 is clamped, NaN is 0, and a pixel whose
+    /// opacity rounds to 0 is all 0, as its colour is nobody's.
+    pub fn to_rgba8(&self) -> Vec<u8> {
+        self.pixels.iter().flat_map(|&pixel| straight(pixel)).collect()
+    }
+
+    /// The same as an image of the crate `image`.
+    ///
+    /// # Panics
+    /// If the picture has more pixels than memory.
+    #[cfg(feature = "image")]
+    pub fn to_rgba_image(&self) -> image::RgbaImage {
+        image::RgbaImage::from_raw(self.width, self.height, self.to_rgba8())
+            .expect("there are four bytes a pixel")
+    }
+
     /// The pixel in column `x` of row `y`.
     ///
     /// # Panics
@@ -163,9 +193,45 @@ impl Image {
     }
 }
 
+/// A premultiplied pixel as 8 bits of straight colour and opacity.
+fn straight([r, g, b, a]: [f32; 4]) -> [u8; 4] {
+    // NaN becomes 0 in the cast.
+    let to_byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
+    match to_byte(a) {
+        0 => [0; 4],
+        alpha => [to_byte(r / a), to_byte(g / a), to_byte(b / a), alpha],
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn image_bytes_are_straight() {
+        let check = |pixel, expected| assert_eq!(straight(pixel), expected, "{pixel:?}");
+        check([0.0; 4], [0; 4]);
+        check([1.0; 4], [255; 4]);
+        check([0.25, 0.1, 0.0, 0.5], [128, 51, 0, 128]);
+        check([0.001, 0.0, 0.0, 0.001], [0; 4]);
+        check([2.0, -1.0, 0.5, 1.5], [255, 0, 85, 255]);
+        check([f32::NAN, 0.5, 0.5, 1.0], [0, 128, 128, 255]);
+        check([0.5, 0.5, 0.5, f32::NAN], [0; 4]);
+        let mut image = Image::filled(2, 1, [0.0; 4]);
+        image.pixels_mut()[1] = [0.5, 0.0, 0.0, 0.5];
+        assert_eq!(image.to_rgba8(), [0, 0, 0, 0, 255, 0, 0, 128]);
+    }
+
+    #[cfg(feature = "image")]
+    #[test]
+    fn image_becomes_one_of_the_crate_image() {
+        let mut image = Image::filled(3, 2, [0.2, 0.4, 0.6, 1.0]);
+        image.pixels_mut()[4] = [0.0, 0.0, 0.2, 0.4];
+        let rgba = image.to_rgba_image();
+        assert_eq!(rgba.dimensions(), (3, 2));
+        assert_eq!(rgba.get_pixel(2, 0).0, [51, 102, 153, 255]);
+        assert_eq!(rgba.get_pixel(1, 1).0, [0, 0, 128, 102]);
+    }
 
     #[test]
     fn image_over_is_what_shines_through() {

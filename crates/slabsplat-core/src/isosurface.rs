@@ -13,6 +13,14 @@ use thiserror::Error;
 /// # Ok::<(), slabsplat_core::IsosurfaceError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "crate::serialized::IsosurfaceKeys",
+        into = "crate::serialized::IsosurfaceKeys"
+    )
+)]
 pub struct Isosurface {
     value: f64,
     opacity: f64,
@@ -21,6 +29,7 @@ pub struct Isosurface {
 
 /// Why there is no such surface.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum IsosurfaceError {
     /// No density is NaN or infinite.
     #[error("an isosurface needs a finite value, not {0}")]

@@ -49,6 +49,7 @@ pub struct LabelStyle {
 
 /// Why there are no such labels.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum LabelError {
     /// A sample names no label.
     #[error("labels are whole numbers, but voxel {voxel_idx} has {value}")]

@@ -18,7 +18,8 @@
 //!
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
 //! `compositing`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`,
-//! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`.
+//! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`;
+//! `serialized`.
 //!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
@@ -63,9 +64,13 @@ mod view;
 
 mod image;
 
+#[cfg(feature = "serde")]
+mod serialized;
+
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use choices::{
-    Compositing, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, Statistic,
+    Compositing, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, ProjectionKind,
+    Statistic,
 };
 pub use compositing::{MAX_OPACITY, extinction};
 pub use grid::{Grid, GridError};
@@ -81,12 +86,14 @@ pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
+#[cfg(feature = "serde")]
+pub use serialized::{deserialize_settings, serialize_settings};
 pub use settings::{RenderSettings, SettingsError};
 pub use settings_table::{Access, Field, Setting, Settings};
 pub use shading::{BlinnPhong, Phong, Shading};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
-pub use transfer::{IsoRange, PiecewiseLinear, TransferError, TransferFunction};
+pub use transfer::{CurvePoint, IsoRange, PiecewiseLinear, TransferError, TransferFunction};
 pub use transfer_2d::{Transfer2dError, TransferBox, TransferFunction2d};
 pub use transfer_image::TransferImage;
 pub use view::{View, ViewError, ViewFromIndex};

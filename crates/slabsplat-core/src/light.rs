@@ -7,18 +7,22 @@ use thiserror::Error;
 /// A light infinitely far away.
 ///
 /// ```
-/// use slabsplat_core::{Light, glam::DVec3};
+/// use slabsplat_core::Light;
 ///
-/// let evening = Light::towards(DVec3::new(-1.0, 0.0, 0.2))?.color([1.0, 0.6, 0.3]);
+/// let evening = Light::towards([-1.0, 0.0, 0.2])?.color([1.0, 0.6, 0.3]);
 /// assert_eq!(Light::default().color([1.0; 3]), Light::default());
 /// # assert_ne!(evening, Light::default());
 /// # Ok::<(), slabsplat_core::LightError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Light {
     /// Where it comes from.
+    #[cfg_attr(feature = "serde", serde(rename = "from"))]
     pub source: LightSource,
     /// Its red, green and blue, at least 0: with 1 it is as bright as the coefficients of shading say.
+    #[cfg_attr(feature = "serde", serde(default = "crate::serialized::white"))]
     pub color: [f64; 3],
 }
 
@@ -43,6 +47,7 @@ pub struct LightDirection(DVec3);
 
 /// Why there are no such lights.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum LightError {
     /// The direction is zero or not finite.
     #[error("the light's direction must be a finite vector other than zero, not {0}")]
@@ -77,7 +82,8 @@ impl Light {
     ///
     /// # Errors
     /// If the direction is zero or not finite.
-    pub fn towards(direction: DVec3) -> Result<Self, LightError> {
+    pub fn towards(direction: impl Into<DVec3>) -> Result<Self, LightError> {
+        let direction = direction.into();
         // Squares of very long or short vectors would leave the range of numbers.
         let scaled = direction / direction.abs().max_element();
         let unit = scaled.try_normalize().ok_or(LightError::BadDirection(direction))?;

@@ -49,6 +49,7 @@ pub struct DroppedTriangles {
 
 /// Why there is no such mesh.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum MeshError {
     /// There are as many of something as there are vertices, or none.
     #[error("a mesh of {n_vertices} vertices cannot have {n} {what}")]

@@ -8,16 +8,20 @@ use thiserror::Error;
 /// Without planes it is everywhere.
 ///
 /// ```
-/// use slabsplat_core::glam::DVec3;
 /// use slabsplat_core::{Plane, Region};
 ///
-/// let cut = Region::new(vec![Plane::new(DVec3::X, 12.0)?]);
-/// assert!(cut.contains(DVec3::new(11.0, 5.0, 5.0)) && !cut.contains(DVec3::new(13.0, 5.0, 5.0)));
-/// let corner = Region::in_box([DVec3::ZERO, DVec3::splat(9.0)])?.inverted();
-/// assert!(!corner.contains(DVec3::splat(4.0)));
+/// let cut = Region::new(vec![Plane::new([1.0, 0.0, 0.0], 12.0)?]);
+/// assert!(cut.contains([11.0, 5.0, 5.0]) && !cut.contains([13.0, 5.0, 5.0]));
+/// let corner = Region::in_box([[0.0; 3], [9.0; 3]])?.inverted();
+/// assert!(!corner.contains([4.0; 3]));
 /// # Ok::<(), slabsplat_core::RegionError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "crate::serialized::RegionKeys", into = "crate::serialized::RegionKeys")
+)]
 pub struct Region {
     planes: Vec<Plane>,
     is_inverted: bool,
@@ -33,6 +37,7 @@ pub struct Plane {
 
 /// Why there is no such region.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RegionError {
     /// The normal is zero, or not all numbers are finite.
     #[error(
@@ -59,7 +64,8 @@ impl Plane {
     ///
     /// # Errors
     /// If the normal is zero, or a number is not finite.
-    pub fn new(normal: DVec3, distance: f64) -> Result<Self, RegionError> {
+    pub fn new(normal: impl Into<DVec3>, distance: f64) -> Result<Self, RegionError> {
+        let normal = normal.into();
         let bad = RegionError::BadPlane { normal, distance };
         // Squares of very long or short normals would leave the range of numbers.
         let largest = normal.abs().max_element();
@@ -97,7 +103,8 @@ impl Region {
     /// # Errors
     /// If a coordinate is not finite, or the box ends before it starts. It may have no volume: then nothing
     /// is seen.
-    pub fn in_box([min, max]: [DVec3; 2]) -> Result<Self, RegionError> {
+    pub fn in_box(ends: [impl Into<DVec3>; 2]) -> Result<Self, RegionError> {
+        let [min, max] = ends.map(Into::into);
         if !min.is_finite() || !max.is_finite() || !min.cmple(max).all() {
             return Err(RegionError::BadBox { min, max });
         }
@@ -111,7 +118,7 @@ impl Region {
     ///
     /// # Errors
     /// As [`in_box`](Self::in_box).
-    pub fn in_index_box(grid: &Grid, ends: [DVec3; 2]) -> Result<Self, RegionError> {
+    pub fn in_index_box(grid: &Grid, ends: [impl Into<DVec3>; 2]) -> Result<Self, RegionError> {
         let in_index = Self::in_box(ends)?;
         // n·A⁻¹(x − o) ≤ d
         let index_from_world = grid.index_from_world();
@@ -163,7 +170,8 @@ impl Region {
     }
 
     /// Whether a point of the world is in it.
-    pub fn contains(&self, point: DVec3) -> bool {
+    pub fn contains(&self, point: impl Into<DVec3>) -> bool {
+        let point = point.into();
         self.planes.iter().all(|plane| plane.before(point) <= 0.0) != self.is_inverted
     }
 }

@@ -1,5 +1,7 @@
 //! Samples in the type that the file has, from 8 bits to 64, never widened in memory.
 
+use crate::choices::named;
+
 /// A number that a volume can be made of.
 pub trait Sample: bytemuck::Pod + PartialOrd + Send + Sync {
     /// The type's name and size.
@@ -31,10 +33,6 @@ pub enum SampleType {
 }
 
 impl SampleType {
-    /// All of them, narrow before wide.
-    pub const ALL: [Self; 8] =
-        [Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32, Self::F32, Self::F64];
-
     /// Bytes of one sample.
     pub fn size_bytes(self) -> usize {
         match self {
@@ -44,26 +42,19 @@ impl SampleType {
             Self::F64 => 8,
         }
     }
-
-    /// The name that numpy and the command line use: `uint8`, `int16`, `float32`, …
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::U8 => "uint8",
-            Self::I8 => "int8",
-            Self::U16 => "uint16",
-            Self::I16 => "int16",
-            Self::U32 => "uint32",
-            Self::I32 => "int32",
-            Self::F32 => "float32",
-            Self::F64 => "float64",
-        }
-    }
-
-    /// The type of that [`name`](Self::name).
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|t| t.name() == name)
-    }
 }
+
+// NumPy's names.
+named!(SampleType {
+    U8 = "uint8",
+    I8 = "int8",
+    U16 = "uint16",
+    I16 = "int16",
+    U32 = "uint32",
+    I32 = "int32",
+    F32 = "float32",
+    F64 = "float64",
+});
 
 /// Runs `$body` with `$slice` bound to the slice inside `$samples`, whatever its type is.
 #[macro_export]
@@ -150,11 +141,11 @@ mod tests {
 
     #[test]
     fn sample_type_names_round_trip() {
-        for t in SampleType::ALL {
-            assert_eq!(SampleType::from_name(t.name()), Some(t));
+        for &t in SampleType::ALL {
+            assert_eq!(t.name().parse(), Ok(t));
             assert!(t.name().ends_with(&(8 * t.size_bytes()).to_string()));
         }
-        assert_eq!(SampleType::from_name("complex64"), None);
+        assert!("complex64".parse::<SampleType>().is_err());
     }
 
     #[test]

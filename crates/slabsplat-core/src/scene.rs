@@ -8,16 +8,15 @@ use crate::{Camera, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
 /// both for one. Everything else has, and a method of the same name to set it:
 ///
 /// ```
-/// use slabsplat_core::glam::DVec3;
 /// use slabsplat_core::{
 ///     Camera, Grid, ImageDesc, Layer, Projection, RenderSettings, Scaling, Scene, TransferFunction, Volume,
 /// };
 ///
 /// let grid = Grid::with_spacing([2, 2, 1], [1.0, 1.0, 2.5])?;
 /// let volume = Volume::new(grid, vec![0_u8, 10, 20, 30].into(), Scaling::IDENTITY)?;
-/// let transfer = TransferFunction::new(vec![(0.0, [0.0]), (255.0, [0.9])], vec![(0.0, [1.0; 3])])?;
+/// let transfer = TransferFunction::new([(0.0, 0.0), (255.0, 0.9)], [(0.0, [1.0; 3])])?;
 /// let projection = Projection::Orthographic { view_height: 40.0 };
-/// let camera = Camera::new(DVec3::X * 90.0, DVec3::ZERO, DVec3::Z, projection)?;
+/// let camera = Camera::new([90.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], projection)?;
 /// let scene = Scene::new(Layer::new(volume, transfer), camera)
 ///     .image(ImageDesc { width: 64, height: 64, background: [0.0; 4] })
 ///     .settings(RenderSettings::default().slab_width(0.5));

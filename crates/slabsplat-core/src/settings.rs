@@ -65,6 +65,7 @@ settings! {
 
 /// Why settings cannot be used.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// A number is outside of what its row permits.
     #[error(transparent)]

@@ -150,7 +150,7 @@ macro_rules! field {
             names: <$ty>::NAMES,
             get: |settings| settings.$name.name(),
             set: |settings, name| {
-                settings.$name = <$ty>::from_name(name)?;
+                settings.$name = name.parse()?;
                 Ok(())
             },
         }

@@ -11,14 +11,19 @@ pub struct PiecewiseLinear<const N: usize> {
     points: Vec<(f64, [f64; N])>,
 }
 
+/// A point of a [`PiecewiseLinear`] function: a position and the results there. A function of one result
+/// takes it as a number or as an array of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvePoint<const N: usize>(pub f64, pub [f64; N]);
+
 /// What makes voxels visible: opacity and colour as functions of the value.
 ///
 /// ```
 /// use slabsplat_core::TransferFunction;
 ///
 /// let transfer = TransferFunction::new(
-///     vec![(80.0, [0.0]), (255.0, [0.9])],
-///     vec![(0.0, [0.0, 0.0, 0.0]), (255.0, [1.0, 0.9, 0.8])],
+///     [(80.0, 0.0), (255.0, 0.9)],
+///     [(0.0, [0.0, 0.0, 0.0]), (255.0, [1.0, 0.9, 0.8])],
 /// )?;
 /// assert_eq!(transfer.opacity(80.0), 0.0);
 /// assert_eq!(transfer.opacity(300.0), 0.9);
@@ -26,6 +31,11 @@ pub struct PiecewiseLinear<const N: usize> {
 /// # Ok::<(), slabsplat_core::TransferError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "crate::serialized::TransferKeys", into = "crate::serialized::TransferKeys")
+)]
 pub struct TransferFunction {
     opacity: PiecewiseLinear<1>,
     color: PiecewiseLinear<3>,
@@ -42,6 +52,7 @@ pub struct IsoRange {
 
 /// Why a transfer function cannot be made. `what` is `opacity` or `color`.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum TransferError {
     /// There is nothing to interpolate.
     #[error("{what} needs at least one point")]
@@ -75,13 +86,42 @@ pub enum TransferError {
     },
 }
 
+impl TransferError {
+    /// Which function a person should look at.
+    pub fn what(&self) -> &'static str {
+        let (Self::Empty { what }
+        | Self::NotFinite { what, .. }
+        | Self::Unsorted { what, .. }
+        | Self::OutOfRange { what, .. }) = self;
+        what
+    }
+}
+
+impl<const N: usize> From<(f64, [f64; N])> for CurvePoint<N> {
+    fn from((position, results): (f64, [f64; N])) -> Self {
+        Self(position, results)
+    }
+}
+
+impl From<(f64, f64)> for CurvePoint<1> {
+    fn from((position, result): (f64, f64)) -> Self {
+        Self(position, [result])
+    }
+}
+
 impl<const N: usize> PiecewiseLinear<N> {
     /// A function through `points`, whose results lie within 0 … 1. `what` names it in errors.
     ///
     /// # Errors
     /// If there is no point, a number is not finite, the positions fall, or a result is outside
     /// 0 … 1.
-    pub fn new(what: &'static str, points: Vec<(f64, [f64; N])>) -> Result<Self, TransferError> {
+    pub fn new<P: Into<CurvePoint<N>>>(
+        what: &'static str,
+        points: impl IntoIterator<Item = P>,
+    ) -> Result<Self, TransferError> {
+        let points = points.into_iter().map(Into::into);
+        let points = points.map(|CurvePoint(position, results)| (position, results));
+        let points = points.collect::<Vec<_>>();
         if points.is_empty() {
             return Err(TransferError::Empty { what });
         }
@@ -143,9 +183,9 @@ impl TransferFunction {
     ///
     /// # Errors
     /// As [`PiecewiseLinear::new`].
-    pub fn new(
-        opacity: Vec<(f64, [f64; 1])>,
-        color: Vec<(f64, [f64; 3])>,
+    pub fn new<P: Into<CurvePoint<1>>>(
+        opacity: impl IntoIterator<Item = P>,
+        color: impl IntoIterator<Item = (f64, [f64; 3])>,
     ) -> Result<Self, TransferError> {
         Ok(Self {
             opacity: PiecewiseLinear::new("opacity", opacity)?,
@@ -215,7 +255,7 @@ mod tests {
     use super::*;
 
     fn transfer(opacity: &[(f64, f64)]) -> TransferFunction {
-        let opacity = opacity.iter().map(|&(x, a)| (x, [a])).collect();
+        let opacity = opacity.iter().copied();
         TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).unwrap()
     }
 

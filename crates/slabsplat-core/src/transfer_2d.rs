@@ -41,6 +41,7 @@ pub struct TransferBox {
 
 /// Why a two-dimensional transfer function cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum Transfer2dError {
     /// An end is NaN, or they are the wrong way round.
     #[error("{what} go from the least to the largest, not from {} to {}", .ends[0], .ends[1])]

@@ -1,5 +1,7 @@
 //! A scalar volume: samples on a grid, with the file's slope and intercept.
 
+#[cfg(feature = "ndarray")]
+use crate::GridError;
 use crate::{Grid, Sample, SampleType, Samples, with_samples};
 use std::fmt;
 use thiserror::Error;
@@ -39,6 +41,7 @@ pub struct Volume {
 
 /// Why a volume cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum VolumeError {
     /// The number of samples is not that of the grid's voxels.
     #[error("a grid of {expected} voxels was given {actual} samples")]
@@ -60,6 +63,7 @@ pub enum VolumeError {
 
 /// What a pass over all values of a volume finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Summary {
     /// Smallest and largest value; `None` if every voxel is NaN. May be infinite.
     pub range: Option<[f64; 2]>,
@@ -95,6 +99,56 @@ impl Volume {
             return Err(VolumeError::BadScaling { slope, intercept });
         }
         Ok(Self { grid, samples, scaling })
+    }
+
+    /// A volume of what `sample` says of each voxel `(i, j, k)` of `grid`. Values are samples as they are.
+    ///
+    /// ```
+    /// use slabsplat_core::{Grid, Volume};
+    ///
+    /// let grid = Grid::centered([32; 3], [0.1; 3])?;
+    /// let volume = Volume::from_fn(grid, |voxel| {
+    ///     let [x, y, z] = voxel.map(|c| c as f32 * 0.1 - 1.55);
+    ///     (x * x + y * y + z * z).sqrt()
+    /// });
+    /// assert_eq!(volume.value(0), f64::from(1.55_f32 * 3_f32.sqrt()));
+    /// # Ok::<(), slabsplat_core::GridError>(())
+    /// ```
+    pub fn from_fn<T: Sample>(grid: Grid, mut sample: impl FnMut([usize; 3]) -> T) -> Self
+    where
+        Samples: From<Vec<T>>,
+    {
+        let voxels = (0..grid.n_voxels()).map(|voxel_idx| grid.voxel_coords(voxel_idx));
+        let samples = voxels.map(&mut sample).collect::<Vec<_>>();
+        Self { grid, samples: samples.into(), scaling: Scaling::IDENTITY }
+    }
+
+    /// A copy of an array of the crate `ndarray` whose last axis is x, as stacks of images have it: voxel
+    /// `(i, j, k)` is `array[[k, j, i]]`. `spacing` is along x, y and z; its middle is the world's origin.
+    ///
+    /// ```
+    /// use slabsplat_core::Volume;
+    ///
+    /// let stack = ndarray::Array3::from_shape_fn((5, 48, 64), |(k, j, i)| (i + j + k) as u8);
+    /// let volume = Volume::from_ndarray(&stack, [0.2, 0.2, 1.0])?;
+    /// assert_eq!(volume.grid().dims(), [64, 48, 5]);
+    /// # Ok::<(), slabsplat_core::GridError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If an axis is empty, there are too many voxels, or the spacing cannot be.
+    #[cfg(feature = "ndarray")]
+    pub fn from_ndarray<S: ndarray::Data<Elem: Sample>>(
+        array: &ndarray::ArrayBase<S, ndarray::Ix3>,
+        spacing: [f64; 3],
+    ) -> Result<Self, GridError>
+    where
+        Samples: From<Vec<S::Elem>>,
+    {
+        let (nz, ny, nx) = array.dim();
+        let grid = Grid::centered([nx, ny, nz], spacing)?;
+        let samples = array.iter().copied().collect::<Vec<_>>();
+        Ok(Self { grid, samples: samples.into(), scaling: Scaling::IDENTITY })
     }
 
     /// Where the voxels are.
@@ -172,6 +226,34 @@ mod tests {
         let volume = Volume::new(grid, vec![7_u8; 1_000_000].into(), Scaling::IDENTITY).unwrap();
         let text = format!("{volume:?}");
         assert!(text.contains("1000000 of uint8") && text.len() < 1000, "{text}");
+    }
+
+    #[test]
+    fn volume_from_fn_has_x_fastest() {
+        let grid = Grid::with_spacing([2, 3, 2], [1.0; 3]).unwrap();
+        let volume = Volume::from_fn(grid, |[i, j, k]| (100 * i + 10 * j + k) as u16);
+        assert_eq!(volume.sample_type(), SampleType::U16);
+        for voxel_idx in 0..grid.n_voxels() {
+            let [i, j, k] = grid.voxel_coords(voxel_idx);
+            assert_eq!(volume.value(voxel_idx), (100 * i + 10 * j + k) as f64);
+        }
+    }
+
+    /// In whatever order an array lies in memory.
+    #[cfg(feature = "ndarray")]
+    #[test]
+    fn volume_from_ndarray_reads_by_axes() {
+        use ndarray::{Array3, ShapeBuilder};
+        let sample = |(k, j, i): (usize, usize, usize)| (100 * i + 10 * j + k) as i16;
+        let rows = Array3::from_shape_fn((4, 3, 2), sample);
+        let columns = Array3::from_shape_fn((4, 3, 2).f(), sample);
+        for array in [rows, columns] {
+            let volume = Volume::from_ndarray(&array, [1.0, 2.0, 3.0]).unwrap();
+            let grid = volume.grid();
+            assert_eq!((grid.dims(), grid.spacing()), ([2, 3, 4], [1.0, 2.0, 3.0]));
+            assert_eq!(volume.value(grid.voxel_idx([1, 2, 3])), 123.0);
+            assert_eq!(volume.value(grid.voxel_idx([1, 0, 2])), 102.0);
+        }
     }
 
     #[test]

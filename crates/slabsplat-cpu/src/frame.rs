@@ -8,7 +8,7 @@ use crate::stopwatch::Stopwatch;
 use crate::voxels::relevant::Relevant;
 use fearless_simd::Level;
 use slabsplat_backend::{
-    ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
+    ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, LayerPlan, Splats,
 };
 use slabsplat_core::{Compositing, Volume};
 use slabsplat_mesh::Rasterizer;
@@ -67,11 +67,11 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     meshes::render(plan.meshes.as_ref(), tiles, meshes, &mut watch);
     let Drawn { n_voxels, n_occluded } = of_methods.draw(plan, level, tiles, &mut watch);
     tiles.end_rays_before(f32::INFINITY, plan.opacity_cutoff);
-    let stats = FrameStats { n_voxels, n_occluded, ..tiles.stats() };
+    let mut stats = tiles.stats();
+    (stats.n_voxels, stats.n_occluded) = (n_voxels, n_occluded);
     let image = tiles.image(plan.image.premultiplied_background());
     watch.done("image");
-    let cost = FrameCost { stages: watch.stages(), resident_bytes: buffers.resident_bytes() };
-    Frame { image, stats, cost }
+    Frame::new(image, stats, FrameCost::new(watch.stages(), buffers.resident_bytes()))
 }
 
 impl OfMethods {

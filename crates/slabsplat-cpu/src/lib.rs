@@ -70,11 +70,11 @@ impl CpuBackend {
     /// A backend with nothing in it; buffers grow with the first frame.
     pub fn new() -> Self {
         Self {
-            caps: Caps {
-                name: "cpu",
-                device: format!("{} CPU threads", rayon::current_num_threads()),
-                methods: Method::ALL,
-            },
+            caps: Caps::new(
+                "cpu",
+                format!("{} CPU threads", rayon::current_num_threads()),
+                Method::ALL,
+            ),
             level: Level::new(),
             buffers: frame::Buffers::default(),
             n_submitted: 0,

@@ -20,7 +20,7 @@ impl Stopwatch {
         let ms = (now - self.last).as_secs_f64() * 1e3;
         match self.stages.iter_mut().find(|stage| stage.name == name) {
             Some(stage) => stage.ms += ms,
-            None => self.stages.push(StageTime { name, ms }),
+            None => self.stages.push(StageTime::new(name, ms)),
         }
         self.last = now;
     }

@@ -57,7 +57,7 @@ impl<D: Device> GpuBackend<D> {
     pub fn new(name: &'static str, device: D) -> Self {
         let info = device.info();
         Self {
-            caps: Caps { name, device: info.name.clone(), methods: Method::ALL },
+            caps: Caps::new(name, info.name.clone(), Method::ALL),
             memory: Memory::default(),
             listings: Listings::default(),
             lists: VoxelLists::new(),
@@ -155,17 +155,14 @@ impl<D: Device> GpuBackend<D> {
             rest = below;
         }
         let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
-        let stats = FrameStats {
-            n_occluded: 0,
-            n_voxels: counts.n_voxels.into(),
-            n_splats: wide(counts.n_splatted),
-            n_culled: wide(counts.n_culled),
-            n_tiles: counts.n_tiles.into(),
-            n_saturated_tiles: counts.n_saturated_tiles.into(),
-        };
-        let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime { name, ms }).collect();
-        let cost = FrameCost { stages, resident_bytes: self.memory.resident_bytes() };
-        Frame { image, stats, cost }
+        let mut stats = FrameStats::default();
+        stats.n_voxels = counts.n_voxels.into();
+        stats.n_splats = wide(counts.n_splatted);
+        stats.n_culled = wide(counts.n_culled);
+        stats.n_tiles = counts.n_tiles.into();
+        stats.n_saturated_tiles = counts.n_saturated_tiles.into();
+        let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime::new(name, ms)).collect();
+        Frame::new(image, stats, FrameCost::new(stages, self.memory.resident_bytes()))
     }
 }
 

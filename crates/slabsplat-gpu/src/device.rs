@@ -146,6 +146,7 @@ pub struct Done {
 
 /// Why a device failed.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DeviceError {
     /// There is no memory for that many bytes. The device can be used on.
     #[error("there is no memory for {bytes} bytes")]

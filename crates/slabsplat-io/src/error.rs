@@ -9,6 +9,7 @@ use slabsplat_core::{GridError, LabelError, VolumeError};
 
 /// Why a file could not be read or written, or a built-in volume not made.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum IoError {
     /// The operating system did not let us read.
     #[error("cannot read {}: {source}", path.display())]

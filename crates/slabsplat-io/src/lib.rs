@@ -69,9 +69,8 @@ pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{write_exr, write_picture, write_png};
 pub use scene::{
-    CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, ProjectionKind,
-    RegionDesc, SceneFile, TransferImageFile, VolumeSource, preset_transfer, read_color_map,
-    read_scene,
+    CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
+    TransferImageFile, VolumeSource, preset_transfer, read_color_map, read_scene,
 };
 pub use volume::{
     Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume, volume_bytes,

@@ -23,6 +23,7 @@ pub struct Rasterizer {
 }
 
 /// A frame whose vertices are projected.
+#[derive(Debug)]
 pub(crate) struct Frame<'a> {
     pub(crate) plan: &'a MeshesPlan<'a>,
     vertices: &'a [Vertex],
@@ -31,6 +32,7 @@ pub(crate) struct Frame<'a> {
 }
 
 /// The hits on a tile, to be found.
+#[derive(Debug)]
 pub struct HitsOnTile<'a> {
     frame: &'a Frame<'a>,
     triangles: &'a TileBuckets,

@@ -32,6 +32,13 @@
 //! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
+//! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
+//! - `ndarray`: volumes of arrays of the crate `ndarray`.
+//!
+//! # Of one's own
+//!
+//! - A reconstruction kernel implements [`Kernel`], and [`Renderer::add_kernel`] gives it a name.
+//! - A backend implements [`Backend`]; [`backend`] has all that it is given, and [`Renderer::new`] takes it.
 //!
 //! # Reading order
 //!
@@ -56,12 +63,17 @@ pub use renderer::{RenderError, Renderer};
 #[cfg(feature = "files")]
 pub use scene_file::{OpenError, OpenScene};
 
+/// What a [`Backend`] of one's own is given and gives back: all that a [`FramePlan`] is made of.
+pub use slabsplat_backend as backend;
+/// Kernels, their sections, and tables of these.
+pub use slabsplat_kernel as kernel;
+
 pub use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, PlanError,
     Planner, StageTime,
 };
 pub use slabsplat_core::*;
-pub use slabsplat_kernel::{KERNEL_NAMES, UnknownKernel};
+pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, UnknownKernel};
 
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]

@@ -25,6 +25,7 @@ pub struct Sweep {
 
 /// The sweep has no steps.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SweepError {
     /// A number is not finite, or the step is not positive.
     #[error("a sweep needs finite angles and a positive step, not {0} to {1} in steps of {2}")]

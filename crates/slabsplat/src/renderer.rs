@@ -3,6 +3,9 @@
 use crate::{Choice, NoBackend, choose_backend};
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
 use slabsplat_core::Scene;
+use slabsplat_kernel::{Kernel, KernelError};
+use std::fmt;
+use std::sync::Arc;
 use std::task::Poll;
 use thiserror::Error;
 
@@ -18,6 +21,7 @@ type Fallback = Box<dyn FnOnce(&BackendError) -> Box<dyn Backend> + Send>;
 
 /// Why a frame could not be made.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum RenderError {
     /// The scene cannot be drawn.
     #[error(transparent)]
@@ -25,6 +29,13 @@ pub enum RenderError {
     /// The backend failed.
     #[error(transparent)]
     Backend(#[from] BackendError),
+}
+
+impl fmt::Debug for Renderer {
+    /// What renders, and nothing of what it has cached.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Renderer").field("backend", self.caps()).finish_non_exhaustive()
+    }
 }
 
 impl Renderer {
@@ -63,6 +74,14 @@ impl Renderer {
         Self { fallback: Some(Box::new(fallback)), ..self }
     }
 
+    /// Adds a kernel, which the settings of scenes may name from now on. It stays with a fallback.
+    ///
+    /// # Errors
+    /// As [`Kernels::add`](slabsplat_kernel::Kernels::add).
+    pub fn add_kernel(&mut self, kernel: Arc<dyn Kernel>) -> Result<(), KernelError> {
+        self.planner.add_kernel(kernel)
+    }
+
     /// What renders.
     pub fn caps(&self) -> &Caps {
         self.backend.caps()
@@ -75,7 +94,7 @@ impl Renderer {
     pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
         let result = self.render_once(scene);
         if let Err(RenderError::Backend(error)) = &result
-            && would_pass_elsewhere(error)
+            && error.is_of_device()
             && let Some(fallback) = self.fallback.take()
         {
             self.backend = fallback(error);
@@ -112,24 +131,15 @@ impl Renderer {
     }
 }
 
-/// Whether the frame failed because of the device, not because of who asked for it.
-fn would_pass_elsewhere(error: &BackendError) -> bool {
-    match error {
-        BackendError::OutOfMemory { .. }
-        | BackendError::DeviceLost { .. }
-        | BackendError::Unable { .. } => true,
-        BackendError::UnknownFrame(_) => false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Automatic;
+    use slabsplat_backend::{FrameCost, FrameStats};
     use slabsplat_core::{
         Grid, Image, ImageDesc, KernelName, Method, RenderSettings, Scaling, Volume,
     };
-    use std::sync::{Arc, Mutex};
+    use std::sync::Mutex;
 
     /// Draws pictures of one colour, until it fails with `error` where `fails_in` says.
     struct Fake {
@@ -168,17 +178,14 @@ mod tests {
             if self.n_good <= frame.0 {
                 return Err(self.error.clone());
             }
-            let (image, stats, cost) = (
-                Image::filled(2, 2, [self.color; 4]),
-                slabsplat_backend::FrameStats::default(),
-                slabsplat_backend::FrameCost::default(),
-            );
-            Ok(Poll::Ready(Frame { image, stats, cost }))
+            let image = Image::filled(2, 2, [self.color; 4]);
+            let (stats, cost) = (FrameStats::default(), FrameCost::default());
+            Ok(Poll::Ready(Frame::new(image, stats, cost)))
         }
     }
 
     fn fake(color: f32, n_good: u64, fails_in: Call, error: BackendError) -> Box<dyn Backend> {
-        let caps = Caps { name: "fake", device: "Fake 3000".to_owned(), methods: Method::ALL };
+        let caps = Caps::new("fake", "Fake 3000", Method::ALL);
         Box::new(Fake { caps, color, n_good, fails_in, error, n_submitted: 0 })
     }
 

@@ -22,6 +22,7 @@ pub struct OpenScene {
 
 /// Why a scene cannot be opened.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum OpenError {
     /// A volume, labels or their colours cannot be read.
     #[error(transparent)]

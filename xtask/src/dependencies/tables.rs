@@ -163,6 +163,8 @@ pub(super) const TOP: &[&str] = &["slabsplat", "slabsplat-cli"];
 pub(super) struct Closed {
     pub(super) name: &'static str,
     pub(super) externals: &'static [&'static str],
+    /// What it may use behind a feature.
+    pub(super) optional: &'static [&'static str],
     pub(super) why: &'static str,
 }
 
@@ -170,11 +172,13 @@ pub(super) const CLOSED: &[Closed] = &[
     Closed {
         name: "slabsplat-core",
         externals: &["bytemuck", "glam", "thiserror"],
+        optional: &["image", "ndarray", "serde"],
         why: "what core uses, everybody compiles, on wasm32 too",
     },
     Closed {
         name: "slabsplat-kernel",
         externals: &["bytemuck", "glam", "libm", "thiserror"],
+        optional: &[],
         why: "tables must be the same bits on every machine, so it takes its functions from libm",
     },
 ];
@@ -226,7 +230,11 @@ pub(super) const EXTERNALS: &[External] = &[
         users: Users::Only(&["slabsplat-mesh"]),
         why: "exact predicates are for where edges are; volumes have none",
     },
-    External { name: "image", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External {
+        name: "image",
+        users: Users::Only(&["slabsplat-core", "slabsplat-io"]),
+        why: CODECS,
+    },
     External { name: "serde", users: Users::Only(CODERS), why: CODECS },
     External { name: "toml", users: Users::Only(CODERS), why: CODECS },
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
@@ -254,5 +262,5 @@ pub(super) const EXTERNALS: &[External] = &[
 
 const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
 const CODECS: &str = "file formats stay in one crate";
-const CODERS: &[&str] = &["slabsplat-io", "xtask", "slabsplat-bench"];
+const CODERS: &[&str] = &["slabsplat-core", "slabsplat-io", "xtask", "slabsplat-bench"];
 const TERMINAL: &str = "only the program talks to a terminal";

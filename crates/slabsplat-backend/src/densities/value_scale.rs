@@ -119,7 +119,7 @@ mod tests {
     use super::*;
 
     fn transfer(points: &[f64]) -> TransferFunction {
-        let opacity = points.iter().map(|&x| (x, [0.5])).collect();
+        let opacity = points.iter().map(|&x| (x, 0.5));
         TransferFunction::new(opacity, vec![(points[0], [1.0; 3])]).unwrap()
     }
 

@@ -110,7 +110,7 @@ pub(super) const SHOTS: &[Shot] = &[
 impl Shot {
     /// The scene of this shot by one method.
     pub(super) fn scene(&self, volume: Arc<Volume>, method: Method) -> Result<Scene> {
-        let opacity = self.opacity.iter().map(|&(value, a)| (value, [a])).collect();
+        let opacity = self.opacity.iter().copied();
         let eye = DVec3::from_array(self.to_eye).normalize() * DISTANCE;
         let projection = Projection::Orthographic { view_height: self.view_height };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection)?;

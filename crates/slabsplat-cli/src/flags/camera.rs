@@ -4,8 +4,9 @@ use super::values::{self, Background};
 use anyhow::Result;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use slabsplat::ProjectionKind;
 use slabsplat::glam::DVec3;
-use slabsplat::io::{ProjectionKind, SceneFile};
+use slabsplat::io::SceneFile;
 
 #[derive(Args)]
 #[command(next_help_heading = "Camera and image")]
@@ -68,6 +69,5 @@ impl CameraFlags {
 }
 
 fn projection_parser() -> impl TypedValueParser<Value = ProjectionKind> {
-    PossibleValuesParser::new(ProjectionKind::NAMES)
-        .try_map(|name| ProjectionKind::from_name(&name))
+    PossibleValuesParser::new(ProjectionKind::NAMES).try_map(|name| name.parse::<ProjectionKind>())
 }

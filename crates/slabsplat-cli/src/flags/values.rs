@@ -147,9 +147,7 @@ fn number(text: &str) -> Result<f64, String> {
 
 /// The name of a sample type.
 pub(crate) fn sample_type(text: &str) -> Result<SampleType, String> {
-    SampleType::from_name(text).ok_or_else(|| {
-        format!("choose one of {}", SampleType::ALL.map(SampleType::name).join(", "))
-    })
+    text.parse().map_err(|_| format!("choose one of {}", SampleType::NAMES.join(", ")))
 }
 
 #[cfg(test)]

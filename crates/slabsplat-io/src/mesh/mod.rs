@@ -20,6 +20,7 @@ use crate::IoError;
 
 /// A mesh, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct LoadedMesh {
     /// The mesh, where the file says that it is.
     pub mesh: Mesh,
@@ -31,6 +32,7 @@ pub struct LoadedMesh {
 
 /// What a mesh was read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum MeshFormat {
     /// Stanford's polygon file format, as text or in binary numbers of either order.
     Ply,

@@ -10,13 +10,13 @@ use slabsplat_core::Image;
 use super::{atomic, to_io_error};
 use crate::IoError;
 
-/// Writes red, green, blue and opacity, rounded to 8 bits; what is outside 0 … 1 is clamped.
+/// Writes red, green, blue and opacity, rounded to 8 bits, as [`Image::to_rgba8`] does.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_png(path: &Path, image: &Image) -> Result<(), IoError> {
     let (width, height) = (image.width(), image.height());
-    let bytes: Vec<u8> = image.pixels().iter().flat_map(|&pixel| straight(pixel)).collect();
+    let bytes = image.to_rgba8();
     atomic::write(path, |writer| {
         PngEncoder::new(writer)
             .write_image(&bytes, width, height, ExtendedColorType::Rgba8)
@@ -24,32 +24,9 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), IoError> {
     })
 }
 
-/// A premultiplied pixel as 8 bits of straight colour and opacity; all 0 where the opacity rounds
-/// to 0, as the colour is then nobody's.
-fn straight([r, g, b, a]: [f32; 4]) -> [u8; 4] {
-    // NaN becomes 0 in the cast.
-    let to_byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;
-    match to_byte(a) {
-        0 => [0; 4],
-        alpha => [to_byte(r / a), to_byte(g / a), to_byte(b / a), alpha],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn png_pixels_are_straight() {
-        let check = |pixel, expected| assert_eq!(straight(pixel), expected, "{pixel:?}");
-        check([0.0; 4], [0; 4]);
-        check([1.0; 4], [255; 4]);
-        check([0.25, 0.1, 0.0, 0.5], [128, 51, 0, 128]);
-        check([0.001, 0.0, 0.0, 0.001], [0; 4]);
-        check([2.0, -1.0, 0.5, 1.5], [255, 0, 85, 255]);
-        check([f32::NAN, 0.5, 0.5, 1.0], [0, 128, 128, 255]);
-        check([0.5, 0.5, 0.5, f32::NAN], [0; 4]);
-    }
 
     #[test]
     fn png_reads_back() {

@@ -1,16 +1,7 @@
 //! A camera with parts left out, to be filled in once the volume is known.
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Camera, CameraError, NotAChoice, Projection};
-
-/// How depth changes size, without the numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum ProjectionKind {
-    /// It does not.
-    Orthographic,
-    /// Rays leave the eye.
-    Perspective,
-}
+use slabsplat_core::{Camera, CameraError, Projection, ProjectionKind};
 
 /// The parts of a camera that someone has given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,23 +22,6 @@ pub struct CameraDesc {
 
 /// The field of view where neither the scene nor the fallback has one.
 const DEFAULT_FOV_Y_DEGREES: f64 = 30.0;
-
-impl ProjectionKind {
-    /// The names of both.
-    pub const NAMES: &[&'static str] = &["orthographic", "perspective"];
-
-    /// The kind that scene files and flags name so.
-    ///
-    /// # Errors
-    /// If there is none.
-    pub fn from_name(name: &str) -> Result<Self, NotAChoice> {
-        match name {
-            "orthographic" => Ok(Self::Orthographic),
-            "perspective" => Ok(Self::Perspective),
-            _ => Err(NotAChoice { word: name.to_owned(), choices: Self::NAMES }),
-        }
-    }
-}
 
 impl CameraDesc {
     /// Whether a perspective camera is asked for: by name, or by giving only the angle of one.

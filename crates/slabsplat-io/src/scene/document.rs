@@ -4,11 +4,9 @@
 use std::path::PathBuf;
 
 use serde::Deserialize;
-use slabsplat_core::{ImageDesc, Light, Phong, RenderSettings, Settings};
+use slabsplat_core::{ImageDesc, Isosurface, Light, Phong, ProjectionKind, RenderSettings};
 
-use super::camera::ProjectionKind;
-use super::choice::{light, projection};
-use super::settings_section::{Section, SettingsSection, keys};
+use super::settings_section::SettingsSection;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,9 +20,9 @@ pub(super) struct Document {
     pub(super) layers: Option<Vec<LayerSection>>,
     #[serde(default)]
     pub(super) camera: CameraSection,
-    pub(super) lights: Option<Vec<LightSection>>,
+    pub(super) lights: Option<Vec<Light>>,
     #[serde(default)]
-    pub(super) image: ImageSection,
+    pub(super) image: ImageDesc,
     #[serde(default)]
     pub(super) render: SettingsSection<RenderSettings>,
 }
@@ -78,7 +76,7 @@ pub(super) struct ClassifySection {
     /// What opacity is multiplied with, by the length of the gradient.
     pub(super) gradient_opacity: Option<Vec<[f64; 2]>>,
     #[serde(default)]
-    pub(super) isosurfaces: Vec<IsosurfaceSection>,
+    pub(super) isosurfaces: Vec<Isosurface>,
 }
 
 /// A box of values and gradients; of all gradients if it does not say.
@@ -100,14 +98,6 @@ pub(super) struct TransferImageSection {
     pub(super) file: PathBuf,
     pub(super) values: [f64; 2],
     pub(super) gradients: [f64; 2],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct IsosurfaceSection {
-    pub(super) value: f64,
-    pub(super) opacity: Option<f64>,
-    pub(super) color: Option<[f64; 3]>,
 }
 
 /// A volume of labels, and how these look.
@@ -147,18 +137,9 @@ pub(super) struct RegionSection {
     pub(super) lit: bool,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LightSection {
-    #[serde(deserialize_with = "light")]
-    pub(super) from: Light,
-    pub(super) color: Option<[f64; 3]>,
-}
-
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct CameraSection {
-    #[serde(deserialize_with = "projection")]
     pub(super) projection: Option<ProjectionKind>,
     pub(super) eye: Option<[f64; 3]>,
     pub(super) target: Option<[f64; 3]>,
@@ -166,29 +147,4 @@ pub(super) struct CameraSection {
     pub(super) view_height: Option<f64>,
     /// Degrees.
     pub(super) fov_y: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub(super) struct ImageSection {
-    pub(super) width: u32,
-    pub(super) height: u32,
-    pub(super) background: [f32; 4],
-}
-
-impl Section for Phong {
-    const KEYS: &'static [&'static str] =
-        &keys::<Self, { Self::ROWS.len() + 1 }>(Self::ROWS, "model");
-}
-
-impl Section for RenderSettings {
-    const KEYS: &'static [&'static str] =
-        &keys::<Self, { Self::ROWS.len() + 1 }>(Self::ROWS, "backend");
-}
-
-impl Default for ImageSection {
-    fn default() -> Self {
-        let ImageDesc { width, height, background } = ImageDesc::default();
-        Self { width, height, background }
-    }
 }

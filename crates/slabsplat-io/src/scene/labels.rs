@@ -10,6 +10,7 @@ use crate::{IoError, read_volume};
 
 /// Labels of a layer, and how they look, as a scene file or flags say it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LabelsFile {
     /// A volume of whole numbers, on the layer's grid or another.
     pub path: PathBuf,

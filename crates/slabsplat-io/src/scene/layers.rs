@@ -4,10 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
-use super::document::{
-    ClassifySection, Document, IsosurfaceSection, LayerSection, TransferImageSection,
-};
-use super::sections::into_lights;
+use super::document::{ClassifySection, Document, LayerSection, TransferImageSection};
+use super::sections::{checked_image, into_lights};
 use super::settings_section::SettingsSection;
 use super::{LayerFile, SceneFile, TransferImageFile};
 
@@ -46,7 +44,7 @@ impl Document {
             return Err(Diagnostic::general("no layer of the scene is visible"));
         }
         let (settings, backend) = self.render.into_settings()?;
-        let (camera, image) = (self.camera.into_desc()?, self.image.into_desc()?);
+        let (camera, image) = (self.camera.into_desc()?, checked_image(self.image)?);
         let lights = into_lights(self.lights)?;
         Ok((SceneFile { layers, meshes, camera, lights, image, settings, backend }, look_files))
     }
@@ -113,8 +111,7 @@ impl LayerSection {
         let transfer_2d = classify.as_ref().map(ClassifySection::to_transfer_2d);
         let by_gradient = classify.as_ref().map(ClassifySection::checked_gradient_opacity);
         let isosurfaces = classify.iter().flat_map(|section| &section.isosurfaces);
-        let isosurfaces =
-            isosurfaces.map(IsosurfaceSection::to_isosurface).collect::<Result<_, _>>()?;
+        let isosurfaces = isosurfaces.copied().collect();
         let transfer = classify.map(ClassifySection::into_transfer).transpose()?;
         Ok(LayerFile {
             name,

@@ -12,6 +12,7 @@ use crate::{IoError, read_mesh};
 
 /// What a scene file says of an opaque mesh.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeshFile {
     /// What it is called, for people.
     pub name: Option<String>,

@@ -1,13 +1,12 @@
 //! Scene files (`docs/example.toml`): everything that decides a pixel, as TOML.
 //!
-//! Reading order: this file (what a scene file says), `document`, `settings_section` and `choice` (how it
-//! spells it), `layers` and `sections` (what that means), `camera`, `labels` and `label_table`, `region`,
+//! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells
+//! it), `layers` and `sections` (what that means), `camera`, `labels` and `label_table`, `region`,
 //! `preset`, `color_map` and `transfer_image` (transfer functions from elsewhere), `diagnostic` (what a file
 //! does wrong, and in which line).
 
 mod document;
 
-mod choice;
 mod layers;
 mod sections;
 mod settings_section;
@@ -31,7 +30,7 @@ use slabsplat_core::{
     TransferFunction, TransferFunction2d,
 };
 
-pub use camera::{CameraDesc, ProjectionKind};
+pub use camera::CameraDesc;
 pub use color_map::read_color_map;
 pub use labels::{LabelColors, LabelsFile};
 pub use mesh::MeshFile;
@@ -47,6 +46,7 @@ use layers::LookFiles;
 /// What a scene file says. What it leaves to the volumes is `None`: transfer functions, and the camera's
 /// parts.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SceneFile {
     /// The volumes that are seen.
     pub layers: Vec<LayerFile>,
@@ -66,6 +66,7 @@ pub struct SceneFile {
 
 /// What a scene file says of a layer.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LayerFile {
     /// What it is called, for people.
     pub name: Option<String>,

@@ -5,16 +5,15 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    ImageDesc, Isosurface, LabelStyle, Light, NotAChoice, Phong, PiecewiseLinear, Plane, Region,
-    RenderSettings, Shading, Transfer2dError, TransferBox, TransferError, TransferFunction,
-    TransferFunction2d,
+    ImageDesc, LabelStyle, Light, Phong, PiecewiseLinear, Plane, Region, RenderSettings, Shading,
+    Transfer2dError, TransferBox, TransferFunction, TransferFunction2d,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    BoxSection, CameraSection, ClassifySection, ImageSection, IsosurfaceSection, LabelStyleSection,
-    LabelsSection, LightSection, RegionSection, VolumeSection,
+    BoxSection, CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RegionSection,
+    VolumeSection,
 };
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
@@ -103,20 +102,12 @@ impl BoxSection {
     }
 }
 
-impl IsosurfaceSection {
-    pub(super) fn to_isosurface(&self) -> Result<Isosurface, Diagnostic> {
-        let Self { value, opacity, color } = *self;
-        Isosurface::new(value, opacity.unwrap_or(1.0), color)
-            .map_err(|error| Diagnostic::at("classify", "isosurfaces", error.to_string()))
-    }
-}
-
 impl ClassifySection {
     pub(super) fn checked_gradient_opacity(
         &self,
     ) -> Result<Option<PiecewiseLinear<1>>, Diagnostic> {
         let Some(points) = &self.gradient_opacity else { return Ok(None) };
-        let points = points.iter().map(|&[gradient, factor]| (gradient, [factor])).collect();
+        let points = points.iter().map(|&[gradient, factor]| (gradient, factor));
         PiecewiseLinear::new("gradient_opacity", points)
             .map(Some)
             .map_err(|error| Diagnostic::at("classify", "gradient_opacity", error.to_string()))
@@ -138,15 +129,10 @@ impl ClassifySection {
 }
 
 fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction, Diagnostic> {
-    let opacity = opacity.iter().map(|&[value, alpha]| (value, [alpha])).collect();
-    let color = color.iter().map(|&[value, r, g, b]| (value, [r, g, b])).collect();
-    TransferFunction::new(opacity, color).map_err(|error| {
-        let (TransferError::Empty { what: key }
-        | TransferError::NotFinite { what: key, .. }
-        | TransferError::Unsorted { what: key, .. }
-        | TransferError::OutOfRange { what: key, .. }) = error;
-        Diagnostic::at("classify", key, error.to_string())
-    })
+    let opacity = opacity.iter().map(|&[value, alpha]| (value, alpha));
+    let color = color.iter().map(|&[value, r, g, b]| (value, [r, g, b]));
+    TransferFunction::new(opacity, color)
+        .map_err(|error| Diagnostic::at("classify", error.what(), error.to_string()))
 }
 
 impl LabelsSection {
@@ -177,14 +163,8 @@ impl SettingsSection<Phong> {
         let phong = self.settings.checked();
         let phong =
             phong.map_err(|error| Diagnostic::at("shading", error.name, error.to_string()))?;
-        match self.other.as_deref() {
-            Some("phong") | None => Ok(Shading::Phong(phong)),
-            Some("none") => Ok(Shading::None),
-            Some(other) => {
-                let error = NotAChoice { word: other.to_owned(), choices: &["phong", "none"] };
-                Err(Diagnostic::at("shading", "model", error.to_string()))
-            }
-        }
+        Shading::of_model(self.other.as_deref(), phong)
+            .map_err(|error| Diagnostic::at("shading", Shading::MODEL_KEY, error.to_string()))
     }
 }
 
@@ -211,10 +191,8 @@ impl RegionSection {
 }
 
 /// The lights of a scene; a headlight if it does not say.
-pub(super) fn into_lights(sections: Option<Vec<LightSection>>) -> Result<Vec<Light>, Diagnostic> {
-    let Some(sections) = sections else { return Ok(vec![Light::default()]) };
-    let light = |LightSection { from, color }| from.color(color.unwrap_or([1.0; 3]));
-    let lights: Vec<Light> = sections.into_iter().map(light).collect();
+pub(super) fn into_lights(lights: Option<Vec<Light>>) -> Result<Vec<Light>, Diagnostic> {
+    let lights = lights.unwrap_or_else(|| vec![Light::default()]);
     match Light::check_all(&lights) {
         Ok(()) => Ok(lights),
         Err(error) => Err(Diagnostic::at("lights", "", error.to_string())),
@@ -243,17 +221,8 @@ impl CameraSection {
     }
 }
 
-impl ImageSection {
-    pub(super) fn into_desc(self) -> Result<ImageDesc, Diagnostic> {
-        let Self { width, height, background } = self;
-        ImageDesc { width, height, background }.checked().map_err(|error| {
-            let key = match error {
-                slabsplat_core::ImageError::BadBackground(_) => "background",
-                slabsplat_core::ImageError::BadSize { .. } => "width",
-            };
-            Diagnostic::at("image", key, error.to_string())
-        })
-    }
+pub(super) fn checked_image(image: ImageDesc) -> Result<ImageDesc, Diagnostic> {
+    image.checked().map_err(|error| Diagnostic::at("image", error.field(), error.to_string()))
 }
 
 impl SettingsSection<RenderSettings> {

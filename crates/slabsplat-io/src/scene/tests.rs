@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Field, KernelName, Light, Lookup, Method, Mode, Normalization, Phong, Plane, Setting, Settings,
-    Shading,
+    Field, KernelName, Light, Lookup, Method, Mode, Normalization, Phong, Plane, ProjectionKind,
+    Setting, Settings, Shading,
 };
 
 use super::*;

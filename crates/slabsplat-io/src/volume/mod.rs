@@ -36,6 +36,7 @@ use crate::IoError;
 
 /// A volume, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct LoadedVolume {
     /// The volume, placed in RAS+ millimetres if the file says where it is; a copy shares it.
     pub volume: Arc<Volume>,
@@ -47,6 +48,7 @@ pub struct LoadedVolume {
 
 /// What a volume was read from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum VolumeFormat {
     /// NRRD, with its data attached or in files of their own.
     Nrrd,

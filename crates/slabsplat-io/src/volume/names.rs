@@ -25,7 +25,7 @@ pub(super) fn sample_type(name: &str) -> Option<SampleType> {
 
 /// What to say where a type has no such name.
 pub(super) fn unknown_type(name: &str) -> String {
-    let known = SampleType::ALL.map(SampleType::name).join(", ");
+    let known = SampleType::NAMES.join(", ");
     format!("samples of type {name:?} cannot be read: convert them to one of {known}")
 }
 
@@ -36,7 +36,7 @@ mod tests {
     #[test]
     fn sample_type_names_of_nrrd() {
         assert_eq!(sample_type("Unsigned  Short int"), Some(SampleType::U16));
-        for t in SampleType::ALL {
+        for &t in SampleType::ALL {
             assert_eq!(sample_type(t.name()), Some(t));
         }
         for other in ["int64", "block", "char", ""] {

@@ -13,6 +13,7 @@ pub use found::{FoundBackend, FoundDevice, found_backends};
 
 use gpu::{GPUS, Gpu};
 use slabsplat_backend::Backend;
+use std::fmt;
 use thiserror::Error;
 
 /// The names that scene files and flags use. `auto` takes the fastest that there is.
@@ -38,6 +39,7 @@ const CPU: Option<MakeBackend> = None;
 
 /// Why there is no backend of a name.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum NoBackend {
     /// No backend is called so.
     #[error("there is no backend \"{name}\" in this build; there are {}", BACKEND_NAMES.join(", "))]
@@ -73,6 +75,15 @@ pub struct Choice {
     /// What makes another backend, should the device of this one fail. Only `auto` continues with
     /// another: who names a backend wants that one or none.
     pub fallback: Option<fn() -> Box<dyn Backend>>,
+}
+
+impl fmt::Debug for Choice {
+    /// All but what it holds within.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { backend, notes, .. } = self;
+        let mut text = f.debug_struct("Choice");
+        text.field("backend", backend.caps()).field("notes", notes).finish_non_exhaustive()
+    }
 }
 
 /// Opens the backend called `name`.

@@ -24,7 +24,7 @@ impl Backend for Named {
 }
 
 fn opened(name: &'static str, is_fast: bool) -> Result<Opened, String> {
-    let caps = Caps { name, device: "Fake 3000".to_owned(), methods: Method::ALL };
+    let caps = Caps::new(name, "Fake 3000", Method::ALL);
     Ok(Opened { backend: Box::new(Named(caps)), is_fast })
 }
 

@@ -233,7 +233,8 @@ mod tests {
                 if rng.bool() {
                     positions[3] = positions[2];
                 }
-                let opacities = positions.iter().map(|&x| (x, [0.95 * rng.f64()])).collect();
+                let opacities =
+                    positions.iter().map(|&x| (x, 0.95 * rng.f64())).collect::<Vec<_>>();
                 let colors = vec![(10.0, [0.9, 0.1, 0.4]), (60.0, [0.2, 0.7, 0.4])];
                 let transfer = TransferFunction::new(opacities, colors).unwrap();
                 let scale = ValueScale::new(Some([0.0, 100.0]), [positions[0], positions[5]]);
