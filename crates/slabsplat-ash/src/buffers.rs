@@ -73,8 +73,11 @@ impl Buffers {
 
     /// The next buffer to be dropped, if the device is done with it.
     pub(crate) fn next_gone(&mut self, done: u64) -> Option<(BufferId, Buffer)> {
-        let (_, id, buffer) = self.leaving.pop_front_if(|(last_use, _, _)| *last_use <= done)?;
-        Some((id, buffer))
+        let (last_use, _, _) = self.leaving.front()?;
+        if done < *last_use {
+            return None;
+        }
+        self.leaving.pop_front().map(|(_, id, buffer)| (id, buffer))
     }
 
     /// The submission after which no buffer is waiting to be dropped.

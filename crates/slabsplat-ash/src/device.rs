@@ -104,7 +104,9 @@ impl AshDevice {
     /// Collects what is done by now, without waiting.
     pub(crate) fn retire(&mut self) -> Result<u64, Fault> {
         let done = self.timeline.done()?;
-        while let Some(in_flight) = self.in_flight.pop_front_if(|first| first.number <= done) {
+        while self.in_flight.front().is_some_and(|first| first.number <= done)
+            && let Some(in_flight) = self.in_flight.pop_front()
+        {
             self.finish(in_flight)?;
         }
         while let Some((id, buffer)) = self.buffers.next_gone(done) {
