@@ -13,10 +13,10 @@ mod translate;
 mod write;
 
 use anyhow::{Context, Result};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 fn main() -> Result<()> {
-    let shaders = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
+    let shaders = shaders_folder()?;
     println!("cargo::rerun-if-changed={}", shaders.display());
     let mut reflected = Vec::new();
     for stage in assemble::stages(&shaders)? {
@@ -27,4 +27,13 @@ fn main() -> Result<()> {
     let out = std::env::var_os("OUT_DIR").context("cargo says where to write")?;
     std::fs::write(Path::new(&out).join("shaders.rs"), write::tables(&reflected))?;
     Ok(())
+}
+
+/// Where the shaders are. In a package from a registry `shaders` is a folder. In a checkout it is a link to
+/// the top level's, which cargo follows when it packages; where git makes no links, as on Windows unless told
+/// to, it is a text file that names the link's end, and no package can be made there.
+fn shaders_folder() -> Result<PathBuf> {
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").context("cargo says where this is")?;
+    let packaged = Path::new(&package).join("shaders");
+    Ok(if packaged.is_dir() { packaged } else { Path::new(&package).join("../../shaders") })
 }
