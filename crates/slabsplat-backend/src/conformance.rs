@@ -1,7 +1,8 @@
 //! What every backend must pass, whatever it runs on. A backend's own tests call [`check`].
 //!
 //! These are the promises of the contract that need no judge: errors, determinism, empty and full
-//! frames. That the pictures are right is checked against the float64 reference in `tests/`.
+//! frames. That the pictures are right is checked against the float64 reference in the
+//! repository's `tests/`.
 
 use crate::{Backend, BackendError, Frame, FrameId, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;

@@ -48,6 +48,8 @@
 //! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
 //! `meshes`, `planner`; `densities`; `contract`, `conformance`.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod cached;
 mod contract;
 mod layer_order;

@@ -78,7 +78,7 @@ pub struct LayerPlan<'a> {
     pub splats: Splats,
 }
 
-/// The opaque meshes of a frame (model §14).
+/// The opaque meshes of a frame ([model §14](slabsplat_core::model)).
 #[derive(Clone, Debug)]
 pub struct MeshesPlan<'a> {
     /// View space and pixels. Depths count from the centre of all layers, and nothing is hit before the near
@@ -100,7 +100,8 @@ pub struct MeshPlan<'a> {
 }
 
 /// A permission, which a backend need not make use of: faces that do not split a voxel's kernel are skipped,
-/// and what lies beyond them is merged into its first and its last section (model §7).
+/// and what lies beyond them is merged into its first and its last section
+/// ([model §7](slabsplat_core::model)).
 #[derive(Clone, Debug)]
 pub struct MergedSections {
     /// Which faces split a voxel's kernel, by its extinction.
@@ -111,7 +112,7 @@ pub struct MergedSections {
     pub budget: ErrorBudget,
 }
 
-/// What is splatted, and into which sheets (model §4).
+/// What is splatted, and into which sheets ([model §4](slabsplat_core::model)).
 #[derive(Clone, Debug)]
 pub enum Splats {
     /// Voxels are classified and shaded, and sheets sum their colours.
@@ -193,7 +194,7 @@ impl From<Mode> for ShownDensities {
 }
 
 impl DensitySplats {
-    /// Sheets of densities in a slab (model §8).
+    /// Sheets of densities in a slab ([model §8](slabsplat_core::model)).
     pub const SHEETS_PER_SLAB: f64 = 2.0;
 }
 

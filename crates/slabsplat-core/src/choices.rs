@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use thiserror::Error;
 
-/// Which voxels are added and which are composited (model §4).
+/// Which voxels are added and which are composited ([model §4](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Method {
     /// The paper's (§3.2): kernel sections summed in slabs parallel to the image.
@@ -19,7 +19,7 @@ pub enum Method {
     PostClassified,
 }
 
-/// What a picture shows of a ray (models §3 and §12).
+/// What a picture shows of a ray ([model §§3, 12](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mode {
     /// Sheets are composited, as [`Compositing::Separate`] does.
@@ -38,7 +38,7 @@ pub enum Mode {
     Isosurfaces,
 }
 
-/// Which density on a ray stands for all (model §12).
+/// Which density on a ray stands for all ([model §12](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Statistic {
     /// The largest: maximum intensity projection.
@@ -81,7 +81,7 @@ impl From<Compositing> for Mode {
     }
 }
 
-/// How a sheet's sums become colour and opacity (model §3).
+/// How a sheet's sums become colour and opacity ([model §3](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Compositing {
     /// Colour and opacity are summed apart and multiplied (eqs. 4–7, Table 1).

@@ -114,7 +114,7 @@ impl Grid {
         [m.x_axis.length(), m.y_axis.length(), m.z_axis.length()]
     }
 
-    /// The world length of one voxel step: the shortest column of the matrix (model §1). Slab
+    /// The world length of one voxel step: the shortest column of the matrix ([model §1](crate::model)). Slab
     /// widths and opacities are per unit.
     pub fn unit(&self) -> f64 {
         self.spacing().into_iter().fold(f64::INFINITY, f64::min)

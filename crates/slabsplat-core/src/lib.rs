@@ -21,6 +21,8 @@
 //! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`;
 //! `serialized`.
 //!
+//! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
+//!
 //! ```
 //! use slabsplat_core::{Grid, Samples, Scaling, Volume};
 //!
@@ -66,6 +68,8 @@ mod image;
 
 #[cfg(feature = "serde")]
 mod serialized;
+
+pub mod model;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use choices::{

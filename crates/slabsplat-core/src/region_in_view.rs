@@ -30,7 +30,8 @@ pub struct ViewRay {
 }
 
 impl RegionInView {
-    /// By how many `unit`s a plane must be nearer than those before it to count as nearer (model §11).
+    /// By how many `unit`s a plane must be nearer than those before it to count as nearer
+    /// ([model §11](crate::model)).
     pub const HAIR: f64 = 1.0 / 1024.0;
 
     /// The region as `view` sees it.

@@ -1,4 +1,4 @@
-//! Everything that decides a pixel (`docs/model.md`).
+//! Everything that decides a pixel ([`model`](crate::model)).
 
 use crate::{Camera, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
 
@@ -27,9 +27,10 @@ use crate::{Camera, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
 #[non_exhaustive]
 pub struct Scene {
     /// What is seen. All that lies in a slab is summed before anything is composited, so that the order of
-    /// layers has no meaning (model §10).
+    /// layers has no meaning ([model §10](crate::model)).
     pub layers: Vec<Layer>,
-    /// Opaque surfaces among them (model §14), in any order. There may be no layers beside them.
+    /// Opaque surfaces among them ([model §14](crate::model)), in any order. There may be no layers
+    /// beside them.
     pub meshes: Vec<MeshLayer>,
     /// Where they are seen from.
     pub camera: Camera,

@@ -58,7 +58,9 @@ settings! {
         /// That is any premultiplied channel. `image-aligned` slabs of `extinction` without normalisation
         /// make use of it, and `post-classified`, where a pixel next to an edge may be off by more: what
         /// others show depends on every single section. Of flat walls seen exactly along, the edges may also
-        /// lie up to a third of a voxel further out (`docs/numerics.md`, "Products").
+        /// lie up to a third of a voxel further out ([separable footprints]).
+        ///
+        /// [separable footprints]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
         tolerance: f64 = 0.05, number("DIFFERENCE", Interval::at_least(0.0).below(1.0));
     }
 }

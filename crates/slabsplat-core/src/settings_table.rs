@@ -100,8 +100,8 @@ impl<S> Setting<S> {
 
 /// Makes a struct of settings from its table.
 ///
-/// A row is a doc comment, whose first line is the help of the flag and the comment in `docs/example.toml`;
-/// name and type; default; and the kind of field with what that takes, an arm of `field!`.
+/// A row is a doc comment, whose first line is the help of the flag and the comment in the example of
+/// a scene file; name and type; default; and the kind of field with what that takes, an arm of `field!`.
 macro_rules! settings {
     (
         $(#[$attribute:meta])*

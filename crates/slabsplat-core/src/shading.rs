@@ -15,7 +15,8 @@ pub enum Shading {
 }
 
 settings! {
-    /// Blinn–Phong: `c·(k_a + Σ k_d·L·n·l) + Σ k_s·L·(n·h)^s` over all lights, clamped to 0 … 1 (model §6).
+    /// Blinn–Phong: `c·(k_a + Σ k_d·L·n·l) + Σ k_s·L·(n·h)^s` over all lights, clamped to 0 … 1
+    /// ([model §6](crate::model)).
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[non_exhaustive]
     pub struct Phong {

@@ -8,7 +8,7 @@ use thiserror::Error;
 ///
 /// Points in view space are (right, up, depth) in world units: right and up from the optical axis,
 /// depth along it *from the centre of what is seen*, so that turning the camera about that leaves the slabs
-/// where they are (model §3).
+/// where they are ([model §3](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     axes: ViewAxes,
@@ -173,7 +173,8 @@ impl View {
         self.origin_in_world() + DMat3::from_cols(right, up, forward) * point
     }
 
-    /// By how much footprints are widened where a pixel covers more than a voxel step (model §5).
+    /// By how much footprints are widened where a pixel covers more than a voxel step
+    /// ([model §5](crate::model)).
     pub fn stretch(&self, pixels_per_world: f64) -> f64 {
         (1.0 / (pixels_per_world * self.unit)).max(1.0)
     }

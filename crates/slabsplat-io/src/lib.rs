@@ -15,7 +15,7 @@
 //! | raw with a `.json` description beside it | [`read_volume`] |
 //! | raw, described by the caller | [`read_raw`] |
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
-//! | scene files (TOML) | [`read_scene`] |
+//! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |
 //! | ParaView colour maps (JSON) | [`read_color_map`] |
 //!
 //! | written | by |
@@ -62,6 +62,8 @@ mod picture;
 
 mod memory;
 mod text;
+
+pub mod scene_keys;
 
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
 pub use error::IoError;

@@ -9,9 +9,10 @@
 //! | polynomials, exact pictures | 5·10⁻⁴ for a voxel: half of what a pixel may be | `slabsplat-cpu` | else the table is read |
 //! | polynomials of low degree, exact pictures | 1.5·10⁻⁴ for a voxel | `slabsplat-cpu` | faint voxels alone may spend it |
 //!
-//! Each share is for one voxel or one face, and a pixel sees several; `docs/numerics.md` has what they add up
-//! to: of the tolerance of 0.05 that pictures have by default, 0.02 at most in random scenes, and 2 of 255 in
-//! scans.
+//! Each share is for one voxel or one face, and a pixel sees several; [numerics] has what they add up to: of
+//! the tolerance of 0.05 that pictures have by default, 0.02 at most in random scenes, and 2 of 255 in scans.
+//!
+//! [numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 
 use slabsplat_core::{Compositing, Method, Normalization, RenderSettings};
 
@@ -31,9 +32,9 @@ impl ErrorBudget {
     pub const LOW_DEGREE: f64 = 1.5e-4;
 
     /// What a pixel may be off for one voxel's section by polynomials, in an exact picture: half of what it
-    /// may be for all voxels (model §9). Sections of a Gaussian stay below a third of that, those of
-    /// `crawfis-max`, which is in two pieces, just below it; normalised ones, products of others or a root of
-    /// them, may be beyond.
+    /// may be for all voxels ([model §9](slabsplat_core::model)). Sections of a Gaussian stay below a third
+    /// of that, those of `crawfis-max`, which is in two pieces, just below it; normalised ones, products of
+    /// others or a root of them, may be beyond.
     pub const EXACT_SECTION: f64 = 5e-4;
 
     /// A kernel whose sections are further from separable ones is not separable; a Gaussian that ends at R =

@@ -10,7 +10,9 @@
 //! A face is skipped if the extinction beyond it, added up over a layer of such voxels, is at most half the
 //! tolerance; what lies beyond is *merged* into the section before it. So a faint voxel is
 //! splatted whole, into the slab that holds its centre, and an opaque one in all its sections, but
-//! for slivers at its ends. `docs/numerics.md` says why this bounds a pixel's error.
+//! for slivers at its ends. [Numerics] says why this bounds a pixel's error.
+//!
+//! [Numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 //!
 //! This knows neither slabs nor voxels: a level is a number, and a split half-depth is a share of the
 //! kernel's.
@@ -47,7 +49,7 @@ pub struct SplitView {
     pub layer_depth: f64,
     /// `s`: how far any ray moves sideways per step in depth; 0 in an orthographic view.
     pub steepest_ray: f64,
-    /// Whether a region cuts what is seen (model §11).
+    /// Whether a region cuts what is seen ([model §11](slabsplat_core::model)).
     pub is_cut: bool,
 }
 

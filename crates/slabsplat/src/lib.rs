@@ -40,9 +40,16 @@
 //! - A reconstruction kernel implements [`Kernel`], and [`Renderer::add_kernel`] gives it a name.
 //! - A backend implements [`Backend`]; [`backend`] has all that it is given, and [`Renderer::new`] takes it.
 //!
+//! # What a pixel is
+//!
+//! The page [`model`] defines it; "model §3" is its third section, wherever that is cited. "The paper" is
+//! Mueller & Crawfis 1998.
+//!
 //! # Reading order
 //!
 //! `renderer`, `backends`; `automatic`, `scene_file`; `popping`.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod backends;
 mod renderer;
@@ -78,3 +85,7 @@ pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, Unknow
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]
 pub use slabsplat_io as io;
+
+#[cfg(all(doctest, feature = "files"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

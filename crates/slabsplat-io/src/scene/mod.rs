@@ -1,4 +1,4 @@
-//! Scene files (`docs/example.toml`): everything that decides a pixel, as TOML.
+//! Scene files ([`scene_keys`](crate::scene_keys)): everything that decides a pixel, as TOML.
 //!
 //! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells
 //! it), `layers` and `sections` (what that means), `camera`, `labels` and `label_table`, `region`,
@@ -104,7 +104,8 @@ pub enum VolumeSource {
     },
 }
 
-/// Reads a scene file. Relative paths in it start from its folder. The volume is not read yet.
+/// Reads a scene file; [`scene_keys`](crate::scene_keys) has all that it may say. Relative paths in it start
+/// from its folder. The volume is not read yet.
 ///
 /// # Errors
 /// If the file cannot be read, is not TOML, has a key that is not known, or a value that cannot be.
