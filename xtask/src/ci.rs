@@ -1,6 +1,6 @@
 //! `cargo xtask ci`: what must pass before a change is handed in.
 //!
-//! Beside lint and test it builds each crate without features, and with each feature alone.
+//! Beside all other commands that judge it builds each crate without features, and with each feature alone.
 //! A build of the whole workspace unites the features, and so hides one that does not stand by itself; it
 //! unites those of dependencies too, and so a crate that has no features is built alone as well.
 
@@ -9,12 +9,16 @@ use anyhow::{Result, ensure};
 use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Package, Workspace};
 
-use crate::lint;
 use crate::test::{self, Test};
+use crate::{deny, lint, msrv, package, semver};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
     test::run(&Test::default())?;
+    package::run()?;
+    msrv::run(false)?;
+    deny::run(&[])?;
+    semver::run()?;
     check_features()
 }
 

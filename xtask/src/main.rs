@@ -1,7 +1,7 @@
 //! `cargo xtask`: the one entrance to everything that a contributor or a build server runs.
 //!
 //! ```text
-//! cargo xtask lint     cargo xtask test     cargo xtask bench     cargo xtask ci
+//! cargo xtask lint     cargo xtask test     cargo xtask package     cargo xtask bench     cargo xtask ci
 //! ```
 //!
 //! Each command is a file of its own name; `cargo xtask` without arguments lists them.
@@ -11,6 +11,11 @@
 
 mod lint;
 mod test;
+
+mod deny;
+mod msrv;
+mod package;
+mod semver;
 
 mod bench;
 mod ci;
@@ -32,8 +37,12 @@ Usage: cargo xtask COMMAND
   test [ARGS]              `cargo test ARGS`, of all packages unless some are named
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
+  package                  pack every crate that is published, and build each from its package alone
+  msrv [--install]         check them with the oldest Rust that they promise, if rustup has it or may install it
+  deny [CHECKS]            judge licences and sources of dependencies, or `advisories`, if cargo-deny is here
+  semver                   compare with the last release, if there is one and cargo-semver-checks is here
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
-  ci                       lint, test, and each crate and each feature of it built alone
+  ci                       lint, test, package, msrv, deny, semver, and each crate and feature built alone
   help                     print this
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
@@ -62,6 +71,10 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Test),
+    Package,
+    Msrv { installs: bool },
+    Deny(Vec<OsString>),
+    Semver,
     Bench(Vec<OsString>),
     Ci,
     Help,
@@ -71,6 +84,10 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
+        Task::Package => package::run(),
+        Task::Msrv { installs } => msrv::run(*installs),
+        Task::Deny(checks) => deny::run(checks),
+        Task::Semver => semver::run(),
         Task::Bench(args) => bench::run(args),
         Task::Ci => ci::run(),
         Task::Help => {
@@ -86,6 +103,10 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let task = match command.to_str() {
         Some("test") => return test::parse(&rest).map(Task::Test),
         Some("bench") => return Ok(Task::Bench(rest)),
+        Some("deny") => return Ok(Task::Deny(rest)),
+        Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
+        Some("package") => Task::Package,
+        Some("semver") => Task::Semver,
         Some("lint") => Task::Lint,
         Some("ci") => Task::Ci,
         Some("help" | "--help" | "-h") => Task::Help,
@@ -113,6 +134,10 @@ mod tests {
         check(&["lint"], Ok(Task::Lint));
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
+        check(&["package"], Ok(Task::Package));
+        check(&["msrv"], Ok(Task::Msrv { installs: false }));
+        check(&["msrv", "--install"], Ok(Task::Msrv { installs: true }));
+        check(&["deny", "advisories"], Ok(Task::Deny(vec!["advisories".into()])));
         check(&["bench", "cpu", "--help"], Ok(Task::Bench(vec!["cpu".into(), "--help".into()])));
         check(&["test"], Ok(Task::Test(Test::default())));
     }
@@ -122,5 +147,6 @@ mod tests {
         check(&[], Err("a command is missing"));
         check(&["lnt"], Err("there is no command `lnt`"));
         check(&["lint", "--fix"], Err("`lint` takes no arguments, found `--fix`"));
+        check(&["msrv", "1.90"], Err("`msrv` takes `--install` alone, found `1.90`"));
     }
 }

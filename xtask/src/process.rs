@@ -42,6 +42,12 @@ pub fn output(command: &mut Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed no UTF-8"))
 }
 
+/// Whether cargo has the subcommand `name`, which may be a program of others.
+#[must_use]
+pub fn has_subcommand(name: &str) -> bool {
+    output(cargo(Path::new(".")).args([name, "--version"])).is_ok()
+}
+
 fn shown(command: &Command) -> String {
     // A full path to the toolchain's cargo says nothing that its name does not.
     let program = Path::new(command.get_program());
@@ -59,6 +65,12 @@ mod tests {
         let mut command = Command::new("/opt/toolchain/bin/cargo");
         command.args(["test", "--workspace"]);
         assert_eq!(shown(&command), "cargo test --workspace", "the path is left out");
+    }
+
+    #[test]
+    fn has_subcommand_that_is_there() {
+        assert!(has_subcommand("fmt"));
+        assert!(!has_subcommand("no-such-command"));
     }
 
     #[test]

@@ -29,6 +29,10 @@ pub struct Package {
     pub name: String,
     /// Where that manifest is.
     pub manifest_path: PathBuf,
+    /// The registries that it may go to: any if there is no list, none if it is empty.
+    pub publish: Option<Vec<String>>,
+    /// The oldest Rust that builds it, as its manifest says.
+    pub rust_version: Option<String>,
     /// What it uses, its tests and build script included.
     pub dependencies: Vec<Dependency>,
     /// Features by name; what they switch on does not matter here.
@@ -76,6 +80,11 @@ impl Workspace {
         let metadata = ["metadata", "--no-deps", "--format-version", "1"];
         parse(&output(cargo(root()).args(metadata))?)
     }
+
+    /// Members that a registry gets.
+    pub fn published(&self) -> impl Iterator<Item = &Package> {
+        self.packages.iter().filter(|package| package.is_published())
+    }
 }
 
 impl Package {
@@ -83,6 +92,18 @@ impl Package {
     pub fn benches(&self) -> impl Iterator<Item = &str> {
         let benches = self.targets.iter().filter(|target| target.kind == ["bench"]);
         benches.map(|target| target.name.as_str())
+    }
+
+    /// Whether others can depend on it.
+    #[must_use]
+    pub fn has_library(&self) -> bool {
+        self.targets.iter().any(|target| target.kind == ["lib"])
+    }
+
+    /// Whether a registry gets it.
+    #[must_use]
+    pub fn is_published(&self) -> bool {
+        self.publish.as_ref().is_none_or(|registries| !registries.is_empty())
     }
 }
 
@@ -106,6 +127,8 @@ mod tests {
     const METADATA: &str = r#"{ "target_directory": "/t", "packages": [ {
         "name": "a",
         "manifest_path": "/a/Cargo.toml",
+        "publish": null,
+        "rust_version": "1.90",
         "dependencies": [
             { "name": "glam", "kind": null },
             { "name": "fastrand", "kind": "dev" },
@@ -122,6 +145,12 @@ mod tests {
         assert_eq!(package.name, "a", "name");
         assert!(package.features.keys().eq(["default", "simd"]), "features");
         assert!(package.benches().eq(["toss"]), "benches, without the library");
+        assert!(package.has_library(), "the other target");
+        assert!(package.is_published(), "to any registry");
+        assert!(
+            !Package { publish: Some(Vec::new()), ..package.clone() }.is_published(),
+            "to none"
+        );
         let kinds: Vec<_> = package.dependencies.iter().map(|d| d.kind).collect();
         assert_eq!(kinds, [None, Some(DependencyKind::Dev), Some(DependencyKind::Build)]);
     }

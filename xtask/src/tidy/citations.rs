@@ -1,10 +1,14 @@
 //! What comments and documents cite must be there: files of the repository, and sections of the model.
+//! Who reads the documentation of a crate has no repository: there a document is cited by its address.
 
 use std::collections::BTreeSet;
 
 use super::{File, Finding};
 
 const MODEL: &str = "docs/model.md";
+
+/// Where documents are in the network.
+const ADDRESS: &str = "https://github.com/slabsplat/slabsplat/blob/main/";
 
 /// Where a path begins that means a file of the repository.
 const ROOTS: &[&str] = &["crates/", "docs/", "shaders/", "tests/", "xtask/"];
@@ -19,6 +23,17 @@ pub(super) fn dangling(files: &[File]) -> Vec<Finding> {
         EXTENSIONS.contains(&file.extension()) && !file.path.starts_with("xtask/src/tidy/")
     };
     files.iter().filter(may_cite).flat_map(|file| there.dangling_in(file)).collect()
+}
+
+/// Documents that the documentation of a crate cites by a path.
+pub(super) fn unpublished(file: &File) -> Vec<Finding> {
+    let is_source = file.path.starts_with("crates/") && file.path.contains("/src/");
+    let Some(text) = file.text_if("rs").filter(|_| is_source) else { return Vec::new() };
+    let is_bad = |line: &str| {
+        let line = line.trim_start();
+        (line.starts_with("///") || line.starts_with("//!")) && line.contains("`docs/")
+    };
+    file.bad_lines(text, is_bad, "dead on docs.rs: cite a document by its address")
 }
 
 /// What may be cited.
@@ -43,7 +58,9 @@ impl<'a> Citable<'a> {
     fn dangling_in(&self, file: &File) -> Vec<Finding> {
         let mut findings = Vec::new();
         for (idx, line) in file.text.as_deref().unwrap_or_default().lines().enumerate() {
-            let paths = cited_paths(line).filter(|path| !self.paths.contains(path));
+            let paths = cited_paths(line)
+                .chain(cited_addresses(line))
+                .filter(|path| !self.paths.contains(path));
             findings
                 .extend(paths.map(|path| file.finding_at(idx + 1, format!("there is no {path}"))));
             let sections = cited_sections(line).filter(|section| !self.sections.contains(section));
@@ -61,6 +78,12 @@ fn cited_paths(line: &str) -> impl Iterator<Item = &str> {
             && span.bytes().all(|b| b.is_ascii_alphanumeric() || b"/._-".contains(&b))
     };
     line.split('`').skip(1).step_by(2).filter(is_path).map(|path| path.trim_end_matches('/'))
+}
+
+/// Files of the repository that a line cites by their addresses.
+fn cited_addresses(line: &str) -> impl Iterator<Item = &str> {
+    let end = |address: &str| address.find([')', '#', '>', ' ']).unwrap_or(address.len());
+    line.split(ADDRESS).skip(1).map(move |address| &address[..end(address)])
 }
 
 /// The number of every `model §n`, and both numbers of `model §§m–n` or `model §§m, n`.
@@ -101,6 +124,27 @@ mod tests {
         assert_eq!(lines_found("docs/b.md", content), [2, 3]);
         assert_eq!(lines_found("crates/a/b.rs", "//! `docs/gone.md`\n"), [1]);
         assert!(lines_found("docs/b.txt", content).is_empty());
+    }
+
+    #[test]
+    fn cited_addresses_are_there() {
+        let content = format!(
+            "//! [a]({ADDRESS}docs/model.md#1-space) and <{ADDRESS}docs/model.md>\n\
+             //! [b]: {ADDRESS}docs/gone.md\n//! [c]({ADDRESS}docs/gone.md), [d]({ADDRESS}crates/a/src)\n"
+        );
+        assert_eq!(lines_found("crates/a/b.rs", &content), [2, 3]);
+    }
+
+    #[test]
+    fn unpublished_documents() {
+        let content = "//! As `docs/model.md` says.\n// `docs/model.md`\n/// `docs/`: no\n";
+        let lines = |path: &str| {
+            let findings = unpublished(&File::new(path, content.as_bytes().to_vec()));
+            findings.iter().filter_map(|finding| finding.line).collect::<Vec<_>>()
+        };
+        assert_eq!(lines("crates/a/src/b.rs"), [1, 3]);
+        assert!(lines("crates/a/tests/b.rs").is_empty());
+        assert!(lines("xtask/src/b.rs").is_empty());
     }
 
     #[test]

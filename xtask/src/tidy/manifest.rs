@@ -1,4 +1,5 @@
-//! Rules for manifests: what a crate is called, and that all crates have the same lints.
+//! Rules for manifests: what a crate is called, that all crates have the same lints, and that features are
+//! documented.
 
 use toml::{Table, Value};
 
@@ -20,6 +21,24 @@ pub(super) fn crate_name(file: &File) -> Vec<Finding> {
         return Vec::new();
     }
     vec![file.finding(format!("the crate is called {name}, its directory {directory}"))]
+}
+
+/// Of libraries: otherwise docs.rs shows what the default features have, and of nothing which feature it
+/// needs.
+pub(super) fn docs_rs(file: &File) -> Vec<Finding> {
+    let Some(manifest) = manifest(file) else { return Vec::new() };
+    let is_published = |package: &Value| package.get("publish") != Some(&Value::Boolean(false));
+    let package = manifest.get("package").filter(|package| is_published(package));
+    let (Some(package), Some(_)) = (package, manifest.get("features")) else { return Vec::new() };
+    if manifest.contains_key("bin") {
+        return Vec::new();
+    }
+    let shown = || package.get("metadata")?.get("docs")?.get("rs")?.get("all-features")?.as_bool();
+    if shown() == Some(true) {
+        return Vec::new();
+    }
+    let message = "has features: `all-features = true` in `[package.metadata.docs.rs]` shows them";
+    vec![file.finding(message)]
 }
 
 /// Lints are set once, for all.
@@ -78,6 +97,18 @@ mod tests {
         check("crates/slabsplat-core/Cargo.toml", 0);
         check("crates/core/Cargo.toml", 1);
         check("tests/Cargo.toml", 0);
+    }
+
+    #[test]
+    fn docs_rs_shows_features() {
+        let check = |rest: &str, n_findings: usize| {
+            let found = docs_rs(&named("a/Cargo.toml", "a", rest));
+            assert_eq!(found.len(), n_findings, "{rest:?}: {found:?}");
+        };
+        check("", 0);
+        check("publish = false\n[features]\nb = []\n", 0);
+        check("[features]\nb = []\n", 1);
+        check("[features]\nb = []\n[package.metadata.docs.rs]\nall-features = true\n", 0);
     }
 
     #[test]

@@ -48,6 +48,8 @@ const FILE_RULES: &[FileRule] = &[
     text::wide_comment,
     text::bare_todo,
     manifest::crate_name,
+    manifest::docs_rs,
+    citations::unpublished,
     layout::binary_size,
 ];
 
