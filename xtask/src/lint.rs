@@ -4,13 +4,19 @@
 //! Nothing is repaired here; `cargo fmt` and `cargo clippy --fix` do that.
 
 use std::path::Path;
+use std::process::Command;
 
 use anyhow::{Result, bail, ensure};
 
-use xtask::process::{cargo, run as run_command};
+use xtask::process::{cargo, output, run as run_command};
 use xtask::workspace::{self, Workspace};
 
 use crate::{dependencies, tidy};
+
+const WASM: &str = "wasm32-unknown-unknown";
+
+/// The environment variable that has flags of the compiler for that target alone.
+const WASM_FLAGS: &str = "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS";
 
 type Step = fn(&Path) -> Result<()>;
 
@@ -20,6 +26,7 @@ const STEPS: &[(&str, Step)] = &[
     ("dependency rules", check_dependencies),
     ("clippy", check_clippy),
     ("documentation", check_documentation),
+    ("WebAssembly", check_wasm),
 ];
 
 pub(crate) fn run() -> Result<()> {
@@ -56,6 +63,27 @@ fn check_clippy(root: &Path) -> Result<()> {
 fn check_documentation(root: &Path) -> Result<()> {
     let doc = ["doc", "--no-deps", "--workspace", "--all-features"];
     run_command(cargo(root).args(doc).env("RUSTDOCFLAGS", "-Dwarnings"))
+}
+
+/// Where the target is installed: all that a page can use, and with vectors what is made of them.
+fn check_wasm(root: &Path) -> Result<()> {
+    if !has_target(WASM) {
+        eprintln!("lint: skipped, as it is not here: `rustup target add {WASM}`");
+        return Ok(());
+    }
+    let check = |package: &[&str]| {
+        let mut command = cargo(root);
+        command.args(["check", "--target", WASM, "--package"]).args(package);
+        command
+    };
+    run_command(&mut check(&["slabsplat", "--features", "wgpu"]))?;
+    run_command(check(&["slabsplat-cpu"]).env(WASM_FLAGS, "-Ctarget-feature=+simd128"))
+}
+
+fn has_target(target: &str) -> bool {
+    let libraries = ["--print", "target-libdir", "--target", target];
+    let folder = output(Command::new("rustc").args(libraries)).unwrap_or_default();
+    Path::new(folder.trim()).is_dir()
 }
 
 fn report(findings: &[impl ToString]) -> Result<()> {

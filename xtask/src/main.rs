@@ -33,7 +33,7 @@ use test::Test;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  lint                     rustfmt, tidy, dependency rules, clippy and documentation, warnings denied
+  lint                     rustfmt, tidy, dependency rules, clippy, documentation, WebAssembly; warnings denied
   test [ARGS]              `cargo test ARGS`, of all packages unless some are named
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
