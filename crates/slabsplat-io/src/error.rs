@@ -27,6 +27,12 @@ pub enum IoError {
         /// What the system said.
         source: io::Error,
     },
+    /// The picture is none that its format has.
+    #[error("cannot encode the picture: {source}")]
+    Encode {
+        /// What the encoder says.
+        source: io::Error,
+    },
     /// The file is in none of the formats that can be read.
     #[error(
         "{} is not a volume file that can be read: expected NRRD (.nrrd, .nhdr), NIfTI (.nii, \

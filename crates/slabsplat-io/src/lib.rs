@@ -23,6 +23,8 @@
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
 //!
+//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
+//!
 //! And without any file: [`builtin_volume`], [`preset_transfer`].
 //!
 //! ```
@@ -46,9 +48,10 @@
 //!
 //! # Reading order
 //!
-//! `error`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`; `picture`.
+//! `error`, `store`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`; `picture`.
 
 mod error;
+mod store;
 
 mod volume;
 
@@ -69,11 +72,12 @@ pub use builtin::{BUILTIN_NAMES, builtin_volume};
 pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
-pub use picture::{write_exr, write_picture, write_png};
+pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
     TransferImageFile, VolumeSource, preset_transfer, read_color_map, read_scene,
 };
+pub use store::FilesInMemory;
 pub use volume::{
     Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume, volume_bytes,
 };

@@ -1,17 +1,21 @@
 //! Small text files: scenes, descriptions, colour maps.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
 use crate::IoError;
+use crate::store::Store;
 
 /// No text that a person writes is longer.
 const MAX_BYTES: u64 = 16 << 20;
 
 /// The whole text of a file, which must be UTF-8 and not absurdly long.
 pub(crate) fn read(path: &Path) -> Result<String, IoError> {
-    let file = File::open(path).map_err(IoError::read(path))?;
+    read_from(Store::Disk, path)
+}
+
+pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<String, IoError> {
+    let file = store.open(path)?;
     let mut bytes = Vec::new();
     file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(IoError::read(path))?;
     if MAX_BYTES < bytes.len() as u64 {
@@ -24,6 +28,7 @@ pub(crate) fn read(path: &Path) -> Result<String, IoError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs::File;
 
     #[test]
     fn text_must_be_short_utf8() {

@@ -11,12 +11,12 @@ mod ply;
 mod ply_header;
 mod stl;
 
-use std::fs;
 use std::path::Path;
 
 use slabsplat_core::{DroppedTriangles, Mesh, MeshParts};
 
 use crate::IoError;
+use crate::store::Store;
 
 /// A mesh, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
@@ -83,7 +83,11 @@ pub fn is_mesh_name(path: &Path) -> bool {
 /// # Errors
 /// If the file cannot be read, is in no such format, or is broken.
 pub fn read_mesh(path: &Path) -> Result<LoadedMesh, IoError> {
-    let bytes = fs::read(path).map_err(IoError::read(path))?;
+    read_from(Store::Disk, path)
+}
+
+pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedMesh, IoError> {
+    let bytes = store.read(path)?;
     let format = MeshFormat::of(path, &bytes);
     let format = format.ok_or_else(|| IoError::UnknownMesh { path: path.to_owned() })?;
     let parts = match format {

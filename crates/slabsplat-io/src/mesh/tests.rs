@@ -8,7 +8,7 @@ use std::path::PathBuf;
 fn read(name: &str, bytes: &[u8]) -> Result<LoadedMesh, IoError> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join(name);
-    fs::write(&path, bytes).unwrap();
+    std::fs::write(&path, bytes).unwrap();
     read_mesh(&path)
 }
 

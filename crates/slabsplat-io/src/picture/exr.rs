@@ -1,12 +1,13 @@
 //! OpenEXR: the compositor's numbers as they are, 32-bit floats, premultiplied.
 
+use std::io::{self, Cursor, Seek, Write};
 use std::path::Path;
 
 use image::codecs::openexr::OpenExrEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use slabsplat_core::Image;
 
-use super::{atomic, to_io_error};
+use super::{atomic, has_pixels, to_io_error};
 use crate::IoError;
 
 /// Writes channels R, G, B and A of 32-bit floats, bit by bit what the picture holds.
@@ -14,13 +15,25 @@ use crate::IoError;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_exr(path: &Path, image: &Image) -> Result<(), IoError> {
-    let (width, height) = (image.width(), image.height());
+    atomic::write(path, |writer| encode(writer, image))
+}
+
+/// What [`write_exr`] would write.
+///
+/// # Errors
+/// If the picture has no pixels.
+pub fn exr_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Cursor::new(Vec::new());
+    encode(&mut bytes, image).map_err(|source| IoError::Encode { source })?;
+    Ok(bytes.into_inner())
+}
+
+fn encode(writer: impl Write + Seek, image: &Image) -> io::Result<()> {
+    has_pixels(image)?;
     let bytes = bytemuck::cast_slice(image.pixels());
-    atomic::write(path, |writer| {
-        OpenExrEncoder::new(writer)
-            .write_image(bytes, width, height, ExtendedColorType::Rgba32F)
-            .map_err(to_io_error)
-    })
+    OpenExrEncoder::new(writer)
+        .write_image(bytes, image.width(), image.height(), ExtendedColorType::Rgba32F)
+        .map_err(to_io_error)
 }
 
 #[cfg(test)]

@@ -4,12 +4,13 @@ mod atomic;
 mod exr;
 mod png;
 
+use std::io;
 use std::path::Path;
 
 use slabsplat_core::Image;
 
-pub use exr::write_exr;
-pub use png::write_png;
+pub use exr::{exr_bytes, write_exr};
+pub use png::{png_bytes, write_png};
 
 use crate::IoError;
 
@@ -26,17 +27,39 @@ pub fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
     }
 }
 
+/// No format has room for a picture of none, and one encoder panics.
+fn has_pixels(image: &Image) -> io::Result<()> {
+    match image.pixels() {
+        [] => Err(io::Error::other("it has no pixels")),
+        [..] => Ok(()),
+    }
+}
+
 /// What the encoders' errors come down to.
-fn to_io_error(error: image::ImageError) -> std::io::Error {
+fn to_io_error(error: image::ImageError) -> io::Error {
     match error {
         image::ImageError::IoError(error) => error,
-        other => std::io::Error::other(other),
+        other => io::Error::other(other),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn picture_bytes_are_those_of_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let image = Image::filled(5, 3, [0.1, 0.2, 0.3, 0.7]);
+        for (name, bytes) in [("a.png", png_bytes(&image)), ("a.exr", exr_bytes(&image))] {
+            write_picture(&dir.path().join(name), &image).unwrap();
+            assert_eq!(std::fs::read(dir.path().join(name)).unwrap(), bytes.unwrap(), "{name}");
+        }
+        let empty = Image::filled(0, 3, [0.0; 4]);
+        for error in [png_bytes(&empty), exr_bytes(&empty)].map(Result::unwrap_err) {
+            assert_eq!(error.to_string(), "cannot encode the picture: it has no pixels");
+        }
+    }
 
     #[test]
     fn picture_format_by_extension() {

@@ -1,13 +1,14 @@
 //! PNG: 8 bits a channel. PNG's colours are not premultiplied, so that ours are divided by their
 //! opacity.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use slabsplat_core::Image;
 
-use super::{atomic, to_io_error};
+use super::{atomic, has_pixels, to_io_error};
 use crate::IoError;
 
 /// Writes red, green, blue and opacity, rounded to 8 bits, as [`Image::to_rgba8`] does.
@@ -15,13 +16,24 @@ use crate::IoError;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_png(path: &Path, image: &Image) -> Result<(), IoError> {
-    let (width, height) = (image.width(), image.height());
-    let bytes = image.to_rgba8();
-    atomic::write(path, |writer| {
-        PngEncoder::new(writer)
-            .write_image(&bytes, width, height, ExtendedColorType::Rgba8)
-            .map_err(to_io_error)
-    })
+    atomic::write(path, |writer| encode(writer, image))
+}
+
+/// What [`write_png`] would write.
+///
+/// # Errors
+/// If the picture has no pixels.
+pub fn png_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Vec::new();
+    encode(&mut bytes, image).map_err(|source| IoError::Encode { source })?;
+    Ok(bytes)
+}
+
+fn encode(writer: impl Write, image: &Image) -> io::Result<()> {
+    has_pixels(image)?;
+    PngEncoder::new(writer)
+        .write_image(&image.to_rgba8(), image.width(), image.height(), ExtendedColorType::Rgba8)
+        .map_err(to_io_error)
 }
 
 #[cfg(test)]

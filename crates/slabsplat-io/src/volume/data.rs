@@ -9,6 +9,7 @@ use super::buffer::{Endian, SampleBuffer};
 use super::data_files::DataFiles;
 use super::stream::DataStream;
 use crate::IoError;
+use crate::store::Store;
 
 /// How the samples are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,7 @@ pub(super) struct Layout {
 
 /// Reads the samples of files that hold equal shares of them; `path` is that of the header.
 pub(super) fn read(
+    store: Store<'_>,
     path: &Path,
     layout: &Layout,
     files: &DataFiles,
@@ -47,7 +49,8 @@ pub(super) fn read(
     let mut buffer = SampleBuffer::new(layout.sample_type);
     for file_idx in 0..files.len() {
         let (path, offset) = files.get(file_idx);
-        read_file(&path, offset, layout, n_samples_each, &mut buffer, warnings)?;
+        let stream = DataStream::open(store, &path, offset)?;
+        read_file(stream, &path, layout, n_samples_each, &mut buffer, warnings)?;
     }
     Ok(buffer.finish(match layout.encoding {
         Encoding::Raw | Encoding::Packed => layout.endian,
@@ -56,15 +59,14 @@ pub(super) fn read(
 }
 
 fn read_file(
+    mut stream: DataStream<'_>,
     path: &Path,
-    offset: u64,
     layout: &Layout,
     n_samples: usize,
     buffer: &mut SampleBuffer,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
     let sample_bytes = layout.sample_type.size_bytes();
-    let mut stream = DataStream::open(path, offset)?;
     stream.skip_lines(layout.line_skip)?;
     if layout.encoding == Encoding::Packed {
         stream = stream.unpacked();

@@ -30,9 +30,11 @@ use slabsplat_core::glam::DMat3;
 use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
 
 pub use buffer::Endian;
+pub(crate) use raw::read_raw_from;
 pub use raw::{RawDesc, read_raw};
 
 use crate::IoError;
+use crate::store::Store;
 
 /// A volume, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
@@ -89,12 +91,16 @@ impl VolumeFormat {
 /// If the file cannot be read, is in no such format, is broken, or holds something other than one
 /// scalar volume.
 pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
-    match header_of(path)? {
-        HeaderFile::Nrrd(header) => nrrd::read(&header),
-        HeaderFile::Nifti(header) => nifti::read(&header),
-        HeaderFile::MetaImage(header) => metaimage::read(&header),
-        HeaderFile::Sidecar(header) => sidecar::read(&header),
-        HeaderFile::Tiff(path) => tiff::read(&path),
+    read_from(Store::Disk, path)
+}
+
+pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+    match header_of(store, path)? {
+        HeaderFile::Nrrd(header) => nrrd::read(store, &header),
+        HeaderFile::Nifti(header) => nifti::read(store, &header),
+        HeaderFile::MetaImage(header) => metaimage::read(store, &header),
+        HeaderFile::Sidecar(header) => sidecar::read(store, &header),
+        HeaderFile::Tiff(path) => tiff::read(store, &path),
     }
 }
 
@@ -104,12 +110,13 @@ pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
 /// # Errors
 /// As [`read_volume`], as far as the header tells.
 pub fn volume_bytes(path: &Path) -> Result<u64, IoError> {
-    let (dims, sample_type) = match header_of(path)? {
-        HeaderFile::Nrrd(header) => nrrd::dims_and_type(&header),
-        HeaderFile::Nifti(header) => nifti::dims_and_type(&header),
-        HeaderFile::MetaImage(header) => metaimage::dims_and_type(&header),
-        HeaderFile::Sidecar(header) => sidecar::dims_and_type(&header),
-        HeaderFile::Tiff(path) => tiff::dims_and_type(&path),
+    let store = Store::Disk;
+    let (dims, sample_type) = match header_of(store, path)? {
+        HeaderFile::Nrrd(header) => nrrd::dims_and_type(store, &header),
+        HeaderFile::Nifti(header) => nifti::dims_and_type(store, &header),
+        HeaderFile::MetaImage(header) => metaimage::dims_and_type(store, &header),
+        HeaderFile::Sidecar(header) => sidecar::dims_and_type(store, &header),
+        HeaderFile::Tiff(path) => tiff::dims_and_type(store, &path),
     }?;
     let n_voxels = dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
     Ok(n_voxels.saturating_mul(sample_type.size_bytes() as u64))
@@ -125,8 +132,8 @@ enum HeaderFile {
 }
 
 /// By the content of a file, or by its name where that says nothing.
-fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
-    let start = stream::first_bytes(path)?;
+fn header_of(store: Store<'_>, path: &Path) -> Result<HeaderFile, IoError> {
+    let start = stream::first_bytes(store, path)?;
     if nrrd::is_nrrd(&start) {
         return Ok(HeaderFile::Nrrd(path.to_owned()));
     }
@@ -155,8 +162,8 @@ fn header_of(path: &Path) -> Result<HeaderFile, IoError> {
             "not a NIfTI file, or cut off: it does not begin with a whole NIfTI header (Analyze 7.5 is not \
              read)",
         )),
-        "img" => nifti::header_beside(path).map(HeaderFile::Nifti),
-        _ if path.with_extension("json").is_file() => {
+        "img" => nifti::header_beside(store, path).map(HeaderFile::Nifti),
+        _ if store.has(&path.with_extension("json")) => {
             Ok(HeaderFile::Sidecar(path.with_extension("json")))
         }
         _ => Err(IoError::UnknownFormat { path: path.to_owned() }),

@@ -8,6 +8,7 @@ use super::buffer::{Endian, SampleBuffer};
 use super::stream::DataStream;
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
+use crate::store::Store;
 
 /// What a raw file holds: the header that it lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,10 +31,18 @@ pub struct RawDesc {
 /// If the file cannot be read, or is not just as long as `desc` says: then the description is
 /// wrong, and the picture would be noise.
 pub fn read_raw(path: &Path, desc: &RawDesc) -> Result<LoadedVolume, IoError> {
+    read_raw_from(Store::Disk, path, desc)
+}
+
+pub(crate) fn read_raw_from(
+    store: Store<'_>,
+    path: &Path,
+    desc: &RawDesc,
+) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing(desc.dims, desc.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let sample_bytes = desc.sample_type.size_bytes();
-    let mut stream = DataStream::open(path, desc.header_bytes)?;
+    let mut stream = DataStream::open(store, path, desc.header_bytes)?;
     let needed = grid.n_voxels() as u64 * sample_bytes as u64;
     let found = stream.n_left_at_most();
     if needed != found {

@@ -14,7 +14,8 @@ use serde::Deserialize;
 use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{Grid, SampleType};
 
-use super::{Endian, LoadedVolume, RawDesc, names, read_raw};
+use super::{Endian, LoadedVolume, RawDesc, names, read_raw_from};
+use crate::store::Store;
 use crate::{IoError, text};
 
 #[derive(Deserialize)]
@@ -36,9 +37,9 @@ fn unit_spacing() -> [f64; 3] {
     [1.0; 3]
 }
 
-pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
+pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
     let malformed = |what: String| IoError::malformed(path, what);
-    let sidecar = parse(path)?;
+    let sidecar = parse(store, path)?;
     let sample_type = sidecar.sample_type(path)?;
     if let Some(order) = sidecar.order.filter(|order| !order.starts_with("x fastest")) {
         let what =
@@ -56,17 +57,20 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
         Some(file) => path.with_file_name(file),
         None => path.with_extension("raw"),
     };
-    placed_at(read_raw(&data_path, &desc)?, sidecar.origin, path)
+    placed_at(read_raw_from(store, &data_path, &desc)?, sidecar.origin, path)
 }
 
 /// What a description says of the volume's size.
-pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
-    let sidecar = parse(path)?;
+pub(super) fn dims_and_type(
+    store: Store<'_>,
+    path: &Path,
+) -> Result<([usize; 3], SampleType), IoError> {
+    let sidecar = parse(store, path)?;
     Ok((sidecar.dims, sidecar.sample_type(path)?))
 }
 
-fn parse(path: &Path) -> Result<Sidecar, IoError> {
-    serde_json::from_str(&text::read(path)?).map_err(|error| {
+fn parse(store: Store<'_>, path: &Path) -> Result<Sidecar, IoError> {
+    serde_json::from_str(&text::read_from(store, path)?).map_err(|error| {
         IoError::malformed(path, format!("not a description of a raw volume: {error}"))
     })
 }

@@ -1,7 +1,6 @@
 //! Bytes from files, plain or packed by gzip or zlib. Knows how many there can be before it is asked for
 //! them.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::buffer::{ReadFailure, SampleBuffer};
 use crate::IoError;
+use crate::store::{Store, StoredFile};
 
 /// Deflate cannot pack better than this: 258 bytes in two bits.
 const MAX_GZIP_RATIO: u64 = 1032;
@@ -19,30 +19,30 @@ const N_FIRST_BYTES: usize = 540;
 /// A file that is being read from front to back.
 pub(super) struct DataStream<'p> {
     path: &'p Path,
-    reader: Reader,
+    reader: Reader<'p>,
     /// No more bytes than this can come.
     n_left_at_most: u64,
 }
 
-enum Reader {
-    Plain(BufReader<File>),
-    Gzip(Box<MultiGzDecoder<BufReader<File>>>),
-    Zlib(Box<ZlibDecoder<BufReader<File>>>),
+enum Reader<'p> {
+    Plain(BufReader<StoredFile<'p>>),
+    Gzip(Box<MultiGzDecoder<BufReader<StoredFile<'p>>>>),
+    Zlib(Box<ZlibDecoder<BufReader<StoredFile<'p>>>>),
 }
 
 impl<'p> DataStream<'p> {
     /// The bytes of the file as they are, from `offset`.
-    pub(super) fn open(path: &'p Path, offset: u64) -> Result<Self, IoError> {
-        let mut file = File::open(path).map_err(IoError::read(path))?;
-        let n_bytes = file.metadata().map_err(IoError::read(path))?.len();
+    pub(super) fn open(store: Store<'p>, path: &'p Path, offset: u64) -> Result<Self, IoError> {
+        let mut file = store.open(path)?;
+        let n_bytes = file.n_bytes().map_err(IoError::read(path))?;
         file.seek(SeekFrom::Start(offset)).map_err(IoError::read(path))?;
         let n_left_at_most = n_bytes.saturating_sub(offset);
         Ok(Self { path, reader: Reader::Plain(BufReader::new(file)), n_left_at_most })
     }
 
     /// The file's content: unpacked if it begins as a gzip file does.
-    pub(super) fn open_unpacked(path: &'p Path) -> Result<Self, IoError> {
-        let mut stream = Self::open(path, 0)?;
+    pub(super) fn open_unpacked(store: Store<'p>, path: &'p Path) -> Result<Self, IoError> {
+        let mut stream = Self::open(store, path, 0)?;
         let start = stream.peek()?;
         let is_gzip = start.starts_with(&[0x1f, 0x8b]);
         Ok(if is_gzip { stream.unpacked() } else { stream })
@@ -164,10 +164,10 @@ fn too_short(path: &Path, needed: u64, found: u64) -> IoError {
 }
 
 /// The first bytes of the file, unpacked if it is a gzip file; fewer than 540 if it is shorter.
-pub(super) fn first_bytes(path: &Path) -> Result<Vec<u8>, IoError> {
+pub(super) fn first_bytes(store: Store<'_>, path: &Path) -> Result<Vec<u8>, IoError> {
     let mut bytes = Vec::with_capacity(N_FIRST_BYTES);
-    let read = DataStream::open_unpacked(path)?.take(N_FIRST_BYTES as u64).read_to_end(&mut bytes);
-    match read {
+    let stream = DataStream::open_unpacked(store, path)?;
+    match stream.take(N_FIRST_BYTES as u64).read_to_end(&mut bytes) {
         // A gzip file that breaks off here is reported by whoever reads it to the end.
         Err(e) if e.kind() != io::ErrorKind::UnexpectedEof => {
             Err(IoError::Read { path: path.to_owned(), source: e })
@@ -202,8 +202,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.gz");
         std::fs::write(&path, [gzip(b"abc"), gzip(b"def")].concat()).unwrap();
-        assert_eq!(first_bytes(&path).unwrap(), b"abcdef");
-        let mut stream = DataStream::open_unpacked(&path).unwrap();
+        assert_eq!(first_bytes(Store::Disk, &path).unwrap(), b"abcdef");
+        let mut stream = DataStream::open_unpacked(Store::Disk, &path).unwrap();
         stream.skip(2).unwrap();
         let mut buffer = SampleBuffer::new(SampleType::U8);
         stream.fill(&mut buffer, 4, 1).unwrap();
@@ -216,12 +216,14 @@ mod tests {
         let path = dir.path().join("a.gz");
         std::fs::write(&path, gzip(&[0; 1000])).unwrap();
         let mut buffer = SampleBuffer::new(SampleType::U8);
-        let mut fill = |n| DataStream::open_unpacked(&path).unwrap().fill(&mut buffer, n, 1);
+        let mut fill =
+            |n| DataStream::open_unpacked(Store::Disk, &path).unwrap().fill(&mut buffer, n, 1);
         let err = fill(1 << 30).unwrap_err().to_string();
         assert!(err.contains("too short to unpack"), "{err}");
         let err = fill(1001).unwrap_err().to_string();
         assert!(err.contains("needs 1001 bytes of data, has 1000"), "{err}");
-        let err = DataStream::open(&path, 5).unwrap().fill(&mut buffer, 99, 1).unwrap_err();
+        let err =
+            DataStream::open(Store::Disk, &path, 5).unwrap().fill(&mut buffer, 99, 1).unwrap_err();
         assert!(err.to_string().contains("needs 99 bytes"), "{err}");
     }
 
@@ -233,7 +235,7 @@ mod tests {
         let at = bytes.len() - 6;
         bytes[at] ^= 1;
         std::fs::write(&path, bytes).unwrap();
-        let mut stream = DataStream::open_unpacked(&path).unwrap();
+        let mut stream = DataStream::open_unpacked(Store::Disk, &path).unwrap();
         stream.skip(100).unwrap();
         assert!(stream.has_more().is_err());
     }

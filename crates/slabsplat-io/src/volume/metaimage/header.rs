@@ -1,12 +1,12 @@
 //! The text at the head of a MetaImage, as fields by name. What they mean is decided elsewhere.
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::ops::Deref;
 use std::path::Path;
 
 use super::super::header_fields::{HeaderFields, MAX_HEADER_BYTES};
 use crate::IoError;
+use crate::store::Store;
 
 /// With what a header may begin.
 const FIRST_FIELDS: &[&str] = &[
@@ -67,8 +67,8 @@ impl Deref for Header {
 
 impl Header {
     /// Reads up to the name of the data's file, or to the end of a list of them.
-    pub(super) fn read(path: &Path) -> Result<Self, IoError> {
-        let file = File::open(path).map_err(IoError::read(path))?;
+    pub(super) fn read(store: Store<'_>, path: &Path) -> Result<Self, IoError> {
+        let file = store.open(path)?;
         let mut reader = BufReader::new(file.take(MAX_HEADER_BYTES));
         let mut header = Self { fields: HeaderFields::new(path), listed_files: vec![] };
         while header.get(DATA_FILE).is_none() {

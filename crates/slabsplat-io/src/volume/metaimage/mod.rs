@@ -18,6 +18,7 @@ use slabsplat_core::{Grid, SampleType, Scaling};
 use super::data::{self, Encoding};
 use super::{Endian, LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
+use crate::store::Store;
 use header::Header;
 
 /// Whether the file begins as a MetaImage does.
@@ -25,8 +26,8 @@ pub(super) fn is_header(start: &[u8]) -> bool {
     header::is_first_line(start)
 }
 
-pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
-    let header = Header::read(path)?;
+pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+    let header = Header::read(store, path)?;
     let mut warnings = Vec::new();
     let sizes = header.sizes()?;
     let grid = Grid::new(volume_dims(&sizes), space::world_from_index(&header, sizes.len())?)
@@ -45,7 +46,7 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
         byte_skip: header.parsed("headersize")?.unwrap_or(0),
     };
     let files = files::find(&header, &sizes)?;
-    let samples = data::read(path, &layout, &files, &mut warnings)?;
+    let samples = data::read(store, path, &layout, &files, &mut warnings)?;
     if 1 < n_volumes {
         warnings.truncate(1);
     }
@@ -54,8 +55,11 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
 }
 
 /// What a header says of the volume's size.
-pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
-    let header = Header::read(path)?;
+pub(super) fn dims_and_type(
+    store: Store<'_>,
+    path: &Path,
+) -> Result<([usize; 3], SampleType), IoError> {
+    let header = Header::read(store, path)?;
     Ok((volume_dims(&header.sizes()?), sample_type(&header)?))
 }
 

@@ -6,7 +6,8 @@ use std::io::Write;
 use slabsplat_core::Samples;
 use slabsplat_core::glam::DVec3;
 
-use crate::{LoadedVolume, VolumeFormat, read_volume, volume_bytes};
+use crate::store::read_from_both as read;
+use crate::{VolumeFormat, volume_bytes};
 
 const FIELDS: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = True\n\
                       ElementSpacing = 1 2 3\nDimSize = 2 2 1\nElementType = MET_SHORT\n";
@@ -16,15 +17,6 @@ fn zlib(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
     encoder.write_all(bytes).unwrap();
     encoder.finish().unwrap()
-}
-
-/// Writes the files into a folder and reads the first.
-fn read(files: &[(&str, &[u8])]) -> Result<LoadedVolume, String> {
-    let dir = tempfile::tempdir().unwrap();
-    for (name, bytes) in files {
-        fs::write(dir.path().join(name), bytes).unwrap();
-    }
-    read_volume(&dir.path().join(files[0].0)).map_err(|e| e.to_string())
 }
 
 fn check(files: &[(&str, &[u8])]) {

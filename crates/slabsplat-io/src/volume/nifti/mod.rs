@@ -19,6 +19,7 @@ use super::buffer::SampleBuffer;
 use super::stream::{DataStream, first_bytes};
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
+use crate::store::Store;
 use header::{Header, Version};
 
 /// Whether these are the first bytes of a NIfTI file.
@@ -27,17 +28,17 @@ pub(super) fn is_header(start: &[u8]) -> bool {
 }
 
 /// Reads a volume by its header, which may hold the voxels too.
-pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
-    let header = parse(path)?;
+pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+    let header = parse(store, path)?;
     let mut warnings = Vec::new();
     let dims = dims(&header, path, &mut warnings)?;
     let grid = orientation::grid(&header, dims, &mut warnings)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let sample_type = sample_type(&header, path)?;
     let scaling = scaling(&header, &mut warnings);
-    let image_path = if header.is_single_file { path.to_owned() } else { image_of(path)? };
+    let image_path = if header.is_single_file { path.to_owned() } else { image_of(store, path)? };
 
-    let mut stream = DataStream::open_unpacked(&image_path)?;
+    let mut stream = DataStream::open_unpacked(store, &image_path)?;
     stream.skip(data_offset(&header, path)?)?;
     let mut buffer = SampleBuffer::new(sample_type);
     stream.fill(&mut buffer, grid.n_voxels(), sample_type.size_bytes())?;
@@ -53,36 +54,40 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
 }
 
 /// What a header says of the volume's size.
-pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
-    let header = parse(path)?;
+pub(super) fn dims_and_type(
+    store: Store<'_>,
+    path: &Path,
+) -> Result<([usize; 3], SampleType), IoError> {
+    let header = parse(store, path)?;
     Ok((dims(&header, path, &mut Vec::new())?, sample_type(&header, path)?))
 }
 
-fn parse(path: &Path) -> Result<Header, IoError> {
-    Header::parse(&first_bytes(path)?).ok_or_else(|| IoError::malformed(path, "not a NIfTI header"))
+fn parse(store: Store<'_>, path: &Path) -> Result<Header, IoError> {
+    Header::parse(&first_bytes(store, path)?)
+        .ok_or_else(|| IoError::malformed(path, "not a NIfTI header"))
 }
 
 /// The first file of a pair, by the second.
-pub(super) fn header_beside(path: &Path) -> Result<PathBuf, IoError> {
-    counterpart(path, "hdr").ok_or_else(|| {
+pub(super) fn header_beside(store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+    counterpart(store, path, "hdr").ok_or_else(|| {
         let what = "an image without a header: the file of this name with .hdr is missing";
         IoError::malformed(path, what)
     })
 }
 
-fn image_of(path: &Path) -> Result<PathBuf, IoError> {
-    counterpart(path, "img").ok_or_else(|| {
+fn image_of(store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+    counterpart(store, path, "img").ok_or_else(|| {
         let what = "a header without an image: the file of this name with .img is missing";
         IoError::malformed(path, what)
     })
 }
 
 /// The other file of a pair, packed or not.
-fn counterpart(path: &Path, extension: &str) -> Option<PathBuf> {
+fn counterpart(store: Store<'_>, path: &Path, extension: &str) -> Option<PathBuf> {
     let is_packed = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
     let stem = if is_packed { path.with_extension("") } else { path.to_owned() };
     let names = [extension.to_owned(), format!("{extension}.gz")];
-    names.iter().map(|name| stem.with_extension(name)).find(|candidate| candidate.is_file())
+    names.iter().map(|name| stem.with_extension(name)).find(|candidate| store.has(candidate))
 }
 
 /// The three first sizes; of a series, the first volume is taken.

@@ -1,12 +1,12 @@
 //! Whole NIfTI files of both versions, written here field by field.
 
-use std::fs;
 use std::io::Write;
 use std::path::Path;
 
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{SampleType, Samples};
 
+use crate::store::read_from_both as read;
 use crate::{Endian, LoadedVolume, VolumeFormat, read_volume};
 
 /// A file in the making.
@@ -139,15 +139,6 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     encoder.write_all(bytes).unwrap();
     encoder.finish().unwrap()
-}
-
-/// Writes the files into a folder and reads the first.
-fn read(files: &[(&str, &[u8])]) -> Result<LoadedVolume, String> {
-    let dir = tempfile::tempdir().unwrap();
-    for (name, bytes) in files {
-        fs::write(dir.path().join(name), bytes).unwrap();
-    }
-    read_volume(&dir.path().join(files[0].0)).map_err(|e| e.to_string())
 }
 
 #[test]

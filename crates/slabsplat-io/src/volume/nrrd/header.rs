@@ -1,12 +1,12 @@
 //! The text at the head of an NRRD file, as fields by name. What they mean is decided elsewhere.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::ops::Deref;
 use std::path::Path;
 
 use super::super::header_fields::{HeaderFields, MAX_HEADER_BYTES};
 use crate::IoError;
+use crate::store::Store;
 
 /// The fields that decide what is read; all others are left to whoever wrote them.
 const FIELDS: &[&str] = &[
@@ -48,8 +48,8 @@ impl Deref for Header {
 
 impl Header {
     /// Reads up to the first empty line, or to the end of the file.
-    pub(super) fn read(path: &Path) -> Result<Self, IoError> {
-        let file = File::open(path).map_err(IoError::read(path))?;
+    pub(super) fn read(store: Store<'_>, path: &Path) -> Result<Self, IoError> {
+        let file = store.open(path)?;
         Self::parse(path, &mut BufReader::new(file.take(MAX_HEADER_BYTES)))
     }
 

@@ -19,6 +19,7 @@ use slabsplat_core::{Grid, SampleType, Scaling};
 use super::data::{self, Encoding};
 use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
 use crate::IoError;
+use crate::store::Store;
 use header::Header;
 
 /// Whether the file begins as every NRRD does.
@@ -26,8 +27,8 @@ pub(super) fn is_nrrd(start: &[u8]) -> bool {
     start.starts_with(b"NRRD000")
 }
 
-pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
-    let header = Header::read(path)?;
+pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+    let header = Header::read(store, path)?;
     let mut warnings = Vec::new();
     let axes = axes::find(&header)?;
     let grid = Grid::new(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
@@ -42,14 +43,17 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
         byte_skip: header.parsed("byte skip")?.unwrap_or(0),
     };
     let files = files::find(&header, &axes.file_sizes)?;
-    let samples = data::read(path, &layout, &files, &mut warnings)?;
+    let samples = data::read(store, path, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume { volume, format: VolumeFormat::Nrrd, warnings })
 }
 
 /// What a header says of the volume's size.
-pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
-    let header = Header::read(path)?;
+pub(super) fn dims_and_type(
+    store: Store<'_>,
+    path: &Path,
+) -> Result<([usize; 3], SampleType), IoError> {
+    let header = Header::read(store, path)?;
     Ok((axes::find(&header)?.dims, sample_type(&header)?))
 }
 

@@ -1,12 +1,12 @@
 //! Whole NRRD files, written here byte by byte.
 
-use std::fs;
 use std::io::Write;
 use std::path::Path;
 
 use slabsplat_core::Samples;
 
-use crate::{LoadedVolume, read_volume};
+use crate::read_volume;
+use crate::store::read_from_both as read;
 
 const RAW: &str = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\nencoding: raw\nendian: big\n";
 const BIG: [u8; 8] = [0, 1, 0, 2, 0, 3, 255, 255];
@@ -19,15 +19,6 @@ fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     encoder.write_all(bytes).unwrap();
     encoder.finish().unwrap()
-}
-
-/// Writes the files into a folder and reads the first.
-fn read(files: &[(&str, &[u8])]) -> Result<LoadedVolume, String> {
-    let dir = tempfile::tempdir().unwrap();
-    for (name, bytes) in files {
-        fs::write(dir.path().join(name), bytes).unwrap();
-    }
-    read_volume(&dir.path().join(files[0].0)).map_err(|e| e.to_string())
 }
 
 fn check(files: &[(&str, &[u8])]) {

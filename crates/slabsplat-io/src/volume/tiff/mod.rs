@@ -19,6 +19,7 @@ use slabsplat_core::{Grid, SampleType, Scaling};
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
+use crate::store::Store;
 use pages::Pages;
 use stack::Stack;
 
@@ -27,8 +28,8 @@ pub(super) fn is_tiff(start: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
 }
 
-pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
-    let mut pages = Pages::open(path)?;
+pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+    let mut pages = Pages::open(store, path)?;
     let mut warnings = Vec::new();
     let stack = Stack::find(&pages, &mut warnings)?;
     let grid = Grid::with_spacing(stack.dims(&pages), stack.spacing)
@@ -48,8 +49,11 @@ pub(super) fn read(path: &Path) -> Result<LoadedVolume, IoError> {
 }
 
 /// What the pages' headers say of the volume's size.
-pub(super) fn dims_and_type(path: &Path) -> Result<([usize; 3], SampleType), IoError> {
-    let pages = Pages::open(path)?;
+pub(super) fn dims_and_type(
+    store: Store<'_>,
+    path: &Path,
+) -> Result<([usize; 3], SampleType), IoError> {
+    let pages = Pages::open(store, path)?;
     let stack = Stack::find(&pages, &mut Vec::new())?;
     Ok((stack.dims(&pages), pages.sample_type))
 }

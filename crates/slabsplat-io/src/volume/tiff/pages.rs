@@ -1,6 +1,5 @@
 //! The pages of a TIFF, which all have one size and one type.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,7 @@ use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
 use crate::IoError;
+use crate::store::{Store, StoredFile};
 
 /// No packing that the crate knows makes more of a byte: deflate's 1032, and LZW's codes of 12 bits for 4096
 /// bytes.
@@ -22,10 +22,10 @@ const MAX_PAGE_BYTES: u64 = 8 << 30;
 const IS_REDUCED: u32 = 1;
 
 /// A file whose pages have been looked at, and not read.
-pub(super) struct Pages {
+pub(super) struct Pages<'b> {
     path: PathBuf,
     n_bytes: u64,
-    decoder: Decoder<BufReader<File>>,
+    decoder: Decoder<BufReader<StoredFile<'b>>>,
     /// Places among all pages of those that are not smaller ones of others.
     indices: Vec<usize>,
     /// Pixels in a row, and rows.
@@ -37,10 +37,10 @@ pub(super) struct Pages {
     pub(super) resolution: [Option<f64>; 2],
 }
 
-impl Pages {
-    pub(super) fn open(path: &Path) -> Result<Self, IoError> {
-        let file = File::open(path).map_err(IoError::read(path))?;
-        let n_bytes = file.metadata().map_err(IoError::read(path))?.len();
+impl<'b> Pages<'b> {
+    pub(super) fn open(store: Store<'b>, path: &Path) -> Result<Self, IoError> {
+        let file = store.open(path)?;
+        let n_bytes = file.n_bytes().map_err(IoError::read(path))?;
         let in_file = |error: TiffError| to_io_error(path, error);
         let mut limits = Limits::default();
         let most = n_bytes.saturating_mul(MAX_RATIO).min(MAX_PAGE_BYTES);

@@ -24,7 +24,7 @@ pub(super) struct Counts {
 
 impl Stack {
     /// What the first page's description says of the others.
-    pub(super) fn find(pages: &Pages, warnings: &mut Vec<String>) -> Result<Self, IoError> {
+    pub(super) fn find(pages: &Pages<'_>, warnings: &mut Vec<String>) -> Result<Self, IoError> {
         if let Some(ome) = Ome::of(&pages.description) {
             let ome = ome.map_err(|what| pages.malformed(what))?;
             warnings.extend(ome.counts.warning());
@@ -43,7 +43,7 @@ impl Stack {
         Ok(Self { slices: (0..pages.len()).collect(), spacing: [1.0; 3] })
     }
 
-    pub(super) fn dims(&self, pages: &Pages) -> [usize; 3] {
+    pub(super) fn dims(&self, pages: &Pages<'_>) -> [usize; 3] {
         [pages.size[0], pages.size[1], self.slices.len()]
     }
 }
