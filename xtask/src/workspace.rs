@@ -130,9 +130,9 @@ mod tests {
         "publish": null,
         "rust_version": "1.90",
         "dependencies": [
-            { "name": "glam", "kind": null },
-            { "name": "fastrand", "kind": "dev" },
-            { "name": "naga", "kind": "build" }
+            { "name": "glam", "kind": null, "optional": false },
+            { "name": "fastrand", "kind": "dev", "optional": false },
+            { "name": "naga", "kind": "build", "optional": false }
         ],
         "features": { "default": ["simd"], "simd": [] },
         "targets": [ { "name": "a", "kind": ["lib"] }, { "name": "toss", "kind": ["bench"] } ]

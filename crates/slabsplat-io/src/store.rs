@@ -142,8 +142,8 @@ impl Seek for StoredFile<'_> {
     }
 }
 
-/// Writes files into a folder and reads the first as a volume: from there, and from memory, which must come to
-/// the same.
+/// Writes files into a folder and reads the first as a volume: from there, and from memory, which must come
+/// to the same.
 #[cfg(test)]
 pub(crate) fn read_from_both(files: &[(&str, &[u8])]) -> Result<LoadedVolume, String> {
     let dir = tempfile::tempdir().unwrap();
