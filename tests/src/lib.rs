@@ -9,6 +9,9 @@
 pub mod reference;
 pub mod render;
 
+#[cfg(doctest)]
+mod guide;
+
 pub mod on_devices;
 pub mod spy_device;
 

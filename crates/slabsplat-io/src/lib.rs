@@ -75,7 +75,7 @@ pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
-    TransferImageFile, VolumeSource, preset_transfer, read_color_map, read_scene,
+    TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,
 };
 pub use store::FilesInMemory;
 pub use volume::{

@@ -152,7 +152,7 @@ pub(crate) fn read_from_both(files: &[(&str, &[u8])]) -> Result<LoadedVolume, St
     }
     let folder = dir.path().join("");
     let without_folder = |text: String| text.replace(&*folder.to_string_lossy(), "");
-    let from_disk = crate::read_volume(&folder.join(files[0].0));
+    let from_disk = crate::read_volume(folder.join(files[0].0));
     let from_memory = FilesInMemory::from_iter(files.iter().copied()).read_volume(files[0].0);
     match (&from_disk, &from_memory) {
         (Ok(disk), Ok(memory)) => {
@@ -195,10 +195,10 @@ mod tests {
             fs::write(dir.path().join(name), bytes).unwrap();
         }
         let volume = files.read_raw("a.raw", &desc).unwrap().volume;
-        let on_disk = read_raw(&dir.path().join("a.raw"), &desc).unwrap().volume;
+        let on_disk = read_raw(dir.path().join("a.raw"), &desc).unwrap().volume;
         assert_eq!(volume.samples(), on_disk.samples());
         let mesh = files.read_mesh("a.obj").unwrap().mesh;
-        assert_eq!(mesh, read_mesh(&dir.path().join("a.obj")).unwrap().mesh);
+        assert_eq!(mesh, read_mesh(dir.path().join("a.obj")).unwrap().mesh);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub(crate) fn turn(dir: &Path) -> Result<(), Box<dyn Error>> {
     let step_radians = std::f64::consts::TAU / f64::from(N_FRAMES);
     for frame_idx in 0..N_FRAMES {
         let frame = renderer.render(&scene)?;
-        io::write_picture(&dir.join(format!("frame-{frame_idx:03}.png")), &frame.image)?;
+        io::write_picture(dir.join(format!("frame-{frame_idx:03}.png")), &frame.image)?;
         scene.camera = scene.camera.orbited(step_radians);
     }
     Ok(())

@@ -74,16 +74,16 @@ impl MeshFormat {
 }
 
 /// Whether a file's name is that of a mesh: `.ply`, `.stl` or `.obj`.
-pub fn is_mesh_name(path: &Path) -> bool {
-    MeshFormat::of(path, &[]).is_some()
+pub fn is_mesh_name(path: impl AsRef<Path>) -> bool {
+    MeshFormat::of(path.as_ref(), &[]).is_some()
 }
 
 /// Reads a mesh: PLY (`.ply`), STL (`.stl`) or OBJ (`.obj`).
 ///
 /// # Errors
 /// If the file cannot be read, is in no such format, or is broken.
-pub fn read_mesh(path: &Path) -> Result<LoadedMesh, IoError> {
-    read_from(Store::Disk, path)
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<LoadedMesh, IoError> {
+    read_from(Store::Disk, path.as_ref())
 }
 
 pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedMesh, IoError> {

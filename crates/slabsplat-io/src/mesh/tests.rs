@@ -228,9 +228,9 @@ fn mesh_formats_by_name() {
     for (name, expected) in
         [("a.ply", true), ("a.STL", true), ("b.obj", true), ("b.nii", false), ("ply", false)]
     {
-        assert_eq!(is_mesh_name(&PathBuf::from(name)), expected, "{name}");
+        assert_eq!(is_mesh_name(PathBuf::from(name)), expected, "{name}");
     }
     let unknown = read("a.gltf", b"{}").unwrap_err();
     assert!(unknown.to_string().contains("PLY (.ply), STL (.stl) or OBJ (.obj)"), "{unknown}");
-    assert!(matches!(read_mesh(&PathBuf::from("/nowhere.ply")), Err(IoError::Read { .. })));
+    assert!(matches!(read_mesh(PathBuf::from("/nowhere.ply")), Err(IoError::Read { .. })));
 }

@@ -14,8 +14,8 @@ use crate::IoError;
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_exr(path: &Path, image: &Image) -> Result<(), IoError> {
-    atomic::write(path, |writer| encode(writer, image))
+pub fn write_exr(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
+    atomic::write(path.as_ref(), |writer| encode(writer, image))
 }
 
 /// What [`write_exr`] would write.

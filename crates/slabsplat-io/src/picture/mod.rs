@@ -18,7 +18,8 @@ use crate::IoError;
 ///
 /// # Errors
 /// If the extension is another, or the file cannot be written.
-pub fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
+pub fn write_picture(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
+    let path = path.as_ref();
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("exr") => write_exr(path, image),
@@ -52,7 +53,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let image = Image::filled(5, 3, [0.1, 0.2, 0.3, 0.7]);
         for (name, bytes) in [("a.png", png_bytes(&image)), ("a.exr", exr_bytes(&image))] {
-            write_picture(&dir.path().join(name), &image).unwrap();
+            write_picture(dir.path().join(name), &image).unwrap();
             assert_eq!(std::fs::read(dir.path().join(name)).unwrap(), bytes.unwrap(), "{name}");
         }
         let empty = Image::filled(0, 3, [0.0; 4]);
@@ -66,11 +67,11 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let image = Image::filled(2, 1, [0.5; 4]);
         for (name, magic) in [("a.PNG", &b"\x89PNG"[..]), ("b.exr", &[0x76, 0x2f, 0x31, 0x01])] {
-            write_picture(&dir.path().join(name), &image).unwrap();
+            write_picture(dir.path().join(name), &image).unwrap();
             assert!(std::fs::read(dir.path().join(name)).unwrap().starts_with(magic), "{name}");
         }
         for name in ["a.jpg", "a", "png"] {
-            let err = write_picture(&dir.path().join(name), &image).unwrap_err().to_string();
+            let err = write_picture(dir.path().join(name), &image).unwrap_err().to_string();
             assert!(err.contains(".exr or .png"), "{err}");
         }
     }

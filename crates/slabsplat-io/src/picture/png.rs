@@ -15,8 +15,8 @@ use crate::IoError;
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write_png(path: &Path, image: &Image) -> Result<(), IoError> {
-    atomic::write(path, |writer| encode(writer, image))
+pub fn write_png(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
+    atomic::write(path.as_ref(), |writer| encode(writer, image))
 }
 
 /// What [`write_png`] would write.

@@ -37,7 +37,8 @@ const STEP_SHARPNESS: f64 = 0.99;
 ///
 /// # Errors
 /// If the file cannot be read, is not such a file, or its points do not make a transfer function.
-pub fn read_color_map(path: &Path) -> Result<TransferFunction, IoError> {
+pub fn read_color_map(path: impl AsRef<Path>) -> Result<TransferFunction, IoError> {
+    let path = path.as_ref();
     let malformed = |what: String| IoError::malformed(path, what);
     let maps: Maps = serde_json::from_str(&text::read(path)?).map_err(|e| {
         // What an untagged enum says of itself helps nobody.

@@ -110,11 +110,29 @@ pub enum VolumeSource {
 /// # Errors
 /// If the file cannot be read, is not TOML, has a key that is not known, or a value that cannot be.
 /// The message names the key and the line.
-pub fn read_scene(path: &Path) -> Result<SceneFile, IoError> {
-    let text = text::read(path)?;
-    let in_file = |diagnostic: Diagnostic| diagnostic.in_file(path, &text);
+pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
+    let path = path.as_ref();
+    parse_scene(&text::read(path)?, path)
+}
+
+/// The scene that a text says, as [`read_scene`] of a file that holds it would be; there need not be one of
+/// that name.
+///
+/// ```
+/// let scene = slabsplat_io::parse_scene("volume = { generate = \"cube\" }", "from the web")?;
+/// assert_eq!(scene.image.width, 512);
+/// let error = slabsplat_io::parse_scene("volum = 1", "from the web").unwrap_err().to_string();
+/// assert!(error.starts_with("from the web:1: "));
+/// # Ok::<(), slabsplat_io::IoError>(())
+/// ```
+///
+/// # Errors
+/// As [`read_scene`].
+pub fn parse_scene(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
+    let path = path.as_ref();
+    let in_file = |diagnostic: Diagnostic| diagnostic.in_file(path, text);
     let document: Document =
-        toml::from_str(&text).map_err(|error| in_file(from_toml(&error, &text)))?;
+        toml::from_str(text).map_err(|error| in_file(from_toml(&error, text)))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut scene, look_files) = document.into_scene(folder).map_err(in_file)?;
     for (layer, LookFiles { color_map, transfer_image }) in scene.layers.iter_mut().zip(look_files)

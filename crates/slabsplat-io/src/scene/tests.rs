@@ -475,7 +475,7 @@ fn scene_loads_its_mesh() {
     fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n").unwrap();
     let scene = "[mesh]\npath = \"a.obj\"\naffine = [[2, 0, 0, 0], [0, 2, 0, 0], [0, 0, 2, 5]]";
     fs::write(dir.path().join("a.toml"), scene).unwrap();
-    let scene = read_scene(&dir.path().join("a.toml")).unwrap();
+    let scene = read_scene(dir.path().join("a.toml")).unwrap();
     let (layer, warnings) = scene.meshes[0].load().unwrap();
     assert_eq!(layer.bounds(), Some([DVec3::Z * 5.0, DVec3::new(2.0, 2.0, 5.0)]));
     assert!(warnings[0].ends_with("1 of 2 triangles are left out: 1 have no area"), "{warnings:?}");

@@ -90,8 +90,8 @@ impl VolumeFormat {
 /// # Errors
 /// If the file cannot be read, is in no such format, is broken, or holds something other than one
 /// scalar volume.
-pub fn read_volume(path: &Path) -> Result<LoadedVolume, IoError> {
-    read_from(Store::Disk, path)
+pub fn read_volume(path: impl AsRef<Path>) -> Result<LoadedVolume, IoError> {
+    read_from(Store::Disk, path.as_ref())
 }
 
 pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
@@ -109,9 +109,9 @@ pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedVolume, I
 ///
 /// # Errors
 /// As [`read_volume`], as far as the header tells.
-pub fn volume_bytes(path: &Path) -> Result<u64, IoError> {
+pub fn volume_bytes(path: impl AsRef<Path>) -> Result<u64, IoError> {
     let store = Store::Disk;
-    let (dims, sample_type) = match header_of(store, path)? {
+    let (dims, sample_type) = match header_of(store, path.as_ref())? {
         HeaderFile::Nrrd(header) => nrrd::dims_and_type(store, &header),
         HeaderFile::Nifti(header) => nifti::dims_and_type(store, &header),
         HeaderFile::MetaImage(header) => metaimage::dims_and_type(store, &header),

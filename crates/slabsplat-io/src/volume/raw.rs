@@ -30,8 +30,8 @@ pub struct RawDesc {
 /// # Errors
 /// If the file cannot be read, or is not just as long as `desc` says: then the description is
 /// wrong, and the picture would be noise.
-pub fn read_raw(path: &Path, desc: &RawDesc) -> Result<LoadedVolume, IoError> {
-    read_raw_from(Store::Disk, path, desc)
+pub fn read_raw(path: impl AsRef<Path>, desc: &RawDesc) -> Result<LoadedVolume, IoError> {
+    read_raw_from(Store::Disk, path.as_ref(), desc)
 }
 
 pub(crate) fn read_raw_from(
@@ -92,7 +92,7 @@ mod tests {
         assert!(matches!(read_raw(&path, &huge), Err(IoError::Grid { .. })));
         let flat = RawDesc { spacing: [0.0, 1.0, 1.0], ..DESC };
         assert!(matches!(read_raw(&path, &flat), Err(IoError::Grid { .. })));
-        let missing = read_raw(&dir.path().join("b.raw"), &DESC).unwrap_err().to_string();
+        let missing = read_raw(dir.path().join("b.raw"), &DESC).unwrap_err().to_string();
         assert!(missing.starts_with("cannot read"), "{missing}");
     }
 }

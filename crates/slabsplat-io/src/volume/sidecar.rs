@@ -112,8 +112,8 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         std::fs::write(dir.path().join("a.json"), json).unwrap();
         std::fs::write(dir.path().join("a.raw"), [1, 0, 2, 0]).unwrap();
-        let by_raw = read_volume(&dir.path().join("a.raw")).map_err(|e| e.to_string());
-        let by_json = read_volume(&dir.path().join("a.json")).map_err(|e| e.to_string());
+        let by_raw = read_volume(dir.path().join("a.raw")).map_err(|e| e.to_string());
+        let by_json = read_volume(dir.path().join("a.json")).map_err(|e| e.to_string());
         assert_eq!(by_raw.is_ok(), by_json.is_ok());
         by_json
     }
