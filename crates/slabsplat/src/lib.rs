@@ -63,7 +63,7 @@ mod popping;
 pub use automatic::Automatic;
 pub use backends::{
     BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
-    found_backends,
+    choose_backend_async, found_backends,
 };
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 pub use renderer::{RenderError, Renderer};

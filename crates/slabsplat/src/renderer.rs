@@ -1,6 +1,6 @@
 //! A backend, and what is cached between its frames.
 
-use crate::{Choice, NoBackend, choose_backend};
+use crate::{Choice, NoBackend, choose_backend, choose_backend_async};
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
 use slabsplat_core::Scene;
 use slabsplat_kernel::{Kernel, KernelError};
@@ -49,19 +49,31 @@ impl Renderer {
     ///
     /// # Errors
     /// If this build has no such backend, or this machine nothing that it runs on.
-    pub fn open(
+    pub fn open(name: &str, tell: impl FnMut(&str) + Send + 'static) -> Result<Self, NoBackend> {
+        choose_backend(name).map(|choice| Self::of(choice, tell))
+    }
+
+    /// The same for where graphics cards are waited for: in a browser. Elsewhere it does not wait.
+    ///
+    /// # Errors
+    /// If this build has no such backend, or this machine nothing that it runs on.
+    pub async fn open_async(
         name: &str,
-        mut tell: impl FnMut(&str) + Send + 'static,
+        tell: impl FnMut(&str) + Send + 'static,
     ) -> Result<Self, NoBackend> {
-        let Choice { backend, notes, fallback } = choose_backend(name)?;
+        choose_backend_async(name).await.map(|choice| Self::of(choice, tell))
+    }
+
+    fn of(choice: Choice, mut tell: impl FnMut(&str) + Send + 'static) -> Self {
+        let Choice { backend, notes, fallback } = choice;
         notes.iter().for_each(|note| tell(note));
         let renderer = Self::new(backend);
-        let Some(make) = fallback else { return Ok(renderer) };
-        Ok(renderer.with_fallback(move |error| {
+        let Some(make) = fallback else { return renderer };
+        renderer.with_fallback(move |error| {
             let backend = make();
             tell(&format!("{error}; going on with the backend \"{}\"", backend.caps().name));
             backend
-        }))
+        })
     }
 
     /// The same, but for [`render`](Self::render): where its backend runs out of memory, is lost or cannot

@@ -2,6 +2,7 @@
 
 use super::{FoundDevice, NoBackend};
 use slabsplat_backend::Backend;
+use std::pin::Pin;
 
 /// A graphics interface.
 pub(super) struct Gpu {
@@ -10,8 +11,11 @@ pub(super) struct Gpu {
     /// What it could open, the best first, or why there is nothing.
     pub(super) devices: fn() -> Result<Vec<FoundDevice>, String>,
     /// Opens the best.
-    pub(super) open: fn() -> Result<Opened, String>,
+    pub(super) open: fn() -> Opening,
 }
+
+/// What becomes a backend: at once, but in browsers.
+pub(super) type Opening = Pin<Box<dyn Future<Output = Result<Opened, String>> + Send>>;
 
 /// A backend on a device.
 pub(super) struct Opened {
@@ -30,19 +34,19 @@ pub(super) const GPUS: &[Gpu] = &[
 
 impl Gpu {
     /// The backend on any device.
-    pub(super) fn open_named(&self) -> Result<Box<dyn Backend>, NoBackend> {
+    pub(super) async fn open_named(&self) -> Result<Box<dyn Backend>, NoBackend> {
         let unavailable = |reason| NoBackend::Unavailable { name: self.name, reason };
-        (self.open)().map(|opened| opened.backend).map_err(unavailable)
+        (self.open)().await.map(|opened| opened.backend).map_err(unavailable)
     }
 
     /// The backend on a device that beats the CPU; `None` if there is none.
     ///
     /// # Errors
     /// If there is one but it cannot be opened, with a sentence about it.
-    pub(super) fn open_if_fast(&self) -> Result<Option<Box<dyn Backend>>, String> {
+    pub(super) async fn open_if_fast(&self) -> Result<Option<Box<dyn Backend>>, String> {
         // Opening comes first: where it succeeds, which is where time counts, listing the devices would
         // only start the driver twice.
-        let reason = match (self.open)() {
+        let reason = match (self.open)().await {
             Ok(opened) => return Ok(opened.is_fast.then_some(opened.backend)),
             Err(reason) => reason,
         };

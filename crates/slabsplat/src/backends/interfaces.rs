@@ -8,14 +8,18 @@ use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend, OpenOptions, Una
 pub(super) const ASH: Gpu = Gpu {
     name: "ash",
     devices: || found(slabsplat_ash::devices()),
-    open: || opened("ash", slabsplat_ash::open(&OpenOptions::default())),
+    open: || Box::pin(async { opened("ash", slabsplat_ash::open(&OpenOptions::default())) }),
 };
 
 #[cfg(feature = "wgpu")]
 pub(super) const WGPU: Gpu = Gpu {
     name: "wgpu",
     devices: || found(slabsplat_wgpu::devices()),
-    open: || opened("wgpu", slabsplat_wgpu::open(&OpenOptions::default())),
+    open: || {
+        Box::pin(async {
+            opened("wgpu", slabsplat_wgpu::open_async(&OpenOptions::default()).await)
+        })
+    },
 };
 
 fn opened<D: Device + 'static>(

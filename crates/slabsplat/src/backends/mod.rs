@@ -2,6 +2,7 @@
 
 mod gpu;
 
+mod at_once;
 mod found;
 #[cfg(any(feature = "ash", feature = "wgpu"))]
 mod interfaces;
@@ -11,6 +12,7 @@ mod tests;
 
 pub use found::{FoundBackend, FoundDevice, found_backends};
 
+use at_once::at_once;
 use gpu::{GPUS, Gpu};
 use slabsplat_backend::Backend;
 use std::fmt;
@@ -94,7 +96,15 @@ impl fmt::Debug for Choice {
 /// # Errors
 /// If this build has no such backend, or this machine nothing that it runs on.
 pub fn choose_backend(name: &str) -> Result<Choice, NoBackend> {
-    choose_among(GPUS, name)
+    choose_now(GPUS, name)
+}
+
+/// The same for where graphics cards are waited for: in a browser. Elsewhere it does not wait.
+///
+/// # Errors
+/// If this build has no such backend, or this machine nothing that it runs on.
+pub async fn choose_backend_async(name: &str) -> Result<Choice, NoBackend> {
+    choose_among(GPUS, name).await
 }
 
 /// Opens the backend called `name`, and says nothing of others; with `auto`, [`choose_backend`] tells
@@ -106,40 +116,60 @@ pub fn backend_named(name: &str) -> Result<Box<dyn Backend>, NoBackend> {
     choose_backend(name).map(|choice| choice.backend)
 }
 
-fn choose_among(gpus: &[Gpu], name: &str) -> Result<Choice, NoBackend> {
+fn choose_now(gpus: &[Gpu], name: &str) -> Result<Choice, NoBackend> {
+    at_once(choose_among(gpus, name)).unwrap_or_else(|| without_waiting(gpus, name))
+}
+
+async fn choose_among(gpus: &[Gpu], name: &str) -> Result<Choice, NoBackend> {
     if name == "auto" {
-        return automatic(gpus);
+        return automatic(gpus).await;
     }
     let backend = match gpus.iter().find(|gpu| gpu.name == name) {
-        Some(gpu) => gpu.open_named()?,
+        Some(gpu) => gpu.open_named().await?,
         None => CPU.filter(|_| name == "cpu").ok_or_else(|| missing(name))?(),
     };
     Ok(Choice { backend, notes: Vec::new(), fallback: None })
 }
 
-fn automatic(gpus: &[Gpu]) -> Result<Choice, NoBackend> {
+async fn automatic(gpus: &[Gpu]) -> Result<Choice, NoBackend> {
     let mut notes = Vec::new();
     for gpu in gpus {
-        match gpu.open_if_fast() {
+        match gpu.open_if_fast().await {
             Ok(Some(backend)) => return Ok(Choice { backend, notes, fallback: CPU }),
             Ok(None) => {}
             Err(note) => notes.push(note),
         }
     }
-    // A slow device is better than none, in a build without the CPU backend.
-    let last = || gpus.iter().find_map(|gpu| gpu.open_named().ok());
-    match CPU.map(|make| make()).or_else(last) {
-        Some(backend) => Ok(Choice { backend, notes, fallback: None }),
-        None => Err(nothing_for_auto(gpus)),
+    match CPU {
+        Some(make) => Ok(Choice { backend: make(), notes, fallback: None }),
+        None => any(gpus, notes).await,
     }
 }
 
-fn nothing_for_auto(gpus: &[Gpu]) -> NoBackend {
-    let reasons = gpus.iter().filter_map(|gpu| gpu.open_named().err());
-    let reasons: Vec<String> = reasons.map(|reason| reason.to_string()).collect();
+/// A slow device is better than none, in a build without the CPU backend.
+async fn any(gpus: &[Gpu], notes: Vec<String>) -> Result<Choice, NoBackend> {
+    let mut reasons = Vec::new();
+    for gpu in gpus {
+        match gpu.open_named().await {
+            Ok(backend) => return Ok(Choice { backend, notes, fallback: None }),
+            Err(reason) => reasons.push(reason.to_string()),
+        }
+    }
     let reason =
         if reasons.is_empty() { "this build has none".to_owned() } else { reasons.join("; ") };
-    NoBackend::Unavailable { name: "auto", reason }
+    Err(NoBackend::Unavailable { name: "auto", reason })
+}
+
+/// What there is of that name without waiting, where graphics cards are waited for.
+fn without_waiting(gpus: &[Gpu], name: &str) -> Result<Choice, NoBackend> {
+    let reason = "graphics cards are waited for here, as `Renderer::open_async` does".to_owned();
+    match CPU.filter(|_| name == "auto") {
+        Some(make) => Ok(Choice { backend: make(), notes: vec![reason], fallback: None }),
+        None => {
+            let name = gpus.iter().find(|gpu| gpu.name == name).map_or("auto", |gpu| gpu.name);
+            Err(NoBackend::Unavailable { name, reason })
+        }
+    }
 }
 
 fn missing(name: &str) -> NoBackend {

@@ -1,10 +1,13 @@
 //! Choices among graphics cards that are not there.
 
-use super::gpu::Opened;
+use super::gpu::{Opened, Opening};
 use super::*;
 use slabsplat_backend::{BackendError, Caps, Frame, FrameId, FramePlan};
 use slabsplat_core::Method;
-use std::task::Poll;
+use std::future::{poll_fn, ready};
+use std::mem::replace;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
 
 /// A backend that has a name and nothing else.
 struct Named(Caps);
@@ -40,20 +43,41 @@ fn listed(is_fast: bool) -> Result<Vec<FoundDevice>, String> {
     }])
 }
 
-const CARD: Gpu = Gpu { name: "card", devices: || listed(true), open: || opened("card", true) };
+fn at_once_is(opened: Result<Opened, String>) -> Opening {
+    Box::pin(ready(opened))
+}
+
+const CARD: Gpu =
+    Gpu { name: "card", devices: || listed(true), open: || at_once_is(opened("card", true)) };
 const PLAYED: Gpu =
-    Gpu { name: "played", devices: || listed(false), open: || opened("played", false) };
-const BROKEN: Gpu =
-    Gpu { name: "broken", devices: || listed(true), open: || Err("it sparks".to_owned()) };
+    Gpu { name: "played", devices: || listed(false), open: || at_once_is(opened("played", false)) };
+const BROKEN: Gpu = Gpu {
+    name: "broken",
+    devices: || listed(true),
+    open: || at_once_is(Err("it sparks".to_owned())),
+};
 const NOTHING: Gpu = Gpu {
     name: "nothing",
     devices: || Err("there is no driver".to_owned()),
-    open: || Err("there is no driver".to_owned()),
+    open: || at_once_is(Err("there is no driver".to_owned())),
 };
+/// As in browsers: it is there when it is asked a second time.
+const WAITED_FOR: Gpu =
+    Gpu { name: "late", devices: || listed(true), open: || Box::pin(opened_later()) };
+
+async fn opened_later() -> Result<Opened, String> {
+    let mut has_waited = false;
+    let wait = poll_fn(|_| match replace(&mut has_waited, true) {
+        true => Poll::Ready(()),
+        false => Poll::Pending,
+    });
+    wait.await;
+    opened("late", true)
+}
 
 /// Which backend is chosen, and the notes.
 fn choice(gpus: &[Gpu], name: &str) -> Result<(&'static str, Vec<String>), NoBackend> {
-    choose_among(gpus, name).map(|choice| (choice.backend.caps().name, choice.notes))
+    choose_now(gpus, name).map(|choice| (choice.backend.caps().name, choice.notes))
 }
 
 #[test]
@@ -83,7 +107,7 @@ fn auto_tells_what_it_could_not_open() {
 #[test]
 #[cfg(feature = "cpu")]
 fn auto_alone_goes_on_elsewhere() {
-    let fallback = |gpus: &[Gpu], name| choose_among(gpus, name).unwrap().fallback;
+    let fallback = |gpus: &[Gpu], name| choose_now(gpus, name).unwrap().fallback;
     let make = fallback(&[CARD], "auto").unwrap();
     assert_eq!(make().caps().name, "cpu");
     assert!(fallback(&[CARD], "card").is_none(), "who names a backend wants that one");
@@ -97,6 +121,24 @@ fn auto_without_the_cpu() {
     let error = |gpus: &[Gpu]| choice(gpus, "auto").unwrap_err().to_string();
     assert!(error(&[]).contains("this build has none"));
     assert!(error(&[NOTHING]).contains("\"nothing\" is not available: there is no driver"));
+}
+
+#[test]
+fn card_that_is_waited_for() {
+    let mut choice = pin!(choose_among(&[WAITED_FOR], "auto"));
+    let mut poll = || choice.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+    assert!(poll().is_pending());
+    let Poll::Ready(choice) = poll() else { panic!("it has waited once") };
+    assert_eq!(choice.unwrap().backend.caps().name, "late");
+    let error = choose_now(&[WAITED_FOR], "late").err().unwrap().to_string();
+    assert!(error.contains("\"late\" is not available: graphics cards are waited for"), "{error}");
+}
+
+#[test]
+#[cfg(feature = "cpu")]
+fn auto_does_not_wait() {
+    let (name, notes) = choice(&[WAITED_FOR], "auto").unwrap();
+    assert_eq!((name, notes.len()), ("cpu", 1), "{notes:?}");
 }
 
 #[test]
