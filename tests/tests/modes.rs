@@ -3,12 +3,12 @@
 
 use slabsplat::glam::DVec3;
 use slabsplat::{
-    Camera, Grid, ImageDesc, Layer, Method, Mode, Projection, RenderSettings, Samples, Scaling,
-    Scene, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Layer, Method, Mode, Projection, Region, RenderSettings, Samples,
+    Scaling, Scene, TransferFunction, Volume,
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::exact_settings;
-use slabsplat_tests::random_scene::{SceneKind, random_layers};
+use slabsplat_tests::random_scene::{ProjectionKind, SceneKind, random_layers};
 use slabsplat_tests::reference::{self, undecided_pixels};
 use slabsplat_tests::render::render;
 
@@ -62,6 +62,33 @@ fn modes_of_both_methods_are_one() {
             }
         }
     });
+}
+
+/// Means by whole footprints, as rays are parallel, are those by sheets, which a region asks for that holds
+/// everything.
+#[test]
+fn mean_by_whole_footprints_is_that_by_sheets() {
+    let (mut n_scenes, mut max) = (0, 0.0_f64);
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let kinds = SceneKind::share(seed).filter(|kind| kind.method == Method::PostClassified);
+        let is_upright = |kind: &SceneKind| kind.projection == ProjectionKind::Orthographic;
+        for kind in kinds.filter(is_upright) {
+            let mut scene = random_layers(&mut rng, &kind);
+            scene.settings.mode = Mode::Average;
+            scene.layers[0].region = Region::default();
+            let whole = render("cpu", &scene);
+            scene.layers[0].region = everywhere();
+            let off = f64::from(render("cpu", &scene).max_difference(&whole));
+            assert!(off < 1e-4, "{off}: {kind:?}, w {}", scene.settings.slab_width);
+            (n_scenes, max) = (n_scenes + 1, max.max(off));
+        }
+    });
+    println!("{n_scenes} scenes: at most {max:.1e}");
+}
+
+/// With planes: without any there is nothing to cut.
+fn everywhere() -> Region {
+    Region::in_box([DVec3::splat(-1e6), DVec3::splat(1e6)]).expect("it ends behind where it starts")
 }
 
 /// A volume of `dims` voxels, seen along −z, 4 pixels a voxel; the opacity of a value is a hundredth of it.

@@ -60,7 +60,7 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
     let first = plan.layers.first();
     let border = match first.map(|layer| &layer.splats) {
         Some(Splats::Colors(_)) | None => 0,
-        Some(Splats::Densities(_)) => densities::BORDER,
+        Some(Splats::Densities(splats)) => densities::border(splats.shown),
     };
     let tiles = tiles.made_of((image_size, border), |_| Tiles::new(image_size, border));
     tiles.clear();

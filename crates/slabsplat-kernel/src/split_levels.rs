@@ -74,6 +74,9 @@ impl SplitLevels {
     /// of the thickest one to that behind its middle.
     pub const MOST_SLABS_BEFORE: usize = (1 << (MAX_DOUBLINGS - 1)) - 1;
 
+    /// The split of a voxel so faint that no face splits it.
+    pub const WHOLE: SlabSplit = SPLITS[0];
+
     /// The split levels that `settings.tolerance` allows. Where the picture depends on the slab width by
     /// definition, or no slabs split anything, every voxel has the last.
     pub fn new(settings: &RenderSettings, kernel: &dyn Kernel, view: SplitView) -> Self {

@@ -35,6 +35,18 @@ impl Quad {
         self.0[3 * QUAD + idx] = a;
     }
 
+    /// Its channels, of all four pixels each.
+    #[inline(always)]
+    pub(crate) fn channels(&self) -> &[[f32; QUAD]; 4] {
+        self.0.as_chunks().0.first_chunk().expect("there are four channels")
+    }
+
+    /// The same to be changed.
+    #[inline(always)]
+    pub(crate) fn channels_mut(&mut self) -> &mut [[f32; QUAD]; 4] {
+        self.0.as_chunks_mut().0.first_chunk_mut().expect("there are four channels")
+    }
+
     /// The last channel.
     #[inline(always)]
     pub(crate) fn opacities(&self) -> [f32; QUAD] {

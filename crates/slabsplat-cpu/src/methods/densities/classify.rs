@@ -12,9 +12,9 @@ use super::integrals::Integrals;
 use super::nodes::{AtNodes, Ends, N_NODES, OnPart, Parts, Rays8};
 use super::normals::Normals;
 use super::parts::{Lies, PartShader};
-use super::rings::{Rings, Scratch};
-use super::sheets::{AT_ONCE, DensitySheet, Limits, N_BESIDE, N_SHEETS, Ring};
-use crate::methods::slabs::{Sheets, SlabOnTile, SlabSums};
+use super::rings::{RetainedSheets, Rings, Scratch};
+use super::sheets::{DensitySheet, Limits, N_BESIDE, N_SHEETS, Ring};
+use crate::methods::slabs::{SlabOnTile, SlabSums};
 use crate::pixels::blocks::BLOCK_SIDE;
 use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::quad::QUAD;
@@ -211,12 +211,10 @@ impl<'a> LayerClassifier<'a> {
     }
 }
 
-impl Sheets for Classifier<'_> {
-    type Retained = Rings;
-    type Scratch = Scratch;
-
-    const AT_ONCE: usize = AT_ONCE;
-    const N_BEHIND: usize = N_BESIDE + 1;
+impl RetainedSheets for Classifier<'_> {
+    fn limits(&self, layer: usize) -> &Limits {
+        &self.layers[layer].limits
+    }
 
     fn front(&self, slab: usize) -> f32 {
         self.layers[0].depths.of_nodes(slab)[0]
@@ -227,42 +225,15 @@ impl Sheets for Classifier<'_> {
     }
 
     #[inline(always)]
-    fn take<S: Simd>(
+    fn show_middle<S: Simd>(
         &self,
         simd: S,
-        SlabOnTile { slab, .. }: SlabOnTile<'_>,
-        layer: usize,
-        SlabSums { of_layer, .. }: SlabSums<'_>,
-        rings: &mut Rings,
-        scratch: &mut Scratch,
-    ) {
-        rings.take(simd, (slab, layer), of_layer, &self.layers[layer].limits, scratch);
-    }
-
-    #[inline(always)]
-    fn show<S: Simd>(
-        &self,
-        simd: S,
-        SlabOnTile { slab, regions }: SlabOnTile<'_>,
-        SlabSums { of_layer, joined }: SlabSums<'_>,
+        last: SlabOnTile<'_>,
+        sums: SlabSums<'_>,
         tile: &mut Tile,
-        rings: &mut Rings,
+        rings: &Rings,
         _: &mut Scratch,
     ) {
-        if rings.are_none() {
-            return;
-        }
-        for slab in slab..slab + AT_ONCE {
-            let sums = SlabSums { of_layer: &mut *of_layer, joined: &mut *joined };
-            self.classify(simd, SlabOnTile { slab, regions }, rings, sums, tile);
-        }
-    }
-
-    fn release(&self, rings: &mut Rings, scratch: &mut Scratch) {
-        rings.release(scratch);
-    }
-
-    fn scratch_bytes(scratch: &Scratch) -> usize {
-        scratch.resident_bytes()
+        self.classify(simd, last, rings, sums, tile);
     }
 }

@@ -28,8 +28,8 @@
 //! # Reading order
 //!
 //! `finite`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rings`, `rays`, `depths`,
-//! `nodes`, `normals`; `integrals`, `parts`, `classify`; `statistic`, `joined`; `crossing`, `isosurfaces`,
-//! `passed`, `surfaces`.
+//! `nodes`, `normals`; `layer_to_draw`; `integrals`, `parts`, `classify`; `one_for_all`, `saturation`,
+//! `extremes`, `means`, `grazed`, `joined`, `statistic`; `crossing`, `isosurfaces`, `passed`, `surfaces`.
 
 mod bit_rows;
 mod finite;
@@ -45,12 +45,19 @@ mod rays;
 mod rings;
 mod sheets;
 
+mod layer_to_draw;
+
 mod integrals;
 mod parts;
 
 mod classify;
 
+mod extremes;
+mod grazed;
 mod joined;
+mod means;
+mod one_for_all;
+mod saturation;
 mod statistic;
 
 mod crossing;
@@ -61,7 +68,7 @@ mod surfaces;
 #[cfg(test)]
 mod tests;
 
-use super::slabs::{self, SectionsInSlabs, Stage};
+use super::slabs;
 use crate::footprints::raster::Raster;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
@@ -71,22 +78,29 @@ use finite::finite_range;
 use integrals::Integrals;
 use isosurfaces::Isosurfaces;
 use joined::JoinedLayers;
+use layer_to_draw::LayerToDraw;
 use reach::Reach;
 use rings::{Rings, Scratch};
-use selection::Selection;
+use selection::{BEYOND_AT_NODES, BEYOND_AT_PEAKS, Selection};
 use sheets::Limits;
-use slabsplat_backend::densities::{FULL_PART, ValueScale};
-use slabsplat_backend::{
-    ByIdentity, Cached, DensitySplats, FramePlan, LayerPlan, ShownDensities, Splats,
-};
-use slabsplat_core::{Compositing, IsoRange, Statistic, TransferFunction, Volume};
+use slabsplat_backend::densities::ValueScale;
+use slabsplat_backend::{ByIdentity, Cached, FramePlan, LayerPlan, ShownDensities, Splats};
+use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
-use statistic::Gatherer;
+use statistic::OneByOne;
 use surfaces::Surfaces;
 use voxels::Selected;
 
 /// Pixels on each side of a tile that are summed for gradients alone.
-pub(crate) const BORDER: usize = 1;
+const BORDER: usize = 1;
+
+/// How many there are.
+pub(crate) fn border(shown: ShownDensities) -> usize {
+    match shown {
+        ShownDensities::Composited | ShownDensities::Isosurfaces => BORDER,
+        ShownDensities::Statistic(_) => 0,
+    }
+}
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
@@ -113,21 +127,9 @@ struct BuffersToDraw {
 
 type CachedIntegrals = Cached<(TransferFunction, Compositing, ValueScale), Integrals>;
 
-/// What a selection of voxels depends on: the volume, the visible ranges, and how far voxels reach.
-type SelectedBy = (ByIdentity<Volume>, Vec<IsoRange>, Reach);
-
-/// A layer that is about to be drawn.
-struct LayerToDraw<'a> {
-    layer: &'a LayerPlan<'a>,
-    splats: &'a DensitySplats,
-    raster: Raster,
-    bricks: BrickView,
-    voxels: Selected<'a>,
-    scale: ValueScale,
-    /// Of all finite values, scaled.
-    extent: f64,
-    limits: Limits,
-}
+/// What a selection of voxels depends on: the volume, the visible ranges, how far beyond values these count,
+/// and how far voxels reach.
+type SelectedBy = (ByIdentity<Volume>, (Vec<IsoRange>, f64), Reach);
 
 /// Renders into empty tiles with borders; returns how many voxels may have a part in what is seen, and how
 /// many of them were never tossed, being occluded.
@@ -156,14 +158,15 @@ impl OfLayer {
         let Splats::Densities(splats) = &layer.splats else { return None };
         let Self { finite, selection } = self;
         let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));
-        let raster = Raster::new(layer, BORDER);
+        let raster = Raster::new(layer, border(splats.shown));
         let is_exact = splats.separable.is_none();
         let reach = Reach::of(layer, &raster, &splats.slabs.grid, is_exact);
         let (scale, ranges) = shown_on_scale(layer, splats.shown, finite);
         let thickness = splats.slabs.grid.thickness() / layer.volume.grid().unit();
-        let selected_by = (ByIdentity::of(layer.volume), ranges, reach);
-        let selection = selection.made_of(selected_by, |(_, ranges, reach)| {
-            Selection::new(layer.volume, finite, ranges, reach)
+        let shown = (ranges, beyond(splats.shown));
+        let selected_by = (ByIdentity::of(layer.volume), shown, reach);
+        let selection = selection.made_of(selected_by, |(_, (ranges, beyond), reach)| {
+            Selection::new(layer.volume, finite, (ranges, *beyond), reach)
         });
         Some(LayerToDraw {
             layer,
@@ -179,6 +182,14 @@ impl OfLayer {
 
     fn resident_bytes(&self) -> usize {
         self.selection.value().map_or(0, Selection::resident_bytes)
+    }
+}
+
+/// How far beyond values lies what is shown of them, as a part of their distance.
+fn beyond(shown: ShownDensities) -> f64 {
+    match shown {
+        ShownDensities::Composited | ShownDensities::Isosurfaces => BEYOND_AT_NODES,
+        ShownDensities::Statistic(_) => BEYOND_AT_PEAKS,
     }
 }
 
@@ -205,7 +216,7 @@ fn draw(
     buffers: &mut BuffersToDraw,
     watch: &mut Stopwatch,
 ) -> u64 {
-    let BuffersToDraw { integrals, slabs, .. } = buffers;
+    let BuffersToDraw { integrals, slabs, joined } = buffers;
     let (compositing, cutoff) = (plan.compositing, plan.opacity_cutoff);
     let in_slabs = layers.iter().map(|layer| layer.in_slabs(plan, level));
     match shown {
@@ -221,53 +232,12 @@ fn draw(
             slabs::render(in_slabs, &Surfaces { layers, cutoff }, tiles, slabs, watch)
         }
         ShownDensities::Statistic(statistic) => {
-            draw_one_by_one(plan, statistic, level, layers, tiles, buffers, watch)
+            OneByOne { plan, level, statistic }.draw(layers, tiles, (slabs, joined), watch)
         }
     }
-}
-
-/// No layer hides another where each is shown by one density.
-fn draw_one_by_one(
-    plan: &FramePlan<'_>,
-    statistic: Statistic,
-    level: Level,
-    layers: &[LayerToDraw<'_>],
-    tiles: &mut Tiles,
-    BuffersToDraw { slabs, joined, .. }: &mut BuffersToDraw,
-    watch: &mut Stopwatch,
-) -> u64 {
-    let are_several = 1 < layers.len();
-    if are_several {
-        joined.clear(tiles);
-    }
-    let mut n_occluded = 0;
-    for (idx, layer) in layers.iter().enumerate() {
-        let (gatherer, in_slabs) = (layer.gatherer(statistic), layer.in_slabs(plan, level));
-        let of_layer = (idx, layers.len());
-        n_occluded += slabs::render_one(in_slabs, of_layer, &gatherer, tiles, slabs, watch);
-        statistic::classify(tiles, layer.layer.transfer, &layer.scale);
-        if are_several {
-            joined.add(tiles);
-            tiles.reopen();
-        }
-    }
-    if are_several {
-        joined.put(tiles);
-    }
-    n_occluded
 }
 
 impl LayerToDraw<'_> {
-    fn in_slabs<'a>(
-        &'a self,
-        plan: &'a FramePlan<'a>,
-        level: Level,
-    ) -> (Stage<'a>, SectionsInSlabs<'a>) {
-        let Self { layer, splats, raster, bricks, voxels, .. } = self;
-        let stage = Stage { plan, layer, level, raster, bricks, voxels };
-        (stage, SectionsInSlabs::of_densities(splats))
-    }
-
     fn classifier<'a>(
         &'a self,
         plan: &FramePlan<'_>,
@@ -284,13 +254,6 @@ impl LayerToDraw<'_> {
             (key, Integrals::new(transfer, compositing, scale))
         });
         LayerClassifier::new(plan, layer, &splats.slabs, integrals, *extent, BORDER, *limits)
-    }
-
-    fn gatherer(&self, statistic: Statistic) -> Gatherer<'_> {
-        let slabs = &self.splats.slabs.grid;
-        let width = slabs.thickness() / self.layer.volume.grid().unit();
-        let per_full_length = (1.0 / (FULL_PART * width)) as f32;
-        Gatherer { statistic, slabs, limits: self.limits, per_full_length }
     }
 
     fn isosurfaces(&self) -> Isosurfaces<'_> {

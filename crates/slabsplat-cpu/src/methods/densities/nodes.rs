@@ -113,25 +113,21 @@ impl<S: Simd> Rays8<S> {
         self.lengths[FIRST]
     }
 
-    /// The density of that sheet.
-    #[inline(always)]
-    pub(super) fn first_density(&self) -> f32x8<S> {
-        self.densities[FIRST]
-    }
-
     /// The most that the parabola through the first node and those beside it comes to within half a sheet;
     /// the least, if `up` is −1 instead of 1 (model §12).
     #[inline(always)]
     pub(super) fn peak(&self, simd: S, up: f32) -> f32x8<S> {
-        let nodes = [FIRST - 1, FIRST, FIRST + 1].map(|idx| self.at_node(idx, &self.densities));
-        let before = self.shares_before[FIRST - 1] * (nodes[0] - nodes[1]);
-        let behind = self.shares_behind[FIRST] * (nodes[2] - nodes[1]);
+        let here = self.at_node(FIRST, &self.densities);
+        let before = self.at_node(FIRST - 1, &self.densities) - here;
+        let before = self.shares_before[FIRST - 1] * before;
+        let behind = self.at_node(FIRST + 1, &self.densities) - here;
+        let behind = self.shares_behind[FIRST] * behind;
         let (bend, slope) = ((before + behind) * (0.5 * up), (behind - before) * (0.5 * up));
         let depth = -bend;
         let has_peak = depth.simd_gt(f32x8::splat(simd, 0.0)) & slope.abs().simd_le(depth);
         let at_peak = slope * slope * 0.25 / depth.max(f32x8::splat(simd, TINY));
         let at_face = slope.abs() * 0.5 + bend * 0.25;
-        nodes[1] + has_peak.select(at_peak, at_face) * up
+        here + has_peak.select(at_peak, at_face) * up
     }
 
     /// Densities at the ends of the part between the nodes.

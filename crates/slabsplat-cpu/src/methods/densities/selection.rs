@@ -1,7 +1,7 @@
 //! Which voxels are splatted: all that can have a part in a pixel that shows.
 //!
 //! A sheet's density is a mean of values, so it lies between the least and the largest of those that have a
-//! part in it, and one between sheets not further outside than a twelfth of their distance (model §8). Values
+//! part in it, and what is shown of several sheets not further outside than a part of their distance. Values
 //! are coded by eight bits, rounded to the side on which more shows. If what may come of the voxels that
 //! share a place with a voxel, or a place that a density or a gradient there is taken from, lies in no
 //! visible range, then nothing shows in any of these places, with or without that voxel, and it is left out.
@@ -32,21 +32,28 @@ pub(super) struct Selection {
 /// A brick's voxels: a bit each, by place.
 type Mask = [u64; BRICK_SIDE];
 
-/// How far outside of densities those between them may lie, as a part of their distance.
-const OVERSHOOT: f64 = 1.0 / 12.0;
+/// How far outside of densities those at nodes may lie, and between these, as a part of their distance (model
+/// §8).
+pub(super) const BEYOND_AT_NODES: f64 = 1.0 / 12.0;
+
+/// The same of a peak among three nodes (model §12), half way from one to the next at most: there it is three
+/// quarters of the one, three eighths of the other, and less an eighth of the third, so that it lies outside
+/// of nodes by an eighth of their distance.
+pub(super) const BEYOND_AT_PEAKS: f64 = BEYOND_AT_NODES + 0.125 * (1.0 + 2.0 * BEYOND_AT_NODES);
 
 impl Selection {
-    /// The voxels of `volume` that have a visible density between the values within `reach`. `finite` is the
-    /// range of finite values, `ranges` are the visible ones. NaN voxels are never among them.
+    /// The voxels of `volume` that have a visible density between the values within `reach`, or `beyond` these
+    /// by such a part of their distance. `finite` is the range of finite values, `ranges` are the visible ones.
+    /// NaN voxels are never among them.
     pub(super) fn new(
         volume: &Volume,
         finite: Option<[f64; 2]>,
-        ranges: &[IsoRange],
+        (ranges, beyond): (&[IsoRange], f64),
         reach: &Reach,
     ) -> Self {
         let coder = Coder::new(finite);
         let mut codes = Codes::new(volume, &coder);
-        let may_show = coder.visible_pairs(ranges);
+        let may_show = coder.visible_pairs(ranges, beyond);
         let rows = reach.rows();
         let needed = if rows.is_empty() { [None, None] } else { codes.needed(&may_show) };
         let needed = needed.map(|bits| bits.map(|bits| bits.spread(&rows)));
@@ -157,7 +164,7 @@ impl Coder {
 
     /// Whether anything shows between values of a least and a largest code, and as far outside as densities
     /// may lie.
-    fn visible_pairs(&self, ranges: &[IsoRange]) -> Vec<[bool; 256]> {
+    fn visible_pairs(&self, ranges: &[IsoRange], beyond: f64) -> Vec<[bool; 256]> {
         let is_visible = |least: usize, largest: usize| {
             // Half of the least number above 0 is 0: where all is of one value, it is that which counts.
             for (code, value) in [FIRST, LAST].into_iter().zip(self.ends) {
@@ -167,7 +174,7 @@ impl Coder {
             }
             let lo = self.half_ends(least as u8)[0];
             let hi = self.half_ends(largest as u8)[1];
-            let over = OVERSHOOT * (hi - lo);
+            let over = beyond * (hi - lo);
             let (lo, hi) = (lo - over, hi + over);
             ranges.iter().any(|range| 0.5 * range.lo <= hi && lo <= 0.5 * range.hi)
         };
@@ -315,7 +322,7 @@ mod tests {
                 let margin = [0, 1, 2].map(|axis| margin[axis].min(dims[axis]));
                 let reach = ellipsoid(margin);
                 let finite = Some([0.0, 8.0]);
-                let selection = Selection::new(&volume, finite, ranges, &reach);
+                let selection = Selection::new(&volume, finite, (ranges, BEYOND_AT_NODES), &reach);
                 let bricks = BrickGrid::new(&grid);
                 let mut selected = vec![false; grid.n_voxels()];
                 for brick in &selection.bricks {
@@ -373,7 +380,7 @@ mod tests {
 
     /// Whether a value is near without which nothing would show from 5 on.
     fn is_near_large(volume: &Volume, is_near: &dyn Fn([isize; 3]) -> bool, idx: usize) -> bool {
-        let least = (5.0 - 0.2) / (1.0 + OVERSHOOT);
+        let least = (5.0 - 0.2) / (1.0 + BEYOND_AT_NODES);
         values_near(volume, is_near, idx).iter().any(|&value| least <= value)
     }
 
@@ -387,7 +394,7 @@ mod tests {
         let values = values_near(volume, is_near, idx);
         let lo = values.iter().copied().fold(f64::INFINITY, f64::min);
         let hi = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let over = if lo < hi { OVERSHOOT * (hi - lo) } else { 0.0 } + room;
+        let over = if lo < hi { BEYOND_AT_NODES * (hi - lo) } else { 0.0 } + room;
         // Codes do not tell an infinity from what lies next to it.
         let is_blurred = lo.is_infinite() && 0.0 < room;
         let shows = |range: &IsoRange| range.lo <= hi + over && lo - over <= range.hi;

@@ -8,9 +8,9 @@
 
 use super::isosurfaces::Isosurfaces;
 use super::passed;
-use super::rings::{Rings, Scratch};
-use super::sheets::{AT_ONCE, N_BESIDE};
-use crate::methods::slabs::{Sheets, SlabOnTile, SlabSums};
+use super::rings::{RetainedSheets, Rings, Scratch};
+use super::sheets::Limits;
+use crate::methods::slabs::{SlabOnTile, SlabSums};
 use crate::pixels::tile::Tile;
 use fearless_simd::Simd;
 use slabsplat_core::Compositing;
@@ -22,12 +22,10 @@ pub(super) struct Surfaces<'a> {
     pub(super) cutoff: f32,
 }
 
-impl Sheets for Surfaces<'_> {
-    type Retained = Rings;
-    type Scratch = Scratch;
-
-    const AT_ONCE: usize = AT_ONCE;
-    const N_BEHIND: usize = N_BESIDE + 1;
+impl RetainedSheets for Surfaces<'_> {
+    fn limits(&self, layer: usize) -> &Limits {
+        &self.layers[layer].limits
+    }
 
     fn front(&self, slab: usize) -> f32 {
         self.layers[0].depths.of_nodes(slab)[0]
@@ -39,48 +37,22 @@ impl Sheets for Surfaces<'_> {
     }
 
     #[inline(always)]
-    fn take<S: Simd>(
+    fn show_middle<S: Simd>(
         &self,
         simd: S,
-        SlabOnTile { slab, .. }: SlabOnTile<'_>,
-        layer: usize,
-        SlabSums { of_layer, .. }: SlabSums<'_>,
-        rings: &mut Rings,
-        scratch: &mut Scratch,
-    ) {
-        rings.take(simd, (slab, layer), of_layer, &self.layers[layer].limits, scratch);
-    }
-
-    #[inline(always)]
-    fn show<S: Simd>(
-        &self,
-        simd: S,
-        SlabOnTile { slab, regions }: SlabOnTile<'_>,
+        SlabOnTile { slab: last, regions }: SlabOnTile<'_>,
         SlabSums { of_layer: sheet, .. }: SlabSums<'_>,
         tile: &mut Tile,
-        rings: &mut Rings,
+        rings: &Rings,
         Scratch { passed, .. }: &mut Scratch,
     ) {
-        if rings.are_none() {
-            return;
-        }
-        for last in slab..slab + AT_ONCE {
-            passed.clear();
-            for (idx, layer) in self.layers.iter().enumerate() {
-                if let Some(ring) = rings.of(idx) {
-                    layer.find(simd, (last, ring), (&*tile, regions.of(idx)), passed);
-                }
+        passed.clear();
+        for (idx, layer) in self.layers.iter().enumerate() {
+            if let Some(ring) = rings.of(idx) {
+                layer.find(simd, (last, ring), (&*tile, regions.of(idx)), passed);
             }
-            passed::write(passed, 1 < self.layers.len(), sheet);
-            tile.put_behind(simd, Compositing::Associated, sheet, self.cutoff);
         }
-    }
-
-    fn release(&self, rings: &mut Rings, scratch: &mut Scratch) {
-        rings.release(scratch);
-    }
-
-    fn scratch_bytes(scratch: &Scratch) -> usize {
-        scratch.resident_bytes()
+        passed::write(passed, 1 < self.layers.len(), sheet);
+        tile.put_behind(simd, Compositing::Associated, sheet, self.cutoff);
     }
 }

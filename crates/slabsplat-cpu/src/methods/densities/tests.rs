@@ -20,7 +20,7 @@ fn selection_changes_nothing() {
             let plan = Planner::default().plan(&scene).unwrap();
             let layer = &plan.layers[0];
             let Splats::Densities(splats) = &layer.splats else { panic!("{:?}", layer.splats) };
-            let mut tiles = Tiles::new(layer.view.image_size(), BORDER);
+            let mut tiles = Tiles::new(layer.view.image_size(), border(splats.shown));
             let (mut buffers, mut watch) = (Buffers::default(), Stopwatch::start());
             let level = Level::new();
             let shown = splats.shown;
@@ -30,7 +30,7 @@ fn selection_changes_nothing() {
             let volume = layer.volume;
             let finite = finite_range(volume);
             let everything = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-            let all = Selection::new(volume, finite, &[everything], &Reach::none());
+            let all = Selection::new(volume, finite, (&[everything], 0.0), &Reach::none());
             assert_eq!(all.n_voxels, volume.grid().n_voxels());
             tiles.clear();
             let Buffers { of_layers, to_draw } = &mut buffers;
@@ -81,7 +81,11 @@ fn blobs(rng: &mut Rng) -> Volume {
 /// Something visible between two values, from a step or from 0, often just at the value of a plateau.
 fn scene(rng: &mut Rng, volume: Volume) -> Scene {
     let grid = volume.grid();
-    let step = |plateau: u8| 0.3 * f64::from(plateau) - 0.1;
+    let modes = [Mode::Extinction, Mode::Isosurfaces, Mode::Maximum, Mode::Minimum];
+    let mode = modes[rng.usize(..modes.len())];
+    // A plateau that lies just on a step is speckled where one density stands for all.
+    let off = if mode.statistic().is_some() { 0.05 } else { 0.0 };
+    let step = |plateau: u8| 0.3 * f64::from(plateau) - 0.1 + off;
     let [lo, hi] = [step(rng.u8(1..4)), step(rng.u8(4..6))];
     let rise = if rng.bool() { 0.0 } else { 0.5 };
     let opacity = vec![(lo, [0.0]), (lo, [rise]), (hi, [0.7]), (hi, [0.0])];
@@ -102,7 +106,6 @@ fn scene(rng: &mut Rng, volume: Volume) -> Scene {
     // Often just at the value of a plateau, too.
     let value = if rng.bool() { lo } else { 0.5 * (lo + hi) };
     let surface = Isosurface::new(value, 0.5, None).unwrap();
-    let mode = [Mode::Extinction, Mode::Isosurfaces][rng.usize(..2)];
     let settings = settings.mode(mode);
     Scene::new(Layer::new(volume, transfer).isosurfaces(vec![surface]), camera)
         .image(ImageDesc { width: 70, height: 50, background: [0.0; 4] })

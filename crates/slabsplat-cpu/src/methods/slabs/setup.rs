@@ -4,7 +4,7 @@ use super::beyond::Beyond;
 use super::classes::Classes;
 use super::slab_shapes::SlabShapes;
 use super::slab_view::SlabView;
-use super::span_finder::SpanFinder;
+use super::span_finder::{SpanFinder, Splits};
 use super::stage::Stage;
 use crate::footprints::polynomials::SectionPolynomials;
 use crate::sections::cut::SlabCut;
@@ -14,7 +14,7 @@ use crate::separable::slab::SeparableSlab;
 use slabsplat_backend::{DensitySplats, SectionSplats, Slabs, SmoothSections};
 use slabsplat_core::SlabGrid;
 use slabsplat_kernel::{
-    CubicSectionTable, ErrorBudget, SectionTable, SeparableSections, SeparableShapes, SplitLevels,
+    CubicSectionTable, ErrorBudget, SectionTable, SeparableSections, SeparableShapes,
     TiltedSections,
 };
 use std::sync::Arc;
@@ -53,8 +53,7 @@ pub(in crate::methods) struct SectionsInSlabs<'a> {
     cubic: Option<&'a CubicSectionTable>,
     /// All that lies before or behind a face, and what may be off for that it is drawn otherwise.
     whole: Option<(&'a Arc<SectionTable>, ErrorBudget)>,
-    /// Which faces may be skipped.
-    levels: Option<&'a SplitLevels>,
+    splits: Splits<'a>,
     /// Whether means are taken of what sections sum, so that it counts what part of a voxel they are off.
     are_of_means: bool,
 }
@@ -69,7 +68,9 @@ impl<'a> SectionsInSlabs<'a> {
             tilted: tilted.as_deref(),
             cubic: None,
             whole: merged.as_ref().map(|merged| (&merged.table, merged.budget)),
-            levels: merged.as_ref().map(|merged| &merged.levels),
+            splits: merged
+                .as_ref()
+                .map_or(Splits::All, |merged| Splits::ByExtinction(&merged.levels)),
             are_of_means: false,
         }
     }
@@ -87,7 +88,15 @@ impl<'a> SectionsInSlabs<'a> {
             SmoothSections::Table(table) => (None, Some(&**table)),
         };
         let whole = separable.as_ref().map(|separable| (&separable.whole, separable.budget));
-        Self { slabs, table, tilted, cubic, whole, levels: None, are_of_means: true }
+        Self { slabs, table, tilted, cubic, whole, splits: Splits::All, are_of_means: true }
+    }
+
+    /// The same as whole footprints, each in one of the slabs that it meets; `None` if there are none but of
+    /// slabs, or if not all slabs are drawn.
+    pub(in crate::methods) fn of_whole_densities(splats: &'a DensitySplats) -> Option<Self> {
+        let all = Self::of_densities(splats);
+        let are_there = all.tilted.is_some() && all.slabs.first_drawn == 0;
+        are_there.then_some(Self { splits: Splits::Never, ..all })
     }
 }
 
@@ -98,7 +107,7 @@ impl<'a> Setup<'a> {
         prepared: &'a mut Prepared,
         at_once: usize,
     ) -> Self {
-        let SectionsInSlabs { slabs, table, tilted, cubic, whole, levels, are_of_means } =
+        let SectionsInSlabs { slabs, table, tilted, cubic, whole, splits, are_of_means } =
             *sections;
         let (raster, layer) = (stage.raster, stage.layer);
         let budget = whole.map(|(_, budget)| budget);
@@ -122,7 +131,7 @@ impl<'a> Setup<'a> {
         let slabs =
             SlabView::new(slabs, raster, &prepared.shapes, stage.plan.least_unit(), at_once);
         Self {
-            spans: SpanFinder::new(&slabs, levels),
+            spans: SpanFinder::new(&slabs, splits),
             beyond: Beyond::new(stage, slabs.grid),
             classes: Classes {
                 most_of_separable: with_shapes.zip(budget).map_or(
@@ -132,7 +141,7 @@ impl<'a> Setup<'a> {
                         if are_of_means { most * sections.whole() } else { most }
                     },
                 ),
-                is_merged: levels.is_some(),
+                is_merged: whole.is_some() && !matches!(splits, Splits::All),
                 kind: sections.kind,
                 n_before: slabs.n_before,
             },

@@ -4,12 +4,11 @@ use super::slab_view::SlabView;
 use crate::sections::span::Span;
 use crate::voxels::by_sheet::N_AT_ONCE;
 use fearless_simd::{Simd, f32x8, prelude::*, u32x8};
-use slabsplat_kernel::SplitLevels;
+use slabsplat_kernel::{SlabSplit, SplitLevels};
 
 /// Finds the slabs of voxels by their depths and extinctions.
 pub(super) struct SpanFinder<'a> {
-    /// Which faces split a kernel, by its extinction; all do, if there are none.
-    levels: Option<&'a SplitLevels>,
+    splits: Splits<'a>,
     half_depth: f32,
     slabs_per_depth: f32,
     /// The number of the first slab, counted from the centre.
@@ -18,11 +17,22 @@ pub(super) struct SpanFinder<'a> {
     last_slab: f32,
 }
 
+/// Which faces split kernels.
+#[derive(Clone, Copy)]
+pub(super) enum Splits<'a> {
+    /// All that meet them.
+    All,
+    /// Those that these levels name, by a voxel's extinction.
+    ByExtinction(&'a SplitLevels),
+    /// None.
+    Never,
+}
+
 impl<'a> SpanFinder<'a> {
-    pub(super) fn new(slabs: &SlabView<'_>, levels: Option<&'a SplitLevels>) -> Self {
+    pub(super) fn new(slabs: &SlabView<'_>, splits: Splits<'a>) -> Self {
         let grid = slabs.grid;
         Self {
-            levels,
+            splits,
             half_depth: slabs.raster.half_depth,
             slabs_per_depth: (1.0 / grid.thickness()) as f32,
             first_slab: (grid.front(0) / grid.thickness()).round() as f32,
@@ -34,7 +44,12 @@ impl<'a> SpanFinder<'a> {
     /// may. What rounding does at a face is in the bounds.
     pub(super) fn most_slabs_before(&self) -> usize {
         let n_met_before = (self.half_depth * self.slabs_per_depth) as usize;
-        self.levels.map_or(0, |_| SplitLevels::MOST_SLABS_BEFORE).saturating_sub(n_met_before)
+        match self.splits {
+            Splits::All => 0,
+            Splits::ByExtinction(_) | Splits::Never => {
+                SplitLevels::MOST_SLABS_BEFORE.saturating_sub(n_met_before)
+            }
+        }
     }
 
     /// The slabs of eight voxels, given by their depths and extinctions (or whatever the compositing sums).
@@ -46,10 +61,17 @@ impl<'a> SpanFinder<'a> {
         extinctions: &[f32; N_AT_ONCE],
     ) -> [Span; N_AT_ONCE] {
         let (mut shares, mut n_slabs) = ([1.0; N_AT_ONCE], [1.0; N_AT_ONCE]);
-        if let Some(levels) = self.levels {
-            for (idx, &extinction) in extinctions.iter().enumerate() {
-                let split = levels.split(extinction);
-                (shares[idx], n_slabs[idx]) = (split.share_of_half_depth, split.n_slabs);
+        match self.splits {
+            Splits::All => {}
+            Splits::ByExtinction(levels) => {
+                for (idx, &extinction) in extinctions.iter().enumerate() {
+                    let split = levels.split(extinction);
+                    (shares[idx], n_slabs[idx]) = (split.share_of_half_depth, split.n_slabs);
+                }
+            }
+            Splits::Never => {
+                let SlabSplit { share_of_half_depth, n_slabs: of_all } = SplitLevels::WHOLE;
+                (shares, n_slabs) = ([share_of_half_depth; N_AT_ONCE], [of_all; N_AT_ONCE]);
             }
         }
         let (shares, n_slabs) =
