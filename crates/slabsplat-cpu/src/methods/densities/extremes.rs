@@ -10,9 +10,9 @@
 //! What lies behind closed blocks is culled, as behind opaque ones. A pixel that nothing can change need not
 //! have the largest density of all: `saturation.rs`.
 //!
-//! Voxels that cannot raise what pixels have are not culled, as next to none can be told: the parabola goes
-//! beyond the densities that it is made of by up to 11/48 of what they differ by, so that of a scan fewer than
-//! one voxel in ten has no larger density around it than those before it (`docs/performance.md`).
+//! Voxels that cannot raise what pixels have are not culled: the parabola goes beyond the densities that it
+//! is made of by up to 11/48 of what they differ by, so that next to no voxel of a scan can be told to be
+//! one (`docs/performance.md`).
 
 use super::groups::{BLOCKS_PER_GROUP, Group, groups_in};
 use super::nodes::Rays8;

@@ -100,7 +100,7 @@ impl ParallelRays {
         }
     }
 
-    /// Whether any sheet counts in full on the ray of a pixel of the image, if they hold so much of it together.
+    /// Whether any sheet counts in full on the ray of a pixel, if they hold so much of it together.
     fn is_more_than_grazed(&self, pixel: [usize; 2], length: f32) -> bool {
         let center = pixel.map(|place| place as f64 + 0.5);
         ROUNDING * FULL_PART * self.length(center) <= f64::from(length)

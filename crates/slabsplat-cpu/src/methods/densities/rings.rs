@@ -33,8 +33,8 @@ pub(super) trait RetainedSheets: Sync {
     /// As that of [`Sheets`].
     fn splits_slabs(&self) -> bool;
 
-    /// Shows what there is at the first of the two sheets in the middle, or between them, if `last` is the slab
-    /// of the last one. At least one layer has begun; both sheets of sums are empty, and are left so.
+    /// Shows what there is at the first of the two sheets in the middle, or between them, if `last` is the
+    /// slab of the last one. At least one layer has begun; both sheets of sums are empty, and are left so.
     fn show_middle<S: Simd>(
         &self,
         simd: S,

@@ -42,9 +42,9 @@ pub(super) const BEYOND_AT_NODES: f64 = 1.0 / 12.0;
 pub(super) const BEYOND_AT_PEAKS: f64 = BEYOND_AT_NODES + 0.125 * (1.0 + 2.0 * BEYOND_AT_NODES);
 
 impl Selection {
-    /// The voxels of `volume` that have a visible density between the values within `reach`, or `beyond` these
-    /// by such a part of their distance. `finite` is the range of finite values, `ranges` are the visible ones.
-    /// NaN voxels are never among them.
+    /// The voxels of `volume` that have a visible density between the values within `reach`, or `beyond`
+    /// these by such a part of their distance. `finite` is the range of finite values, `ranges` are the
+    /// visible ones. NaN voxels are never among them.
     pub(super) fn new(
         volume: &Volume,
         finite: Option<[f64; 2]>,
