@@ -30,6 +30,7 @@
 //#include "shared/table.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/tile_work.wgsl"
+//#include "shared/tile_turn.wgsl"
 //#include "shared/footprint.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/region.wgsl"
@@ -50,12 +51,6 @@
 
 const BATCH: u32 = 64u;
 
-var<workgroup> work: TileWork;
-var<workgroup> n_splatted: atomic<u32>;
-var<workgroup> n_culled: atomic<u32>;
-// Whether any thread's loops ended before they were through.
-var<workgroup> is_faulty: atomic<u32>;
-
 @compute @workgroup_size(8, 8)
 fn splat(
     @builtin(local_invocation_id) local: vec3<u32>,
@@ -68,15 +63,8 @@ fn splat(
         return;
     }
     let tile = step.first + place;
-    if thread == 0u {
-        work = tiles[tile];
-        atomicStore(&n_splatted, 0u);
-        atomicStore(&n_culled, 0u);
-        atomicStore(&is_faulty, 0u);
-    }
-    let todo = workgroupUniformLoad(&work);
-    let is_paused = todo.state == STATE_PAUSED;
-    if !is_paused && todo.state != STATE_UNTOUCHED {
+    let todo = begin_turn(tile, thread);
+    if !is_to_do(todo) {
         return;
     }
     let at = vec2(tile % frame.n_tiles.x, tile / frame.n_tiles.x) * TILE_SIDE + local.xy;
@@ -84,39 +72,24 @@ fn splat(
     let pixel_idx = (at.y - step.first_sample) * frame.image_size.x + at.x;
     var pixel = vec4(0.0);
     var rays = rays_of(tile, thread);
-    if is_inside && is_paused {
+    if is_inside && todo.state == STATE_PAUSED {
         pixel = pixels[pixel_idx];
         skip_rays(&rays, todo.sheet);
     }
     let done = composite(todo, pixel, &rays, thread, at, is_inside);
     if is_inside {
         pixels[pixel_idx] = done.pixel;
-        if done.state != STATE_PAUSED {
+        if done.reached.state != STATE_PAUSED {
             let last = end_rays_before(done.pixel, &rays, NO_SHEET);
             pixels[pixel_idx] = over_background(last);
         }
     }
-    workgroupBarrier();
-    if thread == 0u && todo.begin < todo.end {
-        let n_before = todo.n_splatted + atomicLoad(&n_splatted);
-        let n_behind = atomicLoad(&n_culled);
-        let state = select(done.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
-        tiles[tile] = TileWork(done.begin, todo.end, done.sheet, n_before, n_behind, state);
-    }
+    end_turn(tile, thread, todo, done.reached);
 }
 
-fn over_background(pixel: vec4<f32>) -> vec4<f32> {
-    let straight = frame.background;
-    let background = vec4(straight.rgb * straight.a, straight.a);
-    return pixel + (1.0 - pixel.a) * background;
-}
-
-// What became of a pixel's tile, which is the same for all pixels, and of the pixel.
 struct Composited {
     pixel: vec4<f32>,
-    begin: u32,
-    sheet: u32,
-    state: u32,
+    reached: Reached,
 }
 
 // The tile's sheets, front to back.
@@ -142,7 +115,7 @@ fn composite(
     while begin < todo.end && sheet < frame.n_sheets {
         if frame.max_visits < n_visits {
             atomicAdd(&n_splatted, n_staged);
-            return Composited(pixel, begin, sheet, STATE_PAUSED);
+            return Composited(pixel, Reached(begin, sheet, STATE_PAUSED));
         }
         var sums = vec4(0.0);
         // Of other regions, cut.
@@ -164,7 +137,7 @@ fn composite(
             if now.is_open == 0u {
                 cull(first, todo.end, sheet, thread);
                 atomicAdd(&n_splatted, n_staged);
-                return Composited(pixel, first, sheet, STATE_FULL);
+                return Composited(pixel, Reached(first, sheet, STATE_FULL));
             }
             n_staged += is_staged;
             if is_open {
@@ -225,15 +198,7 @@ fn composite(
         atomicStore(&is_faulty, 1u);
     }
     atomicAdd(&n_splatted, n_staged);
-    return Composited(pixel, begin, sheet, STATE_DONE);
-}
-
-// The sheet at which the tile begins, or continues.
-fn first_sheet(todo: TileWork) -> u32 {
-    if todo.state == STATE_PAUSED || todo.end <= todo.begin {
-        return todo.sheet;
-    }
-    return splat_at(tossed_voxels[todo.begin]).sheet;
+    return Composited(pixel, Reached(begin, sheet, STATE_DONE));
 }
 
 // Stages the splat at a place of the list; 1 if the sheet holds it.

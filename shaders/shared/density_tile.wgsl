@@ -23,6 +23,7 @@
 //#include "shared/slabs.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/tile_work.wgsl"
+//#include "shared/tile_turn.wgsl"
 //#include "shared/footprint.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/region.wgsl"
@@ -47,11 +48,6 @@
 const SIDE: u32 = TILE_SIDE + 2u;
 const BATCH: u32 = 100u;
 
-var<workgroup> work: TileWork;
-var<workgroup> n_splatted: atomic<u32>;
-var<workgroup> n_culled: atomic<u32>;
-// Whether any thread's loops ended before they were through.
-var<workgroup> is_faulty: atomic<u32>;
 // Of each pixel of the tile and its border: how much of the ray, and that times the values.
 var<workgroup> sums: array<vec2<f32>, BATCH>;
 
@@ -72,15 +68,8 @@ fn render_tile(local: vec2<u32>, thread: u32, place: u32) {
         return;
     }
     let tile = step.first + place;
-    if thread == 0u {
-        work = tiles[tile];
-        atomicStore(&n_splatted, 0u);
-        atomicStore(&n_culled, 0u);
-        atomicStore(&is_faulty, 0u);
-    }
-    let todo = workgroupUniformLoad(&work);
-    let is_paused = todo.state == STATE_PAUSED;
-    if !is_paused && todo.state != STATE_UNTOUCHED {
+    let todo = begin_turn(tile, thread);
+    if !is_to_do(todo) {
         return;
     }
     // One further down and right than it is, so that it is never negative.
@@ -90,38 +79,23 @@ fn render_tile(local: vec2<u32>, thread: u32, place: u32) {
     let at = vec2<f32>(moved) - 0.5;
     let pixel_idx = (moved.y - 1u - step.first_sample) * frame.image_size.x + moved.x - 1u;
     var color = vec4(0.0);
-    if is_shown && is_paused {
+    if is_shown && todo.state == STATE_PAUSED {
         color = pixels[pixel_idx];
     }
     let pixel = Pixel(at, thread, is_shown, interval_of(0u, at));
     let done = through_sheets(todo, pixel, color);
     if is_shown {
         pixels[pixel_idx] = done.color;
-        if done.state != STATE_PAUSED {
+        if done.reached.state != STATE_PAUSED {
             pixels[pixel_idx] = over_background(shown(done.color));
         }
     }
-    workgroupBarrier();
-    if thread == 0u && todo.begin < todo.end {
-        let n_before = todo.n_splatted + atomicLoad(&n_splatted);
-        let n_behind = atomicLoad(&n_culled);
-        let state = select(done.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
-        tiles[tile] = TileWork(done.begin, todo.end, done.sheet, n_before, n_behind, state);
-    }
+    end_turn(tile, thread, todo, done.reached);
 }
 
-fn over_background(color: vec4<f32>) -> vec4<f32> {
-    let straight = frame.background;
-    let background = vec4(straight.rgb * straight.a, straight.a);
-    return color + (1.0 - color.a) * background;
-}
-
-// What became of a pixel's tile, which is the same for all pixels, and of the pixel.
 struct Done {
     color: vec4<f32>,
-    begin: u32,
-    sheet: u32,
-    state: u32,
+    reached: Reached,
 }
 
 // Sheets that are summed once more where a tile is continued: all but the last of those that a pixel keeps.
@@ -151,7 +125,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done
     while (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
         // Every round gets further by a sheet.
         if first_shown < sheet && frame.max_visits < n_visits {
-            return Done(color, begins[0], sheet, STATE_PAUSED);
+            return Done(color, Reached(begins[0], sheet, STATE_PAUSED));
         }
         for (var i = 0u; i + 1u < N_AGAIN; i++) {
             begins[i] = begins[i + 1u];
@@ -166,7 +140,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done
         }
         if !summed.is_open {
             cull(begin, todo.end, sheet, pixel.thread);
-            return Done(color, begin, sheet, STATE_FULL);
+            return Done(color, Reached(begin, sheet, STATE_FULL));
         }
         if first_shown <= sheet {
             atomicAdd(&n_splatted, summed.n_staged);
@@ -189,15 +163,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done
     if (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
         atomicStore(&is_faulty, 1u);
     }
-    return Done(color, begin, sheet, STATE_DONE);
-}
-
-// The sheet at which the tile begins, or continues.
-fn first_sheet(todo: TileWork) -> u32 {
-    if todo.state == STATE_PAUSED || todo.end <= todo.begin {
-        return todo.sheet;
-    }
-    return splat_at(tossed_voxels[todo.begin]).sheet;
+    return Done(color, Reached(begin, sheet, STATE_DONE));
 }
 
 // What a sheet holds of the tile's splats. All but the sums and what is staged is the same for all pixels.

@@ -1,0 +1,58 @@
+// A workgroup's turn at a tile: what it takes on, and what it leaves to the next one if the tile pauses.
+//
+// Whoever includes this declares `frame`, `step`, `tiles` and `tossed_voxels`.
+
+var<workgroup> work: TileWork;
+var<workgroup> n_splatted: atomic<u32>;
+var<workgroup> n_culled: atomic<u32>;
+// Whether any thread's loops ended before they were through.
+var<workgroup> is_faulty: atomic<u32>;
+
+// How far a turn came, which is the same for all pixels: the first splat and the sheet that are next, and why
+// it ended.
+struct Reached {
+    begin: u32,
+    sheet: u32,
+    state: u32,
+}
+
+// What there is to do on a tile.
+fn begin_turn(tile: u32, thread: u32) -> TileWork {
+    if thread == 0u {
+        work = tiles[tile];
+        atomicStore(&n_splatted, 0u);
+        atomicStore(&n_culled, 0u);
+        atomicStore(&is_faulty, 0u);
+    }
+    return workgroupUniformLoad(&work);
+}
+
+fn is_to_do(todo: TileWork) -> bool {
+    return todo.state == STATE_PAUSED || todo.state == STATE_UNTOUCHED;
+}
+
+// The sheet at which the tile begins, or continues.
+fn first_sheet(todo: TileWork) -> u32 {
+    if todo.state == STATE_PAUSED || todo.end <= todo.begin {
+        return todo.sheet;
+    }
+    return splat_at(tossed_voxels[todo.begin]).sheet;
+}
+
+// Notes what became of a tile, once all threads are through with it. One without splats stays untouched.
+fn end_turn(tile: u32, thread: u32, todo: TileWork, reached: Reached) {
+    workgroupBarrier();
+    if thread == 0u && todo.begin < todo.end {
+        let n_before = todo.n_splatted + atomicLoad(&n_splatted);
+        let n_behind = atomicLoad(&n_culled);
+        let state = select(reached.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
+        tiles[tile] = TileWork(reached.begin, todo.end, reached.sheet, n_before, n_behind, state);
+    }
+}
+
+// A pixel before the background.
+fn over_background(pixel: vec4<f32>) -> vec4<f32> {
+    let straight = frame.background;
+    let background = vec4(straight.rgb * straight.a, straight.a);
+    return pixel + (1.0 - pixel.a) * background;
+}
