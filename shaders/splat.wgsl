@@ -15,8 +15,8 @@
 // one region follow each other: so a pixel has sums of one region at a time. Where the next splat has another
 // region, they are multiplied by their region's share of the sheet, and put aside.
 //
-// Where opaque surfaces are, rays of a pixel's samples end on their way from sheet to sheet, also between those that
-// any splat reaches into, and behind them.
+// Where opaque surfaces are, rays of a pixel's samples end on their way from sheet to sheet, also between
+// those that any splat reaches into, and behind them.
 //
 // A tile that has visited many splats pauses after a sheet, and the next dispatch continues it: systems
 // reset devices that do not answer for seconds.
@@ -71,16 +71,16 @@ fn splat(
     let is_inside = all(at < frame.image_size);
     let pixel_idx = (at.y - step.first_sample) * frame.image_size.x + at.x;
     var pixel = vec4(0.0);
-    var rays = rays_of(tile, thread);
+    rays = rays_of(tile, thread);
     if is_inside && todo.state == STATE_PAUSED {
         pixel = pixels[pixel_idx];
-        skip_rays(&rays, todo.sheet);
+        skip_rays(todo.sheet);
     }
-    let done = composite(todo, pixel, &rays, thread, at, is_inside);
+    let done = composite(todo, pixel, thread, at, is_inside);
     if is_inside {
         pixels[pixel_idx] = done.pixel;
         if done.reached.state != STATE_PAUSED {
-            let last = end_rays_before(done.pixel, &rays, NO_SHEET);
+            let last = end_rays_before(done.pixel, NO_SHEET);
             pixels[pixel_idx] = over_background(last);
         }
     }
@@ -96,7 +96,6 @@ struct Composited {
 fn composite(
     todo: TileWork,
     pixel_before: vec4<f32>,
-    rays: ptr<function, Rays>,
     thread: u32,
     at: vec2<u32>,
     is_inside: bool,
@@ -104,7 +103,7 @@ fn composite(
     // The run that the sheet needs begins here.
     var begin = todo.begin;
     var sheet = first_sheet(todo);
-    var pixel = end_rays_before(pixel_before, rays, sheet);
+    var pixel = end_rays_before(pixel_before, sheet);
     var is_open = is_inside && pixel.a < frame.opacity_cutoff;
     var n_staged = 0u;
     var n_visits = 0u;
@@ -183,8 +182,8 @@ fn composite(
             sums = joined + sums * share_of(region, interval, sheet);
         }
         next_sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
-        if has_surfaces() && any_ends_before(*rays, next_sheet) {
-            pixel = end_rays(pixel, rays, sums, sheet, next_sheet);
+        if has_surfaces() && any_ends_before(next_sheet) {
+            pixel = end_rays(pixel, sums, sheet, next_sheet);
         } else {
             pixel += (1.0 - pixel.a) * resolve(frame.compositing, sums);
         }

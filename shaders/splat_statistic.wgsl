@@ -1,10 +1,11 @@
-// One density for all on its ray (model §12): the largest, the least or the mean of all sheets.
-//
-// Until the last sheet a pixel holds what was found, how much of it, which is 1, or for a mean the length that
-// it was taken over, and by how much it counts.
+// One density of a layer that is alone, for all on its ray (model §12): the largest, the least or the mean of
+// all sheets.
 
+//#include "shared/density_alone.wgsl"
 //#include "shared/density_tile.wgsl"
-//#include "shared/cells.wgsl"
+//#include "shared/statistic.wgsl"
+
+const N_HELD: u32 = 1u;
 
 @compute @workgroup_size(10, 10)
 fn splat_statistic(
@@ -16,52 +17,10 @@ fn splat_statistic(
     render_tile(local.xy, thread, linear_group(group, n_groups));
 }
 
-// A sheet counts in full that holds this part of its thickness.
-const FULL_PART: f32 = 1.0 / 16.0;
-
-fn showing(found: vec4<f32>, sheet: u32, pixel: Pixel) -> vec4<f32> {
-    let length = sheets[FIRST].x;
-    let is_mean = densities.mode == MODE_AVERAGE;
-    var share = 1.0;
-    if frame.has_regions == 1u {
-        let front = depth_of_first_node(sheet) - 0.5;
-        share = share_behind(0u, pixel.interval, front, is_mean);
-    }
-    if length * share <= 0.0 {
-        return found;
-    }
-    let weight = min(length / (FULL_PART * layers[0].slab_thickness), 1.0);
-    let counting = max(found.z, weight);
-    if is_mean {
-        let much = found.y + length * share;
-        return vec4(mix(found.x, sheets[FIRST].y, length * share / much), much, counting, 0.0);
-    }
-    let is_largest = densities.mode == MODE_MAXIMUM;
-    let worst = select(densities.values.y, densities.values.x, is_largest);
-    let value = mix(worst, peak(is_largest), weight);
-    let better = select(min(found.x, value), max(found.x, value), is_largest);
-    return vec4(select(better, value, found.y == 0.0), 1.0, counting, 0.0);
+fn showing(sheet: u32, next: u32, pixel: Pixel) {
+    held[0] = found_with_sheet(held[0], 0u, sheet, pixel);
 }
 
-// The most that the parabola through the first node and those beside it comes to within half a sheet; or the
-// least.
-fn peak(is_largest: bool) -> f32 {
-    let up = select(-1.0, 1.0, is_largest);
-    let here = node(FIRST).x;
-    let before = share_of_sheet(FIRST - 1u, FIRST) * (node(FIRST - 1u).x - here);
-    let behind = share_of_sheet(FIRST + 1u, FIRST) * (node(FIRST + 1u).x - here);
-    let bend = (before + behind) * (0.5 * up);
-    let slope = abs(behind - before) * 0.5;
-    if bend < 0.0 && slope <= -bend {
-        return here - up * slope * slope * 0.25 / bend;
-    }
-    return here + up * (slope * 0.5 + bend * 0.25);
-}
-
-// Opacity and colour at what was found, as far as it counts.
-fn shown(found: vec4<f32>) -> vec4<f32> {
-    let cell = cell_at(cell_of(found.x));
-    let t = clamp((found.x - cell.start) / cell.width, 0.0, 1.0);
-    let opacity = weight_in(cell, t);
-    return found.z * vec4(opacity * color_in(cell, t), opacity);
+fn shown() -> vec4<f32> {
+    return shown_by(0u, held[0]);
 }

@@ -4,7 +4,7 @@
 //
 // A cell takes six elements of `table`, see `crates/slabsplat-gpu/src/density_elements.rs`.
 //
-// Whoever includes this declares `table` and `densities`.
+// Whoever includes this declares `densities` and `number_at`, an element of `table`.
 
 const ELEMENTS_OF_CELL: u32 = 6u;
 
@@ -17,13 +17,13 @@ struct Cell {
     weight: vec4<f32>,
 }
 
-// The number of the last cell that does not begin behind a density.
-fn cell_of(density: f32) -> u32 {
+// The number of the last cell of a layer that does not begin behind a density.
+fn cell_of(layer: u32, density: f32) -> u32 {
     var lo = 1u;
-    var hi = densities.n_shown;
+    var hi = densities[layer].n_shown;
     while lo < hi {
         let middle = (lo + hi) / 2u;
-        if table[densities.first_shown + middle * ELEMENTS_OF_CELL].x <= density {
+        if number_at(densities[layer].first_shown + middle * ELEMENTS_OF_CELL).x <= density {
             lo = middle + 1u;
         } else {
             hi = middle;
@@ -32,10 +32,10 @@ fn cell_of(density: f32) -> u32 {
     return lo - 1u;
 }
 
-fn cell_at(number: u32) -> Cell {
-    let element = densities.first_shown + number * ELEMENTS_OF_CELL;
-    let extent = table[element].xy;
-    return Cell(element, extent.x, extent.y, table[element + 1u]);
+fn cell_at(layer: u32, number: u32) -> Cell {
+    let element = densities[layer].first_shown + number * ELEMENTS_OF_CELL;
+    let extent = number_at(element).xy;
+    return Cell(element, extent.x, extent.y, number_at(element + 1u));
 }
 
 fn weight_in(cell: Cell, t: f32) -> f32 {
@@ -44,5 +44,5 @@ fn weight_in(cell: Cell, t: f32) -> f32 {
 }
 
 fn color_in(cell: Cell, t: f32) -> vec3<f32> {
-    return table[cell.element + 2u].xyz + t * table[cell.element + 3u].xyz;
+    return number_at(cell.element + 2u).xyz + t * number_at(cell.element + 3u).xyz;
 }

@@ -1,9 +1,9 @@
-// What sheets of densities are made of and shown by (model §§8, 12), beside the frame and its layer.
+// What a layer's sheets of densities are made of and shown by (model §§8, 12), beside `Frame` and `Layer`.
 
 struct Densities {
     // What is shown of them: MODE_*.
     mode: u32,
-    // The first element of `table` that says by what: see `cells.wgsl`, or `splat_isosurfaces.wgsl`.
+    // The first element of `table` that says by what: see `cells.wgsl`, or `isosurfaces.wgsl`.
     first_shown: u32,
     // How many cells, or surfaces, there are.
     n_shown: u32,

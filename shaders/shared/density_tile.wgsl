@@ -1,19 +1,27 @@
-// Sheets of densities over a tile, from the eye on (model §8): a workgroup renders a tile of 8x8 pixels with a
-// border of one, a thread a pixel.
+// Sheets of densities over a tile, from the eye on (model §8): a workgroup renders a tile of 8x8 pixels with
+// a border of one, a thread a pixel.
 //
 //   for each sheet that any of the tile's splats reaches into, and three behind the last:
 //       for each batch of splats from the first that still reaches into it:
 //           every thread stages one splat: where it lies in this sheet
 //           every thread adds all staged splats to its pixel: how much of the ray, and that times the values
-//       the density, and how it changes from pixel to pixel; put that with the five sheets before
+//       for each layer: the density, and how it changes from pixel to pixel; put that with the five sheets before
 //       show what lies between the two sheets in the middle
 //
-// The pixel's sheets stay in registers; only sums go through workgroup memory, for what its neighbours make of
-// them. A tile that has visited many splats pauses, as systems reset devices that do not answer for seconds.
-// What continues it sums the last five sheets once more, which is cheaper than to store them.
+// The splats of all layers are in one list, and those that begin in one sheet come layer by layer. So a pixel
+// has the sums of one layer in registers, and puts them aside a few times a sheet.
 //
-// Whoever includes this shows what lies between sheets: `showing` puts it behind a pixel, and `shown` makes
-// of that the pixel's premultiplied colour and opacity.
+// Only sums go through workgroup memory, for what a pixel's neighbours make of them. A tile that has visited
+// many splats pauses, as systems reset devices that do not answer for seconds. What continues it sums the
+// last five sheets once more, which is cheaper than to store them.
+//
+// Whoever includes this
+// - includes `density_alone.wgsl` or `densities_among_others.wgsl`, which say how many layers there may be, retain
+//   their sheets, and know where rays end,
+// - declares `N_HELD`, how many elements a pixel holds of what it has found so far; they are `held`, 0 at first,
+//   and the last channel of the first is the pixel's opacity, or 0,
+// - shows what lies between sheets: `showing` puts it behind a pixel, and `shown` makes of what the pixel holds its
+//   premultiplied colour and opacity.
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
@@ -35,10 +43,11 @@
 // The tiles `first .. first + n_elements`; the first pixel that is bound is that of row `first_sample`.
 @group(0) @binding(1) var<uniform> step: Step;
 @group(0) @binding(2) var<uniform> layers: array<Layer, MAX_LAYERS>;
-@group(0) @binding(3) var<uniform> densities: Densities;
+@group(0) @binding(3) var<uniform> densities: array<Densities, MOST_LAYERS>;
 @group(0) @binding(4) var<storage, read> tossed_voxels: array<u32>;
-@group(0) @binding(5) var<storage, read> table: array<vec4<f32>>;
+@group(0) @binding(5) var<storage, read> table: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read_write> tiles: array<TileWork>;
+// All pixels that are bound; of those that pause, as often as there are elements to be held.
 @group(0) @binding(7) var<storage, read_write> pixels: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read> splats_0: array<Splat>;
 @group(0) @binding(9) var<storage, read> splats_1: array<Splat>;
@@ -47,9 +56,16 @@
 
 const SIDE: u32 = TILE_SIDE + 2u;
 const BATCH: u32 = 100u;
+const N_SUMS: u32 = MOST_LAYERS * BATCH;
 
-// Of each pixel of the tile and its border: how much of the ray, and that times the values.
-var<workgroup> sums: array<vec2<f32>, BATCH>;
+// Layer by layer, of each pixel of the tile and its border: how much of the ray, and that times the values.
+var<workgroup> sums: array<vec2<f32>, N_SUMS>;
+// The same of this thread's pixel, while they are summed.
+var<private> sums_of_layers: array<vec2<f32>, MOST_LAYERS>;
+// Where the pixel's ray is in the convex set of each layer's region.
+var<private> intervals: array<vec2<f32>, MOST_LAYERS>;
+// What the pixel has found so far.
+var<private> held: array<vec4<f32>, N_HELD>;
 
 // A pixel, as far as it is the same for all sheets.
 struct Pixel {
@@ -59,8 +75,6 @@ struct Pixel {
     thread: u32,
     // Whether it is of the image, and not of a border.
     is_shown: bool,
-    // Where its ray is in the convex set of the region.
-    interval: vec2<f32>,
 }
 
 fn render_tile(local: vec2<u32>, thread: u32, place: u32) {
@@ -75,38 +89,58 @@ fn render_tile(local: vec2<u32>, thread: u32, place: u32) {
     // One further down and right than it is, so that it is never negative.
     let moved = vec2(tile % frame.n_tiles.x, tile / frame.n_tiles.x) * TILE_SIDE + local;
     let is_border = any(local == vec2(0u)) || any(local == vec2(SIDE - 1u));
-    let is_shown = !is_border && all(moved <= frame.image_size);
-    let at = vec2<f32>(moved) - 0.5;
+    let pixel = Pixel(
+        vec2<f32>(moved) - 0.5,
+        thread,
+        !is_border && all(moved <= frame.image_size),
+    );
     let pixel_idx = (moved.y - 1u - step.first_sample) * frame.image_size.x + moved.x - 1u;
-    var color = vec4(0.0);
-    if is_shown && todo.state == STATE_PAUSED {
-        color = pixels[pixel_idx];
+    for (var layer = 0u; layer < n_layers(); layer++) {
+        intervals[layer] = interval_of(layer, pixel.at);
     }
-    let pixel = Pixel(at, thread, is_shown, interval_of(0u, at));
-    let done = through_sheets(todo, pixel, color);
-    if is_shown {
-        pixels[pixel_idx] = done.color;
-        if done.reached.state != STATE_PAUSED {
-            pixels[pixel_idx] = over_background(shown(done.color));
+    if pixel.is_shown {
+        if todo.state == STATE_PAUSED {
+            continue_pixel(pixel_idx);
+        }
+        begin_rays(tile, (local.y - 1u) * TILE_SIDE + local.x - 1u, todo);
+    }
+    let reached = through_sheets(todo, pixel);
+    if pixel.is_shown {
+        if reached.state == STATE_PAUSED {
+            pause_pixel(pixel_idx);
+        } else {
+            pixels[pixel_idx] = over_background(shown());
         }
     }
-    end_turn(tile, thread, todo, done.reached);
+    end_turn(tile, thread, todo, reached);
 }
 
-struct Done {
-    color: vec4<f32>,
-    reached: Reached,
+fn continue_pixel(pixel_idx: u32) {
+    for (var i = 0u; i < N_HELD; i++) {
+        held[i] = pixels[i * n_pixels() + pixel_idx];
+    }
 }
 
-// Sheets that are summed once more where a tile is continued: all but the last of those that a pixel keeps.
+fn pause_pixel(pixel_idx: u32) {
+    for (var i = 0u; i < N_HELD; i++) {
+        pixels[i * n_pixels() + pixel_idx] = held[i];
+    }
+}
+
+// Those that are bound: whole rows of tiles, or as many as the image has left.
+fn n_pixels() -> u32 {
+    let n_rows = step.n_elements / frame.n_tiles.x * TILE_SIDE;
+    return min(n_rows, frame.image_size.y - step.first_sample) * frame.image_size.x;
+}
+
+// Sheets that are summed once more where a tile is continued: all but the last of those that a pixel retains.
 const N_AGAIN: u32 = N_SHEETS - 1u;
 
 // Sheets behind the last that holds anything, until what lies before them all is shown.
 const N_BEHIND: u32 = N_SHEETS - SECOND;
 
-fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done {
-    var color = color_before;
-    var is_open = pixel.is_shown && color.a < frame.opacity_cutoff;
+fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
+    var is_open = pixel.is_shown && held[0].a < frame.opacity_cutoff;
     // The run that the sheet needs begins here; and where it began for the sheets that are summed again.
     var begin = todo.begin;
     var begins: array<u32, N_AGAIN>;
@@ -125,13 +159,16 @@ fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done
     while (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
         // Every round gets further by a sheet.
         if first_shown < sheet && frame.max_visits < n_visits {
-            return Done(color, Reached(begins[0], sheet, STATE_PAUSED));
+            return Reached(begins[0], sheet, STATE_PAUSED);
         }
         for (var i = 0u; i + 1u < N_AGAIN; i++) {
             begins[i] = begins[i + 1u];
         }
         begins[N_AGAIN - 1u] = begin;
-        var summed = Summed(vec2(0.0), begin, 0u, 0u, sheet + 1u, true, true);
+        for (var layer = 0u; layer < n_layers(); layer++) {
+            sums_of_layers[layer] = vec2(0.0);
+        }
+        var summed = Summed(begin, 0u, 0u, sheet + 1u, true, true);
         if begin < todo.end && sheet < frame.n_sheets {
             summed = sum_sheet(begin, todo.end, sheet, pixel, is_open);
         }
@@ -140,36 +177,38 @@ fn through_sheets(todo: TileWork, pixel: Pixel, color_before: vec4<f32>) -> Done
         }
         if !summed.is_open {
             cull(begin, todo.end, sheet, pixel.thread);
-            return Done(color, Reached(begin, sheet, STATE_FULL));
+            return Reached(begin, sheet, STATE_FULL);
         }
         if first_shown <= sheet {
             atomicAdd(&n_splatted, summed.n_staged);
         }
         begin = summed.begin;
+        begin_sheet();
         if 0u < summed.n_alive {
             n_empty = 0u;
-            push_sheet(density_of(sheet, summed.sums, pixel));
+            push_densities(sheet, pixel);
         } else {
             n_empty++;
-            push_sheet(vec4(0.0));
+            for (var layer = 0u; layer < n_layers(); layer++) {
+                push_sheet(layer, vec4(0.0));
+            }
         }
+        let next = select(sheet + 1u, summed.next_sheet, N_SHEETS <= n_empty);
         if is_open && first_shown <= sheet {
-            color = showing(color, sheet, pixel);
-            is_open = color.a < frame.opacity_cutoff;
+            showing(sheet, next, pixel);
+            is_open = held[0].a < frame.opacity_cutoff;
         }
         n_visits += summed.n_alive + 1u;
-        sheet = select(sheet + 1u, summed.next_sheet, N_SHEETS <= n_empty);
+        sheet = next;
     }
     if (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
         atomicStore(&is_faulty, 1u);
     }
-    return Done(color, Reached(begin, sheet, STATE_DONE));
+    return Reached(begin, sheet, STATE_DONE);
 }
 
-// What a sheet holds of the tile's splats. All but the sums and what is staged is the same for all pixels.
+// What a sheet holds of the tile's splats. All but what is staged is the same for all pixels.
 struct Summed {
-    // How much of the ray, and that times the values.
-    sums: vec2<f32>,
     // The place of the first splat that still reaches into the sheet.
     begin: u32,
     // Splats that do.
@@ -185,7 +224,10 @@ struct Summed {
 }
 
 fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> Summed {
-    var summed = Summed(vec2(0.0), begin, 0u, 0u, NO_SHEET, true, true);
+    var summed = Summed(begin, 0u, 0u, NO_SHEET, true, true);
+    // The layer of what is being summed.
+    var layer = 0u;
+    var sum = vec2(0.0);
     // The place of the batch.
     var first = begin;
     var is_last = false;
@@ -205,7 +247,12 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
         summed.n_staged += is_staged;
         var i = now.n_dead;
         while i < now.end {
-            summed.sums += staged[i].color.wx * weight_at(i, pixel.at);
+            if 1u < MOST_LAYERS && staged_layer(i) != layer {
+                sums_of_layers[layer] = sum;
+                layer = staged_layer(i);
+                sum = sums_of_layers[layer];
+            }
+            sum += staged[i].color.wx * weight_at(i, pixel.at);
             i++;
         }
         summed.is_whole = summed.is_whole && now.end <= i;
@@ -220,6 +267,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
             break;
         }
     }
+    sums_of_layers[layer] = sum;
     summed.is_whole = summed.is_whole && is_last;
     return summed;
 }
@@ -231,32 +279,53 @@ fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
     if end <= place {
         return 0u;
     }
-    let splat = splat_at(tossed_voxels[place]);
+    let voxel = tossed_voxels[place];
+    let splat = splat_at(voxel);
+    var layer = 0u;
+    if 1u < MOST_LAYERS {
+        layer = layer_of(voxel);
+    }
     staged[thread].sheet = splat.sheet;
-    staged[thread].layer = 0u;
+    staged[thread].layer = layer;
     if sheet < splat.sheet {
         return 0u;
     }
-    return stage_section(splat, 0u, sheet, thread);
+    return stage_section(splat, layer, sheet, thread);
 }
 
-// What a sheet is to a pixel, from the sums of the pixel and of its neighbours.
-fn density_of(sheet: u32, own: vec2<f32>, pixel: Pixel) -> vec4<f32> {
-    let limits = densities.values * own.x;
-    let here = select(vec2(0.0), vec2(own.x, clamp(own.y, limits.x, limits.y)), 0.0 < own.x);
-    sums[pixel.thread] = here;
+// Puts what was summed with the five sheets before.
+fn push_densities(sheet: u32, pixel: Pixel) {
+    for (var layer = 0u; layer < n_layers(); layer++) {
+        let own = sums_of_layers[layer];
+        let limits = densities[layer].values * own.x;
+        let limited = vec2(own.x, clamp(own.y, limits.x, limits.y));
+        sums[layer * BATCH + pixel.thread] = select(vec2(0.0), limited, 0.0 < own.x);
+    }
     workgroupBarrier();
+    for (var layer = 0u; layer < n_layers(); layer++) {
+        push_sheet(layer, density_of(layer, sheet, pixel));
+    }
+}
+
+// An element of `table` that holds numbers.
+fn number_at(element: u32) -> vec4<f32> {
+    return bitcast<vec4<f32>>(table[element]);
+}
+
+// What a sheet of a layer is to a pixel, from the sums of the pixel and of its neighbours.
+fn density_of(layer: u32, sheet: u32, pixel: Pixel) -> vec4<f32> {
     if !pixel.is_shown {
         return vec4(0.0);
     }
+    let place = layer * BATCH + pixel.thread;
+    let here = sums[place];
     var density = 0.0;
     if 0.0 < here.x {
         density = here.y / here.x;
     }
-    let per_pixel = scale_at(0u, middle_of(0u, sheet));
-    let thread = pixel.thread;
-    let right = difference(here.x, density, sums[thread + 1u], sums[thread - 1u]);
-    let up = difference(here.x, density, sums[thread - SIDE], sums[thread + SIDE]);
+    let per_pixel = scale_at(layer, middle_of(layer, sheet));
+    let right = difference(here.x, density, sums[place + 1u], sums[place - 1u]);
+    let up = difference(here.x, density, sums[place - SIDE], sums[place + SIDE]);
     return vec4(here.x, density, per_pixel * right, per_pixel * up);
 }
 

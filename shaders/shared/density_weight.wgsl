@@ -4,7 +4,7 @@
 // A kernel that is a product has polynomials (crates/slabsplat-kernel/src/tilted_sections.rs). Of any other
 // there is a table of cubics (cubic_section_table.rs), an element of `table` for the coefficients of each.
 //
-// Whoever includes this declares `table` and `densities`.
+// Whoever includes this declares `densities`, `staged_layer`, and `number_at`, an element of `table`.
 
 // The weight of a staged section at a pixel's centre.
 fn weight_at(i: u32, at: vec2<f32>) -> f32 {
@@ -23,21 +23,23 @@ fn weight_at(i: u32, at: vec2<f32>) -> f32 {
         faces += dot(staged[i].tilt, d);
     }
     let half_chord = sqrt(max(frame.radius * frame.radius - rho_squared, 0.0));
-    if densities.is_product == 1u {
-        return weight_of_product(rho_squared, clamp(faces, vec2(-half_chord), vec2(half_chord)));
+    let layer = staged_layer(i);
+    if densities[layer].is_product == 1u {
+        let inside = clamp(faces, vec2(-half_chord), vec2(half_chord));
+        return weight_of_product(layer, rho_squared, inside);
     }
     if half_chord <= faces.x || faces.y <= -half_chord {
         return 0.0;
     }
-    return weight_by_cubics(staged[i].layer, half_chord, faces);
+    return weight_by_cubics(layer, half_chord, faces);
 }
 
 // H = g(ρ)·(A(back) − A(front)), between faces that lie within the ball.
-fn weight_of_product(rho_squared: f32, faces: vec2<f32>) -> f32 {
+fn weight_of_product(layer: u32, rho_squared: f32, faces: vec2<f32>) -> f32 {
     let per_square = 2.0 / (frame.radius * frame.radius);
-    let across = polynomial(densities.across, rho_squared * per_square - 1.0);
-    let front = faces.x * polynomial(densities.along, faces.x * faces.x * per_square - 1.0);
-    let back = faces.y * polynomial(densities.along, faces.y * faces.y * per_square - 1.0);
+    let across = polynomial(densities[layer].across, rho_squared * per_square - 1.0);
+    let front = faces.x * polynomial(densities[layer].along, faces.x * faces.x * per_square - 1.0);
+    let back = faces.y * polynomial(densities[layer].along, faces.y * faces.y * per_square - 1.0);
     return across * (back - front);
 }
 
@@ -85,10 +87,10 @@ fn weight_by_cubics(layer: u32, half_chord: f32, faces: vec2<f32>) -> f32 {
         -before * t * behind / 6.0,
     );
     let cut_length = min(faces.y, half_chord) + min(half_chord, -faces.x);
-    return dot(rows, shares) + densities.rim * cut_length;
+    return dot(rows, shares) + densities[layer].rim * cut_length;
 }
 
 fn cubic_at(element: u32, t: f32) -> f32 {
-    let c = table[element];
+    let c = number_at(element);
     return c.x + t * (c.y + t * (c.z + t * c.w));
 }

@@ -55,5 +55,5 @@ struct Frame {
 const METHOD_SECTIONS: u32 = 0u;
 const METHOD_SLICES: u32 = 1u;
 const METHOD_VOXELS: u32 = 2u;
-// Sections of densities, of one layer; the lights are those of view space then.
+// Sections of densities; the lights are those of view space then.
 const METHOD_DENSITIES: u32 = 3u;

@@ -33,15 +33,15 @@ const END: f32 = 1.5;
 // Weights that no picture shows.
 const NOTHING: f32 = 1e-9;
 
-fn mean_between(start: f32, end: f32) -> Mean {
+fn mean_between(layer: u32, start: f32, end: f32) -> Mean {
     let a = clamp(start, -END, END);
     let b = clamp(end, -END, END);
     if abs(b - a) <= 2.0 * ROUNDING {
-        return mean_at(0.5 * (a + b));
+        return mean_at(layer, 0.5 * (a + b));
     }
     let least = min(a, b);
     let width = abs(b - a);
-    let whole = integrals_between(least, max(a, b));
+    let whole = integrals_between(layer, least, max(a, b));
     if whole.weight <= NOTHING * width {
         return Mean(0.0, vec3(0.0), 0.5);
     }
@@ -50,19 +50,19 @@ fn mean_between(start: f32, end: f32) -> Mean {
     return Mean(whole.weight / width, whole.color / whole.weight, place);
 }
 
-fn integrals_between(a: f32, b: f32) -> Integrals {
-    let first = cell_of(a);
-    let last = cell_of(b);
-    let cell = cell_at(first);
+fn integrals_between(layer: u32, a: f32, b: f32) -> Integrals {
+    let first = cell_of(layer, a);
+    let last = cell_of(layer, b);
+    let cell = cell_at(layer, first);
     if first == last {
         return integrals_in(cell, a, b);
     }
-    var sum = integrals_in(cell, a, cell_at(first + 1u).start);
-    let between = running_integrals(first + 1u, last);
+    var sum = integrals_in(cell, a, cell_at(layer, first + 1u).start);
+    let between = running_integrals(layer, first + 1u, last);
     sum.weight += between.weight;
     sum.color += between.color;
     sum.moment += between.moment - a * between.weight;
-    let end = cell_at(last);
+    let end = cell_at(layer, last);
     let rest = integrals_in(end, end.start, b);
     sum.weight += rest.weight;
     sum.color += rest.color;
@@ -85,27 +85,27 @@ fn integrals_in(cell: Cell, a: f32, b: f32) -> Integrals {
     let moment = powers.x / 2.0 + u * (powers.y / 3.0 + u * (powers.z / 4.0 + u * powers.w / 5.0));
     let weight = max(mean, 0.0) * (b - a);
     let behind = max(moment, 0.0) * (b - a) * (b - a);
-    let slope = table[cell.element + 3u].xyz / cell.width;
+    let slope = number_at(cell.element + 3u).xyz / cell.width;
     return Integrals(weight, color_in(cell, t) * weight + slope * behind, behind);
 }
 
 // Over all cells from one on and before another one; the moment is that about 0.
-fn running_integrals(first: u32, end: u32) -> Integrals {
-    let before = densities.first_shown + first * ELEMENTS_OF_CELL;
-    let behind = densities.first_shown + end * ELEMENTS_OF_CELL;
-    let large = table[behind + 4u] - table[before + 4u];
-    let sums = large + (table[behind + 5u] - table[before + 5u]);
-    let moments = table[behind].zw - table[before].zw;
+fn running_integrals(layer: u32, first: u32, end: u32) -> Integrals {
+    let before = densities[layer].first_shown + first * ELEMENTS_OF_CELL;
+    let behind = densities[layer].first_shown + end * ELEMENTS_OF_CELL;
+    let large = number_at(behind + 4u) - number_at(before + 4u);
+    let sums = large + (number_at(behind + 5u) - number_at(before + 5u));
+    let moments = number_at(behind).zw - number_at(before).zw;
     return Integrals(sums.x, sums.yzw, moments.x + moments.y);
 }
 
 // A part of one density.
-fn mean_at(density: f32) -> Mean {
-    let number = cell_of(density);
-    var cell = cell_at(number);
+fn mean_at(layer: u32, density: f32) -> Mean {
+    let number = cell_of(layer, density);
+    var cell = cell_at(layer, number);
     var t = (density - cell.start) / cell.width;
-    if number + 1u < densities.n_shown {
-        let next = cell_at(number + 1u);
+    if number + 1u < densities[layer].n_shown {
+        let next = cell_at(layer, number + 1u);
         // What falls to 0 there is 0 a rounding before it, too.
         if next.start <= density + ROUNDING && (begins_with_step(next) || next.weight.x <= 0.0) {
             cell = next;
@@ -117,5 +117,5 @@ fn mean_at(density: f32) -> Mean {
 }
 
 fn begins_with_step(cell: Cell) -> bool {
-    return table[cell.element + 2u].w == 1.0;
+    return number_at(cell.element + 2u).w == 1.0;
 }

@@ -22,13 +22,13 @@ fn slopes_between(start: vec3<f32>, end: vec3<f32>) -> Slopes {
 }
 
 // −∇d/max(|∇d|, faint) at a place of the part, 0 to 1: to the right, upwards and forward.
-fn normal_at(slopes: Slopes, t: f32, pixel: Pixel) -> vec3<f32> {
+fn normal_at(layer: u32, slopes: Slopes, t: f32, pixel: Pixel) -> vec3<f32> {
     let slope = mix(slopes.start, slopes.end, t) + t * (1.0 - t) * slopes.bulge;
     // From a sheet to the next, a pixel moves with its ray.
     let slant = from_axis(pixel) * frame.ray_step;
-    let forward = slope.z / layers[0].slab_thickness - dot(slant, slope.xy);
+    let forward = slope.z / layers[layer].slab_thickness - dot(slant, slope.xy);
     let gradient = vec3(slope.xy, forward);
-    return -gradient / max(length(gradient), densities.faint);
+    return -gradient / max(length(gradient), densities[layer].faint);
 }
 
 // Pixels from the optical axis, to the right and upwards.

@@ -4,7 +4,7 @@
 // layers; then its normal in the world, and how far before it a voxel may be that adds to anything behind it.
 // Distances are in thicknesses of a slab, which all layers share.
 //
-// Whoever includes this declares `table`, in vectors of `f32` or of their bits.
+// Whoever includes this declares `table`, which holds other things too, and so is of words.
 
 const ELEMENTS_OF_PLANE: u32 = 2u;
 

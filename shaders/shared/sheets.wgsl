@@ -1,7 +1,7 @@
-// The last six sheets of a pixel, and what is in the middle of them (model §8).
+// The last six sheets of a pixel, of the layer that it has come to, and what is in their middle (model §8).
 //
-// A sheet's density is a mean over its thickness, and its node is what a smooth function is in the middle that
-// has such means.
+// A sheet's density is a mean over its thickness, and its node is what a smooth function is in the middle
+// that has such means.
 
 const N_SHEETS: u32 = 6u;
 
@@ -12,13 +12,6 @@ const SECOND: u32 = 3u;
 // Of each sheet, from front to back: how much of the ray it holds, its density, and the density's slopes to
 // the right and upwards, per `unit`.
 var<private> sheets: array<vec4<f32>, N_SHEETS>;
-
-fn push_sheet(sheet: vec4<f32>) {
-    for (var i = 0u; i + 1u < N_SHEETS; i++) {
-        sheets[i] = sheets[i + 1u];
-    }
-    sheets[N_SHEETS - 1u] = sheet;
-}
 
 // `r`: how much a sheet counts, seen from another one. Seen from one that holds nothing it is of no meaning,
 // but that parts go to the node of the other one.

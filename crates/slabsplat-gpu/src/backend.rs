@@ -12,7 +12,7 @@ use crate::frame_passes::max_rounds;
 use crate::job::Job;
 use crate::listings::Listings;
 use crate::memory::{Memory, backend_error};
-use crate::params::{Counts, MAX_LAYERS};
+use crate::params::{Counts, MAX_LAYERS, MOST_DENSITY_LAYERS};
 use crate::surfaces::LastSurfaces;
 use crate::voxel_lists::VoxelLists;
 use crate::{Device, DeviceKind, Done, Work, WorkId};
@@ -175,26 +175,19 @@ fn max_visits(kind: DeviceKind) -> u32 {
     }
 }
 
-const NO_MESHES_AMONG_DENSITIES: &str =
-    "its shaders end no rays at meshes on their way through densities";
-
 /// The layers of a plan, or why there are no shaders for it.
 fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<SplatLayer<'a, 'p>>, String> {
-    let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
-    if plan.meshes.is_some() && plan.layers.iter().any(is_of_densities) {
-        return Err(NO_MESHES_AMONG_DENSITIES.to_owned());
-    }
     let n_layers = plan.layers.len();
+    let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
+    if MOST_DENSITY_LAYERS < n_layers && plan.layers.iter().any(is_of_densities) {
+        return Err(format!(
+            "its shaders draw densities of {MOST_DENSITY_LAYERS} layers at a time, not of {n_layers}"
+        ));
+    }
     if (MAX_LAYERS as usize) < n_layers {
         return Err(format!("its shaders draw {MAX_LAYERS} layers at a time, not {n_layers}"));
     }
-    let splats = |layer: &'a LayerPlan<'p>| match &layer.splats {
-        Splats::Densities(_) if 1 < n_layers => {
-            Err(format!("its shaders draw densities of one layer, not of {n_layers}"))
-        }
-        splats => Ok((layer, splats)),
-    };
-    plan.layers.iter().map(splats).collect()
+    Ok(plan.layers.iter().map(|layer| (layer, &layer.splats)).collect())
 }
 
 impl<D: Device> Backend for GpuBackend<D> {
@@ -232,8 +225,8 @@ mod tests {
     use slabsplat_backend::Planner;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, Layer, Mesh, MeshLayer, Method, Projection, RenderSettings,
-        Scaling, Scene, TransferFunction, Volume,
+        Camera, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling, Scene,
+        TransferFunction, Volume,
     };
     use std::sync::Arc;
 
@@ -288,15 +281,9 @@ mod tests {
             GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err().to_string()
         };
         let densities = RenderSettings::default().method(Method::PostClassified);
-        let scene_of_densities = scene.clone().settings(densities);
         assert_eq!(
-            refused(&scene_of_densities.clone().layers(vec![layer.clone(); 2])),
-            "Fake 3000 cannot make this frame: its shaders draw densities of one layer, not of 2"
-        );
-        let mesh = MeshLayer::new(Mesh::default());
-        assert_eq!(
-            refused(&scene_of_densities.meshes(vec![mesh])),
-            format!("Fake 3000 cannot make this frame: {NO_MESHES_AMONG_DENSITIES}")
+            refused(&scene.clone().settings(densities).layers(vec![layer.clone(); 5])),
+            "Fake 3000 cannot make this frame: its shaders draw densities of 4 layers at a time, not of 5"
         );
         assert_eq!(
             refused(&scene.layers(vec![layer; 65])),

@@ -10,7 +10,7 @@ pub(crate) type Element = [f32; 4];
 /// Elements that a cell takes: `shaders/shared/cells.wgsl`.
 pub(crate) const ELEMENTS_OF_CELL: u32 = 6;
 
-/// Elements that a surface takes: `shaders/splat_isosurfaces.wgsl`.
+/// Elements that a surface takes: `shaders/shared/isosurfaces.wgsl`.
 pub(crate) const ELEMENTS_OF_SURFACE: u32 = 2;
 
 /// The cells of a transfer function, where an opacity weighs that, with the integrals up to each.

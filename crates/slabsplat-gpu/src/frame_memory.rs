@@ -4,8 +4,8 @@ use crate::chunks::Chunks;
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::params::{
-    COUNTS_BYTES, Counts, Densities, DepthParams, Frame, Layer, MAX_LAYERS, SPLAT_BYTES, TILE_SIDE,
-    TILE_WORK_BYTES,
+    COUNTS_BYTES, Counts, Densities, DepthParams, Frame, Layer, MAX_LAYERS, MOST_DENSITY_LAYERS,
+    SPLAT_BYTES, TILE_SIDE, TILE_WORK_BYTES,
 };
 use crate::pass_list::{StepBuffer, n_groups};
 use crate::sums::{BLOCK, Sorter, Sums};
@@ -100,14 +100,15 @@ impl FrameMemory {
         let work_bytes = TILE_WORK_BYTES * u64::from(job.n_tiles());
         check_binding(device, "tiles", work_bytes)?;
         memory.grow(device, &mut self.work, work_bytes)?;
-        let bands = bands(&job.frame, device.info());
+        let bands = bands(job, device.info());
         self.bands.resize_with(self.bands.len().max(bands.len()), || Buffer::new("pixels"));
         for (band, buffer) in bands.iter().zip(&mut self.bands) {
-            memory.grow(device, buffer, band.n_bytes(&job.frame))?;
+            memory.grow(device, buffer, job.n_held() * band.n_bytes(&job.frame))?;
         }
         self.tables.write((memory, device), job, writes)?;
         if job.densities.is_some() {
-            memory.grow(device, &mut self.densities, size_of::<Densities>() as u64)?;
+            let size = MOST_DENSITY_LAYERS * size_of::<Densities>();
+            memory.grow(device, &mut self.densities, size as u64)?;
         }
         let mut write = |buffer: &Buffer, bytes: &'a [u8]| {
             writes.push(Write { buffer: buffer.all().buffer, offset: 0, bytes: bytes.into() });
@@ -120,7 +121,7 @@ impl FrameMemory {
             write(&self.layers, bytemuck::cast_slice(&job.params));
         }
         if let Some(densities) = &job.densities {
-            write(&self.densities, bytemuck::bytes_of(&densities.params));
+            write(&self.densities, bytemuck::cast_slice(&densities.params));
         }
         if let Some(sort) = &job.depth_sort {
             write(&self.depth, bytemuck::bytes_of(&sort.params));
@@ -181,7 +182,7 @@ impl FrameMemory {
     /// What is read back: the counts, then the picture from the top.
     pub(crate) fn reads(&self, job: &Job, info: &DeviceInfo) -> Vec<Slice> {
         let counts = self.counts.all();
-        let bands = bands(&job.frame, info);
+        let bands = bands(job, info);
         let band = |(band, buffer): (&Band, &Buffer)| Slice {
             size: band.n_bytes(&job.frame),
             ..buffer.all()
@@ -196,11 +197,11 @@ impl Band {
     }
 }
 
-/// The bands of a picture: as many rows of tiles as can be bound.
-pub(crate) fn bands(frame: &Frame, info: &DeviceInfo) -> Vec<Band> {
-    let [width, height] = frame.image_size;
+/// The bands of a picture: as many rows of tiles as can be bound, with all that their pixels hold.
+pub(crate) fn bands(job: &Job, info: &DeviceInfo) -> Vec<Band> {
+    let [width, height] = job.frame.image_size;
     let most = info.max_binding_bytes.min(info.max_buffer_bytes);
-    let tile_row_bytes = u64::from(width) * u64::from(TILE_SIDE) * PIXEL_BYTES;
+    let tile_row_bytes = u64::from(width) * u64::from(TILE_SIDE) * PIXEL_BYTES * job.n_held();
     let n_tile_rows = (most / tile_row_bytes).clamp(1, u64::from(height.div_ceil(TILE_SIDE)));
     let n_rows = n_tile_rows as u32 * TILE_SIDE;
     let band = |first_row: u32| Band { first_row, n_rows: n_rows.min(height - first_row) };

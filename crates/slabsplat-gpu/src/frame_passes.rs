@@ -129,7 +129,7 @@ impl FrameMemory {
         let bindings = [self.tiles.keys(), self.work.all(), self.counts.all()];
         passes.push(&TILE_RANGES, &bindings, step, n_groups(n_tiles.into(), 256));
         let frame = &job.frame;
-        let bands = bands(frame, info);
+        let bands = bands(job, info);
         let n_rounds = self.n_rounds.min(max_rounds(bands.len()));
         let rounds = (0..n_rounds).flat_map(|_| bands.iter().zip(&self.bands));
         for (band, pixels) in rounds {
@@ -150,7 +150,7 @@ impl FrameMemory {
                 None => &SPLAT,
                 Some(densities) => {
                     bindings.push(self.densities.all());
-                    densities.shader
+                    densities.stage.shader
                 }
             };
             bindings.extend([voxels, tables, work, pixels.all()]);

@@ -63,14 +63,9 @@ impl Job {
             [(layer, Splats::Colors(ColorSplats::Voxels { .. }))] => Some(DepthSort::new(layer)),
             _ => None,
         };
-        let densities = match (layers, job_layers.as_slice()) {
-            ([(layer, Splats::Densities(splats))], [job_layer]) => {
-                let n_before = job_layer.table.n_quads() + ELEMENTS_OF_PLANE * planes.len() as u32;
-                let known = job_layer.listing.samples().expect("densities are listed by value");
-                Some(DensityJob::new(plan, layer, splats, known, n_before))
-            }
-            _ => None,
-        };
+        let n_quads: u32 = job_layers.iter().map(|layer| layer.table.n_quads()).sum();
+        let n_before = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32;
+        let densities = DensityJob::new(plan, layers, &job_layers, n_before);
         let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
         let frame = frame_params(plan, layers, row_len);
         Self { frame, layers: job_layers, params, planes, densities, surfaces, depth_sort }
@@ -103,6 +98,11 @@ impl Job {
     /// Where the device counts the voxels that are sorted: of several layers all that there is room for.
     pub(crate) fn count_slot(&self) -> u32 {
         if self.layers.len() == 1 { COUNT_VOXELS } else { NO_COUNT }
+    }
+
+    /// Elements that a pixel holds from sheet to sheet.
+    pub(crate) fn n_held(&self) -> u64 {
+        self.densities.as_ref().map_or(1, |densities| densities.stage.n_held)
     }
 
     pub(crate) fn n_tiles(&self) -> u32 {

@@ -19,7 +19,7 @@
 //!    rays end at surfaces, which the host has found and sends when they change, 16 bytes each.
 //!
 //! Densities (model §§8, 12) go the same way: all voxels are listed, with their values, and what splats them
-//! shows what lies between sheets.
+//! shows what lies between sheets, of a layer that is alone, or of up to four and beside meshes.
 //!
 //! Sorts and sums are stable and take no part in races, so a frame gives the same bits every time.
 //! Classification compares samples as the integers that they are, and positions of the transfer function

@@ -200,6 +200,9 @@ pub(crate) const COUNTS_BYTES: u64 = 4 * (COUNT_OF_LISTS + MAX_LAYERS) as u64;
 /// `shaders/shared/layer.wgsl`: layers that a frame can have.
 pub(crate) const MAX_LAYERS: u32 = 64;
 
+/// `shaders/shared/densities_among_others.wgsl`: layers of densities that a frame can have.
+pub(crate) const MOST_DENSITY_LAYERS: usize = 4;
+
 pub(crate) const RECORD_BYTES: u64 = size_of::<Record>() as u64;
 /// Bytes of `shaders/shared/splat.wgsl`.
 pub(crate) const SPLAT_BYTES: u64 = 32;
@@ -359,6 +362,7 @@ mod tests {
             declares(format!("const COMPOSITING_{name}: u32 = {code}u;"));
         }
         declares(format!("const SUMS_DENSITIES: u32 = {SUMS_DENSITIES}u;"));
+        declares(format!("const MOST_LAYERS: u32 = {MOST_DENSITY_LAYERS}u;"));
         declares(format!("const ELEMENTS_OF_CELL: u32 = {ELEMENTS_OF_CELL}u;"));
         for (name, shown) in [
             ("COMPOSITED", ShownDensities::Composited),

@@ -1,8 +1,9 @@
 //! Where rays end at opaque meshes. The host finds it, by the crate that the CPU backend does, and anew only
 //! if something changed.
 
+use crate::frame_params::slabs_of;
 use crate::surface_elements::{Element, SQUARE_SIDE, Square, SquareOfPixels, put_together};
-use slabsplat_backend::{ColorSplats, FramePlan, MeshesPlan, Splats};
+use slabsplat_backend::{FramePlan, MeshesPlan, Splats};
 use slabsplat_core::SlabGrid;
 use slabsplat_mesh::{Rasterizer, SeenMeshes};
 use slabsplat_traverse::TileGrid;
@@ -30,7 +31,13 @@ pub(crate) struct Sheets {
     pub(crate) slabs: Option<SlabGrid>,
     /// Whether a slab can count in part.
     pub(crate) are_split: bool,
+    /// Whether rays end in parts, from the middle of a sheet to that of the next, which densities composite.
+    pub(crate) are_parts: bool,
 }
+
+/// A part of a ray is shown with the sheet that comes so many behind the one in whose middle it ends:
+/// `N_SHEETS − 1 − SECOND` of `shaders/shared/sheets.wgsl`.
+const SHEETS_BEHIND_PART: u32 = 2;
 
 impl LastSurfaces {
     /// The surfaces of a plan, if it has meshes.
@@ -55,23 +62,35 @@ impl LastSurfaces {
 
 impl Sheets {
     fn of(plan: &FramePlan<'_>) -> Self {
-        let slabs = plan.layers.first().and_then(|layer| match &layer.splats {
-            Splats::Colors(ColorSplats::Sections(sections)) => Some(sections.slabs.grid),
-            Splats::Colors(_) | Splats::Densities(_) => None,
-        });
-        Self { slabs, are_split: plan.compositing.sums_extinction() }
+        let splats = plan.layers.first().map(|layer| &layer.splats);
+        Self {
+            slabs: splats.and_then(slabs_of).map(|slabs| slabs.grid),
+            are_split: plan.compositing.sums_extinction(),
+            are_parts: matches!(splats, Some(Splats::Densities(_))),
+        }
     }
 
     /// The sheet in which a depth lies, as many as there are if behind all of them, and what counts of it
-    /// before that depth.
+    /// before that depth. Of densities the sheet with which the part is shown in which it lies.
     pub(crate) fn at(&self, depth: f32) -> (u32, f32) {
         let Some(slabs) = &self.slabs else { return (0, 0.0) };
         let place = (f64::from(depth) - slabs.front(0)) / slabs.thickness();
+        let n_slabs = slabs.n_slabs();
+        if !self.are_parts {
+            return self.within(place, n_slabs);
+        }
+        // A part begins in the middle of a sheet, the first before all sheets and the last in the last one.
+        let (part, counted) = self.within(place + 0.5, n_slabs + 1);
+        (part + SHEETS_BEHIND_PART, counted)
+    }
+
+    /// Which of `n` on end holds a place, and what counts of it before that.
+    fn within(&self, place: f64, n: usize) -> (u32, f32) {
         if place < 0.0 {
             return (0, 0.0);
         }
-        if slabs.n_slabs() as f64 <= place {
-            return (slabs.n_slabs() as u32, 0.0);
+        if n as f64 <= place {
+            return (n as u32, 0.0);
         }
         let share = place.fract();
         let counted = match self.are_split {
