@@ -36,14 +36,9 @@ fn parity_of_meshes_in_densities() {
     check_parity(Method::PostClassified);
 }
 
-/// The backends that draw meshes by a method: GPUs draw none among densities.
-fn drawing(method: Method) -> impl Iterator<Item = &'static str> {
-    backends_with(method).filter(move |&name| name == "cpu" || method == Method::ImageAligned)
-}
-
 fn check_parity(method: Method) {
     let mut tallies: Vec<(&str, Tally)> =
-        drawing(method).map(|backend| (backend, Tally::default())).collect();
+        backends_with(method).map(|backend| (backend, Tally::default())).collect();
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         let kinds = SceneKind::share(seed).filter(|kind| kind.method == method);
         for (number, kind) in kinds.enumerate() {
@@ -166,7 +161,7 @@ fn meshes_come_and_go() {
     for &backend in backends() {
         for_each_seed(1, |mut rng| {
             let mut renderer = slabsplat::Renderer::new(open(backend));
-            for kind in kinds().filter(|kind| drawing(kind.method).any(|it| it == backend)) {
+            for kind in kinds().filter(|kind| backends_with(kind.method).any(|it| it == backend)) {
                 let scene = random_meshes(&mut rng, &kind);
                 let without = scene.clone().meshes(Vec::new());
                 let alone = scene.clone().layers(Vec::new());
@@ -224,7 +219,7 @@ const RED: [f64; 3] = [1.0, 0.0, 0.0];
 fn with_backends<const N: usize>(
     methods: [Method; N],
 ) -> impl Iterator<Item = (&'static str, Method)> {
-    methods.into_iter().flat_map(|method| drawing(method).map(move |name| (name, method)))
+    methods.into_iter().flat_map(|method| backends_with(method).map(move |name| (name, method)))
 }
 
 /// Exactly as much of a haze lies before a wall as there is before it, however thick slabs are.
@@ -280,7 +275,7 @@ fn edge_is_smooth() {
     let moved = DAffine3::from_translation(DVec3::new(20.0 - 6.0 + 9.5 * 0.3, 0.0, 0.0));
     let wall = wall(0.0, RED).placed(moved).expect("it is only moved");
     let modes = [Mode::Extinction, Mode::Separate, Mode::Associated];
-    let backends = drawing(Method::ImageAligned);
+    let backends = backends_with(Method::ImageAligned);
     for (backend, mode) in backends.flat_map(|name| modes.map(|mode| (name, mode))) {
         let settings = exact_settings().mode(mode);
         let image = |meshes| render(backend, &scene(vec![medium(0.05)], meshes, settings.clone()));
@@ -304,7 +299,7 @@ fn mesh_of_nothing() {
     let settings = RenderSettings::default();
     let with = scene(vec![medium(0.1)], vec![empty.clone()], settings.clone().tolerance(0.0));
     let without = with.clone().meshes(Vec::new());
-    for backend in drawing(Method::ImageAligned) {
+    for backend in backends_with(Method::ImageAligned) {
         assert!(render(backend, &with) == render(backend, &without), "{backend}");
         let alone = render(backend, &scene(Vec::new(), vec![empty.clone()], settings.clone()));
         assert!(alone.pixels().iter().all(|pixel| *pixel == [1.0; 4]), "{backend}");
@@ -314,7 +309,7 @@ fn mesh_of_nothing() {
 /// Meshes that no number holds are an error or nothing, not a panic.
 #[test]
 fn meshes_beyond_numbers() {
-    for backend in drawing(Method::ImageAligned) {
+    for backend in backends_with(Method::ImageAligned) {
         let mut renderer = slabsplat::Renderer::new(open(backend));
         for size in [1e-300, 1e-30, 1e30, 1e150, 1e300, 1e308] {
             let place = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::splat(size)));
