@@ -57,9 +57,8 @@ mod tests {
 
     /// Whatever is better than the bound looks the same, and what is worse by more than rounding does not.
     fn check(opacity: &[(f64, f64)], color: &[(f64, f64)], up: f64, expected: (f64, f32)) {
-        let opacity = opacity.iter().map(|&(x, y)| (x, [y])).collect();
-        let color = color.iter().map(|&(x, y)| (x, [y; 3])).collect();
-        let transfer = TransferFunction::new(opacity, color).unwrap();
+        let color = color.iter().map(|&(x, y)| (x, [y; 3]));
+        let transfer = TransferFunction::new(opacity.iter().copied(), color).unwrap();
         let scale = ValueScale::new(Some([-50.0, 250.0]), [0.0, 200.0]);
         let Saturation { bound, least_counting } = Saturation::new(&transfer, &scale, up);
         let value = scale.value(up * f64::from(bound));
