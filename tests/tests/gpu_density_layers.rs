@@ -55,17 +55,19 @@ fn as_many_density_layers_as_there_can_be() {
     let _alone = alone();
     let of = |n_layers| MODES.map(|mode| layered(n_layers, 9, 0.4, 24, mode));
     let scenes: Vec<(Scene, Image)> =
-        [4, 1, 2].into_iter().flat_map(of).map(|scene| (scene.clone(), by_cpu(&scene))).collect();
+        [4, 1].into_iter().flat_map(of).map(|scene| (scene.clone(), by_cpu(&scene))).collect();
     on_devices(as_it_is, |name, backend, _| {
         for (scene, expected) in &scenes {
             let image = render(backend, scene).expect("a small frame fits").image;
             let what = format!("{name}, {}, {} layers", scene.settings.mode, scene.layers.len());
             let difference = image.max_difference(expected);
             assert!(difference < PARITY, "{what}: {difference}");
-            let mut reversed = scene.clone();
-            reversed.layers.reverse();
-            let image_of_reversed = render(backend, &reversed).expect("as before").image;
-            assert!(image_of_reversed == image, "{what}: their order matters");
+            if 1 < scene.layers.len() {
+                let mut reversed = scene.clone();
+                reversed.layers.reverse();
+                let image_of_reversed = render(backend, &reversed).expect("as before").image;
+                assert!(image_of_reversed == image, "{what}: their order matters");
+            }
         }
     });
 }
