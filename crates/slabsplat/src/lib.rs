@@ -40,6 +40,14 @@
 //! - A reconstruction kernel implements [`Kernel`], and [`Renderer::add_kernel`] gives it a name.
 //! - A backend implements [`Backend`]; [`backend`] has all that it is given, and [`Renderer::new`] takes it.
 //!
+//! # In a browser
+//!
+//! All but `ash` builds for `wasm32-unknown-unknown`, also with `-Ctarget-feature=+simd128`. The CPU
+//! backend needs nothing of the page and has one thread there; without a clock, frames have no times.
+//! [`Renderer::open_async`] opens a graphics card, whose frames are submitted and polled from one repaint to
+//! the next: [`Renderer::render`] would wait for a page that waits for it. With `files`, volumes and meshes
+//! are read from bytes, and pictures become bytes.
+//!
 //! # What a pixel is
 //!
 //! The page [`model`] defines it; "model §3" is its third section, wherever that is cited. "The paper" is

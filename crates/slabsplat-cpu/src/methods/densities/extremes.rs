@@ -12,7 +12,9 @@
 //!
 //! Voxels that cannot raise what pixels have are not culled: the parabola goes beyond the densities that it
 //! is made of by up to 11/48 of what they differ by, so that next to no voxel of a scan can be told to be
-//! one ([performance](https://github.com/slabsplat/slabsplat/blob/main/docs/performance.md), "One density for all").
+//! one ([measured]).
+//!
+//! [measured]: https://github.com/slabsplat/slabsplat/blob/main/docs/performance.md
 
 use super::groups::{BLOCKS_PER_GROUP, Group, groups_in};
 use super::nodes::Rays8;
