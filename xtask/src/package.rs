@@ -5,7 +5,10 @@
 //! has only by its path, a licence. Here crates find each other by their packages too, as they would in a
 //! registry. Nothing is uploaded, and what is not committed yet is packed as it is.
 
-use anyhow::{Result, ensure};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
 
 use xtask::process::{cargo, output, run as run_command};
 use xtask::workspace::{self, Workspace};
@@ -19,6 +22,9 @@ pub(crate) fn run() -> Result<()> {
     for name in &names {
         check_list(name)?;
     }
+    if let Some(home) = cargo_home() {
+        forget_unpacked(&home.join("registry").join("src"), &names)?;
+    }
     let mut package = cargo(workspace::root());
     package.args(["package", "--all-features", "--allow-dirty"]);
     package.args(names.iter().flat_map(|name| ["--package", *name]));
@@ -26,6 +32,39 @@ pub(crate) fn run() -> Result<()> {
     package.arg("--target-dir").arg(&workspace.target_directory);
     // Nobody debugs it, and with debug information it takes twice as long.
     run_command(package.env("CARGO_PROFILE_DEV_DEBUG", "0"))
+}
+
+fn cargo_home() -> Option<PathBuf> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    home.or_else(|| Some(std::env::home_dir()?.join(".cargo")))
+}
+
+/// Removes what cargo unpacked of our packages the last time. It takes a version for what it was, as that of
+/// a registry never changes, and would build others on yesterday's code. Such a registry, which is a folder
+/// in the target folder, has a name that begins with a hyphen.
+fn forget_unpacked(sources: &Path, names: &[&str]) -> Result<()> {
+    let is_local = |folder: &PathBuf| file_name(folder).starts_with('-');
+    let registries = entries(sources).into_iter().filter(is_local);
+    for package in registries.flat_map(|registry| entries(&registry)) {
+        if names.iter().any(|name| is_version_of(&file_name(&package), name)) {
+            fs::remove_dir_all(&package).with_context(|| package.display().to_string())?;
+        }
+    }
+    Ok(())
+}
+
+fn is_version_of(folder: &str, name: &str) -> bool {
+    let version = folder.strip_prefix(name).and_then(|rest| rest.strip_prefix('-'));
+    version.is_some_and(|version| version.starts_with(|c: char| c.is_ascii_digit()))
+}
+
+/// None, if there is no such folder.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn check_list(name: &str) -> Result<()> {
@@ -52,6 +91,15 @@ mod tests {
             lacking("Cargo.toml\nLICENSE-APACHE\nLICENSE-MIT\nREADME.md\nsrc/lib.rs\n").is_empty()
         );
         assert_eq!(lacking("docs/README.md\nLICENSE-MIT\n"), ["LICENSE-APACHE", "README.md"]);
+    }
+
+    #[test]
+    fn unpacked_versions_by_name() {
+        assert!(is_version_of("slabsplat-0.1.0", "slabsplat"));
+        assert!(is_version_of("slabsplat-core-1.2.3", "slabsplat-core"));
+        for other in ["slabsplat-core-0.1.0", "slabsplat", "slabsplatter-0.1.0"] {
+            assert!(!is_version_of(other, "slabsplat"), "{other}");
+        }
     }
 
     #[test]
