@@ -19,7 +19,7 @@
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
 //! `compositing`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`,
 //! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`;
-//! `serialized`.
+//! `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
 //!
@@ -68,6 +68,8 @@ mod view;
 
 mod image;
 
+mod frame_handle;
+
 #[cfg(feature = "serde")]
 mod serialized;
 
@@ -79,6 +81,7 @@ pub use choices::{
     Statistic,
 };
 pub use compositing::{MAX_OPACITY, extinction};
+pub use frame_handle::{Cancelled, FrameHandle};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
 pub use interval::{Interval, OutOfRange};

@@ -1,0 +1,123 @@
+//! The name of a frame, by which it is watched and cancelled while others make it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use thiserror::Error;
+
+/// Names one frame. Who asks for a frame makes a handle, and gives it to whoever makes the frame; by a clone
+/// of it, on any thread, the frame is watched and cancelled.
+///
+/// Two handles are equal if one is a clone of the other. So a frame can be taken by those alone who have a
+/// handle of it, from the one to which it was given, and not by a number that somebody guessed.
+///
+/// ```
+/// use slabsplat_core::FrameHandle;
+///
+/// let frame = FrameHandle::new();
+/// let of_button = frame.clone();
+/// assert!(of_button == frame && FrameHandle::new() != frame);
+///
+/// of_button.cancel();
+/// assert!(frame.is_cancelled());
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct FrameHandle(Arc<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    is_cancelled: AtomicBool,
+    /// The bits of the share that is done: those of floats from 0 on rise as the floats do.
+    progress: AtomicU32,
+}
+
+/// The frame was cancelled before it was done.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[error("the frame was cancelled")]
+pub struct Cancelled;
+
+impl FrameHandle {
+    /// A handle of a frame that was not begun.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Asks for the frame to be dropped, as soon as whoever makes it looks: on the CPU within milliseconds,
+    /// on a GPU when what was sent to it is done. It is then never delivered.
+    pub fn cancel(&self) {
+        self.0.is_cancelled.store(true, Ordering::Release);
+    }
+
+    /// Whether anyone has asked for that.
+    #[inline]
+    pub fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled.load(Ordering::Relaxed)
+    }
+
+    /// How much of the frame is drawn, 0 … 1, as the share of its slabs; it never falls. A GPU does not say
+    /// so before all is.
+    pub fn progress(&self) -> f32 {
+        f32::from_bits(self.0.progress.load(Ordering::Relaxed))
+    }
+
+    /// For who makes the frame: goes on unless it was cancelled.
+    ///
+    /// # Errors
+    /// If it was.
+    #[inline]
+    pub fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// For who makes the frame: so much is drawn, if that is more than before.
+    pub fn reach(&self, share: f32) {
+        if 0.0 < share {
+            self.0.progress.fetch_max(share.min(1.0).to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// Whether there is no other handle of the frame, so that nobody can take it any more.
+    pub fn is_abandoned(&self) -> bool {
+        Arc::strong_count(&self.0) == 1
+    }
+}
+
+impl PartialEq for FrameHandle {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for FrameHandle {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_handle_names_one_frame() {
+        let [a, b] = [FrameHandle::new(), FrameHandle::new()];
+        let again = a.clone();
+        assert!(a == again && a != b);
+        assert!(!a.is_abandoned() && b.is_abandoned());
+        drop(again);
+        assert!(a.is_abandoned());
+    }
+
+    #[test]
+    fn frame_handle_is_cancelled_for_all_who_have_it() {
+        let [a, b] = [FrameHandle::new(), FrameHandle::new()];
+        assert_eq!(a.check(), Ok(()));
+        a.clone().cancel();
+        assert_eq!((a.check(), b.check()), (Err(Cancelled), Ok(())));
+    }
+
+    #[test]
+    fn frame_handle_progress_never_falls() {
+        let frame = FrameHandle::new();
+        let reached = [-1.0, 0.25, 0.125, f32::NAN, 0.5, 7.0, 0.75].map(|share| {
+            frame.reach(share);
+            frame.progress()
+        });
+        assert_eq!(reached, [0.0, 0.25, 0.25, 0.25, 0.5, 1.0, 1.0]);
+    }
+}
