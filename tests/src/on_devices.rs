@@ -6,13 +6,12 @@ use crate::render::{devices, validation_messages};
 use crate::spy_device::{Orders, SpyDevice};
 use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
-    Backend, BackendError, Camera, Frame, FrameId, Grid, ImageDesc, LabelMap, LabelStyle, Labels,
-    Layer, Method, Mode, PiecewiseLinear, Plane, Planner, Projection, Region, Scaling, Scene,
-    TransferFunction, Volume,
+    Backend, BackendError, Camera, Frame, FrameHandle, FramePlan, Grid, ImageDesc, LabelMap,
+    LabelStyle, Labels, Layer, Method, Mode, PiecewiseLinear, Plane, Planner, Projection, Region,
+    Scaling, Scene, TransferFunction, Volume,
 };
 use slabsplat_gpu::{DeviceInfo, GpuBackend};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::task::Poll;
 
 /// A ball of waves in 64-bit floats.
 ///
@@ -62,8 +61,21 @@ pub fn transfer(opacity: f64) -> TransferFunction {
 ///
 /// # Panics
 /// If the scene is not valid.
-pub fn submit(backend: &mut dyn Backend, scene: &Scene) -> Result<FrameId, BackendError> {
-    backend.submit(&Planner::default().plan(scene).expect("the scene is valid"))
+pub fn submit(backend: &mut dyn Backend, scene: &Scene) -> Result<FrameHandle, BackendError> {
+    submit_plan(backend, &Planner::default().plan(scene).expect("the scene is valid"))
+}
+
+/// The same of a frame that is planned.
+///
+/// # Errors
+/// If the backend refuses it.
+pub fn submit_plan(
+    backend: &mut dyn Backend,
+    plan: &FramePlan<'_>,
+) -> Result<FrameHandle, BackendError> {
+    let frame = FrameHandle::new();
+    backend.submit(plan, &frame)?;
+    Ok(frame)
 }
 
 /// Waits for a frame.
@@ -73,15 +85,11 @@ pub fn submit(backend: &mut dyn Backend, scene: &Scene) -> Result<FrameId, Backe
 ///
 /// # Panics
 /// If the validation of a graphics interface has found fault with anything so far.
-pub fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendError> {
-    loop {
-        if let Poll::Ready(frame) = backend.poll_image(frame)? {
-            let messages = validation_messages();
-            assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
-            return Ok(frame);
-        }
-        std::thread::yield_now();
-    }
+pub fn take(backend: &mut dyn Backend, frame: &FrameHandle) -> Result<Frame, BackendError> {
+    let taken = backend.wait_image(frame)?;
+    let messages = validation_messages();
+    assert!(messages.is_empty(), "validation: {}", messages.join("\n"));
+    Ok(taken)
 }
 
 /// Submits a frame and waits for it.
@@ -93,7 +101,7 @@ pub fn take(backend: &mut dyn Backend, frame: FrameId) -> Result<Frame, BackendE
 /// As both.
 pub fn render(backend: &mut dyn Backend, scene: &Scene) -> Result<Frame, BackendError> {
     let frame = submit(backend, scene)?;
-    take(backend, frame)
+    take(backend, &frame)
 }
 
 /// Two volumes that interleave, on grids of different steps, each in a region of its own.

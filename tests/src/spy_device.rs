@@ -4,6 +4,7 @@ use slabsplat_gpu::{BufferId, Device, DeviceError, DeviceInfo, Done, Work, WorkI
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
+use std::time::Duration;
 
 /// What goes through a device, and what shall go wrong.
 #[derive(Debug, Default)]
@@ -100,5 +101,9 @@ impl Device for SpyDevice {
     fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError> {
         drop(self.now()?);
         self.inner.poll(work)
+    }
+
+    fn wait(&mut self, work: WorkId, at_most: Duration) {
+        self.inner.wait(work, at_most);
     }
 }

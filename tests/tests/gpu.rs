@@ -3,14 +3,14 @@
 
 use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
-    BackendError, Camera, FrameId, Grid, Layer, Lookup, Method, Plane, Planner, Projection, Region,
-    Samples, Scaling, Scene, Shading, TransferFunction, Volume,
+    BackendError, Camera, FrameHandle, Grid, Layer, Lookup, Method, Plane, Planner, Projection,
+    Region, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_gpu::DeviceInfo;
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::on_devices::{
     alone, as_it_is, layered_scene, listed_by_host, on_devices, render, scene, stretched, submit,
-    take, transfer, volume, with_host_list,
+    submit_plan, take, transfer, volume, with_host_list,
 };
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
@@ -198,12 +198,12 @@ fn lost_device_is_an_error() {
         let frame = submit(backend, &scene).expect("a tiny frame fits");
         locked(orders).lost = Some("it fell off the bus");
         let is_lost = |error: &BackendError| matches!(error, BackendError::DeviceLost { .. });
-        let error = take(backend, frame).expect_err("the device is lost");
+        let error = take(backend, &frame).expect_err("the device is lost");
         assert!(
             is_lost(&error) && error.to_string().contains("fell off the bus"),
             "{name}: {error}"
         );
-        assert_eq!(take(backend, frame), Err(BackendError::UnknownFrame(frame)), "{name}");
+        assert_eq!(take(backend, &frame), Err(BackendError::UnknownFrame), "{name}");
         let error = submit(backend, &scene).expect_err("the device is lost");
         assert!(is_lost(&error), "{name}: {error}");
     });
@@ -220,8 +220,8 @@ fn little_moves_when_little_changes() {
         let mut n_written = |scene: &Scene| {
             locked(orders).bytes_written = 0;
             let plan = planner.plan(scene).expect("the scene is valid");
-            let frame = backend.submit(&plan).expect("a small frame fits");
-            take(backend, frame).expect("the device is there");
+            let frame = submit_plan(backend, &plan).expect("a small frame fits");
+            take(backend, &frame).expect("the device is there");
             locked(orders).bytes_written
         };
         let first = n_written(&scene);
@@ -248,8 +248,8 @@ fn little_moves_when_a_list_of_the_host_stays() {
         let mut sent = |scene: &Scene| {
             locked(orders).bytes_written = 0;
             let plan = planner.plan(scene).expect("the scene is valid");
-            let frame = backend.submit(&plan).expect("a small frame fits");
-            let n_voxels = take(backend, frame).expect("the device is there").stats.n_voxels;
+            let frame = submit_plan(backend, &plan).expect("a small frame fits");
+            let n_voxels = take(backend, &frame).expect("the device is there").stats.n_voxels;
             (locked(orders).bytes_written, 32 * n_voxels as usize)
         };
         sent(&scene);
@@ -281,8 +281,8 @@ fn little_moves_when_one_layer_changes() {
         let mut n_written = |scene: &Scene| {
             locked(orders).bytes_written = 0;
             let plan = planner.plan(scene).expect("the scene is valid");
-            let frame = backend.submit(&plan).expect("a small frame fits");
-            take(backend, frame).expect("the device is there");
+            let frame = submit_plan(backend, &plan).expect("a small frame fits");
+            take(backend, &frame).expect("the device is there");
             locked(orders).bytes_written
         };
         let first = n_written(&scene);
@@ -317,8 +317,8 @@ fn camera_moves_a_few_hundred_bytes() {
         for turn in 0..6 {
             locked(orders).bytes_written = 0;
             let plan = planner.plan(&scene).expect("the scene is valid");
-            let frame = backend.submit(&plan).expect("a small frame fits");
-            take(backend, frame).expect("the device is there");
+            let frame = submit_plan(backend, &plan).expect("a small frame fits");
+            take(backend, &frame).expect("the device is there");
             let n_bytes = locked(orders).bytes_written;
             // A turn may change how many bits tell the slabs apart, and so a few passes.
             assert!(turn == 0 || n_bytes <= 1024, "{name}, turn {turn}: {n_bytes} bytes");
@@ -437,10 +437,10 @@ fn frames_under_way_keep_apart() {
     scenes.insert(4, with_host_list(scenes[3].clone()));
     scenes[1] = with_host_list(scenes[1].clone());
     on_devices(as_it_is, |name, backend, _| {
-        let ids: Vec<FrameId> =
+        let ids: Vec<FrameHandle> =
             scenes.iter().map(|scene| submit(backend, scene).expect("it fits")).collect();
         for (i, scene) in scenes.iter().enumerate().rev() {
-            let image = take(backend, ids[i]).expect("the device is there").image;
+            let image = take(backend, &ids[i]).expect("the device is there").image;
             let expected = render(&mut *open("cpu"), scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
             assert!(difference < PARITY, "{name}, frame {i}: {difference}");

@@ -8,7 +8,7 @@ use slabsplat::{
 };
 use slabsplat_gpu::DeviceInfo;
 use slabsplat_tests::exact_settings;
-use slabsplat_tests::on_devices::{alone, as_it_is, on_devices, render, take};
+use slabsplat_tests::on_devices::{alone, as_it_is, on_devices, render, submit_plan, take};
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
 use std::sync::Mutex;
@@ -63,8 +63,8 @@ fn surfaces_move_when_they_change() {
         let mut n_written = |scene: &Scene| {
             locked(orders).bytes_written = 0;
             let plan = planner.plan(scene).expect("the scene is valid");
-            let frame = backend.submit(&plan).expect("a small frame fits");
-            let image = take(backend, frame).expect("the device is there").image;
+            let frame = submit_plan(backend, &plan).expect("a small frame fits");
+            let image = take(backend, &frame).expect("the device is there").image;
             let difference = image.max_difference(&by_cpu(scene));
             assert!(difference < PARITY, "{name}: {difference}");
             locked(orders).bytes_written

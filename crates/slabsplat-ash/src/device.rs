@@ -25,6 +25,7 @@ use std::collections::{HashMap, VecDeque};
 use std::fmt;
 use std::sync::Arc;
 use std::task::Poll;
+use std::time::Duration;
 
 /// Recordings beyond those that are in flight: of other lists of passes that may come back.
 const N_SPARE_RECORDINGS: usize = 4;
@@ -227,6 +228,14 @@ impl Device for AshDevice {
             return Ok(Poll::Pending);
         }
         Ok(Poll::Ready(self.finished.remove(&work.0).unwrap_or_default()))
+    }
+
+    fn wait(&mut self, work: WorkId, at_most: Duration) {
+        if self.check_is_there().is_ok() && work.0 <= self.timeline.last() {
+            let waited = self.timeline.wait_at_most(work.0, at_most);
+            // What went wrong is noted, and every later call returns it.
+            let _ = self.reported(waited, 0);
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use crate::context::Context;
 use crate::error::{Fault, during};
 use ash::vk;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Gives each submission a number, one more than the last, which the semaphore reaches when the
 /// submission is done.
@@ -90,14 +91,25 @@ impl Timeline {
 
     /// Waits until a submission is done.
     pub(crate) fn wait(&self, number: u64) -> Result<(), Fault> {
+        // Drivers end work that takes too long, and then say that the device is lost.
+        self.wait_ns(number, u64::MAX)
+    }
+
+    /// The same, but no longer than that.
+    pub(crate) fn wait_at_most(&self, number: u64, at_most: Duration) -> Result<(), Fault> {
+        self.wait_ns(number, u64::try_from(at_most.as_nanos()).unwrap_or(u64::MAX))
+    }
+
+    fn wait_ns(&self, number: u64, at_most_ns: u64) -> Result<(), Fault> {
         self.answer("vkWaitSemaphores")?;
         let semaphores = [self.semaphore];
         let numbers = [number];
         let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&numbers);
-        // Drivers end work that takes too long, and then say that the device is lost.
         // SAFETY: the semaphore is a timeline, and the number was submitted.
-        unsafe { self.context.functions.wait_semaphores(&info, u64::MAX) }
-            .map_err(during("vkWaitSemaphores"))
+        match unsafe { self.context.functions.wait_semaphores(&info, at_most_ns) } {
+            Ok(()) | Err(vk::Result::TIMEOUT) => Ok(()),
+            Err(error) => Err(during("vkWaitSemaphores")(error)),
+        }
     }
 
     #[cfg(test)]

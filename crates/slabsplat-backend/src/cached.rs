@@ -27,6 +27,25 @@ impl<K: PartialEq, V> Cached<K, V> {
         &mut self.0.get_or_insert_with(made).1
     }
 
+    /// The same where `make` may fail; then nothing is cached.
+    ///
+    /// # Errors
+    /// If `make` does.
+    pub fn try_made_of<E>(
+        &mut self,
+        key: K,
+        make: impl FnOnce(&K) -> Result<V, E>,
+    ) -> Result<&mut V, E> {
+        let cached = match self.0.take().filter(|(made_of, _)| *made_of == key) {
+            Some(cached) => cached,
+            None => {
+                let value = make(&key)?;
+                (key, value)
+            }
+        };
+        Ok(&mut self.0.insert(cached).1)
+    }
+
     /// The same where a key is dear to copy: `is_it` says whether the cached value was made of it, and `make`
     /// makes both anew.
     pub fn made_unless(
@@ -89,6 +108,19 @@ mod tests {
             assert_eq!(*value, 10 * key);
         }
         assert_eq!(n_made, 4);
+    }
+
+    #[test]
+    fn cached_is_nothing_after_a_failure() {
+        let mut cached = Cached::default();
+        let made = |cached: &mut Cached<i32, i32>, key, value: Result<i32, ()>| {
+            cached.try_made_of(key, |_| value).copied()
+        };
+        assert_eq!(made(&mut cached, 1, Ok(10)), Ok(10));
+        assert_eq!(made(&mut cached, 1, Err(())), Ok(10), "it need not be made");
+        assert_eq!(made(&mut cached, 2, Err(())), Err(()));
+        assert_eq!(cached.value(), None);
+        assert_eq!(made(&mut cached, 2, Ok(20)), Ok(20));
     }
 
     #[test]

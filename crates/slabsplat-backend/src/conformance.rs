@@ -4,11 +4,11 @@
 //! frames. That the pictures are right is checked against the float64 reference in the
 //! repository's `tests/`.
 
-use crate::{Backend, BackendError, Frame, FrameId, FrameStats, Planner};
+use crate::{Backend, BackendError, Frame, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, ImageDesc, Layer, Method, Plane, Projection, Region, RenderSettings,
-    Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Cancelled, Compositing, FrameHandle, Grid, ImageDesc, Layer, Method, Plane, Projection,
+    Region, RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use std::sync::Arc;
 use std::task::Poll;
@@ -25,6 +25,7 @@ pub fn check(backend: &mut dyn Backend) {
     volumes_take_turns(backend);
     frames_can_be_taken_once(backend);
     unknown_frame_is_an_error(backend);
+    cancelled_frames_are_dropped(backend);
     methods_are_those_told(backend);
     order_of_layers_changes_no_bit(backend);
     layers_are_summed(backend);
@@ -112,17 +113,53 @@ fn volumes_take_turns(backend: &mut dyn Backend) {
 fn frames_can_be_taken_once(backend: &mut dyn Backend) {
     let scene = scene(&volume([2, 1, 1]), Method::ImageAligned, Compositing::Associated);
     let plan = Planner::default().plan(&scene).expect("the scene is valid");
-    let frames = [0, 1].map(|_| backend.submit(&plan).expect("a tiny frame fits"));
-    assert_ne!(frames[0], frames[1], "frames have names of their own");
-    for frame in frames {
-        wait(backend, frame);
-        assert_eq!(backend.poll_image(frame), Err(BackendError::UnknownFrame(frame)));
+    let frames = [0, 1, 2].map(|_| FrameHandle::new());
+    for frame in &frames {
+        backend.submit(&plan, frame).expect("a tiny frame fits");
     }
+    for frame in &frames[..2] {
+        let taken = poll_until_ready(backend, frame);
+        assert_eq!(taken.image.width(), scene.image.width);
+        assert_eq!(backend.poll_image(frame), Err(BackendError::UnknownFrame));
+        assert!(frame.progress() == 1.0, "{}", frame.progress());
+    }
+    backend.wait_image(&frames[2]).expect("the frame was submitted");
+    assert_eq!(backend.wait_image(&frames[2]), Err(BackendError::UnknownFrame));
 }
 
 fn unknown_frame_is_an_error(backend: &mut dyn Backend) {
-    let never = FrameId(u64::MAX);
-    assert_eq!(backend.poll_image(never), Err(BackendError::UnknownFrame(never)));
+    let never = FrameHandle::new();
+    assert_eq!(backend.poll_image(&never), Err(BackendError::UnknownFrame));
+    assert_eq!(backend.wait_image(&never), Err(BackendError::UnknownFrame));
+}
+
+/// Whenever a frame is cancelled, it is not delivered, and the next one is as good as ever.
+fn cancelled_frames_are_dropped(backend: &mut dyn Backend) {
+    const CANCELLED: BackendError = BackendError::Cancelled(Cancelled);
+    for &method in backend.caps().methods {
+        let scene = scene(&volume([5, 4, 3]), method, Compositing::Separate);
+        let expected = render(backend, &scene);
+        let plan = Planner::default().plan(&scene).expect("the scene is valid");
+        let [before, polled, waited] = [(); 3].map(|()| FrameHandle::new());
+        before.cancel();
+        if let Err(error) = backend.submit(&plan, &before) {
+            assert_eq!(error, CANCELLED, "{method}");
+        } else {
+            assert_eq!(backend.poll_image(&before), Err(CANCELLED), "{method}");
+        }
+        for frame in [&polled, &waited] {
+            backend.submit(&plan, frame).expect("a tiny frame fits");
+            frame.cancel();
+        }
+        assert_eq!(backend.poll_image(&polled), Err(CANCELLED), "{method}");
+        assert_eq!(backend.wait_image(&waited), Err(CANCELLED), "{method}");
+        for frame in [&before, &polled, &waited] {
+            assert_eq!(backend.poll_image(frame), Err(BackendError::UnknownFrame), "{method}");
+        }
+        let next = render(backend, &scene);
+        assert!(next.image == expected.image, "{method}");
+        assert_eq!(next.stats, expected.stats, "{method}");
+    }
 }
 
 /// What the backend says that it has it draws, and the rest it refuses. `image-aligned` is not for it to
@@ -134,8 +171,9 @@ fn methods_are_those_told(backend: &mut dyn Backend) {
         let scene = scene(&volume, *method, Compositing::Extinction);
         let plan = Planner::default().plan(&scene).expect("the scene is valid");
         let has_it = backend.caps().methods.contains(method);
-        match backend.submit(&plan) {
-            Ok(frame) if has_it => drop(wait(backend, frame)),
+        let frame = FrameHandle::new();
+        match backend.submit(&plan, &frame) {
+            Ok(()) if has_it => drop(backend.wait_image(&frame)),
             Err(BackendError::Unable { .. }) if !has_it => {}
             other => panic!("{method}, reported as {has_it}: {other:?}"),
         }
@@ -197,11 +235,12 @@ fn regions_cut(backend: &mut dyn Backend) {
 /// Plans and renders a frame.
 fn render(backend: &mut dyn Backend, scene: &Scene) -> Frame {
     let plan = Planner::default().plan(scene).expect("the scene is valid");
-    let frame = backend.submit(&plan).expect("a tiny frame fits");
-    wait(backend, frame)
+    let frame = FrameHandle::new();
+    backend.submit(&plan, &frame).expect("a tiny frame fits");
+    backend.wait_image(&frame).expect("the frame was submitted")
 }
 
-fn wait(backend: &mut dyn Backend, frame: FrameId) -> Frame {
+fn poll_until_ready(backend: &mut dyn Backend, frame: &FrameHandle) -> Frame {
     loop {
         match backend.poll_image(frame).expect("the frame was submitted") {
             Poll::Ready(frame) => return frame,

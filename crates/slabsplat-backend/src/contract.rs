@@ -1,8 +1,9 @@
 //! The trait, and what goes through it. The crate's documentation is the contract.
 
 use crate::FramePlan;
-use slabsplat_core::{Image, Method};
+use slabsplat_core::{Cancelled, FrameHandle, Image, Method};
 use std::task::Poll;
+use std::time::Duration;
 use thiserror::Error;
 
 /// Executes frame plans. Object-safe: the facade holds a `Box<dyn Backend>`.
@@ -10,17 +11,31 @@ pub trait Backend: Send {
     /// What it is and what it can do.
     fn caps(&self) -> &Caps;
 
-    /// Begins a frame; the plan need not live longer than the call.
+    /// Begins a frame, which `frame` names from then on; the plan need not live longer than the call.
     ///
     /// # Errors
-    /// If the frame does not fit the device, or the device is gone.
-    fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError>;
+    /// If the frame does not fit the device, was cancelled, or the device is gone.
+    fn submit(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<(), BackendError>;
 
     /// Takes a frame if it is done, without waiting.
     ///
     /// # Errors
-    /// If the frame failed, was never submitted, or was taken already.
-    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError>;
+    /// If the frame failed, was cancelled, was never submitted, or was taken already.
+    fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError>;
+
+    /// Takes a frame as soon as it is done, and sleeps until then, which nobody may in a browser. A backend
+    /// whose frames are not done when they are submitted should know better than to look every millisecond.
+    ///
+    /// # Errors
+    /// If the frame failed, was cancelled, was never submitted, or was taken already.
+    fn wait_image(&mut self, frame: &FrameHandle) -> Result<Frame, BackendError> {
+        loop {
+            match self.poll_image(frame)? {
+                Poll::Ready(frame) => return Ok(frame),
+                Poll::Pending => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+    }
 }
 
 /// What a backend is and what it can do.
@@ -41,10 +56,6 @@ impl Caps {
         Self { name, device: device.into(), methods }
     }
 }
-
-/// Names a submitted frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct FrameId(pub u64);
 
 /// A finished frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,8 +167,11 @@ pub enum BackendError {
         reason: String,
     },
     /// No such frame waits to be taken.
-    #[error("frame {} was never submitted, or was taken already", .0.0)]
-    UnknownFrame(FrameId),
+    #[error("the frame was never submitted to this backend, or was taken already")]
+    UnknownFrame,
+    /// Someone who has its handle cancelled the frame.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 impl BackendError {
@@ -166,7 +180,7 @@ impl BackendError {
     pub fn is_of_device(&self) -> bool {
         match self {
             Self::OutOfMemory { .. } | Self::DeviceLost { .. } | Self::Unable { .. } => true,
-            Self::UnknownFrame(_) => false,
+            Self::UnknownFrame | Self::Cancelled(_) => false,
         }
     }
 }

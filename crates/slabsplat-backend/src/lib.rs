@@ -27,7 +27,17 @@
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never
-//!   waits for it. Frames finish in the order of submission, and each can be taken once.
+//!   waits for it, and [`Backend::wait_image`] does. Frames finish in the order of submission, and each can
+//!   be taken once.
+//! - **Names.** The caller names a frame by a [`FrameHandle`](slabsplat_core::FrameHandle), a new one for
+//!   each. A frame whose handle nobody else has can be taken by nobody, and is dropped.
+//! - **Cancelling.** A frame that was cancelled before it was taken is never delivered, but the error
+//!   [`BackendError::Cancelled`], by whichever call comes next; the frame is then gone. A backend that draws
+//!   within [`Backend::submit`] looks every few milliseconds; one that sends work to a device looks before
+//!   each submission, and what is under way there is dropped when it is done. What is cached stays as good as
+//!   it was: the next frame has the bits that it would have had.
+//! - **Progress.** A backend says how much of a frame is drawn, by slabs, as far as it knows: it calls
+//!   [`reach`](slabsplat_core::FrameHandle::reach).
 //! - **Methods.** [`Caps::methods`] says which methods a backend has. It refuses plans of the others in
 //!   [`Backend::submit`], as [`BackendError::Unable`], and never draws by another. The CPU backend has them
 //!   all.
@@ -37,7 +47,8 @@
 //! - **Errors.** [`BackendError`] is what a caller can act on. After an error the frame is gone and the
 //!   backend can be used on, unless it is [`BackendError::DeviceLost`]. A wrong picture is never
 //!   an acceptable answer.
-//! - **Bugs.** Taking a frame that was never submitted is the caller's bug and an error, not a panic.
+//! - **Bugs.** Taking a frame that was never submitted is the caller's bug and an error, not a panic. So is
+//!   to submit two by one handle; which of them is then taken is left open.
 //!
 //! # Features
 //!
@@ -68,7 +79,7 @@ pub mod densities;
 pub mod conformance;
 
 pub use cached::{ByIdentity, Cached};
-pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameId, FrameStats, StageTime};
+pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameStats, StageTime};
 pub use plan::{
     ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, MeshPlan, MeshesPlan,
     SectionSplats, SeparableDensities, ShownDensities, SmoothSections, Splats,

@@ -5,8 +5,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use slabsplat_backend::{Backend, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling, Scene,
-    TransferFunction, Volume,
+    Camera, FrameHandle, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling,
+    Scene, TransferFunction, Volume,
 };
 use slabsplat_cpu::CpuBackend;
 use std::sync::Arc;
@@ -51,8 +51,9 @@ fn frame(c: &mut Criterion) {
                 b.iter(|| {
                     scene.camera = scene.camera.orbited(0.01);
                     let plan = planner.plan(&scene).expect("it is valid");
-                    let frame = backend.submit(&plan).expect("the CPU has no limits");
-                    backend.poll_image(frame).expect("the frame was submitted")
+                    let frame = FrameHandle::new();
+                    backend.submit(&plan, &frame).expect("the CPU has no limits");
+                    backend.poll_image(&frame).expect("the frame was submitted")
                 });
             });
         }

@@ -10,7 +10,7 @@ use fearless_simd::Level;
 use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, LayerPlan, Splats,
 };
-use slabsplat_core::{Compositing, Volume};
+use slabsplat_core::{Cancelled, Compositing, FrameHandle, Volume};
 use slabsplat_mesh::Rasterizer;
 use slabsplat_traverse::{
     BlinnPhong8, BrickView, Classification, OwnVoxelRules, VoxelLighting, VoxelRules,
@@ -51,9 +51,16 @@ struct Drawn {
     n_occluded: u64,
 }
 
-/// Renders with the instructions of `level`.
-pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) -> Frame {
-    let mut watch = Stopwatch::start();
+/// Renders with the instructions of `level`. If the frame is cancelled, buffers are as good as any for the
+/// next one.
+pub(crate) fn render(
+    plan: &FramePlan<'_>,
+    frame: &FrameHandle,
+    level: Level,
+    buffers: &mut Buffers,
+) -> Result<Frame, Cancelled> {
+    frame.check()?;
+    let mut watch = Stopwatch::start(frame);
     let image_size = [plan.image.width, plan.image.height];
     let Buffers { tiles, meshes, of_methods } = buffers;
     // All layers splat alike.
@@ -62,16 +69,22 @@ pub(crate) fn render(plan: &FramePlan<'_>, level: Level, buffers: &mut Buffers) 
         Some(Splats::Colors(_)) | None => 0,
         Some(Splats::Densities(splats)) => densities::border(splats.shown),
     };
-    let tiles = tiles.made_of((image_size, border), |_| Tiles::new(image_size, border));
-    tiles.clear();
-    meshes::render(plan.meshes.as_ref(), tiles, meshes, &mut watch);
-    let Drawn { n_voxels, n_occluded } = of_methods.draw(plan, level, tiles, &mut watch);
+    let new_tiles = |_: &_| Tiles::new(image_size, border, frame);
+    let tiles = tiles.try_made_of((image_size, border), new_tiles)?;
+    tiles.clear(frame);
+    meshes::render(plan.meshes.as_ref(), tiles, meshes, &mut watch)?;
+    let Drawn { n_voxels, n_occluded } = of_methods.draw(plan, level, tiles, &mut watch)?;
     tiles.end_rays_before(f32::INFINITY, plan.opacity_cutoff);
     let mut stats = tiles.stats();
     (stats.n_voxels, stats.n_occluded) = (n_voxels, n_occluded);
-    let image = tiles.image(plan.image.premultiplied_background());
-    watch.done("image");
-    Frame::new(image, stats, FrameCost::new(watch.stages(), buffers.resident_bytes()))
+    let image = tiles.image(plan.image.premultiplied_background(), frame);
+    if let Err(cancelled) = watch.done("image") {
+        // To give back 200 MB takes 20 ms.
+        rayon::spawn(move || drop(image));
+        return Err(cancelled);
+    }
+    frame.reach(1.0);
+    Ok(Frame::new(image, stats, FrameCost::new(watch.stages(), buffers.resident_bytes())))
 }
 
 impl OfMethods {
@@ -81,11 +94,11 @@ impl OfMethods {
         plan: &FramePlan<'_>,
         level: Level,
         tiles: &mut Tiles,
-        watch: &mut Stopwatch,
-    ) -> Drawn {
+        watch: &mut Stopwatch<'_>,
+    ) -> Result<Drawn, Cancelled> {
         let Some(first) = plan.layers.first() else {
             *self = Self::default();
-            return Drawn { n_voxels: 0, n_occluded: 0 };
+            return Ok(Drawn { n_voxels: 0, n_occluded: 0 });
         };
         self.forget_others(&first.splats);
         match &first.splats {
@@ -93,8 +106,8 @@ impl OfMethods {
             Splats::Densities(splats) => {
                 let buffers = &mut self.densities;
                 let [n_voxels, n_occluded] =
-                    densities::render(plan, splats.shown, level, tiles, buffers, watch);
-                Drawn { n_voxels, n_occluded }
+                    densities::render(plan, splats.shown, level, tiles, buffers, watch)?;
+                Ok(Drawn { n_voxels, n_occluded })
             }
         }
     }
@@ -123,30 +136,32 @@ impl OfMethods {
         splats: &ColorSplats,
         level: Level,
         tiles: &mut Tiles,
-        watch: &mut Stopwatch,
-    ) -> Drawn {
+        watch: &mut Stopwatch<'_>,
+    ) -> Result<Drawn, Cancelled> {
         self.of_layers.resize_with(plan.layers.len(), OfLayer::default);
         let of_layers = self.of_layers.iter_mut().zip(&plan.layers);
-        let stages: Vec<Stage<'_>> =
-            of_layers.map(|(of_layer, layer)| of_layer.stage(plan, layer, level)).collect();
-        watch.done("list");
-        let n_voxels = stages.iter().map(|stage| stage.list.len() as u64).sum();
+        let mut stages = Vec::with_capacity(plan.layers.len());
+        for (of_layer, layer) in of_layers {
+            stages.push(of_layer.stage(plan, layer, level, watch.frame())?);
+        }
+        watch.done("list")?;
+        let n_voxels = stages.iter().map(|stage: &Stage<'_>| stage.list.len() as u64).sum();
         // All layers splat alike, and there is one but for sections.
         let n_occluded = match splats {
             ColorSplats::Sections(_) => {
-                image_aligned::render(&stages, plan, tiles, &mut self.image_aligned, watch)
+                image_aligned::render(&stages, plan, tiles, &mut self.image_aligned, watch)?
             }
             ColorSplats::Slices { order, table } => {
                 let buffers = &mut self.axis_aligned;
-                axis_aligned::render(&stages[0], order, table, tiles, buffers, watch);
+                axis_aligned::render(&stages[0], order, table, tiles, buffers, watch)?;
                 0
             }
             ColorSplats::Voxels { table } => {
-                every_sample::render(&stages[0], table, tiles, &mut self.every_sample, watch);
+                every_sample::render(&stages[0], table, tiles, &mut self.every_sample, watch)?;
                 0
             }
         };
-        Drawn { n_voxels, n_occluded }
+        Ok(Drawn { n_voxels, n_occluded })
     }
 
     fn resident_bytes(&self) -> usize {
@@ -164,7 +179,8 @@ impl OfLayer {
         plan: &'a FramePlan<'a>,
         layer: &'a LayerPlan<'a>,
         level: Level,
-    ) -> Stage<'a> {
+        frame: &'a FrameHandle,
+    ) -> Result<Stage<'a>, Cancelled> {
         let LayerPlan { volume, transfer, transfer_2d, labels, gradient_opacity, .. } = *layer;
         let rules = VoxelRules { transfer, transfer_2d, labels, gradient_opacity };
         let (compositing, identity) = (plan.compositing, ByIdentity::of(volume));
@@ -173,15 +189,16 @@ impl OfLayer {
             .classification
             .made_of(classified_by, |_| Classification::new(&rules, compositing, volume));
         self.light = layer.light.as_ref().map(BlinnPhong8::new);
-        Stage {
+        Ok(Stage {
             plan,
             layer,
+            frame,
             level,
             raster: Raster::new(layer, 0),
-            list: self.relevant.voxels(volume, &layer.relevant, &rules),
+            list: self.relevant.voxels(volume, &layer.relevant, &rules, frame)?,
             bricks: BrickView::new(volume.grid(), &layer.view),
             lighting: VoxelLighting::new(classification, volume, rules, self.light.as_ref()),
-        }
+        })
     }
 
     fn resident_bytes(&self) -> usize {

@@ -14,6 +14,10 @@
 //! their traffic vanish. Blocks of pixels that are saturated take no more, and a tile of them stops. Tiles
 //! share nothing: there are no atomics, and each pixel's sum has one order, whatever the number of threads.
 //!
+//! A frame that is cancelled is left at the next slab of a tile, or the next task of what comes before.
+//! Stages look whenever they have worked for a millisecond or so; what is cached across frames is replaced
+//! once it is whole, and all else a frame makes anew.
+//!
 //! The inner loops are written once, over vectors of `fearless_simd`, and compiled for every set of
 //! instructions that there may be; which one runs is found out when the backend is made.
 //!
@@ -31,7 +35,7 @@
 //! | `footprints` | where a footprint lies, how it weighs pixels, the inner loop |
 //! | `voxels` | the list, a voxel, and voxels by the sheet they go to first |
 //! | `pixels` | tiles, sheets, compositing |
-//! | `stopwatch` | how long stages take |
+//! | `stopwatch`, `progress` | how long stages take, how much is drawn, and whether anyone still wants it |
 //!
 //! ```
 //! use slabsplat_backend::Backend;
@@ -45,15 +49,15 @@ mod frame;
 mod meshes;
 mod methods;
 mod pixels;
+mod progress;
 mod sections;
 mod separable;
 mod stopwatch;
 mod voxels;
 
 use fearless_simd::Level;
-use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, FramePlan};
-use slabsplat_core::Method;
-use std::collections::VecDeque;
+use slabsplat_backend::{Backend, BackendError, Caps, Frame, FramePlan};
+use slabsplat_core::{FrameHandle, Method};
 use std::task::Poll;
 
 /// Renders on rayon's current thread pool. A frame is done when [`submit`](Backend::submit) returns.
@@ -62,8 +66,7 @@ pub struct CpuBackend {
     caps: Caps,
     level: Level,
     buffers: frame::Buffers,
-    n_submitted: u64,
-    done: VecDeque<(FrameId, Frame)>,
+    done: Vec<(FrameHandle, Frame)>,
 }
 
 impl CpuBackend {
@@ -77,8 +80,7 @@ impl CpuBackend {
             ),
             level: Level::new(),
             buffers: frame::Buffers::default(),
-            n_submitted: 0,
-            done: VecDeque::new(),
+            done: Vec::new(),
         }
     }
 }
@@ -94,17 +96,18 @@ impl Backend for CpuBackend {
         &self.caps
     }
 
-    fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
-        let frame = FrameId(self.n_submitted);
-        self.n_submitted += 1;
-        self.done.push_back((frame, frame::render(plan, self.level, &mut self.buffers)));
-        Ok(frame)
+    fn submit(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<(), BackendError> {
+        self.done.retain(|(done, _)| !done.is_abandoned());
+        let drawn = frame::render(plan, frame, self.level, &mut self.buffers)?;
+        self.done.push((frame.clone(), drawn));
+        Ok(())
     }
 
-    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
-        let place = self.done.iter().position(|(done, _)| *done == frame);
-        let taken = place.and_then(|place| self.done.remove(place));
-        taken.map(|(_, frame)| Poll::Ready(frame)).ok_or(BackendError::UnknownFrame(frame))
+    fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
+        let place = self.done.iter().position(|(done, _)| done == frame);
+        let (_, drawn) = self.done.swap_remove(place.ok_or(BackendError::UnknownFrame)?);
+        frame.check()?;
+        Ok(Poll::Ready(drawn))
     }
 }
 

@@ -5,8 +5,8 @@ use fearless_simd::Level;
 use slabsplat_backend::Planner;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, Image, ImageDesc, KernelName, Layer, Method, Projection,
-    RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, FrameHandle, Grid, Image, ImageDesc, KernelName, Layer, Method,
+    Projection, RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_seed;
 use std::sync::Arc;
@@ -63,8 +63,9 @@ fn render(level: Level, scene: &Scene) -> Image {
     let mut backend = CpuBackend { level, ..CpuBackend::new() };
     let mut planner = Planner::default();
     let plan = planner.plan(scene).unwrap();
-    let frame = backend.submit(&plan).unwrap();
-    match backend.poll_image(frame).unwrap() {
+    let frame = FrameHandle::new();
+    backend.submit(&plan, &frame).unwrap();
+    match backend.poll_image(&frame).unwrap() {
         Poll::Ready(frame) => frame.image,
         Poll::Pending => panic!("a frame is done when it was submitted"),
     }
@@ -153,8 +154,9 @@ fn cpu_buffers_do_not_grow_once_warm() {
             let (mut planner, mut backend) = (Planner::default(), CpuBackend::new());
             let mut resident_bytes = |scene| {
                 let plan = planner.plan(scene).unwrap();
-                let frame = backend.submit(&plan).unwrap();
-                match backend.poll_image(frame).unwrap() {
+                let frame = FrameHandle::new();
+                backend.submit(&plan, &frame).unwrap();
+                match backend.poll_image(&frame).unwrap() {
                     Poll::Ready(frame) => frame.cost.resident_bytes,
                     Poll::Pending => panic!("a frame is done when it was submitted"),
                 }
@@ -182,8 +184,9 @@ fn cpu_keeps_nothing_for_other_methods() {
                 let settings = RenderSettings::default().method(method);
                 let scene = first.clone().settings(settings);
                 let plan = planner.plan(&scene).unwrap();
-                let frame = pool.install(|| backend.submit(&plan)).unwrap();
-                if let Poll::Ready(frame) = backend.poll_image(frame).unwrap() {
+                let frame = FrameHandle::new();
+                pool.install(|| backend.submit(&plan, &frame)).unwrap();
+                if let Poll::Ready(frame) = backend.poll_image(&frame).unwrap() {
                     bytes = frame.cost.resident_bytes;
                 }
             }

@@ -17,12 +17,13 @@ use crate::surfaces::LastSurfaces;
 use crate::voxel_lists::VoxelLists;
 use crate::{Device, DeviceKind, Done, Work, WorkId};
 use slabsplat_backend::{
-    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, LayerPlan,
-    Splats, StageTime,
+    Backend, BackendError, Caps, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
+    StageTime,
 };
-use slabsplat_core::{Image, Method};
+use slabsplat_core::{Cancelled, FrameHandle, Image, Method};
 use std::collections::VecDeque;
 use std::task::Poll;
+use std::time::Duration;
 
 /// Renders on a device.
 #[derive(Debug)]
@@ -34,16 +35,16 @@ pub struct GpuBackend<D> {
     lists: VoxelLists,
     surfaces: LastSurfaces,
     frame: FrameMemory,
-    n_submitted: u64,
     /// In the order of submission.
     under_way: VecDeque<UnderWay>,
-    done: Vec<(FrameId, Result<Frame, BackendError>)>,
+    done: Vec<(FrameHandle, Result<Frame, BackendError>)>,
 }
 
 /// A job whose work was submitted.
 #[derive(Debug)]
 struct UnderWay {
-    frame: FrameId,
+    /// Its own alone if nobody wants the frame any more.
+    frame: FrameHandle,
     job: Job,
     work: WorkId,
     /// Splats that there was room for.
@@ -63,7 +64,6 @@ impl<D: Device> GpuBackend<D> {
             lists: VoxelLists::new(),
             surfaces: LastSurfaces::default(),
             frame: FrameMemory::new(info),
-            n_submitted: 0,
             under_way: VecDeque::new(),
             done: Vec::new(),
             device,
@@ -75,9 +75,9 @@ impl<D: Device> GpuBackend<D> {
         &self.device
     }
 
-    /// Sends a job out.
-    fn begin(&mut self, job: &Job) -> Result<WorkId, BackendError> {
-        let begun = self.try_begin(job);
+    /// Sends the job of a frame out.
+    fn begin(&mut self, job: &Job, handle: &FrameHandle) -> Result<WorkId, BackendError> {
+        let begun = self.try_begin(job, handle);
         if begun.is_err() {
             self.lists.forget(&mut self.memory, &mut self.device);
             self.frame.forget(&mut self.memory, &mut self.device);
@@ -85,12 +85,12 @@ impl<D: Device> GpuBackend<D> {
         begun
     }
 
-    fn try_begin(&mut self, job: &Job) -> Result<WorkId, BackendError> {
+    fn try_begin(&mut self, job: &Job, handle: &FrameHandle) -> Result<WorkId, BackendError> {
         let Self { device, memory, lists, frame, .. } = self;
         let mut writes = Vec::new();
         frame.grow_constant(memory, device)?;
         let counts = frame.counts.all();
-        let mut passes = lists.passes((memory, device), job, counts, &mut writes)?;
+        let mut passes = lists.passes((memory, device), (job, handle), counts, &mut writes)?;
         frame.prepare((memory, device), job, &mut writes)?;
         passes.extend(frame.passes((memory, device), job, &lists.lists, &mut writes)?);
         let reads = frame.reads(job, device.info());
@@ -101,6 +101,7 @@ impl<D: Device> GpuBackend<D> {
     /// Moves what is done from the front of `under_way` to `done`.
     fn collect(&mut self) {
         self.lists.collect(&mut self.device);
+        self.done.retain(|(frame, _)| !frame.is_abandoned());
         while let Some(mut first) = self.under_way.pop_front() {
             match self.finish(&mut first) {
                 Ok(Poll::Pending) => return self.under_way.push_front(first),
@@ -108,6 +109,19 @@ impl<D: Device> GpuBackend<D> {
                 Err(error) => self.done.push((first.frame, Err(error))),
             }
         }
+    }
+
+    /// Makes sure that nobody is given a frame, though the device may still be at it.
+    fn drop_frame(&mut self, frame: &FrameHandle) {
+        self.done.retain(|(done, _)| done != frame);
+        for job in self.under_way.iter_mut().filter(|job| job.frame == *frame) {
+            job.frame = FrameHandle::new();
+        }
+    }
+
+    fn knows(&self, frame: &FrameHandle) -> bool {
+        self.under_way.iter().any(|job| job.frame == *frame)
+            || self.done.iter().any(|(done, _)| done == frame)
     }
 
     /// The frame of a job, unless its work is not done, or has to be done again.
@@ -124,7 +138,11 @@ impl<D: Device> GpuBackend<D> {
             return Err(self.unable(reason));
         }
         let has_room = u64::from(counts.n_tossed) <= job.max_splats;
+        if job.frame.is_cancelled() || job.frame.is_abandoned() {
+            return Err(Cancelled.into());
+        }
         if has_room && counts.n_paused_tiles == 0 {
+            job.frame.reach(1.0);
             return Ok(Poll::Ready(self.frame_of(&job.job, &done, &counts)));
         }
         let Self { device, memory, frame, .. } = self;
@@ -137,7 +155,7 @@ impl<D: Device> GpuBackend<D> {
             frame.make_room_for(memory, device, counts.n_tossed.into())?;
         }
         (job.max_splats, job.n_rounds) = (frame.max_splats, frame.n_rounds);
-        job.work = self.begin(&job.job)?;
+        job.work = self.begin(&job.job, &job.frame)?;
         Ok(Poll::Pending)
     }
 
@@ -165,6 +183,9 @@ impl<D: Device> GpuBackend<D> {
         Frame::new(image, stats, FrameCost::new(stages, self.memory.resident_bytes()))
     }
 }
+
+/// How long nobody looks whether a frame that is waited for was cancelled.
+const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// Splats after which a tile pauses: some tenths of a second at most. Mesa's software driver, before version
 /// 23, silently ends all loops of a thread after 65535 turns.
@@ -195,26 +216,42 @@ impl<D: Device> Backend for GpuBackend<D> {
         &self.caps
     }
 
-    fn submit(&mut self, plan: &FramePlan<'_>) -> Result<FrameId, BackendError> {
+    fn submit(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<(), BackendError> {
         let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
-        let (listings, surfaces) = (self.listings.of(plan), self.surfaces.of(plan));
+        let (listings, surfaces) = (self.listings.of(plan, frame)?, self.surfaces.of(plan, frame)?);
         let mut job = Job::new(plan, &layers, listings, surfaces, self.frame.splats.most());
         job.frame.max_visits = max_visits(self.device.info().kind);
-        let work = self.begin(&job)?;
-        let frame = FrameId(self.n_submitted);
-        self.n_submitted += 1;
+        // A list that was begun and not ended is none, so that this is the last chance to leave all as it is.
+        frame.check()?;
+        let (work, frame) = (self.begin(&job, frame)?, frame.clone());
         let FrameMemory { max_splats, n_rounds, .. } = self.frame;
         self.under_way.push_back(UnderWay { frame, job, work, max_splats, n_rounds });
-        Ok(frame)
+        Ok(())
     }
 
-    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
+    fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
         self.collect();
-        if let Some(place) = self.done.iter().position(|(done, _)| *done == frame) {
-            return self.done.swap_remove(place).1.map(Poll::Ready);
+        if !self.knows(frame) {
+            return Err(BackendError::UnknownFrame);
         }
-        let is_under_way = self.under_way.iter().any(|job| job.frame == frame);
-        if is_under_way { Ok(Poll::Pending) } else { Err(BackendError::UnknownFrame(frame)) }
+        if frame.is_cancelled() {
+            self.drop_frame(frame);
+            return Err(Cancelled.into());
+        }
+        let place = self.done.iter().position(|(done, _)| done == frame);
+        let Some(place) = place else { return Ok(Poll::Pending) };
+        self.done.swap_remove(place).1.map(Poll::Ready)
+    }
+
+    fn wait_image(&mut self, frame: &FrameHandle) -> Result<Frame, BackendError> {
+        loop {
+            if let Poll::Ready(frame) = self.poll_image(frame)? {
+                return Ok(frame);
+            }
+            if let Some(first) = self.under_way.front() {
+                self.device.wait(first.work, LOOK_EVERY);
+            }
+        }
     }
 }
 
@@ -251,6 +288,10 @@ mod tests {
         fn poll(&mut self, _: WorkId) -> Result<Poll<Done>, DeviceError> {
             panic!("there is no work")
         }
+
+        fn wait(&mut self, _: WorkId, _: Duration) {
+            panic!("there is no work")
+        }
     }
 
     fn untouched() -> Untouched {
@@ -278,7 +319,8 @@ mod tests {
         let scene = Scene::new(layer.clone(), camera).image(image);
         let refused = |scene: &Scene| {
             let plan = Planner::default().plan(scene).unwrap();
-            GpuBackend::new("fake", untouched()).submit(&plan).unwrap_err().to_string()
+            let (mut backend, frame) = (GpuBackend::new("fake", untouched()), FrameHandle::new());
+            backend.submit(&plan, &frame).unwrap_err().to_string()
         };
         let densities = RenderSettings::default().method(Method::PostClassified);
         assert_eq!(

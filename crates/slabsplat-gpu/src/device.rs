@@ -4,6 +4,7 @@
 use slabsplat_shaders::Shader;
 use std::borrow::Cow;
 use std::task::Poll;
+use std::time::Duration;
 use thiserror::Error;
 
 /// A device that executes [`Work`], opened through one graphics interface.
@@ -39,6 +40,10 @@ pub trait Device: Send {
     /// # Panics
     /// It may, if there is no such work or it was taken: that is the caller's bug.
     fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError>;
+
+    /// Sleeps until work is done, but no longer than `at_most`. It may return before: where nobody is allowed
+    /// to wait, as in a browser, or if the device was lost, as the next [`poll`](Self::poll) reports.
+    fn wait(&mut self, work: WorkId, at_most: Duration);
 }
 
 /// A device and what it can hold.
@@ -197,5 +202,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError> {
         (**self).poll(work)
+    }
+
+    fn wait(&mut self, work: WorkId, at_most: Duration) {
+        (**self).wait(work, at_most);
     }
 }

@@ -3,7 +3,7 @@
 use crate::known_volume::KnownVolume;
 use crate::params::Record;
 use slabsplat_backend::{FramePlan, LayerPlan};
-use slabsplat_core::{Compositing, Volume};
+use slabsplat_core::{Cancelled, Compositing, FrameHandle, Volume};
 use slabsplat_traverse::{
     Brick, Classification, OwnVoxelRules, RelevantList, VoxelLighting, VoxelRecord, VoxelRules,
 };
@@ -41,11 +41,17 @@ const MAX_VOXELS: usize = slabsplat_traverse::BRICK_SIDE.pow(3);
 
 impl HostList {
     /// Lists the voxels of a layer of a plan.
-    pub(crate) fn new(plan: &FramePlan<'_>, layer: &LayerPlan<'_>, known: &KnownVolume) -> Self {
+    pub(crate) fn new(
+        plan: &FramePlan<'_>,
+        layer: &LayerPlan<'_>,
+        known: &KnownVolume,
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let (volume, rules) = (layer.volume.clone(), rules_of(layer));
+        let (bricks, ranges) = (known.brick_ranges(), &layer.relevant);
         let mut list = RelevantList::default();
-        list.update(&volume, known.brick_ranges(), &layer.relevant, Some(&rules));
-        Self { volume, rules: OwnVoxelRules::new(&rules), compositing: plan.compositing, list }
+        list.update_for_frame(&volume, bricks, ranges, Some(&rules), frame)?;
+        Ok(Self { volume, rules: OwnVoxelRules::new(&rules), compositing: plan.compositing, list })
     }
 
     /// Whether it is that of a layer of a plan.
@@ -148,7 +154,8 @@ mod tests {
             let mut planner = Planner::default();
             let plan = planner.plan(&scene).unwrap();
             let Layer { volume, labels, .. } = &scene.layers[0];
-            let list = HostList::new(&plan, &plan.layers[0], &KnownVolume::new(volume.clone()));
+            let (known, frame) = (KnownVolume::new(volume.clone()), FrameHandle::new());
+            let list = HostList::new(&plan, &plan.layers[0], &known, &frame).unwrap();
             assert!(list.is_of(&plan, &plan.layers[0]));
             let mut voxels = Vec::new();
             for piece in list.pieces() {

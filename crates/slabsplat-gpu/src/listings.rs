@@ -5,7 +5,8 @@ use crate::host_list::{HostList, rules_of};
 use crate::known_volume::KnownVolume;
 use crate::listing::Listing;
 use slabsplat_backend::{FramePlan, LayerPlan};
-use slabsplat_core::Volume;
+use slabsplat_core::{Cancelled, FrameHandle, Volume};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 /// The volumes of the last plan, and what the host listed of them.
@@ -18,42 +19,53 @@ pub(crate) struct Listings {
 impl Listings {
     /// How the voxels of each layer of a plan are listed. What no layer needs is dropped before anything is
     /// made, as two lists need not fit at a time.
-    pub(crate) fn of(&mut self, plan: &FramePlan<'_>) -> Vec<Listing> {
+    pub(crate) fn of(
+        &mut self,
+        plan: &FramePlan<'_>,
+        frame: &FrameHandle,
+    ) -> Result<Vec<Listing>, Cancelled> {
         let is_shown = |known: &Arc<KnownVolume>| {
             plan.layers.iter().any(|layer| Arc::ptr_eq(&known.volume, layer.volume))
         };
         self.volumes.retain(is_shown);
         self.host_lists.retain(|list| plan.layers.iter().any(|layer| list.is_of(plan, layer)));
-        plan.layers.iter().map(|layer| self.listing(plan, layer)).collect()
+        plan.layers.iter().map(|layer| self.listing(plan, layer, frame)).collect()
     }
 
-    fn listing(&mut self, plan: &FramePlan<'_>, layer: &LayerPlan<'_>) -> Listing {
+    fn listing(
+        &mut self,
+        plan: &FramePlan<'_>,
+        layer: &LayerPlan<'_>,
+        frame: &FrameHandle,
+    ) -> Result<Listing, Cancelled> {
+        frame.check()?;
         let known = self.known(layer.volume);
         if rules_of(layer).are_by_value() {
             let classification = Classification::new(plan, layer, &known);
-            Listing::ByDevice(known, classification)
+            Ok(Listing::ByDevice(known, classification))
         } else {
             let is_it = |list: &HostList| list.is_of(plan, layer);
-            let make = || HostList::new(plan, layer, &known);
-            Listing::ByHost(found_or_added(&mut self.host_lists, is_it, make))
+            let make = || HostList::new(plan, layer, &known, frame);
+            Ok(Listing::ByHost(found_or_added(&mut self.host_lists, is_it, make)?))
         }
     }
 
     fn known(&mut self, volume: &Arc<Volume>) -> Arc<KnownVolume> {
         let is_it = |known: &KnownVolume| Arc::ptr_eq(&known.volume, volume);
-        found_or_added(&mut self.volumes, is_it, || KnownVolume::new(volume.clone()))
+        let make = || Ok::<_, Infallible>(KnownVolume::new(volume.clone()));
+        found_or_added(&mut self.volumes, is_it, make).unwrap_or_else(|never| match never {})
     }
 }
 
-fn found_or_added<T>(
+fn found_or_added<T, E>(
     all: &mut Vec<Arc<T>>,
     is_it: impl Fn(&T) -> bool,
-    make: impl FnOnce() -> T,
-) -> Arc<T> {
+    make: impl FnOnce() -> Result<T, E>,
+) -> Result<Arc<T>, E> {
     if let Some(found) = all.iter().find(|one| is_it(one)) {
-        return found.clone();
+        return Ok(found.clone());
     }
-    let made = Arc::new(make());
+    let made = Arc::new(make()?);
     all.push(made.clone());
-    made
+    Ok(made)
 }

@@ -4,7 +4,7 @@
 use crate::frame_params::slabs_of;
 use crate::surface_elements::{Element, SQUARE_SIDE, Square, SquareOfPixels, put_together};
 use slabsplat_backend::{FramePlan, MeshesPlan, Splats};
-use slabsplat_core::SlabGrid;
+use slabsplat_core::{Cancelled, FrameHandle, SlabGrid};
 use slabsplat_mesh::{Rasterizer, SeenMeshes};
 use slabsplat_traverse::TileGrid;
 use std::sync::Arc;
@@ -41,10 +41,14 @@ const SHEETS_BEHIND_PART: u32 = 2;
 
 impl LastSurfaces {
     /// The surfaces of a plan, if it has meshes.
-    pub(crate) fn of(&mut self, plan: &FramePlan<'_>) -> Option<Arc<Surfaces>> {
+    pub(crate) fn of(
+        &mut self,
+        plan: &FramePlan<'_>,
+        frame: &FrameHandle,
+    ) -> Result<Option<Arc<Surfaces>>, Cancelled> {
         let Some(meshes) = &plan.meshes else {
             *self = Self::default();
-            return None;
+            return Ok(None);
         };
         let sheets = Sheets::of(plan);
         let is_same = |last: &Arc<Surfaces>| {
@@ -52,11 +56,11 @@ impl LastSurfaces {
             *of_sheets == sheets && seen.is_of(meshes)
         };
         if !self.surfaces.as_ref().is_some_and(is_same) {
-            let elements = elements(meshes, &sheets, &mut self.rasterizer);
+            let elements = elements((meshes, frame), &sheets, &mut self.rasterizer)?;
             let made_of = (SeenMeshes::of(meshes), sheets);
             self.surfaces = Some(Arc::new(Surfaces { elements, made_of }));
         }
-        self.surfaces.clone()
+        Ok(self.surfaces.clone())
     }
 }
 
@@ -103,15 +107,19 @@ impl Sheets {
 }
 
 /// Rasterises in squares that are larger than a tile, as triangles are.
-fn elements(plan: &MeshesPlan<'_>, sheets: &Sheets, rasterizer: &mut Rasterizer) -> Vec<Element> {
-    let image_size = plan.view.image_size();
+fn elements(
+    frame: (&MeshesPlan<'_>, &FrameHandle),
+    sheets: &Sheets,
+    rasterizer: &mut Rasterizer,
+) -> Result<Vec<Element>, Cancelled> {
+    let image_size = frame.0.view.image_size();
     let grid = TileGrid::new(image_size, SQUARE_SIDE, 0);
     let mut squares = Vec::new();
     squares.resize_with(grid.n_tiles(), Square::default);
-    rasterizer.for_each_tile(plan, &grid, &mut squares, |square, hits| {
+    rasterizer.for_each_tile(frame, &grid, &mut squares, |square, hits| {
         let mut pixels = SquareOfPixels::default();
         hits.for_each_pixel(|pixel, hits| pixels.push(pixel, hits, sheets));
         *square = pixels.by_tile();
-    });
-    put_together(image_size, &squares)
+    })?;
+    Ok(put_together(image_size, &squares))
 }

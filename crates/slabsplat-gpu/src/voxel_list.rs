@@ -12,6 +12,7 @@ use crate::uploads::Uploads;
 use crate::volumes::Volumes;
 use crate::{Device, DeviceInfo, Slice, Write};
 use slabsplat_backend::BackendError;
+use slabsplat_core::FrameHandle;
 
 /// What its records are called where there is no room for them.
 const LABEL: &str = "relevant voxels";
@@ -33,6 +34,7 @@ pub(crate) struct Preamble<'m, 'a> {
     pub(crate) passes: &'m mut PassList,
     pub(crate) uploads: &'m mut Uploads,
     pub(crate) writes: &'m mut Vec<Write<'a>>,
+    pub(crate) frame: &'m FrameHandle,
 }
 
 impl VoxelList {
@@ -58,7 +60,7 @@ impl VoxelList {
         layer: &'a JobLayer,
         preamble: Preamble<'_, 'a>,
     ) -> Result<(), BackendError> {
-        let Preamble { volumes, counts, passes, uploads, writes } = preamble;
+        let Preamble { volumes, counts, passes, uploads, writes, frame } = preamble;
         self.listed = None;
         self.records.grow(memory, device, layer.max_voxels)?;
         match &layer.listing {
@@ -69,7 +71,7 @@ impl VoxelList {
             }
             Listing::ByHost(list) => {
                 self.classifier.forget(memory, device);
-                self.send(device, list, uploads)?;
+                self.send(device, list, uploads, frame)?;
                 writes.push(self.count(counts, list));
             }
         }
@@ -77,14 +79,16 @@ impl VoxelList {
         Ok(())
     }
 
-    /// Sends the records of a list.
+    /// Sends the records of a list, for a frame.
     fn send<D: Device>(
         &self,
         device: &mut D,
         list: &HostList,
         uploads: &mut Uploads,
+        frame: &FrameHandle,
     ) -> Result<(), BackendError> {
         for piece in list.pieces() {
+            frame.check()?;
             let bytes = bytemuck::cast_slice(&piece.records);
             let writes = self.records.writes(piece.first, bytes);
             uploads.send(device, LABEL, writes)?;

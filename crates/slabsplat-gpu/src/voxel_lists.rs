@@ -8,6 +8,7 @@ use crate::volumes::Volumes;
 use crate::voxel_list::{Preamble, VoxelList};
 use crate::{Device, Pass, Slice, Write};
 use slabsplat_backend::BackendError;
+use slabsplat_core::FrameHandle;
 
 /// The lists of the last job, in the order of its layers.
 #[derive(Debug)]
@@ -33,7 +34,7 @@ impl VoxelLists {
     pub(crate) fn passes<'a, D: Device>(
         &mut self,
         (memory, device): (&mut Memory, &mut D),
-        job: &'a Job,
+        (job, frame): (&'a Job, &FrameHandle),
         counts: Slice,
         writes: &mut Vec<Write<'a>>,
     ) -> Result<Vec<Pass>, BackendError> {
@@ -49,7 +50,7 @@ impl VoxelLists {
         for (list, layer) in lists.iter_mut().zip(&job.layers) {
             if !list.is_of(layer) {
                 let passes = &mut passes;
-                let preamble = Preamble { volumes, counts, passes, uploads, writes };
+                let preamble = Preamble { volumes, counts, passes, uploads, writes, frame };
                 list.make((memory, device), layer, preamble)?;
             }
         }

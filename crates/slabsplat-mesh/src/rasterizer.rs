@@ -7,7 +7,10 @@ use crate::vertices::{Vertex, project};
 use rayon::prelude::*;
 use slabsplat_backend::{MeshPlan, MeshesPlan};
 use slabsplat_core::glam::DMat3;
-use slabsplat_traverse::{PixelRect, TileBuckets, TileGrid, TileRect, Workspaces};
+use slabsplat_core::{Cancelled, FrameHandle};
+use slabsplat_traverse::{
+    PixelRect, TileBuckets, TileGrid, TileRect, Workspaces, resize_for_frame,
+};
 
 /// Where the vertices and triangles of a frame's meshes are. Made to be used again.
 #[derive(Debug, Default)]
@@ -39,22 +42,26 @@ pub struct HitsOnTile<'a> {
     tile_idx: usize,
     pixels: PixelRect,
     hits: &'a mut TileHits,
+    handle: &'a FrameHandle,
 }
 
 impl Rasterizer {
     /// Rasterises the meshes of a plan: calls `work` for every tile, in parallel, with the target that is the
     /// tile's.
     ///
+    /// # Errors
+    /// If the frame is cancelled; what targets were given is then of no meaning.
+    ///
     /// # Panics
     /// If there are more than 2³² triangles.
     pub fn for_each_tile<T: Send>(
         &mut self,
-        plan: &MeshesPlan<'_>,
+        (plan, handle): (&MeshesPlan<'_>, &FrameHandle),
         tiles: &TileGrid,
         targets: &mut [T],
         work: impl Fn(&mut T, HitsOnTile<'_>) + Sync,
-    ) {
-        self.start(plan, tiles);
+    ) -> Result<(), Cancelled> {
+        self.start((plan, handle), tiles)?;
         let Self { vertices, firsts, world_from_normals, buckets: triangles, workspaces } = self;
         let frame = Frame { plan, vertices, firsts, world_from_normals };
         let image_size = plan.view.image_size();
@@ -64,12 +71,22 @@ impl Rasterizer {
             let min = tiles.origin(tile_idx).map(|pixel| pixel as u32);
             let end = [0, 1].map(|axis| (min[axis] + tiles.step()).min(image_size[axis]));
             let (pixels, hits) = (PixelRect { min, end }, &mut *workspaces.of_this_thread());
-            work(target, HitsOnTile { frame: &frame, triangles, tile_idx, pixels, hits });
+            if !handle.is_cancelled() {
+                work(
+                    target,
+                    HitsOnTile { frame: &frame, triangles, tile_idx, pixels, hits, handle },
+                );
+            }
         });
+        handle.check()
     }
 
     /// Projects the vertices of a frame, and tosses its triangles onto tiles.
-    fn start(&mut self, plan: &MeshesPlan<'_>, tiles: &TileGrid) {
+    fn start(
+        &mut self,
+        (plan, handle): (&MeshesPlan<'_>, &FrameHandle),
+        tiles: &TileGrid,
+    ) -> Result<(), Cancelled> {
         let Self { vertices, firsts, world_from_normals, buckets, .. } = self;
         let world_from_normal =
             |of_mesh: &MeshPlan<'_>| of_mesh.layer.world_from_mesh().matrix3.inverse().transpose();
@@ -86,12 +103,14 @@ impl Rasterizer {
         }
         let [n_vertices, n_triangles] = ends;
         assert!(u32::try_from(n_triangles).is_ok(), "a frame has up to 2³² triangles");
-        vertices.resize(n_vertices, Vertex::default());
+        resize_for_frame(vertices, n_vertices, handle)?;
         for (of_mesh, of_all) in plan.meshes.iter().zip(firsts.windows(2)) {
-            project(plan, of_mesh, &mut vertices[of_all[0][0]..of_all[1][0]]);
+            project((plan, handle), of_mesh, &mut vertices[of_all[0][0]..of_all[1][0]]);
         }
+        handle.check()?;
         let frame = Frame { plan, vertices, firsts, world_from_normals };
-        buckets.toss(tiles, n_triangles, |triangle| frame.tiles_of(triangle as u32, tiles));
+        let tiles_of = |triangle| frame.tiles_of(triangle as u32, tiles);
+        buckets.toss(tiles, n_triangles, tiles_of, handle)
     }
 
     /// Bytes held.
@@ -106,13 +125,18 @@ impl HitsOnTile<'_> {
     /// Calls `take` with each of the tile's own pixels that is hit, counted from the first column and row,
     /// and with its hits, at most [`N_SAMPLES`](crate::N_SAMPLES) and the nearest first.
     pub fn for_each_pixel(self, take: impl FnMut([usize; 2], &[Hit])) {
-        let Self { frame, hits, .. } = self;
+        let Self { frame, hits, handle, .. } = self;
         let mut triangles = self.triangles.on_tile(self.tile_idx).peekable();
         if triangles.peek().is_none() {
             return;
         }
         hits.start(&self.pixels);
-        triangles.for_each(|triangle| hits.add(frame, triangle as u32));
+        for triangle in triangles {
+            if handle.is_cancelled() {
+                return;
+            }
+            hits.add(frame, triangle as u32);
+        }
         hits.finish(frame, take);
     }
 }

@@ -3,7 +3,9 @@
 use super::*;
 use slabsplat_backend::{MeshPlan, MeshesPlan};
 use slabsplat_core::glam::{DMat3, DQuat, DVec3};
-use slabsplat_core::{Camera, Grid, ImageDesc, Mesh, MeshLayer, MeshParts, Projection, View};
+use slabsplat_core::{
+    Camera, FrameHandle, Grid, ImageDesc, Mesh, MeshLayer, MeshParts, Projection, View,
+};
 use slabsplat_seeds::for_each_seed;
 use slabsplat_traverse::TileGrid;
 
@@ -36,7 +38,8 @@ fn hits(layers: &[MeshLayer], is_perspective: bool) -> (Vec<usize>, Vec<Hit>) {
     let take_all = |of_tile: &mut Vec<_>, on_tile: HitsOnTile<'_>| {
         on_tile.for_each_pixel(|pixel, hits| of_tile.push((pixel, hits.to_vec())));
     };
-    Rasterizer::default().for_each_tile(&plan, &tiles, &mut of_tiles, take_all);
+    let frame = (&plan, &FrameHandle::new());
+    Rasterizer::default().for_each_tile(frame, &tiles, &mut of_tiles, take_all).unwrap();
     let (mut counts, mut all) = (vec![0; (SIDE * SIDE) as usize], Vec::new());
     for (tile_idx, of_tile) in of_tiles.into_iter().enumerate() {
         let [left, top] = tiles.origin(tile_idx);

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 use slabsplat_backend::{MeshPlan, MeshesPlan};
-use slabsplat_core::View;
 use slabsplat_core::glam::{DMat3, DVec3};
+use slabsplat_core::{FrameHandle, View};
 
 /// A corner of a triangle, at the near depth or behind it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -39,7 +39,11 @@ impl Corner {
 }
 
 /// Projects the vertices of a mesh into as many.
-pub(crate) fn project(plan: &MeshesPlan<'_>, of_mesh: &MeshPlan<'_>, vertices: &mut [Vertex]) {
+pub(crate) fn project(
+    (plan, handle): (&MeshesPlan<'_>, &FrameHandle),
+    of_mesh: &MeshPlan<'_>,
+    vertices: &mut [Vertex],
+) {
     let view = &plan.view;
     let (mesh, near) = (&of_mesh.layer.mesh, view.near_depth());
     let axes = view.axes();
@@ -49,6 +53,9 @@ pub(crate) fn project(plan: &MeshesPlan<'_>, of_mesh: &MeshPlan<'_>, vertices: &
     let origin = view.origin_in_world();
     let chunks = vertices.par_chunks_mut(CHUNK_LEN).enumerate();
     chunks.for_each(|(chunk, vertices)| {
+        if handle.is_cancelled() {
+            return;
+        }
         for (vertex, idx) in vertices.iter_mut().zip(chunk * CHUNK_LEN..) {
             let in_world = world_from_mesh.transform_point3(mesh.positions()[idx]);
             let point = view_from_world * (in_world - origin);

@@ -3,8 +3,8 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    BlinnPhong, Camera, Compositing, Grid, ImageDesc, Light, Phong, Projection, Scaling,
-    TransferFunction, View, Volume,
+    BlinnPhong, Camera, Compositing, FrameHandle, Grid, ImageDesc, Light, Phong, Projection,
+    Scaling, TransferFunction, View, Volume,
 };
 use slabsplat_traverse::{
     BlinnPhong8, BrickRanges, BrickView, Classification, DepthOrder, RelevantList, TileBuckets,
@@ -76,7 +76,8 @@ fn stages(c: &mut Criterion) {
         b.iter(|| BrickView::new(grid, &view).project(&list, &mut points));
     });
     let mut order = DepthOrder::default();
-    group.bench_function("depth_order", |b| b.iter(|| order.update(grid, &view, &list)));
+    let frame = FrameHandle::new();
+    group.bench_function("depth_order", |b| b.iter(|| order.update(grid, &view, &list, &frame)));
 
     let tiles = TileGrid::new(view.image_size(), 16, 0);
     let rect_of = |splat: usize| {
@@ -86,7 +87,9 @@ fn stages(c: &mut Criterion) {
         pixels.map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
     };
     let mut buckets = TileBuckets::default();
-    group.bench_function("toss", |b| b.iter(|| buckets.toss(&tiles, points.len(), rect_of)));
+    group.bench_function("toss", |b| {
+        b.iter(|| buckets.toss(&tiles, points.len(), rect_of, &frame));
+    });
     group.finish();
 }
 

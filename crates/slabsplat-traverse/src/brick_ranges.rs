@@ -9,7 +9,7 @@
 use crate::order::Ordered;
 use crate::{BRICK_SIDE, BrickGrid};
 use rayon::prelude::*;
-use slabsplat_core::{IsoRange, Scaling, Volume, with_samples};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Scaling, Volume, with_samples};
 
 /// What values every brick of a volume holds.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,9 +21,18 @@ pub struct BrickRanges {
 impl BrickRanges {
     /// Looks through `volume`, in parallel.
     pub fn new(volume: &Volume) -> Self {
-        let bricks = BrickGrid::new(volume.grid());
-        let ranges = with_samples!(volume.samples(), |s| ranges(s, &bricks, volume.scaling()));
-        Self { ranges }
+        Self::for_frame(volume, &FrameHandle::new()).expect("nobody cancels the frame")
+    }
+
+    /// The same for a frame.
+    ///
+    /// # Errors
+    /// If that is cancelled.
+    pub fn for_frame(volume: &Volume, frame: &FrameHandle) -> Result<Self, Cancelled> {
+        let (bricks, scaling) = (BrickGrid::new(volume.grid()), volume.scaling());
+        let ranges = with_samples!(volume.samples(), |s| ranges(s, &bricks, scaling, frame));
+        frame.check()?;
+        Ok(Self { ranges })
     }
 
     /// The least and the largest value in the brick; `hi < lo` if all its voxels are NaN.
@@ -44,12 +53,20 @@ impl BrickRanges {
 }
 
 /// A row of bricks a task: its voxels are 64 runs of memory.
-fn ranges<T: Ordered>(samples: &[T], bricks: &BrickGrid, scaling: Scaling) -> Vec<IsoRange> {
+fn ranges<T: Ordered>(
+    samples: &[T],
+    bricks: &BrickGrid,
+    scaling: Scaling,
+    frame: &FrameHandle,
+) -> Vec<IsoRange> {
     let nothing = IsoRange { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
     let mut ranges = vec![nothing; bricks.n_bricks()];
     ranges.par_chunks_mut(bricks.n_along()[0]).enumerate().for_each_init(
         || Extremes::new(bricks.dims()[0]),
         |extremes, (row, ranges)| {
+            if frame.is_cancelled() {
+                return;
+            }
             extremes.gather(samples, bricks, row);
             for (range, [lo, hi]) in ranges.iter_mut().zip(extremes.of_bricks()) {
                 if lo <= hi {

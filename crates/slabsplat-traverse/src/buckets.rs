@@ -2,6 +2,8 @@
 //!
 //! It is linear, and stable: a bucket holds its items in the order in which they came.
 
+use crate::in_pieces::resize_for_frame;
+use slabsplat_core::{Cancelled, FrameHandle};
 use std::ops::Range;
 
 /// Items by bucket. Made to be used again: it keeps the memory of the fullest sort that it has done.
@@ -24,7 +26,8 @@ impl<T: Copy + Default> Buckets<T> {
     pub const N_AT_ONCE: usize = 8;
 
     /// Sorts the entries of `runs` into `n_buckets` buckets, of which `bucket_of` returns one for each;
-    /// `item_of` makes of an entry what is held.
+    /// `item_of` makes of an entry what is held. If the frame is cancelled on the way, they may be any of the
+    /// items, or none.
     #[inline(always)]
     pub fn sort<'a, E: 'a>(
         &mut self,
@@ -32,12 +35,15 @@ impl<T: Copy + Default> Buckets<T> {
         runs: impl Iterator<Item = &'a [E]> + Clone,
         bucket_of: impl Fn(&E) -> usize,
         item_of: impl Fn(&E) -> T,
+        frame: &FrameHandle,
     ) {
         // One entry more than counts need: while items are placed, `starts[bucket + 1]` is where the next one
         // of a bucket goes, and ends up as where the bucket after it starts.
         self.starts.clear();
         self.starts.resize(n_buckets + 2, 0);
         let starts = self.starts.as_mut_slice();
+        // Whoever cancels between the two ways through them finds none on the second.
+        let runs = runs.take_while(|_| !frame.is_cancelled());
         for run in runs.clone() {
             for entry in run {
                 starts[bucket_of(entry) + 2] += 1;
@@ -48,7 +54,9 @@ impl<T: Copy + Default> Buckets<T> {
             sum += *count;
             *count = sum;
         }
-        self.make_room(sum as usize + Self::N_AT_ONCE);
+        if self.make_room(sum as usize + Self::N_AT_ONCE, frame).is_err() {
+            return self.starts.clear();
+        }
         let (starts, items) = (self.starts.as_mut_slice(), self.items.as_mut_slice());
         for run in runs {
             for entry in run {
@@ -61,13 +69,14 @@ impl<T: Copy + Default> Buckets<T> {
     }
 
     /// There are many of these: twice as much as is needed would be felt.
-    fn make_room(&mut self, n_items: usize) {
+    fn make_room(&mut self, n_items: usize, frame: &FrameHandle) -> Result<(), Cancelled> {
         if self.items.capacity() < n_items {
-            self.items.reserve_exact(n_items + n_items / 8 - self.items.len());
+            // Without what they hold, which would only be copied.
+            self.items = Vec::new();
+            self.items.reserve_exact(n_items + n_items / 8);
         }
-        if self.items.len() < n_items {
-            self.items.resize(n_items, T::default());
-        }
+        let n_items = n_items.max(self.items.len());
+        resize_for_frame(&mut self.items, n_items, frame)
     }
 }
 
@@ -121,7 +130,8 @@ mod tests {
         let mut sorted = Buckets::default();
         let sort = |sorted: &mut Buckets<u32>, n_items: usize| {
             let entries = vec![0_u32; n_items];
-            sorted.sort(1, [entries.as_slice()].into_iter(), |_| 0, |&entry| entry);
+            let (runs, frame) = ([entries.as_slice()].into_iter(), FrameHandle::new());
+            sorted.sort(1, runs, |_| 0, |&entry| entry, &frame);
             sorted.items.capacity()
         };
         let capacity = sort(&mut sorted, 8000);
@@ -135,12 +145,13 @@ mod tests {
             let mut sorted = Buckets::default();
             assert!(sorted.items_of(0..3).is_empty(), "nothing before the first sort");
             assert_eq!(sorted.ends_held(0..3), None);
-            sorted.sort(1, [&[8, 9][..]].into_iter(), |_| 0, |&entry| entry);
+            let frame = FrameHandle::new();
+            sorted.sort(1, [&[8, 9][..]].into_iter(), |_| 0, |&entry| entry, &frame);
             assert_eq!(sorted.items_of(0..1), [8, 9]);
             for n_items in [0, 1, 7, 500, 20] {
                 let entries: Vec<(usize, u32)> =
                     (0..n_items).map(|idx| (rng.usize(0..9), idx)).collect();
-                sorted.sort(9, entries.chunks(7), |entry| entry.0, |entry| entry.1);
+                sorted.sort(9, entries.chunks(7), |entry| entry.0, |entry| entry.1, &frame);
                 for first in 0..9 {
                     for end in first..10 {
                         let mut expected: Vec<_> =
@@ -161,11 +172,29 @@ mod tests {
     }
 
     #[test]
+    fn buckets_of_a_cancelled_frame_can_be_read() {
+        let frame = FrameHandle::new();
+        let mut sorted = Buckets::default();
+        let entries: Vec<usize> = (0..1000).collect();
+        for is_cancelled in [false, true] {
+            if is_cancelled {
+                frame.cancel();
+            }
+            let runs = entries.chunks(100);
+            sorted.sort(10, runs, |&idx| idx % 10, |&idx| idx as u32, &frame);
+            let n_held: usize =
+                (0..10).map(|bucket| sorted.items_of(bucket..bucket + 1).len()).sum();
+            assert_eq!(n_held, if is_cancelled { 0 } else { 1000 });
+        }
+    }
+
+    #[test]
     fn buckets_take_hardly_more_than_they_need() {
         let mut sorted = Buckets::default();
         for n_items in [1000, 3000, 10_000] {
             let entries: Vec<usize> = (0..n_items).collect();
-            sorted.sort(1000, [&entries[..]].into_iter(), |&idx| idx % 1000, |&idx| idx as u32);
+            let (runs, frame) = ([&entries[..]].into_iter(), FrameHandle::new());
+            sorted.sort(1000, runs, |&idx| idx % 1000, |&idx| idx as u32, &frame);
             let needed = (1000 + n_items) * size_of::<u32>();
             let bytes = sorted.resident_bytes();
             assert!((needed..needed + needed / 8).contains(&bytes), "{bytes} of {needed}");

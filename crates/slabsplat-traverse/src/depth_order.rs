@@ -6,9 +6,9 @@
 //! by their place in the picture: the result does not depend on how voxels are stored.
 
 use crate::RelevantList;
-use rayon::prelude::*;
+use crate::in_pieces::{resize_for_frame, sort_for_frame};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Grid, View};
+use slabsplat_core::{Cancelled, FrameHandle, Grid, View};
 
 /// Steps of the rounding grid per `unit`.
 const STEPS_PER_UNIT: f64 = (1 << 20) as f64;
@@ -22,19 +22,32 @@ pub struct DepthOrder {
 }
 
 impl DepthOrder {
-    /// Makes it that of `list` as `view` sees it.
-    pub fn update(&mut self, grid: &Grid, view: &View, list: &RelevantList) {
+    /// Makes it that of `list` as `view` sees it, for a frame.
+    ///
+    /// # Errors
+    /// If that is cancelled; the order is then of no meaning.
+    pub fn update(
+        &mut self,
+        grid: &Grid,
+        view: &View,
+        list: &RelevantList,
+        frame: &FrameHandle,
+    ) -> Result<(), Cancelled> {
         let view_from_index = view.from_index(grid);
         let steps_per_world = STEPS_PER_UNIT / grid.unit();
-        self.keys.resize(list.len(), ([0; 3], 0));
+        resize_for_frame(&mut self.keys, list.len(), frame)?;
         list.fill_by_brick(&mut self.keys, |brick, records, keys| {
+            if frame.is_cancelled() {
+                return;
+            }
             for ((key, &record), place) in keys.iter_mut().zip(records).zip(brick.first..) {
                 let in_index = list.voxel_coords(brick, record).map(|c| c as f64);
                 let at = view_from_index.transform(DVec3::from_array(in_index));
                 *key = ([at.z, at.y, at.x].map(|c| (c * steps_per_world).round() as i64), place);
             }
         });
-        self.keys.par_sort_unstable();
+        sort_for_frame(&mut self.keys, frame);
+        frame.check()
     }
 
     /// How many voxels there are.
@@ -78,7 +91,7 @@ mod tests {
         let mut list = RelevantList::default();
         list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }], None);
         let mut order = DepthOrder::default();
-        order.update(&grid, &view, &list);
+        order.update(&grid, &view, &list, &FrameHandle::new()).unwrap();
         [order.place(0), order.place(1)]
     }
 
@@ -110,7 +123,7 @@ mod tests {
         let mut list = RelevantList::default();
         list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }], None);
         let mut order = DepthOrder::default();
-        order.update(&grid, &view, &list);
+        order.update(&grid, &view, &list, &FrameHandle::new()).unwrap();
         let places: Vec<usize> = (0..order.len()).map(|nth| order.place(nth)).collect();
         assert_eq!(places, [5, 7, 4, 1, 6, 3, 0, 2]);
         assert!(DepthOrder::default().is_empty() && !order.is_empty());

@@ -17,8 +17,8 @@
 //! - `buckets`, `toss`: buckets instead of a sort (§7), by image tile and then by slab;
 //! - `workspaces`: what threads work with.
 //!
-//! Every stage is parallel, and gives the same result for any number of threads. Nothing here knows
-//! kernels' weights or draws a pixel.
+//! Every stage is parallel, and gives the same result for any number of threads. What takes long looks every
+//! millisecond whether its frame was cancelled. Nothing here knows kernels' weights or draws a pixel.
 //!
 //! ```
 //! use slabsplat_core::{Grid, IsoRange, Samples, Scaling, Volume};
@@ -37,6 +37,8 @@
 
 mod bricks;
 mod voxel;
+
+mod in_pieces;
 
 mod order;
 
@@ -71,6 +73,7 @@ pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use buckets::Buckets;
 pub use classification::Classification;
 pub use depth_order::DepthOrder;
+pub use in_pieces::resize_for_frame;
 pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::VoxelLighting;

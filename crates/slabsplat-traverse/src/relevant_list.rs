@@ -5,10 +5,10 @@
 //! and the toss run through caches instead of around them, and a brick can be culled whole. A changed
 //! range only touches bricks that hold values at its ends (`relevant_update.rs`).
 
-use crate::relevant_update::update;
+use crate::relevant_update::{Update, update};
 use crate::{Brick, BrickGrid, BrickRanges, VoxelRecord, VoxelRules};
 use rayon::prelude::*;
-use slabsplat_core::{IsoRange, Volume, with_samples};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume, with_samples};
 
 /// The voxels with an opacity above 0, by brick; bricks, and voxels within a brick, in memory order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -95,8 +95,32 @@ impl RelevantList {
         ranges: &[IsoRange],
         rules: Option<&VoxelRules<'_>>,
     ) -> ListChange {
+        self.update_for_frame(volume, brick_ranges, ranges, rules, &FrameHandle::new())
+            .expect("nobody cancels the frame")
+    }
+
+    /// The same for a frame.
+    ///
+    /// # Errors
+    /// If that is cancelled. Then the list is as it was, or empty.
+    pub fn update_for_frame(
+        &mut self,
+        volume: &Volume,
+        brick_ranges: &BrickRanges,
+        ranges: &[IsoRange],
+        rules: Option<&VoxelRules<'_>>,
+        frame: &FrameHandle,
+    ) -> Result<ListChange, Cancelled> {
         self.grid = BrickGrid::new(volume.grid());
-        with_samples!(volume.samples(), |s| update(self, volume, s, brick_ranges, ranges, rules))
+        let to = Update { volume, brick_ranges, ranges, rules, frame };
+        with_samples!(volume.samples(), |s| update(self, s, &to))
+    }
+
+    /// Makes it empty, and retains its room.
+    pub(crate) fn clear(&mut self) {
+        self.bricks.clear();
+        self.records.clear();
+        self.ranges.clear();
     }
 
     /// Fills `results`, one a voxel, in parallel: `fill` is called for each brick with its voxels and their

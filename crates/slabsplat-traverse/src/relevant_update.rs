@@ -20,44 +20,48 @@ use crate::order::Ordered;
 use crate::voxel_rules::VoxelRules;
 use crate::{BRICK_SIDE, Brick, BrickGrid, BrickRanges, ListChange, RelevantList, VoxelRecord};
 use rayon::prelude::*;
-use slabsplat_core::{IsoRange, Volume};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
 use std::ops::Range;
 
 /// Bricks to a task; few in tests, whose volumes are small, so that there are gaps to close and to make.
 const CHUNK_BRICKS: usize = if cfg!(test) { 3 } else { 256 };
 
-/// See [`RelevantList::update`]; `samples` are those of `volume`.
+/// Voxels that room is made for between two looks at whether anyone still wants them: a millisecond.
+const MADE_AT_ONCE: usize = 1 << 18;
+
+/// What a list shall become, and for which frame.
+pub(crate) struct Update<'a> {
+    pub(crate) volume: &'a Volume,
+    pub(crate) brick_ranges: &'a BrickRanges,
+    pub(crate) ranges: &'a [IsoRange],
+    pub(crate) rules: Option<&'a VoxelRules<'a>>,
+    pub(crate) frame: &'a FrameHandle,
+}
+
+/// See [`RelevantList::update_for_frame`]; `samples` are those of the volume.
 pub(crate) fn update<T: Ordered>(
     list: &mut RelevantList,
-    volume: &Volume,
     samples: &[T],
-    brick_ranges: &BrickRanges,
-    ranges: &[IsoRange],
-    rules: Option<&VoxelRules<'_>>,
-) -> ListChange {
+    to: &Update<'_>,
+) -> Result<ListChange, Cancelled> {
+    let &Update { volume, ranges, rules, frame, .. } = to;
     let RelevantList { grid, bricks, records, ranges: old_ranges } = list;
     let membership = Membership::new(volume, samples, *grid, ranges, rules);
-    let step =
-        Step { grid: *grid, old_bricks: bricks, old_ranges, membership, brick_ranges, ranges };
+    let step = Step { grid: *grid, old_bricks: bricks, old_ranges, membership, to };
     let chunks = step.count(records);
+    frame.check()?;
     let sum = |number: fn(&Chunk) -> usize| chunks.iter().map(number).sum();
     let change = ListChange { n_added: sum(Chunk::n_added), n_dropped: sum(Chunk::n_dropped) };
-    if 0 < change.n_dropped {
-        step.drop(&chunks, records);
-    }
-    if 0 < change.n_added {
-        make_room(&chunks, records);
-        if is_narrow(volume) {
-            step.add(&chunks, &Normals::<T, f32>::new(volume, samples), records);
-        } else {
-            step.add(&chunks, &Normals::<T, f64>::new(volume, samples), records);
-        }
+    let result = step.carry_out(change, &chunks, samples, records);
+    if result.is_err() {
+        list.clear();
+        return result.map(|()| change);
     }
     if change != ListChange::default() {
         *bricks = joined(&chunks);
     }
     *old_ranges = ranges.to_vec();
-    change
+    Ok(change)
 }
 
 /// One update: what there is, and what is wanted.
@@ -66,8 +70,7 @@ struct Step<'a, T> {
     old_bricks: &'a [Brick],
     old_ranges: &'a [IsoRange],
     membership: Membership<'a, T>,
-    brick_ranges: &'a BrickRanges,
-    ranges: &'a [IsoRange],
+    to: &'a Update<'a>,
 }
 
 /// What was and will be of a run of bricks.
@@ -101,8 +104,31 @@ impl Chunk {
 }
 
 impl<T: Ordered> Step<'_, T> {
+    /// Changes the records; if the frame is cancelled on the way they are of no meaning.
+    fn carry_out(
+        &self,
+        change: ListChange,
+        chunks: &[Chunk],
+        samples: &[T],
+        records: &mut Vec<VoxelRecord>,
+    ) -> Result<(), Cancelled> {
+        let &Update { volume, frame, .. } = self.to;
+        if 0 < change.n_dropped {
+            self.drop(chunks, records)?;
+        }
+        if 0 < change.n_added {
+            make_room(chunks, records, frame)?;
+            if is_narrow(volume) {
+                self.add(chunks, &Normals::<T, f32>::new(volume, samples), records);
+            } else {
+                self.add(chunks, &Normals::<T, f64>::new(volume, samples), records);
+            }
+        }
+        frame.check()
+    }
+
     fn count(&self, records: &[VoxelRecord]) -> Vec<Chunk> {
-        let n_bricks = self.brick_ranges.n_bricks();
+        let n_bricks = self.to.brick_ranges.n_bricks();
         let chunk = |chunk_idx: usize| {
             let start = chunk_idx * CHUNK_BRICKS;
             let end = n_bricks.min(start + CHUNK_BRICKS);
@@ -118,6 +144,9 @@ impl<T: Ordered> Step<'_, T> {
         let n_old = voxels_of(&self.old_bricks[old_bricks.clone()]).len();
         let mut chunk = Chunk { old_bricks, n_old, bricks: Vec::new(), n_kept: 0, n_new: 0 };
         for brick_idx in brick_idxs {
+            if self.to.frame.is_cancelled() {
+                break;
+            }
             let old = old.next_if(|brick| brick.brick_idx == brick_idx);
             let old = old.map_or(&[][..], |brick| &records[brick.voxels()]);
             if self.is_touched(brick_idx) {
@@ -131,11 +160,12 @@ impl<T: Ordered> Step<'_, T> {
         chunk
     }
 
-    fn drop(&self, chunks: &[Chunk], records: &mut Vec<VoxelRecord>) {
+    fn drop(&self, chunks: &[Chunk], records: &mut Vec<VoxelRecord>) -> Result<(), Cancelled> {
         let tasks = split(chunks, |chunk| chunk.n_old, records);
         tasks.into_par_iter().for_each(|(chunk, records)| self.drop_in_chunk(chunk, records));
         let (mut old_start, mut start) = (0, 0);
         for chunk in chunks {
+            self.to.frame.check()?;
             records.copy_within(old_start..old_start + chunk.n_kept, start);
             old_start += chunk.n_old;
             start += chunk.n_kept;
@@ -145,10 +175,11 @@ impl<T: Ordered> Step<'_, T> {
         if 4 * records.len() < 3 * records.capacity() {
             records.shrink_to_fit();
         }
+        Ok(())
     }
 
     fn drop_in_chunk(&self, chunk: &Chunk, records: &mut [VoxelRecord]) {
-        if chunk.n_dropped() == 0 {
+        if chunk.n_dropped() == 0 || self.to.frame.is_cancelled() {
             return;
         }
         let (mut next, mut n_kept) = (0, 0);
@@ -187,6 +218,9 @@ impl<T: Ordered> Step<'_, T> {
         }
         let mut kept_end = chunk.n_added();
         for &(brick, n_kept) in &chunk.bricks {
+            if self.to.frame.is_cancelled() {
+                return;
+            }
             let kept_start = kept_end;
             kept_end += usize::from(n_kept);
             let start = brick.first as usize;
@@ -203,15 +237,16 @@ impl<T: Ordered> Step<'_, T> {
 
     /// Whether the brick holds values that only the old or only the new ranges have.
     fn is_touched(&self, brick_idx: u32) -> bool {
-        let within = self.brick_ranges.of_brick(brick_idx as usize);
+        let within = self.to.brick_ranges.of_brick(brick_idx as usize);
         let clipped = |range: &IsoRange| [range.lo.max(within.lo), range.hi.min(within.hi)];
-        let [old, new] = [self.old_ranges, self.ranges].map(|ranges| &ranges[met(ranges, within)]);
+        let [old, new] =
+            [self.old_ranges, self.to.ranges].map(|ranges| &ranges[met(ranges, within)]);
         !old.iter().map(clipped).eq(new.iter().map(clipped))
     }
 
     fn mask(&self, brick_idx: u32) -> BrickMask {
-        let within = self.brick_ranges.of_brick(brick_idx as usize);
-        self.membership.of_brick(brick_idx, met(self.ranges, within))
+        let within = self.to.brick_ranges.of_brick(brick_idx as usize);
+        self.membership.of_brick(brick_idx, met(self.to.ranges, within))
     }
 }
 
@@ -245,22 +280,31 @@ fn split<'a, 'r>(
 }
 
 /// Moves each chunk's voxels to the end of the place that the chunk will fill.
-fn make_room(chunks: &[Chunk], records: &mut Vec<VoxelRecord>) {
+fn make_room(
+    chunks: &[Chunk],
+    records: &mut Vec<VoxelRecord>,
+    frame: &FrameHandle,
+) -> Result<(), Cancelled> {
     let n_new = chunks.iter().map(|chunk| chunk.n_new).sum();
     if records.is_empty() {
         // Zeroed by the system, page by page where threads first write.
         *records = bytemuck::zeroed_vec(n_new);
-        return;
+        return Ok(());
     }
     let mut kept_end = records.len();
     records.reserve_exact(n_new - kept_end);
-    records.resize(n_new, VoxelRecord::default());
+    while records.len() < n_new {
+        frame.check()?;
+        records.resize(n_new.min(records.len() + MADE_AT_ONCE), VoxelRecord::default());
+    }
     let mut end = n_new;
     for chunk in chunks.iter().rev() {
+        frame.check()?;
         records.copy_within(kept_end - chunk.n_kept..kept_end, end - chunk.n_kept);
         kept_end -= chunk.n_kept;
         end -= chunk.n_new;
     }
+    Ok(())
 }
 
 /// Fills the front of `records` with the voxels of `mask`: those that are there already, `n_kept` from

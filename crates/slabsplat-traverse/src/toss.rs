@@ -8,6 +8,7 @@
 
 use crate::Buckets;
 use rayon::prelude::*;
+use slabsplat_core::{Cancelled, FrameHandle};
 
 /// The image cut into square tiles.
 ///
@@ -183,9 +184,17 @@ impl TileGrid {
 
 impl<T: Copy + Default> TileToss<T> {
     /// Tosses splats, of which `splat` gives one by its name.
-    pub fn toss(&mut self, tiles: &TileGrid, entries: &[TileEntry], splat: impl Fn(u32) -> T) {
-        let runs = std::iter::once(entries);
-        self.0.sort(tiles.n_tiles(), runs, |entry| entry.tile as usize, |entry| splat(entry.name));
+    ///
+    /// If the frame is cancelled they may be any of them, or none.
+    pub fn toss(
+        &mut self,
+        tiles: &TileGrid,
+        entries: &[TileEntry],
+        splat: impl Fn(u32) -> T,
+        frame: &FrameHandle,
+    ) {
+        let (runs, splat) = (std::iter::once(entries), |entry: &TileEntry| splat(entry.name));
+        self.0.sort(tiles.n_tiles(), runs, |entry| entry.tile as usize, splat, frame);
     }
 
     /// The splats on a tile, in the order of the run.
@@ -201,13 +210,17 @@ impl<T: Copy + Default> TileToss<T> {
 }
 
 impl TileBuckets {
-    /// Tosses the splats `0..n_splats` onto the tiles that `rect_of` gives for each.
+    /// Tosses the splats `0..n_splats` onto the tiles that `rect_of` gives for each, for a frame.
+    ///
+    /// # Errors
+    /// If that is cancelled; what falls on which tile is then of no meaning.
     pub fn toss(
         &mut self,
         tiles: &TileGrid,
         n_splats: usize,
         rect_of: impl Fn(usize) -> TileRect + Sync,
-    ) {
+        frame: &FrameHandle,
+    ) -> Result<(), Cancelled> {
         // Many runs to balance the load, but not so many that their starts outweigh the splats.
         // A run's tosses are counted in 32 bits, even if every splat falls on every tile.
         let countable = (u32::MAX as usize / tiles.n_tiles()).max(1);
@@ -221,14 +234,22 @@ impl TileBuckets {
         runs.for_each(|(run_idx, Run { entries, toss })| {
             let first = run_idx * run_len;
             entries.clear();
-            for splat in first..(first + run_len).min(n_splats) {
-                let rect = rect_of(splat);
-                if rect != TileRect::EMPTY {
-                    tiles.push(rect, (splat - first) as u32, entries);
+            let end = (first + run_len).min(n_splats);
+            for start in (first..end).step_by(LOOK_EVERY) {
+                if frame.is_cancelled() {
+                    entries.clear();
+                    break;
+                }
+                for splat in start..end.min(start + LOOK_EVERY) {
+                    let rect = rect_of(splat);
+                    if rect != TileRect::EMPTY {
+                        tiles.push(rect, (splat - first) as u32, entries);
+                    }
                 }
             }
-            toss.toss(tiles, entries, |name| name);
+            toss.toss(tiles, entries, |name| name, frame);
         });
+        frame.check()
     }
 
     /// The splats on a tile, rising.
@@ -251,6 +272,9 @@ impl TileBuckets {
         self.runs.iter().map(bytes).sum()
     }
 }
+
+/// Splats between two looks at whether anyone still wants them.
+const LOOK_EVERY: usize = 1 << 12;
 
 /// What lies exactly on a pixel's centre must count on both sides alike, or pictures would not be symmetric.
 const MARGIN: f32 = 1.0 / 1024.0;
@@ -293,7 +317,8 @@ mod tests {
             let mut buckets = TileBuckets::default();
             for (n_threads, n_splats) in [(1, 40_000), (3, 20_000), (8, 40_000), (2, 0)] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
-                pool.install(|| buckets.toss(&tiles, n_splats, |i| rects[i]));
+                let frame = FrameHandle::new();
+                pool.install(|| buckets.toss(&tiles, n_splats, |i| rects[i], &frame)).unwrap();
                 for tile_idx in 0..tiles.n_tiles() {
                     let expected: Vec<usize> =
                         expected(tile_idx, n_splats).map(|(i, _)| i).collect();
@@ -310,7 +335,8 @@ mod tests {
     fn toss_takes_runs_of_middle_length() {
         let check = |n_splats: usize, size: [u32; 2], n_runs: usize| {
             let mut buckets = TileBuckets::default();
-            buckets.toss(&TileGrid::new(size, 1, 0), n_splats, |_| TileRect::EMPTY);
+            let (tiles, frame) = (TileGrid::new(size, 1, 0), FrameHandle::new());
+            buckets.toss(&tiles, n_splats, |_| TileRect::EMPTY, &frame).unwrap();
             assert_eq!(buckets.n_runs, n_runs, "{n_splats} splats on {size:?} tiles");
         };
         check(1 << 14, [5, 7], 1);
@@ -324,10 +350,11 @@ mod tests {
     fn toss_holds_entries_and_names() {
         let tiles = TileGrid::new([5, 7], 1, 0);
         let mut buckets = TileBuckets::default();
-        buckets.toss(&tiles, 16_000, |splat| {
+        let rect = |splat| {
             let tile = [splat as u16 % 5, splat as u16 % 7];
             TileRect { min: tile, max: tile }
-        });
+        };
+        buckets.toss(&tiles, 16_000, rect, &FrameHandle::new()).unwrap();
         let least = 16_000 * (size_of::<TileEntry>() + size_of::<u32>());
         assert!((least..3 * least).contains(&buckets.resident_bytes()));
         let run = &buckets.runs[0];

@@ -4,6 +4,7 @@ use crate::faults::Faults;
 use slabsplat_gpu::{DeviceError, DeviceInfo};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::time::Duration;
 
 /// A device of wgpu, its queue, and what is known of them.
 #[derive(Debug)]
@@ -37,6 +38,12 @@ impl Gpu {
     /// Waits until the submission is executed. Browsers do not let anyone wait; there it returns at once.
     pub(crate) fn wait(&self, submission: wgpu::SubmissionIndex) {
         self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None });
+    }
+
+    /// The same, but no longer than that.
+    pub(crate) fn wait_at_most(&self, submission: wgpu::SubmissionIndex, at_most: Duration) {
+        let timeout = Some(at_most);
+        self.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout });
     }
 
     fn poll(&self, how: wgpu::PollType) {

@@ -21,6 +21,7 @@ pub(crate) struct InFlight {
 /// What is needed to finish work.
 #[derive(Debug)]
 pub(crate) struct Flight {
+    pub(crate) submission: wgpu::SubmissionIndex,
     pub(crate) signal: Signal,
     pub(crate) read_back: Option<ReadBack>,
     pub(crate) n_read_bytes: u64,
@@ -39,12 +40,17 @@ impl InFlight {
         }
     }
 
-    pub(crate) fn add(&mut self, flight: Flight, submission: wgpu::SubmissionIndex) -> WorkId {
+    pub(crate) fn add(&mut self, flight: Flight) -> WorkId {
         let id = WorkId(self.n_submitted);
         self.n_submitted += 1;
+        self.running.push_back(flight.submission.clone());
         self.by_id.insert(id, flight);
-        self.running.push_back(submission);
         id
+    }
+
+    /// The submission that work is part of, unless it was taken.
+    pub(crate) fn submission(&self, id: WorkId) -> Option<wgpu::SubmissionIndex> {
+        self.by_id.get(&id).map(|flight| flight.submission.clone())
     }
 
     pub(crate) fn is_pending(&self, id: WorkId) -> bool {

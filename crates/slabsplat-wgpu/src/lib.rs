@@ -59,6 +59,7 @@ pub use open::{devices, open, open_async};
 
 use slabsplat_gpu::{BufferId, Device, DeviceError, DeviceInfo, Done, Work, WorkId};
 use std::task::Poll;
+use std::time::Duration;
 
 /// A device that wgpu opened.
 ///
@@ -116,5 +117,12 @@ impl Device for WgpuDevice {
     fn poll(&mut self, work: WorkId) -> Result<Poll<Done>, DeviceError> {
         self.gpu.look_around()?;
         self.collect(work)
+    }
+
+    fn wait(&mut self, work: WorkId, at_most: Duration) {
+        let submission = self.in_flight.submission(work);
+        if let (Some(submission), Ok(())) = (submission, self.gpu.look_around()) {
+            self.gpu.wait_at_most(submission, at_most);
+        }
     }
 }

@@ -28,6 +28,7 @@ impl WgpuDevice {
             .faults
             .check_made(work.writes.iter().map(|write| write.bytes.len() as u64).sum())?;
         let flight = Flight {
+            submission,
             signal,
             read_back: prepared.read_back,
             n_read_bytes: prepared.n_read_bytes,
@@ -35,7 +36,7 @@ impl WgpuDevice {
             timer: prepared.timer,
             stages: prepared.stages,
         };
-        Ok(self.in_flight.add(flight, submission))
+        Ok(self.in_flight.add(flight))
     }
 
     fn prepare(&mut self, work: &Work<'_>) -> Result<Prepared, DeviceError> {

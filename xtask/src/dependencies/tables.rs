@@ -25,7 +25,7 @@ pub(super) struct Floors {
 pub(super) const FLOORS: &[Floors] = &[Floors {
     folder: "crates/slabsplat-cpu/src",
     from_below: &[
-        &["stopwatch"],
+        &["stopwatch", "progress"],
         &["pixels"],
         &["voxels"],
         &["footprints"],

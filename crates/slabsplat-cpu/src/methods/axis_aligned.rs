@@ -7,11 +7,12 @@ use crate::footprints::whole::WholeFootprints;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
+use crate::progress::Progress;
 use crate::stopwatch::Stopwatch;
 use crate::voxels::by_sheet::BySheet;
 use crate::voxels::voxel::Voxel;
 use fearless_simd::{Simd, dispatch};
-use slabsplat_core::SliceOrder;
+use slabsplat_core::{Cancelled, SliceOrder};
 use slabsplat_kernel::FootprintTable;
 use slabsplat_traverse::{TileBuckets, Workspaces};
 use std::sync::Arc;
@@ -42,22 +43,22 @@ pub(crate) fn render(
     table: &Arc<FootprintTable>,
     tiles: &mut Tiles,
     Buffers { polynomials, voxels, splats, workspaces }: &mut Buffers,
-    watch: &mut Stopwatch,
-) {
-    whole_voxels::shade(stage, |coords| order.sheet_of(coords) as u32, voxels);
-    watch.done("shade");
+    watch: &mut Stopwatch<'_>,
+) -> Result<(), Cancelled> {
+    whole_voxels::shade(stage, |coords| order.sheet_of(coords) as u32, voxels)?;
+    watch.done("shade")?;
     let point = |splat: usize| voxels[splat].point;
-    whole_voxels::toss(&stage.raster, &tiles.grid, voxels.len(), point, splats);
-    watch.done("toss");
+    whole_voxels::toss(stage, &tiles.grid, voxels.len(), point, splats)?;
+    watch.done("toss")?;
     let polynomials = polynomials.of(table);
     let footprints = WholeFootprints { raster: &stage.raster, polynomials };
-    tiles.for_each(workspaces, |tile_idx, tile, workspace| {
+    tiles.for_each(Progress::of_all(stage.frame), workspaces, |tile_idx, tile, workspace| {
         let here = splats.on_tile(tile_idx).map(|splat| std::slice::from_ref(&voxels[splat]));
         let slice_of = |voxel: &Voxel<u32>| (0, voxel.sheets as usize);
-        workspace.voxels.sort(1, 0..order.n_slices, here, slice_of);
+        workspace.voxels.sort(1, 0..order.n_slices, here, slice_of, stage.frame);
         dispatch!(stage.level, simd => render_slices(simd, stage, &footprints, tile, workspace));
     });
-    watch.done("splat");
+    watch.done("splat")
 }
 
 /// Splats and composites the slices of a tile's voxels, front to back, until the tile is saturated.
@@ -71,6 +72,9 @@ fn render_slices<S: Simd>(
 ) {
     let slices = voxels.sheets();
     for slice in slices.clone() {
+        if stage.frame.is_cancelled() {
+            break;
+        }
         for voxel in voxels.starting_in(0, slice..slice + 1).iter() {
             footprints.add(simd, voxel, tile, sheet);
         }

@@ -7,9 +7,11 @@ use crate::footprints::whole::WholeFootprints;
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
+use crate::progress::Progress;
 use crate::stopwatch::Stopwatch;
 use crate::voxels::voxel::Voxel;
 use fearless_simd::{Simd, dispatch};
+use slabsplat_core::Cancelled;
 use slabsplat_kernel::FootprintTable;
 use slabsplat_traverse::{DepthOrder, TileBuckets, Workspaces};
 use std::sync::Arc;
@@ -35,22 +37,22 @@ pub(crate) fn render(
     table: &Arc<FootprintTable>,
     tiles: &mut Tiles,
     Buffers { polynomials, voxels, order, splats, sheets }: &mut Buffers,
-    watch: &mut Stopwatch,
-) {
-    whole_voxels::shade(stage, |_| (), voxels);
-    watch.done("shade");
-    order.update(stage.layer.volume.grid(), &stage.layer.view, stage.list);
-    watch.done("sort");
+    watch: &mut Stopwatch<'_>,
+) -> Result<(), Cancelled> {
+    whole_voxels::shade(stage, |_| (), voxels)?;
+    watch.done("shade")?;
+    order.update(stage.layer.volume.grid(), &stage.layer.view, stage.list, stage.frame)?;
+    watch.done("sort")?;
     let voxel = |splat: usize| &voxels[order.place(splat)];
-    whole_voxels::toss(&stage.raster, &tiles.grid, order.len(), |s| voxel(s).point, splats);
-    watch.done("toss");
+    whole_voxels::toss(stage, &tiles.grid, order.len(), |s| voxel(s).point, splats)?;
+    watch.done("toss")?;
     let polynomials = polynomials.of(table);
     let footprints = WholeFootprints { raster: &stage.raster, polynomials };
-    tiles.for_each(sheets, |tile_idx, tile, sheet| {
+    tiles.for_each(Progress::of_all(stage.frame), sheets, |tile_idx, tile, sheet| {
         let here = splats.on_tile(tile_idx).map(voxel);
         dispatch!(stage.level, simd => render_voxels(simd, stage, &footprints, here, tile, sheet));
     });
-    watch.done("splat");
+    watch.done("splat")
 }
 
 /// Composites the tile's voxels, front to back, until the tile is saturated.
@@ -65,6 +67,9 @@ fn render_voxels<'a, S: Simd>(
 ) {
     for (place, voxel) in voxels.enumerate() {
         if place % LOOK_EVERY == 0 {
+            if stage.frame.is_cancelled() {
+                return;
+            }
             tile.close_saturated_blocks(stage.plan.opacity_cutoff);
         }
         if let Some(pixels) = footprints.add(simd, voxel, tile, sheet) {

@@ -12,7 +12,7 @@ use crate::stopwatch::Stopwatch;
 use fearless_simd::Simd;
 use slabsplat_backend::{ColorSplats, FramePlan, Splats};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, SlabGrid};
+use slabsplat_core::{Cancelled, Compositing, SlabGrid};
 use slabsplat_traverse::{Brick, BrickBounds, BrickView, RelevantList, VoxelLighting, VoxelRecord};
 
 /// What is cached from frame to frame.
@@ -25,16 +25,16 @@ pub(crate) fn render(
     plan: &FramePlan<'_>,
     tiles: &mut Tiles,
     buffers: &mut Buffers,
-    watch: &mut Stopwatch,
-) -> u64 {
+    watch: &mut Stopwatch<'_>,
+) -> Result<u64, Cancelled> {
     let voxels: Vec<Shaded<'_>> = stages.iter().map(Shaded::new).collect();
     let layers = stages.iter().zip(&voxels).filter_map(|(stage, voxels)| {
-        let Stage { plan, layer, level, raster, bricks, .. } = stage;
+        let Stage { plan, layer, frame, level, raster, bricks, .. } = stage;
         let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats else { return None };
-        let stage = slabs::Stage { plan, layer, level: *level, raster, bricks, voxels };
+        let stage = slabs::Stage { plan, layer, frame, level: *level, raster, bricks, voxels };
         Some((stage, SectionsInSlabs::of_colors(splats)))
     });
-    let Some((_, first)) = layers.clone().next() else { return 0 };
+    let Some((_, first)) = layers.clone().next() else { return Ok(0) };
     let sheets = Composited {
         compositing: plan.compositing,
         cutoff: plan.opacity_cutoff,

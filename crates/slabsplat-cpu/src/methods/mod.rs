@@ -15,12 +15,14 @@ mod whole_voxels;
 use crate::footprints::raster::Raster;
 use fearless_simd::Level;
 use slabsplat_backend::{FramePlan, LayerPlan};
+use slabsplat_core::FrameHandle;
 use slabsplat_traverse::{BrickView, RelevantList, VoxelLighting};
 
 /// What the stages of a frame of coloured splats share, for one layer.
 pub(crate) struct Stage<'a> {
     pub(crate) plan: &'a FramePlan<'a>,
     pub(crate) layer: &'a LayerPlan<'a>,
+    pub(crate) frame: &'a FrameHandle,
     /// The instructions to be used.
     pub(crate) level: Level,
     pub(crate) raster: Raster,

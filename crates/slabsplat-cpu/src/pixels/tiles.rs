@@ -2,10 +2,12 @@
 
 use super::rectangle::TILE_SIDE;
 use super::tile::Tile;
+use crate::progress::Progress;
 use rayon::prelude::*;
 use slabsplat_backend::FrameStats;
-use slabsplat_core::Image;
+use slabsplat_core::{Cancelled, FrameHandle, Image};
 use slabsplat_traverse::{TileGrid, Workspaces};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// All tiles of an image, row by row.
 #[derive(Debug)]
@@ -17,15 +19,23 @@ pub(crate) struct Tiles {
 
 impl Tiles {
     /// Tiles with `border` pixels of their neighbours' on each side.
-    pub(crate) fn new(image_size: [u32; 2], border: usize) -> Self {
+    pub(crate) fn new(
+        image_size: [u32; 2],
+        border: usize,
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let grid = TileGrid::new(image_size, TILE_SIDE, border);
-        let tile = |tile_idx| Tile::new(grid.origin(tile_idx), image_size, border);
-        Self { grid, tiles: (0..grid.n_tiles()).map(tile).collect(), image_size }
+        let mut tiles = Vec::with_capacity(grid.n_tiles());
+        for tile_idx in 0..grid.n_tiles() {
+            frame.check()?;
+            tiles.push(Tile::new(grid.origin(tile_idx), image_size, border));
+        }
+        Ok(Self { grid, tiles, image_size })
     }
 
-    /// Makes them empty again.
-    pub(crate) fn clear(&mut self) {
-        self.tiles.par_iter_mut().for_each(Tile::clear);
+    /// Makes them empty again, unless nobody wants them.
+    pub(crate) fn clear(&mut self, frame: &FrameHandle) {
+        self.tiles.par_iter_mut().filter(|_| !frame.is_cancelled()).for_each(Tile::clear);
     }
 
     /// Makes their pixels empty again; what was counted stays.
@@ -40,9 +50,10 @@ impl Tiles {
         }
     }
 
-    /// Calls `work` with every tile, in parallel.
+    /// Calls `work` with every tile, in parallel, until the frame is cancelled.
     pub(crate) fn for_each<W: Default + Send>(
         &mut self,
+        progress: Progress<'_>,
         workspaces: &mut Workspaces<W>,
         work: impl Fn(usize, &mut Tile, &mut W) + Sync,
     ) {
@@ -50,30 +61,37 @@ impl Tiles {
         let work = |tile_idx, tile: &mut Tile, (): &mut (), workspace: &mut W| {
             work(tile_idx, tile, workspace);
         };
-        self.for_each_with(&mut nothing, workspaces, work);
+        self.for_each_with(progress, &mut nothing, workspaces, work);
     }
 
     /// The same, with something more of each tile.
     pub(crate) fn for_each_with<T: Send, W: Default + Send>(
         &mut self,
+        progress: Progress<'_>,
         of_tiles: &mut [T],
         workspaces: &mut Workspaces<W>,
         work: impl Fn(usize, &mut Tile, &mut T, &mut W) + Sync,
     ) {
         let workspaces = workspaces.for_all_threads();
+        let (n_tiles, n_done) = (self.tiles.len(), AtomicUsize::new(0));
         let tiles = self.tiles.par_iter_mut().zip(of_tiles).enumerate().with_max_len(1);
         tiles.for_each(|(tile_idx, (tile, of_tile))| {
+            if progress.frame.is_cancelled() {
+                return;
+            }
             work(tile_idx, tile, of_tile, &mut workspaces.of_this_thread());
+            progress.part(n_done.fetch_add(1, Ordering::Relaxed), n_tiles).finish();
         });
     }
 
-    /// The picture, before what is `behind` it.
-    pub(crate) fn image(&self, behind: [f32; 4]) -> Image {
+    /// The picture, before what is `behind` it; of no meaning if the frame is cancelled.
+    pub(crate) fn image(&self, behind: [f32; 4], frame: &FrameHandle) -> Image {
         let [width, height] = self.image_size;
         let mut image = Image::filled(width, height, [0.0; 4]);
         let rows = image.pixels_mut().par_chunks_mut(width as usize * self.grid.step() as usize);
         rows.zip(self.tiles.par_chunks(self.grid.n_x)).for_each(|(rows, tiles)| {
-            tiles.iter().for_each(|tile| tile.copy_to(rows, width as usize, behind));
+            let wanted = tiles.iter().take_while(|_| !frame.is_cancelled());
+            wanted.for_each(|tile| tile.copy_to(rows, width as usize, behind));
         });
         image
     }

@@ -1,5 +1,6 @@
 //! The second level of the toss (paper §7): a tile's voxels by the sheet that each goes to first.
 
+use slabsplat_core::FrameHandle;
 use slabsplat_traverse::Buckets;
 use std::ops::Range;
 
@@ -35,13 +36,14 @@ impl<V> Default for BySheet<V> {
 
 impl<V: Copy + Default> BySheet<V> {
     /// Sorts the voxels of `runs`, of which `key_of` returns the class, below `n_classes`, and the sheet, one
-    /// of `sheets`; forgets others.
+    /// of `sheets`; forgets others. If the frame is cancelled they may be any of them, or none.
     pub(crate) fn sort<'a>(
         &mut self,
         n_classes: usize,
         sheets: Range<usize>,
         runs: impl Iterator<Item = &'a [V]> + Clone,
         key_of: impl Fn(&V) -> (usize, usize),
+        frame: &FrameHandle,
     ) where
         V: 'a,
     {
@@ -52,7 +54,7 @@ impl<V: Copy + Default> BySheet<V> {
             let (class, sheet) = key_of(voxel);
             class * n_sheets + sheet - sheets.start
         };
-        self.buckets.sort(n_classes * n_sheets, runs, bucket_of, |voxel| *voxel);
+        self.buckets.sort(n_classes * n_sheets, runs, bucket_of, |voxel| *voxel, frame);
         let ends_of = |class: usize| {
             let first = class * n_sheets;
             let ends = self.buckets.ends_held(first..first + n_sheets)?;
@@ -107,6 +109,16 @@ impl<'a, V> Run<'a, V> {
         &self.voxels[self.start + idx]
     }
 
+    /// The same voxels in runs of up to so many.
+    #[inline(always)]
+    pub(crate) fn pieces(self, n_voxels: usize) -> impl Iterator<Item = Self> {
+        (0..self.len).step_by(n_voxels).map(move |first| Self {
+            start: self.start + first,
+            len: n_voxels.min(self.len - first),
+            ..self
+        })
+    }
+
     /// All of them.
     pub(crate) fn iter(self) -> std::slice::Iter<'a, V> {
         self.voxels[self.start..self.start + self.len].iter()
@@ -126,7 +138,7 @@ mod tests {
                 let voxel = |id: usize| (id, rng.usize(0..3), rng.usize(5..25));
                 let voxels: Vec<(usize, usize, usize)> = (0..n_voxels).map(voxel).collect();
                 let key_of = |voxel: &(usize, usize, usize)| (voxel.1, voxel.2);
-                sorted.sort(3, 4..25, voxels.chunks(9), key_of);
+                sorted.sort(3, 4..25, voxels.chunks(9), key_of, &FrameHandle::new());
                 let sheets = || voxels.iter().map(|voxel| key_of(voxel).1);
                 if let (Some(first), Some(last)) = (sheets().min(), sheets().max()) {
                     assert_eq!(sorted.sheets(), first..last + 1);

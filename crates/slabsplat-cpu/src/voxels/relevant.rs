@@ -1,7 +1,7 @@
 //! The relevant voxels of the last plan, cached for the next one.
 
 use slabsplat_backend::{ByIdentity, Cached};
-use slabsplat_core::{IsoRange, Volume};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
 use slabsplat_traverse::{BrickRanges, OwnVoxelRules, RelevantList, VoxelRules};
 use std::sync::Arc;
 
@@ -25,12 +25,12 @@ impl Relevant {
         volume: &Arc<Volume>,
         ranges: &[IsoRange],
         rules: &VoxelRules<'_>,
-    ) -> &RelevantList {
-        let of_volume = self.0.made_of(ByIdentity::of(volume), |_| OfVolume {
-            brick_ranges: BrickRanges::new(volume),
-            rules: None,
-            list: RelevantList::default(),
-        });
+        frame: &FrameHandle,
+    ) -> Result<&RelevantList, Cancelled> {
+        let of_volume = self.0.try_made_of(ByIdentity::of(volume), |_| {
+            let brick_ranges = BrickRanges::for_frame(volume, frame)?;
+            Ok(OfVolume { brick_ranges, rules: None, list: RelevantList::default() })
+        })?;
         let OfVolume { brick_ranges, rules: listed_by, list } = of_volume;
         let rules = (!rules.are_by_value()).then_some(rules);
         if listed_by.as_ref().map(OwnVoxelRules::rules) != rules.copied() {
@@ -38,9 +38,9 @@ impl Relevant {
             *list = RelevantList::default();
         }
         if list.ranges() != ranges {
-            list.update(volume, brick_ranges, ranges, rules);
+            list.update_for_frame(volume, brick_ranges, ranges, rules, frame)?;
         }
-        list
+        Ok(list)
     }
 
     /// Bytes held beside the volume.

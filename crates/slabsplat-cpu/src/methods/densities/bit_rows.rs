@@ -9,6 +9,7 @@
 
 use super::reach::Row;
 use rayon::prelude::*;
+use slabsplat_core::FrameHandle;
 use std::ops::RangeInclusive;
 
 /// Some of the voxels, row by row along the first axis.
@@ -22,11 +23,16 @@ pub(super) struct BitRows {
 const BITS: usize = u64::BITS as usize;
 
 impl BitRows {
-    /// Those of which `is_meant`, given their places in memory.
-    pub(super) fn of(dims: [usize; 3], is_meant: impl Fn(usize) -> bool + Sync) -> Self {
+    /// Those of which `is_meant`, given their places in memory; any, if the frame is cancelled.
+    pub(super) fn of(
+        dims: [usize; 3],
+        frame: &FrameHandle,
+        is_meant: impl Fn(usize) -> bool + Sync,
+    ) -> Self {
         let mut all = Self::none(dims);
         let n_words = all.n_words;
-        all.bits.par_chunks_mut(n_words).enumerate().for_each(|(row, words)| {
+        let rows = all.bits.par_chunks_mut(n_words).enumerate();
+        rows.filter(|_| !frame.is_cancelled()).for_each(|(row, words)| {
             for x in 0..dims[0] {
                 words[x / BITS] |= u64::from(is_meant(row * dims[0] + x)) << (x % BITS);
             }
@@ -44,25 +50,23 @@ impl BitRows {
         self.bits[row * self.n_words + x / BITS] >> (x % BITS) & 1 == 1
     }
 
-    /// The voxels that are one of some steps away from any of these.
-    pub(super) fn spread(&self, steps: &[Row]) -> Self {
+    /// The voxels that are one of some steps away from any of these; any, if the frame is cancelled.
+    pub(super) fn spread(&self, steps: &[Row], frame: &FrameHandle) -> Self {
         let mut all = Self::none(self.dims);
-        all.bits.par_chunks_mut(self.n_words).enumerate().for_each_init(
-            Vec::new,
-            |joined, (row, words)| {
-                for alike in steps.chunk_by(|a, b| a.x == b.x) {
-                    joined.clear();
-                    joined.resize(self.n_words + alike[0].x.clone().count().div_ceil(BITS), 0);
-                    for source in alike.iter().filter_map(|steps| self.row(row, steps)) {
-                        or(joined, source);
-                    }
-                    if joined.iter().any(|word| *word != 0) {
-                        move_by_each(joined, alike[0].x.clone());
-                        or(words, joined);
-                    }
+        let rows = all.bits.par_chunks_mut(self.n_words).enumerate();
+        rows.filter(|_| !frame.is_cancelled()).for_each_init(Vec::new, |joined, (row, words)| {
+            for alike in steps.chunk_by(|a, b| a.x == b.x) {
+                joined.clear();
+                joined.resize(self.n_words + alike[0].x.clone().count().div_ceil(BITS), 0);
+                for source in alike.iter().filter_map(|steps| self.row(row, steps)) {
+                    or(joined, source);
                 }
-            },
-        );
+                if joined.iter().any(|word| *word != 0) {
+                    move_by_each(joined, alike[0].x.clone());
+                    or(words, joined);
+                }
+            }
+        });
         all
     }
 
@@ -120,6 +124,7 @@ mod tests {
     fn bit_rows_spread_by_every_step() {
         for_each_seed(1, |mut rng| {
             for _ in 0..30 {
+                let frame = FrameHandle::new();
                 let dims = [rng.usize(1..200), rng.usize(1..6), rng.usize(1..6)];
                 let n_voxels = dims.iter().product();
                 let is_set: Vec<bool> = (0..n_voxels).map(|_| rng.u8(..40) == 0).collect();
@@ -131,7 +136,7 @@ mod tests {
                 let mut steps: Vec<Row> = (0..5).map(row).collect();
                 // Of one extent and another place.
                 steps.extend([Row { y: 1, ..steps[4].clone() }]);
-                let spread = BitRows::of(dims, |idx| is_set[idx]).spread(&steps);
+                let spread = BitRows::of(dims, &frame, |idx| is_set[idx]).spread(&steps, &frame);
                 for idx in 0..n_voxels {
                     let [x, y, z] =
                         [idx % dims[0], idx / dims[0] % dims[1], idx / dims[0] / dims[1]];

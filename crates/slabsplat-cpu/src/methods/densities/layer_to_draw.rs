@@ -7,10 +7,12 @@ use crate::methods::slabs::{SectionsInSlabs, Stage};
 use fearless_simd::Level;
 use slabsplat_backend::densities::{FULL_PART, ValueScale};
 use slabsplat_backend::{DensitySplats, FramePlan, LayerPlan};
+use slabsplat_core::FrameHandle;
 use slabsplat_traverse::BrickView;
 
 pub(super) struct LayerToDraw<'a> {
     pub(super) layer: &'a LayerPlan<'a>,
+    pub(super) frame: &'a FrameHandle,
     pub(super) splats: &'a DensitySplats,
     pub(super) raster: Raster,
     pub(super) bricks: BrickView,
@@ -28,8 +30,8 @@ impl LayerToDraw<'_> {
         plan: &'a FramePlan<'a>,
         level: Level,
     ) -> (Stage<'a>, SectionsInSlabs<'a>) {
-        let Self { layer, splats, raster, bricks, voxels, .. } = self;
-        let stage = Stage { plan, layer, level, raster, bricks, voxels };
+        let Self { layer, frame, splats, raster, bricks, voxels, .. } = self;
+        let stage = Stage { plan, layer, frame, level, raster, bricks, voxels };
         (stage, SectionsInSlabs::of_densities(splats))
     }
 

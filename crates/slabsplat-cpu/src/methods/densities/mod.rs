@@ -85,7 +85,7 @@ use selection::{BEYOND_AT_NODES, BEYOND_AT_PEAKS, Selection};
 use sheets::Limits;
 use slabsplat_backend::densities::ValueScale;
 use slabsplat_backend::{ByIdentity, Cached, FramePlan, LayerPlan, ShownDensities, Splats};
-use slabsplat_core::{Compositing, IsoRange, TransferFunction, Volume};
+use slabsplat_core::{Cancelled, Compositing, FrameHandle, IsoRange, TransferFunction, Volume};
 use slabsplat_traverse::BrickView;
 use statistic::OneByOne;
 use surfaces::Surfaces;
@@ -139,25 +139,31 @@ pub(crate) fn render(
     level: Level,
     tiles: &mut Tiles,
     Buffers { of_layers, to_draw }: &mut Buffers,
-    watch: &mut Stopwatch,
-) -> [u64; 2] {
+    watch: &mut Stopwatch<'_>,
+) -> Result<[u64; 2], Cancelled> {
     of_layers.resize_with(plan.layers.len(), OfLayer::default);
     let mut layers = Vec::with_capacity(plan.layers.len());
-    let in_plan = of_layers.iter_mut().zip(&plan.layers);
-    layers.extend(in_plan.filter_map(|(of_layer, layer)| of_layer.prepare(layer)));
-    watch.done("list");
+    for (of_layer, layer) in of_layers.iter_mut().zip(&plan.layers) {
+        layers.extend(of_layer.prepare(layer, watch.frame())?);
+    }
+    watch.done("list")?;
     let n_voxels =
         layers.iter().map(|layer: &LayerToDraw<'_>| layer.voxels.n_voxels() as u64).sum();
-    let n_occluded = draw(plan, shown, level, &layers, tiles, to_draw, watch);
-    [n_voxels, n_occluded]
+    let n_occluded = draw(plan, shown, level, &layers, tiles, to_draw, watch)?;
+    Ok([n_voxels, n_occluded])
 }
 
 impl OfLayer {
     /// `None` of a layer that splats no densities.
-    fn prepare<'a>(&'a mut self, layer: &'a LayerPlan<'a>) -> Option<LayerToDraw<'a>> {
-        let Splats::Densities(splats) = &layer.splats else { return None };
+    fn prepare<'a>(
+        &'a mut self,
+        layer: &'a LayerPlan<'a>,
+        frame: &'a FrameHandle,
+    ) -> Result<Option<LayerToDraw<'a>>, Cancelled> {
+        let Splats::Densities(splats) = &layer.splats else { return Ok(None) };
         let Self { finite, selection } = self;
-        let finite = *finite.made_of(ByIdentity::of(layer.volume), |_| finite_range(layer.volume));
+        let identity = ByIdentity::of(layer.volume);
+        let finite = *finite.try_made_of(identity, |_| finite_range(layer.volume, frame))?;
         let raster = Raster::new(layer, border(splats.shown));
         let is_exact = splats.separable.is_none();
         let reach = Reach::of(layer, &raster, &splats.slabs.grid, is_exact);
@@ -165,11 +171,12 @@ impl OfLayer {
         let thickness = splats.slabs.grid.thickness() / layer.volume.grid().unit();
         let shown = (ranges, beyond(splats.shown));
         let selected_by = (ByIdentity::of(layer.volume), shown, reach);
-        let selection = selection.made_of(selected_by, |(_, (ranges, beyond), reach)| {
-            Selection::new(layer.volume, finite, (ranges, *beyond), reach)
-        });
-        Some(LayerToDraw {
+        let selection = selection.try_made_of(selected_by, |(_, (ranges, beyond), reach)| {
+            Selection::new(layer.volume, finite, (ranges, *beyond), reach, frame)
+        })?;
+        Ok(Some(LayerToDraw {
             layer,
+            frame,
             splats,
             raster,
             bricks: BrickView::new(layer.volume.grid(), &layer.view),
@@ -177,7 +184,7 @@ impl OfLayer {
             scale,
             extent: finite.map_or(0.0, |range| scale.extent(range)),
             limits: Limits::new(scale.ends(), thickness, is_exact),
-        })
+        }))
     }
 
     fn resident_bytes(&self) -> usize {
@@ -214,8 +221,8 @@ fn draw(
     layers: &[LayerToDraw<'_>],
     tiles: &mut Tiles,
     buffers: &mut BuffersToDraw,
-    watch: &mut Stopwatch,
-) -> u64 {
+    watch: &mut Stopwatch<'_>,
+) -> Result<u64, Cancelled> {
     let BuffersToDraw { integrals, slabs, joined } = buffers;
     let (compositing, cutoff) = (plan.compositing, plan.opacity_cutoff);
     let in_slabs = layers.iter().map(|layer| layer.in_slabs(plan, level));

@@ -16,7 +16,7 @@
 use super::bit_rows::BitRows;
 use super::reach::Reach;
 use rayon::prelude::*;
-use slabsplat_core::{IsoRange, Volume};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
 use slabsplat_traverse::{BRICK_SIDE, Brick, BrickGrid};
 
 /// The voxels that are splatted, by brick.
@@ -50,18 +50,22 @@ impl Selection {
         finite: Option<[f64; 2]>,
         (ranges, beyond): (&[IsoRange], f64),
         reach: &Reach,
-    ) -> Self {
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let coder = Coder::new(finite);
-        let mut codes = Codes::new(volume, &coder);
-        let may_show = coder.visible_pairs(ranges, beyond);
+        let mut codes = Codes::new(volume, &coder, frame)?;
+        let may_show = coder.visible_pairs((ranges, beyond), frame)?;
         let rows = reach.rows();
         let needed = if rows.is_empty() { [None, None] } else { codes.needed(&may_show) };
-        let needed = needed.map(|bits| bits.map(|bits| bits.spread(&rows)));
+        let needed = needed.map(|bits| bits.map(|bits| bits.spread(&rows, frame)));
         for (axis, margin) in reach.margin.into_iter().enumerate() {
-            codes.widen(axis, margin);
+            codes.widen(axis, margin)?;
         }
         let grid = BrickGrid::new(volume.grid());
         let mask = |brick_idx: u32| {
+            if frame.is_cancelled() {
+                return None;
+            }
             let mask = codes.mask(&grid, brick_idx, |idx, least, largest| {
                 may_show[usize::from(least)][usize::from(largest)]
                     && needed.iter().flatten().all(|near| near.holds(idx))
@@ -71,16 +75,17 @@ impl Selection {
         };
         let n_bricks = grid.n_bricks() as u32;
         let selected: Vec<(u32, Mask)> = (0..n_bricks).into_par_iter().filter_map(mask).collect();
+        frame.check()?;
         let brick = |(first, &(brick_idx, mask)): (usize, &(u32, Mask))| {
             let n_voxels = mask.iter().map(|bits| bits.count_ones() as u16).sum();
             Brick { brick_idx, first: first as u32, n_voxels }
         };
         let bricks: Vec<Brick> = selected.iter().enumerate().map(brick).collect();
-        Self {
+        Ok(Self {
             n_voxels: bricks.iter().map(|brick| usize::from(brick.n_voxels)).sum(),
             bricks,
             masks: selected.into_iter().map(|(_, mask)| mask).collect(),
-        }
+        })
     }
 
     /// The places of a brick's voxels, rising.
@@ -164,7 +169,11 @@ impl Coder {
 
     /// Whether anything shows between values of a least and a largest code, and as far outside as densities
     /// may lie.
-    fn visible_pairs(&self, ranges: &[IsoRange], beyond: f64) -> Vec<[bool; 256]> {
+    fn visible_pairs(
+        &self,
+        (ranges, beyond): (&[IsoRange], f64),
+        frame: &FrameHandle,
+    ) -> Result<Vec<[bool; 256]>, Cancelled> {
         let is_visible = |least: usize, largest: usize| {
             // Half of the least number above 0 is 0: where all is of one value, it is that which counts.
             for (code, value) in [FIRST, LAST].into_iter().zip(self.ends) {
@@ -179,14 +188,16 @@ impl Coder {
             ranges.iter().any(|range| 0.5 * range.lo <= hi && lo <= 0.5 * range.hi)
         };
         let row = |least: usize| {
-            std::array::from_fn(|largest| least <= largest && is_visible(least, largest))
+            frame.check()?;
+            Ok(std::array::from_fn(|largest| least <= largest && is_visible(least, largest)))
         };
         (0..256).map(row).collect()
     }
 }
 
 /// Codes of voxels, or of neighbourhoods of them: the least and the largest.
-struct Codes {
+struct Codes<'a> {
+    frame: &'a FrameHandle,
     dims: [usize; 3],
     least: Vec<u8>,
     largest: Vec<u8>,
@@ -195,33 +206,54 @@ struct Codes {
 /// Voxels that a thread takes on at a time.
 const CHUNK: usize = 1 << 16;
 
-impl Codes {
-    fn new(volume: &Volume, coder: &Coder) -> Self {
+/// Bytes that are copied between two looks at whether anyone still wants them: half a millisecond.
+const COPIED_AT_ONCE: usize = 1 << 20;
+
+impl<'a> Codes<'a> {
+    fn new(volume: &Volume, coder: &Coder, frame: &'a FrameHandle) -> Result<Self, Cancelled> {
         let n_voxels = volume.grid().n_voxels();
-        let codes = (0..n_voxels).into_par_iter().with_min_len(CHUNK);
         let code = |value: f64| {
             if value.is_nan() { NOTHING } else { (coder.code(value), coder.code(value)) }
         };
-        let (least, largest) = codes.map(|idx| code(volume.value(idx))).unzip();
-        Self { dims: volume.grid().dims(), least, largest }
+        let (mut least, mut largest) = (vec![0; n_voxels], vec![0; n_voxels]);
+        let chunks = least.par_chunks_mut(CHUNK).zip(largest.par_chunks_mut(CHUNK)).enumerate();
+        chunks.filter(|_| !frame.is_cancelled()).for_each(|(chunk, (least, largest))| {
+            for (idx, codes) in (chunk * CHUNK..).zip(least.iter_mut().zip(largest)) {
+                (*codes.0, *codes.1) = code(volume.value(idx));
+            }
+        });
+        frame.check()?;
+        Ok(Self { frame, dims: volume.grid().dims(), least, largest })
     }
 
     /// The voxels one of which is near wherever anything shows: those with codes as large as the largest one
     /// there is at least, and those with codes as small; `None` where all voxels would be meant.
     fn needed(&self, may_show: &[[bool; 256]]) -> [Option<BitRows>; 2] {
-        let first = self.least.par_iter().copied().min().map_or(0, usize::from);
-        let last = self.largest.par_iter().copied().max().map_or(0, usize::from);
+        let [first, last] = self.ends();
         let largest =
             (first..=last).find(|&code| (first..=code).any(|least| may_show[least][code]));
         let least =
             (first..=last).rev().find(|&code| (code..=last).any(|largest| may_show[code][largest]));
         let large = largest
             .filter(|&code| first < code)
-            .map(|code| BitRows::of(self.dims, |idx| code <= usize::from(self.largest[idx])));
+            .map(|code| self.rows(|idx| code <= usize::from(self.largest[idx])));
         let small = least
             .filter(|&code| code < last)
-            .map(|code| BitRows::of(self.dims, |idx| usize::from(self.least[idx]) <= code));
+            .map(|code| self.rows(|idx| usize::from(self.least[idx]) <= code));
         [large, small]
+    }
+
+    /// The least and the largest code that there is; 0 if the frame is cancelled.
+    fn ends(&self) -> [usize; 2] {
+        let wanted = |_: &&[u8]| !self.frame.is_cancelled();
+        let chunks = |codes| <[u8]>::par_chunks(codes, CHUNK).filter(wanted);
+        let least = chunks(&self.least).map(|codes| codes.iter().fold(u8::MAX, |a, &b| a.min(b)));
+        let largest = chunks(&self.largest).map(|codes| codes.iter().fold(0, |a, &b| a.max(b)));
+        [least.min(), largest.max()].map(|end| end.map_or(0, usize::from))
+    }
+
+    fn rows(&self, is_meant: impl Fn(usize) -> bool + Sync) -> BitRows {
+        BitRows::of(self.dims, self.frame, is_meant)
     }
 
     /// The voxels of a brick of which `is_meant`, given their places in memory and their codes.
@@ -246,27 +278,41 @@ impl Codes {
     }
 
     /// Makes every code that of all voxels within `margin` steps along `axis`.
-    fn widen(&mut self, axis: usize, margin: usize) {
+    fn widen(&mut self, axis: usize, margin: usize) -> Result<(), Cancelled> {
         let mut reached = 0;
         while reached < margin {
             // Three windows side by side, or overlapping, make one.
             let step = (2 * reached + 1).min(margin - reached);
-            self.least = self.joined(&self.least, axis, step, u8::min);
-            self.largest = self.joined(&self.largest, axis, step, u8::max);
+            self.least = self.joined(&self.least, axis, step, u8::min)?;
+            self.largest = self.joined(&self.largest, axis, step, u8::max)?;
             reached += step;
         }
+        Ok(())
     }
 
     /// Joins every code with those `step` voxels before and after it along `axis`.
-    fn joined(&self, codes: &[u8], axis: usize, step: usize, join: fn(u8, u8) -> u8) -> Vec<u8> {
+    fn joined(
+        &self,
+        codes: &[u8],
+        axis: usize,
+        step: usize,
+        join: fn(u8, u8) -> u8,
+    ) -> Result<Vec<u8>, Cancelled> {
         let stride: usize = self.dims[..axis].iter().product();
         let (offset, block) = (step * stride, stride * self.dims[axis]);
-        let mut out = codes.to_vec();
+        let mut out = Vec::with_capacity(codes.len());
+        for codes in codes.chunks(COPIED_AT_ONCE) {
+            self.frame.check()?;
+            out.extend_from_slice(codes);
+        }
         // A block is a run of memory within which a step along the axis never leaves the grid.
         let blocks = out.par_chunks_mut(block).zip(codes.par_chunks(block));
         blocks.with_min_len(CHUNK.div_ceil(block)).for_each(|(out, codes)| {
             let fold = |out: &mut [u8], codes: &[u8]| {
-                out.iter_mut().zip(codes).for_each(|(out, &code)| *out = join(*out, code));
+                let chunks = out.chunks_mut(CHUNK).zip(codes.chunks(CHUNK));
+                for (out, codes) in chunks.take_while(|_| !self.frame.is_cancelled()) {
+                    out.iter_mut().zip(codes).for_each(|(out, &code)| *out = join(*out, code));
+                }
             };
             let n_moved = codes.len().saturating_sub(offset);
             if 0 < n_moved {
@@ -283,7 +329,8 @@ impl Codes {
                 fold(out, &codes[..stride]);
             }
         });
-        out
+        self.frame.check()?;
+        Ok(out)
     }
 }
 
@@ -322,7 +369,8 @@ mod tests {
                 let margin = [0, 1, 2].map(|axis| margin[axis].min(dims[axis]));
                 let reach = ellipsoid(margin);
                 let finite = Some([0.0, 8.0]);
-                let selection = Selection::new(&volume, finite, (ranges, BEYOND_AT_NODES), &reach);
+                let (shown, frame) = ((ranges, BEYOND_AT_NODES), FrameHandle::new());
+                let selection = Selection::new(&volume, finite, shown, &reach, &frame).unwrap();
                 let bricks = BrickGrid::new(&grid);
                 let mut selected = vec![false; grid.n_voxels()];
                 for brick in &selection.bricks {

@@ -22,7 +22,7 @@ use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use fearless_simd::Level;
 use slabsplat_backend::FramePlan;
-use slabsplat_core::Statistic;
+use slabsplat_core::{Cancelled, Statistic};
 
 /// Draws layers by the density that stands for all of each.
 #[derive(Clone, Copy)]
@@ -48,8 +48,8 @@ impl OneByOne<'_> {
         layers: &[LayerToDraw<'_>],
         tiles: &mut Tiles,
         (slabs, joined): (&mut SlabBuffers, &mut JoinedLayers),
-        watch: &mut Stopwatch,
-    ) -> u64 {
+        watch: &mut Stopwatch<'_>,
+    ) -> Result<u64, Cancelled> {
         let are_several = 1 < layers.len();
         if are_several {
             joined.clear(tiles);
@@ -58,9 +58,9 @@ impl OneByOne<'_> {
         for (idx, layer) in layers.iter().enumerate() {
             let turn = Turn { layer, place: (idx, layers.len()) };
             n_occluded += match self.statistic {
-                Statistic::Maximum => self.find_extremes(turn, 1.0, tiles, slabs, watch),
-                Statistic::Minimum => self.find_extremes(turn, -1.0, tiles, slabs, watch),
-                Statistic::Average => self.take_means(turn, tiles, slabs, watch),
+                Statistic::Maximum => self.find_extremes(turn, 1.0, tiles, slabs, watch)?,
+                Statistic::Minimum => self.find_extremes(turn, -1.0, tiles, slabs, watch)?,
+                Statistic::Average => self.take_means(turn, tiles, slabs, watch)?,
             };
             classify(tiles, layer.layer.transfer, &layer.scale);
             if are_several {
@@ -71,7 +71,7 @@ impl OneByOne<'_> {
         if are_several {
             joined.put(tiles);
         }
-        n_occluded
+        Ok(n_occluded)
     }
 
     /// The largest densities, if `up` is 1; the least, if it is −1.
@@ -81,8 +81,8 @@ impl OneByOne<'_> {
         up: f32,
         tiles: &mut Tiles,
         slabs: &mut SlabBuffers,
-        watch: &mut Stopwatch,
-    ) -> u64 {
+        watch: &mut Stopwatch<'_>,
+    ) -> Result<u64, Cancelled> {
         let [least, largest] = layer.limits.values;
         let extremes = Extremes {
             up,
@@ -102,18 +102,18 @@ impl OneByOne<'_> {
         Turn { layer, place }: Turn<'_>,
         tiles: &mut Tiles,
         slabs: &mut SlabBuffers,
-        watch: &mut Stopwatch,
-    ) -> u64 {
+        watch: &mut Stopwatch<'_>,
+    ) -> Result<u64, Cancelled> {
         let grid = &layer.splats.slabs.grid;
         let mut n_occluded = None;
         if let Some(in_slabs) = layer.whole_in_slabs(self.plan, self.level) {
-            n_occluded = Some(render_one(in_slabs, place, &WholeMeans, tiles, slabs, watch));
+            n_occluded = Some(render_one(in_slabs, place, &WholeMeans, tiles, slabs, watch)?);
             ParallelRays::new(layer.layer, grid).settle(&layer.limits, tiles);
         }
         let (limits, per_full_length) = (layer.limits, layer.per_full_length());
         let means = Means { slabs: grid, limits, per_full_length };
         let in_slabs = layer.in_slabs(self.plan, self.level);
-        let n_not_needed = render_one(in_slabs, place, &means, tiles, slabs, watch);
-        n_occluded.unwrap_or(n_not_needed)
+        let n_not_needed = render_one(in_slabs, place, &means, tiles, slabs, watch)?;
+        Ok(n_occluded.unwrap_or(n_not_needed))
     }
 }

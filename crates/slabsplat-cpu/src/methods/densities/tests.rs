@@ -20,24 +20,28 @@ fn selection_changes_nothing() {
             let plan = Planner::default().plan(&scene).unwrap();
             let layer = &plan.layers[0];
             let Splats::Densities(splats) = &layer.splats else { panic!("{:?}", layer.splats) };
-            let mut tiles = Tiles::new(layer.view.image_size(), border(splats.shown));
-            let (mut buffers, mut watch) = (Buffers::default(), Stopwatch::start());
+            let frame = &FrameHandle::new();
+            let size = layer.view.image_size();
+            let mut tiles = Tiles::new(size, border(splats.shown), frame).unwrap();
+            let (mut buffers, mut watch) = (Buffers::default(), Stopwatch::start(frame));
             let level = Level::new();
             let shown = splats.shown;
-            let [n_selected, _] = render(&plan, shown, level, &mut tiles, &mut buffers, &mut watch);
-            let selected = tiles.image([0.0; 4]);
+            let drawn = render(&plan, shown, level, &mut tiles, &mut buffers, &mut watch);
+            let [n_selected, _] = drawn.unwrap();
+            let selected = tiles.image([0.0; 4], frame);
             // Of a range that all values lie in, nothing is left out.
             let volume = layer.volume;
-            let finite = finite_range(volume);
+            let finite = finite_range(volume, frame).unwrap();
             let everything = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
-            let all = Selection::new(volume, finite, (&[everything], 0.0), &Reach::none());
+            let shown_all = (&[everything][..], 0.0);
+            let all = Selection::new(volume, finite, shown_all, &Reach::none(), frame).unwrap();
             assert_eq!(all.n_voxels, volume.grid().n_voxels());
-            tiles.clear();
+            tiles.clear(frame);
             let Buffers { of_layers, to_draw } = &mut buffers;
-            let mut to_draw_all = of_layers[0].prepare(layer).unwrap();
+            let mut to_draw_all = of_layers[0].prepare(layer, frame).unwrap().unwrap();
             to_draw_all.voxels = Selected::new(&all, volume, to_draw_all.scale);
-            draw(&plan, shown, level, &[to_draw_all], &mut tiles, to_draw, &mut watch);
-            let difference = tiles.image([0.0; 4]).max_difference(&selected);
+            draw(&plan, shown, level, &[to_draw_all], &mut tiles, to_draw, &mut watch).unwrap();
+            let difference = tiles.image([0.0; 4], frame).max_difference(&selected);
             // Sums are rounded: the mean of values at the end of a visible range may lie within it.
             worst = worst.max(difference);
             let most = match scene.settings.mode {

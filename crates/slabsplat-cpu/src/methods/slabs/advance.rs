@@ -8,6 +8,7 @@ use super::sheets::{Sheets, SlabOnTile, SlabSums};
 use crate::pixels::sheet::Sheet;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
+use crate::progress::Progress;
 use crate::sections::cut::SlabCut;
 use crate::sections::shared::Kind;
 use crate::sections::span::SpannedVoxel;
@@ -15,6 +16,7 @@ use crate::separable::b_spline::Coefficients;
 use crate::separable::sections::AsSeparable;
 use crate::voxels::by_sheet::BySheet;
 use fearless_simd::{Simd, dispatch};
+use slabsplat_core::FrameHandle;
 use slabsplat_traverse::Workspaces;
 use std::ops::Range;
 
@@ -48,27 +50,32 @@ struct SheetInWork {
 pub(super) struct OfTile<R> {
     /// Voxels whose last sections are yet to come, of each layer.
     waiting: Vec<Vec<SpannedVoxel>>,
-    /// What the method retains, and the first slab that it needs no more; 0 if it retains nothing.
+    /// What the method retains, and the first slab that it needs no more; 0 if it retains nothing, as it does
+    /// after a frame that was not cancelled.
     retained: R,
     needed_until: usize,
 }
 
-/// Takes all tiles through a range of slabs, in parallel.
+/// Takes all tiles through a range of slabs, in parallel, until the frame is cancelled.
 pub(super) fn through<H: Sheets>(
     slabs: Range<usize>,
     passes: &[Pass<'_>],
-    (sheets, regions): (&H, &Regions),
+    (sheets, regions, progress): (&H, &Regions, Progress<'_>),
     (tiles, of_tiles): (&mut Tiles, &mut [OfTile<H::Retained>]),
     workspaces: &mut Workspaces<Workspace<H::Scratch>>,
 ) {
-    tiles.for_each_with(of_tiles, workspaces, |tile_idx, tile, of_tile, workspace| {
+    let frame = progress.frame;
+    tiles.for_each_with(progress, of_tiles, workspaces, |tile_idx, tile, of_tile, workspace| {
         if tile.is_saturated() {
             return;
         }
-        workspace.sums.sort(passes, tile_idx, &of_tile.waiting);
+        workspace.sums.sort(passes, tile_idx, &of_tile.waiting, frame);
+        if frame.is_cancelled() {
+            return;
+        }
         let level = passes[0].stage.level;
         let slabs = &slabs;
-        let how = (sheets, regions.on_tile(tile_idx));
+        let how = (sheets, regions.on_tile(tile_idx), frame);
         dispatch!(level, simd => {
             advance(simd, slabs, passes, how, tile, of_tile, workspace);
         });
@@ -99,13 +106,19 @@ fn wait(
 
 impl Sums {
     /// Makes them those of a tile: what waits there, and what was taken in.
-    fn sort(&mut self, passes: &[Pass<'_>], tile_idx: usize, waiting: &[Vec<SpannedVoxel>]) {
+    fn sort(
+        &mut self,
+        passes: &[Pass<'_>],
+        tile_idx: usize,
+        waiting: &[Vec<SpannedVoxel>],
+        frame: &FrameHandle,
+    ) {
         self.voxels.resize_with(passes.len(), BySheet::default);
         for ((voxels, pass), waiting) in self.voxels.iter_mut().zip(passes).zip(waiting) {
             let runs = std::iter::once(waiting.as_slice()).chain(pass.intake.on_tile(tile_idx));
-            voxels.sort(N_CLASSES, pass.first_slabs.clone(), runs, |voxel| {
-                (pass.setup.classes.of(voxel), voxel.sheets.first())
-            });
+            let key_of =
+                |voxel: &SpannedVoxel| (pass.setup.classes.of(voxel), voxel.sheets.first());
+            voxels.sort(N_CLASSES, pass.first_slabs.clone(), runs, key_of, frame);
             self.sheet.coefficients.grow(pass.setup.slabs.shapes.n_coefficients());
         }
     }
@@ -129,7 +142,7 @@ fn advance<S: Simd, H: Sheets>(
     simd: S,
     slabs: &Range<usize>,
     passes: &[Pass<'_>],
-    (sheets, regions): (&H, RegionsOnTile<'_>),
+    (sheets, regions, frame): (&H, RegionsOnTile<'_>, &FrameHandle),
     tile: &mut Tile,
     OfTile { retained, needed_until, .. }: &mut OfTile<H::Retained>,
     Workspace { sums, of_method }: &mut Workspace<H::Scratch>,
@@ -139,7 +152,7 @@ fn advance<S: Simd, H: Sheets>(
     let start = if is_retained { slabs.start } else { slabs.start.max(held.start) };
     let mut slab = start / H::AT_ONCE * H::AT_ONCE;
     let Sums { voxels, sheet, joined } = sums;
-    while slab < slabs.end.min(held.end.max(*needed_until)) {
+    while slab < slabs.end.min(held.end.max(*needed_until)) && !frame.is_cancelled() {
         let here = SlabOnTile { slab, regions };
         for (layer, (voxels, Pass { setup, .. })) in voxels.iter().zip(passes).enumerate() {
             let needed = tile.needed;
@@ -173,6 +186,10 @@ fn advance<S: Simd, H: Sheets>(
     }
 }
 
+/// Voxels of one slab between two looks at whether anyone still wants them: a picture may be so small that
+/// there are 10⁵ on a tile. A multiple of those that are prepared at once.
+const LOOK_EVERY: usize = 1 << 14;
+
 /// The channels of a sheet that has the sums of two slabs, of the first and of the second.
 const OF_PAIR: [[f32; 4]; 2] = [[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]];
 
@@ -188,7 +205,8 @@ fn add_pair<S: Simd>(
 ) {
     if let Some(separable) = setup.pair_as_separable(first) {
         let cuts = [0, 1].map(|idx| setup.cut(first + idx, OF_PAIR[idx]));
-        return add_cuts(simd, &cuts, [Some(separable); 2], &setup.classes, tile, voxels, sheet);
+        let how = (&setup.classes, setup.frame);
+        return add_cuts(simd, &cuts, [Some(separable); 2], how, tile, voxels, sheet);
     }
     for (slab, channels) in (first..).zip(OF_PAIR) {
         add_slab(simd, slab, channels, setup, tile, voxels, sheet);
@@ -208,25 +226,25 @@ fn add_slab<S: Simd>(
     if (setup.slabs.first_drawn..setup.slabs.grid.n_slabs()).contains(&slab) {
         let cuts = [setup.cut(slab, channels)];
         let separable = setup.as_separable(slab);
-        add_cuts(simd, &cuts, separable, &setup.classes, tile, voxels, sheet);
+        add_cuts(simd, &cuts, separable, (&setup.classes, setup.frame), tile, voxels, sheet);
     }
 }
 
 /// Adds all sections that slabs which follow each other cut. A function of its own, as all methods share it
-/// and it takes long to compile.
+/// and it takes long to compile. If the frame is cancelled some may be missing.
 #[inline(never)]
 fn add_cuts<S: Simd, const N: usize>(
     simd: S,
     cuts: &[SlabCut<'_>; N],
     separable: [Option<AsSeparable<'_>>; 2],
-    classes: &Classes,
+    how: (&Classes, &FrameHandle),
     tile: &mut Tile,
     voxels: &BySheet<SpannedVoxel>,
     sheet: &mut SheetInWork,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || add_cuts_inlined(simd, cuts, separable, classes, tile, voxels, sheet),
+        || add_cuts_inlined(simd, cuts, separable, how, tile, voxels, sheet),
     );
 }
 
@@ -235,7 +253,7 @@ fn add_cuts_inlined<S: Simd, const N: usize>(
     simd: S,
     cuts: &[SlabCut<'_>; N],
     [whole, cut_by_slab]: [Option<AsSeparable<'_>>; 2],
-    classes: &Classes,
+    (classes, frame): (&Classes, &FrameHandle),
     tile: &mut Tile,
     voxels: &BySheet<SpannedVoxel>,
     SheetInWork { sheet, coefficients }: &mut SheetInWork,
@@ -252,12 +270,16 @@ fn add_cuts_inlined<S: Simd, const N: usize>(
                     other.slab.reconstruct(simd, tile, sheet, coefficients);
                 }
                 let voxels = voxels.starting_in(class, starts..first + N);
-                separable.add_sections(simd, (cuts, kind), voxels, tile, (sheet, coefficients));
+                for voxels in voxels.pieces(LOOK_EVERY).take_while(|_| !frame.is_cancelled()) {
+                    separable.add_sections(simd, (cuts, kind), voxels, tile, (sheet, coefficients));
+                }
             }
             _ => {
                 for cut in cuts {
                     let voxels = voxels.starting_in(class, starts..cut.slab + 1);
-                    cut.add_sections(simd, kind, voxels, tile, sheet);
+                    for voxels in voxels.pieces(LOOK_EVERY).take_while(|_| !frame.is_cancelled()) {
+                        cut.add_sections(simd, kind, voxels, tile, sheet);
+                    }
                 }
             }
         }
@@ -277,14 +299,18 @@ impl<S> Workspace<S> {
     }
 }
 
-impl<R> OfTile<R> {
-    /// Makes it ready for another frame, of so many layers; the last one left nothing retained.
+impl<R: Default> OfTile<R> {
+    /// Makes it ready for another frame, of so many layers.
     pub(super) fn clear(&mut self, n_layers: usize) {
         self.waiting.resize_with(n_layers, Vec::new);
         self.waiting.iter_mut().for_each(Vec::clear);
-        self.needed_until = 0;
+        if self.needed_until != 0 {
+            (self.retained, self.needed_until) = (R::default(), 0);
+        }
     }
+}
 
+impl<R> OfTile<R> {
     pub(super) fn resident_bytes(&self) -> usize {
         let n_waiting: usize = self.waiting.iter().map(Vec::capacity).sum();
         n_waiting * size_of::<SpannedVoxel>()

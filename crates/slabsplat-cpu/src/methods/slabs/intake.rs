@@ -79,6 +79,9 @@ impl Intake {
         let tasks = self.tasks[..self.n_tasks].par_iter_mut();
         let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
         let taken = work.map(|(toss, bricks)| {
+            if stage.frame.is_cancelled() {
+                return (0, NO_SPANS);
+            }
             let scratch = &mut *scratches.of_this_thread();
             scratch.clear();
             let mut n_occluded = 0;
@@ -88,7 +91,8 @@ impl Intake {
                     n_occluded += scratch.take_brick(simd, stage, setup, tiles, occlusion, brick);
                 }
             });
-            toss.toss(tiles, &scratch.entries, |voxel| scratch.voxels[voxel as usize]);
+            let voxel = |voxel: u32| scratch.voxels[voxel as usize];
+            toss.toss(tiles, &scratch.entries, voxel, stage.frame);
             (n_occluded, scratch.spans)
         });
         let both = |(n, [a, b]): (u64, [Span; 2]), (m, [c, d]): (u64, [Span; 2])| {

@@ -43,6 +43,7 @@ mod span_finder;
 mod stage;
 
 use crate::pixels::tiles::Tiles;
+use crate::progress::Progress;
 use crate::stopwatch::Stopwatch;
 use advance::{OfTile, Workspace};
 use intake::{Intake, Scratch};
@@ -52,6 +53,7 @@ use regions::Regions;
 pub(super) use setup::SectionsInSlabs;
 use setup::{Prepared, Setup};
 pub(super) use sheets::{Sheets, SlabOnTile, SlabSums};
+use slabsplat_core::Cancelled;
 use slabsplat_traverse::Workspaces;
 pub(super) use stage::{Stage, Voxels};
 use std::{iter, slice};
@@ -89,11 +91,12 @@ pub(super) fn render<'a, H: Sheets>(
     sheets: &H,
     tiles: &mut Tiles,
     buffers: &mut Buffers<H::Retained, H::Scratch>,
-    watch: &mut Stopwatch,
-) -> u64 {
+    watch: &mut Stopwatch<'_>,
+) -> Result<u64, Cancelled> {
     let Buffers { of_layers, of_all } = buffers;
     of_layers.resize_with(layers.clone().count(), OfLayer::default);
-    render_with(layers, sheets, tiles, (of_layers, of_all), watch)
+    let progress = Progress::of_all(watch.frame());
+    render_with(layers, sheets, tiles, (of_layers, of_all), (progress, watch))
 }
 
 /// The same with one of so many layers, each of which has its turn.
@@ -103,12 +106,13 @@ pub(super) fn render_one<'a, H: Sheets>(
     sheets: &H,
     tiles: &mut Tiles,
     buffers: &mut Buffers<H::Retained, H::Scratch>,
-    watch: &mut Stopwatch,
-) -> u64 {
+    watch: &mut Stopwatch<'_>,
+) -> Result<u64, Cancelled> {
     let Buffers { of_layers, of_all } = buffers;
     of_layers.resize_with(n_layers, OfLayer::default);
+    let progress = Progress::of_all(watch.frame()).part(layer_idx, n_layers);
     let of_layer = slice::from_mut(&mut of_layers[layer_idx]);
-    render_with(iter::once(layer), sheets, tiles, (of_layer, of_all), watch)
+    render_with(iter::once(layer), sheets, tiles, (of_layer, of_all), (progress, watch))
 }
 
 fn render_with<'a, H: Sheets>(
@@ -116,8 +120,8 @@ fn render_with<'a, H: Sheets>(
     sheets: &H,
     tiles: &mut Tiles,
     (of_layers, of_all): (&mut [OfLayer], &mut OfAll<H::Retained, H::Scratch>),
-    watch: &mut Stopwatch,
-) -> u64 {
+    (progress, watch): (Progress<'_>, &mut Stopwatch<'_>),
+) -> Result<u64, Cancelled> {
     let OfAll { regions, scratches, occlusion, of_tiles, workspaces } = of_all;
     let n_layers = of_layers.len();
     let plans = layers.clone().map(|(stage, _)| stage.layer);
@@ -128,7 +132,7 @@ fn render_with<'a, H: Sheets>(
         let setup = Setup::new(&stage, &sections, prepared, H::AT_ONCE);
         Pass::new(stage, setup, bricks, intake)
     }));
-    watch.done("bricks");
+    watch.done("bricks")?;
     if let Some(range) = first_range(&passes) {
         let first = range as usize * passes[0].setup.slabs.n_per_range;
         tiles.end_rays_before(sheets.front(first), passes[0].stage.plan.opacity_cutoff);
@@ -141,18 +145,18 @@ fn render_with<'a, H: Sheets>(
         for pass in &mut passes {
             n_occluded += pass.take_in(range, start, &tiles.grid, occlusion, scratches);
         }
-        watch.done("intake");
+        watch.done("intake")?;
         // The last range continues until no voxel is left that was taken in.
         let slabs = &passes[0].setup.slabs;
-        let end = first_range(&passes)
-            .map_or(slabs.grid.n_slabs() + H::N_BEHIND, |next| next as usize * slabs.n_per_range);
-        let how = (sheets, &*regions);
+        let n_slabs = slabs.grid.n_slabs() + H::N_BEHIND;
+        let end = first_range(&passes).map_or(n_slabs, |next| next as usize * slabs.n_per_range);
+        let how = (sheets, &*regions, progress.between(start, end, n_slabs));
         advance::through(start..end, &passes, how, (tiles, of_tiles), workspaces);
         occlusion.note(&tiles.tiles);
-        watch.done("splat");
+        watch.done("splat")?;
         start = end;
     }
-    n_occluded
+    Ok(n_occluded)
 }
 
 /// The range whose bricks come next.

@@ -102,11 +102,12 @@ impl Occlusion {
 mod tests {
     use super::*;
     use crate::pixels::tiles::Tiles;
+    use slabsplat_core::FrameHandle;
 
     #[test]
     fn occlusion_is_block_by_block() {
         let [other, Tiles { grid, mut tiles, .. }] =
-            [[64; 2], [2100, 70]].map(|size| Tiles::new(size, 0));
+            [[64; 2], [2100, 70]].map(|size| Tiles::new(size, 0, &FrameHandle::new()).unwrap());
         let mut occlusion = Occlusion::default();
         occlusion.start(&other.grid, &other.tiles);
         occlusion.start(&grid, &tiles);

@@ -12,7 +12,7 @@ use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
 use crate::separable::slab::SeparableSlab;
 use slabsplat_backend::{DensitySplats, SectionSplats, Slabs, SmoothSections};
-use slabsplat_core::SlabGrid;
+use slabsplat_core::{FrameHandle, SlabGrid};
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, SectionTable, SeparableSections, SeparableShapes,
     TiltedSections,
@@ -30,6 +30,7 @@ pub(super) struct Prepared {
 
 /// A frame that is about to be drawn.
 pub(super) struct Setup<'a> {
+    pub(super) frame: &'a FrameHandle,
     /// Where slabs are, and what they cover.
     pub(super) slabs: SlabView<'a>,
     /// Which slabs voxels are drawn in.
@@ -131,6 +132,7 @@ impl<'a> Setup<'a> {
         let slabs =
             SlabView::new(slabs, raster, &prepared.shapes, stage.plan.least_unit(), at_once);
         Self {
+            frame: stage.frame,
             spans: SpanFinder::new(&slabs, splits),
             beyond: Beyond::new(stage, slabs.grid),
             classes: Classes {

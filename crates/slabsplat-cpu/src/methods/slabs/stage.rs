@@ -4,6 +4,7 @@
 use crate::footprints::raster::Raster;
 use fearless_simd::Level;
 use slabsplat_backend::{FramePlan, LayerPlan};
+use slabsplat_core::FrameHandle;
 use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
 
 /// What the stages of a frame that goes through slabs share, for one layer.
@@ -11,6 +12,7 @@ use slabsplat_traverse::{Brick, BrickView, VoxelRecord};
 pub(in crate::methods) struct Stage<'a> {
     pub(in crate::methods) plan: &'a FramePlan<'a>,
     pub(in crate::methods) layer: &'a LayerPlan<'a>,
+    pub(in crate::methods) frame: &'a FrameHandle,
     /// The instructions to be used.
     pub(in crate::methods) level: Level,
     pub(in crate::methods) raster: &'a Raster,
