@@ -55,12 +55,17 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `automatic`, `scene_file`; `popping`.
+//! `renderer`, `backends`; `pending_frame`, `render_thread`; `automatic`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod backends;
 mod renderer;
+
+#[cfg(not(target_arch = "wasm32"))]
+mod pending_frame;
+#[cfg(not(target_arch = "wasm32"))]
+mod render_thread;
 
 mod automatic;
 #[cfg(feature = "files")]
@@ -73,7 +78,11 @@ pub use backends::{
     BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
     choose_backend_async, found_backends,
 };
+#[cfg(not(target_arch = "wasm32"))]
+pub use pending_frame::PendingFrame;
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
+#[cfg(not(target_arch = "wasm32"))]
+pub use render_thread::RenderThread;
 pub use renderer::{RenderError, Renderer};
 #[cfg(feature = "files")]
 pub use scene_file::{OpenError, OpenScene};
@@ -84,8 +93,8 @@ pub use slabsplat_backend as backend;
 pub use slabsplat_kernel as kernel;
 
 pub use slabsplat_backend::{
-    Backend, BackendError, Caps, Frame, FrameCost, FrameId, FramePlan, FrameStats, PlanError,
-    Planner, StageTime,
+    Backend, BackendError, Caps, Frame, FrameCost, FramePlan, FrameStats, PlanError, Planner,
+    StageTime,
 };
 pub use slabsplat_core::*;
 pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, UnknownKernel};

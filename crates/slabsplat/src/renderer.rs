@@ -1,8 +1,8 @@
 //! A backend, and what is cached between its frames.
 
 use crate::{Choice, NoBackend, choose_backend, choose_backend_async};
-use slabsplat_backend::{Backend, BackendError, Caps, Frame, FrameId, PlanError, Planner};
-use slabsplat_core::Scene;
+use slabsplat_backend::{Backend, BackendError, Caps, Frame, PlanError, Planner};
+use slabsplat_core::{Cancelled, FrameHandle, Scene};
 use slabsplat_kernel::{Kernel, KernelError};
 use std::fmt;
 use std::sync::Arc;
@@ -15,6 +15,8 @@ pub struct Renderer {
     planner: Planner,
     backend: Box<dyn Backend>,
     fallback: Option<Fallback>,
+    #[cfg(not(target_arch = "wasm32"))]
+    pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 type Fallback = Box<dyn FnOnce(&BackendError) -> Box<dyn Backend> + Send>;
@@ -26,9 +28,31 @@ pub enum RenderError {
     /// The scene cannot be drawn.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The backend failed.
+    /// The backend failed, or the frame was cancelled.
     #[error(transparent)]
     Backend(#[from] BackendError),
+    /// There is no backend to draw it: a [`RenderThread`](crate::RenderThread) finds out when it has begun.
+    #[error(transparent)]
+    NoBackend(#[from] NoBackend),
+    /// The thread that drew it panicked; nothing more will come of it.
+    #[error("the renderer panicked: {message}")]
+    Panicked {
+        /// What the panic says.
+        message: String,
+    },
+}
+
+impl RenderError {
+    /// Whether nothing is wrong but that someone cancelled the frame.
+    pub fn is_cancelled(&self) -> bool {
+        *self == Cancelled.into()
+    }
+}
+
+impl From<Cancelled> for RenderError {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Backend(cancelled.into())
+    }
 }
 
 impl fmt::Debug for Renderer {
@@ -41,7 +65,13 @@ impl fmt::Debug for Renderer {
 impl Renderer {
     /// A renderer on `backend`.
     pub fn new(backend: Box<dyn Backend>) -> Self {
-        Self { planner: Planner::default(), backend, fallback: None }
+        Self {
+            planner: Planner::default(),
+            backend,
+            fallback: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            pool: None,
+        }
     }
 
     /// A renderer on the backend called `name`. With `auto`, the CPU continues where a graphics card fails;
@@ -94,6 +124,14 @@ impl Renderer {
         self.planner.add_kernel(kernel)
     }
 
+    /// The same on threads of the caller's: what a frame takes on the CPU runs there, and not on rayon's
+    /// global pool. A GPU needs it for little.
+    #[must_use]
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn with_pool(self, pool: Arc<rayon::ThreadPool>) -> Self {
+        Self { pool: Some(pool), ..self }
+    }
+
     /// What renders.
     pub fn caps(&self) -> &Caps {
         self.backend.caps()
@@ -104,43 +142,80 @@ impl Renderer {
     /// # Errors
     /// If the scene cannot be drawn, or the backend fails and there is no fallback.
     pub fn render(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
-        let result = self.render_once(scene);
+        self.render_as(scene, &FrameHandle::new())
+    }
+
+    /// The same by a handle, a clone of which watches the frame or cancels it from another thread. A program
+    /// that must not wait at all has a [`RenderThread`](crate::RenderThread).
+    ///
+    /// # Errors
+    /// If the frame is cancelled, too.
+    pub fn render_as(&mut self, scene: &Scene, frame: &FrameHandle) -> Result<Frame, RenderError> {
+        let result = self.render_once(scene, frame);
         if let Err(RenderError::Backend(error)) = &result
             && error.is_of_device()
             && let Some(fallback) = self.fallback.take()
         {
             self.backend = fallback(error);
-            return self.render_once(scene);
+            return self.render_once(scene, frame);
         }
         result
     }
 
-    fn render_once(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
-        let frame = self.submit(scene)?;
-        loop {
-            match self.poll(frame)? {
-                Poll::Ready(frame) => return Ok(frame),
-                Poll::Pending => std::thread::yield_now(),
-            }
-        }
+    fn render_once(&mut self, scene: &Scene, frame: &FrameHandle) -> Result<Frame, RenderError> {
+        self.submit_as(scene, frame)?;
+        self.wait(frame)
     }
 
-    /// Begins a frame, to be taken by [`poll`](Self::poll).
+    /// Begins a frame, to be taken by [`poll`](Self::poll) or [`wait`](Self::wait). A GPU draws it meanwhile;
+    /// the CPU has drawn it when this returns. It is dropped with its last handle.
     ///
     /// # Errors
     /// If the scene cannot be drawn, or the backend fails.
-    pub fn submit(&mut self, scene: &Scene) -> Result<FrameId, RenderError> {
-        let plan = self.planner.plan(scene)?;
-        Ok(self.backend.submit(&plan)?)
+    pub fn submit(&mut self, scene: &Scene) -> Result<FrameHandle, RenderError> {
+        let frame = FrameHandle::new();
+        self.submit_as(scene, &frame)?;
+        Ok(frame)
+    }
+
+    /// The same by a handle that is there before. A handle names one frame: it is not used for another.
+    ///
+    /// # Errors
+    /// If the scene cannot be drawn, the backend fails, or the frame is cancelled.
+    pub fn submit_as(&mut self, scene: &Scene, frame: &FrameHandle) -> Result<(), RenderError> {
+        frame.check()?;
+        let Self { planner, backend, .. } = self;
+        #[cfg(not(target_arch = "wasm32"))]
+        if let Some(pool) = &self.pool {
+            return pool.install(|| submit(planner, &mut **backend, scene, frame));
+        }
+        submit(planner, &mut **backend, scene, frame)
     }
 
     /// Takes a frame if it is done, without waiting.
     ///
     /// # Errors
-    /// If the frame failed, or there is no such frame.
-    pub fn poll(&mut self, frame: FrameId) -> Result<Poll<Frame>, RenderError> {
+    /// If the frame failed or was cancelled, or is none of this renderer's.
+    pub fn poll(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, RenderError> {
         Ok(self.backend.poll_image(frame)?)
     }
+
+    /// Takes a frame as soon as it is done, and sleeps until then.
+    ///
+    /// # Errors
+    /// If the frame failed or was cancelled, or is none of this renderer's.
+    pub fn wait(&mut self, frame: &FrameHandle) -> Result<Frame, RenderError> {
+        Ok(self.backend.wait_image(frame)?)
+    }
+}
+
+fn submit(
+    planner: &mut Planner,
+    backend: &mut dyn Backend,
+    scene: &Scene,
+    frame: &FrameHandle,
+) -> Result<(), RenderError> {
+    Ok(backend.submit(&planner.plan(scene)?, frame)?)
 }
 
 #[cfg(test)]
@@ -157,10 +232,10 @@ mod tests {
     struct Fake {
         caps: Caps,
         color: f32,
-        n_good: u64,
+        n_good: usize,
         fails_in: Call,
         error: BackendError,
-        n_submitted: u64,
+        submitted: Vec<FrameHandle>,
     }
 
     #[derive(PartialEq)]
@@ -177,17 +252,18 @@ mod tests {
         fn submit(
             &mut self,
             _: &slabsplat_backend::FramePlan<'_>,
-        ) -> Result<FrameId, BackendError> {
-            let frame = FrameId(self.n_submitted);
-            if self.n_good <= frame.0 && self.fails_in == Call::Submit {
+            frame: &FrameHandle,
+        ) -> Result<(), BackendError> {
+            if self.n_good <= self.submitted.len() && self.fails_in == Call::Submit {
                 return Err(self.error.clone());
             }
-            self.n_submitted += 1;
-            Ok(frame)
+            self.submitted.push(frame.clone());
+            Ok(())
         }
 
-        fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
-            if self.n_good <= frame.0 {
+        fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
+            let nth = self.submitted.iter().position(|submitted| submitted == frame);
+            if self.n_good <= nth.ok_or(BackendError::UnknownFrame)? {
                 return Err(self.error.clone());
             }
             let image = Image::filled(2, 2, [self.color; 4]);
@@ -196,9 +272,9 @@ mod tests {
         }
     }
 
-    fn fake(color: f32, n_good: u64, fails_in: Call, error: BackendError) -> Box<dyn Backend> {
+    fn fake(color: f32, n_good: usize, fails_in: Call, error: BackendError) -> Box<dyn Backend> {
         let caps = Caps::new("fake", "Fake 3000", Method::ALL);
-        Box::new(Fake { caps, color, n_good, fails_in, error, n_submitted: 0 })
+        Box::new(Fake { caps, color, n_good, fails_in, error, submitted: Vec::new() })
     }
 
     fn lost() -> BackendError {
@@ -257,13 +333,58 @@ mod tests {
     #[test]
     fn fallback_is_not_for_what_fails_everywhere() {
         let scene = scene();
-        let unknown = BackendError::UnknownFrame(FrameId(0));
-        let backend = fake(0.25, 0, Call::Poll, unknown.clone());
+        for error in [BackendError::UnknownFrame, BackendError::Cancelled(Cancelled)] {
+            let backend = fake(0.25, 0, Call::Poll, error.clone());
+            let mut renderer = Renderer::new(backend).with_fallback(|error| panic!("{error}"));
+            assert_eq!(renderer.render(&scene), Err(RenderError::Backend(error)));
+        }
+        let backend = fake(0.25, 0, Call::Poll, lost());
         let mut renderer = Renderer::new(backend).with_fallback(|error| panic!("{error}"));
-        assert_eq!(renderer.render(&scene), Err(RenderError::Backend(unknown)));
         let mut odd = scene.clone();
         odd.settings.kernel = KernelName("box".into());
         assert!(matches!(renderer.render(&odd), Err(RenderError::Plan(_))));
+    }
+
+    #[test]
+    fn frames_are_their_renderers() {
+        let scene = scene();
+        let mut renderers =
+            [0.25, 0.5].map(|color| Renderer::new(fake(color, 9, Call::Poll, lost())));
+        let frames = renderers.each_mut().map(|renderer| renderer.submit(&scene).unwrap());
+        for (renderer, other) in renderers.iter_mut().zip(frames.iter().rev()) {
+            assert_eq!(renderer.poll(other), Err(RenderError::Backend(BackendError::UnknownFrame)));
+        }
+        for (renderer, own) in renderers.iter_mut().zip(&frames) {
+            assert!(renderer.poll(own).unwrap().is_ready());
+        }
+    }
+
+    #[test]
+    fn frames_run_on_the_pool() {
+        struct OnPool(Caps);
+        impl Backend for OnPool {
+            fn caps(&self) -> &Caps {
+                &self.0
+            }
+
+            fn submit(
+                &mut self,
+                _: &slabsplat_backend::FramePlan<'_>,
+                _: &FrameHandle,
+            ) -> Result<(), BackendError> {
+                assert_eq!(rayon::current_num_threads(), 3);
+                assert!(rayon::current_thread_index().is_some());
+                Err(unable())
+            }
+
+            fn poll_image(&mut self, _: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
+                Err(BackendError::UnknownFrame)
+            }
+        }
+        let caps = Caps::new("fake", "Fake 3000", Method::ALL);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let mut renderer = Renderer::new(Box::new(OnPool(caps))).with_pool(Arc::new(pool));
+        assert_eq!(renderer.render(&scene()), Err(RenderError::Backend(unable())));
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use super::gpu::{Opened, Opening};
 use super::*;
-use slabsplat_backend::{BackendError, Caps, Frame, FrameId, FramePlan};
-use slabsplat_core::Method;
+use slabsplat_backend::{BackendError, Caps, Frame, FramePlan};
+use slabsplat_core::{FrameHandle, Method};
 use std::future::{poll_fn, ready};
 use std::mem::replace;
 use std::pin::pin;
@@ -17,12 +17,12 @@ impl Backend for Named {
         &self.0
     }
 
-    fn submit(&mut self, _: &FramePlan<'_>) -> Result<FrameId, BackendError> {
-        Ok(FrameId(0))
+    fn submit(&mut self, _: &FramePlan<'_>, _: &FrameHandle) -> Result<(), BackendError> {
+        Ok(())
     }
 
-    fn poll_image(&mut self, frame: FrameId) -> Result<Poll<Frame>, BackendError> {
-        Err(BackendError::UnknownFrame(frame))
+    fn poll_image(&mut self, _: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
+        Err(BackendError::UnknownFrame)
     }
 }
 

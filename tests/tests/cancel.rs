@@ -1,0 +1,142 @@
+//! Frames that are cancelled at any moment: whatever a renderer was doing then, its next frame has the bits
+//! of a fresh one, and a frame that was not cancelled in time is as good as any.
+
+use fastrand::Rng;
+use slabsplat::{Automatic, io};
+use slabsplat::{
+    FrameHandle, Image, ImageDesc, Isosurface, Method, Mode, RenderError, RenderSettings,
+    RenderThread, Renderer, Scene,
+};
+use slabsplat_seeds::for_each_seed;
+use slabsplat_tests::random_scene::{
+    SceneKind, random_layers, random_meshes, random_scene, random_several_layers,
+};
+use slabsplat_tests::render::{backends, open, render};
+use std::hint::spin_loop;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Frames of each renderer. With every one something else is to be made anew, and cancelled on the way.
+const N_FRAMES: usize = 12;
+
+#[test]
+fn next_frame_has_the_bits_of_a_fresh_renderer() {
+    let (mut n_cancelled, mut n_drawn) = (0, 0);
+    for_each_seed(1, |mut rng| {
+        for &name in backends() {
+            let mut renderer = Renderer::new(open(name));
+            for frame_idx in 0..N_FRAMES {
+                let scene = any_scene(&mut rng, name);
+                let expected = render(name, &scene);
+                for _ in 0..rng.usize(0..3) {
+                    match render_and_cancel(&mut rng, &mut renderer, &scene) {
+                        Ok(image) => {
+                            assert!(image == expected, "{name}, frame {frame_idx}, not in time");
+                            n_drawn += 1;
+                        }
+                        Err(error) => {
+                            assert!(error.is_cancelled(), "{error}");
+                            n_cancelled += 1;
+                        }
+                    }
+                }
+                let image = renderer.render(&scene).expect("the scene is valid").image;
+                assert!(image == expected, "{name}, frame {frame_idx}");
+            }
+        }
+    });
+    println!("{n_cancelled} frames cancelled, {n_drawn} drawn before they were");
+    assert!(0 < n_cancelled, "{n_drawn} frames were drawn");
+}
+
+/// Frames that follow each other on a thread: those that somebody waits for are the right ones.
+#[test]
+fn frames_on_a_thread_are_the_right_ones() {
+    for_each_seed(1, |mut rng| {
+        let thread =
+            RenderThread::spawn(Renderer::new(open("cpu"))).expect("threads can be started");
+        let mut pending = Vec::new();
+        for _ in 0..30 {
+            let scene = any_scene(&mut rng, "cpu");
+            let is_newest = rng.bool();
+            let frame =
+                if is_newest { thread.submit_newest(&scene) } else { thread.submit(&scene) };
+            match rng.u8(..4) {
+                0 => drop(frame),
+                1 => frame.cancel(),
+                _ => pending.push((frame, is_newest, scene)),
+            }
+            for _ in 0..rng.u32(..200_000) {
+                spin_loop();
+            }
+        }
+        let last = pending.iter().rposition(|(_, is_newest, _)| *is_newest);
+        for (idx, (frame, is_newest, scene)) in pending.into_iter().enumerate() {
+            match frame.wait() {
+                Ok(frame) => assert!(frame.image == render("cpu", &scene), "frame {idx}"),
+                Err(error) => {
+                    let may_be_replaced = is_newest && Some(idx) != last;
+                    assert!(error.is_cancelled() && may_be_replaced, "{error}: frame {idx}");
+                }
+            }
+        }
+    });
+}
+
+/// Renders a frame that is cancelled before it has begun, after it is done, or in between.
+fn render_and_cancel(
+    rng: &mut Rng,
+    renderer: &mut Renderer,
+    scene: &Scene,
+) -> Result<Image, RenderError> {
+    let frame = FrameHandle::new();
+    let after = Duration::from_micros(10_u64.pow(rng.u32(..4)) * rng.u64(..10));
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            let start = Instant::now();
+            while start.elapsed() < after {
+                spin_loop();
+            }
+            frame.cancel();
+        });
+        renderer.render_as(scene, &frame).map(|frame| frame.image)
+    })
+}
+
+/// A scene of any kind that a backend has, small or a little larger.
+fn any_scene(rng: &mut Rng, backend: &str) -> Scene {
+    let kinds = SceneKind::all();
+    let kind = &kinds[rng.usize(..kinds.len())];
+    let is_slabs = kind.method == Method::ImageAligned;
+    let has_regions = is_slabs || kind.method == Method::PostClassified;
+    let mut scene = match rng.u8(..4) {
+        0 => builtin(rng, kind.method),
+        1 if is_slabs => random_meshes(rng, kind),
+        2 if is_slabs => random_several_layers(rng, kind),
+        _ if has_regions => random_layers(rng, kind),
+        _ => random_scene(rng, kind),
+    };
+    // Of densities a GPU has not all that the CPU has.
+    if backend == "cpu"
+        && scene.meshes.is_empty()
+        && scene.settings.method == Method::PostClassified
+    {
+        scene.settings.mode = Mode::ALL[rng.usize(..Mode::ALL.len())];
+        if scene.settings.mode == Mode::Isosurfaces {
+            let surface = Isosurface::new(0.5, 0.5, None).expect("it is half opaque");
+            scene.layers[0].isosurfaces = vec![surface];
+        }
+    }
+    scene
+}
+
+/// 48 voxels a side, so that lists, tosses and ranges of slabs are of several tasks.
+fn builtin(rng: &mut Rng, method: Method) -> Scene {
+    let name = ["neuron", "marschner-lobb", "shepp-logan"][rng.usize(..3)];
+    let volume = io::builtin_volume(name, Some(48)).expect("the name is listed");
+    let image =
+        ImageDesc { width: rng.u32(8..200), height: rng.u32(8..200), ..ImageDesc::default() };
+    let mut scene = Automatic::new(volume).scene(image, RenderSettings::default().method(method));
+    scene.camera = scene.camera.orbited(6.0 * rng.f64());
+    scene
+}
