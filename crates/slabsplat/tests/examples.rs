@@ -1,6 +1,12 @@
 //! The examples, run as their users run them.
 
 #[expect(dead_code, reason = "an example's `main` reads the command line")]
+#[path = "../examples/guide_figures.rs"]
+mod guide_figures;
+#[expect(dead_code, reason = "an example's `main` reads the command line")]
+#[path = "../examples/own_backend.rs"]
+mod own_backend;
+#[expect(dead_code, reason = "an example's `main` reads the command line")]
 #[path = "../examples/own_kernel.rs"]
 mod own_kernel;
 #[expect(dead_code, reason = "an example's `main` reads the command line")]
@@ -15,11 +21,30 @@ fn is_png(path: &Path) -> bool {
 }
 
 #[test]
-fn example_own_kernel_draws_a_picture() {
+fn examples_draw_a_picture() {
     let dir = tempfile::tempdir().unwrap();
-    let picture = dir.path().join("a.png");
-    own_kernel::draw(&picture).unwrap();
-    assert!(is_png(&picture));
+    for (name, draw) in
+        [("backend.png", own_backend::draw as fn(&Path) -> _), ("kernel.png", own_kernel::draw)]
+    {
+        let picture = dir.path().join(name);
+        draw(&picture).unwrap();
+        assert!(is_png(&picture), "{name}");
+    }
+}
+
+/// Those in the guide are the program's, but for what rounding does on another machine.
+#[test]
+fn example_guide_figures_are_those_of_the_guide() {
+    let dir = tempfile::tempdir().unwrap();
+    guide_figures::draw(dir.path()).unwrap();
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guide/src/figures");
+    for name in ["sections.png", "sheets.png", "popping.png"] {
+        let [drawn, kept] =
+            [dir.path(), &guide].map(|dir| image::open(dir.join(name)).unwrap().into_rgba8());
+        assert_eq!(drawn.dimensions(), kept.dimensions(), "{name}");
+        let most = drawn.iter().zip(kept.iter()).map(|(a, b)| a.abs_diff(*b)).max();
+        assert!(most <= Some(3), "{name}: {most:?}");
+    }
 }
 
 #[test]
