@@ -59,28 +59,30 @@ fn frames_on_a_thread_are_the_right_ones() {
     for_each_seed(1, |mut rng| {
         let thread =
             RenderThread::spawn(Renderer::new(open("cpu"))).expect("threads can be started");
-        let mut pending = Vec::new();
-        for _ in 0..30 {
+        let (mut pending, mut last_newest) = (Vec::new(), None);
+        for nth in 0..30 {
             let scene = any_scene(&mut rng, "cpu");
             let is_newest = rng.bool();
             let frame =
                 if is_newest { thread.submit_newest(&scene) } else { thread.submit(&scene) };
+            if is_newest {
+                last_newest = Some(nth);
+            }
             match rng.u8(..4) {
                 0 => drop(frame),
                 1 => frame.cancel(),
-                _ => pending.push((frame, is_newest, scene)),
+                _ => pending.push((nth, frame, is_newest, scene)),
             }
             for _ in 0..rng.u32(..200_000) {
                 spin_loop();
             }
         }
-        let last = pending.iter().rposition(|(_, is_newest, _)| *is_newest);
-        for (idx, (frame, is_newest, scene)) in pending.into_iter().enumerate() {
+        for (nth, frame, is_newest, scene) in pending {
             match frame.wait() {
-                Ok(frame) => assert!(frame.image == render("cpu", &scene), "frame {idx}"),
+                Ok(frame) => assert!(frame.image == render("cpu", &scene), "frame {nth}"),
                 Err(error) => {
-                    let may_be_replaced = is_newest && Some(idx) != last;
-                    assert!(error.is_cancelled() && may_be_replaced, "{error}: frame {idx}");
+                    let may_be_replaced = is_newest && Some(nth) != last_newest;
+                    assert!(error.is_cancelled() && may_be_replaced, "{error}: frame {nth}");
                 }
             }
         }
