@@ -28,9 +28,7 @@ fn found_with_sheet(found: vec4<f32>, layer: u32, sheet: u32, pixel: Pixel) -> v
         return vec4(mix(found.x, sheets[FIRST].y, length * share / much), much, counting, 0.0);
     }
     let is_largest = densities[layer].mode == MODE_MAXIMUM;
-    let values = densities[layer].values;
-    let worst = select(values.y, values.x, is_largest);
-    let value = mix(worst, peak(is_largest), weight);
+    let value = mix(worst_of(layer), peak(is_largest), weight);
     let better = select(min(found.x, value), max(found.x, value), is_largest);
     return vec4(select(better, value, found.y == 0.0), 1.0, counting, 0.0);
 }
@@ -50,10 +48,22 @@ fn peak(is_largest: bool) -> f32 {
     return here + up * (slope * 0.5 + bend * 0.25);
 }
 
+// What sheets are drawn to that hold next to nothing, so that they are not the best.
+fn worst_of(layer: u32) -> f32 {
+    let values = densities[layer].values;
+    return select(values.y, values.x, densities[layer].mode == MODE_MAXIMUM);
+}
+
 // Opacity and colour of a layer at what was found, as far as it counts.
 fn shown_by(layer: u32, found: vec4<f32>) -> vec4<f32> {
-    let cell = cell_at(layer, cell_of(layer, found.x));
-    let t = clamp((found.x - cell.start) / cell.width, 0.0, 1.0);
+    var density = found.x;
+    if densities[layer].mode != MODE_AVERAGE && 0.0 < found.z && found.z < 1.0 {
+        // Or the rim would have the colour of the worst.
+        let worst = worst_of(layer);
+        density = worst + (density - worst) / found.z;
+    }
+    let cell = cell_at(layer, cell_of(layer, density));
+    let t = clamp((density - cell.start) / cell.width, 0.0, 1.0);
     let opacity = weight_in(cell, t);
     return found.z * vec4(opacity * color_in(cell, t), opacity);
 }

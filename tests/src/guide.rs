@@ -12,6 +12,8 @@ chapters! {
     methods = "methods.md",
     own_data = "own-data.md",
     scenes_as_text = "scenes-as-text.md",
+    windows = "windows.md",
     own_kernel = "own-kernel.md",
+    own_backend = "own-backend.md",
     performance = "performance.md",
 }

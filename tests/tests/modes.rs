@@ -10,7 +10,7 @@ use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{ProjectionKind, SceneKind, random_layers};
 use slabsplat_tests::reference::{self, undecided_pixels};
-use slabsplat_tests::render::render;
+use slabsplat_tests::render::{backends_with, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -106,6 +106,26 @@ fn scene(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64, settings: RenderSe
     Scene::new(Layer::new(volume, transfer), camera)
         .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] })
         .settings(settings)
+}
+
+/// What has one density everywhere has its opacity, and at the rim, where rays graze it, less: no mode draws
+/// a line around a volume whose values are in the middle of the transfer function.
+#[test]
+fn rims_fade_out() {
+    for slab_width in [0.3, 1.0, 1.7] {
+        for mode in MODES {
+            let settings = exact_settings().mode(mode).slab_width(slab_width);
+            let mut even = scene([5, 6, 7], |_| 20.0, settings);
+            even.camera = even.camera.orbited(0.3);
+            for backend in backends_with(Method::PostClassified) {
+                let image = render(backend, &even);
+                let most = image.pixels().iter().map(|pixel| pixel[3]).fold(0.0, f32::max);
+                let n_seen = image.pixels().iter().filter(|pixel| 0.1 < pixel[3]).count();
+                let what = format!("{backend}, {mode}, {slab_width}: {most} {n_seen}");
+                assert!((0.1999..0.2001).contains(&most) && 400 < n_seen, "{what}");
+            }
+        }
+    }
 }
 
 /// A ramp along the view: the ends and the middle are known, up to what a kernel makes of the ends.

@@ -24,10 +24,16 @@ pub(super) fn of_sheets(
 ) -> Option<OneForAll> {
     let counting = || (0..sheets.len()).filter(|&n| 0.0 < shares[n] * sheets[n].length);
     let weight = |n: usize| (sheets[n].length / full_length).min(1.0);
+    let most_counting = counting().map(weight).fold(0.0, f64::max);
     let faded = |n: usize, up: f64, end: f64| end + weight(n) * (peak(sheets, n, up) - end);
+    let shown = |best: f64, end: f64| end + (best - end) / most_counting;
     let density = match statistic {
-        Statistic::Maximum => counting().map(|n| faded(n, 1.0, ends[0])).reduce(f64::max)?,
-        Statistic::Minimum => counting().map(|n| faded(n, -1.0, ends[1])).reduce(f64::min)?,
+        Statistic::Maximum => {
+            shown(counting().map(|n| faded(n, 1.0, ends[0])).reduce(f64::max)?, ends[0])
+        }
+        Statistic::Minimum => {
+            shown(counting().map(|n| faded(n, -1.0, ends[1])).reduce(f64::min)?, ends[1])
+        }
         Statistic::Average => {
             let of_sheet = |n: usize| shares[n] * sheets[n].length;
             let length: f64 = counting().map(of_sheet).sum();
@@ -38,7 +44,7 @@ pub(super) fn of_sheets(
             weighted / length
         }
     };
-    Some(OneForAll { density, counting: counting().map(weight).fold(0.0, f64::max) })
+    Some(OneForAll { density, counting: most_counting })
 }
 
 /// What layers show together, each by the density that stands for all of it: what goes through all of them is
@@ -141,8 +147,26 @@ mod tests {
             })
         };
         assert_eq!(thin(0.1), [Some([7.0, 1.0]); 3]);
-        assert_eq!(thin(0.025), [Some([-2.0, 0.25]), Some([16.75, 0.25]), Some([7.0, 0.25])]);
+        assert_eq!(thin(0.025), [Some([7.0, 0.25]); 3]);
         assert_eq!(thin(0.0), [None; 3]);
+    }
+
+    /// Of two sheets the one that holds little is drawn to the end of values.
+    #[test]
+    fn statistic_by_how_much_sheets_count() {
+        let of = |statistic: Statistic, densities: [f64; 2], lengths: [f64; 2]| {
+            let mut sheets = sheets(&[densities[0], 0.0, 0.0, 0.0, densities[1]]);
+            for (n, length) in [(3, lengths[0]), (4, 0.0), (5, 0.0), (6, 0.0), (7, lengths[1])] {
+                sheets[n].length = length;
+            }
+            of_sheets(statistic, &sheets, &[1.0; 11], [-5.0, 20.0], 0.1).unwrap().density
+        };
+        // 7 at 1 and 11 at ½ of the way from −5: 3.
+        assert_eq!(of(Statistic::Maximum, [7.0, 11.0], [0.1, 0.05]), 7.0);
+        // Both at a half, and a quarter: 7 is the better.
+        assert_eq!(of(Statistic::Maximum, [7.0, 11.0], [0.05, 0.025]), 7.0);
+        assert_eq!(of(Statistic::Maximum, [7.0, 20.0], [0.05, 0.05]), 20.0);
+        assert_eq!(of(Statistic::Minimum, [7.0, 3.0], [0.05, 0.05]), 3.0);
     }
 
     #[test]

@@ -10,16 +10,30 @@ use rayon::prelude::*;
 use slabsplat_backend::densities::ValueScale;
 use slabsplat_core::TransferFunction;
 
-/// Makes pixels of what was found.
-pub(super) fn classify(tiles: &mut Tiles, transfer: &TransferFunction, scale: &ValueScale) {
+/// Makes pixels of what was found. The largest and the least densities were drawn to `worst` by how much less
+/// than in full their sheets count, so that those which hold next to nothing are not the best; of what the
+/// best one counts that is taken back, or the rim would have the colour of `worst`.
+pub(super) fn classify(
+    tiles: &mut Tiles,
+    transfer: &TransferFunction,
+    scale: &ValueScale,
+    worst: Option<f32>,
+) {
+    let density = |found: f32, much: f32, counting: f32| {
+        let [found, much, counting] = [found, much, counting].map(f64::from);
+        match worst.map(f64::from) {
+            Some(worst) => worst + (found - worst) / counting,
+            None => found / much,
+        }
+    };
     tiles.tiles.par_iter_mut().for_each(|tile| {
         for quad in tile.pixels.iter_mut().flatten() {
             for pixel in 0..QUAD {
                 let [found, much, counting, opacity] = quad.pixel(pixel);
                 // Pixels that are not the tile's are opaque from the start.
                 if opacity == 0.0 {
-                    let shown = if 0.0 < much {
-                        let value = scale.value(f64::from(found) / f64::from(much));
+                    let shown = if 0.0 < much && 0.0 < counting {
+                        let value = scale.value(density(found, much, counting));
                         shown(transfer, value).map(|channel| counting * channel)
                     } else {
                         [0.0; 4]

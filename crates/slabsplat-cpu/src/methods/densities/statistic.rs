@@ -57,12 +57,18 @@ impl OneByOne<'_> {
         let mut n_occluded = 0;
         for (idx, layer) in layers.iter().enumerate() {
             let turn = Turn { layer, place: (idx, layers.len()) };
-            n_occluded += match self.statistic {
-                Statistic::Maximum => self.find_extremes(turn, 1.0, tiles, slabs, watch)?,
-                Statistic::Minimum => self.find_extremes(turn, -1.0, tiles, slabs, watch)?,
-                Statistic::Average => self.take_means(turn, tiles, slabs, watch)?,
+            let [least, largest] = layer.limits.values;
+            let up_from = match self.statistic {
+                Statistic::Maximum => Some((1.0, least)),
+                Statistic::Minimum => Some((-1.0, largest)),
+                Statistic::Average => None,
             };
-            classify(tiles, layer.layer.transfer, &layer.scale);
+            n_occluded += match up_from {
+                Some(up_from) => self.find_extremes(turn, up_from, tiles, slabs, watch)?,
+                None => self.take_means(turn, tiles, slabs, watch)?,
+            };
+            let worst = up_from.map(|(_, worst)| worst);
+            classify(tiles, layer.layer.transfer, &layer.scale, worst);
             if are_several {
                 joined.add(tiles);
                 tiles.reopen();
@@ -78,15 +84,14 @@ impl OneByOne<'_> {
     fn find_extremes(
         self,
         Turn { layer, place }: Turn<'_>,
-        up: f32,
+        (up, worst): (f32, f32),
         tiles: &mut Tiles,
         slabs: &mut SlabBuffers,
         watch: &mut Stopwatch<'_>,
     ) -> Result<u64, Cancelled> {
-        let [least, largest] = layer.limits.values;
         let extremes = Extremes {
             up,
-            worst: if 0.0 < up { least } else { largest },
+            worst,
             saturation: Saturation::new(layer.layer.transfer, &layer.scale, up.into()),
             slabs: &layer.splats.slabs.grid,
             limits: layer.limits,
