@@ -183,8 +183,6 @@ impl Sheets for Composited<'_> {
         tile.put_behind(simd, compositing, sheet, cutoff);
     }
 
-    fn release(&self, (): &mut (), (): &mut ()) {}
-
     fn scratch_bytes((): &()) -> usize {
         0
     }

@@ -97,18 +97,6 @@ impl Sheets for Means<'_> {
     }
 
     #[inline(always)]
-    fn take<S: Simd>(
-        &self,
-        _: S,
-        _: SlabOnTile<'_>,
-        _: usize,
-        _: SlabSums<'_>,
-        _: &mut Rings,
-        _: &mut Scratch,
-    ) {
-    }
-
-    #[inline(always)]
     fn show<S: Simd>(
         &self,
         simd: S,
@@ -128,8 +116,6 @@ impl Sheets for Means<'_> {
         of_layer.clear();
     }
 
-    fn release(&self, _: &mut Rings, _: &mut Scratch) {}
-
     fn scratch_bytes(scratch: &Scratch) -> usize {
         scratch.resident_bytes()
     }
@@ -148,18 +134,6 @@ impl Sheets for WholeMeans {
 
     fn splits_slabs(&self) -> bool {
         true
-    }
-
-    #[inline(always)]
-    fn take<S: Simd>(
-        &self,
-        _: S,
-        _: SlabOnTile<'_>,
-        _: usize,
-        _: SlabSums<'_>,
-        _: &mut Rings,
-        _: &mut Scratch,
-    ) {
     }
 
     #[inline(always)]
@@ -184,8 +158,6 @@ impl Sheets for WholeMeans {
         }
         of_layer.clear();
     }
-
-    fn release(&self, _: &mut Rings, _: &mut Scratch) {}
 
     fn scratch_bytes(scratch: &Scratch) -> usize {
         scratch.resident_bytes()

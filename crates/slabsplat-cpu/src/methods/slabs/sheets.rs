@@ -31,16 +31,19 @@ pub(in crate::methods) trait Sheets: Sync {
         Blocks::ALL
     }
 
-    /// Takes what the sections of a layer in a slab, or in it and the next, sum to.
+    /// Takes what the sections of a layer in a slab, or in it and the next, sum to; or leaves it to
+    /// [`show`](Self::show).
+    #[inline(always)]
     fn take<S: Simd>(
         &self,
-        simd: S,
-        slab: SlabOnTile<'_>,
-        layer: usize,
-        sums: SlabSums<'_>,
-        retained: &mut Self::Retained,
-        scratch: &mut Self::Scratch,
-    );
+        _simd: S,
+        _slab: SlabOnTile<'_>,
+        _layer: usize,
+        _sums: SlabSums<'_>,
+        _retained: &mut Self::Retained,
+        _scratch: &mut Self::Scratch,
+    ) {
+    }
 
     /// Composites what can be, once the sums of all layers were taken, and leaves both sheets empty.
     fn show<S: Simd>(
@@ -54,7 +57,7 @@ pub(in crate::methods) trait Sheets: Sync {
     );
 
     /// Frees what a tile retains, if it needs it no more.
-    fn release(&self, retained: &mut Self::Retained, scratch: &mut Self::Scratch);
+    fn release(&self, _retained: &mut Self::Retained, _scratch: &mut Self::Scratch) {}
 
     /// Bytes that a thread's scratch holds.
     fn scratch_bytes(scratch: &Self::Scratch) -> usize;
