@@ -10,12 +10,13 @@ use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Package, Workspace};
 
 use crate::test::{self, Test};
-use crate::{deny, lint, msrv, package, semver};
+use crate::{deny, lint, msrv, outside, package, semver};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
     test::run(&Test::default())?;
     package::run()?;
+    outside::run()?;
     msrv::run(false)?;
     deny::run(&[])?;
     semver::run()?;

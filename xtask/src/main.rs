@@ -14,6 +14,7 @@ mod test;
 
 mod deny;
 mod msrv;
+mod outside;
 mod package;
 mod semver;
 
@@ -38,11 +39,12 @@ Usage: cargo xtask COMMAND
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
   package                  pack every crate that is published, and build each from its package alone
+  outside                  then build and test programs as other people write them, on those packages
   msrv [--install]         check them with the oldest Rust that they promise, if rustup has it or may install it
   deny [CHECKS]            judge licences and sources of dependencies, or `advisories`, if cargo-deny is here
   semver                   compare with the last release, if there is one and cargo-semver-checks is here
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
-  ci                       lint, test, package, msrv, deny, semver, and each crate and feature built alone
+  ci                       lint, test, package, outside, msrv, deny, semver, and each crate and feature built alone
   help                     print this
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
@@ -72,6 +74,7 @@ enum Task {
     Lint,
     Test(Test),
     Package,
+    Outside,
     Msrv { installs: bool },
     Deny(Vec<OsString>),
     Semver,
@@ -85,6 +88,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
         Task::Package => package::run(),
+        Task::Outside => outside::run(),
         Task::Msrv { installs } => msrv::run(*installs),
         Task::Deny(checks) => deny::run(checks),
         Task::Semver => semver::run(),
@@ -106,6 +110,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
         Some("deny") => return Ok(Task::Deny(rest)),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
         Some("package") => Task::Package,
+        Some("outside") => Task::Outside,
         Some("semver") => Task::Semver,
         Some("lint") => Task::Lint,
         Some("ci") => Task::Ci,
@@ -135,6 +140,7 @@ mod tests {
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
         check(&["package"], Ok(Task::Package));
+        check(&["outside"], Ok(Task::Outside));
         check(&["msrv"], Ok(Task::Msrv { installs: false }));
         check(&["msrv", "--install"], Ok(Task::Msrv { installs: true }));
         check(&["deny", "advisories"], Ok(Task::Deny(vec!["advisories".into()])));

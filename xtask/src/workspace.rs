@@ -27,6 +27,8 @@ pub struct Workspace {
 pub struct Package {
     /// As its manifest says.
     pub name: String,
+    /// As its manifest says, or the workspace's.
+    pub version: String,
     /// Where that manifest is.
     pub manifest_path: PathBuf,
     /// The registries that it may go to: any if there is no list, none if it is empty.
@@ -126,6 +128,7 @@ mod tests {
 
     const METADATA: &str = r#"{ "target_directory": "/t", "packages": [ {
         "name": "a",
+        "version": "0.1.0",
         "manifest_path": "/a/Cargo.toml",
         "publish": null,
         "rust_version": "1.90",

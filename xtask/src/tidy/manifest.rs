@@ -41,13 +41,17 @@ pub(super) fn docs_rs(file: &File) -> Vec<Finding> {
     vec![file.finding(message)]
 }
 
+/// Programs of other people, as it were, whose lints are their own.
+const OUTSIDE: &str = "tests/outside/";
+
 /// Lints are set once, for all.
 pub(super) fn lints(files: &[File]) -> Vec<Finding> {
     let workspace = files.iter().find(|file| file.path == "Cargo.toml").and_then(manifest);
     let of_workspace =
         workspace.as_ref().and_then(|manifest| manifest.get("workspace")?.get("lints"));
     let Some(Value::Table(of_workspace)) = of_workspace else { return Vec::new() };
-    files.iter().filter_map(|file| other_lints(file, of_workspace)).collect()
+    let ours = files.iter().filter(|file| !file.path.starts_with(OUTSIDE));
+    ours.filter_map(|file| other_lints(file, of_workspace)).collect()
 }
 
 fn other_lints(file: &File, of_workspace: &Table) -> Option<Finding> {

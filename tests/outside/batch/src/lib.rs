@@ -1,0 +1,25 @@
+//! Renders scene files to PNGs beside them, one after the other with one renderer, which keeps what a scene
+//! has in common with the one before it.
+
+use slabsplat::io::{read_scene, write_picture};
+use slabsplat::{OpenScene, Renderer};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+/// Whatever went wrong with a scene.
+pub type Failure = Box<dyn Error>;
+
+/// Renders the scene file, and returns the path of the picture.
+///
+/// # Errors
+/// If the scene cannot be read or drawn, or the picture not written.
+pub fn render(renderer: &mut Renderer, scene: &Path) -> Result<PathBuf, Failure> {
+    let opened = OpenScene::open(&read_scene(scene)?)?;
+    for warning in &opened.warnings {
+        eprintln!("{}: {warning}", scene.display());
+    }
+    let frame = renderer.render(&opened.scene)?;
+    let picture = scene.with_extension("png");
+    write_picture(&picture, &frame.image)?;
+    Ok(picture)
+}

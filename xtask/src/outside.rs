@@ -1,0 +1,82 @@
+//! `cargo xtask outside`: builds and tests the programs of `tests/outside`, which are written as other people
+//! would write them, on the packages that `cargo xtask package` made.
+//!
+//! They lie in a workspace of their own and know slabsplat by its version only; what stands for the registry
+//! is the packages, each put in the place of the crate of its name. So a program finds what its author would
+//! find, and nothing of the checkout besides.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Result, ensure};
+
+use xtask::process::{cargo, run as run_command};
+use xtask::workspace::{self, Workspace};
+
+pub(crate) fn run() -> Result<()> {
+    let workspace = Workspace::read()?;
+    let packages = packages(&workspace)?;
+    run_command(cargo(&programs()).args(["fmt", "--all", "--check"]))?;
+    let build = |subcommand: &str| {
+        let mut command = cargo(&programs());
+        command.args([subcommand, "--workspace", "--all-targets", "--target-dir"]);
+        command.arg(workspace.target_directory.join("outside"));
+        patch(&mut command, &packages);
+        command
+    };
+    run_command(build("clippy").args(["--", "-D", "warnings"]))?;
+    run_command(&mut build("test"))
+}
+
+/// Where the programs lie.
+fn programs() -> PathBuf {
+    workspace::root().join("tests").join("outside")
+}
+
+/// Name and unpacked package of each library that is published.
+fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
+    let folder = workspace.target_directory.join("package");
+    workspace
+        .published()
+        // Cargo complains of what nobody can use.
+        .filter(|package| package.has_library())
+        .map(|package| {
+            let unpacked = folder.join(format!("{}-{}", package.name, package.version));
+            let is_there = unpacked.join("Cargo.toml").is_file();
+            ensure!(is_there, "{} is not packed: `cargo xtask package` does it", package.name);
+            Ok((&*package.name, unpacked))
+        })
+        .collect()
+}
+
+/// Has cargo take the packages where it would ask the registry.
+fn patch(command: &mut Command, packages: &[(&str, PathBuf)]) {
+    for (name, unpacked) in packages {
+        command.arg("--config").arg(patch_of(name, unpacked));
+    }
+}
+
+/// As a line of cargo's configuration.
+fn patch_of(name: &str, unpacked: &Path) -> String {
+    // A literal string of TOML, in which no backslash means anything.
+    format!("patch.crates-io.{name}.path='{}'", unpacked.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patch_is_a_line_of_toml() {
+        let line = patch_of("slabsplat-io", Path::new(r"C:\target\package\slabsplat-io-0.1.0"));
+        let expected = r"patch.crates-io.slabsplat-io.path='C:\target\package\slabsplat-io-0.1.0'";
+        assert_eq!(line, expected);
+    }
+
+    #[test]
+    fn programs_know_versions_only() {
+        let manifest = std::fs::read_to_string(programs().join("Cargo.toml")).unwrap();
+        assert!(manifest.contains("slabsplat = { version = "), "from a registry, as it seems");
+        assert!(!manifest.contains("path ="), "nothing by its path");
+    }
+}
