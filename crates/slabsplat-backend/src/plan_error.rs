@@ -1,5 +1,6 @@
 //! Why a scene cannot be drawn.
 
+use crate::slabs::MAX_SLABS_OF_A_KERNEL;
 use slabsplat_core::{
     ImageError, LightError, Method, Mode, OutOfRange, SettingsError, TooManySlabs, ViewError,
 };
@@ -31,6 +32,20 @@ pub enum PlanError {
     /// The slabs are too thin for the volume.
     #[error(transparent)]
     TooManySlabs(#[from] TooManySlabs),
+    /// A kernel would be cut into sections without end: the steps of a volume are too unequal, or those of
+    /// two layers, or slabs too thin.
+    #[error(
+        "a kernel of the volume with spacing {spacing} is {n_slabs:.0} slabs deep, more than \
+         {MAX_SLABS_OF_A_KERNEL}: correct the spacing, or set slab_width to {wide_enough} or more"
+    )]
+    TooManySections {
+        /// The volume's voxel steps, in world units.
+        spacing: String,
+        /// How many slabs a kernel would meet.
+        n_slabs: f64,
+        /// A slab width, as settings have it, at which it meets few enough.
+        wide_enough: f64,
+    },
     /// There is nothing to draw.
     #[error("the scene has no layers and no meshes")]
     NoLayers,

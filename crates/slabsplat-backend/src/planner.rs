@@ -4,7 +4,7 @@ use crate::layer_order::in_one_order;
 use crate::meshes;
 use crate::scene_checks::{check_method, is_of_densities};
 use crate::shown_values::shown_ranges;
-use crate::slabs::Depths;
+use crate::slabs::{Depths, check_sections};
 use crate::tables::{LayerToSplat, Tables};
 use crate::{DensitySplats, FramePlan, LayerPlan, PlanError};
 use slabsplat_core::{
@@ -69,6 +69,11 @@ impl Planner {
             Method::AxisAligned | Method::EverySample => 1.0,
         };
         let depths = seen.iter().map(|layer| layer.depths(kernel.radius())).collect::<Vec<_>>();
+        if has_slabs(method) {
+            layers.iter().map(|layer| layer.volume.grid()).try_for_each(|grid| {
+                check_sections(grid, kernel.radius(), width * unit, settings.slab_width)
+            })?;
+        }
         let slabs = Depths::slabs(&depths, width * unit)?;
         self.tables.resize_with(n_layers, Tables::default);
         let parts = seen.into_iter().zip(&depths).zip(&mut self.tables);
@@ -154,6 +159,14 @@ impl<'a> SeenLayer<'a> {
         let grid = self.layer.volume.grid();
         let of_voxels = self.view.from_index(grid).depth_range(grid);
         Depths { of_voxels, half_depth: radius * self.shape.half_depth }
+    }
+}
+
+/// Whether kernels are cut into sections, of which there may be too many.
+fn has_slabs(method: Method) -> bool {
+    match method {
+        Method::ImageAligned | Method::PostClassified => true,
+        Method::AxisAligned | Method::EverySample => false,
     }
 }
 

@@ -1,6 +1,12 @@
 //! The slabs of a frame, and how they lie to kernels and to the eye.
 
-use slabsplat_core::{SlabGrid, TooManySlabs, View};
+use crate::PlanError;
+use slabsplat_core::{Grid, SlabGrid, TooManySlabs, View};
+
+/// Most slabs that a kernel may be deep, as seen along the longest voxel step. In a cubic grid it is four
+/// slabs of a step's width; a thousand is for steps that are 250 times as long as others, or slabs of a 250th
+/// of a step. The work of a frame grows with it, at no gain that anybody sees.
+pub(crate) const MAX_SLABS_OF_A_KERNEL: f64 = 1024.0;
 
 /// The slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +50,29 @@ impl Depths {
     }
 }
 
+/// Refuses kernels that slabs of `thickness` world units would cut into sections without end. It does not
+/// depend on the view, as a camera that turns must not meet an error on its way. That thickness comes of the
+/// setting `slab_width`.
+pub(crate) fn check_sections(
+    grid: &Grid,
+    radius: f64,
+    thickness: f64,
+    slab_width: f64,
+) -> Result<(), PlanError> {
+    let [x, y, z] = grid.spacing();
+    let n_slabs = 2.0 * radius * x.max(y).max(z) / thickness;
+    if n_slabs <= MAX_SLABS_OF_A_KERNEL {
+        return Ok(());
+    }
+    let wide_enough = slab_width * n_slabs / MAX_SLABS_OF_A_KERNEL;
+    Err(PlanError::TooManySections {
+        spacing: format!("{x} x {y} x {z}"),
+        n_slabs,
+        // As it is written it must be enough, too.
+        wide_enough: (100.0 * wide_enough).ceil() / 100.0,
+    })
+}
+
 /// Slabs are drawn from one on.
 fn first_drawn(view: &View, slabs: &SlabGrid) -> usize {
     let (mut lo, mut hi) = (0, slabs.n_slabs());
@@ -62,7 +91,7 @@ fn first_drawn(view: &View, slabs: &SlabGrid) -> usize {
 mod tests {
     use super::*;
     use slabsplat_core::glam::DVec3;
-    use slabsplat_core::{Camera, Grid, ImageDesc, Projection};
+    use slabsplat_core::{Camera, ImageDesc, Projection};
 
     /// Eleven voxels of a cubic grid on the axis that the camera looks along, the middle one at depth 0.
     fn row_of_voxels(spacing: f64) -> Grid {

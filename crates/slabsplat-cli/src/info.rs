@@ -57,10 +57,12 @@ struct Info {
     /// Index to world, by rows.
     affine: [[f64; 4]; 4],
     dtype: &'static str,
-    /// `None` for a volume of NaN alone.
+    /// Of finite values; `None` if there are none.
     range: Option<[f64; 2]>,
     n_voxels: usize,
     n_nan: usize,
+    /// −∞ and +∞.
+    n_infinite: [usize; 2],
     format: &'static str,
 }
 
@@ -79,13 +81,14 @@ impl Info {
             range: summary.range,
             n_voxels: grid.n_voxels(),
             n_nan: summary.n_nan,
+            n_infinite: summary.n_infinite,
             format: format.name(),
         }
     }
 
-    /// JSON has no infinities, so that `min` and `max` are null where they are not finite.
     fn json(&self) -> Value {
-        let end = |idx: usize| self.range.map(|range| range[idx]).filter(|end| end.is_finite());
+        let end = |idx: usize| self.range.map(|range| range[idx]);
+        let [n_minus_infinity, n_infinity] = self.n_infinite;
         json!({
             "dims": self.dims,
             "spacing": self.spacing,
@@ -95,6 +98,8 @@ impl Info {
             "max": end(1),
             "voxels": self.n_voxels,
             "nan": self.n_nan,
+            "minus_infinity": n_minus_infinity,
+            "infinity": n_infinity,
             "format": self.format,
         })
     }
@@ -104,8 +109,9 @@ impl Info {
         let [dx, dy, dz] = self.spacing.map(plain);
         let range = match self.range {
             Some([min, max]) => format!("{} to {}", plain(min), plain(max)),
-            None => "every voxel is NaN".to_owned(),
+            None => "none is finite".to_owned(),
         };
+        let [n_minus_infinity, n_infinity] = self.n_infinite;
         let mut text = String::new();
         for (key, value) in [
             ("format", self.format.to_owned()),
@@ -114,6 +120,7 @@ impl Info {
             ("dtype", self.dtype.to_owned()),
             ("values", range),
             ("nan", self.n_nan.to_string()),
+            ("infinite", format!("{n_minus_infinity} -inf, {n_infinity} +inf")),
             ("spacing", format!("{dx} x {dy} x {dz}")),
         ] {
             // Writing to a string cannot fail.

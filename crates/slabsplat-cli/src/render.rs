@@ -74,7 +74,7 @@ fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
         None if !scene.meshes.is_empty() && scene.layers.is_empty() => {
             "the camera looks past it, or all of it is cut off".to_owned()
         }
-        None => "all voxels are NaN".to_owned(),
+        None => "no voxel has a finite value".to_owned(),
         Some([min, max])
             if scene.settings.mode == Mode::Isosurfaces && frame.stats.n_voxels == 0 =>
         {

@@ -65,10 +65,12 @@ pub enum VolumeError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Summary {
-    /// Smallest and largest value; `None` if every voxel is NaN. May be infinite.
+    /// Smallest and largest finite value; `None` if there is none.
     pub range: Option<[f64; 2]>,
     /// Voxels that are NaN.
     pub n_nan: usize,
+    /// Voxels that are −∞, and +∞.
+    pub n_infinite: [usize; 2],
 }
 
 impl fmt::Debug for Volume {
@@ -185,28 +187,33 @@ impl Volume {
         Self::new(grid, self.samples, self.scaling)
     }
 
-    /// Range of the values and number of NaN voxels.
+    /// Range of the values, and how many voxels have none that is finite.
     pub fn summary(&self) -> Summary {
-        let (range, n_nan) = with_samples!(&self.samples, |s| range_and_nans(s));
-        let range = range.map(|r| {
-            let [a, b] = r.map(|v| self.scaling.apply(v));
+        let mut summary = with_samples!(&self.samples, |s| summary_of(s));
+        summary.range = summary.range.map(|range| {
+            let [a, b] = range.map(|v| self.scaling.apply(v));
             [a.min(b), a.max(b)]
         });
-        Summary { range, n_nan }
+        if self.scaling.slope < 0.0 {
+            summary.n_infinite.reverse();
+        }
+        summary
     }
 }
 
+/// Of samples before scaling.
 #[expect(clippy::eq_op, reason = "a sample that differs from itself is NaN, whatever its type")]
-fn range_and_nans<T: Sample>(samples: &[T]) -> (Option<[f64; 2]>, usize) {
+fn summary_of<T: Sample>(samples: &[T]) -> Summary {
     let n_nan = samples.iter().filter(|&&v| v != v).count();
-    let mut numbers = samples.iter().copied().filter(|&v| v == v);
-    let range = numbers.next().map(|first| {
-        let (lo, hi) = numbers.fold((first, first), |(lo, hi), v| {
+    let n_of = |value: f64| samples.iter().filter(|v| v.to_f64() == value).count();
+    let mut finite = samples.iter().copied().filter(|v| v.to_f64().is_finite());
+    let range = finite.next().map(|first| {
+        let (lo, hi) = finite.fold((first, first), |(lo, hi), v| {
             (if v < lo { v } else { lo }, if hi < v { v } else { hi })
         });
         [lo.to_f64(), hi.to_f64()]
     });
-    (range, n_nan)
+    Summary { range, n_nan, n_infinite: [f64::NEG_INFINITY, f64::INFINITY].map(n_of) }
 }
 
 #[cfg(test)]
@@ -260,15 +267,21 @@ mod tests {
     fn volume_scales_values() {
         let v = row(vec![-2_i16, 5], Scaling { slope: -0.5, intercept: 10.0 });
         assert_eq!(v.value(0), 11.0);
-        assert_eq!(v.summary(), Summary { range: Some([7.5, 11.0]), n_nan: 0 });
+        let all = Summary { range: Some([7.5, 11.0]), n_nan: 0, n_infinite: [0, 0] };
+        assert_eq!(v.summary(), all);
     }
 
     #[test]
-    fn volume_summary_leaves_out_nan() {
-        let v = row(vec![f32::NAN, 2.0, f32::NEG_INFINITY], Scaling::IDENTITY);
-        assert_eq!(v.summary(), Summary { range: Some([f64::NEG_INFINITY, 2.0]), n_nan: 1 });
-        let all_nan = row(vec![f64::NAN; 3], Scaling::IDENTITY);
-        assert_eq!(all_nan.summary(), Summary { range: None, n_nan: 3 });
+    fn volume_summary_of_what_is_not_finite() {
+        let samples = vec![f32::NAN, 2.0, f32::NEG_INFINITY, 5.0, f32::NEG_INFINITY, f32::INFINITY];
+        let summary =
+            |slope: f64| row(samples.clone(), Scaling { slope, intercept: 0.0 }).summary();
+        let upright = Summary { range: Some([2.0, 5.0]), n_nan: 1, n_infinite: [2, 1] };
+        assert_eq!(summary(1.0), upright);
+        let reversed = Summary { range: Some([-5.0, -2.0]), n_nan: 1, n_infinite: [1, 2] };
+        assert_eq!(summary(-1.0), reversed);
+        let nothing = row(vec![f64::NAN; 3], Scaling::IDENTITY);
+        assert_eq!(nothing.summary(), Summary { range: None, n_nan: 3, n_infinite: [0, 0] });
     }
 
     #[test]

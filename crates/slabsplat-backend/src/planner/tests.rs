@@ -127,10 +127,40 @@ fn planner_refuses_what_cannot_be_drawn() {
     let err = Planner::default().plan(&huge).unwrap_err();
     assert!(matches!(err, PlanError::Image(_)), "{err}");
     check(good.clone().slab_width(-1.0), "slab_width");
-    check(good.clone().slab_width(1e-9), "sheets");
+    check(good.clone().slab_width(1e-5), "slabs deep");
     check(good.clone().mode(Mode::Isosurfaces), "needs a value: add --isosurface");
     let both = good.mode(Mode::Isosurfaces).method(Method::EverySample);
     check(both, "which every-sample has none of");
+}
+
+/// Work per voxel is bounded, whatever the camera sees, and the error says what helps.
+#[test]
+fn planner_bounds_sections_of_a_kernel() {
+    let refused = |settings: &RenderSettings, eye: DVec3| {
+        let grid = Grid::with_spacing([2, 2, 2], [1.0, 1.0, 1600.0]).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
+        let mut scene = scene_of(volume, settings.clone());
+        let up = DVec3::new(0.1, 0.2, 0.3);
+        scene.camera = Camera::new(eye, DVec3::ZERO, up, scene.camera.projection()).unwrap();
+        Planner::default().plan(&scene).err()
+    };
+    let settings = RenderSettings::default();
+    for eye in [DVec3::X, DVec3::Z, DVec3::ONE] {
+        let Some(PlanError::TooManySections { n_slabs, wide_enough, .. }) = refused(&settings, eye)
+        else {
+            panic!("drawn from {eye}");
+        };
+        assert_eq!((n_slabs, wide_enough), (6400.0, 6.25), "{eye}");
+        assert_eq!(refused(&settings.clone().slab_width(wide_enough), eye), None, "{eye}");
+        // Samples and sheets of voxels are whole.
+        for method in [Method::EverySample, Method::AxisAligned] {
+            assert_eq!(refused(&settings.clone().method(method), eye), None, "{method} {eye}");
+        }
+    }
+    // A sheet of densities is half a slab thick.
+    let densities = settings.method(Method::PostClassified).slab_width(6.25);
+    assert!(refused(&densities, DVec3::X).is_some());
+    assert_eq!(refused(&densities.slab_width(12.5), DVec3::X), None);
 }
 
 /// What decides about a surface is its own value; of two that are one, neither would be in front.

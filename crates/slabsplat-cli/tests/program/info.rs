@@ -22,6 +22,8 @@ fn info_json_has_the_agreed_keys() {
         "max": 255.0,
         "voxels": 21952,
         "nan": 0,
+        "minus_infinity": 0,
+        "infinity": 0,
         "format": "built-in",
     });
     assert_eq!(info, expected);
@@ -34,14 +36,17 @@ fn info_of_numbers_that_json_lacks() {
         std::fs::write(dir.path().join(name), samples.map(f32::to_le_bytes).concat()).unwrap();
     };
     write("nan.raw", [f32::NAN; 2]);
-    write("inf.raw", [1.0, f32::INFINITY]);
+    write("inf.raw", [1.5, f32::INFINITY]);
     let flags = "--dims 2,1,1 --type float32";
     let nan = json(dir.path(), &format!("info nan.raw {flags} --json"));
     assert_eq!([&nan["min"], &nan["max"], &nan["nan"]], [&value!(null), &value!(null), &value!(2)]);
     let inf = json(dir.path(), &format!("info inf.raw {flags} --json"));
-    assert_eq!([&inf["min"], &inf["max"]], [&value!(1.0), &value!(null)]);
+    let expected = [&value!(1.5), &value!(1.5), &value!(0), &value!(1)];
+    assert_eq!([&inf["min"], &inf["max"], &inf["minus_infinity"], &inf["infinity"]], expected);
     let text = answer(dir.path(), &format!("info nan.raw {flags}"));
-    assert!(text.contains("every voxel is NaN"), "{text}");
+    assert!(text.contains("none is finite"), "{text}");
+    let text = answer(dir.path(), &format!("info inf.raw {flags}"));
+    assert!(text.contains("infinite 0 -inf, 1 +inf"), "{text}");
 }
 
 #[test]
