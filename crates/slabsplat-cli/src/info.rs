@@ -8,7 +8,7 @@ use crate::{input, terminal};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::io::{IoError, LoadedMesh, LoadedVolume, read_mesh};
+use slabsplat::io::{IoError, LoadedMesh, LoadedVolume, Part, VolumeChoices, read_mesh};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -64,10 +64,11 @@ struct Info {
     /// −∞ and +∞.
     n_infinite: [usize; 2],
     format: &'static str,
+    choices: VolumeChoices,
 }
 
 impl Info {
-    fn of(LoadedVolume { volume, format, .. }: &LoadedVolume) -> Self {
+    fn of(LoadedVolume { volume, format, choices, .. }: &LoadedVolume) -> Self {
         let grid = volume.grid();
         let summary = volume.summary();
         let to_world = grid.world_from_index();
@@ -83,13 +84,14 @@ impl Info {
             n_nan: summary.n_nan,
             n_infinite: summary.n_infinite,
             format: format.name(),
+            choices: choices.clone(),
         }
     }
 
     fn json(&self) -> Value {
         let end = |idx: usize| self.range.map(|range| range[idx]);
         let [n_minus_infinity, n_infinity] = self.n_infinite;
-        json!({
+        let mut info = json!({
             "dims": self.dims,
             "spacing": self.spacing,
             "affine": self.affine,
@@ -101,7 +103,15 @@ impl Info {
             "minus_infinity": n_minus_infinity,
             "infinity": n_infinity,
             "format": self.format,
-        })
+        });
+        for &part in Part::ALL {
+            let choice = self.choices.get(part);
+            if 1 < choice.n {
+                let said = json!({ "n": choice.n, "names": choice.names, "chosen": choice.chosen });
+                info[part.name()] = said;
+            }
+        }
+        info
     }
 
     fn text(&self) -> String {
@@ -126,7 +136,23 @@ impl Info {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{key:<8} {value}");
         }
-        text + &self.affine_text()
+        text + &self.affine_text() + &self.choices_text()
+    }
+
+    /// What else there is; nothing of a file that holds one volume.
+    fn choices_text(&self) -> String {
+        let mut text = String::new();
+        for &part in Part::ALL {
+            let choice = self.choices.get(part);
+            if choice.n == 1 {
+                continue;
+            }
+            let _ = writeln!(text, "{:<8} {} of 0 to {}", part.name(), choice.chosen, choice.n - 1);
+            for (idx, name) in choice.names.iter().enumerate() {
+                let _ = writeln!(text, "{:<8} {idx}: {name}", "");
+            }
+        }
+        text
     }
 
     fn affine_text(&self) -> String {

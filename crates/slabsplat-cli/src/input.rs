@@ -28,17 +28,20 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 
 /// The volumes of `file`, the first of them as the flags describe it.
 pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
-    io::check_memory(MemoryNeed::of_layers(&file.layers))?;
     let mut desc = flags.desc()?;
     let Some(first) = file.layers.first_mut() else {
-        if flags.spacing.is_some() || desc.is_some() {
-            bail!("there is no volume that --spacing, --dims and the like could describe");
+        if flags.spacing.is_some() || desc.is_some() || !flags.parts.are_silent() {
+            bail!(
+                "there is no volume that --spacing, --dims, --channel and the like could describe"
+            );
         }
         return Ok(Vec::new());
     };
     if let Some(spacing) = flags.spacing {
         first.spacing = Some(spacing.to_array());
     }
+    flags.parts.lay_over(&mut first.options);
+    io::check_memory(MemoryNeed::of_layers(&file.layers))?;
     LayerFile::load_volumes(&file.layers, |layer| match desc.take() {
         Some(desc) => load_raw(layer, &desc),
         None => layer.load_volume().map_err(|error| match error {

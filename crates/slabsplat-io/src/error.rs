@@ -35,13 +35,46 @@ pub enum IoError {
     },
     /// The file is in none of the formats that can be read.
     #[error(
-        "{} is not a volume file that can be read: expected NRRD (.nrrd, .nhdr), NIfTI (.nii, \
-         .nii.gz, .hdr), MetaImage (.mha, .mhd), TIFF or raw with a .json description beside it",
+        "{} is not a volume file that can be read: expected {known}; 3D Slicer, ITK-SNAP or ImageJ convert \
+         many others",
         path.display()
     )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
+        /// The formats that can be read, with their extensions.
+        known: String,
+    },
+    /// The folder is none that is a volume.
+    #[error("{} is a folder that holds no volume of many files, but {held}: name one of them", path.display())]
+    UnknownFolder {
+        /// The folder.
+        path: PathBuf,
+        /// How many files of which names are in it.
+        held: String,
+    },
+    /// The file does not hold as many series, channels, times or levels as are asked for.
+    #[error("{}: there is no {part} {asked}: there is {there}", path.display())]
+    NoSuchPart {
+        /// The file.
+        path: PathBuf,
+        /// Of what there are too few.
+        part: &'static str,
+        /// What is asked for.
+        asked: usize,
+        /// What there is.
+        there: String,
+    },
+    /// A header names a file that is not beside it.
+    #[error(
+        "{}: it names a file outside of its folder, {name:?}: move that, or allow it (allow_external)",
+        path.display()
+    )]
+    External {
+        /// The header's file.
+        path: PathBuf,
+        /// What it names.
+        name: String,
     },
     /// The file is a mesh in none of the formats that can be read.
     #[error(

@@ -79,5 +79,6 @@ pub use scene::{
 };
 pub use store::FilesInMemory;
 pub use volume::{
-    Endian, LoadedVolume, RawDesc, VolumeFormat, read_raw, read_volume, volume_bytes,
+    Choice, Endian, LoadedVolume, Part, RawDesc, VolumeChoices, VolumeFormat, VolumeListing,
+    VolumeOptions, list_volume, read_raw, read_volume, read_volume_with,
 };

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-use crate::{IoError, LayerFile, VolumeSource, volume_bytes};
+use crate::{IoError, LayerFile, VolumeOptions, VolumeSource, list_volume};
 
 /// Memory that something takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,17 +39,18 @@ impl MemoryNeed {
 impl LayerFile {
     fn need_of_volume(&self) -> Option<MemoryNeed> {
         let VolumeSource::File(path) = &self.volume else { return None };
-        MemoryNeed::of_file(path)
+        MemoryNeed::of_file(path, &self.options)
     }
 
     fn need_of_labels(&self) -> Option<MemoryNeed> {
-        MemoryNeed::of_file(&self.labels.as_ref()?.path)
+        let labels = self.labels.as_ref()?;
+        MemoryNeed::of_file(&labels.path, &VolumeOptions::default())
     }
 }
 
 impl MemoryNeed {
-    fn of_file(path: &Path) -> Option<Self> {
-        let bytes = volume_bytes(path).ok()?;
+    fn of_file(path: &Path, options: &VolumeOptions) -> Option<Self> {
+        let bytes = list_volume(path, options).ok()?.bytes();
         Some(Self { what: path.display().to_string(), bytes })
     }
 }

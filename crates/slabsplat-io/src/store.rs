@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use crate::{IoError, LoadedMesh, LoadedVolume, RawDesc, mesh, volume};
+use crate::{IoError, LoadedMesh, LoadedVolume, RawDesc, VolumeOptions, mesh, volume};
 
 /// Files in memory by their names, as a folder has them.
 ///
@@ -41,7 +41,19 @@ impl FilesInMemory<'_> {
     /// # Errors
     /// As there.
     pub fn read_volume(&self, path: impl AsRef<Path>) -> Result<LoadedVolume, IoError> {
-        volume::read_from(Store::Memory(self), path.as_ref())
+        self.read_volume_with(path, &VolumeOptions::default())
+    }
+
+    /// As [`read_volume_with`](crate::read_volume_with). A folder is what all paths in it begin with.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn read_volume_with(
+        &self,
+        path: impl AsRef<Path>,
+        options: &VolumeOptions,
+    ) -> Result<LoadedVolume, IoError> {
+        volume::read_from(Store::Memory(self), path.as_ref(), options)
     }
 
     /// As [`read_raw`](crate::read_raw).
@@ -75,7 +87,7 @@ pub(crate) enum Store<'b> {
 impl<'b> Store<'b> {
     pub(crate) fn open(self, path: &Path) -> Result<StoredFile<'b>, IoError> {
         let opened = match self {
-            Self::Disk => File::open(path).map(StoredFile::Disk),
+            Self::Disk => open_file(path).map(StoredFile::Disk),
             Self::Memory(files) => {
                 files.get(path).map(|bytes| StoredFile::Memory(Cursor::new(bytes)))
             }
@@ -98,9 +110,75 @@ impl<'b> Store<'b> {
             Self::Memory(files) => files.get(path).is_ok(),
         }
     }
+
+    pub(crate) fn is_folder(self, path: &Path) -> bool {
+        match self {
+            Self::Disk => path.is_dir(),
+            Self::Memory(files) => {
+                files.get(path).is_err() && files.by_path.keys().any(|file| file.starts_with(path))
+            }
+        }
+    }
+
+    /// The files directly in a folder, by their names in order.
+    pub(crate) fn files_in(self, folder: &Path) -> Result<Vec<PathBuf>, IoError> {
+        let (files, _) = self.entries_in(folder)?;
+        Ok(files)
+    }
+
+    /// The files directly in a folder, and the folders directly in it, by their names in order.
+    pub(crate) fn entries_in(self, folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), IoError> {
+        match self {
+            Self::Disk => disk_entries(folder).map_err(IoError::read(folder)),
+            Self::Memory(files) => Ok(files.entries_in(folder)),
+        }
+    }
+}
+
+/// A file that can be read from any place: a pipe would wait for who writes it, and cannot go back.
+fn open_file(path: &Path) -> io::Result<File> {
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, not a file"));
+    }
+    if !metadata.is_file() {
+        return Err(io::Error::other("it is a pipe or a device: save what it gives as a file"));
+    }
+    File::open(path)
+}
+
+fn disk_entries(folder: &Path) -> io::Result<(Vec<PathBuf>, Vec<PathBuf>)> {
+    let (mut files, mut folders) = (Vec::new(), Vec::new());
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            folders.push(path);
+        } else if path.is_file() {
+            files.push(path);
+        }
+    }
+    files.sort_unstable();
+    folders.sort_unstable();
+    Ok((files, folders))
 }
 
 impl<'b> FilesInMemory<'b> {
+    fn entries_in(&self, folder: &Path) -> (Vec<PathBuf>, Vec<PathBuf>) {
+        let (mut files, mut folders) = (Vec::new(), Vec::new());
+        for path in self.by_path.keys() {
+            let Ok(below) = path.strip_prefix(folder) else { continue };
+            let mut components = below.components();
+            let Some(first) = components.next() else { continue };
+            let entry = folder.join(first);
+            if components.next().is_none() {
+                files.push(entry);
+            } else if folders.last() != Some(&entry) {
+                folders.push(entry);
+            }
+        }
+        (files, folders)
+    }
+
     fn get(&self, path: &Path) -> io::Result<&'b [u8]> {
         let bytes = self.by_path.get(path).copied();
         bytes.ok_or_else(|| {

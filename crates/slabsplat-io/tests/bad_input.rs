@@ -202,8 +202,11 @@ fn empty_files_and_folders_are_refused() {
         assert!(message.contains(name) && !message.contains('\n'), "{message}");
     }
     let dir = tempfile::tempdir().unwrap();
-    for read in [volume, scene, color_map] {
+    for read in [scene, color_map] {
         let message = read(dir.path()).unwrap_err().to_string();
         assert!(message.starts_with("cannot read "), "{message}");
     }
+    fs::write(dir.path().join("a.PNG"), "").unwrap();
+    let message = read_volume(dir.path()).unwrap_err().to_string();
+    assert!(message.contains("holds no volume of many files, but 1 .png"), "{message}");
 }

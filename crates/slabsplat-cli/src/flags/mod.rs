@@ -7,6 +7,7 @@ mod camera;
 mod labels;
 mod lights;
 mod look;
+mod parts;
 mod raw;
 mod region;
 mod settings;

@@ -1,5 +1,6 @@
 //! Flags that describe a raw file, which has no header to say it.
 
+use super::parts::PartFlags;
 use super::values::{self, Dims};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
@@ -13,6 +14,9 @@ pub(crate) struct RawFlags {
     /// Size of a voxel, instead of what the file says
     #[arg(long, value_name = "X,Y,Z", value_parser = values::spacing, allow_hyphen_values = true)]
     pub(crate) spacing: Option<DVec3>,
+
+    #[command(flatten)]
+    pub(crate) parts: PartFlags,
 
     /// Raw file: voxels along each axis, the fastest first
     #[arg(long, value_name = "X,Y,Z", value_parser = values::dims, allow_hyphen_values = true)]

@@ -49,6 +49,11 @@ pub(super) struct VolumeSection {
     pub(super) generate: Option<String>,
     /// Voxels a side, with `generate`.
     pub(super) size: Option<usize>,
+    /// Which volume, with `path`.
+    pub(super) series: Option<usize>,
+    pub(super) channel: Option<usize>,
+    pub(super) time: Option<usize>,
+    pub(super) level: Option<usize>,
     pub(super) spacing: Option<[f64; 3]>,
 }
 

@@ -38,7 +38,9 @@ pub use preset::{PRESET_NAMES, preset_transfer};
 pub use region::RegionDesc;
 pub use transfer_image::TransferImageFile;
 
-use crate::{IoError, LoadedVolume, VolumeFormat, builtin_volume, read_volume, text};
+use crate::{
+    IoError, LoadedVolume, VolumeFormat, VolumeOptions, builtin_volume, read_volume_with, text,
+};
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
 use layers::LookFiles;
@@ -72,6 +74,8 @@ pub struct LayerFile {
     pub name: Option<String>,
     /// The volume.
     pub volume: VolumeSource,
+    /// Which volume, where the file holds several.
+    pub options: VolumeOptions,
     /// Voxel sides that overrule the volume file's.
     pub spacing: Option<[f64; 3]>,
     /// Which values are visible, and in which colour.
@@ -93,7 +97,7 @@ pub struct LayerFile {
 /// Where a volume comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum VolumeSource {
-    /// A file in any format that [`read_volume`] knows.
+    /// A file in any format that [`read_volume`](crate::read_volume) knows.
     File(PathBuf),
     /// One of [`BUILTIN_NAMES`](crate::BUILTIN_NAMES).
     Builtin {
@@ -177,6 +181,7 @@ impl LayerFile {
         Self {
             name: None,
             volume,
+            options: VolumeOptions::default(),
             spacing: None,
             transfer: None,
             transfer_2d: None,
@@ -190,7 +195,9 @@ impl LayerFile {
 
     /// Whether its volume is that of the other layer, so that one may serve both.
     pub fn shares_volume(&self, other: &Self) -> bool {
-        self.volume == other.volume && self.spacing == other.spacing
+        self.volume == other.volume
+            && self.options == other.options
+            && self.spacing == other.spacing
     }
 
     /// The volumes of all layers, by `load`; one that several of them show is loaded once.
@@ -215,9 +222,9 @@ impl LayerFile {
     /// Reads or makes the volume, with the layer's spacing if it has one.
     ///
     /// # Errors
-    /// As [`read_volume`] and [`builtin_volume`]; or if the spacing cannot be.
+    /// As [`read_volume_with`] and [`builtin_volume`]; or if the spacing cannot be.
     pub fn load_volume(&self) -> Result<LoadedVolume, IoError> {
-        let loaded = self.volume.load()?;
+        let loaded = self.volume.load(&self.options)?;
         match self.spacing {
             None => Ok(loaded),
             Some(spacing) => loaded
@@ -231,15 +238,16 @@ impl VolumeSource {
     /// Reads or makes the volume.
     ///
     /// # Errors
-    /// As [`read_volume`] and [`builtin_volume`].
-    pub fn load(&self) -> Result<LoadedVolume, IoError> {
+    /// As [`read_volume_with`] and [`builtin_volume`].
+    pub fn load(&self, options: &VolumeOptions) -> Result<LoadedVolume, IoError> {
         match self {
-            Self::File(path) => read_volume(path),
-            Self::Builtin { name, size } => Ok(LoadedVolume {
-                volume: builtin_volume(name, *size)?.into(),
-                format: VolumeFormat::Builtin,
-                warnings: Vec::new(),
-            }),
+            Self::File(path) => read_volume_with(path, options),
+            Self::Builtin { name, size } => {
+                let volume = builtin_volume(name, *size)?.into();
+                let loaded = LoadedVolume::new(volume, VolumeFormat::Builtin, Vec::new());
+                options.check(Path::new(name), &loaded.choices)?;
+                Ok(loaded)
+            }
         }
     }
 

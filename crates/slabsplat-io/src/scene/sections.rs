@@ -18,6 +18,7 @@ use super::document::{
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
 use super::{LabelColors, LabelsFile, RegionDesc, VolumeSource};
+use crate::VolumeOptions;
 
 impl VolumeSection {
     pub(super) fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
@@ -27,6 +28,11 @@ impl VolumeSection {
             }
             spacing => Ok(spacing),
         }
+    }
+
+    pub(super) fn options(&self) -> VolumeOptions {
+        let &Self { series, channel, time, level, .. } = self;
+        VolumeOptions { series, channel, time, level, allow_external: false }
     }
 
     pub(super) fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {

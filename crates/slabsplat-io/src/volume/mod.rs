@@ -4,8 +4,13 @@
 //! file must be long enough first, a packed one could not unpack to more than its length allows,
 //! and memory then grows with what really comes.
 //!
-//! Reading order: `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`; `data_files`,
-//! `data`, `ascii` (samples in one file or many, however they are written), `names`; then a format each.
+//! Reading order: `formats` (what each format must say of itself, and how a file's is found), `choices` (what
+//! is read of several volumes); `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`;
+//! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`; then a
+//! format each.
+
+mod choices;
+mod formats;
 
 mod buffer;
 mod stream;
@@ -23,18 +28,21 @@ mod raw;
 mod sidecar;
 mod tiff;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
 
 pub use buffer::Endian;
+pub use choices::{Choice, Part, VolumeChoices, VolumeOptions};
+pub use formats::{VolumeFormat, VolumeListing};
 pub(crate) use raw::read_raw_from;
 pub use raw::{RawDesc, read_raw};
 
 use crate::IoError;
 use crate::store::Store;
+use formats::Input;
 
 /// A volume, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
@@ -46,128 +54,55 @@ pub struct LoadedVolume {
     pub format: VolumeFormat,
     /// What the file left open or got wrong, and what was assumed; one line each.
     pub warnings: Vec<String>,
-}
-
-/// What a volume was read from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum VolumeFormat {
-    /// NRRD, with its data attached or in files of their own.
-    Nrrd,
-    /// NIfTI-1, one file or a pair.
-    Nifti1,
-    /// NIfTI-2, one file or a pair.
-    Nifti2,
-    /// MetaImage, with its data attached or in files of their own.
-    MetaImage,
-    /// Pages of a TIFF.
-    Tiff,
-    /// Samples without a header.
-    Raw,
-    /// No file: see [`builtin_volume`](crate::builtin_volume).
-    Builtin,
-}
-
-impl VolumeFormat {
-    /// The format's name as it is written in prose.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Nrrd => "NRRD",
-            Self::Nifti1 => "NIfTI-1",
-            Self::Nifti2 => "NIfTI-2",
-            Self::MetaImage => "MetaImage",
-            Self::Tiff => "TIFF",
-            Self::Raw => "raw",
-            Self::Builtin => "built-in",
-        }
-    }
+    /// What else there is in the file, and which part of it this is.
+    pub choices: VolumeChoices,
 }
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
 /// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), TIFF (a page a slice), or raw described by a
-/// `.json` beside it (the path of either).
+/// `.json` beside it (the path of either). Of a file that holds several volumes, [`read_volume_with`] chooses.
 ///
 /// # Errors
-/// If the file cannot be read, is in no such format, is broken, or holds something other than one
-/// scalar volume.
+/// If the file cannot be read, is in no such format, is broken, or holds something other than scalar volumes.
 pub fn read_volume(path: impl AsRef<Path>) -> Result<LoadedVolume, IoError> {
-    read_from(Store::Disk, path.as_ref())
+    read_volume_with(path, &VolumeOptions::default())
 }
 
-pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
-    match header_of(store, path)? {
-        HeaderFile::Nrrd(header) => nrrd::read(store, &header),
-        HeaderFile::Nifti(header) => nifti::read(store, &header),
-        HeaderFile::MetaImage(header) => metaimage::read(store, &header),
-        HeaderFile::Sidecar(header) => sidecar::read(store, &header),
-        HeaderFile::Tiff(path) => tiff::read(store, &path),
-    }
-}
-
-/// Bytes that the samples of a volume will take in memory, on the word of its header, which nothing has
-/// backed yet.
+/// As [`read_volume`], with a choice of what is read.
 ///
 /// # Errors
-/// As [`read_volume`], as far as the header tells.
-pub fn volume_bytes(path: impl AsRef<Path>) -> Result<u64, IoError> {
-    let store = Store::Disk;
-    let (dims, sample_type) = match header_of(store, path.as_ref())? {
-        HeaderFile::Nrrd(header) => nrrd::dims_and_type(store, &header),
-        HeaderFile::Nifti(header) => nifti::dims_and_type(store, &header),
-        HeaderFile::MetaImage(header) => metaimage::dims_and_type(store, &header),
-        HeaderFile::Sidecar(header) => sidecar::dims_and_type(store, &header),
-        HeaderFile::Tiff(path) => tiff::dims_and_type(store, &path),
-    }?;
-    let n_voxels = dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
-    Ok(n_voxels.saturating_mul(sample_type.size_bytes() as u64))
+/// As there, and if the file does not hold what `options` ask for.
+pub fn read_volume_with(
+    path: impl AsRef<Path>,
+    options: &VolumeOptions,
+) -> Result<LoadedVolume, IoError> {
+    read_from(Store::Disk, path.as_ref(), options)
 }
 
-/// The file that says what a volume is like.
-enum HeaderFile {
-    Nrrd(PathBuf),
-    Nifti(PathBuf),
-    MetaImage(PathBuf),
-    Sidecar(PathBuf),
-    Tiff(PathBuf),
+pub(crate) fn read_from(
+    store: Store<'_>,
+    path: &Path,
+    options: &VolumeOptions,
+) -> Result<LoadedVolume, IoError> {
+    let (reader, path) = formats::find(store, path)?;
+    let mut loaded = reader.read(&Input { store, path: &path, options })?;
+    options.check(&path, &loaded.choices)?;
+    loaded.warnings.extend(loaded.choices.warnings(options));
+    Ok(loaded)
 }
 
-/// By the content of a file, or by its name where that says nothing.
-fn header_of(store: Store<'_>, path: &Path) -> Result<HeaderFile, IoError> {
-    let start = stream::first_bytes(store, path)?;
-    if nrrd::is_nrrd(&start) {
-        return Ok(HeaderFile::Nrrd(path.to_owned()));
-    }
-    if tiff::is_tiff(&start) {
-        return Ok(HeaderFile::Tiff(path.to_owned()));
-    }
-    if metaimage::is_header(&start) {
-        return Ok(HeaderFile::MetaImage(path.to_owned()));
-    }
-    if nifti::is_header(&start) {
-        return Ok(HeaderFile::Nifti(path.to_owned()));
-    }
-    match stream::plain_extension(path).as_str() {
-        "json" => Ok(HeaderFile::Sidecar(path.to_owned())),
-        "nrrd" | "nhdr" => {
-            Err(IoError::malformed(path, "not an NRRD file: it does not begin with NRRD000"))
-        }
-        "mha" | "mhd" => {
-            Err(IoError::malformed(path, "not a MetaImage file: it does not begin with its fields"))
-        }
-        "tif" | "tiff" => {
-            Err(IoError::malformed(path, "not a TIFF file: it does not begin as one"))
-        }
-        "nii" | "hdr" => Err(IoError::malformed(
-            path,
-            "not a NIfTI file, or cut off: it does not begin with a whole NIfTI header (Analyze 7.5 is not \
-             read)",
-        )),
-        "img" => nifti::header_beside(store, path).map(HeaderFile::Nifti),
-        _ if store.has(&path.with_extension("json")) => {
-            Ok(HeaderFile::Sidecar(path.with_extension("json")))
-        }
-        _ => Err(IoError::UnknownFormat { path: path.to_owned() }),
-    }
+/// What a file holds, as far as its header says: all of what [`read_volume_with`] would do but the samples.
+///
+/// # Errors
+/// As [`read_volume_with`], as far as the header tells.
+pub fn list_volume(
+    path: impl AsRef<Path>,
+    options: &VolumeOptions,
+) -> Result<VolumeListing, IoError> {
+    let (reader, path) = formats::find(Store::Disk, path.as_ref())?;
+    let listing = reader.list(&Input { store: Store::Disk, path: &path, options })?;
+    options.check(&path, &listing.choices)?;
+    Ok(listing)
 }
 
 impl LoadedVolume {
@@ -184,6 +119,11 @@ impl LoadedVolume {
 }
 
 impl LoadedVolume {
+    /// The only volume of a file.
+    pub(crate) fn new(volume: Arc<Volume>, format: VolumeFormat, warnings: Vec<String>) -> Self {
+        Self { volume, format, warnings, choices: VolumeChoices::default() }
+    }
+
     /// The same on another grid of as many voxels.
     fn on_grid(self, grid: Grid) -> Self {
         let volume = Arc::unwrap_or_clone(self.volume).with_grid(grid);
@@ -243,7 +183,7 @@ mod tests {
     fn respaced_builtin_stays_centered() {
         let volume = crate::builtin_volume("cube", None).unwrap();
         let volume = Arc::new(volume);
-        let loaded = LoadedVolume { volume, format: VolumeFormat::Builtin, warnings: vec![] };
+        let loaded = LoadedVolume::new(volume, VolumeFormat::Builtin, vec![]);
         let loaded = loaded.with_spacing([1.0, 1.0, 2.0]).unwrap();
         assert!(loaded.volume.grid().center_in_world().length() < 1e-12);
         assert_eq!(loaded.volume.grid().spacing(), [1.0, 1.0, 2.0]);

@@ -52,7 +52,7 @@ pub(crate) fn read_raw_from(
     let mut buffer = SampleBuffer::new(desc.sample_type);
     stream.fill(&mut buffer, grid.n_voxels(), sample_bytes)?;
     let volume = assemble(path, grid, buffer.finish(desc.endian), Scaling::IDENTITY)?;
-    Ok(LoadedVolume { volume, format: VolumeFormat::Raw, warnings: Vec::new() })
+    Ok(LoadedVolume::new(volume, VolumeFormat::Raw, Vec::new()))
 }
 
 #[cfg(test)]

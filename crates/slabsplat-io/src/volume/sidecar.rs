@@ -8,18 +8,60 @@
 //! `dims` and `type` are needed. `file` is the description's own name with `.raw` if not given,
 //! `endian` matters from 16 bits on, and other keys are left to their owners.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{Grid, SampleType};
 
-use super::{Endian, LoadedVolume, RawDesc, names, read_raw_from};
+use super::formats::{Input, Reader, VolumeListing};
+use super::stream::plain_extension;
+use super::{Endian, LoadedVolume, RawDesc, VolumeChoices, VolumeFormat, names, read_raw_from};
 use crate::store::Store;
 use crate::{IoError, text};
 
+/// Raw files with a description beside them.
+pub(super) struct Sidecar;
+
+impl Reader for Sidecar {
+    fn listed(&self) -> &'static str {
+        "raw with a .json description beside it"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["json"]
+    }
+
+    fn is_begun_by(&self, _start: &[u8]) -> bool {
+        false
+    }
+
+    fn is_named(&self, store: Store<'_>, path: &Path) -> bool {
+        plain_extension(path) == "json" || store.has(&path.with_extension("json"))
+    }
+
+    fn header_of(&self, _store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+        let is_it = plain_extension(path) == "json";
+        Ok(if is_it { path.to_owned() } else { path.with_extension("json") })
+    }
+
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+        read(input)
+    }
+
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
+        let desc = parse(input.store, input.path)?;
+        Ok(VolumeListing {
+            format: VolumeFormat::Raw,
+            dims: desc.dims,
+            sample_type: desc.sample_type(input.path)?,
+            choices: VolumeChoices::default(),
+        })
+    }
+}
+
 #[derive(Deserialize)]
-struct Sidecar {
+struct SidecarDesc {
     file: Option<String>,
     dims: [usize; 3],
     r#type: String,
@@ -37,7 +79,8 @@ fn unit_spacing() -> [f64; 3] {
     [1.0; 3]
 }
 
-pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let &Input { store, path, .. } = input;
     let malformed = |what: String| IoError::malformed(path, what);
     let sidecar = parse(store, path)?;
     let sample_type = sidecar.sample_type(path)?;
@@ -54,28 +97,19 @@ pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoErro
         header_bytes: sidecar.header_bytes,
     };
     let data_path = match sidecar.file {
-        Some(file) => path.with_file_name(file),
+        Some(file) => input.beside(&file)?,
         None => path.with_extension("raw"),
     };
     placed_at(read_raw_from(store, &data_path, &desc)?, sidecar.origin, path)
 }
 
-/// What a description says of the volume's size.
-pub(super) fn dims_and_type(
-    store: Store<'_>,
-    path: &Path,
-) -> Result<([usize; 3], SampleType), IoError> {
-    let sidecar = parse(store, path)?;
-    Ok((sidecar.dims, sidecar.sample_type(path)?))
-}
-
-fn parse(store: Store<'_>, path: &Path) -> Result<Sidecar, IoError> {
+fn parse(store: Store<'_>, path: &Path) -> Result<SidecarDesc, IoError> {
     serde_json::from_str(&text::read_from(store, path)?).map_err(|error| {
         IoError::malformed(path, format!("not a description of a raw volume: {error}"))
     })
 }
 
-impl Sidecar {
+impl SidecarDesc {
     fn sample_type(&self, path: &Path) -> Result<SampleType, IoError> {
         names::sample_type(&self.r#type)
             .ok_or_else(|| IoError::unsupported(path, names::unknown_type(&self.r#type)))

@@ -14,7 +14,7 @@ use crate::store::{Store, StoredFile};
 const MAX_GZIP_RATIO: u64 = 1032;
 
 /// Enough of a file to tell what it is: a NIfTI-2 header.
-const N_FIRST_BYTES: usize = 540;
+pub(super) const N_FIRST_BYTES: usize = 540;
 
 /// A file that is being read from front to back.
 pub(super) struct DataStream<'p> {

@@ -1,15 +1,17 @@
 //! Where the data of a MetaImage are.
 
-use std::path::PathBuf;
-
 use super::super::data_files::{DataFiles, Pattern, count};
+use super::super::formats::Input;
 use super::header::Header;
 use crate::IoError;
 
 /// Finds the data's files, as many as the first volume needs. Names are relative to the header's folder.
-pub(super) fn find(header: &Header, sizes: &[usize]) -> Result<DataFiles, IoError> {
+pub(super) fn find(
+    input: &Input<'_>,
+    header: &Header,
+    sizes: &[usize],
+) -> Result<DataFiles, IoError> {
     let text = header.needed("elementdatafile")?;
-    let folder = header.path.parent().map(PathBuf::from).unwrap_or_default();
     if text.eq_ignore_ascii_case("local") {
         return Ok(DataFiles::Attached(header.path.clone(), header.n_bytes));
     }
@@ -25,12 +27,14 @@ pub(super) fn find(header: &Header, sizes: &[usize]) -> Result<DataFiles, IoErro
         };
         let n_files = n_files(header, sizes, n_axes_each, header.listed_files.len() as u64)?;
         let names = header.listed_files.iter().take(n_files);
-        return Ok(DataFiles::Given(names.map(|name| folder.join(name)).collect()));
+        let paths = names.map(|name| input.beside(name));
+        return Ok(DataFiles::Given(paths.collect::<Result<_, _>>()?));
     }
     let Some((name, numbers)) = numbered(text, sizes[n_axes - 1]) else {
-        return Ok(DataFiles::Given(vec![folder.join(text)]));
+        return Ok(DataFiles::Given(vec![input.beside(text)?]));
     };
     let what = || format!("the pattern {name:?} is not of the form name%03d.raw");
+    let folder = input.folder_of(name)?;
     let pattern = Pattern::parse(name).ok_or_else(|| header.unsupported(what()))?;
     let n_files = n_files(header, sizes, n_axes - 1, count(numbers).unwrap_or(0))?;
     let [first, _, step] = numbers;

@@ -11,22 +11,47 @@ mod files;
 mod header;
 mod space;
 
-use std::path::Path;
-
 use slabsplat_core::{Grid, SampleType, Scaling};
 
 use super::data::{self, Encoding};
-use super::{Endian, LoadedVolume, VolumeFormat, assemble};
+use super::formats::{Input, Reader, VolumeListing};
+use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat, assemble};
 use crate::IoError;
-use crate::store::Store;
 use header::Header;
 
-/// Whether the file begins as a MetaImage does.
-pub(super) fn is_header(start: &[u8]) -> bool {
-    header::is_first_line(start)
+/// The format.
+pub(super) struct MetaImage;
+
+impl Reader for MetaImage {
+    fn listed(&self) -> &'static str {
+        "MetaImage (.mha, .mhd)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["mha", "mhd"]
+    }
+
+    fn is_begun_by(&self, start: &[u8]) -> bool {
+        header::is_first_line(start)
+    }
+
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+        read(input)
+    }
+
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
+        let header = Header::read(input.store, input.path)?;
+        Ok(VolumeListing {
+            format: VolumeFormat::MetaImage,
+            dims: volume_dims(&header.sizes()?),
+            sample_type: sample_type(&header)?,
+            choices: VolumeChoices::default(),
+        })
+    }
 }
 
-pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let &Input { store, path, .. } = input;
     let header = Header::read(store, path)?;
     let mut warnings = Vec::new();
     let sizes = header.sizes()?;
@@ -45,22 +70,13 @@ pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoErro
         line_skip: 0,
         byte_skip: header.parsed("headersize")?.unwrap_or(0),
     };
-    let files = files::find(&header, &sizes)?;
+    let files = files::find(input, &header, &sizes)?;
     let samples = data::read(store, path, &layout, &files, &mut warnings)?;
     if 1 < n_volumes {
         warnings.truncate(1);
     }
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume { volume, format: VolumeFormat::MetaImage, warnings })
-}
-
-/// What a header says of the volume's size.
-pub(super) fn dims_and_type(
-    store: Store<'_>,
-    path: &Path,
-) -> Result<([usize; 3], SampleType), IoError> {
-    let header = Header::read(store, path)?;
-    Ok((volume_dims(&header.sizes()?), sample_type(&header)?))
+    Ok(LoadedVolume::new(volume, VolumeFormat::MetaImage, warnings))
 }
 
 /// Those of the first volume; an image is a volume of one slice.

@@ -7,7 +7,7 @@ use slabsplat_core::Samples;
 use slabsplat_core::glam::DVec3;
 
 use crate::store::read_from_both as read;
-use crate::{VolumeFormat, volume_bytes};
+use crate::{VolumeFormat, VolumeOptions, list_volume};
 
 const FIELDS: &str = "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = True\n\
                       ElementSpacing = 1 2 3\nDimSize = 2 2 1\nElementType = MET_SHORT\n";
@@ -172,5 +172,5 @@ fn metaimage_tells_its_size_by_its_header() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.mhd");
     fs::write(&path, format!("{FIELDS}ElementDataFile = gone.raw\n")).unwrap();
-    assert_eq!(volume_bytes(&path).unwrap(), 8);
+    assert_eq!(list_volume(&path, &VolumeOptions::default()).unwrap().bytes(), 8);
 }

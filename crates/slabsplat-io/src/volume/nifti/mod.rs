@@ -16,22 +16,61 @@ use std::path::{Path, PathBuf};
 use slabsplat_core::{SampleType, Scaling};
 
 use super::buffer::SampleBuffer;
-use super::stream::{DataStream, first_bytes};
-use super::{LoadedVolume, VolumeFormat, assemble};
+use super::choices::Part;
+use super::formats::{Input, Reader, VolumeListing};
+use super::stream::{DataStream, first_bytes, plain_extension};
+use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
 use crate::IoError;
 use crate::store::Store;
 use header::{Header, Version};
 
-/// Whether these are the first bytes of a NIfTI file.
-pub(super) fn is_header(start: &[u8]) -> bool {
-    Header::parse(start).is_some()
+/// The format, of both versions.
+pub(super) struct Nifti;
+
+impl Reader for Nifti {
+    fn listed(&self) -> &'static str {
+        "NIfTI (.nii, .nii.gz, .hdr)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["nii", "hdr", "img"]
+    }
+
+    fn is_begun_by(&self, start: &[u8]) -> bool {
+        Header::parse(start).is_some()
+    }
+
+    fn header_of(&self, store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+        if plain_extension(path) == "img" {
+            return header_beside(store, path);
+        }
+        let what = "not a NIfTI file, or cut off: it does not begin with a whole NIfTI header (Analyze 7.5 is \
+                    not read)";
+        Err(IoError::malformed(path, what))
+    }
+
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+        read(input)
+    }
+
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
+        let header = parse(input.store, input.path)?;
+        Ok(VolumeListing {
+            format: header.format(),
+            dims: dims(&header, input.path)?,
+            sample_type: sample_type(&header, input.path)?,
+            choices: choices(&header, input)?,
+        })
+    }
 }
 
 /// Reads a volume by its header, which may hold the voxels too.
-pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let &Input { store, path, .. } = input;
     let header = parse(store, path)?;
     let mut warnings = Vec::new();
-    let dims = dims(&header, path, &mut warnings)?;
+    let dims = dims(&header, path)?;
+    let choices = choices(&header, input)?;
     let grid = orientation::grid(&header, dims, &mut warnings)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let sample_type = sample_type(&header, path)?;
@@ -39,27 +78,27 @@ pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoErro
     let image_path = if header.is_single_file { path.to_owned() } else { image_of(store, path)? };
 
     let mut stream = DataStream::open_unpacked(store, &image_path)?;
-    stream.skip(data_offset(&header, path)?)?;
+    let n_bytes = (grid.n_voxels() as u64).saturating_mul(sample_type.size_bytes() as u64);
+    let [channel, time] = [&choices.channel, &choices.time];
+    let n_before = (channel.chosen as u64).saturating_mul(time.n as u64);
+    let n_before = n_before.saturating_add(time.chosen as u64);
+    stream.skip(data_offset(&header, path)?.saturating_add(n_before.saturating_mul(n_bytes)))?;
     let mut buffer = SampleBuffer::new(sample_type);
     stream.fill(&mut buffer, grid.n_voxels(), sample_type.size_bytes())?;
-    if n_volumes(&header) == 1 && stream.has_more()? {
+    if choices.is_single() && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", image_path.display()));
     }
     let volume = assemble(path, grid, buffer.finish(header.endian), scaling)?;
-    let format = match header.version {
-        Version::One => VolumeFormat::Nifti1,
-        Version::Two => VolumeFormat::Nifti2,
-    };
-    Ok(LoadedVolume { volume, format, warnings })
+    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })
 }
 
-/// What a header says of the volume's size.
-pub(super) fn dims_and_type(
-    store: Store<'_>,
-    path: &Path,
-) -> Result<([usize; 3], SampleType), IoError> {
-    let header = parse(store, path)?;
-    Ok((dims(&header, path, &mut Vec::new())?, sample_type(&header, path)?))
+impl Header {
+    fn format(&self) -> VolumeFormat {
+        match self.version {
+            Version::One => VolumeFormat::Nifti1,
+            Version::Two => VolumeFormat::Nifti2,
+        }
+    }
 }
 
 fn parse(store: Store<'_>, path: &Path) -> Result<Header, IoError> {
@@ -68,7 +107,7 @@ fn parse(store: Store<'_>, path: &Path) -> Result<Header, IoError> {
 }
 
 /// The first file of a pair, by the second.
-pub(super) fn header_beside(store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+fn header_beside(store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
     counterpart(store, path, "hdr").ok_or_else(|| {
         let what = "an image without a header: the file of this name with .hdr is missing";
         IoError::malformed(path, what)
@@ -90,8 +129,8 @@ fn counterpart(store: Store<'_>, path: &Path, extension: &str) -> Option<PathBuf
     names.iter().map(|name| stem.with_extension(name)).find(|candidate| store.has(candidate))
 }
 
-/// The three first sizes; of a series, the first volume is taken.
-fn dims(header: &Header, path: &Path, warnings: &mut Vec<String>) -> Result<[usize; 3], IoError> {
+/// The three first sizes.
+fn dims(header: &Header, path: &Path) -> Result<[usize; 3], IoError> {
     let n_dims = header.dim[0];
     if !(1..=7).contains(&n_dims) {
         let what = format!("the file has {n_dims} axes, and a volume needs 3");
@@ -102,18 +141,22 @@ fn dims(header: &Header, path: &Path, warnings: &mut Vec<String>) -> Result<[usi
         let what = format!("an axis cannot be {bad} voxels long: the sizes are {sizes:?}");
         return Err(IoError::malformed(path, what));
     }
-    match n_volumes(header) {
-        1 => {}
-        n => warnings.push(format!("the file holds {n} volumes: the first was taken")),
-    }
     let size = |axis: usize| sizes.get(axis).map_or(1, |&s| usize::try_from(s).unwrap_or(0));
     Ok([size(0), size(1), size(2)])
 }
 
-fn n_volumes(header: &Header) -> u64 {
+/// Times along the fourth axis, and channels along what comes after it.
+fn choices(header: &Header, input: &Input<'_>) -> Result<VolumeChoices, IoError> {
     let n_dims = header.dim[0].clamp(0, 7) as usize;
-    let beyond_space = header.dim[1..=n_dims].iter().skip(3);
-    beyond_space.fold(1, |n: u64, &size| n.saturating_mul(size.unsigned_abs()))
+    let sizes = header.dim[1..=n_dims].iter().map(|&size| usize::try_from(size).unwrap_or(0));
+    let beyond_space: Vec<usize> = sizes.skip(3).collect();
+    let n_times = beyond_space.first().copied().unwrap_or(1);
+    let n_channels = beyond_space.iter().skip(1).fold(1, |n: usize, &size| n.saturating_mul(size));
+    Ok(VolumeChoices {
+        time: input.choose(Part::Time, n_times)?,
+        channel: input.choose(Part::Channel, n_channels)?,
+        ..VolumeChoices::default()
+    })
 }
 
 /// The sample type by its code in nifti1.h.

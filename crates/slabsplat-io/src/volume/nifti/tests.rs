@@ -7,7 +7,7 @@ use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{SampleType, Samples};
 
 use crate::store::read_from_both as read;
-use crate::{Endian, LoadedVolume, VolumeFormat, read_volume};
+use crate::{Endian, LoadedVolume, VolumeFormat, VolumeOptions, read_volume};
 
 /// A file in the making.
 #[derive(Clone)]
@@ -249,7 +249,7 @@ fn nifti_series_takes_the_first() {
     for nifti in all() {
         let loaded = nifti.dims(&[2, 1, 1, 2]).read().unwrap();
         assert_eq!(loaded.volume.samples(), &Samples::I16(vec![1, 2]));
-        assert!(loaded.warnings[0].contains("2 volumes"), "{:?}", loaded.warnings);
+        assert!(loaded.warnings[0].contains("2 times"), "{:?}", loaded.warnings);
     }
 }
 
@@ -313,4 +313,24 @@ fn nifti_header_as_the_nifti_crate_reads_it() {
 fn nifti_gone() {
     let err = read_volume(Path::new("/nonexistent/a.nii.gz")).unwrap_err().to_string();
     assert!(err.starts_with("cannot read /nonexistent/a.nii.gz: "), "{err}");
+}
+
+#[test]
+fn nifti_volumes_are_chosen() {
+    for nifti in all() {
+        let bytes = nifti.dims(&[1, 1, 1, 2, 2]).with_data();
+        let files = crate::FilesInMemory::from_iter([("a.nii", &bytes[..])]);
+        let read = |options| files.read_volume_with("a.nii", &options);
+        let options = VolumeOptions::default();
+        for (time, channel, sample) in [(0, 0, 1), (1, 0, 2), (0, 1, 3), (1, 1, -1)] {
+            let loaded = read(options.clone().time(time).channel(channel)).unwrap();
+            assert_eq!(loaded.volume.samples(), &Samples::I16(vec![sample]));
+            assert_eq!(loaded.warnings, [""; 0]);
+            assert_eq!([loaded.choices.time.n, loaded.choices.channel.n], [2, 2]);
+        }
+        let error = read(options.clone().time(2)).unwrap_err().to_string();
+        assert_eq!(error, "a.nii: there is no time 2: there is 0 to 1");
+        let error = read(options.series(1)).unwrap_err().to_string();
+        assert_eq!(error, "a.nii: there is no series 1: there is only 0");
+    }
 }

@@ -1,27 +1,31 @@
 //! Where the header says that the data are.
 
-use std::path::PathBuf;
-
 use super::super::data_files::{DataFiles, Pattern, count};
+use super::super::formats::Input;
 use super::header::Header;
 use crate::IoError;
 
 /// Finds the data's files. Names are relative to the header's folder.
-pub(super) fn find(header: &Header, file_sizes: &[usize]) -> Result<DataFiles, IoError> {
+pub(super) fn find(
+    input: &Input<'_>,
+    header: &Header,
+    file_sizes: &[usize],
+) -> Result<DataFiles, IoError> {
     let Some(text) = header.get("data file") else {
         return Ok(DataFiles::Attached(header.path.clone(), header.n_bytes));
     };
-    let folder = header.path.parent().map(PathBuf::from).unwrap_or_default();
     let words: Vec<&str> = text.split_whitespace().collect();
     if words.first() == Some(&"LIST") {
         let names = &header.listed_files;
         check_count(header, names.len() as u64, words.get(1).copied(), file_sizes)?;
-        return Ok(DataFiles::Given(names.iter().map(|name| folder.join(name)).collect()));
+        let paths = names.iter().map(|name| input.beside(name));
+        return Ok(DataFiles::Given(paths.collect::<Result<_, _>>()?));
     }
     let Some((name, numbers, subdim)) = numbered(text) else {
-        return Ok(DataFiles::Given(vec![folder.join(text)]));
+        return Ok(DataFiles::Given(vec![input.beside(text)?]));
     };
     let what = || format!("the pattern {name:?} is not of the form name%03d.raw");
+    let folder = input.folder_of(name)?;
     let pattern = Pattern::parse(name).ok_or_else(|| header.unsupported(what()))?;
     let n_files = count(numbers).unwrap_or(0);
     check_count(header, n_files, subdim, file_sizes)?;
@@ -87,10 +91,14 @@ fn name_of(text: &str, n_last_words: usize) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::VolumeOptions;
+    use crate::store::Store;
 
     fn names(data_file: &str, file_sizes: &[usize]) -> Result<Vec<String>, String> {
         let header = Header::of(&format!("data file: {data_file}"));
-        let files = find(&header, file_sizes).map_err(|e| e.to_string())?;
+        let options = VolumeOptions::default();
+        let input = Input { store: Store::Disk, path: &header.path, options: &options };
+        let files = find(&input, &header, file_sizes).map_err(|e| e.to_string())?;
         Ok((0..files.len()).map(|idx| files.get(idx).0.display().to_string()).collect())
     }
 

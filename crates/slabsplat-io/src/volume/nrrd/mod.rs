@@ -12,22 +12,47 @@ mod files;
 mod header;
 mod space;
 
-use std::path::Path;
-
 use slabsplat_core::{Grid, SampleType, Scaling};
 
 use super::data::{self, Encoding};
-use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
+use super::formats::{Input, Reader, VolumeListing};
+use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat, assemble, names};
 use crate::IoError;
-use crate::store::Store;
 use header::Header;
 
-/// Whether the file begins as every NRRD does.
-pub(super) fn is_nrrd(start: &[u8]) -> bool {
-    start.starts_with(b"NRRD000")
+/// The format.
+pub(super) struct Nrrd;
+
+impl Reader for Nrrd {
+    fn listed(&self) -> &'static str {
+        "NRRD (.nrrd, .nhdr)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["nrrd", "nhdr"]
+    }
+
+    fn is_begun_by(&self, start: &[u8]) -> bool {
+        start.starts_with(b"NRRD000")
+    }
+
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+        read(input)
+    }
+
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
+        let header = Header::read(input.store, input.path)?;
+        Ok(VolumeListing {
+            format: VolumeFormat::Nrrd,
+            dims: axes::find(&header)?.dims,
+            sample_type: sample_type(&header)?,
+            choices: VolumeChoices::default(),
+        })
+    }
 }
 
-pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let &Input { store, path, .. } = input;
     let header = Header::read(store, path)?;
     let mut warnings = Vec::new();
     let axes = axes::find(&header)?;
@@ -42,19 +67,10 @@ pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoErro
         line_skip: header.parsed("line skip")?.unwrap_or(0),
         byte_skip: header.parsed("byte skip")?.unwrap_or(0),
     };
-    let files = files::find(&header, &axes.file_sizes)?;
+    let files = files::find(input, &header, &axes.file_sizes)?;
     let samples = data::read(store, path, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume { volume, format: VolumeFormat::Nrrd, warnings })
-}
-
-/// What a header says of the volume's size.
-pub(super) fn dims_and_type(
-    store: Store<'_>,
-    path: &Path,
-) -> Result<([usize; 3], SampleType), IoError> {
-    let header = Header::read(store, path)?;
-    Ok((axes::find(&header)?.dims, sample_type(&header)?))
+    Ok(LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings))
 }
 
 fn sample_type(header: &Header) -> Result<SampleType, IoError> {

@@ -1,7 +1,7 @@
 //! TIFF: a page a slice, as microscopes write it; BigTIFF, OME-TIFF and what ImageJ writes, too.
 //!
 //! The `tiff` crate reads pages, in every packing that it knows. What they mean is decided here: which pages
-//! are the slices of the first channel at the first time, and how large voxels are, in millimetres. Pages
+//! are the slices of one channel at one time, and how large voxels are, in millimetres. Pages
 //! are not turned over: y grows downwards, as their rows do. Not read: colours, palettes, samples of less
 //! than 8 bits, of 64 bits unless floats, or of 16-bit floats; OME-TIFFs whose pages are in several files.
 //!
@@ -12,26 +12,52 @@ mod ome;
 mod pages;
 mod stack;
 
-use std::path::Path;
-
-use slabsplat_core::{Grid, SampleType, Scaling};
+use slabsplat_core::{Grid, Scaling};
 
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
-use crate::store::Store;
 use pages::Pages;
 use stack::Stack;
 
-/// Whether the file begins as TIFF and BigTIFF do.
-pub(super) fn is_tiff(start: &[u8]) -> bool {
-    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
+/// The format.
+pub(super) struct Tiff;
+
+impl Reader for Tiff {
+    fn listed(&self) -> &'static str {
+        "TIFF (.tif, .tiff)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["tif", "tiff"]
+    }
+
+    fn is_begun_by(&self, start: &[u8]) -> bool {
+        [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
+    }
+
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+        read(input)
+    }
+
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
+        let pages = Pages::open(input.store, input.path)?;
+        let stack = Stack::find(input, &pages, &mut Vec::new())?;
+        Ok(VolumeListing {
+            format: VolumeFormat::Tiff,
+            dims: stack.dims(&pages),
+            sample_type: pages.sample_type,
+            choices: stack.choices,
+        })
+    }
 }
 
-pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoError> {
+fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let &Input { store, path, .. } = input;
     let mut pages = Pages::open(store, path)?;
     let mut warnings = Vec::new();
-    let stack = Stack::find(&pages, &mut warnings)?;
+    let stack = Stack::find(input, &pages, &mut warnings)?;
     let grid = Grid::with_spacing(stack.dims(&pages), stack.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let mut buffer = SampleBuffer::new(pages.sample_type);
@@ -45,17 +71,8 @@ pub(super) fn read(store: Store<'_>, path: &Path) -> Result<LoadedVolume, IoErro
         })?;
     }
     let volume = assemble(path, grid, buffer.finish(Endian::NATIVE), Scaling::IDENTITY)?;
-    Ok(LoadedVolume { volume, format: VolumeFormat::Tiff, warnings })
-}
-
-/// What the pages' headers say of the volume's size.
-pub(super) fn dims_and_type(
-    store: Store<'_>,
-    path: &Path,
-) -> Result<([usize; 3], SampleType), IoError> {
-    let pages = Pages::open(store, path)?;
-    let stack = Stack::find(&pages, &mut Vec::new())?;
-    Ok((stack.dims(&pages), pages.sample_type))
+    let choices = stack.choices;
+    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Tiff, warnings) })
 }
 
 #[cfg(test)]

@@ -4,14 +4,18 @@
 
 use roxmltree::{Document, Node};
 
+use super::super::choices::VolumeChoices;
 use super::stack::{Counts, millimetres};
 
 /// The first image of an OME-TIFF.
 #[derive(Debug)]
 pub(super) struct Ome {
     pub(super) counts: Counts,
-    /// How far apart pages of neighbouring slices are, if they are in the order that is said.
-    slice_stride: usize,
+    /// What channels are called; empty unless all are.
+    pub(super) channel_names: Vec<String>,
+    /// How far apart pages of neighbouring slices, channels and times are, if they are in the order that is
+    /// said.
+    strides: [usize; 3],
     /// Pages of slices by `TiffData` blocks that name them, if any does.
     named: Vec<Block>,
     /// Sizes of voxels, with their units.
@@ -54,11 +58,14 @@ impl Ome {
             n_times: count("SizeT")?,
         };
         let order = pixels.attribute("DimensionOrder").unwrap_or("XYZCT");
-        let before_z = order.chars().take_while(|&axis| axis != 'Z');
-        let stride = before_z.fold(1_usize, |stride, axis| match axis {
-            'C' => stride.saturating_mul(counts.n_channels),
-            'T' => stride.saturating_mul(counts.n_times),
-            _ => stride,
+        let strides = ['Z', 'C', 'T'].map(|along| {
+            let before = order.chars().take_while(|&axis| axis != along);
+            before.fold(1_usize, |stride, axis| match axis {
+                'Z' => stride.saturating_mul(counts.n_slices),
+                'C' => stride.saturating_mul(counts.n_channels),
+                'T' => stride.saturating_mul(counts.n_times),
+                _ => stride,
+            })
         });
         let size = |axis: &str| {
             let size: f64 =
@@ -69,12 +76,22 @@ impl Ome {
         let blocks = pixels.children().filter(|node| node.tag_name().name() == "TiffData");
         let named = blocks.filter_map(|node| Block::of(&node)).collect();
         let sizes = ["X", "Y", "Z"].map(size);
-        Ok(Self { counts, slice_stride: stride, named, sizes })
+        let channels = pixels.children().filter(|node| node.tag_name().name() == "Channel");
+        let channel_names: Vec<String> =
+            channels.filter_map(|node| node.attribute("Name").map(str::to_owned)).collect();
+        let are_all = channel_names.len() == counts.n_channels;
+        let channel_names = if are_all { channel_names } else { Vec::new() };
+        Ok(Self { counts, channel_names, strides, named, sizes })
     }
 
-    /// The pages of the first channel at the first time.
-    pub(super) fn slices(&self, n_pages: usize) -> Result<Vec<usize>, String> {
+    /// The pages of the channel and the time that are chosen.
+    pub(super) fn slices(
+        &self,
+        choices: &VolumeChoices,
+        n_pages: usize,
+    ) -> Result<Vec<usize>, String> {
         let n_slices = self.counts.n_slices;
+        let [channel, time] = [choices.channel.chosen, choices.time.chosen];
         let missing = || {
             format!(
                 "its OME-XML tells of {n_slices} slices, which are not all in this file: open it whole"
@@ -83,10 +100,19 @@ impl Ome {
         if n_pages < n_slices {
             return Err(missing());
         }
-        let page_of = |z: usize| match self.named.iter().find_map(|block| block.page_of(z)) {
-            Some(page_idx) => Some(page_idx),
-            None if self.has_places() => None,
-            None => z.checked_mul(self.slice_stride),
+        let in_order = |place: [usize; 3]| {
+            let steps = place.into_iter().zip(self.strides);
+            steps
+                .map(|(idx, stride)| idx.checked_mul(stride))
+                .try_fold(0, |sum: usize, step| sum.checked_add(step?))
+        };
+        let page_of = |z: usize| {
+            let place = [z, channel, time];
+            match self.named.iter().find_map(|block| block.page_of(place)) {
+                Some(page_idx) => Some(page_idx),
+                None if self.has_places() => None,
+                None => in_order(place),
+            }
         };
         let pages = (0..n_slices).map(|z| page_of(z).filter(|&page_idx| page_idx < n_pages));
         pages.collect::<Option<_>>().ok_or_else(missing)
@@ -126,9 +152,9 @@ impl Block {
         is_place.then_some(Self { page_idx: number("IFD")?, n_pages, first })
     }
 
-    /// The page of a slice of the first channel at the first time, if it begins a block.
-    fn page_of(&self, z: usize) -> Option<usize> {
-        let is_it = self.first == [z, 0, 0] && 0 < self.n_pages;
+    /// The page of a slice, channel and time, if it begins a block.
+    fn page_of(&self, place: [usize; 3]) -> Option<usize> {
+        let is_it = self.first == place && 0 < self.n_pages;
         is_it.then_some(self.page_idx)
     }
 }

@@ -1,17 +1,21 @@
 //! Which pages are the slices of a volume, and how far apart.
 
+use super::super::choices::{Choice, Part, VolumeChoices};
+use super::super::formats::Input;
 use super::imagej::ImageJ;
 use super::ome::Ome;
 use super::pages::Pages;
 use crate::IoError;
 
-/// The slices of the first channel at the first time.
+/// The slices of one channel at one time.
 #[derive(Debug)]
 pub(super) struct Stack {
     /// Their pages, in the order of z.
     pub(super) slices: Vec<usize>,
     /// Millimetres, or whatever the file counts in.
     pub(super) spacing: [f64; 3],
+    /// Which channel and time, and of how many.
+    pub(super) choices: VolumeChoices,
 }
 
 /// Slices, channels and times.
@@ -24,23 +28,35 @@ pub(super) struct Counts {
 
 impl Stack {
     /// What the first page's description says of the others.
-    pub(super) fn find(pages: &Pages<'_>, warnings: &mut Vec<String>) -> Result<Self, IoError> {
+    pub(super) fn find(
+        input: &Input<'_>,
+        pages: &Pages<'_>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, IoError> {
         if let Some(ome) = Ome::of(&pages.description) {
             let ome = ome.map_err(|what| pages.malformed(what))?;
-            warnings.extend(ome.counts.warning());
-            let slices = ome.slices(pages.len()).map_err(|what| pages.unsupported(what))?;
-            return Ok(Self { slices, spacing: ome.spacing(warnings) });
+            let choices = ome.counts.choices(input, ome.channel_names.clone())?;
+            let slices = ome.slices(&choices, pages.len());
+            let slices = slices.map_err(|what| pages.unsupported(what))?;
+            return Ok(Self { slices, spacing: ome.spacing(warnings), choices });
         }
         if let Some(imagej) = ImageJ::of(&pages.description) {
             let counts = imagej.counts(pages.len()).map_err(|what| pages.unsupported(what))?;
-            warnings.extend(counts.warning());
-            let slices = (0..counts.n_slices).map(|z| z * counts.n_channels).collect();
-            return Ok(Self { slices, spacing: imagej.spacing(pages.resolution, warnings) });
+            let choices = counts.choices(input, Vec::new())?;
+            let [channel, time] = [choices.channel.chosen, choices.time.chosen];
+            let page_of = |z| (time * counts.n_slices + z) * counts.n_channels + channel;
+            let slices = (0..counts.n_slices).map(page_of).collect();
+            return Ok(Self {
+                slices,
+                spacing: imagej.spacing(pages.resolution, warnings),
+                choices,
+            });
         }
         warnings.push(
             "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
         );
-        Ok(Self { slices: (0..pages.len()).collect(), spacing: [1.0; 3] })
+        let slices = (0..pages.len()).collect();
+        Ok(Self { slices, spacing: [1.0; 3], choices: VolumeChoices::default() })
     }
 
     pub(super) fn dims(&self, pages: &Pages<'_>) -> [usize; 3] {
@@ -49,14 +65,14 @@ impl Stack {
 }
 
 impl Counts {
-    /// What is left out.
-    fn warning(self) -> Option<String> {
+    /// Which channel is read, and which time.
+    fn choices(self, input: &Input<'_>, names: Vec<String>) -> Result<VolumeChoices, IoError> {
         let Self { n_slices: _, n_channels, n_times } = self;
-        let is_one = n_channels == 1 && n_times == 1;
-        (!is_one).then(|| {
-            format!(
-                "the file has {n_channels} channels at {n_times} times: the first of each was taken"
-            )
+        let channels = Choice { n: n_channels, names, ..Choice::default() };
+        Ok(VolumeChoices {
+            channel: input.choose_of(Part::Channel, channels)?,
+            time: input.choose(Part::Time, n_times)?,
+            ..VolumeChoices::default()
         })
     }
 }

@@ -9,7 +9,7 @@ use tiff::encoder::{Compression, Rational, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
 use crate::store::read_from_both;
-use crate::{LoadedVolume, VolumeFormat, read_volume, volume_bytes};
+use crate::{LoadedVolume, VolumeFormat, VolumeOptions, list_volume, read_volume};
 
 /// Pages of 3 × 2 pixels, with a description of the first, and its resolution.
 struct Written<'a> {
@@ -106,7 +106,7 @@ fn tiff_samples_have_their_own_type() {
     let packed = Written { compression: Compression::Lzw, ..PLAIN };
     packed.write::<Gray32Float>(&path, &[vec![0.5, -1.0, 2.0, 3.0, 4.0, f32::INFINITY]]);
     assert_eq!(read(), Samples::F32(vec![0.5, -1.0, 2.0, 3.0, 4.0, f32::INFINITY]));
-    assert_eq!(volume_bytes(&path).unwrap(), 24);
+    assert_eq!(list_volume(&path, &VolumeOptions::default()).unwrap().bytes(), 24);
 }
 
 fn ome(pixels: &str, blocks: &str) -> String {
@@ -143,6 +143,35 @@ fn tiff_of_ome_says_which_pages_are_slices() {
     let error = slices("SizeZ=\"4\"", "<TiffData\n").unwrap_err();
     assert!(error.contains("broken in line 2") && !error.contains('\n'), "{error}");
     assert!(slices("SizeZ=\"-1\"", "").unwrap_err().contains("\"-1\" for SizeZ"));
+}
+
+#[test]
+fn tiff_channels_and_times_are_chosen() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.tif");
+    let pages: Vec<Vec<u8>> = (0..8).map(|page| vec![page; 6]).collect();
+    let first_pages = |description: &str, options: VolumeOptions| {
+        Written { description, ..PLAIN }.write::<Gray8>(&path, &pages);
+        let loaded = crate::read_volume_with(&path, &options).map_err(|e| e.to_string())?;
+        let choices = [&loaded.choices.channel, &loaded.choices.time];
+        assert_eq!(choices.map(|choice| choice.n), [2, 2]);
+        Ok::<_, String>(bytes_of(&loaded).iter().step_by(6).copied().collect::<Vec<_>>())
+    };
+    let channels = "<Channel Name=\"DAPI\"/><Channel Name=\"GFP\"/>";
+    let ome = ome("DimensionOrder=\"XYCZT\" SizeZ=\"2\" SizeC=\"2\" SizeT=\"2\"", channels);
+    let imagej = "ImageJ=1.53t\nimages=8\nchannels=2\nslices=2\nframes=2\n";
+    let options = VolumeOptions::default();
+    for description in [ome.as_str(), imagej] {
+        let read =
+            |channel, time| first_pages(description, options.clone().channel(channel).time(time));
+        assert_eq!(read(0, 0).unwrap(), [0, 2]);
+        assert_eq!(read(1, 0).unwrap(), [1, 3]);
+        assert_eq!(read(0, 1).unwrap(), [4, 6]);
+        assert_eq!(read(1, 1).unwrap(), [5, 7]);
+        assert!(read(1, 2).unwrap_err().contains("there is no time 2: there is 0 to 1"));
+    }
+    let error = first_pages(&ome, options.channel(7)).unwrap_err();
+    assert!(error.ends_with("there is no channel 7: there is 0 to 1 (0 DAPI, 1 GFP)"), "{error}");
 }
 
 #[test]

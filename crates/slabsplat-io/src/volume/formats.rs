@@ -1,0 +1,234 @@
+//! What a format must say of itself, the list of all, and which one a file is in.
+//!
+//! A new format is a module with a [`Reader`], a line in [`READERS`] and a line in [`VolumeFormat`].
+
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
+
+use slabsplat_core::SampleType;
+
+use super::choices::{VolumeChoices, VolumeOptions};
+use super::{LoadedVolume, metaimage, nifti, nrrd, sidecar, stream, tiff};
+use crate::IoError;
+use crate::store::Store;
+
+/// All formats. The first that knows a file's content reads it, or else the first that knows its name.
+const READERS: &[&dyn Reader] =
+    &[&nrrd::Nrrd, &tiff::Tiff, &metaimage::MetaImage, &nifti::Nifti, &sidecar::Sidecar];
+
+macro_rules! formats {
+    ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal,)+) => {
+        /// What a volume was read from.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum VolumeFormat {
+            $($(#[doc = $doc])+ $variant,)+
+        }
+
+        impl VolumeFormat {
+            /// All of them.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// The format's name as it is written in prose.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)+
+                }
+            }
+        }
+    };
+}
+
+formats! {
+    /// NRRD, with its data attached or in files of their own.
+    Nrrd = "NRRD",
+    /// NIfTI-1, one file or a pair.
+    Nifti1 = "NIfTI-1",
+    /// NIfTI-2, one file or a pair.
+    Nifti2 = "NIfTI-2",
+    /// MetaImage, with its data attached or in files of their own.
+    MetaImage = "MetaImage",
+    /// Pages of a TIFF.
+    Tiff = "TIFF",
+    /// Samples without a header.
+    Raw = "raw",
+    /// No file: see [`builtin_volume`](crate::builtin_volume).
+    Builtin = "built-in",
+}
+
+/// How the volumes of a format are found and read.
+pub(super) trait Reader: Sync {
+    /// The format's name and extensions, for lists: `NRRD (.nrrd, .nhdr)`.
+    fn listed(&self) -> &'static str;
+
+    /// The extensions of its files, in lower case and without `.gz`.
+    fn extensions(&self) -> &'static [&'static str];
+
+    /// Whether a file that begins like this is in the format; up to [`stream::N_FIRST_BYTES`], unpacked if
+    /// gzip packed them.
+    fn is_begun_by(&self, start: &[u8]) -> bool;
+
+    /// Whether a file whose content says nothing is in the format, by its name or by what is beside it.
+    fn is_named(&self, _store: Store<'_>, path: &Path) -> bool {
+        self.extensions().contains(&stream::plain_extension(path).as_str())
+    }
+
+    /// The file that says what the volume is like, for a file that [`Self::is_named`] for the format.
+    ///
+    /// # Errors
+    /// If there is none, or the file should have begun as others of its name do.
+    fn header_of(&self, _store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+        let name = self.listed().split(" (").next().unwrap_or_default();
+        let what = format!("not a {name} file, or cut off: it does not begin as one");
+        Err(IoError::malformed(path, what))
+    }
+
+    /// Whether a folder is a volume of the format; `files` are those directly in it.
+    fn is_folder(&self, _store: Store<'_>, _folder: &Path, _files: &[PathBuf]) -> bool {
+        false
+    }
+
+    /// Reads what is asked for.
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError>;
+
+    /// What would be read, as far as headers say it.
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError>;
+}
+
+/// What is to be read.
+pub(super) struct Input<'a> {
+    pub(super) store: Store<'a>,
+    /// The file that says what the volume is like, or the folder that is one.
+    pub(super) path: &'a Path,
+    pub(super) options: &'a VolumeOptions,
+}
+
+/// What a file says that it holds, before any sample is read.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct VolumeListing {
+    /// In which format.
+    pub format: VolumeFormat,
+    /// Voxels along each axis of the volume that would be read.
+    pub dims: [usize; 3],
+    /// The type of its samples.
+    pub sample_type: SampleType,
+    /// What else there is.
+    pub choices: VolumeChoices,
+}
+
+impl VolumeListing {
+    /// Bytes that the samples will take in memory, on the word of the header, which nothing has backed yet.
+    pub fn bytes(&self) -> u64 {
+        let n_voxels = self.dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
+        n_voxels.saturating_mul(self.sample_type.size_bytes() as u64)
+    }
+}
+
+impl Input<'_> {
+    /// The path of a file that the header names, which must be in the header's folder or below, unless the
+    /// caller allows others.
+    ///
+    /// # Errors
+    /// If it is not.
+    pub(super) fn beside(&self, name: &str) -> Result<PathBuf, IoError> {
+        let is_below = |component| matches!(component, Component::Normal(_) | Component::CurDir);
+        if self.options.allow_external || Path::new(name).components().all(is_below) {
+            return Ok(self.path.parent().unwrap_or(Path::new("")).join(name));
+        }
+        let (path, name) = (self.path.to_owned(), name.to_owned());
+        Err(IoError::External { path, name })
+    }
+}
+
+impl Input<'_> {
+    /// The folder of files whose names are made of `pattern`, as of [`Self::beside`].
+    ///
+    /// # Errors
+    /// If they would be outside of the header's folder.
+    pub(super) fn folder_of(&self, pattern: &str) -> Result<PathBuf, IoError> {
+        self.beside(pattern)?;
+        Ok(self.path.parent().map(PathBuf::from).unwrap_or_default())
+    }
+}
+
+/// The reader of a file or a folder, and the path that it needs.
+pub(super) fn find(
+    store: Store<'_>,
+    path: &Path,
+) -> Result<(&'static dyn Reader, PathBuf), IoError> {
+    if store.is_folder(path) {
+        return find_folder(store, path);
+    }
+    let start = stream::first_bytes(store, path)?;
+    if let Some(reader) = READERS.iter().find(|reader| reader.is_begun_by(&start)) {
+        return Ok((*reader, path.to_owned()));
+    }
+    match READERS.iter().find(|reader| reader.is_named(store, path)) {
+        Some(reader) => Ok((*reader, reader.header_of(store, path)?)),
+        None => Err(IoError::UnknownFormat { path: path.to_owned(), known: known() }),
+    }
+}
+
+fn find_folder(store: Store<'_>, folder: &Path) -> Result<(&'static dyn Reader, PathBuf), IoError> {
+    let files = store.files_in(folder)?;
+    match READERS.iter().find(|reader| reader.is_folder(store, folder, &files)) {
+        Some(reader) => Ok((*reader, folder.to_owned())),
+        None => {
+            let held = held_by(&files);
+            Err(IoError::UnknownFolder { path: folder.to_owned(), held })
+        }
+    }
+}
+
+/// What can be read, for people.
+fn known() -> String {
+    READERS.iter().map(|reader| reader.listed()).collect::<Vec<_>>().join(", ")
+}
+
+/// How many files there are of each extension: `12 .png, 1 .txt`.
+fn held_by(files: &[PathBuf]) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for file in files {
+        *counts.entry(stream::plain_extension(file)).or_default() += 1;
+    }
+    let mut counts: Vec<(String, usize)> = counts.into_iter().collect();
+    counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
+    let named = |(extension, n): &(String, usize)| match extension.as_str() {
+        "" => format!("{n} without an extension"),
+        extension => format!("{n} .{extension}"),
+    };
+    match counts.as_slice() {
+        [] => "no files".to_owned(),
+        counts => counts.iter().take(5).map(named).collect::<Vec<_>>().join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beside_a_header_and_nowhere_else() {
+        let mut options = VolumeOptions::default();
+        let beside = |options: &VolumeOptions, name: &str| {
+            let input = Input { store: Store::Disk, path: Path::new("in/a.nhdr"), options };
+            input.beside(name).map_err(|error| error.to_string())
+        };
+        assert_eq!(beside(&options, "b.raw").unwrap(), Path::new("in/b.raw"));
+        assert_eq!(beside(&options, "./c/b.raw").unwrap(), Path::new("in/./c/b.raw"));
+        for name in ["../b.raw", "/etc/passwd", "c/../../b.raw"] {
+            let error = beside(&options, name).unwrap_err();
+            assert!(error.contains(name) && error.contains("outside of its folder"), "{error}");
+        }
+        options.allow_external = true;
+        assert_eq!(beside(&options, "../b.raw").unwrap(), Path::new("in/../b.raw"));
+    }
+
+    #[test]
+    fn folders_say_what_they_hold() {
+        let files = ["a.PNG", "b.png", "c.txt", "d"].map(PathBuf::from);
+        assert_eq!(held_by(&files), "2 .png, 1 without an extension, 1 .txt");
+        assert_eq!(held_by(&[]), "no files");
+    }
+}
