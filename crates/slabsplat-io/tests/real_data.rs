@@ -169,6 +169,16 @@ const VOLUMES: &[Expected] = &[
         format: VolumeFormat::Tiff,
     },
     Expected {
+        path: "dicom/ct_phantom_head",
+        dims: [512, 512, 28],
+        sample_type: SampleType::U16,
+        spacing: [0.451172, 0.451172, 5.0],
+        range: [-1024.0, 782.0],
+        mean: -830.6,
+        mean_digit: 0.1,
+        format: VolumeFormat::Dicom,
+    },
+    Expected {
         path: "raw/ct_thorax_256x256x133_uint8.json",
         dims: [256, 256, 133],
         sample_type: SampleType::U8,

@@ -239,6 +239,7 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "toml", users: Users::Only(CODERS), why: CODECS },
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External {
         name: "plotters",
         users: Users::Only(&["slabsplat-bench"]),

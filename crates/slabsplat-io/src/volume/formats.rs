@@ -8,13 +8,19 @@ use std::path::{Component, Path, PathBuf};
 use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
-use super::{LoadedVolume, metaimage, nifti, nrrd, sidecar, stream, tiff};
+use super::{LoadedVolume, dicom, metaimage, nifti, nrrd, sidecar, stream, tiff};
 use crate::IoError;
 use crate::store::Store;
 
 /// All formats. The first that knows a file's content reads it, or else the first that knows its name.
-const READERS: &[&dyn Reader] =
-    &[&nrrd::Nrrd, &tiff::Tiff, &metaimage::MetaImage, &nifti::Nifti, &sidecar::Sidecar];
+const READERS: &[&dyn Reader] = &[
+    &dicom::Dicom,
+    &nrrd::Nrrd,
+    &tiff::Tiff,
+    &metaimage::MetaImage,
+    &nifti::Nifti,
+    &sidecar::Sidecar,
+];
 
 macro_rules! formats {
     ($($(#[doc = $doc:literal])+ $variant:ident = $name:literal,)+) => {
@@ -48,6 +54,8 @@ formats! {
     Nifti2 = "NIfTI-2",
     /// MetaImage, with its data attached or in files of their own.
     MetaImage = "MetaImage",
+    /// DICOM, a folder of slices or a file of them.
+    Dicom = "DICOM",
     /// Pages of a TIFF.
     Tiff = "TIFF",
     /// Samples without a header.

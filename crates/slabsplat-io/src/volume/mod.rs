@@ -21,6 +21,7 @@ mod data_files;
 mod header_fields;
 mod names;
 
+mod dicom;
 mod metaimage;
 mod nifti;
 mod nrrd;
@@ -59,7 +60,7 @@ pub struct LoadedVolume {
 }
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
-/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), TIFF (a page a slice), or raw described by a
+/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), DICOM (a folder of slices or a file), TIFF (a page a slice), or raw described by a
 /// `.json` beside it (the path of either). Of a file that holds several volumes, [`read_volume_with`] chooses.
 ///
 /// # Errors

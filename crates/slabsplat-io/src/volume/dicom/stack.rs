@@ -1,0 +1,267 @@
+//! Where slices lie, and in which order: by their positions alone, never by names of files or by how thick
+//! a slice is said to be.
+//!
+//! Slices that are evenly apart are a grid, also if they are shifted along their planes from one to the next,
+//! as a tilted gantry does: then the grid is sheared. Where they are not evenly apart, slices are made
+//! between them.
+
+use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
+
+use super::super::choices::{Choice, Part, VolumeChoices};
+use super::super::formats::Input;
+use super::frame::Frame;
+use super::scan::Series;
+use crate::IoError;
+
+/// Slices nearer to each other than this share of a pixel are at one place.
+const SAME_PLACE: f64 = 0.01;
+
+/// Slices within this share of a step are where even ones would be.
+const EVEN: f64 = 0.05;
+
+/// From this share of a step on it is said that they are not quite.
+const WORTH_A_WORD: f64 = 0.01;
+
+/// Made slices are at most so many times those that are there.
+const MAX_GROWTH: usize = 4;
+
+/// The slices of a volume, in order.
+#[derive(Debug)]
+pub(super) struct Stack {
+    pub(super) slices: Vec<Slice>,
+    /// What is stored: one of each place.
+    pub(super) frames: Vec<Frame>,
+    /// Index space to RAS+ millimetres.
+    pub(super) world_from_index: DAffine3,
+    pub(super) choices: VolumeChoices,
+}
+
+/// A slice of the volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Slice {
+    /// This frame.
+    Frame(usize),
+    /// Between this frame and the next, so far along.
+    Between(usize, f64),
+}
+
+impl Stack {
+    pub(super) fn of(
+        input: &Input<'_>,
+        series: &Series,
+        warnings: &mut Vec<String>,
+    ) -> Result<Self, IoError> {
+        let first = &series.frames[0];
+        let axes = first.axes.unwrap_or_else(|| {
+            warnings.push("the files do not say how slices are turned: axial was assumed".into());
+            [DVec3::X, DVec3::Y]
+        });
+        let spacing = first.spacing.unwrap_or_else(|| {
+            warnings.push("the files do not say how large pixels are: 1 x 1 was assumed".into());
+            [1.0; 2]
+        });
+        let normal = axes[0].cross(axes[1]).normalize();
+        let places = places(&series.frames, normal, SAME_PLACE * spacing[0].min(spacing[1]));
+        let has_colors = 1 < series.layout.n_channels;
+        let (frames, choices) = one_of_each(input, places, has_colors, warnings)?;
+        let line = Line::of(&frames, normal, warnings);
+        let slices = line.slices(warnings);
+        line.check_planes(&frames, spacing[0].min(spacing[1]), warnings);
+        let [x, y] = [axes[0] * spacing[0], axes[1] * spacing[1]];
+        let ras_from_lps = DVec3::new(-1.0, -1.0, 1.0);
+        let columns = [x, y, line.step(slices.len())].map(|column| column * ras_from_lps);
+        let matrix = DMat3::from_cols(columns[0], columns[1], columns[2]);
+        let world_from_index = DAffine3::from_mat3_translation(matrix, line.origin * ras_from_lps);
+        Ok(Self { slices, frames, world_from_index, choices })
+    }
+}
+
+/// Frames by where they are, from below to above along the normal; those that do not say it by their numbers.
+fn places(frames: &[Frame], normal: DVec3, tolerance: f64) -> Vec<Vec<Frame>> {
+    let height = |frame: &Frame| frame.position.map(|position| position.dot(normal));
+    let n_positions = frames.iter().filter(|frame| frame.position.is_some()).count();
+    let is_still = frames.windows(2).all(|pair| pair[0].position == pair[1].position);
+    let is_one_file = frames.iter().all(|frame| frame.file_idx == frames[0].file_idx);
+    // A file of many frames that has one position for all says nothing of the others.
+    if n_positions == 0 || (is_still && is_one_file) {
+        let mut frames = frames.to_vec();
+        frames.sort_by_key(|frame| frame.order);
+        return frames.into_iter().map(|frame| vec![frame]).collect();
+    }
+    let mut with_height: Vec<(f64, &Frame)> =
+        frames.iter().filter_map(|frame| Some((height(frame)?, frame))).collect();
+    with_height.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let mut places: Vec<Vec<Frame>> = Vec::new();
+    let mut last = f64::NEG_INFINITY;
+    for (height, frame) in with_height {
+        if tolerance < height - last {
+            places.push(Vec::new());
+            last = height;
+        }
+        if let Some(place) = places.last_mut() {
+            place.push(frame.clone());
+        }
+    }
+    for place in &mut places {
+        place.sort_by(|a, b| (&a.kind, a.order).cmp(&(&b.kind, b.order)));
+    }
+    places
+}
+
+/// Where several frames are at each place, they are channels by their kind, and times beside that.
+fn one_of_each(
+    input: &Input<'_>,
+    places: Vec<Vec<Frame>>,
+    has_colors: bool,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Frame>, VolumeChoices), IoError> {
+    let n_each = places[0].len();
+    if let Some(other) = places.iter().find(|place| place.len() != n_each) {
+        let n = other.len();
+        warnings.push(format!(
+            "some places have {n_each} slices and others {n}: the first of each was taken"
+        ));
+        let first = |place: Vec<Frame>| place.into_iter().min_by_key(|frame| frame.order);
+        return Ok((places.into_iter().filter_map(first).collect(), VolumeChoices::default()));
+    }
+    let kinds = |place: &[Frame]| {
+        let mut kinds: Vec<String> = place.iter().map(|frame| frame.kind.clone()).collect();
+        kinds.dedup();
+        kinds
+    };
+    let names = kinds(&places[0]);
+    let are_channels = 1 < names.len()
+        && !has_colors
+        && n_each.is_multiple_of(names.len())
+        && places.iter().all(|place| kinds(place) == names);
+    let n_channels = if are_channels { names.len() } else { 1 };
+    let n_times = n_each / n_channels;
+    let names = if are_channels { names } else { Vec::new() };
+    let channels = Choice { n: n_channels, names, ..Choice::default() };
+    let choices = VolumeChoices {
+        channel: if are_channels { input.choose_of(Part::Channel, channels)? } else { channels },
+        time: input.choose(Part::Time, n_times)?,
+        ..VolumeChoices::default()
+    };
+    let idx = choices.channel.chosen * n_times + choices.time.chosen;
+    let frames = places.into_iter().map(|mut place| place.swap_remove(idx)).collect();
+    Ok((frames, choices))
+}
+
+/// The line along which slices lie.
+#[derive(Debug)]
+struct Line {
+    origin: DVec3,
+    /// From the first slice to the last; of one slice, to where the next would be.
+    span: DVec3,
+    normal: DVec3,
+    /// Whether positions say where slices are.
+    is_measured: bool,
+    /// Of each slice over the first, along the normal.
+    heights: Vec<f64>,
+}
+
+impl Line {
+    fn of(frames: &[Frame], normal: DVec3, warnings: &mut Vec<String>) -> Self {
+        let origin = frames[0].position.unwrap_or(DVec3::ZERO);
+        let last = frames.last().and_then(|frame| frame.position).unwrap_or(origin);
+        let n = frames.len();
+        if 1 < n && 0.0 < (last - origin).dot(normal) {
+            let height = |frame: &Frame| frame.position.map_or(0.0, |p| (p - origin).dot(normal));
+            let heights = frames.iter().map(height).collect();
+            return Self { origin, span: last - origin, normal, is_measured: true, heights };
+        }
+        let said = frames[0].slice_spacing;
+        let step = said.unwrap_or(1.0);
+        if n == 1 {
+            warnings.push(format!("there is only one slice: it is {step} mm thick"));
+        } else {
+            let why = if said.is_some() { "as they say to be spaced or thick" } else { "a guess" };
+            warnings.push(format!(
+                "the files do not say where slices are: {step} mm apart was assumed, {why}"
+            ));
+        }
+        let heights: Vec<f64> = (0..n).map(|idx| idx as f64 * step).collect();
+        let n_steps = n.saturating_sub(1).max(1) as f64;
+        Self { origin, span: normal * step * n_steps, normal, is_measured: false, heights }
+    }
+
+    fn height(&self) -> f64 {
+        self.span.dot(self.normal)
+    }
+
+    /// From one slice of the volume to the next.
+    fn step(&self, n_slices: usize) -> DVec3 {
+        self.span / n_slices.saturating_sub(1).max(1) as f64
+    }
+
+    /// The slices that are there, if they are evenly apart; or else others, that are.
+    fn slices(&self, warnings: &mut Vec<String>) -> Vec<Slice> {
+        let n = self.heights.len();
+        if n < 3 {
+            return (0..n).map(Slice::Frame).collect();
+        }
+        let step = self.height() / (n - 1) as f64;
+        let off = |(idx, height): (usize, &f64)| (height - idx as f64 * step).abs();
+        let farthest = self.heights.iter().enumerate().map(off).fold(0.0, f64::max);
+        if farthest <= EVEN * step {
+            if WORTH_A_WORD * step < farthest {
+                warnings.push(format!(
+                    "slices are up to {farthest:.3} mm from where {step:.3} mm steps would have them"
+                ));
+            }
+            return (0..n).map(Slice::Frame).collect();
+        }
+        self.resampled(warnings)
+    }
+
+    fn resampled(&self, warnings: &mut Vec<String>) -> Vec<Slice> {
+        let n = self.heights.len();
+        let mut gaps: Vec<f64> = self.heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        gaps.sort_by(f64::total_cmp);
+        let usual = gaps[gaps.len() / 2];
+        let missing = |gap: &f64| (gap / usual).round().max(1.0) - 1.0;
+        let n_missing: f64 = gaps.iter().map(missing).sum();
+        let most = (MAX_GROWTH * n) as f64;
+        let n_steps = (self.height() / usual).round().clamp(1.0, most);
+        let step = self.height() / n_steps;
+        warnings.push(format!(
+            "slices are {:.3} to {:.3} mm apart, and {n_missing} seem to be missing: the volume was \
+             resampled to {} slices {step:.3} mm apart",
+            gaps[0],
+            gaps[gaps.len() - 1],
+            n_steps + 1.0
+        ));
+        (0..=n_steps as usize).map(|idx| self.slice_at(idx as f64 * step, step)).collect()
+    }
+
+    fn slice_at(&self, height: f64, step: f64) -> Slice {
+        let n = self.heights.len();
+        let above = self.heights.partition_point(|&other| other <= height).clamp(1, n - 1);
+        let [low, high] = [self.heights[above - 1], self.heights[above]];
+        let share = ((height - low) / (high - low)).clamp(0.0, 1.0);
+        let is_at = |other: f64| (height - other).abs() <= WORTH_A_WORD * step;
+        if is_at(low) {
+            return Slice::Frame(above - 1);
+        }
+        if is_at(high) { Slice::Frame(above) } else { Slice::Between(above - 1, share) }
+    }
+
+    /// Whether slices are shifted along their planes in another way than evenly.
+    fn check_planes(&self, frames: &[Frame], pixel: f64, warnings: &mut Vec<String>) {
+        if frames.len() < 3 || !self.is_measured {
+            return;
+        }
+        let off = |(frame, height): (&Frame, &f64)| {
+            let expected = self.origin + self.span * (height / self.height());
+            frame.position.map_or(0.0, |position| (position - expected).length())
+        };
+        let farthest = frames.iter().zip(&self.heights).map(off).fold(0.0, f64::max);
+        if 0.1 * pixel < farthest {
+            warnings.push(format!(
+                "slices are shifted along their planes by up to {farthest:.3} mm, unevenly: that is not \
+                 followed"
+            ));
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! The elements that matter here, by the numbers of PS3.6.
+
+/// Group and element.
+pub(super) type Tag = (u16, u16);
+
+macro_rules! tags {
+    ($all:ident: $($name:ident = $group:literal, $element:literal;)+) => {
+        $(pub(super) const $name: Tag = ($group, $element);)+
+        pub(super) const $all: &[Tag] = &[$($name),+];
+    };
+}
+
+tags! { PIXELS:
+    FLOAT_PIXEL_DATA = 0x7fe0, 0x0008;
+    DOUBLE_PIXEL_DATA = 0x7fe0, 0x0009;
+    PIXEL_DATA = 0x7fe0, 0x0010;
+}
+
+tags! { SEQUENCES:
+    SHARED_GROUPS = 0x5200, 0x9229;
+    PER_FRAME_GROUPS = 0x5200, 0x9230;
+    PLANE_POSITION = 0x0020, 0x9113;
+    PLANE_ORIENTATION = 0x0020, 0x9116;
+    PIXEL_MEASURES = 0x0028, 0x9110;
+    PIXEL_TRANSFORMATION = 0x0028, 0x9145;
+    FRAME_CONTENT = 0x0020, 0x9111;
+    MR_ECHO = 0x0018, 0x9114;
+    SEGMENT_IDENTIFICATION = 0x0062, 0x000a;
+}
+
+tags! { VALUES:
+    TRANSFER_SYNTAX = 0x0002, 0x0010;
+    IMAGE_TYPE = 0x0008, 0x0008;
+    SOP_CLASS = 0x0008, 0x0016;
+    MODALITY = 0x0008, 0x0060;
+    SERIES_DESCRIPTION = 0x0008, 0x103e;
+    SLICE_THICKNESS = 0x0018, 0x0050;
+    ECHO_NUMBER = 0x0018, 0x0086;
+    SLICE_SPACING = 0x0018, 0x0088;
+    TRIGGER_TIME = 0x0018, 0x1060;
+    IMAGER_PIXEL_SPACING = 0x0018, 0x1164;
+    EFFECTIVE_ECHO_TIME = 0x0018, 0x9082;
+    SERIES_UID = 0x0020, 0x000e;
+    SERIES_NUMBER = 0x0020, 0x0011;
+    ACQUISITION_NUMBER = 0x0020, 0x0012;
+    INSTANCE_NUMBER = 0x0020, 0x0013;
+    IMAGE_POSITION = 0x0020, 0x0032;
+    IMAGE_ORIENTATION = 0x0020, 0x0037;
+    TEMPORAL_POSITION = 0x0020, 0x0100;
+    TEMPORAL_INDEX = 0x0020, 0x9128;
+    SAMPLES_PER_PIXEL = 0x0028, 0x0002;
+    PHOTOMETRIC = 0x0028, 0x0004;
+    PLANAR = 0x0028, 0x0006;
+    N_FRAMES = 0x0028, 0x0008;
+    ROWS = 0x0028, 0x0010;
+    COLUMNS = 0x0028, 0x0011;
+    PIXEL_SPACING = 0x0028, 0x0030;
+    BITS_ALLOCATED = 0x0028, 0x0100;
+    BITS_STORED = 0x0028, 0x0101;
+    HIGH_BIT = 0x0028, 0x0102;
+    PIXEL_REPRESENTATION = 0x0028, 0x0103;
+    INTERCEPT = 0x0028, 0x1052;
+    SLOPE = 0x0028, 0x1053;
+    SEGMENT_NUMBER = 0x0062, 0x000b;
+}
