@@ -9,8 +9,8 @@ use std::path::Path;
 
 use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
 use small_files::{
-    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, gzip, metaimage, nifti1, nifti2, nrrd_header,
-    ome_tiff, ply, voxels, zlib,
+    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, dicom, gzip, metaimage, nifti1, nifti2,
+    nrrd_header, ome_tiff, ply, voxels, zlib,
 };
 
 /// Changes tried on each file.
@@ -43,6 +43,7 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
     let attached =
         |encoding: &str, data: &[u8]| [nrrd_header(encoding).as_bytes(), b"\n", data].concat();
     let text: String = (0..24).map(|n| format!("{} ", n * 100)).collect();
+    let hex: String = voxels().iter().map(|byte| format!("{byte:02x}")).collect();
     let detached = nrrd_header("raw") + "data file: a.raw\n";
     let patterned = nrrd_header("raw") + "data file: slice%02d.raw 1 2 1 2\n";
     let listed = nrrd_header("raw") + "byte skip: -1\ndata file: LIST 2\na.raw\na.raw\n";
@@ -61,6 +62,9 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("listed.mhd", metaimage("False", "LIST\na.raw\na.raw", b""), volume),
         ("patterned.mhd", metaimage("False", "slice%02d.raw 1 2 1", b""), volume),
         ("a.ome.tif", ome_tiff(), volume),
+        ("explicit.dcm", dicom("1.2.840.10008.1.2.1"), volume),
+        ("deflated.dcm", dicom("1.2.840.10008.1.2.1.99"), volume),
+        ("hex.nrrd", attached("hex", hex.as_bytes()), volume),
         ("a.json", SIDECAR.as_bytes().to_vec(), volume),
         ("scene.toml", SCENE.as_bytes().to_vec(), scene),
         ("map.json", COLOR_MAP.as_bytes().to_vec(), color_map),

@@ -66,6 +66,15 @@ impl SampleBuffer {
         Some(())
     }
 
+    /// Appends a sample by its bytes, in this machine's order.
+    pub(super) fn push_bytes(&mut self, bytes: &[u8]) {
+        with_samples!(&mut self.samples, |s| s.push(bytemuck::pod_read_unaligned(bytes)));
+    }
+
+    pub(super) fn sample_bytes(&self) -> usize {
+        self.samples.sample_type().size_bytes()
+    }
+
     pub(super) fn len(&self) -> usize {
         self.samples.len()
     }

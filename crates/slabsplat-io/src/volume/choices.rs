@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
+use super::data::Share;
 use super::formats::Input;
 use crate::IoError;
 
@@ -193,6 +194,17 @@ impl VolumeChoices {
             Part::Channel => &self.channel,
             Part::Time => &self.time,
             Part::Level => &self.level,
+        }
+    }
+
+    /// Which samples are read, of volumes that follow each other and channels that do in each voxel.
+    pub(super) fn share(&self) -> Share {
+        let (channel, time) = (&self.channel, &self.time);
+        Share {
+            n_channels: channel.n,
+            channel: channel.chosen,
+            n_volumes: time.n,
+            volume: time.chosen,
         }
     }
 

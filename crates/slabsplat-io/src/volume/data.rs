@@ -18,11 +18,26 @@ pub(super) enum Encoding {
     /// By gzip or zlib.
     Packed,
     Text,
+    /// Two digits a byte.
+    Hex,
+}
+
+/// Which of the samples in the files are those of the volume.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Share {
+    /// Values of one voxel, that follow each other.
+    pub(super) n_channels: usize,
+    pub(super) channel: usize,
+    /// Volumes that follow each other.
+    pub(super) n_volumes: usize,
+    pub(super) volume: usize,
 }
 
 /// How the samples lie in their files.
 pub(super) struct Layout {
+    /// Of the volume.
     pub(super) n_samples: usize,
+    pub(super) share: Share,
     pub(super) sample_type: SampleType,
     pub(super) encoding: Encoding,
     pub(super) endian: Endian,
@@ -40,56 +55,85 @@ pub(super) fn read(
     files: &DataFiles,
     warnings: &mut Vec<String>,
 ) -> Result<Samples, IoError> {
-    if layout.byte_skip < 0 && layout.encoding != Encoding::Raw {
-        let what = "a byte skip below 0 is only for the raw encoding";
+    if layout.byte_skip < -1 {
+        let what = "a byte skip is -1, which is from the end, or not below 0";
         return Err(IoError::malformed(path, what));
     }
+    let Share { n_channels, n_volumes, volume, .. } = layout.share;
+    let n_volume = (layout.n_samples as u64).saturating_mul(n_channels as u64);
     // The number of files was checked against the sizes of the axes.
-    let n_samples_each = layout.n_samples / files.len();
+    let n_each = n_volume.saturating_mul(n_volumes as u64) / files.len() as u64;
+    let first = n_volume.saturating_mul(volume as u64);
+    let end = first.saturating_add(n_volume);
     let mut buffer = SampleBuffer::new(layout.sample_type);
-    for file_idx in 0..files.len() {
-        let (path, offset) = files.get(file_idx);
-        let stream = DataStream::open(store, &path, offset)?;
-        read_file(stream, &path, layout, n_samples_each, &mut buffer, warnings)?;
+    let mut file_idx = first.checked_div(n_each).unwrap_or(0);
+    let mut at = first;
+    while at < end && file_idx < files.len() as u64 {
+        let start = file_idx.saturating_mul(n_each);
+        let n_here = end.min(start.saturating_add(n_each)) - at;
+        let (path, offset) = files.get(file_idx as usize);
+        let file = File { store, path: &path, offset, n_all: n_each, n_before: at - start, n_here };
+        read_file(&file, layout, &mut buffer, warnings)?;
+        at += n_here;
+        file_idx += 1;
     }
     Ok(buffer.finish(match layout.encoding {
         Encoding::Raw | Encoding::Packed => layout.endian,
-        Encoding::Text => Endian::NATIVE,
+        Encoding::Text | Encoding::Hex => Endian::NATIVE,
     }))
 }
 
+/// A file, and which of its samples are read.
+struct File<'p> {
+    store: Store<'p>,
+    path: &'p Path,
+    offset: u64,
+    n_all: u64,
+    n_before: u64,
+    n_here: u64,
+}
+
+impl<'p> File<'p> {
+    /// The stream of data, unpacked if they are packed.
+    fn open(&self, layout: &Layout) -> Result<DataStream<'p>, IoError> {
+        let mut stream = DataStream::open(self.store, self.path, self.offset)?;
+        stream.skip_lines(layout.line_skip)?;
+        Ok(if layout.encoding == Encoding::Packed { stream.unpacked() } else { stream })
+    }
+}
+
 fn read_file(
-    mut stream: DataStream<'_>,
-    path: &Path,
+    file: &File<'_>,
     layout: &Layout,
-    n_samples: usize,
     buffer: &mut SampleBuffer,
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
-    let sample_bytes = layout.sample_type.size_bytes();
-    stream.skip_lines(layout.line_skip)?;
-    if layout.encoding == Encoding::Packed {
-        stream = stream.unpacked();
+    let path = file.path;
+    let sample_bytes = layout.sample_type.size_bytes() as u64;
+    let Share { n_channels, channel, .. } = layout.share;
+    let n_samples = (file.n_here / n_channels as u64) as usize;
+    let mut stream = file.open(layout)?;
+    let needed = file.n_all.saturating_mul(sample_bytes);
+    let byte_skip = match u64::try_from(layout.byte_skip) {
+        Ok(n_bytes) => n_bytes,
+        Err(_) if stream.is_plain() => stream.n_left_at_most().saturating_sub(needed),
+        // How much is packed is known only when it is unpacked.
+        Err(_) => file.open(layout)?.count()?.saturating_sub(needed),
+    };
+    stream.skip(byte_skip)?;
+    if let Encoding::Text | Encoding::Hex = layout.encoding {
+        let picked = ascii::Picked { n_before: file.n_before, n_samples, n_channels, channel };
+        return match layout.encoding {
+            Encoding::Hex => ascii::read_hex(path, stream, buffer, &picked, layout.endian),
+            _ => ascii::read(path, stream, buffer, &picked),
+        };
     }
-    stream.skip(byte_skip(&stream, layout.byte_skip, n_samples as u64 * sample_bytes as u64))?;
-    match layout.encoding {
-        Encoding::Raw | Encoding::Packed => stream.fill(buffer, n_samples, sample_bytes)?,
-        Encoding::Text => return ascii::read(path, stream, buffer, n_samples),
-    }
+    stream.skip(file.n_before.saturating_mul(sample_bytes))?;
+    stream.fill_channel(buffer, n_samples, sample_bytes as usize, [n_channels, channel])?;
     // With data counted from the end, whatever comes after them was meant to be there.
-    if 0 <= layout.byte_skip && stream.has_more()? {
+    let is_all = file.n_before.saturating_add(file.n_here) == file.n_all;
+    if is_all && 0 <= layout.byte_skip && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", path.display()));
     }
     Ok(())
-}
-
-/// The bytes to pass over: −1 puts the data at the very end of the file, −2 one byte earlier.
-fn byte_skip(stream: &DataStream<'_>, byte_skip: i64, needed: u64) -> u64 {
-    match u64::try_from(byte_skip) {
-        Ok(n_bytes) => n_bytes,
-        Err(_) => {
-            let n_after = (byte_skip + 1).unsigned_abs();
-            stream.n_left_at_most().saturating_sub(needed.saturating_add(n_after))
-        }
-    }
 }

@@ -48,6 +48,8 @@ macro_rules! formats {
 formats! {
     /// NRRD, with its data attached or in files of their own.
     Nrrd = "NRRD",
+    /// Analyze 7.5, a pair.
+    Analyze = "Analyze 7.5",
     /// NIfTI-1, one file or a pair.
     Nifti1 = "NIfTI-1",
     /// NIfTI-2, one file or a pair.
@@ -231,6 +233,15 @@ mod tests {
         }
         options.allow_external = true;
         assert_eq!(beside(&options, "../b.raw").unwrap(), Path::new("in/../b.raw"));
+    }
+
+    #[test]
+    fn documentation_has_every_format() {
+        let text = include_str!("../../docs/formats.md");
+        for format in VolumeFormat::ALL {
+            let heading = format!("\n## {}\n", format.name());
+            assert!(text.contains(&heading), "docs/formats.md lacks {:?}", format.name());
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //!
 //! Reading order: `formats` (what each format must say of itself, and how a file's is found), `choices` (what
 //! is read of several volumes); `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`;
-//! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`; then a
+//! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`, `units`; then a
 //! format each.
 
 mod choices;
@@ -20,6 +20,7 @@ mod data;
 mod data_files;
 mod header_fields;
 mod names;
+mod units;
 
 mod dicom;
 mod metaimage;

@@ -13,6 +13,9 @@ use crate::store::{Store, StoredFile};
 /// Deflate cannot pack better than this: 258 bytes in two bits.
 const MAX_GZIP_RATIO: u64 = 1032;
 
+/// Voxels of several values are read by so much.
+const CHUNK_BYTES: usize = 1 << 16;
+
 /// Enough of a file to tell what it is: a NIfTI-2 header.
 pub(super) const N_FIRST_BYTES: usize = 540;
 
@@ -118,6 +121,64 @@ impl<'p> DataStream<'p> {
         })
     }
 
+    /// Moves `n_samples` into `buffer`: of each voxel, which has so many, the one of `channel`.
+    pub(super) fn fill_channel(
+        &mut self,
+        buffer: &mut SampleBuffer,
+        n_samples: usize,
+        sample_bytes: usize,
+        [n_channels, channel]: [usize; 2],
+    ) -> Result<(), IoError> {
+        if n_channels == 1 {
+            return self.fill(buffer, n_samples, sample_bytes);
+        }
+        let voxel_bytes = n_channels.saturating_mul(sample_bytes);
+        let needed = (n_samples as u64).saturating_mul(voxel_bytes as u64);
+        let found = self.n_left_at_most;
+        if found < needed {
+            return Err(self.too_short(needed, found));
+        }
+        let path = self.path;
+        let is_plain = self.is_plain();
+        // As many voxels at a time as are some pages of memory; one alone is backed by what is left.
+        let n_at_once = (CHUNK_BYTES / voxel_bytes).max(1);
+        let mut channel_reader = OneChannel {
+            reader: self.by_ref(),
+            voxels: vec![0; n_at_once * voxel_bytes],
+            samples: Vec::new(),
+            n_taken: 0,
+            bytes: [voxel_bytes, sample_bytes, channel * sample_bytes],
+        };
+        buffer.append(&mut channel_reader, n_samples, is_plain).map_err(|failure| match failure {
+            ReadFailure::TooShort(found) => {
+                too_short(path, needed, found.saturating_mul(n_channels as u64))
+            }
+            ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
+        })
+    }
+
+    /// That so many bytes may come.
+    pub(super) fn check_left(&self, needed: u64) -> Result<(), IoError> {
+        let found = self.n_left_at_most;
+        if found < needed { Err(self.too_short(needed, found)) } else { Ok(()) }
+    }
+
+    /// What went wrong while this was read.
+    pub(super) fn read_error(&self, source: io::Error) -> IoError {
+        match source.kind() {
+            io::ErrorKind::UnexpectedEof => {
+                IoError::malformed(self.path, "the data end too early: the file is cut off")
+            }
+            _ => IoError::Read { path: self.path.to_owned(), source },
+        }
+    }
+
+    /// How many bytes are left, by reading them all.
+    pub(super) fn count(mut self) -> Result<u64, IoError> {
+        let path = self.path;
+        io::copy(&mut self, &mut io::sink()).map_err(IoError::read(path))
+    }
+
     fn too_short(&self, needed: u64, found: u64) -> IoError {
         if self.is_plain() {
             return too_short(self.path, needed, found);
@@ -146,6 +207,50 @@ impl Read for DataStream<'_> {
         };
         self.n_left_at_most = self.n_left_at_most.saturating_sub(n_read as u64);
         Ok(n_read)
+    }
+}
+
+/// The bytes of one value of each voxel.
+struct OneChannel<R> {
+    reader: R,
+    voxels: Vec<u8>,
+    samples: Vec<u8>,
+    n_taken: usize,
+    /// Of a voxel, of a value, and before the value in the voxel.
+    bytes: [usize; 3],
+}
+
+impl<R: Read> Read for OneChannel<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        if self.n_taken == self.samples.len() {
+            self.refill()?;
+        }
+        let left = &self.samples[self.n_taken..];
+        let n_read = left.len().min(bytes.len());
+        bytes[..n_read].copy_from_slice(&left[..n_read]);
+        self.n_taken += n_read;
+        Ok(n_read)
+    }
+}
+
+impl<R: Read> OneChannel<R> {
+    fn refill(&mut self) -> io::Result<()> {
+        let [voxel_bytes, sample_bytes, before] = self.bytes;
+        let mut n_read = 0;
+        while n_read < self.voxels.len() {
+            match self.reader.read(&mut self.voxels[n_read..]) {
+                Ok(0) => break,
+                Ok(n) => n_read += n,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        self.samples.clear();
+        self.n_taken = 0;
+        for voxel in self.voxels[..n_read].chunks_exact(voxel_bytes) {
+            self.samples.extend_from_slice(&voxel[before..before + sample_bytes]);
+        }
+        Ok(())
     }
 }
 

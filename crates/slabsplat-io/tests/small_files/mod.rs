@@ -154,3 +154,59 @@ pub(crate) const BINARY_PLY: [u8; 49] = {
 
 pub(crate) const STL: &str = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
     vertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+
+/// A DICOM file of 4 × 3 pixels in two frames, in an explicit little-endian transfer syntax.
+pub(crate) fn dicom(syntax: &str) -> Vec<u8> {
+    let element = |tag: [u16; 2], representation: &str, value: &[u8]| {
+        let mut bytes = tag.map(u16::to_le_bytes).concat();
+        bytes.extend(representation.as_bytes());
+        if matches!(representation, "OW" | "SQ") {
+            bytes.extend([0, 0]);
+            bytes.extend((value.len() as u32).to_le_bytes());
+        } else {
+            bytes.extend((value.len() as u16).to_le_bytes());
+        }
+        [&bytes, value].concat()
+    };
+    let text = |tag, value: &str| {
+        let mut bytes = value.as_bytes().to_vec();
+        bytes.resize(bytes.len().next_multiple_of(2), b' ');
+        element(tag, "LO", &bytes)
+    };
+    let short = |tag, value: u16| element(tag, "US", &value.to_le_bytes());
+    let item = |value: &[u8]| {
+        let length = (value.len() as u32).to_le_bytes();
+        [&[0xfe, 0xff, 0x00, 0xe0][..], &length, value].concat()
+    };
+    let group = |z: &str| {
+        let position = element([0x20, 0x9113], "SQ", &item(&text([0x20, 0x32], z)));
+        item(&position)
+    };
+    let elements = [
+        text([0x08, 0x60], "CT"),
+        text([0x20, 0x0e], "1.2.3"),
+        text([0x20, 0x37], "1\\0\\0\\0\\1\\0"),
+        short([0x28, 0x02], 1),
+        text([0x28, 0x04], "MONOCHROME2"),
+        text([0x28, 0x08], "2"),
+        short([0x28, 0x10], 3),
+        short([0x28, 0x11], 4),
+        text([0x28, 0x30], "1\\1.5"),
+        short([0x28, 0x100], 16),
+        short([0x28, 0x101], 12),
+        short([0x28, 0x102], 11),
+        text([0x28, 0x1053], "2"),
+        element([0x5200, 0x9230], "SQ", &[group("0\\0\\0"), group("0\\0\\3")].concat()),
+        element([0x7fe0, 0x10], "OW", &voxels()),
+    ]
+    .concat();
+    let body = if syntax.ends_with(".99") {
+        let level = flate2::Compression::fast();
+        let mut encoder = flate2::write::DeflateEncoder::new(Vec::new(), level);
+        encoder.write_all(&elements).expect("memory can be written");
+        encoder.finish().expect("memory can be written")
+    } else {
+        elements
+    };
+    [&[0; 128][..], b"DICM", &text([0x02, 0x10], syntax), &body].concat()
+}

@@ -479,3 +479,24 @@ fn dicom_cut_off_anywhere() {
         }
     }
 }
+
+/// A lossless JPEG that gdcm 3 wrote of these numbers.
+#[test]
+fn dicom_lossless_jpeg() {
+    const JPEG: &str = "ffd8ffc3000b100003000401011100ffc40019000003000300000000000000000000000001070c0a0b10ff\
+                        da0008010100010000e72391c97ffc00ac8cece001277e6fffd900";
+    let byte = |at: usize| u8::from_str_radix(&JPEG[at..at + 2], 16).unwrap();
+    let jpeg: Vec<u8> = (0..JPEG.len()).step_by(2).map(byte).collect();
+    let changes = |jpeg: Vec<u8>| {
+        let pixels = Fragments(vec![vec![], jpeg]);
+        [(tags::ROWS, Short(3)), (tags::COLUMNS, Short(4)), (tags::PIXEL_DATA, pixels)]
+    };
+    let syntax = "1.2.840.10008.1.2.4.70";
+    let read = |jpeg| read(&[file(syntax, &with(slice(0.0, [0; 4]), &changes(jpeg)))]);
+    let expected = [0, 100, 200, 300, 4095, 5, 77, 1024, 1, 2, 3, 2000];
+    assert_eq!(samples(&read(jpeg.clone()).unwrap()), expected);
+    let error = read(jpeg[..20].to_vec()).unwrap_err();
+    assert!(error.contains("its JPEG is broken"), "{error}");
+    let other = [&jpeg[..8], &[9], &jpeg[9..]].concat();
+    assert!(read(other).unwrap_err().contains("of another size"));
+}

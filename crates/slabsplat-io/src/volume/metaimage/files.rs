@@ -5,7 +5,7 @@ use super::super::formats::Input;
 use super::header::Header;
 use crate::IoError;
 
-/// Finds the data's files, as many as the first volume needs. Names are relative to the header's folder.
+/// Finds the data's files. Names are relative to the header's folder.
 pub(super) fn find(
     input: &Input<'_>,
     header: &Header,
@@ -41,7 +41,7 @@ pub(super) fn find(
     Ok(DataFiles::Numbered { folder, pattern, first, step, n_files })
 }
 
-/// How many files of some axes each the first volume is in, if there are as many as all volumes need.
+/// How many files of some axes each there are, if there are as many as are needed.
 fn n_files(
     header: &Header,
     sizes: &[usize],
@@ -54,8 +54,7 @@ fn n_files(
         let what = format!("the header names {n_given} data files where {n_needed} are needed");
         return Err(header.malformed(what));
     }
-    // A file of more than three axes holds several volumes, of which the first is the one.
-    Ok(product(sizes[..sizes.len().min(3)].get(n_axes_each..).unwrap_or_default()) as usize)
+    Ok(n_needed as usize)
 }
 
 /// A name with `%`, and first, last and step of its numbers, as far as they are there; else they count all

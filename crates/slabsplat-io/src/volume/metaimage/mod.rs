@@ -3,7 +3,7 @@
 //! Format: <https://itk.org/Wiki/ITK/MetaIO/Documentation>. Read: raw, zlib and text; data attached,
 //! detached (one file, a `LIST`, a numbered pattern). Space is ITK's, LPS: x and y change sign.
 //! `AnatomicalOrientation` and `CenterOfRotation` change nothing, as in ITK. `CompressedDataSize` is often
-//! wrong, and not needed. Not read: 64-bit integers, several channels.
+//! wrong, and not needed. Not read: 64-bit integers.
 //!
 //! Reading order: `header` (lines to fields), `space` (where the voxels lie), `files` (where the data are).
 
@@ -13,6 +13,7 @@ mod space;
 
 use slabsplat_core::{Grid, SampleType, Scaling};
 
+use super::choices::Part;
 use super::data::{self, Encoding};
 use super::formats::{Input, Reader, VolumeListing};
 use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat, assemble};
@@ -45,7 +46,7 @@ impl Reader for MetaImage {
             format: VolumeFormat::MetaImage,
             dims: volume_dims(&header.sizes()?),
             sample_type: sample_type(&header)?,
-            choices: VolumeChoices::default(),
+            choices: choices(&header, input, &header.sizes()?)?,
         })
     }
 }
@@ -58,12 +59,10 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let grid = Grid::new(volume_dims(&sizes), space::world_from_index(&header, sizes.len())?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let sample_type = sample_type(&header)?;
-    let n_volumes = sizes.iter().skip(3).fold(1, |n: usize, &size| n.saturating_mul(size));
-    if 1 < n_volumes {
-        warnings.push(format!("the file holds {n_volumes} volumes: the first was taken"));
-    }
+    let choices = choices(&header, input, &sizes)?;
     let layout = data::Layout {
         n_samples: grid.n_voxels(),
+        share: choices.share(),
         sample_type,
         encoding: encoding(&header)?,
         endian: endian(&header, sample_type, &mut warnings)?,
@@ -72,11 +71,22 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     };
     let files = files::find(input, &header, &sizes)?;
     let samples = data::read(store, path, &layout, &files, &mut warnings)?;
-    if 1 < n_volumes {
-        warnings.truncate(1);
-    }
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume::new(volume, VolumeFormat::MetaImage, warnings))
+    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::MetaImage, warnings) })
+}
+
+/// Times along all axes after the third, and the values of each voxel.
+fn choices(header: &Header, input: &Input<'_>, sizes: &[usize]) -> Result<VolumeChoices, IoError> {
+    let n_channels: usize = header.parsed("elementnumberofchannels")?.unwrap_or(1);
+    let n_times = sizes.iter().skip(3).fold(1, |n: usize, &size| n.saturating_mul(size));
+    if n_channels == 0 || n_times == 0 {
+        return Err(header.malformed("the volume is empty: it has no channels, or no times"));
+    }
+    Ok(VolumeChoices {
+        channel: input.choose(Part::Channel, n_channels)?,
+        time: input.choose(Part::Time, n_times)?,
+        ..VolumeChoices::default()
+    })
 }
 
 /// Those of the first volume; an image is a volume of one slice.
@@ -85,12 +95,6 @@ fn volume_dims(sizes: &[usize]) -> [usize; 3] {
 }
 
 fn sample_type(header: &Header) -> Result<SampleType, IoError> {
-    let n_channels: u64 = header.parsed("elementnumberofchannels")?.unwrap_or(1);
-    if n_channels != 1 {
-        let what =
-            format!("voxels of {n_channels} channels cannot be read: save one of them alone");
-        return Err(header.unsupported(what));
-    }
     let name = header.needed("elementtype")?;
     match name.trim_end_matches("_ARRAY") {
         "MET_UCHAR" => Ok(SampleType::U8),

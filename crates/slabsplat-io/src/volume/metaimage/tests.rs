@@ -122,7 +122,7 @@ fn metaimage_of_other_numbers_of_axes() {
     let loaded = read(&[("a.mha", &attached(&four, &[BIG, BIG].concat()))]).unwrap();
     assert_eq!(loaded.volume.samples(), &Samples::I16(vec![1, 2, 3, -1]));
     assert_eq!(loaded.volume.grid().spacing(), [1.0, 2.0, 3.0]);
-    assert_eq!(loaded.warnings, ["the file holds 2 volumes: the first was taken"]);
+    assert_eq!(loaded.warnings, ["there are 2 times: time 0 was taken"]);
     let times = format!("{four}ElementDataFile = t%d.raw 0 1 1\n");
     let files = [("a.mhd", times.as_bytes()), ("t0.raw", &BIG), ("t1.raw", &[0; 8])];
     assert_eq!(read(&files).unwrap().volume.samples(), &Samples::I16(vec![1, 2, 3, -1]));
@@ -160,7 +160,9 @@ fn metaimage_bad_headers_are_named() {
     check("1 2 3", "1 0 3", "cannot be inverted");
     check("1 2 3", "1 2 x", "elementspacing should be 3 numbers");
     check("MSB = True", "MSB = maybe", "not True or False");
-    check("NDims", "ElementNumberOfChannels = 3\nNDims", "voxels of 3 channels");
+    check("NDims", "ElementNumberOfChannels = 3\nNDims", "needs 24 bytes of data, has 8");
+    check("NDims", "ElementNumberOfChannels = 0\nNDims", "no channels");
+    check("NDims", "ElementNumberOfChannels = 18446744073709551615\nNDims", "bytes of data, has 8");
     check("NDims", "TransformMatrix = 1 0 0 1 0 0 0 0 1\nNDims", "cannot be inverted");
     check("NDims", "what is this\nNDims", "\"what is this\" in the header is no field");
     check_error(&[("a.mhd", FIELDS.as_bytes())], "does not say ElementDataFile");
@@ -173,4 +175,28 @@ fn metaimage_tells_its_size_by_its_header() {
     let path = dir.path().join("a.mhd");
     fs::write(&path, format!("{FIELDS}ElementDataFile = gone.raw\n")).unwrap();
     assert_eq!(list_volume(&path, &VolumeOptions::default()).unwrap().bytes(), 8);
+}
+
+#[test]
+fn metaimage_channels_and_times_are_chosen() {
+    let four = FIELDS.replace("NDims = 3", "NDims = 4").replace("2 2 1", "1 1 1 2");
+    let four = four.replace("1 2 3", "1 2 3 9") + "ElementNumberOfChannels = 2\n";
+    let text = four.replace("BinaryData = True", "BinaryData = False");
+    let packed = format!("{four}CompressedData = True\n");
+    for bytes in
+        [attached(&four, &BIG), attached(&text, b"1 2 3 -1"), attached(&packed, &zlib(&BIG))]
+    {
+        let files = crate::FilesInMemory::from_iter([("a.mha", bytes.as_slice())]);
+        for (time, channel, sample) in [(0, 0, 1), (0, 1, 2), (1, 0, 3), (1, 1, -1)] {
+            let options = VolumeOptions::default().time(time).channel(channel);
+            let loaded = files.read_volume_with("a.mha", &options).unwrap();
+            assert_eq!(loaded.volume.samples(), &Samples::I16(vec![sample]));
+            assert_eq!(loaded.warnings, [""; 0]);
+        }
+    }
+    let times = format!("{four}ElementDataFile = t%d.raw 0 1 1\n");
+    let files = [("a.mhd", times.as_bytes()), ("t0.raw", &BIG[..4]), ("t1.raw", &BIG[4..])];
+    let files = crate::FilesInMemory::from_iter(files);
+    let loaded = files.read_volume_with("a.mhd", &VolumeOptions::default().time(1)).unwrap();
+    assert_eq!(loaded.volume.samples(), &Samples::I16(vec![3]));
 }

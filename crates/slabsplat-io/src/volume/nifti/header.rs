@@ -5,6 +5,8 @@ use super::super::Endian;
 /// Which of the two headers a file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Version {
+    /// Analyze 7.5, from which NIfTI-1 came.
+    Zero,
     One,
     Two,
 }
@@ -18,6 +20,7 @@ pub(super) struct Header {
     pub(super) is_single_file: bool,
     pub(super) dim: [i64; 8],
     pub(super) datatype: i64,
+    pub(super) intent_code: i64,
     pub(super) pixdim: [f64; 8],
     pub(super) vox_offset: f64,
     pub(super) scl_slope: f64,
@@ -33,7 +36,7 @@ pub(super) struct Header {
 impl Version {
     pub(super) fn n_header_bytes(self) -> u64 {
         match self {
-            Self::One => 348,
+            Self::Zero | Self::One => 348,
             Self::Two => 540,
         }
     }
@@ -63,7 +66,7 @@ impl Header {
         let is_single_file = match fields.bytes.get(344..348)? {
             b"n+1\0" => true,
             b"ni1\0" => false,
-            _ => return None,
+            _ => return Self::parse_zero(fields),
         };
         Some(Self {
             version: Version::One,
@@ -71,6 +74,7 @@ impl Header {
             is_single_file,
             dim: fields.array(40, 2, Fields::i16)?,
             datatype: fields.i16(70)?,
+            intent_code: fields.i16(68)?,
             pixdim: fields.array(76, 4, Fields::f32)?,
             vox_offset: fields.f32(108)?,
             scl_slope: fields.f32(112)?,
@@ -88,6 +92,39 @@ impl Header {
         })
     }
 
+    /// A header without a name: what it says must make sense.
+    fn parse_zero(fields: Fields<'_>) -> Option<Self> {
+        let dim: [i64; 8] = fields.array(40, 2, Fields::i16)?;
+        let datatype = fields.i16(70)?;
+        let n_bits = fields.i16(72)?;
+        let is_sane = *fields.bytes.get(38)? == b'r'
+            && (1..=7).contains(&dim[0])
+            && matches!((datatype, n_bits), (2, 8) | (4, 16) | (8 | 16, 32) | (64, 64));
+        fields.bytes.get(344..348)?;
+        if !is_sane {
+            return None;
+        }
+        Some(Self {
+            version: Version::Zero,
+            endian: fields.endian,
+            is_single_file: false,
+            dim,
+            datatype,
+            intent_code: 0,
+            pixdim: fields.array(76, 4, Fields::f32)?,
+            vox_offset: fields.f32(108)?,
+            // What later became slope, units and orientation has other meanings here.
+            scl_slope: 0.0,
+            scl_inter: 0.0,
+            xyzt_units: 2,
+            qform_code: 0,
+            sform_code: 0,
+            quatern: [0.0; 3],
+            qoffset: [0.0; 3],
+            srow: [[0.0; 4]; 3],
+        })
+    }
+
     fn parse_two(fields: Fields<'_>) -> Option<Self> {
         // The four bytes after the name catch transfers that change line ends.
         let is_single_file = match fields.bytes.get(4..12)? {
@@ -102,6 +139,7 @@ impl Header {
             is_single_file,
             dim: fields.array(16, 8, Fields::i64)?,
             datatype: fields.i16(12)?,
+            intent_code: fields.i32(504)?,
             pixdim: fields.array(104, 8, Fields::f64)?,
             vox_offset: fields.i64(168)? as f64,
             scl_slope: fields.f64(176)?,

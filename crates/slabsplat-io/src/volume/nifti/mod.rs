@@ -6,17 +6,19 @@
 //! knows no NIfTI-2, and takes memory for as many voxels as a header claims. The tests compare with
 //! it.
 //!
-//! Reading order: `header` (bytes to fields), `orientation` (fields to the grid's place).
+//! Reading order: `header` (bytes to fields), `orientation` (fields to the grid's place),
+//! `wide` (integers of 64 bits).
 
 mod header;
 mod orientation;
+mod wide;
 
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{SampleType, Scaling};
 
 use super::buffer::SampleBuffer;
-use super::choices::Part;
+use super::choices::{Choice, Part};
 use super::formats::{Input, Reader, VolumeListing};
 use super::stream::{DataStream, first_bytes, plain_extension};
 use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
@@ -44,8 +46,7 @@ impl Reader for Nifti {
         if plain_extension(path) == "img" {
             return header_beside(store, path);
         }
-        let what = "not a NIfTI file, or cut off: it does not begin with a whole NIfTI header (Analyze 7.5 is \
-                    not read)";
+        let what = "not a NIfTI file, or cut off: it does not begin with a whole header of NIfTI or Analyze 7.5";
         Err(IoError::malformed(path, what))
     }
 
@@ -58,7 +59,7 @@ impl Reader for Nifti {
         Ok(VolumeListing {
             format: header.format(),
             dims: dims(&header, input.path)?,
-            sample_type: sample_type(&header, input.path)?,
+            sample_type: stored(&header, input.path)?.sample_type(),
             choices: choices(&header, input)?,
         })
     }
@@ -73,28 +74,40 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let choices = choices(&header, input)?;
     let grid = orientation::grid(&header, dims, &mut warnings)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let sample_type = sample_type(&header, path)?;
+    let stored = stored(&header, path)?;
     let scaling = scaling(&header, &mut warnings);
     let image_path = if header.is_single_file { path.to_owned() } else { image_of(store, path)? };
 
     let mut stream = DataStream::open_unpacked(store, &image_path)?;
-    let n_bytes = (grid.n_voxels() as u64).saturating_mul(sample_type.size_bytes() as u64);
+    let n_bytes = (grid.n_voxels() as u64).saturating_mul(stored.voxel_bytes() as u64);
     let [channel, time] = [&choices.channel, &choices.time];
-    let n_before = (channel.chosen as u64).saturating_mul(time.n as u64);
+    let is_interleaved = matches!(stored, Stored::Samples { n_channels: 2.., .. });
+    let n_before = if is_interleaved { 0 } else { channel.chosen as u64 };
+    let n_before = n_before.saturating_mul(time.n as u64);
     let n_before = n_before.saturating_add(time.chosen as u64);
     stream.skip(data_offset(&header, path)?.saturating_add(n_before.saturating_mul(n_bytes)))?;
-    let mut buffer = SampleBuffer::new(sample_type);
-    stream.fill(&mut buffer, grid.n_voxels(), sample_type.size_bytes())?;
+    let samples = match stored {
+        Stored::Samples { sample_type, n_channels } => {
+            let mut buffer = SampleBuffer::new(sample_type);
+            let colors = [n_channels, if n_channels == 1 { 0 } else { choices.channel.chosen }];
+            stream.fill_channel(&mut buffer, grid.n_voxels(), sample_type.size_bytes(), colors)?;
+            buffer.finish(header.endian)
+        }
+        Stored::Wide { is_signed } => {
+            wide::read(&mut stream, grid.n_voxels(), is_signed, header.endian, &mut warnings)?
+        }
+    };
     if choices.is_single() && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", image_path.display()));
     }
-    let volume = assemble(path, grid, buffer.finish(header.endian), scaling)?;
+    let volume = assemble(path, grid, samples, scaling)?;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })
 }
 
 impl Header {
     fn format(&self) -> VolumeFormat {
         match self.version {
+            Version::Zero => VolumeFormat::Analyze,
             Version::One => VolumeFormat::Nifti1,
             Version::Two => VolumeFormat::Nifti2,
         }
@@ -152,28 +165,75 @@ fn choices(header: &Header, input: &Input<'_>) -> Result<VolumeChoices, IoError>
     let beyond_space: Vec<usize> = sizes.skip(3).collect();
     let n_times = beyond_space.first().copied().unwrap_or(1);
     let n_channels = beyond_space.iter().skip(1).fold(1, |n: usize, &size| n.saturating_mul(size));
+    let channels = match stored(header, input.path)? {
+        Stored::Samples { n_channels: 1, .. } | Stored::Wide { .. } => {
+            Choice { n: n_channels, ..Choice::default() }
+        }
+        Stored::Samples { n_channels: n, .. } if n_channels == 1 => {
+            let names = ["red", "green", "blue", "alpha"].map(str::to_owned);
+            Choice { n, names: names[..n].to_vec(), ..Choice::default() }
+        }
+        Stored::Samples { .. } => {
+            let what = "colours of several channels cannot be read: save one channel alone";
+            return Err(IoError::unsupported(input.path, what));
+        }
+    };
     Ok(VolumeChoices {
         time: input.choose(Part::Time, n_times)?,
-        channel: input.choose(Part::Channel, n_channels)?,
+        channel: input.choose_of(Part::Channel, channels)?,
         ..VolumeChoices::default()
     })
 }
 
-/// The sample type by its code in nifti1.h.
-fn sample_type(header: &Header, path: &Path) -> Result<SampleType, IoError> {
+/// What a voxel is in the file.
+#[derive(Clone, Copy)]
+enum Stored {
+    /// Values one after the other, of which one is read.
+    Samples { sample_type: SampleType, n_channels: usize },
+    /// An integer of 64 bits.
+    Wide { is_signed: bool },
+}
+
+impl Stored {
+    fn sample_type(self) -> SampleType {
+        match self {
+            Self::Samples { sample_type, .. } => sample_type,
+            Self::Wide { is_signed: true } => SampleType::I32,
+            Self::Wide { is_signed: false } => SampleType::U32,
+        }
+    }
+
+    fn voxel_bytes(self) -> usize {
+        match self {
+            Self::Samples { sample_type, n_channels } => sample_type.size_bytes() * n_channels,
+            Self::Wide { .. } => 8,
+        }
+    }
+}
+
+/// What voxels are, by the code in nifti1.h.
+fn stored(header: &Header, path: &Path) -> Result<Stored, IoError> {
+    if (3000..3100).contains(&header.intent_code) {
+        let what = "a CIFTI file, whose values lie on surfaces: wb_command -cifti-separate takes out its volume";
+        return Err(IoError::unsupported(path, what));
+    }
+    let of = |sample_type| Ok(Stored::Samples { sample_type, n_channels: 1 });
+    let colors = |n_channels| Ok(Stored::Samples { sample_type: SampleType::U8, n_channels });
     let other = match header.datatype {
-        2 => return Ok(SampleType::U8),
-        4 => return Ok(SampleType::I16),
-        8 => return Ok(SampleType::I32),
-        16 => return Ok(SampleType::F32),
-        64 => return Ok(SampleType::F64),
-        256 => return Ok(SampleType::I8),
-        512 => return Ok(SampleType::U16),
-        768 => return Ok(SampleType::U32),
+        2 => return of(SampleType::U8),
+        4 => return of(SampleType::I16),
+        8 => return of(SampleType::I32),
+        16 => return of(SampleType::F32),
+        64 => return of(SampleType::F64),
+        256 => return of(SampleType::I8),
+        512 => return of(SampleType::U16),
+        768 => return of(SampleType::U32),
+        128 => return colors(3),
+        2304 => return colors(4),
+        1024 => return Ok(Stored::Wide { is_signed: true }),
+        1280 => return Ok(Stored::Wide { is_signed: false }),
         1 => "single bits",
-        128 | 2304 => "colours",
-        32 | 1792 | 2048 => "complex numbers",
-        1024 | 1280 => "64-bit integers",
+        32 | 1792 | 2048 => "complex numbers, of which no one value can be drawn,",
         1536 => "128-bit floats",
         code => {
             return Err(IoError::malformed(path, format!("there is no data type of code {code}")));

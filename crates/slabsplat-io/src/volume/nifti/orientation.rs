@@ -4,7 +4,7 @@
 use slabsplat_core::glam::{DAffine3, DMat3, DQuat, DVec3};
 use slabsplat_core::{Grid, GridError};
 
-use super::header::Header;
+use super::header::{Header, Version};
 
 /// The grid, by the first method that the header offers and that gives one.
 pub(super) fn grid(
@@ -25,6 +25,19 @@ pub(super) fn grid(
                 decided => return decided,
             }
         }
+    }
+    for axis in 1..=3 {
+        let length = header.pixdim[axis];
+        if axis as i64 <= header.dim[0] && !length.is_normal() {
+            warnings.push(format!("voxels are {length} long along axis {axis}: 1 was assumed"));
+        }
+    }
+    if header.version == Version::Zero {
+        warnings.push(
+            "Analyze 7.5 does not say how it lies: its x was taken to go to the left, as its makers had it"
+                .to_owned(),
+        );
+        return in_world(DAffine3::from_scale(spacing(header) * DVec3::new(-1.0, 1.0, 1.0)));
     }
     in_world(DAffine3::from_scale(spacing(header)))
 }

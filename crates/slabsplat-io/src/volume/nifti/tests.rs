@@ -195,7 +195,7 @@ fn nifti_sample_types() {
         assert_eq!(loaded.warnings, [""; 0]);
     }
     for (code, expected) in
-        [(128, "colours"), (32, "complex"), (1024, "64-bit integers"), (3, "code 3")]
+        [(1, "single bits"), (32, "complex"), (1536, "128-bit floats"), (3, "code 3")]
     {
         let err = Nifti::new(2, Endian::Little).datatype(code).read().unwrap_err();
         assert!(err.contains(expected), "{err}");
@@ -332,5 +332,73 @@ fn nifti_volumes_are_chosen() {
         assert_eq!(error, "a.nii: there is no time 2: there is 0 to 1");
         let error = read(options.series(1)).unwrap_err().to_string();
         assert_eq!(error, "a.nii: there is no series 1: there is only 0");
+    }
+}
+
+#[test]
+fn nifti_of_wide_integers() {
+    for nifti in all() {
+        let nifti = nifti.dims(&[1, 1, 1]).datatype(1024);
+        let loaded = nifti.read().unwrap();
+        assert_eq!(
+            loaded.volume.sample_type(),
+            SampleType::F64,
+            "four numbers of 16 bits are one of 64"
+        );
+        let mut bytes = nifti.bytes.clone();
+        bytes.extend(match nifti.endian {
+            Endian::Little => (-7_i64).to_le_bytes(),
+            Endian::Big => (-7_i64).to_be_bytes(),
+        });
+        assert_eq!(read(&[("a.nii", &bytes)]).unwrap().volume.samples(), &Samples::I32(vec![-7]));
+        let error = nifti.dims(&[2, 1, 1]).read().unwrap_err();
+        assert!(error.contains("needs 16 bytes of data, has 8"), "{error}");
+    }
+}
+
+#[test]
+fn nifti_colors_are_channels() {
+    let nifti = Nifti::new(1, Endian::Little).dims(&[2, 1, 1]).datatype(2304);
+    let mut bytes = nifti.bytes.clone();
+    bytes.extend([1, 2, 3, 4, 5, 6, 7, 8]);
+    let files = crate::FilesInMemory::from_iter([("a.nii", bytes.as_slice())]);
+    let loaded = files.read_volume_with("a.nii", &VolumeOptions::default().channel(2)).unwrap();
+    assert_eq!(loaded.volume.samples(), &Samples::U8(vec![3, 7]));
+    assert_eq!(loaded.choices.channel.names, ["red", "green", "blue", "alpha"]);
+    let first = files.read_volume("a.nii").unwrap();
+    assert_eq!(first.warnings, ["there are 4 channels: channel 0 was taken"]);
+}
+
+#[test]
+fn nifti_warns_of_voxels_without_a_length() {
+    for length in [0.0, f64::NAN] {
+        let loaded = Nifti::new(1, Endian::Big).pixdim(&[1.0, 2.0, length, 4.0]).read().unwrap();
+        assert_eq!(loaded.volume.grid().spacing(), [2.0, 1.0, 4.0]);
+        let expected = format!("voxels are {length} long along axis 2: 1 was assumed");
+        assert_eq!(loaded.warnings, [expected]);
+    }
+}
+
+#[test]
+fn nifti_of_cifti_is_refused() {
+    let mut nifti = Nifti::new(2, Endian::Little);
+    nifti.put(504, 3001_i32.to_le_bytes());
+    assert!(nifti.read().unwrap_err().contains("CIFTI"));
+}
+
+#[test]
+fn nifti_was_analyze() {
+    for endian in [Endian::Little, Endian::Big] {
+        let mut nifti = Nifti::new(1, endian).offset(0.0).codes(1, 1);
+        nifti.bytes[344..348].fill(0);
+        nifti.bytes[38] = b'r';
+        nifti.put(72, 16_i16.to_le_bytes());
+        let data = nifti.with_data().split_off(nifti.bytes.len());
+        let loaded = read(&[("a.img", &data), ("a.hdr", &nifti.bytes)]).unwrap();
+        assert_eq!(loaded.format, VolumeFormat::Analyze);
+        assert_eq!(loaded.volume.samples(), &Samples::I16(vec![1, 2, 3, -1]));
+        let affine = loaded.volume.grid().world_from_index();
+        assert_eq!(affine.matrix3.x_axis, DVec3::new(-2.0, 0.0, 0.0));
+        assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
     }
 }

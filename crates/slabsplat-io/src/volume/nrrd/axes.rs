@@ -1,5 +1,8 @@
-//! Which of a file's axes are the volume's three. Files of four and more axes are read as long as
-//! the others are one long.
+//! Which of a file's axes are the volume's three. Of the others the first may be that of channels, and the
+//! last that of times, unless they are one long.
+
+use super::super::choices::{Part, VolumeChoices};
+use super::super::formats::Input;
 
 use super::header::Header;
 use crate::IoError;
@@ -19,6 +22,21 @@ pub(super) struct Axes {
     pub(super) of_volume: [usize; 3],
     /// Their sizes.
     pub(super) dims: [usize; 3],
+    /// How many values each voxel has, one after the other.
+    n_channels: usize,
+    /// How many volumes follow each other.
+    n_times: usize,
+}
+
+impl Axes {
+    /// Which channel and time are read.
+    pub(super) fn choices(&self, input: &Input<'_>) -> Result<VolumeChoices, IoError> {
+        Ok(VolumeChoices {
+            channel: input.choose(Part::Channel, self.n_channels)?,
+            time: input.choose(Part::Time, self.n_times)?,
+            ..VolumeChoices::default()
+        })
+    }
 }
 
 /// Picks the three axes of the volume.
@@ -28,16 +46,28 @@ pub(super) fn find(header: &Header) -> Result<Axes, IoError> {
         .numbers("sizes", n_axes)?
         .ok_or_else(|| header.malformed("the header has no field \"sizes\""))?;
     let kinds = kinds(header, n_axes)?;
-    if let Some(axis) = (0..n_axes).find(|&axis| 1 < sizes[axis] && !is_domain(&kinds[axis])) {
+    let is_value = |axis: usize| 1 < sizes[axis] && !is_domain(&kinds[axis]);
+    let [channel, time] = outer_axes(&sizes, is_value);
+    let is_other = |axis: &usize| is_value(*axis) && ![channel, time].contains(&Some(*axis));
+    if let Some(axis) = (0..n_axes).find(is_other) {
         let (kind, size) = (&kinds[axis], sizes[axis]);
         return Err(header.unsupported(format!(
-            "axis {axis} (kind {kind:?}, {size} long) holds more than one value a voxel: save one \
-             of them as a volume of its own"
+            "axis {axis} (kind {kind:?}, {size} long) holds more than one value a voxel, and is neither \
+             the first nor the last: save one of them as a volume of its own"
         )));
     }
-    let of_volume = without_flat_axes(header, &sizes, &kinds)?;
+    let left: Vec<usize> =
+        (0..n_axes).filter(|axis| ![channel, time].contains(&Some(*axis))).collect();
+    // Of four axes that all may be of space, the last is one of time.
+    let n_long = left.iter().filter(|&&axis| 1 < sizes[axis]).count();
+    let last = left.iter().rev().copied().find(|&axis| 1 < sizes[axis]);
+    let time = if 3 < n_long && time.is_none() { last } else { time };
+    let left: Vec<usize> = left.into_iter().filter(|&axis| Some(axis) != time).collect();
+    let of_volume = without_flat_axes(header, left, &sizes, &kinds)?;
     let dims = of_volume.map(|axis| sizes[axis]);
-    Ok(Axes { file_sizes: sizes, of_volume, dims })
+    let size = |axis: Option<usize>| axis.map_or(1, |axis| sizes[axis]);
+    let (n_channels, n_times) = (size(channel), size(time));
+    Ok(Axes { file_sizes: sizes, of_volume, dims, n_channels, n_times })
 }
 
 fn n_axes(header: &Header) -> Result<usize, IoError> {
@@ -76,10 +106,10 @@ fn is_domain(kind: &str) -> bool {
 /// the last.
 fn without_flat_axes(
     header: &Header,
+    mut kept: Vec<usize>,
     sizes: &[usize],
     kinds: &[String],
 ) -> Result<[usize; 3], IoError> {
-    let mut kept: Vec<usize> = (0..sizes.len()).collect();
     while 3 < kept.len() {
         let is_flat = |&&axis: &&usize| sizes[axis] == 1;
         let is_flat_value = |axis: &&usize| is_flat(axis) && !is_domain(&kinds[**axis]);
@@ -94,7 +124,22 @@ fn without_flat_axes(
         };
         kept.retain(|&axis| axis != flat);
     }
-    Ok([kept[0], kept[1], kept[2]])
+    match kept[..] {
+        [x, y, z] => Ok([x, y, z]),
+        _ => {
+            let n = kept.len();
+            Err(header.unsupported(format!("the file has {n} axes in space, and a volume needs 3")))
+        }
+    }
+}
+
+/// The first axis and the last of those that are not one long, if along them are values: the values of a
+/// voxel, and times.
+fn outer_axes(sizes: &[usize], is_value: impl Fn(usize) -> bool) -> [Option<usize>; 2] {
+    let long: Vec<usize> = (0..sizes.len()).filter(|&axis| sizes[axis] != 1).collect();
+    let first = long.first().copied().filter(|&axis| is_value(axis));
+    let last = long.last().copied().filter(|&axis| is_value(axis) && Some(axis) != first);
+    [first, last]
 }
 
 #[cfg(test)]
@@ -130,9 +175,9 @@ mod tests {
         check("dimension: 3", "\"sizes\"");
         check("dimension: 3\nsizes: 4 5", "3 numbers");
         check("dimension: 3\nsizes: 4 -5 6", "3 numbers");
-        check("dimension: 4\nsizes: 4 5 6 7", "axis 3 (7 long)");
-        check("dimension: 4\nsizes: 3 5 6 7\nkinds: RGB-color domain domain domain", "axis 0");
-        check("dimension: 4\nsizes: 4 5 6 7\nkinds: space space space time", "axis 3");
+        check("dimension: 5\nsizes: 4 5 6 7 8", "axis 3 (7 long)");
+        check("dimension: 4\nsizes: 4 5 6 7\nkinds: space vector space space", "axis 1");
+        check("dimension: 3\nsizes: 4 5 6\nkinds: vector space space", "has 2 axes in space");
         check("dimension: 3\nsizes: 3 5 6\nkinds: vector domain", "3 words");
     }
 }

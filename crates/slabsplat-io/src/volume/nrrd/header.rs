@@ -21,14 +21,21 @@ const FIELDS: &[&str] = &[
     "kinds",
     "spacings",
     "axis mins",
+    "centers",
+    "units",
+    "space units",
     "space",
     "space directions",
     "space origin",
 ];
 
 /// Older spellings of fields, and today's.
-const SYNONYMS: &[(&str, &str)] =
-    &[("datafile", "data file"), ("lineskip", "line skip"), ("byteskip", "byte skip")];
+const SYNONYMS: &[(&str, &str)] = &[
+    ("datafile", "data file"),
+    ("lineskip", "line skip"),
+    ("byteskip", "byte skip"),
+    ("centerings", "centers"),
+];
 
 /// The fields of a header.
 #[derive(Debug)]

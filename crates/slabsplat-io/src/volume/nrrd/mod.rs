@@ -1,8 +1,9 @@
 //! NRRD, "nearly raw raster data": a text header, and data after it or in files of their own.
 //!
-//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip and text encodings; data
+//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip, hex and text encodings; data
 //! attached or detached (one file, a `LIST`, a numbered pattern); `space directions` and `spacings`,
-//! also both at once. Not read: bzip2 and hex, 64-bit integers, several values a voxel.
+//! also both at once. A first axis of values that voxels have gives a channel, a
+//! last one of moments a time. Not read: bzip2, 64-bit integers.
 //!
 //! Reading order: `header` (lines to fields), `axes` (which three axes are the volume's), `space`
 //! (where they lie), `files` (where the data are).
@@ -16,7 +17,7 @@ use slabsplat_core::{Grid, SampleType, Scaling};
 
 use super::data::{self, Encoding};
 use super::formats::{Input, Reader, VolumeListing};
-use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat, assemble, names};
+use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
 use crate::IoError;
 use header::Header;
 
@@ -42,11 +43,12 @@ impl Reader for Nrrd {
 
     fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
         let header = Header::read(input.store, input.path)?;
+        let axes = axes::find(&header)?;
         Ok(VolumeListing {
             format: VolumeFormat::Nrrd,
-            dims: axes::find(&header)?.dims,
+            dims: axes.dims,
             sample_type: sample_type(&header)?,
-            choices: VolumeChoices::default(),
+            choices: axes.choices(input)?,
         })
     }
 }
@@ -59,8 +61,10 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let grid = Grid::new(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let sample_type = sample_type(&header)?;
+    let choices = axes.choices(input)?;
     let layout = data::Layout {
         n_samples: grid.n_voxels(),
+        share: choices.share(),
         sample_type,
         encoding: encoding(&header)?,
         endian: endian(&header, sample_type, &mut warnings)?,
@@ -70,7 +74,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let files = files::find(input, &header, &axes.file_sizes)?;
     let samples = data::read(store, path, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings))
+    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings) })
 }
 
 fn sample_type(header: &Header) -> Result<SampleType, IoError> {
@@ -84,8 +88,9 @@ fn encoding(header: &Header) -> Result<Encoding, IoError> {
         "raw" => Ok(Encoding::Raw),
         "gz" | "gzip" => Ok(Encoding::Packed),
         "txt" | "text" | "ascii" => Ok(Encoding::Text),
+        "hex" => Ok(Encoding::Hex),
         _ => Err(header.unsupported(format!(
-            "encoding {name:?} is not supported: save the file as raw, gzip or ascii"
+            "encoding {name:?} is not supported: save the file as raw, gzip, hex or ascii"
         ))),
     }
 }

@@ -3,6 +3,7 @@
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 
+use super::super::units::millimetres;
 use super::axes::Axes;
 use super::header::Header;
 use crate::IoError;
@@ -15,12 +16,22 @@ pub(super) fn world_from_index(
     warnings: &mut Vec<String>,
 ) -> Result<DAffine3, IoError> {
     let n_axes = axes.file_sizes.len();
-    let columns = match directions(header, n_axes)? {
-        Some(directions) => along_directions(header, axes, &directions)?,
-        None => along_axes(header, axes, warnings)?,
+    let (columns, origin, unit) = match directions(header, n_axes)? {
+        Some(directions) => {
+            let columns = along_directions(header, axes, &directions)?;
+            (columns, origin(header, warnings)?, space_unit(header, warnings))
+        }
+        None => {
+            let columns = along_axes(header, axes, warnings)?;
+            let origin = match header.get("space origin") {
+                Some(_) => origin(header, warnings)?,
+                None => origin_by_mins(header, axes, &columns)?,
+            };
+            (columns, origin, axis_unit(header, axes, warnings))
+        }
     };
-    let origin = origin(header, warnings)?;
-    let world_from_space = DMat3::from_diagonal(signs(header, warnings));
+    let unit = DVec3::splat(unit);
+    let world_from_space = DMat3::from_diagonal(signs(header, warnings) * unit);
     let [x, y, z] = columns;
     Ok(DAffine3::from_mat3_translation(
         world_from_space * DMat3::from_cols(x, y, z),
@@ -104,6 +115,54 @@ fn along_axes(
     };
     let [x, y, z] = axes.of_volume.map(&mut spacing);
     Ok([DVec3::X * x, DVec3::Y * y, DVec3::Z * z])
+}
+
+/// Where the first voxel's middle is, by where axes begin: `axis mins` beside `spacings`, as ITK has it. An
+/// axis that does not say otherwise begins at the voxel's border.
+fn origin_by_mins(header: &Header, axes: &Axes, columns: &[DVec3; 3]) -> Result<DVec3, IoError> {
+    let n_axes = axes.file_sizes.len();
+    let mins: Option<Vec<f64>> = header.numbers("axis mins", n_axes)?;
+    let (Some(mins), Some(_)) = (mins, header.get("spacings")) else { return Ok(DVec3::ZERO) };
+    let centers: Vec<&str> =
+        header.get("centers").map(|text| text.split_whitespace().collect()).unwrap_or_default();
+    let mut origin = DVec3::ZERO;
+    for (column, axis) in columns.iter().zip(axes.of_volume) {
+        let half = if centers.get(axis) == Some(&"node") { DVec3::ZERO } else { *column / 2.0 };
+        if mins[axis].is_finite() {
+            origin += half + column.normalize_or_zero().abs() * mins[axis];
+        }
+    }
+    Ok(origin)
+}
+
+/// Millimetres of the unit in which all of space is measured.
+fn space_unit(header: &Header, warnings: &mut Vec<String>) -> f64 {
+    let units = header.get("space units").map(quoted).unwrap_or_default();
+    one_unit(&units, warnings)
+}
+
+/// Millimetres of the unit of the volume's axes, if they all have one.
+fn axis_unit(header: &Header, axes: &Axes, warnings: &mut Vec<String>) -> f64 {
+    let units = header.get("units").map(quoted).unwrap_or_default();
+    let of_volume = axes.of_volume.iter().filter_map(|&axis| units.get(axis).cloned());
+    one_unit(&of_volume.collect::<Vec<_>>(), warnings)
+}
+
+/// Millimetres of the one unit that axes have; of none, of several, or of what is no length, 1.
+fn one_unit(units: &[String], warnings: &mut Vec<String>) -> f64 {
+    let Some(first) = units.first().filter(|unit| !unit.is_empty()) else { return 1.0 };
+    let is_one = units.iter().all(|unit| unit == first);
+    if let (Some(unit), true) = (millimetres(first), is_one) {
+        return unit;
+    }
+    let shown: Vec<String> = units.iter().map(|unit| unit.chars().take(16).collect()).collect();
+    warnings.push(format!("the units {shown:?} were taken as millimetres"));
+    1.0
+}
+
+/// Texts in quotes.
+fn quoted(text: &str) -> Vec<String> {
+    text.split('"').skip(1).step_by(2).map(|unit| unit.trim().to_owned()).collect()
 }
 
 fn origin(header: &Header, warnings: &mut Vec<String>) -> Result<DVec3, IoError> {
@@ -212,6 +271,36 @@ mod tests {
         assert_eq!(diagonal(&format!("spacings: 1 2 3\n{directions}")), ([4.0, 5.0, 6.0], 0));
     }
 
+    /// As SimpleITK 2 reads them.
+    #[test]
+    fn space_begins_at_axis_mins() {
+        let origin = |lines: &str| place(lines).unwrap().0.translation;
+        let mins = "spacings: 2 3 4\naxis mins: 10 20 30\n";
+        assert_eq!(origin(mins), DVec3::new(11.0, 21.5, 32.0));
+        let nodes = format!("{mins}centers: node node node");
+        assert_eq!(origin(&nodes), DVec3::new(10.0, 20.0, 30.0));
+        let unknown = mins.replace("20", "NaN");
+        assert_eq!(origin(&unknown), DVec3::new(11.0, 0.0, 32.0));
+    }
+
+    #[test]
+    fn space_has_units() {
+        let spacing = |lines: &str| {
+            let (affine, warnings) = place(lines).unwrap();
+            (affine.matrix3.y_axis.y, affine.translation.x, warnings.len())
+        };
+        let directions = "space directions: (1,0,0) (0,2,0) (0,0,1)\nspace origin: (5,0,0)\n";
+        let micrometres = r#"space units: "um" "um" "um""#;
+        assert_eq!(spacing(&format!("{directions}{micrometres}")), (0.002, 0.005, 0));
+        assert_eq!(
+            spacing(&format!("{directions}space units: \"m\" \"mm\" \"mm\"")),
+            (2.0, 5.0, 1)
+        );
+        assert_eq!(spacing(r#"units: "m" "m" "m""#), (1000.0, 0.0, 0));
+        assert_eq!(spacing(r#"units: "s" "s" "s""#), (1.0, 0.0, 1));
+        assert_eq!(spacing(r#"units: "" "" """#), (1.0, 0.0, 0));
+    }
+
     #[test]
     fn space_errors_show_the_text() {
         for (lines, expected) in [
@@ -219,7 +308,7 @@ mod tests {
             ("space directions: (1,0,0) (0,1,0)", "3 vectors"),
             ("space directions: (1,0,0) (0,1,0) (0,0", "3 vectors"),
             ("space directions: (1,0) (0,1) (0,0)", "3 vectors"),
-            ("space directions: none (1,0,0) (0,1,0)", "without a direction"),
+            ("space directions: none (1,0,0) (0,1,0)", "2 axes in space"),
             ("space origin: 1 2 3", "space origin"),
         ] {
             let err = place(lines).unwrap_err();

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use slabsplat_core::Samples;
 
-use crate::read_volume;
 use crate::store::read_from_both as read;
+use crate::{VolumeOptions, read_volume};
 
 const RAW: &str = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\nencoding: raw\nendian: big\n";
 const BIG: [u8; 8] = [0, 1, 0, 2, 0, 3, 255, 255];
@@ -58,7 +58,7 @@ fn nrrd_encodings() {
     check_error(&[("a.nrrd", &attached(&text, b"1 2 3"))], "needs 4 numbers, has 3");
     check_error(&[("a.nrrd", &attached(&text, b"1 2 3 70000"))], "\"70000\" is not a number");
     check_error(&[("a.nrrd", &attached(&text, b"1 2 3 x"))], "\"x\" is not a number");
-    for other in ["bzip2", "hex", "rot13"] {
+    for other in ["bzip2", "rot13"] {
         let header = RAW.replace("raw", other);
         check_error(&[("a.nrrd", &attached(&header, &BIG))], "is not supported");
     }
@@ -110,7 +110,7 @@ fn nrrd_bad_headers_are_named() {
     check("endian: big", "endian: big\nspacings: 0 1 1", "cannot be inverted");
     check("endian: big", "endian: big\nspacings: 1 1 inf", "cannot be inverted");
     check("endian: big", "endian: big\nbyte skip: 1e3", "byte skip");
-    check("encoding: raw", "encoding: gzip\nbyte skip: -1", "only for the raw encoding");
+    check("encoding: raw", "encoding: hex", "as digits, has room for 4");
     check("encoding: raw", "encoding: gzip", "needs 8 bytes of data, has 0");
     let gzip = RAW.replace("raw", "gzip");
     check_error(&[("a.nrrd", &attached(&gzip, &[7; 99]))], "invalid gzip header");
@@ -120,12 +120,51 @@ fn nrrd_bad_headers_are_named() {
 fn nrrd_four_axes() {
     let header = RAW.replace("dimension: 3", "dimension: 4").replace("2 2 1", "1 2 2 1");
     check(&[("a.nrrd", &attached(&header, &BIG))]);
-    let colors = header.replace("1 2 2 1", "2 2 1 1") + "kinds: 2-color domain domain domain\n";
-    check_error(&[("a.nrrd", &attached(&colors, &BIG))], "axis 0 (kind \"2-color\", 2 long)");
+    let colors = header + "kinds: domain 2-color 2-color domain\n";
+    check_error(&[("a.nrrd", &attached(&colors, &BIG))], "in space");
 }
 
 #[test]
 fn nrrd_gone() {
     let err = read_volume(Path::new("/nonexistent/a.nrrd")).unwrap_err().to_string();
     assert!(err.starts_with("cannot read /nonexistent/a.nrrd: "), "{err}");
+}
+
+#[test]
+fn nrrd_channels_and_times_are_chosen() {
+    let check = |header: &str, data: &[u8], [time, channel]: [usize; 2], expected: &[i16]| {
+        let bytes = attached(header, data);
+        let files = crate::FilesInMemory::from_iter([("a.nrrd", bytes.as_slice())]);
+        let options = VolumeOptions::default().time(time).channel(channel);
+        let loaded = files.read_volume_with("a.nrrd", &options).unwrap();
+        assert_eq!(loaded.volume.samples(), &Samples::I16(expected.to_vec()), "{header}");
+        assert_eq!(loaded.warnings, [""; 0]);
+    };
+    let four = RAW.replace("dimension: 3", "dimension: 4").replace("2 2 1", "2 1 1 2");
+    let colors = format!("{four}kinds: vector domain domain domain\n");
+    check(&colors, &BIG, [0, 0], &[1, 3]);
+    check(&colors, &BIG, [0, 1], &[2, -1]);
+    check(&colors.replace("raw", "gzip"), &gzip(&BIG), [0, 1], &[2, -1]);
+    check(&colors.replace("raw", "text"), b"1 2 3 -1", [0, 1], &[2, -1]);
+    check(&colors.replace("raw", "hex"), b"0001 0002 00 03\nFFff", [0, 1], &[2, -1]);
+    let times = format!("{four}kinds: domain domain domain list\n");
+    check(&times, &BIG, [1, 0], &[3, -1]);
+    check(&times.replace("raw", "gzip"), &gzip(&BIG), [1, 0], &[3, -1]);
+    check(&times.replace("raw", "hex"), b"000100020003ffff", [1, 0], &[3, -1]);
+    let files = format!("{times}data file: LIST 3\nx\ny\n");
+    let files = [("a.nhdr", files.as_bytes()), ("x", &BIG[..4]), ("y", &BIG[4..])];
+    let files = crate::FilesInMemory::from_iter(files);
+    let loaded = files.read_volume_with("a.nhdr", &VolumeOptions::default().time(1)).unwrap();
+    assert_eq!(loaded.volume.samples(), &Samples::I16(vec![3, -1]));
+    let first = files.read_volume("a.nhdr").unwrap();
+    assert_eq!(first.warnings, ["there are 2 times: time 0 was taken"]);
+}
+
+/// teem, ITK and pynrrd read the last bytes of what is unpacked.
+#[test]
+fn nrrd_packed_data_at_the_end() {
+    let header = RAW.replace("raw", "gzip") + "byte skip: -1\n";
+    check(&[("a.nrrd", &attached(&header, &gzip(&[&[9; 5][..], &BIG].concat())))]);
+    let header = header.replace("-1", "-5");
+    check_error(&[("a.nrrd", &attached(&header, &gzip(&BIG)))], "a byte skip is -1");
 }

@@ -2,7 +2,8 @@
 //!
 //! Lines of `key=value`: <https://imagej.net/formats/tiff>. Pages go by channel, then slice, then time.
 
-use super::stack::{Counts, millimetres};
+use super::super::units::millimetres;
+use super::stack::Counts;
 
 /// The lines of a description.
 #[derive(Debug)]

@@ -5,7 +5,8 @@
 use roxmltree::{Document, Node};
 
 use super::super::choices::VolumeChoices;
-use super::stack::{Counts, millimetres};
+use super::super::units::millimetres;
+use super::stack::Counts;
 
 /// The first image of an OME-TIFF.
 #[derive(Debug)]

@@ -76,19 +76,3 @@ impl Counts {
         })
     }
 }
-
-/// How many millimetres a unit of length has, as OME and ImageJ name it.
-pub(super) fn millimetres(unit: &str) -> Option<f64> {
-    match unit {
-        "m" => Some(1e3),
-        "cm" => Some(10.0),
-        "mm" => Some(1.0),
-        // The micro sign, the Greek letter, and ImageJ's ways round both.
-        "µm" | "μm" | "um" | "micron" | "microns" | "\\u00B5m" => Some(1e-3),
-        "nm" => Some(1e-6),
-        "pm" => Some(1e-9),
-        "Å" => Some(1e-7),
-        "in" | "inch" => Some(25.4),
-        _ => None,
-    }
-}
