@@ -10,8 +10,8 @@ use slabsplat_core::{
     Camera, Cancelled, Compositing, FrameHandle, Grid, ImageDesc, Layer, Method, Plane, Projection,
     Region, RenderSettings, Scaling, Scene, Shading, TransferFunction, Volume,
 };
-use std::sync::Arc;
-use std::task::Poll;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::task::{Poll, Wake};
 
 /// Runs all checks on `backend`.
 ///
@@ -24,6 +24,7 @@ pub fn check(backend: &mut dyn Backend) {
     same_plan_gives_same_bits(backend);
     volumes_take_turns(backend);
     frames_can_be_taken_once(backend);
+    frames_can_be_awaited(backend);
     unknown_frame_is_an_error(backend);
     cancelled_frames_are_dropped(backend);
     methods_are_those_told(backend);
@@ -125,6 +126,46 @@ fn frames_can_be_taken_once(backend: &mut dyn Backend) {
     }
     backend.wait_image(&frames[2]).expect("the frame was submitted");
     assert_eq!(backend.wait_image(&frames[2]), Err(BackendError::UnknownFrame));
+}
+
+/// Who is pending is woken, by whichever thread, until the frame is there.
+fn frames_can_be_awaited(backend: &mut dyn Backend) {
+    let scene = scene(&volume([5, 4, 3]), Method::ImageAligned, Compositing::Associated);
+    let expected = render(backend, &scene);
+    let plan = Planner::default().plan(&scene).expect("the scene is valid");
+    let frame = FrameHandle::new();
+    backend.submit(&plan, &frame).expect("a tiny frame fits");
+    let sleeper = Arc::new(Sleeper::default());
+    let awaited = loop {
+        match backend.poll_image(&frame).expect("the frame was submitted") {
+            Poll::Ready(frame) => break frame,
+            Poll::Pending => backend.wake_when_done(&frame, &sleeper.clone().into()),
+        }
+        sleeper.sleep();
+    };
+    assert!(awaited.image == expected.image);
+}
+
+/// Sleeps until it is woken; a call that comes too early counts.
+#[derive(Default)]
+struct Sleeper {
+    is_awake: Mutex<bool>,
+    changed: Condvar,
+}
+
+impl Sleeper {
+    fn sleep(&self) {
+        let is_awake = self.is_awake.lock().unwrap_or_else(PoisonError::into_inner);
+        let woken = self.changed.wait_while(is_awake, |is_awake| !*is_awake);
+        *woken.unwrap_or_else(PoisonError::into_inner) = false;
+    }
+}
+
+impl Wake for Sleeper {
+    fn wake(self: Arc<Self>) {
+        *self.is_awake.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.changed.notify_one();
+    }
 }
 
 fn unknown_frame_is_an_error(backend: &mut dyn Backend) {

@@ -2,7 +2,7 @@
 
 use crate::FramePlan;
 use slabsplat_core::{Cancelled, FrameHandle, Image, Method};
-use std::task::Poll;
+use std::task::{Poll, Waker};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -23,19 +23,41 @@ pub trait Backend: Send {
     /// If the frame failed, was cancelled, was never submitted, or was taken already.
     fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError>;
 
-    /// Takes a frame as soon as it is done, and sleeps until then, which nobody may in a browser. A backend
-    /// whose frames are not done when they are submitted should know better than to look every millisecond.
+    /// Takes a frame as soon as it is done, and sleeps until then. A backend whose frames are not done when
+    /// they are submitted should know better than to look every millisecond.
     ///
     /// # Errors
-    /// If the frame failed, was cancelled, was never submitted, or was taken already.
+    /// If the frame failed, was cancelled, was never submitted, or was taken already; in a browser, if it is
+    /// not done ([`BackendError::CannotWait`]).
     fn wait_image(&mut self, frame: &FrameHandle) -> Result<Frame, BackendError> {
         loop {
             match self.poll_image(frame)? {
                 Poll::Ready(frame) => return Ok(frame),
-                Poll::Pending => std::thread::sleep(Duration::from_millis(1)),
+                Poll::Pending => doze()?,
             }
         }
     }
+
+    /// Sees to it that `waker` is woken once it is worth to call [`poll_image`](Self::poll_image) again for a
+    /// frame that was pending: that may be before the frame is done. So frames are awaited.
+    ///
+    /// By default that is a millisecond later, or at once in a browser. Nothing else happens there until who
+    /// was woken rests: a backend whose frames are not done when they are submitted must do better there.
+    fn wake_when_done(&mut self, frame: &FrameHandle, waker: &Waker) {
+        let _ = frame;
+        // It need not have slept.
+        let _ = doze();
+        waker.wake_by_ref();
+    }
+}
+
+/// Sleeps for a millisecond, where that is allowed.
+fn doze() -> Result<(), BackendError> {
+    if cfg!(target_family = "wasm") {
+        return Err(BackendError::CannotWait);
+    }
+    std::thread::sleep(Duration::from_millis(1));
+    Ok(())
 }
 
 /// What a backend is and what it can do.
@@ -166,6 +188,10 @@ pub enum BackendError {
         /// Why not.
         reason: String,
     },
+    /// The frame is not done, and it was to be waited for where nobody may sleep: in a browser. It is still
+    /// there to be polled.
+    #[error("the frame is not done, and a page in a browser cannot wait for it: await or poll it")]
+    CannotWait,
     /// No such frame waits to be taken.
     #[error("the frame was never submitted to this backend, or was taken already")]
     UnknownFrame,
@@ -180,7 +206,7 @@ impl BackendError {
     pub fn is_of_device(&self) -> bool {
         match self {
             Self::OutOfMemory { .. } | Self::DeviceLost { .. } | Self::Unable { .. } => true,
-            Self::UnknownFrame | Self::Cancelled(_) => false,
+            Self::CannotWait | Self::UnknownFrame | Self::Cancelled(_) => false,
         }
     }
 }

@@ -27,8 +27,8 @@
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never
-//!   waits for it, and [`Backend::wait_image`] does. Frames finish in the order of submission, and each can
-//!   be taken once.
+//!   waits for it, and [`Backend::wait_image`] does, but in a browser, where it is awaited:
+//!   [`Backend::wake_when_done`]. Frames finish in the order of submission, and each can be taken once.
 //! - **Names.** The caller names a frame by a [`FrameHandle`](slabsplat_core::FrameHandle), a new one for
 //!   each. A frame whose handle nobody else has can be taken by nobody, and is dropped.
 //! - **Cancelling.** A frame that was cancelled before it was taken is never delivered, but the error

@@ -6,6 +6,7 @@
 //! it is with tiles that have more splats than a dispatch should take on: the job goes out again with more
 //! rounds of splatting.
 
+use crate::device::LOOK_EVERY;
 use crate::frame_memory::FrameMemory;
 use crate::frame_params::SplatLayer;
 use crate::frame_passes::max_rounds;
@@ -22,8 +23,7 @@ use slabsplat_backend::{
 };
 use slabsplat_core::{Cancelled, FrameHandle, Image, Method};
 use std::collections::VecDeque;
-use std::task::Poll;
-use std::time::Duration;
+use std::task::{Poll, Waker};
 
 /// Renders on a device.
 #[derive(Debug)]
@@ -184,9 +184,6 @@ impl<D: Device> GpuBackend<D> {
     }
 }
 
-/// How long nobody looks whether a frame that is waited for was cancelled.
-const LOOK_EVERY: Duration = Duration::from_millis(5);
-
 /// Splats after which a tile pauses: some tenths of a second at most. Mesa's software driver, before version
 /// 23, silently ends all loops of a thread after 65535 turns.
 fn max_visits(kind: DeviceKind) -> u32 {
@@ -248,9 +245,20 @@ impl<D: Device> Backend for GpuBackend<D> {
             if let Poll::Ready(frame) = self.poll_image(frame)? {
                 return Ok(frame);
             }
+            if cfg!(target_family = "wasm") {
+                return Err(BackendError::CannotWait);
+            }
             if let Some(first) = self.under_way.front() {
                 self.device.wait(first.work, LOOK_EVERY);
             }
+        }
+    }
+
+    fn wake_when_done(&mut self, _: &FrameHandle, waker: &Waker) {
+        // Frames are done in their order.
+        match self.under_way.front() {
+            Some(first) => self.device.wake_when_done(first.work, waker),
+            None => waker.wake_by_ref(),
         }
     }
 }
@@ -266,6 +274,7 @@ mod tests {
         TransferFunction, Volume,
     };
     use std::sync::Arc;
+    use std::time::Duration;
 
     /// A device that must not be used.
     struct Untouched(DeviceInfo);

@@ -3,7 +3,7 @@
 
 use slabsplat_shaders::Shader;
 use std::borrow::Cow;
-use std::task::Poll;
+use std::task::{Poll, Waker};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -44,7 +44,18 @@ pub trait Device: Send {
     /// Sleeps until work is done, but no longer than `at_most`. It may return before: where nobody is allowed
     /// to wait, as in a browser, or if the device was lost, as the next [`poll`](Self::poll) reports.
     fn wait(&mut self, work: WorkId, at_most: Duration);
+
+    /// Sees to it that `waker` is woken once it is worth to [`poll`](Self::poll) work that was pending: when
+    /// it is done, or before. By default it is woken now, after a [`wait`](Self::wait) of 5 ms at most; where
+    /// that does not sleep a device must do better.
+    fn wake_when_done(&mut self, work: WorkId, waker: &Waker) {
+        self.wait(work, LOOK_EVERY);
+        waker.wake_by_ref();
+    }
 }
+
+/// How long nobody looks whether a frame that is waited for was cancelled.
+pub(crate) const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// A device and what it can hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -206,5 +217,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn wait(&mut self, work: WorkId, at_most: Duration) {
         (**self).wait(work, at_most);
+    }
+
+    fn wake_when_done(&mut self, work: WorkId, waker: &Waker) {
+        (**self).wake_when_done(work, waker);
     }
 }

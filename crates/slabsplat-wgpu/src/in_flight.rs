@@ -5,6 +5,7 @@ use crate::read_back::{ReadBack, Signal};
 use crate::timer::Timer;
 use slabsplat_gpu::WorkId;
 use std::collections::{HashMap, VecDeque};
+use std::task::Waker;
 
 /// Most submissions that are not executed yet. A caller who is further ahead waits, or else the staging
 /// memory of its writes would have no bound.
@@ -55,6 +56,14 @@ impl InFlight {
 
     pub(crate) fn is_pending(&self, id: WorkId) -> bool {
         self.by_id.get(&id).is_some_and(|flight| flight.signal.is_pending())
+    }
+
+    /// Wakes when work is done, or now if it is, or is none.
+    pub(crate) fn wake_when_done(&self, id: WorkId, waker: &Waker) {
+        match self.by_id.get(&id) {
+            Some(flight) => flight.signal.wake_when_set(waker),
+            None => waker.wake_by_ref(),
+        }
     }
 
     pub(crate) fn take(&mut self, id: WorkId) -> Flight {

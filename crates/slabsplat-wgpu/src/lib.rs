@@ -58,7 +58,7 @@ mod tests;
 pub use open::{devices, open, open_async};
 
 use slabsplat_gpu::{BufferId, Device, DeviceError, DeviceInfo, Done, Work, WorkId};
-use std::task::Poll;
+use std::task::{Poll, Waker};
 use std::time::Duration;
 
 /// A device that wgpu opened.
@@ -77,6 +77,9 @@ pub struct WgpuDevice {
     read_backs: read_back::ReadBacks,
     in_flight: in_flight::InFlight,
 }
+
+/// How long an executor's thread is held up by a frame that it awaits.
+const WAIT_BEFORE_WAKING: Duration = Duration::from_millis(5);
 
 impl WgpuDevice {
     fn new(gpu: gpu::Gpu) -> Self {
@@ -123,6 +126,15 @@ impl Device for WgpuDevice {
         let submission = self.in_flight.submission(work);
         if let (Some(submission), Ok(())) = (submission, self.gpu.look_around()) {
             self.gpu.wait_at_most(submission, at_most);
+        }
+    }
+
+    fn wake_when_done(&mut self, work: WorkId, waker: &Waker) {
+        self.in_flight.wake_when_done(work, waker);
+        // A browser calls back by itself, and lets nobody wait. Elsewhere wgpu calls back when it is asked.
+        if cfg!(not(target_family = "wasm")) {
+            self.wait(work, WAIT_BEFORE_WAKING);
+            waker.wake_by_ref();
         }
     }
 }

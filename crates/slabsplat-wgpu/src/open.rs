@@ -105,7 +105,8 @@ fn device_info(adapter: &wgpu::Adapter) -> DeviceInfo {
         limits.min_storage_buffer_offset_alignment.max(limits.min_uniform_buffer_offset_alignment);
     let whole_words = |bytes: u64| bytes & !3;
     DeviceInfo {
-        name: about.name,
+        // Browsers do not say.
+        name: if about.name.is_empty() { "WebGPU".to_owned() } else { about.name },
         driver: format!("{} {}", about.driver, about.driver_info).trim().to_owned(),
         kind: device_kind(about.device_type),
         max_binding_bytes: whole_words(limits.max_storage_buffer_binding_size),

@@ -4,8 +4,9 @@
 use crate::buffers;
 use crate::gpu::Gpu;
 use slabsplat_gpu::DeviceError;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::Waker;
 
 /// Sizes are rounded up to this, so that one buffer serves frames of about one size.
 const GRAIN_BYTES: u64 = 64 << 10;
@@ -80,9 +81,17 @@ impl ReadBack {
     }
 }
 
-/// Whether wgpu has called back: it may do so on any thread, whenever it is polled.
+/// Whether wgpu has called back: it may do so on any thread, whenever it is polled, or in a browser from the
+/// page's own loop.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Signal(Arc<AtomicU8>);
+pub(crate) struct Signal(Arc<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    is_set: AtomicU8,
+    /// Who is to be woken then.
+    waker: Mutex<Option<Waker>>,
+}
 
 const PENDING: u8 = 0;
 const GOOD: u8 = 1;
@@ -96,14 +105,62 @@ impl Signal {
     }
 
     pub(crate) fn is_pending(&self) -> bool {
-        self.0.load(Ordering::Acquire) == PENDING
+        self.0.is_set.load(Ordering::Acquire) == PENDING
+    }
+
+    /// Wakes when it is set, or now if it is. The last who asks is the one who is woken.
+    pub(crate) fn wake_when_set(&self, waker: &Waker) {
+        let mut waiting = self.waiting();
+        if self.is_pending() {
+            *waiting = Some(waker.clone());
+        } else {
+            drop(waiting);
+            waker.wake_by_ref();
+        }
     }
 
     fn is_good(&self) -> bool {
-        self.0.load(Ordering::Acquire) == GOOD
+        self.0.is_set.load(Ordering::Acquire) == GOOD
     }
 
     fn set(&self, is_good: bool) {
-        self.0.store(if is_good { GOOD } else { BAD }, Ordering::Release);
+        self.0.is_set.store(if is_good { GOOD } else { BAD }, Ordering::Release);
+        let waker = self.waiting().take();
+        if let Some(waker) = waker {
+            waker.wake();
+        }
+    }
+
+    fn waiting(&self) -> MutexGuard<'_, Option<Waker>> {
+        self.0.waker.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicUsize;
+    use std::task::Wake;
+
+    #[derive(Default)]
+    struct Count(AtomicUsize);
+
+    impl Wake for Count {
+        fn wake(self: Arc<Self>) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    #[test]
+    fn signal_wakes_once_it_is_set() {
+        let (signal, count) = (Signal::default(), Arc::new(Count::default()));
+        let waker = Waker::from(count.clone());
+        let n_woken = || count.0.load(Ordering::Relaxed);
+        signal.wake_when_set(&waker);
+        assert_eq!((signal.is_pending(), n_woken()), (true, 0));
+        signal.clone().set(true);
+        assert_eq!((signal.is_good(), n_woken()), (true, 1));
+        signal.wake_when_set(&waker);
+        assert_eq!(n_woken(), 2, "it is set already");
     }
 }

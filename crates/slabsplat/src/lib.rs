@@ -44,9 +44,10 @@
 //!
 //! All but `ash` builds for `wasm32-unknown-unknown`, also with `-Ctarget-feature=+simd128`. The CPU
 //! backend needs nothing of the page and has one thread there; without a clock, frames have no times.
-//! [`Renderer::open_async`] opens a graphics card, whose frames are submitted and polled from one repaint to
-//! the next: [`Renderer::render`] would wait for a page that waits for it. With `files`, volumes and meshes
-//! are read from bytes, and pictures become bytes.
+//! [`Renderer::open_async`] opens a graphics card, and [`Renderer::render_async`] draws with it, futures that
+//! any executor drives; [`Renderer::render`] would wait for a page that waits for it, and returns
+//! [`BackendError::CannotWait`]. With `files`, volumes and meshes are read from bytes, by
+//! [`io::FilesInMemory`], and pictures become bytes.
 //!
 //! # What a pixel is
 //!

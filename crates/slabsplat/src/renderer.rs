@@ -5,8 +5,9 @@ use slabsplat_backend::{Backend, BackendError, Caps, Frame, PlanError, Planner};
 use slabsplat_core::{Cancelled, FrameHandle, Scene};
 use slabsplat_kernel::{Kernel, KernelError};
 use std::fmt;
+use std::future::poll_fn;
 use std::sync::Arc;
-use std::task::Poll;
+use std::task::{Context, Poll};
 use thiserror::Error;
 
 /// Renders scenes, again and again. What was made of a volume, such as the list of its relevant voxels,
@@ -106,9 +107,9 @@ impl Renderer {
         })
     }
 
-    /// The same, but for [`render`](Self::render): where its backend runs out of memory, is lost or cannot
-    /// make a frame, `fallback` makes another, once, which draws that frame and all that follow. Frames that
-    /// were submitted before and not taken are gone with the backend.
+    /// The same, but for [`render`](Self::render) and [`render_async`](Self::render_async): where its backend
+    /// runs out of memory, is lost or cannot make a frame, `fallback` makes another, once, which draws that
+    /// frame and all that follow. Frames that were submitted before and not taken are gone with the backend.
     pub fn with_fallback(
         self,
         fallback: impl FnOnce(&BackendError) -> Box<dyn Backend> + Send + 'static,
@@ -137,7 +138,7 @@ impl Renderer {
         self.backend.caps()
     }
 
-    /// Renders a frame and waits for it.
+    /// Renders a frame and waits for it. In a browser only the CPU can: [`render_async`](Self::render_async).
     ///
     /// # Errors
     /// If the scene cannot be drawn, or the backend fails and there is no fallback.
@@ -152,19 +153,53 @@ impl Renderer {
     /// If the frame is cancelled, too.
     pub fn render_as(&mut self, scene: &Scene, frame: &FrameHandle) -> Result<Frame, RenderError> {
         let result = self.render_once(scene, frame);
-        if let Err(RenderError::Backend(error)) = &result
-            && error.is_of_device()
-            && let Some(fallback) = self.fallback.take()
-        {
-            self.backend = fallback(error);
-            return self.render_once(scene, frame);
-        }
-        result
+        if self.falls_back(&result) { self.render_once(scene, frame) } else { result }
     }
 
     fn render_once(&mut self, scene: &Scene, frame: &FrameHandle) -> Result<Frame, RenderError> {
         self.submit_as(scene, frame)?;
         self.wait(frame)
+    }
+
+    /// Renders a frame and lets others work while a GPU draws it: a future that any executor drives, in a
+    /// browser too, where nothing else waits for a GPU. The CPU draws its frames when they are submitted, and
+    /// so within the first poll.
+    ///
+    /// A browser wakes the future when the GPU is done. Elsewhere nobody would, so that polls take up to five
+    /// milliseconds; programs with threads have a [`RenderThread`](crate::RenderThread), whose frames are
+    /// futures as well.
+    ///
+    /// ```
+    /// use slabsplat::{Frame, RenderError, Renderer, Scene};
+    ///
+    /// async fn turn(renderer: &mut Renderer, mut scene: Scene) -> Result<Frame, RenderError> {
+    ///     scene.camera = scene.camera.orbited(0.1);
+    ///     renderer.render_async(&scene).await
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    /// If the scene cannot be drawn, or the backend fails and there is no fallback.
+    pub async fn render_async(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        let result = self.render_once_async(scene).await;
+        if self.falls_back(&result) { self.render_once_async(scene).await } else { result }
+    }
+
+    async fn render_once_async(&mut self, scene: &Scene) -> Result<Frame, RenderError> {
+        let frame = self.submit(scene)?;
+        self.wait_async(&frame).await
+    }
+
+    /// Whether there is another backend from now on, since this one failed.
+    fn falls_back(&mut self, result: &Result<Frame, RenderError>) -> bool {
+        if let Err(RenderError::Backend(error)) = result
+            && error.is_of_device()
+            && let Some(fallback) = self.fallback.take()
+        {
+            self.backend = fallback(error);
+            return true;
+        }
+        false
     }
 
     /// Begins a frame, to be taken by [`poll`](Self::poll) or [`wait`](Self::wait). A GPU draws it meanwhile;
@@ -200,12 +235,30 @@ impl Renderer {
         Ok(self.backend.poll_image(frame)?)
     }
 
-    /// Takes a frame as soon as it is done, and sleeps until then.
+    /// Takes a frame as soon as it is done, and sleeps until then. In a browser nobody may, and a frame is
+    /// polled or awaited ([`wait_async`](Self::wait_async)).
+    ///
+    /// # Errors
+    /// If the frame failed or was cancelled, or is none of this renderer's; in a browser, if it is not done.
+    pub fn wait(&mut self, frame: &FrameHandle) -> Result<Frame, RenderError> {
+        Ok(self.backend.wait_image(frame)?)
+    }
+
+    /// Takes a frame as soon as it is done, as [`render_async`](Self::render_async) does. If the future is
+    /// dropped, the frame goes on, and may be awaited again.
     ///
     /// # Errors
     /// If the frame failed or was cancelled, or is none of this renderer's.
-    pub fn wait(&mut self, frame: &FrameHandle) -> Result<Frame, RenderError> {
-        Ok(self.backend.wait_image(frame)?)
+    pub async fn wait_async(&mut self, frame: &FrameHandle) -> Result<Frame, RenderError> {
+        let poll = |context: &mut Context<'_>| match self.poll(frame) {
+            Ok(Poll::Pending) => {
+                self.backend.wake_when_done(frame, context.waker());
+                Poll::Pending
+            }
+            Ok(Poll::Ready(frame)) => Poll::Ready(Ok(frame)),
+            Err(error) => Poll::Ready(Err(error)),
+        };
+        poll_fn(poll).await
     }
 }
 
@@ -219,178 +272,4 @@ fn submit(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Automatic;
-    use slabsplat_backend::{FrameCost, FrameStats};
-    use slabsplat_core::{
-        Grid, Image, ImageDesc, KernelName, Method, RenderSettings, Scaling, Volume,
-    };
-    use std::sync::Mutex;
-
-    /// Draws pictures of one colour, until it fails with `error` where `fails_in` says.
-    struct Fake {
-        caps: Caps,
-        color: f32,
-        n_good: usize,
-        fails_in: Call,
-        error: BackendError,
-        submitted: Vec<FrameHandle>,
-    }
-
-    #[derive(PartialEq)]
-    enum Call {
-        Submit,
-        Poll,
-    }
-
-    impl Backend for Fake {
-        fn caps(&self) -> &Caps {
-            &self.caps
-        }
-
-        fn submit(
-            &mut self,
-            _: &slabsplat_backend::FramePlan<'_>,
-            frame: &FrameHandle,
-        ) -> Result<(), BackendError> {
-            if self.n_good <= self.submitted.len() && self.fails_in == Call::Submit {
-                return Err(self.error.clone());
-            }
-            self.submitted.push(frame.clone());
-            Ok(())
-        }
-
-        fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
-            let nth = self.submitted.iter().position(|submitted| submitted == frame);
-            if self.n_good <= nth.ok_or(BackendError::UnknownFrame)? {
-                return Err(self.error.clone());
-            }
-            let image = Image::filled(2, 2, [self.color; 4]);
-            let (stats, cost) = (FrameStats::default(), FrameCost::default());
-            Ok(Poll::Ready(Frame::new(image, stats, cost)))
-        }
-    }
-
-    fn fake(color: f32, n_good: usize, fails_in: Call, error: BackendError) -> Box<dyn Backend> {
-        let caps = Caps::new("fake", "Fake 3000", Method::ALL);
-        Box::new(Fake { caps, color, n_good, fails_in, error, submitted: Vec::new() })
-    }
-
-    fn lost() -> BackendError {
-        BackendError::DeviceLost { device: "Fake 3000".to_owned(), reason: "it fell".to_owned() }
-    }
-
-    fn out_of_memory() -> BackendError {
-        BackendError::OutOfMemory {
-            what: "tiles",
-            device: "Fake 3000".to_owned(),
-            needed_bytes: 8,
-            available_bytes: 4,
-        }
-    }
-
-    fn unable() -> BackendError {
-        BackendError::Unable {
-            device: "Fake 3000".to_owned(),
-            reason: "it knows no such method".to_owned(),
-        }
-    }
-
-    fn scene() -> Scene {
-        let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
-        let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
-        let image = ImageDesc { width: 2, height: 2, background: [0.0; 4] };
-        Automatic::new(volume).scene(image, RenderSettings::default())
-    }
-
-    /// Renders three frames, the second of which fails, and returns their colours and what was reported.
-    fn colors(fails_in: Call, error: BackendError) -> ([f32; 3], Vec<String>) {
-        let scene = scene();
-        let reports = Arc::new(Mutex::new(Vec::new()));
-        let reporter = reports.clone();
-        let mut renderer =
-            Renderer::new(fake(0.25, 1, fails_in, error)).with_fallback(move |error| {
-                reporter.lock().unwrap().push(error.to_string());
-                fake(0.75, 9, Call::Submit, lost())
-            });
-        let colors = [(); 3].map(|()| renderer.render(&scene).unwrap().image.pixel(0, 0)[0]);
-        let reports = reports.lock().unwrap().clone();
-        (colors, reports)
-    }
-
-    #[test]
-    fn fallback_draws_the_frame_again_and_all_after() {
-        for error in [lost(), out_of_memory(), unable()] {
-            for fails_in in [Call::Submit, Call::Poll] {
-                let (colors, reports) = colors(fails_in, error.clone());
-                assert_eq!(colors, [0.25, 0.75, 0.75], "{error}");
-                assert_eq!(reports, [error.to_string()], "reported once");
-            }
-        }
-    }
-
-    #[test]
-    fn fallback_is_not_for_what_fails_everywhere() {
-        let scene = scene();
-        for error in [BackendError::UnknownFrame, BackendError::Cancelled(Cancelled)] {
-            let backend = fake(0.25, 0, Call::Poll, error.clone());
-            let mut renderer = Renderer::new(backend).with_fallback(|error| panic!("{error}"));
-            assert_eq!(renderer.render(&scene), Err(RenderError::Backend(error)));
-        }
-        let backend = fake(0.25, 0, Call::Poll, lost());
-        let mut renderer = Renderer::new(backend).with_fallback(|error| panic!("{error}"));
-        let mut odd = scene.clone();
-        odd.settings.kernel = KernelName("box".into());
-        assert!(matches!(renderer.render(&odd), Err(RenderError::Plan(_))));
-    }
-
-    #[test]
-    fn frames_are_their_renderers() {
-        let scene = scene();
-        let mut renderers =
-            [0.25, 0.5].map(|color| Renderer::new(fake(color, 9, Call::Poll, lost())));
-        let frames = renderers.each_mut().map(|renderer| renderer.submit(&scene).unwrap());
-        for (renderer, other) in renderers.iter_mut().zip(frames.iter().rev()) {
-            assert_eq!(renderer.poll(other), Err(RenderError::Backend(BackendError::UnknownFrame)));
-        }
-        for (renderer, own) in renderers.iter_mut().zip(&frames) {
-            assert!(renderer.poll(own).unwrap().is_ready());
-        }
-    }
-
-    #[test]
-    fn frames_run_on_the_pool() {
-        struct OnPool(Caps);
-        impl Backend for OnPool {
-            fn caps(&self) -> &Caps {
-                &self.0
-            }
-
-            fn submit(
-                &mut self,
-                _: &slabsplat_backend::FramePlan<'_>,
-                _: &FrameHandle,
-            ) -> Result<(), BackendError> {
-                assert_eq!(rayon::current_num_threads(), 3);
-                assert!(rayon::current_thread_index().is_some());
-                Err(unable())
-            }
-
-            fn poll_image(&mut self, _: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
-                Err(BackendError::UnknownFrame)
-            }
-        }
-        let caps = Caps::new("fake", "Fake 3000", Method::ALL);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-        let mut renderer = Renderer::new(Box::new(OnPool(caps))).with_pool(Arc::new(pool));
-        assert_eq!(renderer.render(&scene()), Err(RenderError::Backend(unable())));
-    }
-
-    #[test]
-    fn failure_without_fallback_is_an_error() {
-        let scene = scene();
-        let mut renderer = Renderer::new(fake(0.25, 0, Call::Submit, lost()));
-        assert_eq!(renderer.render(&scene), Err(RenderError::Backend(lost())));
-    }
-}
+mod tests;
