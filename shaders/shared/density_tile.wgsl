@@ -62,6 +62,10 @@ const N_SUMS: u32 = MOST_LAYERS * BATCH;
 var<workgroup> sums: array<vec2<f32>, N_SUMS>;
 // The same of this thread's pixel, while they are summed.
 var<private> sums_of_layers: array<vec2<f32>, MOST_LAYERS>;
+// Splats that this thread staged for the sheet, and whether it added all that were staged. They are not in
+// `Summed`: a struct of which one member may differ between threads decides no barrier in a browser.
+var<private> n_staged: u32;
+var<private> is_whole: bool;
 // Where the pixel's ray is in the convex set of each layer's region.
 var<private> intervals: array<vec2<f32>, MOST_LAYERS>;
 // What the pixel has found so far.
@@ -168,11 +172,13 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
         for (var layer = 0u; layer < n_layers(); layer++) {
             sums_of_layers[layer] = vec2(0.0);
         }
-        var summed = Summed(begin, 0u, 0u, sheet + 1u, true, true);
+        n_staged = 0u;
+        is_whole = true;
+        var summed = Summed(begin, 0u, sheet + 1u, true);
         if begin < todo.end && sheet < frame.n_sheets {
             summed = sum_sheet(begin, todo.end, sheet, pixel, is_open);
         }
-        if !summed.is_whole {
+        if !is_whole {
             atomicStore(&is_faulty, 1u);
         }
         if !summed.is_open {
@@ -180,7 +186,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
             return Reached(begin, sheet, STATE_FULL);
         }
         if first_shown <= sheet {
-            atomicAdd(&n_splatted, summed.n_staged);
+            atomicAdd(&n_splatted, n_staged);
         }
         begin = summed.begin;
         begin_sheet();
@@ -207,24 +213,20 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
     return Reached(begin, sheet, STATE_DONE);
 }
 
-// What a sheet holds of the tile's splats. All but what is staged is the same for all pixels.
+// What a sheet holds of the tile's splats: the same for all pixels.
 struct Summed {
     // The place of the first splat that still reaches into the sheet.
     begin: u32,
     // Splats that do.
     n_alive: u32,
-    // Those that were staged by this thread.
-    n_staged: u32,
     // The sheet in which the first splat behind them begins.
     next_sheet: u32,
-    // Whether all of them were added.
-    is_whole: bool,
     // Whether any pixel can still change; if not, nothing was summed.
     is_open: bool,
 }
 
 fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> Summed {
-    var summed = Summed(begin, 0u, 0u, NO_SHEET, true, true);
+    var summed = Summed(begin, 0u, NO_SHEET, true);
     // The layer of what is being summed.
     var layer = 0u;
     var sum = vec2(0.0);
@@ -244,7 +246,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
             summed.is_open = false;
             return summed;
         }
-        summed.n_staged += is_staged;
+        n_staged += is_staged;
         var i = now.n_dead;
         while i < now.end {
             if 1u < MOST_LAYERS && staged_layer(i) != layer {
@@ -255,7 +257,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
             sum += staged[i].color.wx * weight_at(i, pixel.at);
             i++;
         }
-        summed.is_whole = summed.is_whole && now.end <= i;
+        is_whole = is_whole && now.end <= i;
         if 0u < now.n_dead {
             summed.begin = first + now.n_dead;
         }
@@ -268,7 +270,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
         }
     }
     sums_of_layers[layer] = sum;
-    summed.is_whole = summed.is_whole && is_last;
+    is_whole = is_whole && is_last;
     return summed;
 }
 
