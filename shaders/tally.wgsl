@@ -51,5 +51,8 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
     counts[COUNT_TILES] = n.x;
     counts[COUNT_FULL_TILES] = n.y;
     counts[COUNT_PAUSED_TILES] = n.z;
-    counts[COUNT_FAULTS] = max(counts[COUNT_FAULTS], n.w);
+    let n_faults = max(counts[COUNT_FAULTS], n.w);
+    counts[COUNT_FAULTS] = n_faults;
+    let has_room = counts[COUNT_SPLATS] <= step.n_blocks;
+    counts[COUNT_IS_WHOLE] = select(0u, 1u, has_room && n.z == 0u && n_faults == 0u);
 }

@@ -12,7 +12,7 @@ struct Step {
     chunk_bits: u32,
     // Sorting: the lowest bit of the digit.
     shift: u32,
-    // Sorting: the number of blocks. Tossing: how many splats there is room for.
+    // Sorting: the number of blocks. Tossing and summing up: how many splats there is room for.
     n_blocks: u32,
     // The first block of the dispatch among those of all dispatches.
     first_block: u32,
@@ -38,8 +38,10 @@ const COUNT_FULL_TILES: u32 = 7u;
 const COUNT_PAUSED_TILES: u32 = 8u;
 // Whether a driver cut a loop short: some stop all loops after 65535 turns.
 const COUNT_FAULTS: u32 = 9u;
+// 1 if the picture is whole: there was room for all splats, no tile needs another round, no loop was cut.
+const COUNT_IS_WHOLE: u32 = 10u;
 // Relevant voxels of each list that there is.
-const COUNT_OF_LISTS: u32 = 10u;
+const COUNT_OF_LISTS: u32 = 11u;
 
 // The number of a workgroup in a dispatch that is wider than one dimension allows.
 fn linear_group(group: vec3<u32>, n_groups: vec3<u32>) -> u32 {

@@ -11,6 +11,8 @@ use std::time::Duration;
 pub struct Orders {
     /// Bytes written since someone set this to 0.
     pub bytes_written: usize,
+    /// Bytes asked for since someone set this to 0.
+    pub bytes_read: u64,
     /// Works submitted since someone set this to 0.
     pub n_submitted: usize,
     /// After how many more buffers there is no memory for one; for one only.
@@ -91,6 +93,7 @@ impl Device for SpyDevice {
         take_one(&mut orders.works_left, n_bytes as u64)?;
         orders.n_submitted += 1;
         orders.bytes_written += n_bytes;
+        orders.bytes_read += work.reads.iter().map(|slice| slice.size).sum::<u64>();
         drop(orders);
         for slice in work.passes.iter().flat_map(|pass| &pass.bindings) {
             assert!(slice.size <= self.info.max_binding_bytes, "{slice:?} is too large to bind");

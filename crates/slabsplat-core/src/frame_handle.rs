@@ -77,7 +77,12 @@ impl FrameHandle {
 
     /// Whether there is no other handle of the frame, so that nobody can take it any more.
     pub fn is_abandoned(&self) -> bool {
-        Arc::strong_count(&self.0) == 1
+        self.n_handles() == 1
+    }
+
+    /// How many handles of the frame there are, with this one.
+    pub fn n_handles(&self) -> usize {
+        Arc::strong_count(&self.0)
     }
 }
 
@@ -98,6 +103,7 @@ mod tests {
         let [a, b] = [FrameHandle::new(), FrameHandle::new()];
         let again = a.clone();
         assert!(a == again && a != b);
+        assert_eq!((a.n_handles(), b.n_handles()), (2, 1));
         assert!(!a.is_abandoned() && b.is_abandoned());
         drop(again);
         assert!(a.is_abandoned());

@@ -5,6 +5,10 @@
 //! come back say so, the room is made, and the job goes out again, before any later frame is handed out. So
 //! it is with tiles that have more splats than a dispatch should take on: the job goes out again with more
 //! rounds of splatting.
+//!
+//! A picture that is left on the device goes there right behind the work that draws it, if the device finds it
+//! whole. A job that goes out again leaves its picture again, unless a later frame has gone to the same
+//! place: that one is newer.
 
 use crate::device::LOOK_EVERY;
 use crate::frame_memory::FrameMemory;
@@ -16,13 +20,14 @@ use crate::memory::{Memory, backend_error};
 use crate::params::{Counts, MAX_LAYERS, MOST_DENSITY_LAYERS};
 use crate::surfaces::LastSurfaces;
 use crate::voxel_lists::VoxelLists;
-use crate::{Device, DeviceKind, Done, Work, WorkId};
+use crate::{Destination, Device, DeviceKind, Done, Picture, Work, WorkId};
 use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
     StageTime,
 };
-use slabsplat_core::{Cancelled, FrameHandle, Image, Method};
+use slabsplat_core::{Cancelled, FrameHandle, Image, ImageDesc, Method};
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::task::{Poll, Waker};
 
 /// Renders on a device.
@@ -36,16 +41,20 @@ pub struct GpuBackend<D> {
     surfaces: LastSurfaces,
     frame: FrameMemory,
     /// In the order of submission.
-    under_way: VecDeque<UnderWay>,
+    under_way: VecDeque<UnderWay<D>>,
     done: Vec<(FrameHandle, Result<Frame, BackendError>)>,
 }
 
 /// A job whose work was submitted.
 #[derive(Debug)]
-struct UnderWay {
+struct UnderWay<D> {
     /// Its own alone if nobody wants the frame any more.
     frame: FrameHandle,
     job: Job,
+    /// Who takes its picture, if it is not read back.
+    to: Option<Arc<dyn Destination<D>>>,
+    /// Why its picture could not be left there again.
+    failed: Option<BackendError>,
     work: WorkId,
     /// Splats that there was room for.
     max_splats: u64,
@@ -75,9 +84,63 @@ impl<D: Device> GpuBackend<D> {
         &self.device
     }
 
-    /// Sends the job of a frame out.
-    fn begin(&mut self, job: &Job, handle: &FrameHandle) -> Result<WorkId, BackendError> {
-        let begun = self.try_begin(job, handle);
+    /// Begins a frame as [`Backend::submit`] does, whose picture `to` takes, on the device, and which is not
+    /// read back: the image of the frame that is taken has no pixels, and `to` has had them before. Of frames
+    /// that go to one place the last one stays there. One that is cancelled may still get there, whole, if the
+    /// device has begun it.
+    ///
+    /// # Errors
+    /// As those of [`Backend::submit`], and if `to` takes no such picture.
+    pub fn submit_into(
+        &mut self,
+        plan: &FramePlan<'_>,
+        frame: &FrameHandle,
+        to: &Arc<dyn Destination<D>>,
+    ) -> Result<(), BackendError> {
+        let ImageDesc { width, height, .. } = plan.image;
+        to.check_size([width, height]).map_err(|reason| self.unable(&reason))?;
+        let job = self.job_of(plan, frame)?;
+        let (work, picture) = self.begin(&job, frame, false)?;
+        let taken = to.take(&mut self.device, &picture);
+        self.watch(job, frame, work, Some(to.clone()));
+        taken.map_err(|error| {
+            self.drop_frame(frame);
+            backend_error(&self.device, "a picture", &error)
+        })
+    }
+
+    /// What a plan asks for.
+    fn job_of(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<Job, BackendError> {
+        let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
+        let (listings, surfaces) = (self.listings.of(plan, frame)?, self.surfaces.of(plan, frame)?);
+        let mut job = Job::new(plan, &layers, listings, surfaces, self.frame.splats.most());
+        job.frame.max_visits = max_visits(self.device.info().kind);
+        // A list that was begun and not ended is none, so that this is the last chance to leave all as it is.
+        frame.check()?;
+        Ok(job)
+    }
+
+    /// Keeps an eye on a job that was sent out.
+    fn watch(
+        &mut self,
+        job: Job,
+        frame: &FrameHandle,
+        work: WorkId,
+        to: Option<Arc<dyn Destination<D>>>,
+    ) {
+        let FrameMemory { max_splats, n_rounds, .. } = self.frame;
+        let (frame, failed) = (frame.clone(), None);
+        self.under_way.push_back(UnderWay { frame, job, to, failed, work, max_splats, n_rounds });
+    }
+
+    /// Sends the job of a frame out, and says where its picture will be. Is it to be read back, too?
+    fn begin(
+        &mut self,
+        job: &Job,
+        handle: &FrameHandle,
+        is_read: bool,
+    ) -> Result<(WorkId, Picture), BackendError> {
+        let begun = self.try_begin(job, handle, is_read);
         if begun.is_err() {
             self.lists.forget(&mut self.memory, &mut self.device);
             self.frame.forget(&mut self.memory, &mut self.device);
@@ -85,7 +148,12 @@ impl<D: Device> GpuBackend<D> {
         begun
     }
 
-    fn try_begin(&mut self, job: &Job, handle: &FrameHandle) -> Result<WorkId, BackendError> {
+    fn try_begin(
+        &mut self,
+        job: &Job,
+        handle: &FrameHandle,
+        is_read: bool,
+    ) -> Result<(WorkId, Picture), BackendError> {
         let Self { device, memory, lists, frame, .. } = self;
         let mut writes = Vec::new();
         frame.grow_constant(memory, device)?;
@@ -93,9 +161,14 @@ impl<D: Device> GpuBackend<D> {
         let mut passes = lists.passes((memory, device), (job, handle), counts, &mut writes)?;
         frame.prepare((memory, device), job, &mut writes)?;
         passes.extend(frame.passes((memory, device), job, &lists.lists, &mut writes)?);
-        let reads = frame.reads(job, device.info());
+        let picture = frame.picture(job, device.info());
+        let pixels = picture.bands.iter().filter(|_| is_read).map(|band| band.pixels);
+        let reads = std::iter::once(counts).chain(pixels).collect();
         let work = Work { writes, passes: passes.into(), reads };
-        device.submit(&work).map_err(|error| backend_error(device, "a frame's transfers", &error))
+        match device.submit(&work) {
+            Ok(work) => Ok((work, picture)),
+            Err(error) => Err(backend_error(device, "a frame's transfers", &error)),
+        }
     }
 
     /// Moves what is done from the front of `under_way` to `done`.
@@ -125,12 +198,15 @@ impl<D: Device> GpuBackend<D> {
     }
 
     /// The frame of a job, unless its work is not done, or has to be done again.
-    fn finish(&mut self, job: &mut UnderWay) -> Result<Poll<Frame>, BackendError> {
+    fn finish(&mut self, job: &mut UnderWay<D>) -> Result<Poll<Frame>, BackendError> {
         let done = match self.device.poll(job.work) {
             Ok(Poll::Ready(done)) => done,
             Ok(Poll::Pending) => return Ok(Poll::Pending),
             Err(error) => return Err(backend_error(&self.device, "a frame", &error)),
         };
+        if let Some(error) = job.failed.take() {
+            return Err(error);
+        }
         let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0][..size_of::<Counts>()]);
         if counts.n_faults != 0 {
             let reason = "its driver ends loops before they are through, as Mesa's software driver does before \
@@ -143,11 +219,12 @@ impl<D: Device> GpuBackend<D> {
         }
         if has_room && counts.n_paused_tiles == 0 {
             job.frame.reach(1.0);
-            return Ok(Poll::Ready(self.frame_of(&job.job, &done, &counts)));
+            return Ok(Poll::Ready(self.frame_of(job, &done, &counts)));
         }
         let Self { device, memory, frame, .. } = self;
         if has_room {
-            if max_rounds(done.reads.len() - 1) <= job.n_rounds {
+            let n_bands = frame.picture(&job.job, device.info()).bands.len();
+            if max_rounds(n_bands) <= job.n_rounds {
                 return Err(self.unable("a tile has more splats than it can take on"));
             }
             frame.n_rounds = frame.n_rounds.max(2 * job.n_rounds);
@@ -155,16 +232,31 @@ impl<D: Device> GpuBackend<D> {
             frame.make_room_for(memory, device, counts.n_tossed.into())?;
         }
         (job.max_splats, job.n_rounds) = (frame.max_splats, frame.n_rounds);
-        job.work = self.begin(&job.job, &job.frame)?;
+        let picture;
+        (job.work, picture) = self.begin(&job.job, &job.frame, job.to.is_none())?;
+        if let Some(to) = job.to.as_ref().filter(|to| !self.is_taken_by_later(to)) {
+            let taken = to.take(&mut self.device, &picture);
+            job.failed = taken.err().map(|e| backend_error(&self.device, "a picture", &e));
+        }
         Ok(Poll::Pending)
+    }
+
+    /// Whether one of those after the frame that is being finished goes to the same place.
+    fn is_taken_by_later(&self, place: &Arc<dyn Destination<D>>) -> bool {
+        let is_later = |job: &UnderWay<D>| {
+            job.to.as_ref().is_some_and(|to| Arc::ptr_eq(to, place))
+                && !job.frame.is_cancelled()
+                && !job.frame.is_abandoned()
+        };
+        self.under_way.iter().any(is_later)
     }
 
     fn unable(&self, reason: &str) -> BackendError {
         BackendError::Unable { device: self.caps.device.clone(), reason: reason.to_owned() }
     }
 
-    fn frame_of(&self, job: &Job, done: &Done, counts: &Counts) -> Frame {
-        let [width, height] = job.frame.image_size;
+    fn frame_of(&self, job: &UnderWay<D>, done: &Done, counts: &Counts) -> Frame {
+        let [width, height] = if job.to.is_none() { job.job.frame.image_size } else { [0; 2] };
         let mut image = Image::filled(width, height, [0.0; 4]);
         let mut rest: &mut [u8] = bytemuck::cast_slice_mut(image.pixels_mut());
         for band in &done.reads[1..] {
@@ -214,15 +306,9 @@ impl<D: Device> Backend for GpuBackend<D> {
     }
 
     fn submit(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<(), BackendError> {
-        let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
-        let (listings, surfaces) = (self.listings.of(plan, frame)?, self.surfaces.of(plan, frame)?);
-        let mut job = Job::new(plan, &layers, listings, surfaces, self.frame.splats.most());
-        job.frame.max_visits = max_visits(self.device.info().kind);
-        // A list that was begun and not ended is none, so that this is the last chance to leave all as it is.
-        frame.check()?;
-        let (work, frame) = (self.begin(&job, frame)?, frame.clone());
-        let FrameMemory { max_splats, n_rounds, .. } = self.frame;
-        self.under_way.push_back(UnderWay { frame, job, work, max_splats, n_rounds });
+        let job = self.job_of(plan, frame)?;
+        let (work, _) = self.begin(&job, frame, true)?;
+        self.watch(job, frame, work, None);
         Ok(())
     }
 
@@ -264,81 +350,4 @@ impl<D: Device> Backend for GpuBackend<D> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{BufferId, DeviceError, DeviceInfo};
-    use slabsplat_backend::Planner;
-    use slabsplat_core::glam::DVec3;
-    use slabsplat_core::{
-        Camera, Grid, ImageDesc, Layer, Method, Projection, RenderSettings, Scaling, Scene,
-        TransferFunction, Volume,
-    };
-    use std::sync::Arc;
-    use std::time::Duration;
-
-    /// A device that must not be used.
-    struct Untouched(DeviceInfo);
-
-    impl Device for Untouched {
-        fn info(&self) -> &DeviceInfo {
-            &self.0
-        }
-
-        fn create_buffer(&mut self, label: &'static str, _: u64) -> Result<BufferId, DeviceError> {
-            panic!("{label} was created")
-        }
-
-        fn destroy_buffer(&mut self, _: BufferId) {}
-
-        fn submit(&mut self, _: &Work<'_>) -> Result<WorkId, DeviceError> {
-            panic!("work was submitted")
-        }
-
-        fn poll(&mut self, _: WorkId) -> Result<Poll<Done>, DeviceError> {
-            panic!("there is no work")
-        }
-
-        fn wait(&mut self, _: WorkId, _: Duration) {
-            panic!("there is no work")
-        }
-    }
-
-    fn untouched() -> Untouched {
-        Untouched(DeviceInfo {
-            name: "Fake 3000".to_owned(),
-            driver: String::new(),
-            kind: DeviceKind::Other,
-            max_binding_bytes: 1 << 27,
-            max_buffer_bytes: 1 << 28,
-            offset_alignment: 256,
-            memory_bytes: None,
-            has_timestamps: false,
-        })
-    }
-
-    #[test]
-    fn what_shaders_lack_is_refused() {
-        let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
-        let volume = Arc::new(Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap());
-        let projection = Projection::Orthographic { view_height: 4.0 };
-        let transfer = TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap();
-        let layer = Layer::new(volume, transfer);
-        let camera = Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
-        let image = ImageDesc { width: 4, height: 4, background: [0.0; 4] };
-        let scene = Scene::new(layer.clone(), camera).image(image);
-        let refused = |scene: &Scene| {
-            let plan = Planner::default().plan(scene).unwrap();
-            let (mut backend, frame) = (GpuBackend::new("fake", untouched()), FrameHandle::new());
-            backend.submit(&plan, &frame).unwrap_err().to_string()
-        };
-        let densities = RenderSettings::default().method(Method::PostClassified);
-        assert_eq!(
-            refused(&scene.clone().settings(densities).layers(vec![layer.clone(); 5])),
-            "Fake 3000 cannot make this frame: its shaders draw densities of 4 layers at a time, not of 5"
-        );
-        assert_eq!(
-            refused(&scene.layers(vec![layer; 65])),
-            "Fake 3000 cannot make this frame: its shaders draw 64 layers at a time, not 65"
-        );
-    }
-}
+mod tests;

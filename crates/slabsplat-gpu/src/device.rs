@@ -170,6 +170,12 @@ pub enum DeviceError {
         /// Bytes asked for.
         bytes: u64,
     },
+    /// It takes no such thing of its owner's. The device can be used on.
+    #[error("it refuses what it was given: {reason}")]
+    Refused {
+        /// What the driver says.
+        reason: String,
+    },
     /// The device is gone, or its driver failed. It cannot be used again.
     #[error("the device was lost: {reason}")]
     Lost {

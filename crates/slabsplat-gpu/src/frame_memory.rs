@@ -4,13 +4,13 @@ use crate::chunks::Chunks;
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
 use crate::params::{
-    COUNTS_BYTES, Counts, Densities, DepthParams, Frame, Layer, MAX_LAYERS, MOST_DENSITY_LAYERS,
-    SPLAT_BYTES, TILE_SIDE, TILE_WORK_BYTES,
+    COUNT_IS_WHOLE, COUNTS_BYTES, Counts, Densities, DepthParams, Frame, Layer, MAX_LAYERS,
+    MOST_DENSITY_LAYERS, SPLAT_BYTES, TILE_SIDE, TILE_WORK_BYTES,
 };
 use crate::pass_list::{StepBuffer, n_groups};
 use crate::sums::{BLOCK, Sorter, Sums};
 use crate::tables::TablesBuffer;
-use crate::{Device, DeviceInfo, Slice, Write};
+use crate::{Device, DeviceInfo, Picture, PictureBand, Slice, Write};
 use slabsplat_backend::BackendError;
 
 /// Everything that a frame uses beside the list of relevant voxels.
@@ -179,15 +179,18 @@ impl FrameMemory {
         memory.free_all(device, others.into_iter());
     }
 
-    /// What is read back: the counts, then the picture from the top.
-    pub(crate) fn reads(&self, job: &Job, info: &DeviceInfo) -> Vec<Slice> {
-        let counts = self.counts.all();
-        let bands = bands(job, info);
-        let band = |(band, buffer): (&Band, &Buffer)| Slice {
-            size: band.n_bytes(&job.frame),
-            ..buffer.all()
+    /// The picture of a job, where its passes leave it.
+    pub(crate) fn picture(&self, job: &Job, info: &DeviceInfo) -> Picture {
+        let band = |(band, buffer): (Band, &Buffer)| PictureBand {
+            rows: band.first_row..band.first_row + band.n_rows,
+            pixels: Slice { size: band.n_bytes(&job.frame), ..buffer.all() },
         };
-        std::iter::once(counts).chain(bands.iter().zip(&self.bands).map(band)).collect()
+        Picture {
+            size: job.frame.image_size,
+            bands: bands(job, info).into_iter().zip(&self.bands).map(band).collect(),
+            counts: self.counts.all(),
+            is_whole_at: COUNT_IS_WHOLE,
+        }
     }
 }
 

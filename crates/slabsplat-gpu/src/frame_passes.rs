@@ -157,7 +157,8 @@ impl FrameMemory {
             bindings.extend(self.splats.all());
             passes.push(shader, &bindings, step, n_tiles);
         }
-        let step = Step { n_elements: n_tiles, ..Step::default() };
+        let step =
+            Step { n_elements: n_tiles, n_blocks: self.max_splats as u32, ..Step::default() };
         passes.push(&TALLY, &[self.work.all(), self.counts.all()], step, 1);
     }
 }

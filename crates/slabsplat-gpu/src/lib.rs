@@ -25,6 +25,12 @@
 //! Classification compares samples as the integers that they are, and positions of the transfer function
 //! have 48 bits; everything after that is in 32-bit floats, in `unit`s of the grid.
 //!
+//! # Where a picture goes
+//!
+//! It is read back, as any [`Backend`](slabsplat_backend::Backend) delivers it; or, by
+//! [`GpuBackend::submit_into`], a [`Destination`] takes it on the device, in the order of all work there, and
+//! the counts alone come back.
+//!
 //! # What a third device would have to write
 //!
 //! The five functions of [`Device`]: make and destroy buffers, begin work, hand bytes back. Shaders come as
@@ -32,13 +38,14 @@
 //!
 //! # Reading order
 //!
-//! `device`; `listing`, which says who lists a layer's voxels, `listings`, `host_list` and `known_volume`;
+//! `device`, `destination`; `listing`, which says who lists a layer's voxels, `listings`, `host_list` and `known_volume`;
 //! `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`, `frame_memory` and
 //! `tables`, which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and
 //! `job`; `params`, `frame_params`, `layer_params`, `densities`, `density_elements`, `regions`,
 //! `depth_params`, `classification`, `number`, `samples`, `section_table`, `surfaces` and `surface_elements`,
 //! which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
 
+mod destination;
 mod device;
 
 mod classification;
@@ -79,6 +86,7 @@ mod voxel_lists;
 mod backend;
 
 pub use backend::GpuBackend;
+pub use destination::{Destination, Picture, PictureBand};
 pub use device::{
     BufferId, Device, DeviceError, DeviceInfo, DeviceKind, Done, OpenOptions, Pass, Slice,
     Unavailable, Work, WorkId, Write,

@@ -115,6 +115,9 @@ pub(crate) fn backend_error<D: Device>(
         DeviceError::OutOfMemory { bytes } => {
             too_large(device, what, *bytes, bytes.saturating_sub(1))
         }
+        DeviceError::Refused { .. } => {
+            BackendError::Unable { device: device.info().name.clone(), reason: error.to_string() }
+        }
         DeviceError::Lost { reason } => {
             BackendError::DeviceLost { device: device.info().name.clone(), reason: reason.clone() }
         }

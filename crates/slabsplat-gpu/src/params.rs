@@ -3,6 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use slabsplat_core::Light;
+use std::mem::offset_of;
 
 /// A flag in a struct that a shader reads.
 pub(crate) fn flag(is_set: bool) -> u32 {
@@ -186,7 +187,12 @@ pub(crate) struct Counts {
     pub(crate) n_paused_tiles: u32,
     /// Not 0 if the driver cut a loop short.
     pub(crate) n_faults: u32,
+    /// 1 if the picture is whole, as the device needs to know that leaves it in a texture.
+    pub(crate) is_whole: u32,
 }
+
+/// The word of the counts that says whether the picture is whole.
+pub(crate) const COUNT_IS_WHOLE: u32 = (offset_of!(Counts, is_whole) / size_of::<u32>()) as u32;
 
 /// Slots of [`Counts`].
 pub(crate) const COUNT_VOXELS: u32 = 0;
@@ -223,7 +229,6 @@ mod tests {
     use slabsplat_core::{Compositing, Statistic};
     use slabsplat_mesh::N_SAMPLES;
     use slabsplat_shaders::{STRUCTS, StructLayout};
-    use std::mem::offset_of;
 
     fn layout(name: &str) -> &'static StructLayout {
         STRUCTS.iter().find(|layout| layout.name == name).expect("a shader declares it")
@@ -393,5 +398,6 @@ mod tests {
             slot(offset_of!(Counts, n_paused_tiles))
         ));
         declares(format!("COUNT_FAULTS: u32 = {}u", slot(offset_of!(Counts, n_faults))));
+        declares(format!("COUNT_IS_WHOLE: u32 = {}u", slot(offset_of!(Counts, is_whole))));
     }
 }

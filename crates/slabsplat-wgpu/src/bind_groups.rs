@@ -1,8 +1,7 @@
 //! Bind groups, cached as long as their buffers are there: most passes bind what they bound a frame ago.
 
 use crate::buffers::Buffers;
-use crate::pipelines::Pipeline;
-use slabsplat_gpu::{BufferId, Pass, Slice};
+use slabsplat_gpu::{BufferId, Slice};
 use std::collections::HashMap;
 
 /// More than any frame has, so that only a caller whose slices never repeat gets there.
@@ -17,25 +16,25 @@ pub(crate) struct BindGroups {
 }
 
 impl BindGroups {
-    /// The bind group of a pass.
+    /// The bind group of a shader, by its name and layout, with these slices bound in their order.
     pub(crate) fn get(
         &mut self,
         device: &wgpu::Device,
         buffers: &Buffers,
-        pipeline: &Pipeline,
-        pass: &Pass,
+        (shader, layout): (&'static str, &wgpu::BindGroupLayout),
+        bindings: &[Slice],
     ) -> wgpu::BindGroup {
-        let of_shader = self.by_shader.get(pass.shader.name);
-        if let Some(cached) = of_shader.and_then(|groups| groups.get(pass.bindings.as_slice())) {
+        let of_shader = self.by_shader.get(shader);
+        if let Some(cached) = of_shader.and_then(|groups| groups.get(bindings)) {
             return cached.clone();
         }
         if self.n_kept == MOST {
             self.by_shader.clear();
             self.n_kept = 0;
         }
-        let made = make(device, buffers, pipeline, pass);
-        let of_shader = self.by_shader.entry(pass.shader.name).or_default();
-        of_shader.insert(pass.bindings.clone(), made.clone());
+        let made = make(device, buffers, (shader, layout), bindings);
+        let of_shader = self.by_shader.entry(shader).or_default();
+        of_shader.insert(bindings.to_vec(), made.clone());
         self.n_kept += 1;
         made
     }
@@ -57,8 +56,8 @@ impl BindGroups {
 fn make(
     device: &wgpu::Device,
     buffers: &Buffers,
-    pipeline: &Pipeline,
-    pass: &Pass,
+    (shader, layout): (&'static str, &wgpu::BindGroupLayout),
+    bindings: &[Slice],
 ) -> wgpu::BindGroup {
     let entry = |(binding, slice): (u32, &Slice)| wgpu::BindGroupEntry {
         binding,
@@ -68,10 +67,7 @@ fn make(
             size: wgpu::BufferSize::new(slice.size),
         }),
     };
-    let entries: Vec<_> = (0..).zip(&pass.bindings).map(entry).collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(pass.shader.name),
-        layout: &pipeline.layout,
-        entries: &entries,
-    })
+    let entries: Vec<_> = (0..).zip(bindings).map(entry).collect();
+    let label = Some(shader);
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
 }

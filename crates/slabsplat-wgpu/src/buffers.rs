@@ -54,7 +54,7 @@ pub(crate) fn make(
     }
     let descriptor =
         wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
-    let buffer = gpu.device.create_buffer(&descriptor);
+    let buffer = gpu.noting(|| gpu.device.create_buffer(&descriptor));
     gpu.faults.check_made(size)?;
     Ok(buffer)
 }

@@ -2,17 +2,27 @@
 //!
 //! wgpu's calls return no errors: it hands them to a handler, which panics unless another is set. Ours notes
 //! them, and the call that caused them, or the next, returns them. Outside of browsers the handler is called
-//! before the call returns; in a browser later, which is why no error scopes are used: who would wait for
-//! them?
+//! before the call returns; in a browser later.
+//!
+//! A device of a caller's has the caller's handlers, which are left alone. There, calls are made within error
+//! scopes, which are of one thread and hear of errors before any handler. In a browser they report later, too:
+//! whoever calls next asks them. That such a device is lost shows when nothing comes back from it.
 
 use slabsplat_gpu::DeviceError;
+use std::fmt;
+use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Context, Poll, Waker};
 
-/// The faults of a device, shared with wgpu's handlers.
+/// The faults of a device, shared with wgpu's handlers if they are ours.
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
     noted: Mutex<Noted>,
+    late: Mutex<Vec<Report>>,
 }
+
+/// What an error scope reports, as soon as it does.
+struct Report(Pin<Box<dyn Future<Output = Option<wgpu::Error>> + Send>>);
 
 #[derive(Debug, Default)]
 struct Noted {
@@ -35,7 +45,46 @@ impl Faults {
         faults
     }
 
-    fn note(&self, error: &wgpu::Error, on_message: Option<fn(&str)>) {
+    /// Calls wgpu, and returns the errors that it reports at once of that, and hands to no handler.
+    pub(crate) fn scoped<T>(
+        &self,
+        device: &wgpu::Device,
+        calls: impl FnOnce() -> T,
+    ) -> (T, Vec<wgpu::Error>) {
+        let scopes = [
+            wgpu::ErrorFilter::Validation,
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::OutOfMemory,
+        ]
+        .map(|filter| device.push_error_scope(filter));
+        let value = calls();
+        let mut errors = Vec::new();
+        // The last one first, as scopes are nested.
+        for scope in scopes.into_iter().rev() {
+            let mut report = Report(Box::pin(scope.pop()));
+            match report.poll() {
+                Poll::Ready(error) => errors.extend(error),
+                Poll::Pending => locked(&self.late).push(report),
+            }
+        }
+        (value, errors)
+    }
+
+    /// Notes what scopes had not reported at once.
+    pub(crate) fn note_late(&self) {
+        let mut errors = Vec::new();
+        locked(&self.late).retain_mut(|report| match report.poll() {
+            Poll::Ready(error) => {
+                errors.extend(error);
+                false
+            }
+            Poll::Pending => true,
+        });
+        errors.iter().for_each(|error| self.note(error, None));
+    }
+
+    /// Notes an error. `on_message` is called with it, unless it follows from another.
+    pub(crate) fn note(&self, error: &wgpu::Error, on_message: Option<fn(&str)>) {
         if let wgpu::Error::OutOfMemory { .. } = error {
             self.noted().out_of_memory = true;
             return;
@@ -74,8 +123,24 @@ impl Faults {
     }
 
     fn noted(&self) -> MutexGuard<'_, Noted> {
-        self.noted.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.noted)
     }
+}
+
+impl Report {
+    fn poll(&mut self) -> Poll<Option<wgpu::Error>> {
+        self.0.as_mut().poll(&mut Context::from_waker(Waker::noop()))
+    }
+}
+
+impl fmt::Debug for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Report")
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -15,10 +15,17 @@
 //! pieces are copied. Nothing panics if the device fails: wgpu's errors are noted where they arise, and
 //! every later call returns [`DeviceError::Lost`].
 //!
+//! # On a device of the caller's
+//!
+//! [`on`] takes a device and a queue that the caller has, [`device_descriptor`] says how they are asked for,
+//! and a [`TextureTarget`] is a texture of the caller's that frames are left in: drawn there by the device, in
+//! the order of the queue, so that whatever the caller submits after a frame sees it. Nothing is read back but
+//! the counts. A picture that the CPU has made is [written](TextureTarget::write) there.
+//!
 //! # Reading order
 //!
-//! `open`, `ready`; `gpu`, `faults`; `buffers`, `pipelines`, `bind_groups`; `submission`, `upload`,
-//! `encode`; `timer`, `read_back`, `in_flight`.
+//! `open`, `needs`, `ready`; `gpu`, `faults`; `buffers`, `pipelines`, `bind_groups`; `submission`, `upload`,
+//! `encode`; `timer`, `read_back`, `in_flight`; `target`, `present`.
 //!
 //! ```
 //! use slabsplat_gpu::{Device, OpenOptions};
@@ -34,6 +41,7 @@
 //! # Ok::<(), slabsplat_gpu::DeviceError>(())
 //! ```
 
+mod needs;
 mod open;
 mod ready;
 
@@ -52,16 +60,23 @@ mod in_flight;
 mod read_back;
 mod timer;
 
+mod present;
+mod target;
+
 #[cfg(test)]
 mod tests;
 
-pub use open::{devices, open, open_async};
+pub use needs::device_descriptor;
+pub use open::{devices, on, open, open_async};
+pub use target::{TargetError, TextureTarget};
+/// The wgpu that devices and textures are of: a caller's must be of this version.
+pub use wgpu;
 
 use slabsplat_gpu::{BufferId, Device, DeviceError, DeviceInfo, Done, Work, WorkId};
 use std::task::{Poll, Waker};
 use std::time::Duration;
 
-/// A device that wgpu opened.
+/// A device of wgpu's, opened here or by the caller.
 ///
 /// # Panics
 /// If the caller names a buffer or work that is not there: one that was destroyed or taken already, or
@@ -76,6 +91,7 @@ pub struct WgpuDevice {
     timers: timer::Timers,
     read_backs: read_back::ReadBacks,
     in_flight: in_flight::InFlight,
+    presenter: present::Presenter,
 }
 
 /// How long an executor's thread is held up by a frame that it awaits.
@@ -92,6 +108,7 @@ impl WgpuDevice {
             timers: timer::Timers::default(),
             read_backs: read_back::ReadBacks::default(),
             in_flight: in_flight::InFlight::default(),
+            presenter: present::Presenter::default(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Finding the devices and opening one. Devices are chosen by what they can do, never by their names.
 
-use crate::{WgpuDevice, gpu::Gpu, ready};
+use crate::{WgpuDevice, gpu::Gpu, needs, ready};
 use slabsplat_gpu::{DeviceInfo, DeviceKind, OpenOptions, Unavailable};
 
 /// All devices that can run the shaders, the best first.
@@ -34,14 +34,38 @@ pub async fn open_async(options: &OpenOptions) -> Result<WgpuDevice, Unavailable
     let best = &adapters[0];
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("slabsplat"),
-        required_features: features(best),
-        required_limits: limits(&best.limits()),
+        required_features: needs::features(best.features()),
+        required_limits: needs::limits(&best.limits()),
         ..wgpu::DeviceDescriptor::default()
     };
     let (device, queue) = best.request_device(&descriptor).await.map_err(|error| Unavailable {
         reason: format!("wgpu cannot open {}: {error}", best.get_info().name),
     })?;
-    Ok(WgpuDevice::new(Gpu::new(device, queue, device_info(best), options.validation)))
+    Ok(WgpuDevice::new(Gpu::of_our_own(device, queue, device_info(best), options.validation)))
+}
+
+/// A device that its owner has opened, and uses for more than frames: their windows, for instance.
+/// [`device_descriptor`](crate::device_descriptor) says how it is asked for.
+///
+/// It stays its owner's: no handler of errors or of the loss of the device is set or replaced. What goes
+/// wrong here is caught by error scopes, which are of this thread alone, and errors of the owner's pass by. Its
+/// owner, on other threads too, may submit and poll as he likes; callbacks of his may be called by a poll
+/// from here, as by any.
+///
+/// # Errors
+/// If the shaders do not run on it, with all that it lacks.
+pub fn on(device: wgpu::Device, queue: wgpu::Queue) -> Result<WgpuDevice, Unavailable> {
+    let (about, limits) = (device.adapter_info(), device.limits());
+    if let Some(lacks) = needs::missing(&limits) {
+        let reason = format!(
+            "the device on {} was requested without what frames need: {lacks}; \
+             `device_descriptor` adds it, where the adapter has it",
+            about.name
+        );
+        return Err(Unavailable { reason });
+    }
+    let info = info_of(about, &limits, device.features());
+    Ok(WgpuDevice::new(Gpu::of_a_caller(device, queue, info)))
 }
 
 fn would_wait() -> Unavailable {
@@ -63,7 +87,7 @@ async fn adapters(options: &OpenOptions) -> Result<Vec<wgpu::Adapter>, Unavailab
     });
     let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
     let n_found = adapters.len();
-    adapters.retain(|adapter| is_able(&adapter.limits()));
+    adapters.retain(|adapter| needs::missing(&adapter.limits()).is_none());
     adapters.sort_by_key(|adapter| device_kind(adapter.get_info().device_type));
     match (n_found, adapters.is_empty()) {
         (_, false) => Ok(adapters),
@@ -74,33 +98,15 @@ async fn adapters(options: &OpenOptions) -> Result<Vec<wgpu::Adapter>, Unavailab
     }
 }
 
-/// Whether a device with these limits can run the shaders.
-fn is_able(limits: &wgpu::Limits) -> bool {
-    256 <= limits.max_compute_invocations_per_workgroup
-        && 256 <= limits.max_compute_workgroup_size_x
-        && 65535 <= limits.max_compute_workgroups_per_dimension
-        && 8 <= limits.max_storage_buffers_per_shader_stage
-        && (16 << 10) <= limits.max_compute_workgroup_storage_size
-}
-
-/// What is asked for: large buffers, finely cut, and else no more than WebGPU promises.
-fn limits(adapter: &wgpu::Limits) -> wgpu::Limits {
-    wgpu::Limits {
-        max_buffer_size: adapter.max_buffer_size,
-        max_storage_buffer_binding_size: adapter.max_storage_buffer_binding_size,
-        min_storage_buffer_offset_alignment: adapter.min_storage_buffer_offset_alignment,
-        min_uniform_buffer_offset_alignment: adapter.min_uniform_buffer_offset_alignment,
-        // A device may fall short of WebGPU where we do not care, with textures for instance.
-        ..wgpu::Limits::default().or_worse_values_from(adapter)
-    }
-}
-
-fn features(adapter: &wgpu::Adapter) -> wgpu::Features {
-    adapter.features() & wgpu::Features::TIMESTAMP_QUERY
-}
-
 fn device_info(adapter: &wgpu::Adapter) -> DeviceInfo {
-    let (about, limits) = (adapter.get_info(), adapter.limits());
+    info_of(adapter.get_info(), &adapter.limits(), adapter.features())
+}
+
+fn info_of(
+    about: wgpu::AdapterInfo,
+    limits: &wgpu::Limits,
+    features: wgpu::Features,
+) -> DeviceInfo {
     let alignment =
         limits.min_storage_buffer_offset_alignment.max(limits.min_uniform_buffer_offset_alignment);
     let whole_words = |bytes: u64| bytes & !3;
@@ -113,7 +119,7 @@ fn device_info(adapter: &wgpu::Adapter) -> DeviceInfo {
         max_buffer_bytes: whole_words(limits.max_buffer_size),
         offset_alignment: u64::from(alignment),
         memory_bytes: None,
-        has_timestamps: features(adapter).contains(wgpu::Features::TIMESTAMP_QUERY),
+        has_timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
     }
 }
 
@@ -124,25 +130,5 @@ fn device_kind(kind: wgpu::DeviceType) -> DeviceKind {
         wgpu::DeviceType::VirtualGpu => DeviceKind::Virtual,
         wgpu::DeviceType::Other => DeviceKind::Other,
         wgpu::DeviceType::Cpu => DeviceKind::Software,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn open_asks_for_what_webgpu_promises() {
-        let promised = wgpu::Limits::default();
-        assert!(is_able(&promised));
-        assert!(limits(&promised).check_limits(&promised));
-        let few = wgpu::Limits { max_storage_buffers_per_shader_stage: 4, ..promised.clone() };
-        assert!(!is_able(&few));
-    }
-
-    #[test]
-    fn open_asks_for_no_more_than_there_is() {
-        let modest = wgpu::Limits { max_texture_dimension_2d: 4096, ..wgpu::Limits::default() };
-        assert!(limits(&modest).check_limits(&modest));
     }
 }

@@ -49,8 +49,8 @@ impl ReadBacks {
     }
 
     /// Takes back a buffer that has been read.
-    pub(crate) fn give_back(&mut self, read_back: ReadBack) {
-        read_back.buffer.unmap();
+    pub(crate) fn give_back(&mut self, gpu: &Gpu, read_back: ReadBack) {
+        gpu.noting(|| read_back.buffer.unmap());
         if self.free.len() == MOST_FREE {
             // The oldest goes: it may be of a size that nobody asks for any more.
             self.free.remove(0);

@@ -4,7 +4,7 @@ use crate::WgpuDevice;
 use crate::encode::{self, Prepared};
 use crate::in_flight::Flight;
 use crate::read_back::Signal;
-use slabsplat_gpu::{DeviceError, Done, Work, WorkId};
+use slabsplat_gpu::{DeviceError, Done, Pass, Work, WorkId};
 use std::task::Poll;
 
 impl WgpuDevice {
@@ -16,14 +16,17 @@ impl WgpuDevice {
         for write in &work.writes {
             self.uploads.write(&self.gpu, self.buffers.get(write.buffer), write);
         }
-        let commands = encode::record(&self.gpu.device, &self.buffers, work, &prepared);
-        let submission = self.gpu.queue.submit([commands]);
-        self.uploads.submitted();
         let signal = Signal::default();
-        match &prepared.read_back {
-            Some(read_back) => read_back.map(prepared.n_read_bytes, &signal),
-            None => signal.when_done(&self.gpu.queue),
-        }
+        let submission = self.gpu.noting(|| {
+            let commands = encode::record(&self.gpu.device, &self.buffers, work, &prepared);
+            let submission = self.gpu.queue.submit([commands]);
+            match &prepared.read_back {
+                Some(read_back) => read_back.map(prepared.n_read_bytes, &signal),
+                None => signal.when_done(&self.gpu.queue),
+            }
+            submission
+        });
+        self.uploads.submitted();
         self.gpu
             .faults
             .check_made(work.writes.iter().map(|write| write.bytes.len() as u64).sum())?;
@@ -40,14 +43,19 @@ impl WgpuDevice {
     }
 
     fn prepare(&mut self, work: &Work<'_>) -> Result<Prepared, DeviceError> {
-        let mut dispatches = Vec::with_capacity(work.passes.len());
-        for pass in work.passes.iter() {
-            let pipeline = self.pipelines.get(&self.gpu.device, pass.shader);
-            let group = self.bind_groups.get(&self.gpu.device, &self.buffers, pipeline, pass);
-            dispatches.push((pipeline.pipeline.clone(), group));
-        }
+        let Self { gpu, buffers, pipelines, bind_groups, timers, .. } = self;
+        let device = &gpu.device;
         let stages = encode::stages(&work.passes);
-        let timer = self.timers.take(&self.gpu, stages.len());
+        let (dispatches, timer) = gpu.noting(|| {
+            let dispatch = |pass: &Pass| {
+                let pipeline = pipelines.get(device, pass.shader);
+                let (name, layout) = (pass.shader.name, &pipeline.layout);
+                let group = bind_groups.get(device, buffers, (name, layout), &pass.bindings);
+                (pipeline.pipeline.clone(), group)
+            };
+            let dispatches = work.passes.iter().map(dispatch).collect();
+            (dispatches, timers.take(gpu, stages.len()))
+        });
         let n_times = if timer.is_some() { stages.len() } else { 0 };
         let n_read_bytes = work.reads.iter().map(|slice| slice.size).sum::<u64>()
             + encode::BYTES_OF_STAGE * n_times as u64;
@@ -79,7 +87,7 @@ impl WgpuDevice {
                 self.timers.give_back(timer);
             }
             drop(bytes);
-            self.read_backs.give_back(read_back);
+            self.read_backs.give_back(&self.gpu, read_back);
         }
         Ok(Poll::Ready(done))
     }

@@ -27,7 +27,7 @@ impl Uploads {
             if PIECE_BYTES < self.n_unsubmitted_bytes + piece.len() {
                 self.submit_piece(gpu);
             }
-            gpu.queue.write_buffer(buffer, offset, piece);
+            gpu.noting(|| gpu.queue.write_buffer(buffer, offset, piece));
             offset += piece.len() as u64;
             self.n_unsubmitted_bytes += piece.len();
         }
@@ -40,7 +40,7 @@ impl Uploads {
     }
 
     fn submit_piece(&mut self, gpu: &Gpu) {
-        self.pieces.push_back(gpu.queue.submit([]));
+        self.pieces.push_back(gpu.noting(|| gpu.queue.submit([])));
         self.n_unsubmitted_bytes = 0;
         if 2 <= self.pieces.len()
             && let Some(oldest) = self.pieces.pop_front()

@@ -49,6 +49,13 @@
 //! [`BackendError::CannotWait`]. With `files`, volumes and meshes are read from bytes, by
 //! [`io::FilesInMemory`], and pictures become bytes.
 //!
+//! # In a window of one's own
+//!
+//! A program that has a device of wgpu's, as windows of egui and bevy have, shares it (feature `wgpu`). A
+//! [`TextureRenderer`] draws on that device into the program's textures, and no picture is read back;
+//! [`Renderer::on_wgpu`] reads back as any renderer does. [`device_descriptor`] adds to the program's request
+//! of a device what frames need; the re-export [`wgpu`] is of the right version.
+//!
 //! # What a pixel is
 //!
 //! The page [`model`] defines it; "model §3" is its third section, wherever that is cited. "The paper" is
@@ -56,7 +63,7 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `automatic`, `scene_file`; `popping`.
+//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -67,6 +74,9 @@ mod renderer;
 mod pending_frame;
 #[cfg(not(target_arch = "wasm32"))]
 mod render_thread;
+
+#[cfg(feature = "wgpu")]
+mod texture_renderer;
 
 mod automatic;
 #[cfg(feature = "files")]
@@ -87,6 +97,16 @@ pub use render_thread::RenderThread;
 pub use renderer::{RenderError, Renderer};
 #[cfg(feature = "files")]
 pub use scene_file::{OpenError, OpenScene};
+
+#[cfg(feature = "wgpu")]
+pub use texture_renderer::{Drawn, TextureRenderer};
+
+/// The wgpu that slabsplat draws with. Types of two versions of wgpu are two types, so whoever gives devices
+/// and textures to slabsplat has the version that is here: wgpu 30, as egui 0.37 does.
+#[cfg(feature = "wgpu")]
+pub use slabsplat_wgpu::wgpu;
+#[cfg(feature = "wgpu")]
+pub use slabsplat_wgpu::{TargetError, TextureTarget, device_descriptor};
 
 /// What a [`Backend`] of one's own is given and gives back: all that a [`FramePlan`] is made of.
 pub use slabsplat_backend as backend;

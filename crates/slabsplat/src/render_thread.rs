@@ -121,14 +121,20 @@ impl RenderThread {
 
     /// Asks for a frame, after all that were asked for before, as for a film.
     pub fn submit(&self, scene: &Scene) -> PendingFrame {
-        self.shared.add(scene, Turn::Queued)
+        self.shared.add(scene, &FrameHandle::new(), Turn::Queued)
+    }
+
+    /// The same by a handle that is there before.
+    #[cfg(feature = "wgpu")]
+    pub(crate) fn submit_as(&self, scene: &Scene, frame: &FrameHandle) -> PendingFrame {
+        self.shared.add(scene, frame, Turn::Queued)
     }
 
     /// Asks for a frame in the place of any that was asked for by this very method and has not begun: that
     /// one is cancelled. So a program that asks for a frame whenever its user moves the mouse never falls
     /// behind by more than the frame that is under way, which is drawn to its end unless somebody cancels it.
     pub fn submit_newest(&self, scene: &Scene) -> PendingFrame {
-        self.shared.add(scene, Turn::Newest)
+        self.shared.add(scene, &FrameHandle::new(), Turn::Newest)
     }
 }
 
@@ -151,8 +157,8 @@ impl Shared {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn add(&self, scene: &Scene, turn: Turn) -> PendingFrame {
-        let (frame, slot) = (FrameHandle::new(), Arc::new(Slot::default()));
+    fn add(&self, scene: &Scene, frame: &FrameHandle, turn: Turn) -> PendingFrame {
+        let (frame, slot) = (frame.clone(), Arc::new(Slot::default()));
         let pending = PendingFrame::new(frame.clone(), slot.clone());
         let task = Task { scene: scene.clone(), frame, slot, turn };
         let is_over = |waiting: &Task| {

@@ -32,6 +32,10 @@ pub enum RenderError {
     /// The backend failed, or the frame was cancelled.
     #[error(transparent)]
     Backend(#[from] BackendError),
+    /// The texture takes no such picture.
+    #[cfg(feature = "wgpu")]
+    #[error(transparent)]
+    Target(#[from] slabsplat_wgpu::TargetError),
     /// There is no backend to draw it: a [`RenderThread`](crate::RenderThread) finds out when it has begun.
     #[error(transparent)]
     NoBackend(#[from] NoBackend),
@@ -105,6 +109,28 @@ impl Renderer {
             tell(&format!("{error}; going on with the backend \"{}\"", backend.caps().name));
             backend
         })
+    }
+
+    /// A renderer on a device of wgpu's that the caller has, whose pictures are read back; a
+    /// [`TextureRenderer`](crate::TextureRenderer) leaves them there.
+    ///
+    /// The device stays the caller's. Handlers of errors, and of the loss of the device, are neither set nor
+    /// replaced: what goes wrong here is caught by error scopes, and is an error here. The caller goes on to
+    /// use the device, on this thread or others; callbacks of the caller's may be called by a poll from here,
+    /// as by any.
+    ///
+    /// # Errors
+    /// If the shaders do not run on it, with all that it lacks: [`device_descriptor`](crate::device_descriptor)
+    /// asks for it.
+    #[cfg(feature = "wgpu")]
+    pub fn on_wgpu(
+        device: &slabsplat_wgpu::wgpu::Device,
+        queue: &slabsplat_wgpu::wgpu::Queue,
+    ) -> Result<Self, NoBackend> {
+        let opened = slabsplat_wgpu::on(device.clone(), queue.clone());
+        let device =
+            opened.map_err(|none| NoBackend::Unavailable { name: "wgpu", reason: none.reason })?;
+        Ok(Self::new(Box::new(slabsplat_gpu::GpuBackend::new("wgpu", device))))
     }
 
     /// The same, but for [`render`](Self::render) and [`render_async`](Self::render_async): where its backend

@@ -6,6 +6,10 @@ mod guide_figures;
 #[expect(dead_code, reason = "an example's `main` reads the command line")]
 #[path = "../examples/own_backend.rs"]
 mod own_backend;
+#[cfg(feature = "wgpu")]
+#[expect(dead_code, reason = "an example's `main` reads the command line")]
+#[path = "../examples/own_device.rs"]
+mod own_device;
 #[expect(dead_code, reason = "an example's `main` reads the command line")]
 #[path = "../examples/own_kernel.rs"]
 mod own_kernel;
@@ -29,6 +33,19 @@ fn examples_draw_a_picture() {
         let picture = dir.path().join(name);
         draw(&picture).unwrap();
         assert!(is_png(&picture), "{name}");
+    }
+}
+
+/// Where there is no device for it, as on a machine without drivers, there is nothing to be drawn on.
+#[cfg(feature = "wgpu")]
+#[test]
+fn example_own_device_draws_a_picture() {
+    let dir = tempfile::tempdir().unwrap();
+    let picture = dir.path().join("device.png");
+    match own_device::draw(&picture) {
+        Ok(()) => assert!(is_png(&picture)),
+        Err(none) if std::env::var_os("SLABSPLAT_REQUIRE_GPU").is_some() => panic!("{none}"),
+        Err(none) => println!("skipped: {none}"),
     }
 }
 

@@ -2,9 +2,11 @@
 //! `SLABSPLAT_REQUIRE_GPU` is set.
 
 mod buffers;
+mod caller;
 mod faults;
 mod messages;
 mod scan;
+mod targets;
 mod work;
 
 use crate::WgpuDevice;

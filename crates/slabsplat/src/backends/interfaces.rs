@@ -48,7 +48,8 @@ fn found_device(info: DeviceInfo) -> FoundDevice {
     }
 }
 
-fn is_fast(kind: DeviceKind) -> bool {
+/// Whether it beats the CPU.
+pub(crate) fn is_fast(kind: DeviceKind) -> bool {
     kind < DeviceKind::Software
 }
 

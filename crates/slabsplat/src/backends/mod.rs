@@ -12,6 +12,9 @@ mod tests;
 
 pub use found::{FoundBackend, FoundDevice, found_backends};
 
+#[cfg(feature = "wgpu")]
+pub(crate) use interfaces::is_fast;
+
 use at_once::at_once;
 use gpu::{GPUS, Gpu};
 use slabsplat_backend::Backend;
@@ -32,12 +35,12 @@ pub const BACKEND_NAMES: &[&str] = &[
 /// Those of a build with all features.
 const ALL_NAMES: &[&str] = &["auto", "cpu", "wgpu", "ash"];
 
-type MakeBackend = fn() -> Box<dyn Backend>;
+pub(crate) type MakeBackend = fn() -> Box<dyn Backend>;
 
 #[cfg(feature = "cpu")]
-const CPU: Option<MakeBackend> = Some(|| Box::new(slabsplat_cpu::CpuBackend::new()));
+pub(crate) const CPU: Option<MakeBackend> = Some(|| Box::new(slabsplat_cpu::CpuBackend::new()));
 #[cfg(not(feature = "cpu"))]
-const CPU: Option<MakeBackend> = None;
+pub(crate) const CPU: Option<MakeBackend> = None;
 
 /// Why there is no backend of a name.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
