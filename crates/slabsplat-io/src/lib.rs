@@ -8,10 +8,10 @@
 //!
 //! | read | by |
 //! | --- | --- |
-//! | NRRD (`.nrrd`, `.nhdr`): raw, gzip, text; data attached, detached, in many files | [`read_volume`] |
-//! | NIfTI-1 and -2 (`.nii`, `.hdr` with `.img`; all maybe `.gz`) | [`read_volume`] |
+//! | NRRD (`.nrrd`, `.nhdr`): raw, gzip, hex, text; data attached, detached, in many files | [`read_volume`] |
+//! | NIfTI-1 and -2, Analyze 7.5 (`.nii`, `.hdr` with `.img`; all maybe `.gz`) | [`read_volume`] |
 //! | MetaImage (`.mha`, `.mhd`): raw, zlib, text; data attached, detached, in many files | [`read_volume`] |
-//! | DICOM: a folder of slices, or a file of one or many; plain, deflated, RLE, JPEG of 8 bits or lossless | [`read_volume`] |
+//! | DICOM: a folder or a file; plain, deflated, RLE, JPEG of 8 bits or lossless | [`read_volume`] |
 //! | TIFF, BigTIFF, OME-TIFF, ImageJ's: gray, a page a slice | [`read_volume`] |
 //! | raw with a `.json` description beside it | [`read_volume`] |
 //! | raw, described by the caller | [`read_raw`] |

@@ -7,6 +7,9 @@ use super::data::Share;
 use super::formats::Input;
 use crate::IoError;
 
+/// Of a name.
+const MAX_NAME_CHARS: usize = 100;
+
 /// Names that a message lists.
 const MAX_LISTED: usize = 12;
 
@@ -239,9 +242,14 @@ impl Input<'_> {
     ///
     /// # Errors
     /// If there is none of that number.
-    pub(super) fn choose_of(&self, part: Part, choice: Choice) -> Result<Choice, IoError> {
+    pub(super) fn choose_of(&self, part: Part, mut choice: Choice) -> Result<Choice, IoError> {
+        // Names are a file's, and are shown on terminals.
+        for name in &mut choice.names {
+            *name = name.chars().filter(|c| !c.is_control()).take(MAX_NAME_CHARS).collect();
+        }
         let chosen = choice.index_of(self.options.get(part), part, self.path)?;
-        Ok(Choice { chosen, ..choice })
+        choice.chosen = chosen;
+        Ok(choice)
     }
 }
 
@@ -267,6 +275,9 @@ mod tests {
             let error = input.choose_of(Part::Channel, choice).unwrap_err().to_string();
             assert_eq!(error, format!("a.tif: there is no channel 2: there is {expected}"));
         }
+        let names = vec!["a\u{1b}[2J\n".to_owned(), "x".repeat(999)];
+        let shown = input.choose_of(Part::Time, Choice { n: 2, names, chosen: 0 }).unwrap().names;
+        assert_eq!((shown[0].as_str(), shown[1].len()), ("a[2J", MAX_NAME_CHARS));
         let names = vec!["x".to_owned(); 99];
         assert!(Choice { n: 99, names, chosen: 0 }.to_string().ends_with("11 x, ..)"));
     }

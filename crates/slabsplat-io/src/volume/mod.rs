@@ -6,8 +6,8 @@
 //!
 //! Reading order: `formats` (what each format must say of itself, and how a file's is found), `choices` (what
 //! is read of several volumes); `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`;
-//! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`, `units`; then a
-//! format each.
+//! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`, `units`;
+//! then a format each.
 
 mod choices;
 mod formats;
@@ -61,8 +61,9 @@ pub struct LoadedVolume {
 }
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
-/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), DICOM (a folder of slices or a file), TIFF (a page a slice), or raw described by a
-/// `.json` beside it (the path of either). Of a file that holds several volumes, [`read_volume_with`] chooses.
+/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), DICOM (a folder of slices, or a file), TIFF (a
+/// page a slice), or raw described by a `.json` beside it (the path of either). Of a file that holds several
+/// volumes, [`read_volume_with`] chooses.
 ///
 /// # Errors
 /// If the file cannot be read, is in no such format, is broken, or holds something other than scalar volumes.

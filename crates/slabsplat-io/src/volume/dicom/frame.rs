@@ -129,7 +129,7 @@ impl Layout {
         };
         if !is_known {
             let shown: String = photometric.chars().take(32).collect();
-            let what = format!("pixels of {} values, {shown}, cannot be read", self.n_channels);
+            let what = format!("pixels of {} values, {shown:?}, cannot be read", self.n_channels);
             return Err(IoError::unsupported(path, format!("{what}: convert them to gray or RGB")));
         }
         Ok(())

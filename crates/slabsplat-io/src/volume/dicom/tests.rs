@@ -433,6 +433,7 @@ fn dicom_that_is_not_read_says_why() {
     check(&[(tags::HIGH_BIT, Short(16))], "do not fit into pixels of 16");
     check(&[(tags::BITS_STORED, Short(0))], "do not fit");
     check(&[(tags::PHOTOMETRIC, text("PALETTE COLOR"))], "PALETTE COLOR");
+    check(&[(tags::PHOTOMETRIC, text("MO\n\u{1b}"))], "\"MO\\n");
     check(&[(tags::ROWS, Short(3))], "needs 12 bytes of data, has 8");
     check(&[(tags::ROWS, Short(0))], "empty");
     check(&[(tags::N_FRAMES, text("2"))], "needs 8 bytes of data, has 0");
