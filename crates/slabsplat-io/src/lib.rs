@@ -13,7 +13,10 @@
 //! | MetaImage (`.mha`, `.mhd`): raw, zlib, text; data attached, detached, in many files | [`read_volume`] |
 //! | DICOM: a folder or a file; plain, deflated, RLE, JPEG of 8 bits or lossless | [`read_volume`] |
 //! | TIFF, BigTIFF, OME-TIFF, ImageJ's: gray, a page a slice | [`read_volume`] |
-//! | raw with a `.json` description beside it | [`read_volume`] |
+//! | NumPy (`.npy`, `.npz`) | [`read_volume`] |
+//! | VTK images (`.vti`, legacy `.vtk`) | [`read_volume`] |
+//! | OME-Zarr 0.4 and 0.5, in a folder or a ZIP archive | [`read_volume`] |
+//! | raw with a `.json` description beside it, or described by its name | [`read_volume`] |
 //! | raw, described by the caller | [`read_raw`] |
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |

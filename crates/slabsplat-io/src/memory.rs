@@ -75,7 +75,7 @@ fn check_within(needs: Vec<MemoryNeed>, free_bytes: u64) -> Result<(), IoError> 
 }
 
 /// `None` where the system does not tell.
-fn free_bytes() -> Option<u64> {
+pub(crate) fn free_bytes() -> Option<u64> {
     let memory =
         RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram().with_swap());
     let system = System::new_with_specifics(memory);

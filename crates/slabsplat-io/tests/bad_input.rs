@@ -9,7 +9,7 @@ use std::path::Path;
 
 use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
 use small_files::{
-    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, dicom, gzip, metaimage, nifti1, nifti2,
+    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, arrays, dicom, gzip, metaimage, nifti1, nifti2,
     nrrd_header, ome_tiff, ply, voxels, zlib,
 };
 
@@ -66,6 +66,14 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("deflated.dcm", dicom("1.2.840.10008.1.2.1.99"), volume),
         ("hex.nrrd", attached("hex", hex.as_bytes()), volume),
         ("a.json", SIDECAR.as_bytes().to_vec(), volume),
+        ("a.npy", arrays::npy(&voxels()), volume),
+        ("a.npz", arrays::zip(&[("a.npy", &arrays::npy(&voxels()))]), volume),
+        ("raw.vti", arrays::vti_raw(&zlib(&voxels())), volume),
+        ("text.vti", arrays::vti_text(&text), volume),
+        ("binary.vtk", arrays::vtk("BINARY", &voxels()), volume),
+        ("text.vtk", arrays::vtk("ASCII", text.as_bytes()), volume),
+        ("two.zip", arrays::zarr_2(&gzip(&voxels())), volume),
+        ("three.zip", arrays::zarr_3(&voxels()), volume),
         ("scene.toml", SCENE.as_bytes().to_vec(), scene),
         ("map.json", COLOR_MAP.as_bytes().to_vec(), color_map),
         ("text.ply", ply("ascii", b"0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), mesh),

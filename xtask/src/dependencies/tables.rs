@@ -240,6 +240,9 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "half", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "lz4_flex", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "ruzstd", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External {
         name: "plotters",
         users: Users::Only(&["slabsplat-bench"]),

@@ -32,7 +32,7 @@ impl VolumeSection {
 
     pub(super) fn options(&self) -> VolumeOptions {
         let &Self { series, channel, time, level, .. } = self;
-        VolumeOptions { series, channel, time, level, allow_external: false }
+        VolumeOptions { series, channel, time, level, ..VolumeOptions::default() }
     }
 
     pub(super) fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {

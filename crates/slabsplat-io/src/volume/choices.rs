@@ -34,6 +34,8 @@ pub struct VolumeOptions {
     pub time: Option<usize>,
     /// How coarse: 0 is the finest.
     pub level: Option<usize>,
+    /// Which array of a file that names its arrays; the path may say it, too, as `a.npz:name`.
+    pub array: Option<String>,
     /// Whether a header may name files outside of its own folder; they are refused otherwise, since who
     /// wrote the header need not be who opens it.
     pub allow_external: bool,
@@ -102,6 +104,12 @@ impl VolumeOptions {
     #[must_use]
     pub fn level(self, level: usize) -> Self {
         Self { level: Some(level), ..self }
+    }
+
+    /// Takes the array of this name.
+    #[must_use]
+    pub fn array(self, name: impl Into<String>) -> Self {
+        Self { array: Some(name.into()), ..self }
     }
 
     /// Lets headers name files outside of their own folders.
@@ -220,7 +228,8 @@ impl VolumeChoices {
     pub(super) fn warnings(&self, options: &VolumeOptions) -> impl Iterator<Item = String> {
         Part::ALL.iter().filter_map(|&part| {
             let choice = self.get(part);
-            let is_guess = 1 < choice.n && options.get(part).is_none();
+            let is_named = part == Part::Series && options.array.is_some();
+            let is_guess = 1 < choice.n && options.get(part).is_none() && !is_named;
             is_guess.then(|| {
                 let (name, many) = (part.name(), part.plural());
                 format!("there are {} {many}: {name} {} was taken", choice.n, choice.chosen)

@@ -8,7 +8,9 @@ use std::path::{Component, Path, PathBuf};
 use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
-use super::{LoadedVolume, dicom, metaimage, nifti, nrrd, sidecar, stream, tiff};
+use super::{
+    LoadedVolume, dicom, metaimage, nifti, npy, nrrd, raw_name, sidecar, stream, tiff, vtk, zarr,
+};
 use crate::IoError;
 use crate::store::Store;
 
@@ -19,7 +21,12 @@ const READERS: &[&dyn Reader] = &[
     &tiff::Tiff,
     &metaimage::MetaImage,
     &nifti::Nifti,
+    &npy::Npy,
+    &npy::Npz,
+    &vtk::Vtk,
+    &zarr::Zarr,
     &sidecar::Sidecar,
+    &raw_name::RawName,
 ];
 
 macro_rules! formats {
@@ -60,6 +67,12 @@ formats! {
     Dicom = "DICOM",
     /// Pages of a TIFF.
     Tiff = "TIFF",
+    /// An array of NumPy, alone or in an archive.
+    Npy = "NumPy",
+    /// An image of VTK, in XML or in the legacy format.
+    Vtk = "VTK",
+    /// An array in chunks, with what OME says of it or without.
+    Zarr = "OME-Zarr",
     /// Samples without a header.
     Raw = "raw",
     /// No file: see [`builtin_volume`](crate::builtin_volume).
@@ -95,6 +108,16 @@ pub(super) trait Reader: Sync {
 
     /// Whether a folder is a volume of the format; `files` are those directly in it.
     fn is_folder(&self, _store: Store<'_>, _folder: &Path, _files: &[PathBuf]) -> bool {
+        false
+    }
+
+    /// Whether a file that begins as those of the format do is of another one.
+    fn is_other(&self, _store: Store<'_>, _path: &Path) -> bool {
+        false
+    }
+
+    /// Whether the arrays of a file have names by which one is chosen.
+    fn names_arrays(&self) -> bool {
         false
     }
 
@@ -162,16 +185,51 @@ impl Input<'_> {
     }
 }
 
-/// The reader of a file or a folder, and the path that it needs.
+/// What is to be read, and how.
+pub(super) struct Found {
+    pub(super) reader: &'static dyn Reader,
+    pub(super) path: PathBuf,
+    pub(super) options: VolumeOptions,
+}
+
+/// The reader of a file or a folder, where the path may end in the name of an array, as `a.npz:name`.
 pub(super) fn find(
     store: Store<'_>,
     path: &Path,
-) -> Result<(&'static dyn Reader, PathBuf), IoError> {
+    options: &VolumeOptions,
+) -> Result<Found, IoError> {
+    let mut options = options.clone();
+    let (path, name) = split_array(store, path);
+    options.array = name.or(options.array);
+    let (reader, path) = find_reader(store, &path)?;
+    match &options.array {
+        Some(name) if !reader.names_arrays() => {
+            let what = format!("there are no arrays with names here: leave out {name:?}");
+            Err(IoError::unsupported(path, what))
+        }
+        _ => Ok(Found { reader, path, options }),
+    }
+}
+
+/// A path that there is, and what comes after it and a colon.
+fn split_array(store: Store<'_>, path: &Path) -> (PathBuf, Option<String>) {
+    let is_there = |path: &Path| store.has(path) || store.is_folder(path);
+    let whole = || (path.to_owned(), None);
+    let Some(text) = path.to_str().filter(|_| !is_there(path)) else { return whole() };
+    let mut colons = text.match_indices(':').map(|(at, _)| at);
+    let split = colons.find(|&at| store.has(Path::new(&text[..at])));
+    split.map_or_else(whole, |at| (PathBuf::from(&text[..at]), Some(text[at + 1..].to_owned())))
+}
+
+/// The reader of a file or a folder, and the path that it needs.
+fn find_reader(store: Store<'_>, path: &Path) -> Result<(&'static dyn Reader, PathBuf), IoError> {
     if store.is_folder(path) {
         return find_folder(store, path);
     }
     let start = stream::first_bytes(store, path)?;
-    if let Some(reader) = READERS.iter().find(|reader| reader.is_begun_by(&start)) {
+    if let Some(reader) =
+        READERS.iter().find(|reader| reader.is_begun_by(&start) && !reader.is_other(store, path))
+    {
         return Ok((*reader, path.to_owned()));
     }
     match READERS.iter().find(|reader| reader.is_named(store, path)) {

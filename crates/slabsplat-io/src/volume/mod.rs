@@ -7,7 +7,7 @@
 //! Reading order: `formats` (what each format must say of itself, and how a file's is found), `choices` (what
 //! is read of several volumes); `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`;
 //! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`, `units`;
-//! then a format each.
+//! `stored`, `placed` (samples in any order of axes), `array_axes`, `zip`; then a format each.
 
 mod choices;
 mod formats;
@@ -22,13 +22,23 @@ mod header_fields;
 mod names;
 mod units;
 
+mod array_axes;
+mod placed;
+mod stored;
+mod zip;
+
 mod dicom;
 mod metaimage;
 mod nifti;
+mod npy;
 mod nrrd;
 mod raw;
 mod sidecar;
 mod tiff;
+mod vtk;
+mod zarr;
+
+mod raw_name;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -44,7 +54,7 @@ pub use raw::{RawDesc, read_raw};
 
 use crate::IoError;
 use crate::store::Store;
-use formats::Input;
+use formats::{Found, Input};
 
 /// A volume, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
@@ -62,8 +72,9 @@ pub struct LoadedVolume {
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
 /// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), DICOM (a folder of slices, or a file), TIFF (a
-/// page a slice), or raw described by a `.json` beside it (the path of either). Of a file that holds several
-/// volumes, [`read_volume_with`] chooses.
+/// page a slice), NumPy (`.npy`, `.npz`), VTK (`.vti`, `.vtk`), OME-Zarr (a folder or an archive), or raw
+/// described by a `.json` beside it (the path of either) or by its own name. Of a file that holds several
+/// volumes, [`read_volume_with`] chooses; an array may be named after the path, as `a.npz:name`.
 ///
 /// # Errors
 /// If the file cannot be read, is in no such format, is broken, or holds something other than scalar volumes.
@@ -87,10 +98,10 @@ pub(crate) fn read_from(
     path: &Path,
     options: &VolumeOptions,
 ) -> Result<LoadedVolume, IoError> {
-    let (reader, path) = formats::find(store, path)?;
-    let mut loaded = reader.read(&Input { store, path: &path, options })?;
+    let Found { reader, path, options } = formats::find(store, path, options)?;
+    let mut loaded = reader.read(&Input { store, path: &path, options: &options })?;
     options.check(&path, &loaded.choices)?;
-    loaded.warnings.extend(loaded.choices.warnings(options));
+    loaded.warnings.extend(loaded.choices.warnings(&options));
     Ok(loaded)
 }
 
@@ -102,8 +113,8 @@ pub fn list_volume(
     path: impl AsRef<Path>,
     options: &VolumeOptions,
 ) -> Result<VolumeListing, IoError> {
-    let (reader, path) = formats::find(Store::Disk, path.as_ref())?;
-    let listing = reader.list(&Input { store: Store::Disk, path: &path, options })?;
+    let Found { reader, path, options } = formats::find(Store::Disk, path.as_ref(), options)?;
+    let listing = reader.list(&Input { store: Store::Disk, path: &path, options: &options })?;
     options.check(&path, &listing.choices)?;
     Ok(listing)
 }

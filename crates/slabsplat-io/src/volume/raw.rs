@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use slabsplat_core::{Grid, SampleType, Scaling};
+use slabsplat_core::{Grid, SampleType, Samples, Scaling};
 
 use super::buffer::{Endian, SampleBuffer};
 use super::stream::DataStream;
@@ -41,19 +41,77 @@ pub(crate) fn read_raw_from(
 ) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing(desc.dims, desc.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let sample_bytes = desc.sample_type.size_bytes();
-    let mut stream = DataStream::open(store, path, desc.header_bytes)?;
-    let needed = grid.n_voxels() as u64 * sample_bytes as u64;
-    let found = stream.n_left_at_most();
-    if needed != found {
-        let hint = "check dims, type and header bytes";
-        return Err(IoError::WrongLength { path: path.to_owned(), needed, found, hint });
-    }
-    let mut buffer = SampleBuffer::new(desc.sample_type);
-    stream.fill(&mut buffer, grid.n_voxels(), sample_bytes)?;
-    let volume = assemble(path, grid, buffer.finish(desc.endian), Scaling::IDENTITY)?;
+    let samples = read_samples(store, path, desc)?;
+    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume::new(volume, VolumeFormat::Raw, Vec::new()))
 }
+
+/// The samples alone, of a grid that there can be.
+pub(super) fn read_samples(
+    store: Store<'_>,
+    path: &Path,
+    desc: &RawDesc,
+) -> Result<Samples, IoError> {
+    let n_voxels = desc.dims.iter().fold(1, |n: usize, len| n.saturating_mul(*len));
+    let sample_bytes = desc.sample_type.size_bytes();
+    let mut stream = DataStream::open(store, path, desc.header_bytes)?;
+    let needed = (n_voxels as u64).saturating_mul(sample_bytes as u64);
+    let found = stream.n_left_at_most();
+    if needed != found {
+        let what = format!("needs {needed} bytes of data, has {found}: {}", what_fits(desc, found));
+        return Err(IoError::malformed(path, what));
+    }
+    let mut buffer = SampleBuffer::new(desc.sample_type);
+    stream.fill(&mut buffer, n_voxels, sample_bytes)?;
+    Ok(buffer.finish(desc.endian))
+}
+
+/// What would make a description one of so many bytes.
+fn what_fits(desc: &RawDesc, found: u64) -> String {
+    let [x, y, z] = desc.dims.map(|len| len as u64);
+    let slice = x.saturating_mul(y);
+    let n_voxels = slice.saturating_mul(z);
+    let sample_bytes = desc.sample_type.size_bytes() as u64;
+    let mut fitting = Vec::new();
+    let of_size = |n: u64| match n {
+        1 => Some("type uint8 or int8"),
+        2 => Some("type uint16 or int16"),
+        4 => Some("type uint32, int32 or float32"),
+        8 => Some("type float64"),
+        _ => None,
+    };
+    if 0 < n_voxels && found.is_multiple_of(n_voxels) {
+        fitting.extend(of_size(found / n_voxels).map(str::to_owned));
+    }
+    let n_samples = found / sample_bytes;
+    if found.is_multiple_of(sample_bytes) && 0 < n_samples {
+        let mut with = |others: u64, dims: &dyn Fn(u64) -> String| {
+            if 0 < others && n_samples.is_multiple_of(others) {
+                fitting.push(format!("dims {}", dims(n_samples / others)));
+            }
+        };
+        with(slice, &|len| format!("{x},{y},{len}"));
+        with(x.saturating_mul(z), &|len| format!("{x},{len},{z}"));
+        with(y.saturating_mul(z), &|len| format!("{len},{y},{z}"));
+        let side = (n_samples as f64).cbrt().round() as u64;
+        if side.checked_pow(3) == Some(n_samples) {
+            fitting.push(format!("dims {side},{side},{side}"));
+        }
+    }
+    let needed = n_voxels.saturating_mul(sample_bytes);
+    if (1..=MAX_HEADER_BYTES).contains(&found.saturating_sub(needed)) {
+        let n_bytes = desc.header_bytes.saturating_add(found - needed);
+        fitting.push(format!("header bytes {n_bytes}"));
+    }
+    fitting.dedup();
+    match fitting.as_slice() {
+        [] => "check dims, type and header bytes".to_owned(),
+        fitting => format!("what would fit is {}", fitting.join(", or ")),
+    }
+}
+
+/// A longer header than this is none that a raw file has.
+const MAX_HEADER_BYTES: u64 = 1 << 16;
 
 #[cfg(test)]
 mod tests {
@@ -76,6 +134,27 @@ mod tests {
         assert_eq!(loaded.volume.summary().range, Some([-6.0, 5.0]));
         assert_eq!(loaded.volume.grid().spacing(), [1.0, 2.0, 3.0]);
         assert_eq!(loaded.format.name(), "raw");
+    }
+
+    #[test]
+    fn raw_says_what_would_fit() {
+        let fits =
+            |dims, sample_type, found| what_fits(&RawDesc { dims, sample_type, ..DESC }, found);
+        let check = |dims, sample_type, found, expected: &str| {
+            assert_eq!(fits(dims, sample_type, found), expected);
+        };
+        let u8 = SampleType::U8;
+        check(
+            [256, 256, 128],
+            u8,
+            256 * 256 * 128 * 2,
+            "what would fit is type uint16 or int16, or dims \
+            256,256,256, or dims 256,512,128, or dims 512,256,128, or dims 256,256,256",
+        );
+        check([7, 5, 3], u8, 7 * 5 * 3 + 11, "what would fit is header bytes 15");
+        check([7, 5, 3], u8, 7 * 5 * 11, "what would fit is dims 7,5,11, or header bytes 284");
+        check([7, 5, 3], SampleType::U16, 13, "check dims, type and header bytes");
+        check([usize::MAX; 3], SampleType::U16, 62, "check dims, type and header bytes");
     }
 
     #[test]

@@ -6,17 +6,22 @@
 //! ```
 //!
 //! `dims` and `type` are needed. `file` is the description's own name with `.raw` if not given,
-//! `endian` matters from 16 bits on, and other keys are left to their owners.
+//! `endian` matters from 16 bits on. `affine`, three rows of four numbers, takes the place of `spacing` and
+//! `origin`; a value is `slope` times a sample, plus `intercept`. Other keys are left to their owners, and
+//! named, since they may be misspelt.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slabsplat_core::glam::{DAffine3, DVec3};
-use slabsplat_core::{Grid, SampleType};
+use serde::de::IgnoredAny;
+use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
+use slabsplat_core::{Grid, GridError, SampleType, Scaling};
 
 use super::formats::{Input, Reader, VolumeListing};
+use super::raw::read_samples;
 use super::stream::plain_extension;
-use super::{Endian, LoadedVolume, RawDesc, VolumeChoices, VolumeFormat, names, read_raw_from};
+use super::{Endian, LoadedVolume, RawDesc, VolumeChoices, VolumeFormat, assemble, names};
 use crate::store::Store;
 use crate::{IoError, text};
 
@@ -73,6 +78,31 @@ struct SidecarDesc {
     #[serde(default)]
     origin: [f64; 3],
     order: Option<String>,
+    /// Index to world, by rows.
+    affine: Option<[[f64; 4]; 3]>,
+    #[serde(default = "one")]
+    slope: f64,
+    #[serde(default)]
+    intercept: f64,
+    #[serde(flatten)]
+    others: BTreeMap<String, IgnoredAny>,
+}
+
+/// Keys that say nothing of how to read, and often are there.
+const NOTES: &[&str] = &[
+    "value_range",
+    "note",
+    "notes",
+    "name",
+    "title",
+    "comment",
+    "description",
+    "source",
+    "license",
+];
+
+fn one() -> f64 {
+    1.0
 }
 
 fn unit_spacing() -> [f64; 3] {
@@ -100,7 +130,22 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         Some(file) => input.beside(&file)?,
         None => path.with_extension("raw"),
     };
-    placed_at(read_raw_from(store, &data_path, &desc)?, sidecar.origin, path)
+    let grid = placed(&desc, sidecar.origin, sidecar.affine)
+        .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
+    let samples = read_samples(store, &data_path, &desc)?;
+    let scaling = Scaling { slope: sidecar.slope, intercept: sidecar.intercept };
+    let volume = assemble(path, grid, samples, scaling)?;
+    let unknown = sidecar.others.keys().filter(|key| !NOTES.contains(&key.as_str()));
+    let unknown: Vec<String> = unknown.take(12).map(|key| format!("{key:?}")).collect();
+    let mut warnings = Vec::new();
+    if !unknown.is_empty() {
+        warnings.push(format!(
+            "{} says {}, which is no key here",
+            path.display(),
+            unknown.join(", ")
+        ));
+    }
+    Ok(LoadedVolume::new(volume, VolumeFormat::Raw, warnings))
 }
 
 fn parse(store: Store<'_>, path: &Path) -> Result<SidecarDesc, IoError> {
@@ -128,13 +173,19 @@ fn endian(name: Option<&str>, sample_type: SampleType) -> Result<Endian, String>
     }
 }
 
-fn placed_at(loaded: LoadedVolume, origin: [f64; 3], path: &Path) -> Result<LoadedVolume, IoError> {
-    let grid = loaded.volume.grid();
-    let matrix = grid.world_from_index().matrix3;
-    let placed = DAffine3::from_mat3_translation(matrix, DVec3::from_array(origin));
-    let grid = Grid::new(grid.dims(), placed)
-        .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    Ok(loaded.on_grid(grid))
+fn placed(
+    desc: &RawDesc,
+    origin: [f64; 3],
+    affine: Option<[[f64; 4]; 3]>,
+) -> Result<Grid, GridError> {
+    let (matrix, origin) = match affine {
+        Some(rows) => {
+            let [x, y, z] = rows.map(|[x, y, z, _]| DVec3::new(x, y, z));
+            (DMat3::from_cols(x, y, z).transpose(), rows.map(|[_, _, _, offset]| offset))
+        }
+        None => (DMat3::from_diagonal(DVec3::from_array(desc.spacing)), origin),
+    };
+    Grid::new(desc.dims, DAffine3::from_mat3_translation(matrix, DVec3::from_array(origin)))
 }
 
 #[cfg(test)]
@@ -161,6 +212,18 @@ mod tests {
         assert_eq!(volume.grid().spacing(), [1.0, 2.0, 3.0]);
         let origin = volume.grid().world_from_index().translation;
         assert_eq!(origin, DVec3::new(-1.0, 0.0, 4.5));
+    }
+
+    #[test]
+    fn sidecar_places_scales_and_names_what_is_unknown() {
+        let json = r#"{"dims": [2, 1, 1], "type": "uint16", "endian": "little", "note": "", "spaceing": 1,
+            "affine": [[0, -2, 0, 5], [3, 0, 0, 6], [0, 0, 4, 7]], "slope": 0.5, "intercept": -1}"#;
+        let loaded = read(json).unwrap();
+        assert_eq!(loaded.volume.summary().range, Some([-0.5, 0.0]));
+        let place = loaded.volume.grid().world_from_index().transform_point3(DVec3::X);
+        assert_eq!(place, DVec3::new(5.0, 9.0, 7.0));
+        assert!(loaded.warnings[0].ends_with("says \"spaceing\", which is no key here"));
+        assert_eq!(loaded.warnings.len(), 1);
     }
 
     #[test]

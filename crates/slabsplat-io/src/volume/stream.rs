@@ -7,11 +7,12 @@ use std::path::Path;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::buffer::{ReadFailure, SampleBuffer};
+use super::placed::Source;
 use crate::IoError;
 use crate::store::{Store, StoredFile};
 
 /// Deflate cannot pack better than this: 258 bytes in two bits.
-const MAX_GZIP_RATIO: u64 = 1032;
+pub(super) const MAX_GZIP_RATIO: u64 = 1032;
 
 /// Voxels of several values are read by so much.
 const CHUNK_BYTES: usize = 1 << 16;
@@ -251,6 +252,22 @@ impl<R: Read> OneChannel<R> {
             self.samples.extend_from_slice(&voxel[before..before + sample_bytes]);
         }
         Ok(())
+    }
+}
+
+impl Source for DataStream<'_> {
+    fn pass_over(&mut self, n_bytes: u64) -> io::Result<()> {
+        let n_bytes = n_bytes.min(self.n_left_at_most);
+        match &mut self.reader {
+            Reader::Plain(reader) => {
+                reader.seek_relative(i64::try_from(n_bytes).unwrap_or(i64::MAX))?;
+                self.n_left_at_most -= n_bytes;
+                Ok(())
+            }
+            Reader::Gzip(_) | Reader::Zlib(_) => {
+                io::copy(&mut self.by_ref().take(n_bytes), &mut io::sink()).map(drop)
+            }
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Small valid files of every format, to be spoilt.
 
+pub(crate) mod arrays;
+
 use std::io::{Cursor, Write};
 
 use tiff::encoder::colortype::Gray16;

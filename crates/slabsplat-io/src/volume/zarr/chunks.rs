@@ -1,0 +1,288 @@
+//! The chunks that the volume has a part in, each unpacked to where its samples belong.
+
+use std::io::{self, Read};
+
+use slabsplat_core::Samples;
+
+use super::super::buffer::ReadFailure;
+use super::super::formats::Input;
+use super::super::placed::{Axis, PlacedSamples};
+use super::codecs::{self, crc32c};
+use super::image::Image;
+use super::meta::{Chunks, Shard};
+use super::tree::{Part, Tree};
+use crate::IoError;
+
+/// More files than this are none that a volume is in.
+const MAX_CHUNKS: usize = 20_000_000;
+
+/// A volume of so many bytes needs no chunks at all.
+const MAX_UNBACKED_BYTES: u64 = 256 << 20;
+
+/// Zstandard has packed zeros as well as this.
+const MAX_RATIO: u64 = 1 << 15;
+
+/// Chunks of a shard.
+const MAX_IN_SHARD: usize = 1 << 24;
+
+/// What an index says of a chunk that is not there.
+const NONE: u64 = u64::MAX;
+
+/// Reading, while it goes on.
+struct Reading<'a> {
+    tree: &'a Tree<'a>,
+    image: &'a Image,
+    samples: PlacedSamples,
+    n_found: usize,
+}
+
+pub(super) fn read(
+    input: &Input<'_>,
+    tree: &Tree<'_>,
+    image: &Image,
+    n_voxels: usize,
+    warnings: &mut Vec<String>,
+) -> Result<Samples, IoError> {
+    let all = Indices::of(&image.axes, &image.array.chunks.shape);
+    if all.len().is_none_or(|n| MAX_CHUNKS < n) {
+        return Err(IoError::unsupported(input.path, "the array has more than 20 million chunks"));
+    }
+    let is_zero = image.array.fill.iter().all(|byte| *byte == 0);
+    let mut keys = all.clone().map(|index| key(image, &index));
+    // Zeros take no memory until something else is written over them.
+    if !is_zero && !keys.any(|key| tree.has(&key)) {
+        return Err(IoError::malformed(input.path, "no chunk of the array is there"));
+    }
+    let n_bytes = (n_voxels as u64).saturating_mul(image.array.stored.widest().size_bytes() as u64);
+    if MAX_UNBACKED_BYTES < n_bytes {
+        check_backed(input, tree, all.clone().map(|index| key(image, &index)), n_bytes)?;
+    }
+    let endian = image.array.chunks.innermost().endian;
+    let samples = PlacedSamples::new(image.array.stored, endian, n_voxels);
+    let samples = samples.map_err(|_| IoError::Read {
+        path: input.path.to_owned(),
+        source: io::ErrorKind::OutOfMemory.into(),
+    })?;
+    let mut reading = Reading { tree, image, samples, n_found: 0 };
+    for index in all {
+        reading.read_file(&index)?;
+    }
+    if reading.n_found == 0 {
+        warnings.push("no chunk of the array is there: all voxels have its fill value".to_owned());
+    }
+    Ok(reading.samples.finish(warnings))
+}
+
+/// That the chunks there could unpack to a volume.
+fn check_backed(
+    input: &Input<'_>,
+    tree: &Tree<'_>,
+    keys: impl Iterator<Item = String>,
+    n_bytes: u64,
+) -> Result<(), IoError> {
+    let mut n_backed = MAX_UNBACKED_BYTES;
+    for key in keys {
+        if let Some(part) = tree.part(&key)? {
+            n_backed = n_backed.saturating_add(part.n_bytes().saturating_mul(MAX_RATIO));
+        }
+        if n_bytes <= n_backed {
+            return Ok(());
+        }
+    }
+    let what = format!("{n_bytes} bytes of samples cannot be in the few chunks that are there");
+    Err(IoError::malformed(input.path, what))
+}
+
+fn key(image: &Image, index: &[usize]) -> String {
+    let keys = &image.array.keys;
+    let separator = keys.separator.to_string();
+    let numbers = index.iter().map(usize::to_string).collect::<Vec<_>>().join(&separator);
+    let name = if keys.prefix.is_empty() {
+        numbers
+    } else {
+        format!("{}{separator}{numbers}", keys.prefix)
+    };
+    if image.key.is_empty() { name } else { format!("{}/{name}", image.key) }
+}
+
+impl Reading<'_> {
+    fn read_file(&mut self, index: &[usize]) -> Result<(), IoError> {
+        let chunks = &self.image.array.chunks;
+        let start: Vec<usize> = index.iter().zip(&chunks.shape).map(|(i, len)| i * len).collect();
+        let key = key(self.image, index);
+        let Some(part) = self.tree.part(&key)? else {
+            self.fill(&start, &chunks.shape);
+            return Ok(());
+        };
+        self.n_found += 1;
+        let done = match &chunks.shard {
+            None => self.read_chunk(part, chunks, &start),
+            Some(shard) => self.read_shard(part, shard, &start),
+        };
+        done.map_err(|failure| {
+            let path = self.tree.path_of(&key);
+            match failure {
+                ReadFailure::TooShort(_) => {
+                    IoError::malformed(path, "a chunk unpacks to less than it should")
+                }
+                ReadFailure::Io(error) => match error.kind() {
+                    io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => {
+                        IoError::Read { path, source: error }
+                    }
+                    _ => IoError::malformed(path, format!("a chunk cannot be unpacked: {error}")),
+                },
+            }
+        })
+    }
+
+    fn read_shard(
+        &mut self,
+        mut part: Part<'_>,
+        shard: &Shard,
+        start: &[usize],
+    ) -> Result<(), ReadFailure> {
+        let index =
+            read_index(&mut part, shard, &self.image.array.chunks).map_err(ReadFailure::Io)?;
+        let inner = &shard.chunks.shape;
+        let outer = &self.image.array.chunks.shape;
+        let n_each: Vec<usize> =
+            outer.iter().zip(inner).map(|(outer, inner)| outer / inner).collect();
+        for (at, &[offset, n_bytes]) in index.iter().enumerate() {
+            let mut rest = at;
+            let mut first = start.to_vec();
+            for axis in (0..n_each.len()).rev() {
+                first[axis] += rest % n_each[axis] * inner[axis];
+                rest /= n_each[axis];
+            }
+            if self.axes_of(&first, inner).is_none() {
+                continue;
+            }
+            if offset == NONE && n_bytes == NONE {
+                self.fill(&first, inner);
+                continue;
+            }
+            part.go_to(offset).map_err(ReadFailure::Io)?;
+            self.read_chunk((&mut part).take(n_bytes), &shard.chunks, &first)?;
+        }
+        Ok(())
+    }
+
+    fn read_chunk(
+        &mut self,
+        packed: impl Read,
+        chunks: &Chunks,
+        start: &[usize],
+    ) -> Result<(), ReadFailure> {
+        let Some((axes, first)) = self.axes_of(start, &chunks.shape) else { return Ok(()) };
+        let n_items = chunks.shape.iter().fold(1, |n: u64, len| n.saturating_mul(*len as u64));
+        let n_bytes = n_items.saturating_mul(self.image.array.stored.size_bytes() as u64);
+        let mut source =
+            codecs::unpacked(packed, &chunks.codecs, n_bytes).map_err(ReadFailure::Io)?;
+        // By bytes, the fastest first.
+        let in_order: Vec<Axis> =
+            chunks.order.iter().rev().map(|&axis| axes[axis].clone()).collect();
+        self.samples.place(&mut source, &in_order, first)
+    }
+
+    /// A chunk that is not there.
+    fn fill(&mut self, start: &[usize], shape: &[usize]) {
+        let fill = &self.image.array.fill;
+        let Some((axes, first)) = self.axes_of(start, shape) else { return };
+        if fill.iter().all(|byte| *byte == 0) {
+            return;
+        }
+        let along: Vec<&Axis> = axes.iter().filter(|axis| 1 < axis.kept.len()).collect();
+        let [outer @ .., row] = along.as_slice() else {
+            self.samples.fill(fill, first, 1, 1);
+            return;
+        };
+        let n_rows = outer.iter().map(|axis| axis.kept.len()).product::<usize>();
+        for at in 0..n_rows {
+            let (mut rest, mut first) = (at, first);
+            for axis in outer {
+                first += rest % axis.kept.len() * axis.stride;
+                rest /= axis.kept.len();
+            }
+            self.samples.fill(fill, first, row.stride, row.kept.len());
+        }
+    }
+
+    /// What is kept of a chunk that begins there, and where its first voxel goes; `None` if nothing is.
+    fn axes_of(&self, start: &[usize], shape: &[usize]) -> Option<(Vec<Axis>, usize)> {
+        let mut first = 0;
+        let mut axes = Vec::new();
+        for ((axis, &start), &len) in self.image.axes.iter().zip(start).zip(shape) {
+            let from = axis.kept.start.max(start);
+            let to = axis.kept.end.min(start.saturating_add(len));
+            if to <= from {
+                return None;
+            }
+            first += (from - axis.kept.start) * axis.stride;
+            axes.push(Axis { len, kept: from - start..to - start, stride: axis.stride });
+        }
+        Some((axes, first))
+    }
+}
+
+/// Where each chunk of a shard is, and how long.
+fn read_index(part: &mut Part<'_>, shard: &Shard, outer: &Chunks) -> io::Result<Vec<[u64; 2]>> {
+    let invalid = |what: &'static str| io::Error::new(io::ErrorKind::InvalidData, what);
+    let n_each = outer.shape.iter().zip(&shard.chunks.shape).map(|(outer, inner)| outer / inner);
+    let n_chunks = n_each.fold(1, |n: usize, each| n.saturating_mul(each));
+    let n_bytes = n_chunks as u64 * 16 + if shard.has_sum { 4 } else { 0 };
+    if MAX_IN_SHARD < n_chunks || part.n_bytes() < n_bytes {
+        return Err(invalid("a shard is too short for its index"));
+    }
+    part.go_to(if shard.index_is_at_end { part.n_bytes() - n_bytes } else { 0 })?;
+    let mut bytes = Vec::new();
+    part.take(n_bytes).read_to_end(&mut bytes)?;
+    if shard.has_sum {
+        let sum = bytes.split_off(bytes.len() - 4);
+        if crc32c(&bytes).to_le_bytes() != sum.as_slice() {
+            return Err(invalid("the index of a shard is damaged: its checksum is another"));
+        }
+    }
+    let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |n, byte| n << 8 | u64::from(*byte));
+    Ok(bytes.chunks_exact(16).map(|pair| [word(&pair[..8]), word(&pair[8..])]).collect())
+}
+
+/// The indices of all chunks that are kept of an array.
+#[derive(Clone)]
+struct Indices {
+    ranges: Vec<std::ops::Range<usize>>,
+    next: Option<Vec<usize>>,
+}
+
+impl Indices {
+    fn of(axes: &[Axis], chunk: &[usize]) -> Self {
+        let ranges = axes
+            .iter()
+            .zip(chunk)
+            .map(|(axis, &len)| axis.kept.start / len..(axis.kept.end - 1) / len + 1);
+        let ranges: Vec<_> = ranges.collect();
+        let next = Some(ranges.iter().map(|range| range.start).collect());
+        Self { ranges, next }
+    }
+
+    fn len(&self) -> Option<usize> {
+        self.ranges.iter().try_fold(1_usize, |n, range| n.checked_mul(range.len()))
+    }
+}
+
+impl Iterator for Indices {
+    type Item = Vec<usize>;
+
+    fn next(&mut self) -> Option<Vec<usize>> {
+        let index = self.next.take()?;
+        let mut next = index.clone();
+        for (at, range) in self.ranges.iter().enumerate().rev() {
+            next[at] += 1;
+            if next[at] < range.end {
+                self.next = Some(next);
+                break;
+            }
+            next[at] = range.start;
+        }
+        Some(index)
+    }
+}
