@@ -172,10 +172,10 @@ fn from_half(bits: u16) -> f32 {
 fn caller_sees_the_picture_without_waiting() {
     let _alone = alone();
     let Some(caller) = Caller::new() else { return };
-    let mut renderer =
-        TextureRenderer::on(&caller.device, &caller.queue).expect("it was asked for");
+    let renderer = TextureRenderer::on(&caller.device, &caller.queue).expect("it was asked for");
+    let mut renderer = for_any_thread(renderer);
     let mut scene = scene(&volume([9, 8, 7]), 51, Method::ImageAligned);
-    let target = target(&caller, &scene, FLOATS);
+    let target = for_any_thread(target(&caller, &scene, FLOATS));
     let own = caller.texture([16, 16], wgpu::TextureFormat::Rgba8Unorm);
     renderer.render(&scene, &target).expect("the scene is valid");
     for turn in 1..4 {
@@ -199,6 +199,10 @@ fn caller_sees_the_picture_without_waiting() {
         renderer.wait(&frame).expect("it is drawn");
     }
     assert_eq!(caller.n_errors(), 0);
+}
+
+fn for_any_thread<T: Send>(value: T) -> T {
+    value
 }
 
 /// Frames that need room are drawn again. What is shown at last is the last one, and never half of one.

@@ -6,8 +6,8 @@
 //! it is with tiles that have more splats than a dispatch should take on: the job goes out again with more
 //! rounds of splatting.
 //!
-//! A picture that is left on the device goes there right behind the work that draws it, if the device finds it
-//! whole. A job that goes out again leaves its picture again, unless a later frame has gone to the same
+//! A picture that is left on the device goes there right behind the work that draws it, if the device finds
+//! it whole. A job that goes out again leaves its picture again, unless a later frame has gone to the same
 //! place: that one is newer.
 
 use crate::device::LOOK_EVERY;
@@ -86,8 +86,8 @@ impl<D: Device> GpuBackend<D> {
 
     /// Begins a frame as [`Backend::submit`] does, whose picture `to` takes, on the device, and which is not
     /// read back: the image of the frame that is taken has no pixels, and `to` has had them before. Of frames
-    /// that go to one place the last one stays there. One that is cancelled may still get there, whole, if the
-    /// device has begun it.
+    /// that go to one place the last one stays there. One that is cancelled may still get there, whole, if
+    /// the device has begun it.
     ///
     /// # Errors
     /// As those of [`Backend::submit`], and if `to` takes no such picture.

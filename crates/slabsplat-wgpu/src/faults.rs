@@ -5,8 +5,8 @@
 //! before the call returns; in a browser later.
 //!
 //! A device of a caller's has the caller's handlers, which are left alone. There, calls are made within error
-//! scopes, which are of one thread and hear of errors before any handler. In a browser they report later, too:
-//! whoever calls next asks them. That such a device is lost shows when nothing comes back from it.
+//! scopes, which are of one thread and hear of errors before any handler. In a browser they report later,
+//! too: whoever calls next asks them. That such a device is lost shows when nothing comes back from it.
 
 use slabsplat_gpu::DeviceError;
 use std::fmt;

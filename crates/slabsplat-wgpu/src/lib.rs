@@ -18,9 +18,9 @@
 //! # On a device of the caller's
 //!
 //! [`on`] takes a device and a queue that the caller has, [`device_descriptor`] says how they are asked for,
-//! and a [`TextureTarget`] is a texture of the caller's that frames are left in: drawn there by the device, in
-//! the order of the queue, so that whatever the caller submits after a frame sees it. Nothing is read back but
-//! the counts. A picture that the CPU has made is [written](TextureTarget::write) there.
+//! and a [`TextureTarget`] is a texture of the caller's that frames are left in: drawn there by the device,
+//! in the order of the queue, so that whatever the caller submits after a frame sees it. Nothing is read back
+//! but the counts. A picture that the CPU has made is [written](TextureTarget::write) there.
 //!
 //! # Reading order
 //!

@@ -48,9 +48,9 @@ pub async fn open_async(options: &OpenOptions) -> Result<WgpuDevice, Unavailable
 /// [`device_descriptor`](crate::device_descriptor) says how it is asked for.
 ///
 /// It stays its owner's: no handler of errors or of the loss of the device is set or replaced. What goes
-/// wrong here is caught by error scopes, which are of this thread alone, and errors of the owner's pass by. Its
-/// owner, on other threads too, may submit and poll as he likes; callbacks of his may be called by a poll
-/// from here, as by any.
+/// wrong here is caught by error scopes, which are of this thread alone, and errors of the owner's pass by.
+/// The owner may submit and poll meanwhile, on other threads too; the owner's callbacks may be called by a
+/// poll from here, as by any.
 ///
 /// # Errors
 /// If the shaders do not run on it, with all that it lacks.

@@ -1,9 +1,9 @@
-// Draws some rows of a picture into a texture, one triangle over all of it, cut to these rows. Nothing is drawn
-// of a picture that is not whole: the texture stays as it was, and the frame is drawn again.
+// Draws some rows of a picture into a texture, one triangle over all of it, cut to these rows. Nothing is
+// drawn of a picture that is not whole: the texture stays as it was, and the frame is drawn again.
 //
-// The picture is one of premultiplied colours as screens take them, which is what files of 8 bits hold. So its
-// numbers go into plain formats as they are; a format with the transfer curve of sRGB would apply that curve
-// once more, and gets what the curve leads back to them.
+// The picture is one of premultiplied colours as screens take them, which is what files of 8 bits hold. So
+// its numbers go into plain formats as they are; a format with the transfer curve of sRGB would apply that
+// curve once more, and gets what the curve leads back to them.
 
 struct Params {
     // Pixels in a row.

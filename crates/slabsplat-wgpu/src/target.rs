@@ -6,9 +6,9 @@ use slabsplat_gpu::{Destination, DeviceError, Picture};
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A texture that frames are left in, on the device that it belongs to. It holds the texture and nothing else;
-/// clones are one target. Made once for a texture, and not for every frame. One of another device is refused,
-/// with an error; of another instance of wgpu, wgpu panics about it, as it does everywhere.
+/// A texture that frames are left in, on the device that it belongs to. It holds the texture and nothing
+/// else; clones are one target. Made once for a texture, and not for every frame. One of another device is
+/// refused, with an error; of another instance of wgpu, wgpu panics about it, as it does everywhere.
 ///
 /// The texture is one of two dimensions, with one sample a pixel, and one of [`FORMATS`](Self::FORMATS); of
 /// several mip levels or layers the first is drawn. It gets premultiplied colours. Formats of 8 bits hold the
@@ -78,8 +78,8 @@ pub enum TargetError {
 }
 
 impl TextureTarget {
-    /// The usages that a texture needs for pictures from a device and from the CPU alike: the first to be drawn
-    /// into, the second to be [written](Self::write).
+    /// The usages that a texture needs for pictures from a device and from the CPU alike: the first to be
+    /// drawn into, the second to be [written](Self::write).
     pub const USAGES: wgpu::TextureUsages =
         wgpu::TextureUsages::RENDER_ATTACHMENT.union(wgpu::TextureUsages::COPY_DST);
 
@@ -143,8 +143,8 @@ impl TextureTarget {
         self.0.check(size, wgpu::TextureUsages::COPY_DST)
     }
 
-    /// Writes a picture that is on the CPU: columns and rows, and premultiplied RGBA from the top. It is there
-    /// for all that is submitted to the queue from now on.
+    /// Writes a picture that is on the CPU: columns and rows, and premultiplied RGBA from the top. It is
+    /// there for all that is submitted to the queue from now on.
     ///
     /// # Errors
     /// If the texture has another size, or lacks the usage `COPY_DST`.

@@ -120,8 +120,8 @@ impl Renderer {
     /// as by any.
     ///
     /// # Errors
-    /// If the shaders do not run on it, with all that it lacks: [`device_descriptor`](crate::device_descriptor)
-    /// asks for it.
+    /// If the shaders do not run on it, with all that it lacks:
+    /// [`device_descriptor`](crate::device_descriptor) asks for it.
     #[cfg(feature = "wgpu")]
     pub fn on_wgpu(
         device: &slabsplat_wgpu::wgpu::Device,

@@ -1,8 +1,8 @@
 //! Frames that go straight into textures of the caller's, on the caller's device.
 //!
-//! A device that runs the shaders draws a frame and leaves it in the texture, in the order of the queue. Where
-//! it does not, or is only software, a thread draws on the CPU, and its pictures are uploaded: so whoever
-//! shows a texture need not know which it was.
+//! A device that runs the shaders draws a frame and leaves it in the texture, in the order of the queue.
+//! Where it does not, or is only software, a thread draws on the CPU, and its pictures are uploaded: so
+//! whoever shows a texture need not know which it was.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod cpu;
@@ -57,16 +57,19 @@ pub struct TextureRenderer {
     queue: wgpu::Queue,
     planner: Planner,
     /// Those that were added.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "a fallback would need them"))]
     kernels: Vec<Arc<dyn Kernel>>,
     drawing: Drawing,
     /// In the order of submission.
     under_way: Vec<UnderWay>,
     /// What says why it goes on with the CPU, if it may.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "there is none"))]
     fallback: Option<Tell>,
 }
 
 type Tell = Box<dyn FnMut(&str) + Send>;
 
+#[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "no thread draws on the CPU"))]
 enum Drawing {
     Gpu(Box<GpuBackend<WgpuDevice>>),
     Cpu(OnCpu),
@@ -103,8 +106,8 @@ impl TextureRenderer {
     /// [`Renderer::on_wgpu`](crate::Renderer::on_wgpu).
     ///
     /// # Errors
-    /// If the shaders do not run on it, with all that it lacks: [`device_descriptor`](crate::device_descriptor)
-    /// asks for it.
+    /// If the shaders do not run on it, with all that it lacks:
+    /// [`device_descriptor`](crate::device_descriptor) asks for it.
     pub fn on(device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Self, NoBackend> {
         let opened = slabsplat_wgpu::on(device.clone(), queue.clone());
         let device =
@@ -123,8 +126,8 @@ impl TextureRenderer {
         }
     }
 
-    /// Adds a kernel, which the settings of scenes may name from now on. It stays with a fallback. What the CPU
-    /// draws just now is cancelled.
+    /// Adds a kernel, which the settings of scenes may name from now on. It stays with a fallback. What the
+    /// CPU draws just now is cancelled.
     ///
     /// # Errors
     /// As [`Kernels::add`](slabsplat_kernel::Kernels::add).

@@ -25,8 +25,8 @@ impl Orbit {
         Self { home, yaw_radians, pitch_radians, zoom: 1.0 }
     }
 
-    /// The mouse was dragged by parts of the window's height: across all of it is half a turn. What is dragged
-    /// goes with the mouse.
+    /// The mouse was dragged by parts of the window's height: across all of it is half a turn. What is
+    /// dragged goes with the mouse.
     pub fn drag(&mut self, right: f64, down: f64) {
         self.yaw_radians = (self.yaw_radians - PI * right).rem_euclid(2.0 * PI);
         let pitch = self.pitch_radians + PI * down;

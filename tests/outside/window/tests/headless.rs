@@ -2,10 +2,10 @@
 
 use slabsplat::wgpu;
 use slabsplat::{Automatic, ImageDesc, RenderSettings, Scene};
-use slabsplat_window::{By, Orbit, Picture, open};
 use std::pin::pin;
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, Instant};
+use window::{By, Orbit, Picture, open};
 
 #[test]
 fn picture_follows_the_mouse() {
