@@ -6,15 +6,16 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`], [`stats`] and
-//! [`meter`] are what they print with, [`output`] is how pictures are written, and [`environment`] what
-//! drivers find.
+//! [`convert`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`],
+//! [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written, and
+//! [`environment`] what drivers find.
 
 mod flags;
 mod input;
 
 mod backends;
 mod bench;
+mod convert;
 mod demo;
 mod info;
 mod plain;
@@ -46,6 +47,7 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Info(info::InfoArgs),
+    Convert(convert::ConvertArgs),
     Demo(demo::DemoArgs),
     Popping(Box<popping::PoppingArgs>),
     Bench(Box<bench::BenchArgs>),
@@ -68,6 +70,7 @@ fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Popping(args) => popping::run(&args),
         Command::Bench(args) => bench::run(&args),

@@ -1,9 +1,9 @@
-//! Pictures, written to the end. A picture grows under another name and is then given its own; whoever
+//! Pictures and volumes, written to the end. Each grows under another name and is then given its own; whoever
 //! interrupts the program meanwhile waits until that is done, a second at most for most pictures, so that no
 //! half of one is left behind.
 
-use slabsplat::Image;
 use slabsplat::io::{self, IoError};
+use slabsplat::{Image, Volume};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -17,6 +17,15 @@ static WRITING: Mutex<()> = Mutex::new(());
 pub(crate) fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
     let _not_interrupted = writing();
     io::write_picture(path, image)
+}
+
+/// Writes a volume in the format that the name's extension says, and returns what that has no room for.
+///
+/// # Errors
+/// As [`io::write_volume`].
+pub(crate) fn write_volume(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError> {
+    let _not_interrupted = writing();
+    io::write_volume(path, volume)
 }
 
 fn writing() -> MutexGuard<'static, ()> {

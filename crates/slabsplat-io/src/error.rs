@@ -181,6 +181,15 @@ pub enum IoError {
         /// What is wrong, and what to do.
         what: String,
     },
+    /// The name of a volume that is to be written does not tell its format.
+    #[error(
+        "cannot tell the format of {}: name the volume .nrrd, .nii, .nii.gz, .mha, .npy, .raw or .zarr",
+        path.display()
+    )]
+    UnknownOutput {
+        /// The file that was to be.
+        path: PathBuf,
+    },
     /// The name of a picture does not tell its format.
     #[error("cannot tell the format of {}: name the picture .exr or .png", path.display())]
     UnknownPicture {

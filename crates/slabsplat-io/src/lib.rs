@@ -26,6 +26,7 @@
 //! | --- | --- |
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
+//! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`] |
 //!
 //! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
 //!
@@ -84,5 +85,6 @@ pub use scene::{
 pub use store::FilesInMemory;
 pub use volume::{
     Choice, Endian, LoadedVolume, Part, RawDesc, VolumeChoices, VolumeFormat, VolumeListing,
-    VolumeOptions, list_volume, read_raw, read_volume, read_volume_with,
+    VolumeOptions, VolumeOutput, list_volume, read_raw, read_volume, read_volume_with,
+    write_volume,
 };

@@ -11,7 +11,7 @@ use crate::IoError;
 
 /// Lets `write` fill the file at `path`. If it fails, whatever stood there before still does, and
 /// nothing else is left.
-pub(super) fn write(
+pub(crate) fn write(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> Result<(), IoError> {

@@ -1,6 +1,6 @@
 //! Writing pictures. What is written appears under its name only when it is complete.
 
-mod atomic;
+pub(crate) mod atomic;
 mod exr;
 mod png;
 

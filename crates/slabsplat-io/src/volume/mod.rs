@@ -7,7 +7,8 @@
 //! Reading order: `formats` (what each format must say of itself, and how a file's is found), `choices` (what
 //! is read of several volumes); `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`;
 //! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`, `units`;
-//! `stored`, `placed` (samples in any order of axes), `array_axes`, `zip`; then a format each.
+//! `stored`, `placed` (samples in any order of axes), `array_axes`, `zip`; then a format each,
+//! and `write`.
 
 mod choices;
 mod formats;
@@ -39,6 +40,7 @@ mod vtk;
 mod zarr;
 
 mod raw_name;
+mod write;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -51,6 +53,7 @@ pub use choices::{Choice, Part, VolumeChoices, VolumeOptions};
 pub use formats::{VolumeFormat, VolumeListing};
 pub(crate) use raw::read_raw_from;
 pub use raw::{RawDesc, read_raw};
+pub use write::{VolumeOutput, write_volume};
 
 use crate::IoError;
 use crate::store::Store;
