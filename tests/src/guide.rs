@@ -13,6 +13,7 @@ chapters! {
     own_data = "own-data.md",
     scenes_as_text = "scenes-as-text.md",
     windows = "windows.md",
+    browsers = "browsers.md",
     own_kernel = "own-kernel.md",
     own_backend = "own-backend.md",
     performance = "performance.md",

@@ -2,7 +2,7 @@
 //! uses no tables, the scenes of the paper's figures ([`paper_scenes`]), and scenes at random over
 //! every choice a scene can make ([`random_scene`]); [`render`] draws with every backend, and
 //! [`spy_device`] stands between a backend and its device, on which [`on_devices`] runs tests; [`caller`] is
-//! somebody who has a device of wgpu's already.
+//! somebody who has a device of wgpu's already, and [`browser`] has a browser draw.
 //!
 //! Nothing here is fast, and nothing here shares code with the renderer under test beyond the types
 //! of `slabsplat-core`. The tests themselves are in `tests/tests/`.
@@ -13,7 +13,9 @@ pub mod render;
 #[cfg(doctest)]
 mod guide;
 
+pub mod browser;
 pub mod caller;
+
 pub mod on_devices;
 pub mod spy_device;
 

@@ -10,11 +10,12 @@ use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Package, Workspace};
 
 use crate::test::{self, Test};
-use crate::{deny, lint, msrv, outside, package, semver};
+use crate::{deny, lint, msrv, outside, package, semver, web};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
     test::run(&Test::default())?;
+    web::run(false)?;
     package::run()?;
     outside::run()?;
     msrv::run(false)?;

@@ -13,10 +13,13 @@ use xtask::workspace::{self, Workspace};
 
 use crate::{dependencies, tidy};
 
-const WASM: &str = "wasm32-unknown-unknown";
+pub(crate) const WASM: &str = "wasm32-unknown-unknown";
 
 /// The environment variable that has flags of the compiler for that target alone.
-const WASM_FLAGS: &str = "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS";
+pub(crate) const WASM_FLAGS: &str = "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS";
+
+/// What it says for vectors.
+pub(crate) const WASM_VECTORS: &str = "-Ctarget-feature=+simd128";
 
 type Step = fn(&Path) -> Result<()>;
 
@@ -77,10 +80,10 @@ fn check_wasm(root: &Path) -> Result<()> {
         command
     };
     run_command(&mut check(&["slabsplat", "--features", "wgpu"]))?;
-    run_command(check(&["slabsplat-cpu"]).env(WASM_FLAGS, "-Ctarget-feature=+simd128"))
+    run_command(check(&["slabsplat-cpu"]).env(WASM_FLAGS, WASM_VECTORS))
 }
 
-fn has_target(target: &str) -> bool {
+pub(crate) fn has_target(target: &str) -> bool {
     let libraries = ["--print", "target-libdir", "--target", target];
     let folder = output(Command::new("rustc").args(libraries)).unwrap_or_default();
     Path::new(folder.trim()).is_dir()

@@ -11,6 +11,7 @@
 
 mod lint;
 mod test;
+mod web;
 
 mod deny;
 mod msrv;
@@ -38,17 +39,18 @@ Usage: cargo xtask COMMAND
   test [ARGS]              `cargo test ARGS`, of all packages unless some are named
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
+  web [--install]          have Chromium draw, by WebAssembly and WebGPU, what the CPU draws here
   package                  pack every crate that is published, and build each from its package alone
   outside                  then build and test programs as other people write them, on those packages
   msrv [--install]         check them with the oldest Rust that they promise, if rustup has it or may install it
   deny [CHECKS]            judge licences and sources of dependencies, or `advisories`, if cargo-deny is here
   semver                   compare with the last release, if there is one and cargo-semver-checks is here
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
-  ci                       lint, test, package, outside, msrv, deny, semver, and each crate and feature built alone
+  ci                       lint, test, web, package, outside, msrv, deny, semver, each crate and feature alone
   help                     print this
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
-with SLABSPLAT_REQUIRE_GPU in the environment they fail.
+with SLABSPLAT_REQUIRE_GPU in the environment they fail, and so does `web` without Chromium.
 ";
 
 fn main() -> ExitCode {
@@ -73,6 +75,7 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Test),
+    Web { installs: bool },
     Package,
     Outside,
     Msrv { installs: bool },
@@ -87,6 +90,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
+        Task::Web { installs } => web::run(*installs),
         Task::Package => package::run(),
         Task::Outside => outside::run(),
         Task::Msrv { installs } => msrv::run(*installs),
@@ -106,6 +110,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let rest: Vec<OsString> = args.collect();
     let task = match command.to_str() {
         Some("test") => return test::parse(&rest).map(Task::Test),
+        Some("web") => return web::parse(&rest).map(|installs| Task::Web { installs }),
         Some("bench") => return Ok(Task::Bench(rest)),
         Some("deny") => return Ok(Task::Deny(rest)),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
@@ -140,6 +145,7 @@ mod tests {
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
         check(&["package"], Ok(Task::Package));
+        check(&["web"], Ok(Task::Web { installs: false }));
         check(&["outside"], Ok(Task::Outside));
         check(&["msrv"], Ok(Task::Msrv { installs: false }));
         check(&["msrv", "--install"], Ok(Task::Msrv { installs: true }));

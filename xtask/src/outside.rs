@@ -13,23 +13,33 @@ use anyhow::{Result, ensure};
 use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Workspace};
 
+use crate::lint::{WASM, has_target};
+use crate::web::PAGES;
+
 pub(crate) fn run() -> Result<()> {
     let workspace = Workspace::read()?;
     let packages = packages(&workspace)?;
     run_command(cargo(&programs()).args(["fmt", "--all", "--check"]))?;
     let build = |subcommand: &str| {
         let mut command = cargo(&programs());
-        command.args([subcommand, "--workspace", "--all-targets", "--target-dir"]);
+        command.arg(subcommand).arg("--target-dir");
         command.arg(workspace.target_directory.join("outside"));
         patch(&mut command, &packages);
         command
     };
-    run_command(build("clippy").args(["--", "-D", "warnings"]))?;
-    run_command(&mut build("test"))
+    let all = ["--workspace", "--all-targets"];
+    run_command(build("clippy").args(all).args(["--", "-D", "warnings"]))?;
+    run_command(build("test").args(all))?;
+    if !has_target(WASM) {
+        eprintln!("outside: pages are skipped, as there is no {WASM}: `rustup target add {WASM}`");
+        return Ok(());
+    }
+    let pages = PAGES.iter().flat_map(|page| ["--package", *page]);
+    run_command(build("build").args(["--target", WASM]).args(pages))
 }
 
 /// Where the programs lie.
-fn programs() -> PathBuf {
+pub(crate) fn programs() -> PathBuf {
     workspace::root().join("tests").join("outside")
 }
 
@@ -49,17 +59,17 @@ fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
         .collect()
 }
 
-/// Has cargo take the packages where it would ask the registry.
-fn patch(command: &mut Command, packages: &[(&str, PathBuf)]) {
-    for (name, unpacked) in packages {
-        command.arg("--config").arg(patch_of(name, unpacked));
+/// Has cargo take these crates where it would ask the registry.
+pub(crate) fn patch(command: &mut Command, crates: &[(&str, PathBuf)]) {
+    for (name, folder) in crates {
+        command.arg("--config").arg(patch_of(name, folder));
     }
 }
 
 /// As a line of cargo's configuration.
-fn patch_of(name: &str, unpacked: &Path) -> String {
+fn patch_of(name: &str, folder: &Path) -> String {
     // A literal string of TOML, in which no backslash means anything.
-    format!("patch.crates-io.{name}.path='{}'", unpacked.display())
+    format!("patch.crates-io.{name}.path='{}'", folder.display())
 }
 
 #[cfg(test)]

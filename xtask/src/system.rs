@@ -1,4 +1,4 @@
-//! What some tests need beside Rust, from the system's packages.
+//! What some tests need beside Rust, from the system's packages: for each command that installs, a list.
 //!
 //! Nothing is installed unless `--install` says so, and then by apt-get; otherwise a line says what is
 //! missing.
@@ -16,14 +16,15 @@ use std::process::Command;
 use anyhow::{Context, Result};
 use xtask::process::output;
 
-struct Need {
+pub(crate) struct Need {
     name: &'static str,
     /// Of Debian and its descendants.
     packages: &'static [&'static str],
     is_there: fn() -> bool,
 }
 
-const NEEDS: &[Need] = &[
+/// What `cargo xtask test` needs.
+pub(crate) const TESTS: &[Need] = &[
     Need {
         name: "a Vulkan driver",
         packages: &["libvulkan1", "mesa-vulkan-drivers"],
@@ -44,22 +45,26 @@ const NEEDS: &[Need] = &[
     Need { name: "valgrind", packages: &["valgrind"], is_there: has_valgrind },
 ];
 
+/// What `cargo xtask web` needs. It has a Vulkan driver of its own.
+pub(crate) const BROWSER: &[Need] =
+    &[Need { name: "Chromium", packages: &["chromium"], is_there: has_chromium }];
+
 /// Where Vulkan's folders are, `icd.d` for drivers and `explicit_layer.d` for layers.
 const VULKAN_FOLDERS: &[&str] =
     &["/usr/share/vulkan", "/etc/vulkan", "/usr/local/share/vulkan", "/usr/local/etc/vulkan"];
 
-/// Installs what is missing, if `is_told_to`, and says what still is.
-pub(crate) fn set_up(is_told_to: bool) {
+/// Installs what is missing for `cargo xtask COMMAND`, if `is_told_to`, and says what still is.
+pub(crate) fn set_up(command: &str, needs: &'static [Need], is_told_to: bool) {
     if is_told_to
-        && let missing = missing()
+        && let missing = missing(needs)
         && !missing.is_empty()
-        && let Err(error) = install(&missing)
+        && let Err(error) = install(command, &missing)
     {
-        eprintln!("test: {error:#}");
+        eprintln!("{command}: {error:#}");
     }
-    let missing = missing();
+    let missing = missing(needs);
     if !missing.is_empty() {
-        eprintln!("test: {}", lack(&missing));
+        eprintln!("{command}: {}", lack(command, &missing));
     }
 }
 
@@ -68,17 +73,22 @@ pub(crate) fn has_valgrind() -> bool {
     starts("valgrind")
 }
 
-fn missing() -> Vec<&'static Need> {
+/// Whether there is a browser.
+pub(crate) fn has_chromium() -> bool {
+    starts("chromium")
+}
+
+fn missing(needs: &'static [Need]) -> Vec<&'static Need> {
     if cfg!(target_os = "linux") {
-        NEEDS.iter().filter(|need| !(need.is_there)()).collect()
+        needs.iter().filter(|need| !(need.is_there)()).collect()
     } else {
         Vec::new()
     }
 }
 
-fn install(missing: &[&Need]) -> Result<()> {
+fn install(command: &str, missing: &[&Need]) -> Result<()> {
     let packages = packages(missing);
-    eprintln!("test: installing {}", packages.join(", "));
+    eprintln!("{command}: installing {}", packages.join(", "));
     let apt_get = |args: &[&str]| {
         output(Command::new("apt-get").args(args).env("DEBIAN_FRONTEND", "noninteractive"))
     };
@@ -91,10 +101,10 @@ fn install(missing: &[&Need]) -> Result<()> {
 }
 
 /// One line: what is missing, what that means, what helps.
-fn lack(missing: &[&Need]) -> String {
+fn lack(command: &str, missing: &[&Need]) -> String {
     let names: Vec<&str> = missing.iter().map(|need| need.name).collect();
     format!(
-        "missing: {}; what needs it is skipped. `cargo xtask test --install`, as root on Debian or \
+        "missing: {}; what needs it is skipped. `cargo xtask {command} --install`, as root on Debian or \
          Ubuntu, installs {}",
         names.join(", "),
         packages(missing).join(", ")
@@ -154,7 +164,7 @@ mod tests {
 
     #[test]
     fn lack_is_one_line_with_a_remedy() {
-        let text = lack(&NEEDS.iter().collect::<Vec<_>>());
+        let text = lack("test", &TESTS.iter().collect::<Vec<_>>());
         assert!(!text.contains('\n'), "{text}");
         let parts =
             ["a Vulkan driver, Vulkan's", "`cargo xtask test --install`", "libvulkan1, mesa"];

@@ -69,7 +69,7 @@ pub(crate) fn parse(args: &[OsString]) -> Result<Test, String> {
 }
 
 pub(crate) fn run(Test { installs, seeds, args }: &Test) -> Result<()> {
-    system::set_up(*installs);
+    system::set_up("test", system::TESTS, *installs);
     // Whoever asks for some tests, or for other seeds, does not ask for this one.
     let counts = args.is_empty() && seeds.is_none() && system::has_valgrind();
     let mut test = cargo(workspace::root());
