@@ -38,7 +38,7 @@ pub fn fetched_folder() -> PathBuf {
 /// The volume file `path`, as `nifti/mni152_t1_1mm_uint8.nii.gz`, or `None` after a sentence on stderr.
 #[must_use]
 pub fn volume(path: &str) -> Option<PathBuf> {
-    let found = folders().map(|folder| folder.join(path)).find(|path| path.is_file());
+    let found = folders().map(|folder| folder.join(path)).find(|path| path.exists());
     if found.is_none() {
         let line =
             format!("skipped: {path} is not here; tests/data/README.md says how to get it\n");

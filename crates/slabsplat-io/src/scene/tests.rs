@@ -509,6 +509,19 @@ fn scene_loads_its_volume() {
 }
 
 #[test]
+fn scene_chooses_a_volume_of_several() {
+    let layer =
+        read_layer("[volume]\npath = \"a.nii\"\nseries = 1\nchannel = 2\ntime = 3\nlevel = 4\n");
+    let expected = VolumeOptions::default().series(1).channel(2).time(3).level(4);
+    assert_eq!(layer.options, expected);
+    assert!(!layer.shares_volume(&read_layer("[volume]\npath = \"a.nii\"")));
+    let error = read_layer(&format!("{SMALL}time = 1")).load_volume().unwrap_err().to_string();
+    assert_eq!(error, "cube: there is no time 1: there is only 0");
+    let error = read("[volume]\npath = \"a.nii\"\nallow_external = true").unwrap_err();
+    assert!(error.to_string().contains("allow_external"), "a scene cannot permit itself more");
+}
+
+#[test]
 fn scene_must_be_there() {
     let err = read_scene(Path::new("/nonexistent/scene.toml")).unwrap_err().to_string();
     assert!(err.starts_with("cannot read /nonexistent/scene.toml: "), "{err}");
