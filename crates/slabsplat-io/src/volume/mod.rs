@@ -25,6 +25,7 @@ mod units;
 
 mod array_axes;
 mod placed;
+mod printable;
 mod stored;
 mod zip;
 

@@ -11,6 +11,7 @@ use flate2::Crc;
 use flate2::read::DeflateDecoder;
 
 use super::placed::Source;
+use super::printable::printable;
 use super::stream::MAX_GZIP_RATIO;
 use crate::IoError;
 use crate::store::{Store, StoredFile};
@@ -220,7 +221,7 @@ fn entries(mut directory: &[u8]) -> Option<Vec<Entry>> {
         let (n_bytes, n_packed) = (number(24)?, number(20)?);
         let header_at = number(42)?;
         entries.push(Entry {
-            name: String::from_utf8_lossy(name).into_owned(),
+            name: printable(&String::from_utf8_lossy(name)),
             method: u16_at(header, 10),
             is_encrypted: u16_at(header, 8) & 1 == 1,
             crc: u32_at(header, 16),

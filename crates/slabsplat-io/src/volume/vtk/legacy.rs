@@ -3,6 +3,7 @@
 
 use super::super::Endian;
 use super::super::formats::{Input, VolumeListing};
+use super::super::printable::printable;
 use super::super::stored::StoredType;
 use super::image::{self, ArrayDesc, Geometry, legacy_type};
 use super::lines::Lines;
@@ -115,6 +116,7 @@ impl Header {
                 Some("STRUCTURED_POINTS") => Ok(()),
                 other => {
                     let other: String = other.unwrap_or_default().chars().take(40).collect();
+                    let other = printable(&other);
                     let what = format!("{other} is no image: save it as STRUCTURED_POINTS");
                     Err(IoError::unsupported(lines.input.path, what))
                 }
@@ -307,5 +309,5 @@ fn with_escapes(name: &str) -> String {
             }
         }
     }
-    String::from_utf8_lossy(&plain).into_owned()
+    printable(&String::from_utf8_lossy(&plain))
 }

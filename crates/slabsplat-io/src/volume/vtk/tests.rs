@@ -258,6 +258,7 @@ fn vtk_errors_are_plain() {
     check("a.vti", other.as_bytes(), "cannot be samples");
     let grid = b"<VTKFile type=\"UnstructuredGrid\">";
     check("a.vti", grid, "UnstructuredGrid is no image");
+    check("a.vti", b"<VTKFile type=\"Un\nGrid\">", "is no image");
     check("a.vti", b"<?xml version=\"1.0\"?><!DOCTYPE VTKFile []><VTKFile>", "document type");
     check("a.vti", b"garbage", "not a VTK images file");
     check("a.vtk", &legacy("BINARY", "SCALARS a short\n", &lies[..20]), "needs 24 bytes");

@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader};
 use super::super::Endian;
 use super::super::formats::{Input, VolumeListing};
 use super::super::placed::Source;
+use super::super::printable::printable;
 use super::super::stream::MAX_GZIP_RATIO;
 use super::base64::Base64;
 use super::blocks::{Blocks, Compressor, Words};
@@ -185,7 +186,8 @@ impl Header {
                 );
             }
             other => {
-                let other: String = other.unwrap_or("nothing").chars().take(40).collect();
+                let other =
+                    printable(&other.unwrap_or("nothing").chars().take(40).collect::<String>());
                 return Err(format!("VTK's {other} is no image: resample it to ImageData"));
             }
         }
@@ -329,7 +331,7 @@ impl Header {
             Some("vtkZLibDataCompressor") => Compressor::Zlib,
             Some("vtkLZ4DataCompressor") => Compressor::Lz4,
             Some(other) => {
-                let other: String = other.chars().take(40).collect();
+                let other = printable(&other.chars().take(40).collect::<String>());
                 let what =
                     format!("data packed by {other} cannot be read: save them with ZLib or LZ4");
                 return Err(IoError::unsupported(input.path, what));
@@ -357,7 +359,7 @@ impl Array {
             Some(_) => Format::Unknown,
         };
         let desc = ArrayDesc {
-            name: tag.get("Name").unwrap_or("unnamed").to_owned(),
+            name: printable(tag.get("Name").unwrap_or("unnamed")),
             stored: stored_type(&type_name),
             type_name,
             n_components: usize::try_from(number("NumberOfComponents", 1)?.max(1))

@@ -128,7 +128,10 @@ fn prefix(zip: &ZipFile<'_>) -> Option<String> {
 /// A key below another, if it does not lead out of it.
 pub(super) fn joined(key: &str, below: &str) -> Option<String> {
     let below = below.trim_matches('/');
-    let is_sane = |part: &str| !["", ".", ".."].contains(&part) && !part.contains(['\\', ':']);
+    let is_sane = |part: &str| {
+        !["", ".", ".."].contains(&part)
+            && !part.contains(|c: char| c.is_control() || "\\:".contains(c))
+    };
     if !below.is_empty() && !below.split('/').all(is_sane) {
         return None;
     }
