@@ -1,5 +1,5 @@
-//! Bytes from base64 (RFC 4648 §4), as they are read. Units that end in padding may follow each other, as the
-//! parts of an array in VTK's XML do.
+//! Bytes from base64 (RFC 4648 §4), as they are read. Units that end in padding may follow each other, as
+//! the parts of an array in VTK's XML do.
 
 use std::io::{self, Read};
 

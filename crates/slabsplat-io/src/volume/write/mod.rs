@@ -139,8 +139,8 @@ fn pack(
     encoder.finish().map(drop)
 }
 
-/// Steps along the axes and the first voxel's place, in the coordinates of a format: RAS+, or LPS+ where x and
-/// y are turned round.
+/// Steps along the axes and the first voxel's place, in the coordinates of a format: RAS+, or LPS+ where x
+/// and y are turned round.
 fn steps_and_origin(grid: &Grid, is_lps: bool) -> ([DVec3; 3], DVec3) {
     let signs = if is_lps { DVec3::new(-1.0, -1.0, 1.0) } else { DVec3::ONE };
     let to_world = grid.world_from_index();

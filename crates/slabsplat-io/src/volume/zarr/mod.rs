@@ -2,7 +2,7 @@
 //!
 //! Formats: <https://ngff.openmicroscopy.org> (0.4 on Zarr 2, 0.5 on Zarr 3) and
 //! <https://zarr-specs.readthedocs.io>.
-//! Read: levels with scales and translations, lengths in any unit, channels and times, a Zarr array by itself;
+//! Read: levels with scales and translations, lengths in any unit, channels and times, a Zarr array alone;
 //! chunks packed by gzip, zlib, Zstandard and Blosc (BloscLZ, LZ4, zlib, Zstandard; shuffled bytes and bits),
 //! CRC32C, transposed axes, shards. The crate `zarrs` is not used: it brings 190 crates, C libraries among
 //! them, needs a newer compiler, and takes memory on the word of the metadata. Not read: other codecs and
