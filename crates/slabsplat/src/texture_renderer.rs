@@ -57,7 +57,6 @@ pub struct TextureRenderer {
     queue: wgpu::Queue,
     planner: Planner,
     /// Those that were added.
-    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "a fallback would need them"))]
     kernels: Vec<Arc<dyn Kernel>>,
     drawing: Drawing,
     /// In the order of submission.
@@ -79,6 +78,7 @@ struct UnderWay {
     frame: FrameHandle,
     target: TextureTarget,
     /// To begin it again elsewhere.
+    #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "there is nowhere else"))]
     scene: Scene,
     /// If the CPU draws it.
     on_cpu: Option<Uploaded>,

@@ -12,7 +12,7 @@ mod tests;
 
 pub use found::{FoundBackend, FoundDevice, found_backends};
 
-#[cfg(feature = "wgpu")]
+#[cfg(all(feature = "wgpu", not(target_arch = "wasm32")))]
 pub(crate) use interfaces::is_fast;
 
 use at_once::at_once;

@@ -57,7 +57,7 @@ pub(super) struct Shard {
 }
 
 /// Items of a chunk: more would be a mistake, or an attack.
-const MAX_CHUNK_ITEMS: usize = 1 << 32;
+const MAX_CHUNK_ITEMS: u64 = 1 << 32;
 
 /// Axes of an array that an image may have.
 const MAX_AXES: usize = 16;
@@ -128,7 +128,7 @@ impl ArrayMeta {
         let inner = shard.map_or(&self.chunks, |shard| &shard.chunks);
         for chunks in [&self.chunks, inner] {
             let n_items = chunks.shape.iter().try_fold(1_usize, |n, len| n.checked_mul(*len));
-            let is_sane = n_items.is_some_and(|n| 0 < n && n <= MAX_CHUNK_ITEMS);
+            let is_sane = n_items.is_some_and(|n| 0 < n && n as u64 <= MAX_CHUNK_ITEMS);
             if chunks.shape.len() != n_axes || !is_sane {
                 return Err(format!("chunks cannot have the shape {:?}", chunks.shape));
             }
