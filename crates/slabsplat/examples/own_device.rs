@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 ///
 /// # Errors
 /// If there is no device, or the picture cannot be written.
-pub fn draw(path: &Path) -> Result<(), Box<dyn Error>> {
+pub(crate) fn draw(path: &Path) -> Result<(), Box<dyn Error>> {
     let (device, queue) = device()?;
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture"),
