@@ -269,7 +269,10 @@ impl TextureRenderer {
         {
             return Ok(());
         }
-        self.under_way.remove(place);
+        // A frame that nobody may wait for is still there to be polled.
+        if error != RenderError::Backend(BackendError::CannotWait) {
+            self.under_way.remove(place);
+        }
         Err(error)
     }
 }

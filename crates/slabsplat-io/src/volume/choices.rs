@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::data::Share;
 use super::formats::Input;
+use super::printable::printable;
 use crate::IoError;
 
 /// Of a name.
@@ -254,7 +255,7 @@ impl Input<'_> {
     pub(super) fn choose_of(&self, part: Part, mut choice: Choice) -> Result<Choice, IoError> {
         // Names are a file's, and are shown on terminals.
         for name in &mut choice.names {
-            *name = name.chars().filter(|c| !c.is_control()).take(MAX_NAME_CHARS).collect();
+            *name = printable(name).chars().take(MAX_NAME_CHARS).collect();
         }
         let chosen = choice.index_of(self.options.get(part), part, self.path)?;
         choice.chosen = chosen;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
+use super::super::printable::printable;
 use super::dataset::{Header, PixelElement, Syntax, is_begun_by};
 use super::frame::{About, Frame, Layout, frames};
 use crate::IoError;
@@ -174,9 +175,8 @@ impl Series {
     pub(super) fn name(&self) -> String {
         let About { modality, number, description, .. } = &self.about;
         let number = number.map(|number| format!(" {number}")).unwrap_or_default();
-        let is_shown = |c: &char| !c.is_control();
-        let description: String = description.chars().filter(is_shown).take(64).collect();
-        let modality: String = modality.chars().filter(is_shown).take(16).collect();
+        let description: String = printable(description).chars().take(64).collect();
+        let modality: String = printable(modality).chars().take(16).collect();
         let Layout { rows, columns, .. } = self.layout;
         let n_frames = self.frames.len();
         format!("{modality}{number} {description:?}, {n_frames} slices of {columns} x {rows}")
