@@ -4,9 +4,9 @@ use crate::PlanError;
 use slabsplat_core::{Grid, SlabGrid, TooManySlabs, View};
 
 /// Most slabs that a kernel may be deep, as seen along the longest voxel step. In a cubic grid it is four
-/// slabs of a step's width; a thousand is for steps that are 250 times as long as others, or slabs of a 250th
-/// of a step. The work of a frame grows with it, at no gain that anybody sees.
-pub(crate) const MAX_SLABS_OF_A_KERNEL: f64 = 1024.0;
+/// slabs of a step's width, eight of densities; the bound has room for needles that are a thousand times as
+/// long as they are thick. The work of a voxel grows with it.
+pub(crate) const MAX_SLABS_OF_A_KERNEL: f64 = 8192.0;
 
 /// The slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -137,7 +137,7 @@ fn planner_refuses_what_cannot_be_drawn() {
 #[test]
 fn planner_bounds_sections_of_a_kernel() {
     let refused = |settings: &RenderSettings, eye: DVec3| {
-        let grid = Grid::with_spacing([2, 2, 2], [1.0, 1.0, 1600.0]).unwrap();
+        let grid = Grid::with_spacing([2, 2, 2], [1.0, 1.0, 12800.0]).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
         let mut scene = scene_of(volume, settings.clone());
         let up = DVec3::new(0.1, 0.2, 0.3);
@@ -150,7 +150,7 @@ fn planner_bounds_sections_of_a_kernel() {
         else {
             panic!("drawn from {eye}");
         };
-        assert_eq!((n_slabs, wide_enough), (6400.0, 6.25), "{eye}");
+        assert_eq!((n_slabs, wide_enough), (51200.0, 6.25), "{eye}");
         assert_eq!(refused(&settings.clone().slab_width(wide_enough), eye), None, "{eye}");
         // Samples and sheets of voxels are whole.
         for method in [Method::EverySample, Method::AxisAligned] {

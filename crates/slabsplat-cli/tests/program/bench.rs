@@ -70,7 +70,7 @@ fn bench_takes_scenes_and_flags() {
     let report = json(dir.path(), "bench a.toml --frames 1 --height 7 --json");
     assert_eq!([&report["width"], &report["height"]], [9, 7]);
     let line = diagnostic(dir.path(), "bench a.toml --frames 1 --slab-width 1e-9");
-    assert!(line.contains("a.toml: ") && line.contains("sheets"), "{line}");
+    assert!(line.contains("a.toml: ") && line.contains("slabs deep"), "{line}");
 }
 
 #[test]

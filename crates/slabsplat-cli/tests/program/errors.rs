@@ -19,7 +19,7 @@ fn error_of_a_scene_names_it() {
     for (rest, expected) in [
         ("[render]\nkernel = \"box\"", "no kernel"),
         ("[render]\nbackend = \"cray\"", "no backend"),
-        ("[render]\nslab_width = 1e-9", "sheets"),
+        ("[render]\nslab_width = 1e-9", "slabs deep"),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]", "same point"),
     ] {
         let scene = format!("[volume]\ngenerate = \"cube\"\n{rest}\n");

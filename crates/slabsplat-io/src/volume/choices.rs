@@ -287,7 +287,7 @@ mod tests {
         }
         let names = vec!["a\u{1b}[2J\n".to_owned(), "x".repeat(999)];
         let shown = input.choose_of(Part::Time, Choice { n: 2, names, chosen: 0 }).unwrap().names;
-        assert_eq!((shown[0].as_str(), shown[1].len()), ("a[2J", MAX_NAME_CHARS));
+        assert_eq!((shown[0].as_str(), shown[1].len()), ("a\u{fffd}[2J\u{fffd}", MAX_NAME_CHARS));
         let names = vec!["x".to_owned(); 99];
         assert!(Choice { n: 99, names, chosen: 0 }.to_string().ends_with("11 x, ..)"));
     }
