@@ -155,9 +155,6 @@ fn splat_color(record: Record, center: vec3<f32>) -> vec4<f32> {
 }
 
 fn light_up(color: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
-    if all(normal == vec3(0.0)) {
-        return min(color * layers[step.layer].ambient, vec3(1.0));
-    }
     let light = light_on(step.layer, normal);
     return clamp(color * light.diffuse + light.specular, vec3(0.0), vec3(1.0));
 }

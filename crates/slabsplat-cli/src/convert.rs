@@ -41,10 +41,6 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     terminal::warn_all(&loaded.warnings);
     terminal::warn_all(&lost);
     let [nx, ny, nz] = loaded.volume.grid().dims();
-    terminal::say(format_args!(
-        "{}: {nx} x {ny} x {nz} voxels of {}",
-        args.output.display(),
-        loaded.volume.sample_type().name(),
-    ));
+    terminal::say(format_args!("{}: {nx} x {ny} x {nz} voxels", args.output.display()));
     Ok(())
 }

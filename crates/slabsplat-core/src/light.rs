@@ -127,11 +127,13 @@ pub struct Lamp {
 impl Lamp {
     /// For a viewer who looks along `forward`, of length 1.
     pub fn new(light: Light, forward: DVec3) -> Self {
-        let to_light = match light.source {
-            LightSource::Headlight => -forward,
-            LightSource::Direction(LightDirection(to_light)) => to_light,
+        let (to_light, halfway) = match light.source {
+            // The very same, so that who computes with one need not compute with the other.
+            LightSource::Headlight => (-forward, -forward),
+            LightSource::Direction(LightDirection(to_light)) => {
+                (to_light, (to_light - forward).normalize_or_zero())
+            }
         };
-        let halfway = (to_light - forward).normalize_or_zero();
         Self { to_light, halfway, color: light.color.into() }
     }
 

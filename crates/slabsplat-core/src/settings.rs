@@ -40,12 +40,12 @@ settings! {
         base_slab_width: f64 = 0.5, number("STEPS", WIDTHS);
 
         /// Sections in a table; the paper has 128.
-        sections: u32 = 128, count(TABLE_SIZES);
+        sections: u32 = 128, count(TABLE_SECTIONS);
 
         /// Samples along the radius of a table.
         /// What is off between them falls with their square: it is the most that backends differ by, below
         /// 10⁻³ of a pixel from the default on.
-        radial_samples: u32 = 256, count(TABLE_SIZES);
+        radial_samples: u32 = 256, count(TABLE_RADII);
 
         /// How a section is looked up in its table.
         lookup: Lookup = Lookup::Linear, choice;
@@ -90,8 +90,9 @@ pub enum SettingsError {
 /// The widest slab is much thicker than any volume, and far from infinite.
 const WIDTHS: Interval = Interval::above(0.0).at_most(1e12);
 
-/// It takes two samples to interpolate; the upper end bounds the time and memory that a table takes.
-const TABLE_SIZES: Interval = Interval::at_least(2.0).at_most(4096.0);
+/// Between fewer samples a kernel is not to be recognised; the upper ends bound the time that a table takes.
+const TABLE_SECTIONS: Interval = Interval::at_least(16.0).at_most(1024.0);
+const TABLE_RADII: Interval = Interval::at_least(16.0).at_most(2048.0);
 
 /// A normalised table grows with the slab width, unlike a plain one: this takes a second to make.
 const MAX_NORMALIZED_WIDTH: f64 = 128.0;

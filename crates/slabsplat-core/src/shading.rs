@@ -15,7 +15,7 @@ pub enum Shading {
 }
 
 settings! {
-    /// Blinn–Phong: `c·(k_a + Σ k_d·L·n·l) + Σ k_s·L·(n·h)^s` over all lights, clamped to 0 … 1
+    /// Blinn–Phong: `c·(k_a + Σ k_d·L·(n·l + 1 − |n|)) + Σ k_s·L·(n·h)^s` over all lights, clamped to 0 … 1
     /// ([model §6](crate::model)).
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[non_exhaustive]
@@ -70,8 +70,8 @@ impl BlinnPhong {
         Self { phong, lamps: lights.iter().map(|&light| Lamp::new(light, forward)).collect() }
     }
 
-    /// What `color` becomes on a surface with that normal, which is no longer than 1: a faint surface has a
-    /// shorter one, and gets less than the full light.
+    /// What `color` becomes on a surface with that normal, which is no longer than 1: what it lacks of that
+    /// faces every light, and mirrors none.
     #[inline]
     pub fn lit(&self, color: DVec3, normal: DVec3) -> DVec3 {
         let Phong { ambient, diffuse, specular, shininess, two_sided, .. } = self.phong;
@@ -80,10 +80,11 @@ impl BlinnPhong {
             if two_sided { product.abs() } else { product.max(0.0) }
         };
         let (mut scattered, mut mirrored) = (DVec3::splat(ambient), DVec3::ZERO);
+        let undirected = (1.0 - normal.length()).max(0.0);
         for lamp in &self.lamps {
             let n_l = facing(lamp.to_light);
+            scattered += diffuse * (n_l + undirected) * lamp.color;
             if 0.0 < n_l {
-                scattered += diffuse * n_l * lamp.color;
                 mirrored += specular * facing(lamp.halfway).powf(shininess) * lamp.color;
             }
         }
@@ -119,7 +120,8 @@ mod tests {
         };
         // h lies half way between x and z, and cos² 45° is a half.
         check(false, DVec3::X, 0.1 + 0.5 + 0.25 * 0.5);
-        check(false, DVec3::X * 0.5, 0.1 + 0.25 + 0.25 * 0.125);
+        check(false, DVec3::X * 0.5, 0.1 + 0.25 + 0.25 + 0.25 * 0.125);
+        check(false, DVec3::ZERO, 0.1 + 0.5);
         check(false, DVec3::new(1.0, 0.0, 1.0).normalize(), 0.1 + 0.5 * 0.5_f64.sqrt() + 0.25);
         // No light falls on it, so none is reflected.
         check(false, DVec3::Z, 0.1);

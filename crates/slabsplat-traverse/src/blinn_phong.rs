@@ -25,6 +25,8 @@ pub struct BlinnPhong8 {
     two_sided: bool,
     lamps: [Lamp8; Light::MAX_LIGHTS],
     n_lamps: usize,
+    /// Diffuse light of all lamps on what faces them all, times red, green and blue.
+    facing_all: [f32; 3],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -79,6 +81,10 @@ impl BlinnPhong8 {
         for (lamp8, lamp) in lamps8.iter_mut().zip(lamps) {
             *lamp8 = Lamp8::new(phong, &lamp);
         }
+        let mut facing_all = [0.0; 3];
+        for lamp in &lamps8[..n_lamps] {
+            facing_all.iter_mut().zip(lamp.diffuse).for_each(|(sum, diffuse)| *sum += diffuse);
+        }
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
         Self {
             ambient: phong.ambient as f32,
@@ -95,6 +101,7 @@ impl BlinnPhong8 {
             two_sided: phong.two_sided,
             lamps: lamps8,
             n_lamps,
+            facing_all,
         }
     }
 
@@ -109,8 +116,7 @@ impl BlinnPhong8 {
         self.lamps().iter().all(|lamp| is_gray(lamp.diffuse) && is_gray(lamp.specular))
     }
 
-    /// The light on eight voxels, in the first channels. A normal of zero gets the ambient term alone, as its
-    /// products are zero.
+    /// The light on eight voxels, in the first channels. Their normals are of length 1 or 0.
     #[inline]
     pub(crate) fn on<const N: usize>(&self, records: &[VoxelRecord; 8]) -> [Light8; N] {
         let mut normals = [[0.0; 8]; 3];
@@ -119,14 +125,23 @@ impl BlinnPhong8 {
                 components[x] = f32::from(steps) * (1.0 / NORMAL_STEPS);
             }
         }
-        self.light(&normals, &to_length_1(&normals))
+        let squares = squared_lengths(&normals);
+        let undirected = squares.map(|square| if square == 0.0 { 1.0 } else { 0.0 });
+        // As in [`VoxelRecord::normal_in_world`].
+        let to_length_1 = squares.map(|square| 1.5 - 0.5 * square);
+        self.light(&normals, &to_length_1, &undirected)
     }
 
-    /// The light on eight normals, x, y and z in world space, none longer than 1: a shorter one gets less.
-    /// One of zero gets the ambient term alone. There are `N` channels of it, from red on.
+    /// The light on eight normals, x, y and z in world space, none longer than 1: what one lacks of that faces
+    /// every light, and mirrors none. There are `N` channels of it, from red on.
     #[inline(always)]
     pub fn of_normals<const N: usize>(&self, normals: &[[f32; 8]; 3]) -> [Light8; N] {
-        self.light(normals, &[1.0; 8])
+        let mut undirected = squared_lengths(normals);
+        for length in &mut undirected {
+            let lacking = 1.0 - length.sqrt();
+            *length = if 0.0 < lacking { lacking } else { 0.0 };
+        }
+        self.light(normals, &[1.0; 8], &undirected)
     }
 
     #[inline(always)]
@@ -134,11 +149,22 @@ impl BlinnPhong8 {
         &self,
         normals: &[[f32; 8]; 3],
         to_length_1: &[f32; 8],
+        undirected: &[f32; 8],
     ) -> [Light8; N] {
         let mut channels = [Light8 { diffuse: [self.ambient; 8], specular: [0.0; 8] }; N];
+        for (light, facing) in channels.iter_mut().zip(self.facing_all) {
+            for x in 0..8 {
+                light.diffuse[x] += facing * undirected[x];
+            }
+        }
         for lamp in self.lamps() {
             let n_l = self.facing(normals, to_length_1, lamp.to_light);
-            let mut n_h = self.facing(normals, to_length_1, lamp.halfway);
+            // From the viewer both are one direction: the usual light, in half the products.
+            let mut n_h = if lamp.halfway == lamp.to_light {
+                n_l
+            } else {
+                self.facing(normals, to_length_1, lamp.halfway)
+            };
             for n_h in &mut n_h {
                 *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
             }
@@ -188,14 +214,13 @@ impl Lamp8 {
     }
 }
 
-/// What brings normals to length 1, as in [`VoxelRecord::normal_in_world`].
-#[inline]
-fn to_length_1([x, y, z]: &[[f32; 8]; 3]) -> [f32; 8] {
-    let mut factors = [0.0; 8];
+#[inline(always)]
+fn squared_lengths([x, y, z]: &[[f32; 8]; 3]) -> [f32; 8] {
+    let mut squares = [0.0; 8];
     for i in 0..8 {
-        factors[i] = 1.5 - 0.5 * (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+        squares[i] = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
     }
-    factors
+    squares
 }
 
 impl Power {

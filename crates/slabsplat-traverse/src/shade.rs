@@ -203,6 +203,9 @@ mod tests {
             if phong.two_sided { product.abs() } else { product.max(0.0) }
         };
         let mut lit = color * phong.ambient;
+        if normal == DVec3::ZERO {
+            lit += lamps.iter().map(|lamp| color * phong.diffuse * lamp.color).sum::<DVec3>();
+        }
         for lamp in lamps.iter().filter(|lamp| 0.0 < product(lamp.to_light)) {
             lit += color * phong.diffuse * lamp.color * product(lamp.to_light);
             lit += phong.specular * lamp.color * product(lamp.halfway).powf(phong.shininess);

@@ -15,8 +15,8 @@ pub fn shaded_color(
     shaded_by_normals((shading, lights), color, &[(normal, 1.0)], forward)
 }
 
-/// The same with the mean light of some normals, of length 1, or shorter where there is less of a surface, by
-/// their weights.
+/// The same with the mean light of some normals, of length 1, or shorter where there is less of a direction,
+/// by their weights.
 pub fn shaded_by_normals(
     (shading, lights): (&Shading, &[Light]),
     color: [f64; 3],
@@ -40,7 +40,7 @@ pub fn shaded_by_normals(
     })
 }
 
-/// `k_d·n·l` and `k_s·(n·h)^s`.
+/// `k_d·(n·l + 1 − |n|)` and `k_s·(n·h)^s`.
 fn lamp_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f64, f64) {
     let to_viewer = -forward;
     let to_light = match light.source {
@@ -54,10 +54,11 @@ fn lamp_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f
         if phong.two_sided { product.abs() } else { product.max(0.0) }
     };
     let n_dot_l = product(to_light);
+    let diffuse = phong.diffuse * (n_dot_l + 1.0 - normal.length().min(1.0));
     if n_dot_l <= 0.0 {
-        return (0.0, 0.0);
+        return (diffuse, 0.0);
     }
-    (phong.diffuse * n_dot_l, phong.specular * product(halfway).powf(phong.shininess))
+    (diffuse, phong.specular * product(halfway).powf(phong.shininess))
 }
 
 #[cfg(test)]

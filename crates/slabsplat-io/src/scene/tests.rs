@@ -256,7 +256,7 @@ fn scene_bad_values_name_their_line() {
     check("[render]\nslab_width = -1.0", ":5: slab_width must be above 0");
     check("[render]\nslab_width = nan", ":5: slab_width");
     check("[render]\nsections = -3", ":5: invalid value");
-    check("[render]\nsections = 1", ":5: sections must be between 2 and 4096");
+    check("[render]\nsections = 1", ":5: sections must be between 16 and 1024");
     check("[render]\nopacity_cutoff = 2", ":5: opacity_cutoff");
     check("[render]\ntolerance = 1", ":5: tolerance");
     check("[render]\nslab_width = \"wide\"", ":5: invalid type: string \"wide\"");

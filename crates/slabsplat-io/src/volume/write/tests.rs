@@ -83,6 +83,27 @@ fn check_place(got: &Grid, expected: &Grid, is_rounded: bool, what: &str) {
     assert!(got.abs_diff_eq(expected, tolerance), "{what}: {got:?}");
 }
 
+/// Numbers with all their digits come back as they were in the formats that have them as text.
+#[test]
+fn write_keeps_every_bit_of_places() {
+    let dir = tempfile::tempdir().unwrap();
+    for_each_seed(20, |mut rng| {
+        let mut step = |least: f64| least + rng.f64();
+        let diagonal = DVec3::new(step(0.1), step(2.0), step(50.0));
+        let mut place = DAffine3::from_mat3(DMat3::from_diagonal(diagonal));
+        place.translation = DVec3::new(step(-90.0), step(1e-3), step(1e3));
+        let skew = DMat3::from_cols(DVec3::X, DVec3::new(step(-0.5), 1.0, 0.0), DVec3::Z);
+        for (extension, place) in
+            [("zarr", place), ("raw", DAffine3::from_mat3(skew) * place), ("nrrd", place)]
+        {
+            let grid = Grid::new([2, 3, 1], place).unwrap();
+            let volume = Volume::new(grid, vec![0_u8; 6].into(), Scaling::IDENTITY).unwrap();
+            let (loaded, _) = again(&dir.path().join(format!("a.{extension}")), &volume);
+            assert_eq!(loaded.volume.grid(), &grid, "{extension}");
+        }
+    });
+}
+
 #[test]
 fn write_keeps_values_where_there_is_no_slope() {
     let dir = tempfile::tempdir().unwrap();
