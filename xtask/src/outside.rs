@@ -13,7 +13,7 @@ use anyhow::{Result, ensure};
 use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Workspace};
 
-use crate::lint::{WASM, has_target};
+use crate::lint::{WASM, WASM_FLAGS, WASM_VECTORS, has_target};
 use crate::web::PAGES;
 
 pub(crate) fn run() -> Result<()> {
@@ -29,13 +29,16 @@ pub(crate) fn run() -> Result<()> {
     };
     let all = ["--workspace", "--all-targets"];
     run_command(build("clippy").args(all).args(["--", "-D", "warnings"]))?;
-    run_command(build("test").args(all))?;
+    run_command(build("test").arg("--no-fail-fast").args(all))?;
     if !has_target(WASM) {
         eprintln!("outside: pages are skipped, as there is no {WASM}: `rustup target add {WASM}`");
         return Ok(());
     }
     let pages = PAGES.iter().flat_map(|page| ["--package", *page]);
-    run_command(build("build").args(["--target", WASM]).args(pages))
+    // As `web` builds them, and never without optimisation: that takes 18 GB of memory for slabsplat-cpu.
+    let mut release = build("build");
+    release.args(["--release", "--target", WASM]).args(pages).env(WASM_FLAGS, WASM_VECTORS);
+    run_command(&mut release)
 }
 
 /// Where the programs lie.

@@ -14,11 +14,14 @@ pub type Failure = Box<dyn Error>;
 /// # Errors
 /// If the scene cannot be read or drawn, or the picture not written.
 pub fn render(renderer: &mut Renderer, scene: &Path) -> Result<PathBuf, Failure> {
-    let opened = OpenScene::open(&read_scene(scene)?)?;
+    let named = |error: &dyn Error| format!("{}: {error}", scene.display());
+    // What cannot be read says itself in which line.
+    let file = read_scene(scene)?;
+    let opened = OpenScene::open(&file).map_err(|error| named(&error))?;
     for warning in &opened.warnings {
         eprintln!("{}: {warning}", scene.display());
     }
-    let frame = renderer.render(&opened.scene)?;
+    let frame = renderer.render(&opened.scene).map_err(|error| named(&error))?;
     let picture = scene.with_extension("png");
     write_picture(&picture, &frame.image)?;
     Ok(picture)

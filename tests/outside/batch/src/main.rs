@@ -18,7 +18,7 @@ fn main() -> ExitCode {
         match batch::render(&mut renderer, scene) {
             Ok(picture) => println!("{}", picture.display()),
             Err(error) => {
-                eprintln!("error: {}: {error}", scene.display());
+                eprintln!("error: {error}");
                 n_failed += 1;
             }
         }

@@ -5,7 +5,7 @@ use std::process::Command;
 
 const BALL: &str = r#"
 [volume]
-builtin = "sphere"
+generate = "sphere"
 size = 16
 
 [image]
@@ -17,7 +17,7 @@ height = 24
 fn goes_on_past_a_broken_scene() {
     let folder = tempfile::tempdir().unwrap();
     let [broken, ball] = ["broken.toml", "ball.toml"].map(|name| folder.path().join(name));
-    fs::write(&broken, "[volume]\nbuiltin = \"no such thing\"\n").unwrap();
+    fs::write(&broken, "[volume]\ngenerate = \"no such thing\"\n").unwrap();
     fs::write(&ball, BALL).unwrap();
 
     let run = Command::new(env!("CARGO_BIN_EXE_batch")).args([&broken, &ball]).output().unwrap();
