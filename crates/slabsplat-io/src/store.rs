@@ -8,7 +8,9 @@ use std::fs::{self, File};
 use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use crate::{IoError, LoadedMesh, LoadedVolume, RawDesc, VolumeOptions, mesh, volume};
+use crate::{
+    IoError, LoadedMesh, LoadedVolume, RawDesc, VolumeListing, VolumeOptions, mesh, volume,
+};
 
 /// Files in memory by their names, as a folder has them.
 ///
@@ -54,6 +56,18 @@ impl FilesInMemory<'_> {
         options: &VolumeOptions,
     ) -> Result<LoadedVolume, IoError> {
         volume::read_from(Store::Memory(self), path.as_ref(), options)
+    }
+
+    /// As [`list_volume`](crate::list_volume).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn list_volume(
+        &self,
+        path: impl AsRef<Path>,
+        options: &VolumeOptions,
+    ) -> Result<VolumeListing, IoError> {
+        volume::list_from(Store::Memory(self), path.as_ref(), options)
     }
 
     /// As [`read_raw`](crate::read_raw).
@@ -231,7 +245,12 @@ pub(crate) fn read_from_both(files: &[(&str, &[u8])]) -> Result<LoadedVolume, St
     let folder = dir.path().join("");
     let without_folder = |text: String| text.replace(&*folder.to_string_lossy(), "");
     let from_disk = crate::read_volume(folder.join(files[0].0));
-    let from_memory = FilesInMemory::from_iter(files.iter().copied()).read_volume(files[0].0);
+    let in_memory = FilesInMemory::from_iter(files.iter().copied());
+    let from_memory = in_memory.read_volume(files[0].0);
+    let default = VolumeOptions::default();
+    let listed = crate::list_volume(folder.join(files[0].0), &default);
+    let listed_in_memory = in_memory.list_volume(files[0].0, &default);
+    assert_eq!(listed.ok(), listed_in_memory.ok());
     match (&from_disk, &from_memory) {
         (Ok(disk), Ok(memory)) => {
             assert_eq!(disk.volume.samples(), memory.volume.samples());

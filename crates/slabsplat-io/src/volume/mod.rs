@@ -117,8 +117,16 @@ pub fn list_volume(
     path: impl AsRef<Path>,
     options: &VolumeOptions,
 ) -> Result<VolumeListing, IoError> {
-    let Found { reader, path, options } = formats::find(Store::Disk, path.as_ref(), options)?;
-    let listing = reader.list(&Input { store: Store::Disk, path: &path, options: &options })?;
+    list_from(Store::Disk, path.as_ref(), options)
+}
+
+pub(crate) fn list_from(
+    store: Store<'_>,
+    path: &Path,
+    options: &VolumeOptions,
+) -> Result<VolumeListing, IoError> {
+    let Found { reader, path, options } = formats::find(store, path, options)?;
+    let listing = reader.list(&Input { store, path: &path, options: &options })?;
     options.check(&path, &listing.choices)?;
     Ok(listing)
 }
