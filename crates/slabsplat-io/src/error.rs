@@ -1,10 +1,12 @@
-//! What can go wrong with a file. Every message is one line that says what, where and what to do.
+//! What can go wrong with a file. Every message is one line that says what, where and what to do; nothing that
+//! a file holds can end the line or command a terminal, since all of it passes through `printable` here.
 
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::memory::{MemoryNeeds, in_units};
+use crate::printable::{printable, shown};
 use slabsplat_core::{GridError, LabelError, VolumeError};
 
 /// Why a file could not be read or written, or a built-in volume not made.
@@ -12,7 +14,7 @@ use slabsplat_core::{GridError, LabelError, VolumeError};
 #[non_exhaustive]
 pub enum IoError {
     /// The operating system did not let us read.
-    #[error("cannot read {}: {source}", path.display())]
+    #[error("cannot read {}: {source}", shown(path))]
     Read {
         /// The file.
         path: PathBuf,
@@ -20,7 +22,7 @@ pub enum IoError {
         source: io::Error,
     },
     /// The operating system did not let us write; nothing is left behind.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {source}", shown(path))]
     Write {
         /// The file that was to be.
         path: PathBuf,
@@ -37,7 +39,7 @@ pub enum IoError {
     #[error(
         "{} is not a volume file that can be read: expected {known}; 3D Slicer, ITK-SNAP or ImageJ convert \
          many others",
-        path.display()
+        shown(path)
     )]
     UnknownFormat {
         /// The file.
@@ -46,7 +48,10 @@ pub enum IoError {
         known: String,
     },
     /// The folder is none that is a volume.
-    #[error("{} is a folder that holds no volume of many files, but {held}: name one of them", path.display())]
+    #[error(
+        "{} is a folder that holds no volume of many files, but {held}: name one of them",
+        shown(path)
+    )]
     UnknownFolder {
         /// The folder.
         path: PathBuf,
@@ -54,7 +59,7 @@ pub enum IoError {
         held: String,
     },
     /// The file does not hold as many series, channels, times or levels as are asked for.
-    #[error("{}: there is no {part} {asked}: there is {there}", path.display())]
+    #[error("{}: there is no {part} {asked}: there is {}", shown(path), printable(there))]
     NoSuchPart {
         /// The file.
         path: PathBuf,
@@ -68,7 +73,7 @@ pub enum IoError {
     /// A header names a file that is not beside it.
     #[error(
         "{}: it names a file outside of its folder, {name:?}: move that, or allow it (allow_external)",
-        path.display()
+        shown(path)
     )]
     External {
         /// The header's file.
@@ -79,14 +84,14 @@ pub enum IoError {
     /// The file is a mesh in none of the formats that can be read.
     #[error(
         "{} is not a mesh file that can be read: expected PLY (.ply), STL (.stl) or OBJ (.obj)",
-        path.display()
+        shown(path)
     )]
     UnknownMesh {
         /// The file.
         path: PathBuf,
     },
     /// The file breaks the rules of its format.
-    #[error("{}: {what}", path.display())]
+    #[error("{}: {}", shown(path), printable(what))]
     Malformed {
         /// The file.
         path: PathBuf,
@@ -94,7 +99,7 @@ pub enum IoError {
         what: String,
     },
     /// The file is sound, but uses a part of its format that is not read here.
-    #[error("{}: {what}", path.display())]
+    #[error("{}: {}", shown(path), printable(what))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -102,7 +107,7 @@ pub enum IoError {
         what: String,
     },
     /// The data are shorter (or, in a plain raw file, longer) than the header promises.
-    #[error("{}: needs {needed} bytes of data, has {found}: {hint}", path.display())]
+    #[error("{}: needs {needed} bytes of data, has {found}: {hint}", shown(path))]
     WrongLength {
         /// The file that holds the data.
         path: PathBuf,
@@ -126,7 +131,7 @@ pub enum IoError {
         free_bytes: u64,
     },
     /// The grid that the file describes cannot be used.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Grid {
         /// The file.
         path: PathBuf,
@@ -134,7 +139,7 @@ pub enum IoError {
         source: GridError,
     },
     /// The samples that the file holds cannot be used.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Volume {
         /// The file.
         path: PathBuf,
@@ -142,7 +147,7 @@ pub enum IoError {
         source: VolumeError,
     },
     /// The values of the volume are no labels.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}", shown(path))]
     Labels {
         /// The file.
         path: PathBuf,
@@ -172,7 +177,7 @@ pub enum IoError {
         name: String,
     },
     /// A scene file says something that cannot be.
-    #[error("{}{}: {what}", path.display(), line_suffix(*line))]
+    #[error("{}{}: {}", shown(path), line_suffix(*line), printable(what))]
     Scene {
         /// The file.
         path: PathBuf,
@@ -184,14 +189,14 @@ pub enum IoError {
     /// The name of a volume that is to be written does not tell its format.
     #[error(
         "cannot tell the format of {}: name the volume .nrrd, .nii, .nii.gz, .mha, .npy, .raw or .zarr",
-        path.display()
+        shown(path)
     )]
     UnknownOutput {
         /// The file that was to be.
         path: PathBuf,
     },
     /// The name of a picture does not tell its format.
-    #[error("cannot tell the format of {}: name the picture .exr or .png", path.display())]
+    #[error("cannot tell the format of {}: name the picture .exr or .png", shown(path))]
     UnknownPicture {
         /// The file that was to be.
         path: PathBuf,

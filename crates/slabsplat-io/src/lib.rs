@@ -53,9 +53,10 @@
 //!
 //! # Reading order
 //!
-//! `error`, `store`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`; `picture`.
+//! `error`, `printable`, `store`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`; `picture`.
 
 mod error;
+mod printable;
 mod store;
 
 mod volume;

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
+use crate::printable::shown;
 use crate::{IoError, LayerFile, VolumeOptions, VolumeSource, list_volume};
 
 /// Memory that something takes.
@@ -51,7 +52,7 @@ impl LayerFile {
 impl MemoryNeed {
     fn of_file(path: &Path, options: &VolumeOptions) -> Option<Self> {
         let bytes = list_volume(path, options).ok()?.bytes();
-        Some(Self { what: path.display().to_string(), bytes })
+        Some(Self { what: shown(path), bytes })
     }
 }
 

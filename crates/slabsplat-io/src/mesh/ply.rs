@@ -7,6 +7,9 @@ use super::numbers::number;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};
 use super::{NO_VERTEX, add_polygon, next_vertex};
 
+/// Of an element, in a message.
+const MAX_NAME_CHARS: usize = 40;
+
 /// Where numbers come from.
 struct Numbers<'a> {
     encoding: Encoding,
@@ -41,7 +44,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshParts, String> {
                 b"face" => read_face(&mut numbers, element, &mut parts),
                 _ => element.properties.iter().try_for_each(|it| numbers.property(it, |_| {})),
             };
-            let name = String::from_utf8_lossy(element.name);
+            let name: String =
+                String::from_utf8_lossy(element.name).chars().take(MAX_NAME_CHARS).collect();
             read.map_err(|what| format!("{name} {idx} of {}: {what}", element.n))?;
         }
     }

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use super::data::Share;
 use super::formats::Input;
-use super::printable::printable;
 use crate::IoError;
+use crate::printable::printable;
 
 /// Of a name.
 const MAX_NAME_CHARS: usize = 100;

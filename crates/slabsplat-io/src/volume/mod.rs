@@ -25,7 +25,6 @@ mod units;
 
 mod array_axes;
 mod placed;
-mod printable;
 mod stored;
 mod zip;
 
@@ -57,6 +56,7 @@ pub use raw::{RawDesc, read_raw};
 pub use write::{VolumeOutput, write_volume};
 
 use crate::IoError;
+use crate::printable::printable;
 use crate::store::Store;
 use formats::{Found, Input};
 
@@ -106,6 +106,9 @@ pub(crate) fn read_from(
     let mut loaded = reader.read(&Input { store, path: &path, options: &options })?;
     options.check(&path, &loaded.choices)?;
     loaded.warnings.extend(loaded.choices.warnings(&options));
+    for warning in &mut loaded.warnings {
+        *warning = printable(warning);
+    }
     Ok(loaded)
 }
 

@@ -22,6 +22,7 @@ use super::formats::{Input, Reader, VolumeListing};
 use super::raw::read_samples;
 use super::stream::plain_extension;
 use super::{Endian, LoadedVolume, RawDesc, VolumeChoices, VolumeFormat, assemble, names};
+use crate::printable::shown;
 use crate::store::Store;
 use crate::{IoError, text};
 
@@ -139,11 +140,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let unknown: Vec<String> = unknown.take(12).map(|key| format!("{key:?}")).collect();
     let mut warnings = Vec::new();
     if !unknown.is_empty() {
-        warnings.push(format!(
-            "{} says {}, which is no key here",
-            path.display(),
-            unknown.join(", ")
-        ));
+        warnings.push(format!("{} says {}, which is no key here", shown(path), unknown.join(", ")));
     }
     Ok(LoadedVolume::new(volume, VolumeFormat::Raw, warnings))
 }

@@ -11,9 +11,9 @@ use flate2::Crc;
 use flate2::read::DeflateDecoder;
 
 use super::placed::Source;
-use super::printable::printable;
 use super::stream::MAX_GZIP_RATIO;
 use crate::IoError;
+use crate::printable::printable;
 use crate::store::{Store, StoredFile};
 
 /// The names in an archive, and where their bytes are.

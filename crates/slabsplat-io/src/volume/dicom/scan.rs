@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use super::super::printable::printable;
+use crate::printable::printable;
 use super::dataset::{Header, PixelElement, Syntax, is_begun_by};
 use super::frame::{About, Frame, Layout, frames};
 use crate::IoError;

@@ -23,6 +23,7 @@ use super::formats::{Input, Reader, VolumeListing};
 use super::stream::{DataStream, first_bytes, plain_extension};
 use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
 use crate::IoError;
+use crate::printable::shown;
 use crate::store::Store;
 use header::{Header, Version};
 
@@ -98,7 +99,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         }
     };
     if choices.is_single() && stream.has_more()? {
-        warnings.push(format!("{} holds more data than were needed", image_path.display()));
+        warnings.push(format!("{} holds more data than were needed", shown(&image_path)));
     }
     let volume = assemble(path, grid, samples, scaling)?;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })

@@ -3,13 +3,13 @@
 
 use super::super::Endian;
 use super::super::formats::{Input, VolumeListing};
-use super::super::printable::printable;
 use super::super::stored::StoredType;
 use super::image::{self, ArrayDesc, Geometry, legacy_type};
 use super::lines::Lines;
 use super::text::NumbersInText;
 use super::{Filling, LoadedVolume, n_bytes};
 use crate::IoError;
+use crate::printable::printable;
 
 /// What a file says of its image, and where the numbers of each array are.
 struct Header {

@@ -5,7 +5,6 @@ use std::io::{BufRead, BufReader};
 use super::super::Endian;
 use super::super::formats::{Input, VolumeListing};
 use super::super::placed::Source;
-use super::super::printable::printable;
 use super::super::stream::MAX_GZIP_RATIO;
 use super::base64::Base64;
 use super::blocks::{Blocks, Compressor, Words};
@@ -14,6 +13,7 @@ use super::tags::{Tag, Tags};
 use super::text::NumbersInText;
 use super::{Filling, LoadedVolume, n_bytes};
 use crate::IoError;
+use crate::printable::printable;
 use crate::store::StoredFile;
 
 /// What the tags of a file say.
