@@ -1,12 +1,14 @@
 //! Files that lie, break off, or are noise: an error or a volume, never a panic, and no memory that
 //! the file itself does not pay for.
 
+mod peak;
 mod small_files;
 
 use slabsplat_seeds::for_each_seed;
 use std::fs;
 use std::path::Path;
 
+use peak::check_peak;
 use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
 use small_files::{
     BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, arrays, dicom, gzip, metaimage, nifti1, nifti2,
@@ -15,9 +17,6 @@ use small_files::{
 
 /// Changes tried on each file.
 const N_MUTATIONS: usize = 1500;
-
-/// Address space that the whole process may have taken: threads and their pools need some.
-const MAX_PEAK_BYTES: u64 = 1 << 30;
 
 /// Reads a file, for better or worse.
 type Reader = fn(&Path) -> Result<(), slabsplat_io::IoError>;
@@ -90,19 +89,6 @@ fn folder_with_data() -> tempfile::TempDir {
         fs::write(dir.path().join(name), &voxels()[range]).expect("the folder can be written");
     }
     dir
-}
-
-/// The most address space that this process ever had, where the system reports it.
-fn peak_bytes() -> Option<u64> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse().ok().map(|kib: u64| kib * 1024)
-}
-
-fn check_peak(after: &str) {
-    if let Some(peak) = peak_bytes() {
-        assert!(peak < MAX_PEAK_BYTES, "{} MiB were taken, after {after}", peak >> 20);
-    }
 }
 
 /// One to four changes of the kinds that transfers, editors and attackers make.

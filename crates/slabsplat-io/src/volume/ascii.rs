@@ -63,7 +63,8 @@ pub(super) fn read_hex(
     let &Picked { n_before, n_samples, n_channels, channel } = picked;
     let n_left_at_most = stream.n_left_at_most() / 2;
     let sample_bytes = buffer.sample_bytes();
-    let n_all = (n_samples as u64).saturating_mul((n_channels * sample_bytes) as u64);
+    let voxel_bytes = n_channels.saturating_mul(sample_bytes);
+    let n_all = (n_samples as u64).saturating_mul(voxel_bytes as u64);
     if n_left_at_most < n_all {
         let what = format!("needs {n_all} bytes as digits, has room for {n_left_at_most}");
         return Err(IoError::malformed(path, what));
@@ -71,7 +72,7 @@ pub(super) fn read_hex(
     let mut digits = HexBytes { reader: BufReader::new(stream) };
     let n_skipped = n_before.saturating_mul(sample_bytes as u64);
     io::copy(&mut digits.by_ref().take(n_skipped), &mut io::sink()).map_err(IoError::read(path))?;
-    let mut voxel = vec![0; n_channels * sample_bytes];
+    let mut voxel = vec![0; voxel_bytes];
     for _ in 0..n_samples {
         digits.read_exact(&mut voxel).map_err(|error| match error.kind() {
             io::ErrorKind::UnexpectedEof | io::ErrorKind::InvalidData => IoError::malformed(

@@ -1,6 +1,10 @@
 //! Where the data of a volume are: after the header, in one other file, or in many.
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use crate::IoError;
+use crate::printable::shown;
 
 /// The files that hold the data, in order. Each holds an equal share.
 #[derive(Debug, PartialEq)]
@@ -23,7 +27,27 @@ pub(super) struct Pattern {
     width: usize,
 }
 
+/// A volume up to so many bytes may be of one file that a list has again and again.
+const MAX_REPEATED_BYTES: u64 = 256 << 20;
+
 impl DataFiles {
+    /// That a volume of so many bytes is not in few that are listed often.
+    pub(super) fn check_backed(&self, header: &Path, n_bytes: u64) -> Result<(), IoError> {
+        let Self::Given(paths) = self else { return Ok(()) };
+        if n_bytes <= MAX_REPEATED_BYTES {
+            return Ok(());
+        }
+        let mut seen = BTreeSet::new();
+        match paths.iter().find(|path| !seen.insert(*path)) {
+            None => Ok(()),
+            Some(path) => {
+                let path = shown(path);
+                let what = format!("the volume is large, and lists {path} more than once");
+                Err(IoError::malformed(header, what))
+            }
+        }
+    }
+
     /// How many files there are, at least 1.
     pub(super) fn len(&self) -> usize {
         match self {

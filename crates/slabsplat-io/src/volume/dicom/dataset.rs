@@ -22,6 +22,9 @@ const MAX_VALUE_BYTES: u32 = 4096;
 /// Of all before the pixels, unpacked if they are: ten thousand frames have some 20 MiB.
 const MAX_BYTES: u64 = 512 << 20;
 
+/// Items that are kept: as many as a hundred thousand frames have, of ten groups each.
+const MAX_ITEMS: usize = 1 << 20;
+
 /// An element that stands for the end of something, or is part of a sequence.
 const ITEM: Tag = (0xfffe, 0xe000);
 const ITEM_END: Tag = (0xfffe, 0xe00d);
@@ -144,7 +147,7 @@ impl Syntax {
 impl Header {
     /// Reads what comes before the pixels.
     pub(super) fn read(path: &Path, file: impl Read) -> Result<Self, IoError> {
-        let mut elements = Elements { reader: file, n_read: 0 };
+        let mut elements = Elements::of(file, 0);
         let mut start = [0; 132];
         let n_start = read_up_to(&mut elements, &mut start).map_err(IoError::read(path))?;
         let malformed = |error: io::Error| match error.kind() {
@@ -160,7 +163,7 @@ impl Header {
         let syntax = headless(&start[..n_start])
             .ok_or_else(|| IoError::malformed(path, "not a DICOM file"))?;
         let reader = Cursor::new(start[..n_start].to_vec()).chain(elements.reader);
-        Self::of_elements(syntax, Elements { reader, n_read: 0 }).map_err(malformed)
+        Self::of_elements(syntax, Elements::of(reader, 0)).map_err(malformed)
     }
 
     /// With the first element after the meta information, whose tag was read already.
@@ -179,9 +182,9 @@ impl Header {
         if syntax.is_deflated {
             let syntax = Syntax { deflated_from: n_read, ..syntax };
             let reader = DeflateDecoder::new(reader);
-            return Self::of_elements(syntax, Elements { reader, n_read: 0 }).map(Ok);
+            return Self::of_elements(syntax, Elements::of(reader, 0)).map(Ok);
         }
-        Self::of_elements(syntax, Elements { reader, n_read }).map(Ok)
+        Self::of_elements(syntax, Elements::of(reader, n_read)).map(Ok)
     }
 
     fn of_elements(syntax: Syntax, mut elements: Elements<impl Read>) -> io::Result<Self> {
@@ -217,6 +220,8 @@ fn read_up_to(reader: &mut impl Read, bytes: &mut [u8]) -> io::Result<usize> {
 struct Elements<R> {
     reader: R,
     n_read: u64,
+    /// Items that were kept.
+    n_items: usize,
 }
 
 #[derive(Clone, Copy)]
@@ -241,6 +246,10 @@ impl<R: Read> Read for Elements<R> {
 }
 
 impl<R: Read> Elements<R> {
+    fn of(reader: R, n_read: u64) -> Self {
+        Self { reader, n_read, n_items: 0 }
+    }
+
     fn array<const N: usize>(&mut self) -> io::Result<[u8; N]> {
         let mut bytes = [0; N];
         self.read_exact(&mut bytes)?;
@@ -324,7 +333,7 @@ impl<R: Read> Elements<R> {
             let items =
                 self.items(n_bytes, Syntax { is_explicit, ..syntax }, depth, is_sequence)?;
             if is_sequence {
-                dataset.elements.push((tag, Value::Items(items)));
+                dataset.add(tag, Value::Items(items));
             }
             return Ok(());
         }
@@ -333,7 +342,7 @@ impl<R: Read> Elements<R> {
         }
         let mut bytes = vec![0; n_bytes as usize];
         self.read_exact(&mut bytes)?;
-        dataset.elements.push((tag, Value::Bytes(bytes, syntax.endian)));
+        dataset.add(tag, Value::Bytes(bytes, syntax.endian));
         Ok(())
     }
 
@@ -364,6 +373,11 @@ impl<R: Read> Elements<R> {
             };
             match element.tag {
                 ITEM => {
+                    self.n_items += usize::from(is_wanted);
+                    if MAX_ITEMS < self.n_items {
+                        let what = "its sequences have more than a million items";
+                        return Err(io::Error::new(io::ErrorKind::InvalidData, what));
+                    }
                     let item = self.item(element.n_bytes, syntax, depth, is_wanted)?;
                     items.extend(is_wanted.then_some(item));
                 }
@@ -407,6 +421,13 @@ fn end_of(n_read: u64, n_bytes: u32) -> u64 {
 }
 
 impl Dataset {
+    /// What comes twice is kept once, so that no dataset has more elements than there are tags.
+    fn add(&mut self, tag: Tag, value: Value) {
+        if self.get(tag).is_none() {
+            self.elements.push((tag, value));
+        }
+    }
+
     fn get(&self, tag: Tag) -> Option<&Value> {
         self.elements.iter().find(|(other, _)| *other == tag).map(|(_, value)| value)
     }

@@ -12,6 +12,9 @@ use crate::IoError;
 /// Frames of one file; a hundred times as many as scanners write.
 const MAX_FRAMES: usize = 1 << 20;
 
+/// As many frames are believed before their pixels are looked for, so that a file that was cut off says where.
+const MAX_UNBACKED_FRAMES: u64 = 1024;
+
 /// How the pixels of a frame are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Layout {
@@ -114,8 +117,9 @@ impl Layout {
             let what = format!("pixels of {} bits cannot be read", self.bits_allocated);
             return Err(IoError::unsupported(path, what));
         }
-        let first_bit = (self.high_bit + 1).checked_sub(self.bits_stored);
-        if self.bits_stored == 0 || self.bits_allocated <= self.high_bit || first_bit.is_none() {
+        let are_within =
+            self.high_bit < self.bits_allocated && self.bits_stored <= self.high_bit + 1;
+        if self.bits_stored == 0 || !are_within {
             let what = format!(
                 "{} bits up to bit {} do not fit into pixels of {}",
                 self.bits_stored, self.high_bit, self.bits_allocated
@@ -136,20 +140,22 @@ impl Layout {
     }
 
     pub(super) fn n_pixels(&self) -> usize {
-        self.rows * self.columns
+        self.rows.saturating_mul(self.columns)
     }
 
     /// Of one frame, unpacked.
     pub(super) fn frame_bytes(&self) -> u64 {
-        (self.n_pixels() * self.n_channels) as u64 * u64::from(self.bits_allocated / 8)
+        let pixel_bytes = self.n_channels as u64 * u64::from(self.bits_allocated / 8);
+        (self.n_pixels() as u64).saturating_mul(pixel_bytes)
     }
 }
 
-/// The frames of a file.
+/// The frames of a file, of which there are `n_backed` at most.
 pub(super) fn frames(
     path: &Path,
     dataset: &Dataset,
     file_idx: usize,
+    n_backed: u64,
 ) -> Result<Vec<Frame>, IoError> {
     let shared = dataset.items(tags::SHARED_GROUPS).first();
     let per_frame = dataset.items(tags::PER_FRAME_GROUPS);
@@ -157,6 +163,10 @@ pub(super) fn frames(
     let n_frames = usize::try_from(n_frames).unwrap_or(usize::MAX);
     if MAX_FRAMES < n_frames || (!per_frame.is_empty() && per_frame.len() < n_frames) {
         let what = format!("it says to have {n_frames} frames, and tells of {}", per_frame.len());
+        return Err(IoError::malformed(path, what));
+    }
+    if MAX_UNBACKED_FRAMES.max(n_backed) < n_frames as u64 {
+        let what = format!("it says to have {n_frames} frames, and has room for {n_backed}");
         return Err(IoError::malformed(path, what));
     }
     let frame = |frame_idx| {

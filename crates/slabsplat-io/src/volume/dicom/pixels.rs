@@ -9,6 +9,7 @@ use slabsplat_core::{SampleType, Samples};
 
 use super::super::Endian;
 use super::super::buffer::{ReadFailure, SampleBuffer};
+use super::super::stream::MAX_GZIP_RATIO;
 use super::dataset::Packing;
 use super::frame::{Frame, Layout};
 use super::rle;
@@ -17,8 +18,9 @@ use super::stack::{Slice, Stack};
 use crate::IoError;
 use crate::store::Store;
 
-/// No packing that is read here makes more of a byte.
-const MAX_RATIO: u64 = 4096;
+/// No packing that is read here makes more of a byte than deflate: a JPEG has two bits for 64 pixels at least,
+/// and a run of 128 bytes takes two.
+const MAX_RATIO: u64 = MAX_GZIP_RATIO;
 
 /// Reads the samples of a stack, a slice after the other.
 pub(super) fn read(

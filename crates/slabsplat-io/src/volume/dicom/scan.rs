@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use crate::printable::printable;
+use super::super::stream::MAX_GZIP_RATIO;
 use super::dataset::{Header, PixelElement, Syntax, is_begun_by};
 use super::frame::{About, Frame, Layout, frames};
 use crate::IoError;
+use crate::printable::printable;
 use crate::store::Store;
 
 /// Folders in folders, as archives write them: patient, study, series.
@@ -91,7 +92,9 @@ impl Scan {
     }
 
     fn take_file(&mut self, store: Store<'_>, path: &Path) -> Result<(), IoError> {
-        let header = Header::read(path, BufReader::new(store.open(path)?))?;
+        let file = store.open(path)?;
+        let n_bytes = file.n_bytes().map_err(IoError::read(path))?;
+        let header = Header::read(path, BufReader::new(file))?;
         let layout = Layout::of(path, &header)?;
         let (Some(layout), Some(pixels)) = (layout, header.pixels) else {
             self.n_others += 1;
@@ -100,7 +103,8 @@ impl Scan {
         let about = About::of(&header.dataset);
         // Frames of one file may lie in several directions.
         let mut file_idx_of = BTreeMap::new();
-        for frame in frames(path, &header.dataset, 0)? {
+        let n_backed = pixels.n_frames_at_most(n_bytes, header.syntax.is_deflated, &layout);
+        for frame in frames(path, &header.dataset, 0, n_backed)? {
             let series_idx = self.series_of(path, &about, layout, &frame)?;
             let series = &mut self.series[series_idx];
             let file_idx = *file_idx_of.entry(series_idx).or_insert_with(|| {
@@ -167,6 +171,23 @@ fn are_alike(one: &Frame, other: &Frame) -> bool {
     axes && match (one.spacing, other.spacing) {
         (Some([x, y]), Some([x0, y0])) => is_near(x, x0) && is_near(y, y0),
         (spacing, spacing0) => spacing.is_none() && spacing0.is_none(),
+    }
+}
+
+/// A fragment is behind its tag and its length.
+const FRAGMENT_BYTES: u64 = 8;
+
+impl PixelElement {
+    /// Frames that a file of so many bytes has room for.
+    fn n_frames_at_most(&self, n_bytes: u64, is_deflated: bool, layout: &Layout) -> u64 {
+        let n_left = match is_deflated {
+            true => n_bytes.saturating_mul(MAX_GZIP_RATIO),
+            false => n_bytes.saturating_sub(self.offset),
+        };
+        match self.n_bytes {
+            Some(n_bytes) => n_left.min(u64::from(n_bytes)) / layout.frame_bytes().max(1),
+            None => n_left / FRAGMENT_BYTES,
+        }
     }
 }
 

@@ -24,6 +24,9 @@ struct Header {
     block_bytes: usize,
 }
 
+/// Blocks are unpacked into memory one by one, and made as large as a processor's cache.
+const MAX_BLOCK_BYTES: usize = 256 << 20;
+
 const N_HEADER_BYTES: usize = 16;
 const SHUFFLED: u8 = 1;
 const COPIED: u8 = 2;
@@ -46,6 +49,9 @@ impl Blosc {
         }
         if 0 < header.n_bytes && header.block_bytes == 0 {
             return Err(invalid("its blocks are empty"));
+        }
+        if MAX_BLOCK_BYTES < header.n_bytes.min(header.block_bytes) {
+            return Err(invalid("its blocks are larger than 256 MiB"));
         }
         Ok(Self { packed, header, block_idx: 0, block: Vec::new(), n_taken: 0 })
     }
