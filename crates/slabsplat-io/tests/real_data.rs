@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use slabsplat_core::glam::DVec3;
 use slabsplat_core::{SampleType, Volume};
 use slabsplat_io::{LoadedVolume, VolumeFormat, VolumeSource, read_scene, read_volume};
 
@@ -221,6 +222,57 @@ fn real_volumes_are_as_described() {
         let off = (mean - expected.mean).abs();
         assert!(off <= 0.51 * expected.mean_digit, "{path}: mean {mean}, not {}", expected.mean);
     }
+}
+
+/// What other programs read of them, as `reference/values.py` printed it.
+const VALUES: &str = include_str!("reference/values.tsv");
+
+/// Columns have six or eight digits, and places four after the point.
+const MAX_ROUNDING: f64 = 1e-5;
+const MAX_OFF_MILLIMETRES: f64 = 1e-3;
+
+#[test]
+fn real_volumes_are_as_other_programs_read_them() {
+    for line in VALUES.lines().skip(1) {
+        let [path, dims, range, mean_of_all, first, last, values] =
+            line.split('\t').collect::<Vec<_>>()[..]
+        else {
+            panic!("seven columns: {line}")
+        };
+        let Some(loaded) = load(path) else { continue };
+        let volume = &loaded.volume;
+        let size = volume.grid().dims();
+        assert_eq!(numbers(dims), size.map(|n| n as f64), "{path}");
+        let check = |what: &str, actual: &[f64], expected: &str| {
+            let is_near = |(a, e): (&f64, &f64)| (a - e).abs() <= MAX_ROUNDING * e.abs().max(1.0);
+            let expected = numbers(expected);
+            let all_are_near = actual.iter().zip(&expected).all(is_near);
+            assert!(
+                all_are_near && actual.len() == expected.len(),
+                "{path}: {what} {actual:?}, not {expected:?}"
+            );
+        };
+        check("range", &volume.summary().range.unwrap(), range);
+        check("mean", &[mean(volume)], mean_of_all);
+        let at = |k: usize| {
+            let [x, y, z] = [size[0] * k / 6, size[1] * (6 - k) / 6, size[2] * k / 6];
+            volume.value(x + size[0] * (y + size[1] * z))
+        };
+        check("values", &[1, 2, 3, 4, 5].map(at), values);
+        for (index, expected) in [([0; 3], first), (size.map(|n| n - 1), last)] {
+            if expected == "-" {
+                continue;
+            }
+            let index = DVec3::from_array(index.map(|i| i as f64));
+            let place = volume.grid().world_from_index().transform_point3(index);
+            let off = place - DVec3::from_slice(&numbers(expected));
+            assert!(off.length() <= MAX_OFF_MILLIMETRES, "{path}: {place}, not {expected}");
+        }
+    }
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split(' ').map(|number| number.parse().expect("a number")).collect()
 }
 
 #[test]
