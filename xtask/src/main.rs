@@ -14,6 +14,7 @@ mod test;
 mod web;
 
 mod deny;
+mod fuzz;
 mod msrv;
 mod outside;
 mod package;
@@ -30,6 +31,7 @@ mod system;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use fuzz::Fuzz;
 use test::Test;
 
 const USAGE: &str = "\
@@ -40,6 +42,7 @@ Usage: cargo xtask COMMAND
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
   web [--install]          have Chromium draw, by WebAssembly and WebGPU, what the CPU draws here
+  fuzz [TARGET] [SECONDS]  give one reader of files or each hostile ones for a minute, or for so long (cargo-fuzz)
   package                  pack every crate that is published, and build each from its package alone
   outside                  then build and test programs as other people write them, on those packages
   msrv [--install]         check them with the oldest Rust that they promise, if rustup has it or may install it
@@ -76,6 +79,7 @@ enum Task {
     Lint,
     Test(Test),
     Web { installs: bool },
+    Fuzz(Fuzz),
     Package,
     Outside,
     Msrv { installs: bool },
@@ -91,6 +95,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
         Task::Web { installs } => web::run(*installs),
+        Task::Fuzz(fuzz) => fuzz::run(fuzz),
         Task::Package => package::run(),
         Task::Outside => outside::run(),
         Task::Msrv { installs } => msrv::run(*installs),
@@ -111,6 +116,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let task = match command.to_str() {
         Some("test") => return test::parse(&rest).map(Task::Test),
         Some("web") => return web::parse(&rest).map(|installs| Task::Web { installs }),
+        Some("fuzz") => return fuzz::parse(&rest).map(Task::Fuzz),
         Some("bench") => return Ok(Task::Bench(rest)),
         Some("deny") => return Ok(Task::Deny(rest)),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),

@@ -41,8 +41,9 @@ pub(super) fn docs_rs(file: &File) -> Vec<Finding> {
     vec![file.finding(message)]
 }
 
-/// Programs of other people, as it were, whose lints are their own.
-const OUTSIDE: &str = "tests/outside/";
+/// Workspaces of their own, whose lints are theirs: programs of other people, as it were, and fuzz targets, which
+/// `libfuzzer-sys` writes unsafe code into.
+const OUTSIDE: &[&str] = &["tests/outside/", "tests/fuzz/"];
 
 /// Lints are set once, for all.
 pub(super) fn lints(files: &[File]) -> Vec<Finding> {
@@ -50,7 +51,7 @@ pub(super) fn lints(files: &[File]) -> Vec<Finding> {
     let of_workspace =
         workspace.as_ref().and_then(|manifest| manifest.get("workspace")?.get("lints"));
     let Some(Value::Table(of_workspace)) = of_workspace else { return Vec::new() };
-    let ours = files.iter().filter(|file| !file.path.starts_with(OUTSIDE));
+    let ours = files.iter().filter(|file| !OUTSIDE.iter().any(|path| file.path.starts_with(path)));
     ours.filter_map(|file| other_lints(file, of_workspace)).collect()
 }
 
@@ -133,6 +134,14 @@ mod tests {
         check("a", repeated, 1);
         check(UNSAFE_CRATE, repeated, 0);
         check(UNSAFE_CRATE, "[lints.rust]\nmissing_docs = \"deny\"\n", 1);
+    }
+
+    #[test]
+    fn lints_of_other_workspaces_are_theirs() {
+        let workspace = File::new("Cargo.toml", b"[workspace.lints.rust]\na = \"deny\"\n".to_vec());
+        let at = |path: &str| named(path, "a", "");
+        let files = [workspace, at("tests/fuzz/Cargo.toml"), at("tests/outside/a/Cargo.toml")];
+        assert_eq!(lints(&files), []);
     }
 
     /// The rule would be content with a workspace that it cannot read.
