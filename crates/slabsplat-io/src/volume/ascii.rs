@@ -85,7 +85,10 @@ pub(super) fn read_hex(
         if endian != Endian::NATIVE {
             sample.reverse();
         }
-        buffer.push_bytes(sample);
+        buffer.push_bytes(sample).map_err(|_| IoError::Read {
+            path: path.to_owned(),
+            source: io::ErrorKind::OutOfMemory.into(),
+        })?;
     }
     Ok(())
 }

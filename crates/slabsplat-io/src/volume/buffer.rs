@@ -1,8 +1,11 @@
-//! Bytes become samples, in their own type and without a second copy.
+//! Bytes become samples, in their own type and without a second copy where volumes have that type.
 
+use std::collections::TryReserveError;
 use std::io::{self, Read};
 
 use slabsplat_core::{Sample, SampleType, Samples, with_samples};
+
+use super::stored::{Narrowed, StoredType, half, integer, reserve};
 
 /// The order of a number's bytes in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -18,10 +21,18 @@ impl Endian {
     pub const NATIVE: Self = if cfg!(target_endian = "big") { Self::Big } else { Self::Little };
 }
 
-/// Samples on their way in. They are stored as they come, and turned to this machine's byte order
-/// at the end, in place.
+/// Samples on their way in. Those of a volume's own types are stored as they come, and turned to this
+/// machine's byte order at the end, in place; others are converted a chunk at a time.
 pub(super) struct SampleBuffer {
-    samples: Samples,
+    stored: StoredType,
+    endian: Endian,
+    target: Target,
+}
+
+enum Target {
+    Same(Samples),
+    Half(Vec<f32>),
+    Wide(Narrowed),
 }
 
 /// Fewer came than were asked for.
@@ -35,19 +46,18 @@ pub(super) enum ReadFailure {
 /// Memory grows by at least so much.
 const CHUNK_BYTES: usize = 1 << 20;
 
+/// Items that are converted at a time.
+const N_AT_ONCE: usize = 1 << 13;
+
 impl SampleBuffer {
-    pub(super) fn new(sample_type: SampleType) -> Self {
-        let samples = match sample_type {
-            SampleType::U8 => Samples::U8(Vec::new()),
-            SampleType::I8 => Samples::I8(Vec::new()),
-            SampleType::U16 => Samples::U16(Vec::new()),
-            SampleType::I16 => Samples::I16(Vec::new()),
-            SampleType::U32 => Samples::U32(Vec::new()),
-            SampleType::I32 => Samples::I32(Vec::new()),
-            SampleType::F32 => Samples::F32(Vec::new()),
-            SampleType::F64 => Samples::F64(Vec::new()),
+    pub(super) fn new(stored: impl Into<StoredType>, endian: Endian) -> Self {
+        let stored = stored.into();
+        let target = match stored {
+            StoredType::Sample(sample_type) => Target::Same(no_samples(sample_type)),
+            StoredType::F16 => Target::Half(Vec::new()),
+            StoredType::I64 | StoredType::U64 => Target::Wide(Narrowed::new(Vec::new())),
         };
-        Self { samples }
+        Self { stored, endian, target }
     }
 
     /// Takes `n_samples` more from `reader`. With `is_backed`, so many bytes are known to be there.
@@ -57,33 +67,125 @@ impl SampleBuffer {
         n_samples: usize,
         is_backed: bool,
     ) -> Result<(), ReadFailure> {
-        with_samples!(&mut self.samples, |s| append(s, reader, n_samples, is_backed))
+        match &mut self.target {
+            Target::Same(samples) => {
+                with_samples!(samples, |s| append(s, reader, n_samples, is_backed))
+            }
+            Target::Half(_) | Target::Wide(_) => self.convert(reader, n_samples, is_backed),
+        }
+    }
+
+    fn convert(
+        &mut self,
+        reader: &mut impl Read,
+        n_samples: usize,
+        is_backed: bool,
+    ) -> Result<(), ReadFailure> {
+        let item_bytes = self.stored.size_bytes();
+        let mut chunk = vec![0; item_bytes * N_AT_ONCE.min(n_samples)];
+        let mut n_done = 0;
+        while n_done < n_samples {
+            let n_left = n_samples - n_done;
+            let bytes = &mut chunk[..item_bytes * n_left.min(N_AT_ONCE)];
+            let n_read = read_full(reader, bytes).map_err(ReadFailure::Io)?;
+            if n_read < bytes.len() {
+                return Err(ReadFailure::TooShort((n_done * item_bytes + n_read) as u64));
+            }
+            let n_expected = if is_backed { n_left } else { 0 };
+            self.push_items(bytes, self.endian, n_expected)
+                .map_err(|_| ReadFailure::Io(io::ErrorKind::OutOfMemory.into()))?;
+            n_done += bytes.len() / item_bytes;
+        }
+        Ok(())
+    }
+
+    /// Appends what has to be converted, of `n_expected` items that are to come.
+    fn push_items(
+        &mut self,
+        bytes: &[u8],
+        endian: Endian,
+        n_expected: usize,
+    ) -> Result<(), TryReserveError> {
+        let stored = self.stored;
+        let items = bytes.chunks_exact(stored.size_bytes());
+        match &mut self.target {
+            Target::Same(_) => Ok(()),
+            Target::Half(samples) => {
+                reserve(samples, items.len(), n_expected)?;
+                samples.extend(items.map(|item| half(item, endian)));
+                Ok(())
+            }
+            Target::Wide(narrowed) => {
+                narrowed.append(items.map(|item| integer(item, stored, endian)), n_expected)
+            }
+        }
     }
 
     /// Appends the next number of a text; `None` if `token` is none, or not of the type.
     pub(super) fn push_text(&mut self, token: &str) -> Option<()> {
-        with_samples!(&mut self.samples, |s| s.push(token.parse().ok()?));
+        match &mut self.target {
+            Target::Same(samples) => with_samples!(samples, |s| s.push(token.parse().ok()?)),
+            Target::Half(samples) => samples.push(token.parse().ok()?),
+            Target::Wide(narrowed) => {
+                let number = match self.stored {
+                    StoredType::U64 => i128::from(token.parse::<u64>().ok()?),
+                    _ => i128::from(token.parse::<i64>().ok()?),
+                };
+                narrowed.append(std::iter::once(number), 0).ok()?;
+            }
+        }
         Some(())
     }
 
     /// Appends a sample by its bytes, in this machine's order.
-    pub(super) fn push_bytes(&mut self, bytes: &[u8]) {
-        with_samples!(&mut self.samples, |s| s.push(bytemuck::pod_read_unaligned(bytes)));
+    pub(super) fn push_bytes(&mut self, bytes: &[u8]) -> Result<(), TryReserveError> {
+        match &mut self.target {
+            Target::Same(samples) => {
+                with_samples!(samples, |s| s.push(bytemuck::pod_read_unaligned(bytes)));
+                Ok(())
+            }
+            Target::Half(_) | Target::Wide(_) => self.push_items(bytes, Endian::NATIVE, 0),
+        }
     }
 
+    /// Bytes of a sample in the file.
     pub(super) fn sample_bytes(&self) -> usize {
-        self.samples.sample_type().size_bytes()
+        self.stored.size_bytes()
     }
 
     pub(super) fn len(&self) -> usize {
-        self.samples.len()
+        match &self.target {
+            Target::Same(samples) => samples.len(),
+            Target::Half(samples) => samples.len(),
+            Target::Wide(narrowed) => narrowed.len(),
+        }
     }
 
-    pub(super) fn finish(mut self, stored: Endian) -> Samples {
-        if stored != Endian::NATIVE {
-            with_samples!(&mut self.samples, |s| swap_bytes(s));
+    /// The samples, and a warning if they are of another type than in the file.
+    pub(super) fn finish(self, warnings: &mut Vec<String>) -> Samples {
+        match self.target {
+            Target::Same(mut samples) => {
+                if self.endian != Endian::NATIVE {
+                    with_samples!(&mut samples, |s| swap_bytes(s));
+                }
+                samples
+            }
+            Target::Half(samples) => Samples::F32(samples),
+            Target::Wide(narrowed) => narrowed.finish(self.stored, warnings),
         }
-        self.samples
+    }
+}
+
+fn no_samples(sample_type: SampleType) -> Samples {
+    match sample_type {
+        SampleType::U8 => Samples::U8(Vec::new()),
+        SampleType::I8 => Samples::I8(Vec::new()),
+        SampleType::U16 => Samples::U16(Vec::new()),
+        SampleType::I16 => Samples::I16(Vec::new()),
+        SampleType::U32 => Samples::U32(Vec::new()),
+        SampleType::I32 => Samples::I32(Vec::new()),
+        SampleType::F32 => Samples::F32(Vec::new()),
+        SampleType::F64 => Samples::F64(Vec::new()),
     }
 }
 
@@ -145,10 +247,15 @@ fn swap_bytes<T: Sample>(samples: &mut [T]) {
 mod tests {
     use super::*;
 
-    fn read(bytes: &[u8], t: SampleType, n: usize, endian: Endian) -> Result<Samples, u64> {
-        let mut buffer = SampleBuffer::new(t);
+    fn read(
+        bytes: &[u8],
+        stored: impl Into<StoredType>,
+        n: usize,
+        endian: Endian,
+    ) -> Result<Samples, u64> {
+        let mut buffer = SampleBuffer::new(stored, endian);
         match buffer.append(&mut &bytes[..], n, false) {
-            Ok(()) => Ok(buffer.finish(endian)),
+            Ok(()) => Ok(buffer.finish(&mut Vec::new())),
             Err(ReadFailure::TooShort(n)) => Err(n),
             Err(ReadFailure::Io(e)) => panic!("{e}"),
         }
@@ -162,6 +269,22 @@ mod tests {
         assert_eq!(read16(Endian::Big), Ok(Samples::U16(vec![0x0102, 0x0304])));
         let float = 2.5_f64.to_be_bytes();
         assert_eq!(read(&float, SampleType::F64, 1, Endian::Big), Ok(Samples::F64(vec![2.5])));
+    }
+
+    /// More of them than are converted at a time, and a wide one among the last.
+    #[test]
+    fn buffer_converts_as_it_reads() {
+        let numbers: Vec<i64> =
+            (0..20_000).map(|n| if n == 19_000 { -1 << 40 } else { n }).collect();
+        let expected = Samples::F64(numbers.iter().map(|&n| n as f64).collect());
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_be_bytes()).collect();
+        assert_eq!(read(&bytes, StoredType::I64, 20_000, Endian::Big), Ok(expected));
+        let narrow = Samples::I32((0..19_000).collect());
+        assert_eq!(read(&bytes, StoredType::I64, 19_000, Endian::Big), Ok(narrow));
+        assert_eq!(read(&bytes[1..], StoredType::U64, 20_000, Endian::Big), Err(159_999));
+        let halves = [0x00, 0x3c, 0x00, 0xc0];
+        let expected = Samples::F32(vec![1.0, -2.0]);
+        assert_eq!(read(&halves, StoredType::F16, 2, Endian::Little), Ok(expected));
     }
 
     #[test]

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use slabsplat_core::{SampleType, Samples};
+use slabsplat_core::Samples;
 
 use super::ascii;
 use super::buffer::{Endian, SampleBuffer};
 use super::data_files::DataFiles;
+use super::stored::StoredType;
 use super::stream::DataStream;
 use crate::IoError;
 use crate::printable::shown;
@@ -39,7 +40,7 @@ pub(super) struct Layout {
     /// Of the volume.
     pub(super) n_samples: usize,
     pub(super) share: Share,
-    pub(super) sample_type: SampleType,
+    pub(super) stored: StoredType,
     pub(super) encoding: Encoding,
     pub(super) endian: Endian,
     /// Lines to pass over first.
@@ -68,7 +69,11 @@ pub(super) fn read(
     let n_each = n_volume.saturating_mul(n_volumes as u64) / files.len() as u64;
     let first = n_volume.saturating_mul(volume as u64);
     let end = first.saturating_add(n_volume);
-    let mut buffer = SampleBuffer::new(layout.sample_type);
+    let endian = match layout.encoding {
+        Encoding::Raw | Encoding::Packed => layout.endian,
+        Encoding::Text | Encoding::Hex => Endian::NATIVE,
+    };
+    let mut buffer = SampleBuffer::new(layout.stored, endian);
     let mut file_idx = first.checked_div(n_each).unwrap_or(0);
     let mut at = first;
     while at < end && file_idx < files.len() as u64 {
@@ -80,10 +85,7 @@ pub(super) fn read(
         at += n_here;
         file_idx += 1;
     }
-    Ok(buffer.finish(match layout.encoding {
-        Encoding::Raw | Encoding::Packed => layout.endian,
-        Encoding::Text | Encoding::Hex => Endian::NATIVE,
-    }))
+    Ok(buffer.finish(warnings))
 }
 
 /// A file, and which of its samples are read.
@@ -112,7 +114,7 @@ fn read_file(
     warnings: &mut Vec<String>,
 ) -> Result<(), IoError> {
     let path = file.path;
-    let sample_bytes = layout.sample_type.size_bytes() as u64;
+    let sample_bytes = layout.stored.size_bytes() as u64;
     let Share { n_channels, channel, .. } = layout.share;
     let n_samples = (file.n_here / n_channels as u64) as usize;
     let mut stream = file.open(layout)?;

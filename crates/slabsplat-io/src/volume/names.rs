@@ -2,6 +2,8 @@
 
 use slabsplat_core::SampleType;
 
+use super::stored::StoredType;
+
 /// Every spelling of a type that NRRD allows, in lower case.
 const SPELLINGS: &[(SampleType, &[&str])] = &[
     (SampleType::U8, &["uchar", "unsigned char", "uint8", "uint8_t"]),
@@ -17,10 +19,39 @@ const SPELLINGS: &[(SampleType, &[&str])] = &[
     (SampleType::F64, &["double", "float64"]),
 ];
 
+/// The same for integers of 64 bits.
+const WIDE_SPELLINGS: &[(StoredType, &[&str])] = &[
+    (
+        StoredType::I64,
+        &[
+            "longlong",
+            "long long",
+            "long long int",
+            "signed long long",
+            "signed long long int",
+            "int64",
+            "int64_t",
+        ],
+    ),
+    (
+        StoredType::U64,
+        &["ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"],
+    ),
+];
+
 /// The type that `name` means, in any case and with any blanks between its words.
 pub(super) fn sample_type(name: &str) -> Option<SampleType> {
+    find(SPELLINGS, name)
+}
+
+/// The same where integers may have 64 bits, too.
+pub(super) fn stored_type(name: &str) -> Option<StoredType> {
+    sample_type(name).map(StoredType::Sample).or_else(|| find(WIDE_SPELLINGS, name))
+}
+
+fn find<T: Copy>(spellings: &[(T, &[&str])], name: &str) -> Option<T> {
     let name = name.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
-    SPELLINGS.iter().find(|(_, names)| names.contains(&name.as_str())).map(|(t, _)| *t)
+    spellings.iter().find(|(_, names)| names.contains(&name.as_str())).map(|(t, _)| *t)
 }
 
 /// What to say where a type has no such name.
@@ -39,6 +70,10 @@ mod tests {
         for &t in SampleType::ALL {
             assert_eq!(sample_type(t.name()), Some(t));
         }
+        assert_eq!(stored_type("short"), Some(StoredType::Sample(SampleType::I16)));
+        assert_eq!(stored_type("unsigned  long long"), Some(StoredType::U64));
+        assert_eq!(stored_type("int64_t"), Some(StoredType::I64));
+        assert_eq!(stored_type("block"), None);
         for other in ["int64", "block", "char", ""] {
             assert_eq!(sample_type(other), None);
         }

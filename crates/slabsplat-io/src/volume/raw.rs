@@ -61,9 +61,9 @@ pub(super) fn read_samples(
         let what = format!("needs {needed} bytes of data, has {found}: {}", what_fits(desc, found));
         return Err(IoError::malformed(path, what));
     }
-    let mut buffer = SampleBuffer::new(desc.sample_type);
+    let mut buffer = SampleBuffer::new(desc.sample_type, desc.endian);
     stream.fill(&mut buffer, n_voxels, sample_bytes)?;
-    Ok(buffer.finish(desc.endian))
+    Ok(buffer.finish(&mut Vec::new()))
 }
 
 /// What would make a description one of so many bytes.

@@ -3,6 +3,8 @@
 //! Half floats become `float32`, which holds all of them. Integers of 64 bits become the first of `int32`,
 //! `uint32` and `float64` that holds what comes, which is found while they come.
 
+use std::collections::TryReserveError;
+
 use slabsplat_core::{SampleType, Samples};
 
 use super::Endian;
@@ -22,6 +24,12 @@ pub(super) enum StoredType {
 
 /// From here on not every integer is a 64-bit float.
 const MAX_EXACT: i128 = 1 << 53;
+
+impl From<SampleType> for StoredType {
+    fn from(sample_type: SampleType) -> Self {
+        Self::Sample(sample_type)
+    }
+}
 
 impl StoredType {
     /// A byte.
@@ -101,9 +109,7 @@ impl Narrowed {
         stride: usize,
         numbers: impl Iterator<Item = i128> + Clone,
     ) {
-        let (min, max) = numbers.clone().fold((0, 0), |(min, max), n| (n.min(min), n.max(max)));
-        self.is_rounded |= min < -MAX_EXACT || MAX_EXACT < max;
-        self.widen(min, max);
+        self.widen_for(numbers.clone());
         let places = numbers.enumerate().map(|(idx, number)| (first + idx * stride, number));
         match &mut self.samples {
             Samples::I32(samples) => places.for_each(|(at, number)| samples[at] = number as i32),
@@ -111,6 +117,43 @@ impl Narrowed {
             Samples::F64(samples) => places.for_each(|(at, number)| samples[at] = number as f64),
             _ => unreachable!("integers are narrowed to three types"),
         }
+    }
+
+    /// Appends `numbers`, for which room is reserved first: exactly that of `n_expected`, or more if they
+    /// are fewer than those that come.
+    pub(super) fn append(
+        &mut self,
+        numbers: impl ExactSizeIterator<Item = i128> + Clone,
+        n_expected: usize,
+    ) -> Result<(), TryReserveError> {
+        self.widen_for(numbers.clone());
+        let n_numbers = numbers.len();
+        match &mut self.samples {
+            Samples::I32(samples) => {
+                reserve(samples, n_numbers, n_expected)?;
+                samples.extend(numbers.map(|number| number as i32));
+            }
+            Samples::U32(samples) => {
+                reserve(samples, n_numbers, n_expected)?;
+                samples.extend(numbers.map(|number| number as u32));
+            }
+            Samples::F64(samples) => {
+                reserve(samples, n_numbers, n_expected)?;
+                samples.extend(numbers.map(|number| number as f64));
+            }
+            _ => unreachable!("integers are narrowed to three types"),
+        }
+        Ok(())
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn widen_for(&mut self, numbers: impl Iterator<Item = i128>) {
+        let (min, max) = numbers.fold((0, 0), |(min, max), n| (n.min(min), n.max(max)));
+        self.is_rounded |= min < -MAX_EXACT || MAX_EXACT < max;
+        self.widen(min, max);
     }
 
     fn widen(&mut self, min: i128, max: i128) {
@@ -149,6 +192,18 @@ impl Narrowed {
     }
 }
 
+/// Room for `n_more` items: just for `n_expected`, if those are more.
+pub(super) fn reserve<T>(
+    items: &mut Vec<T>,
+    n_more: usize,
+    n_expected: usize,
+) -> Result<(), TryReserveError> {
+    match n_expected {
+        n if n_more <= n => items.try_reserve_exact(n),
+        _ => items.try_reserve(n_more),
+    }
+}
+
 /// The number in the first bytes of `bytes`.
 pub(super) fn integer(bytes: &[u8], stored: StoredType, endian: Endian) -> i128 {
     let mut number = [0; 8];
@@ -184,6 +239,11 @@ mod tests {
             for (at, &number) in numbers.iter().enumerate() {
                 narrowed.put(at, 1, std::iter::once(number));
             }
+            let mut appended = Narrowed::new(Vec::new());
+            for &number in numbers {
+                appended.append(std::iter::once(number), 0).unwrap();
+            }
+            assert_eq!(appended.finish(StoredType::I64, &mut Vec::new()), expected);
             let mut warnings = Vec::new();
             assert_eq!(narrowed.finish(StoredType::I64, &mut warnings), expected);
             assert!(warnings[0].contains(word), "{warnings:?}");

@@ -164,16 +164,6 @@ impl<'p> DataStream<'p> {
         if found < needed { Err(self.too_short(needed, found)) } else { Ok(()) }
     }
 
-    /// What went wrong while this was read.
-    pub(super) fn read_error(&self, source: io::Error) -> IoError {
-        match source.kind() {
-            io::ErrorKind::UnexpectedEof => {
-                IoError::malformed(self.path, "the data end too early: the file is cut off")
-            }
-            _ => IoError::Read { path: self.path.to_owned(), source },
-        }
-    }
-
     /// How many bytes are left, by reading them all.
     pub(super) fn count(mut self) -> Result<u64, IoError> {
         let path = self.path;
@@ -309,6 +299,7 @@ pub(super) fn plain_extension(path: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::buffer::Endian;
     use super::*;
     use slabsplat_core::SampleType;
     use std::io::Write;
@@ -327,7 +318,7 @@ mod tests {
         assert_eq!(first_bytes(Store::Disk, &path).unwrap(), b"abcdef");
         let mut stream = DataStream::open_unpacked(Store::Disk, &path).unwrap();
         stream.skip(2).unwrap();
-        let mut buffer = SampleBuffer::new(SampleType::U8);
+        let mut buffer = SampleBuffer::new(SampleType::U8, Endian::NATIVE);
         stream.fill(&mut buffer, 4, 1).unwrap();
         assert!(!stream.has_more().unwrap());
     }
@@ -337,7 +328,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.gz");
         std::fs::write(&path, gzip(&[0; 1000])).unwrap();
-        let mut buffer = SampleBuffer::new(SampleType::U8);
+        let mut buffer = SampleBuffer::new(SampleType::U8, Endian::NATIVE);
         let mut fill =
             |n| DataStream::open_unpacked(Store::Disk, &path).unwrap().fill(&mut buffer, n, 1);
         let err = fill(1 << 30).unwrap_err().to_string();

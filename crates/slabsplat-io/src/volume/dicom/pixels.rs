@@ -31,7 +31,7 @@ pub(super) fn read(
     channel: usize,
 ) -> Result<Samples, IoError> {
     let sample_type = if to_float { SampleType::F32 } else { sample_type(&series.layout) };
-    let mut buffer = SampleBuffer::new(sample_type);
+    let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
     let mut frames = FrameReader { store, series, channel, to_float, cached: None };
     let mut last: Option<(usize, Vec<u8>)> = None;
     let mut next: Option<(usize, Vec<u8>)> = None;
@@ -61,7 +61,7 @@ pub(super) fn read(
         }
         last = Some((idx, samples));
     }
-    Ok(buffer.finish(Endian::NATIVE))
+    Ok(buffer.finish(&mut Vec::new()))
 }
 
 fn append(

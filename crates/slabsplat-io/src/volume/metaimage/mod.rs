@@ -3,7 +3,7 @@
 //! Format: <https://itk.org/Wiki/ITK/MetaIO/Documentation>. Read: raw, zlib and text; data attached,
 //! detached (one file, a `LIST`, a numbered pattern). Space is ITK's, LPS: x and y change sign.
 //! `AnatomicalOrientation` and `CenterOfRotation` change nothing, as in ITK. `CompressedDataSize` is often
-//! wrong, and not needed. Not read: 64-bit integers.
+//! wrong, and not needed.
 //!
 //! Reading order: `header` (lines to fields), `space` (where the voxels lie), `files` (where the data are).
 
@@ -16,6 +16,7 @@ use slabsplat_core::{Grid, SampleType, Scaling};
 use super::choices::Part;
 use super::data::{self, Encoding};
 use super::formats::{Input, Reader, VolumeListing};
+use super::stored::StoredType;
 use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat, assemble};
 use crate::IoError;
 use header::Header;
@@ -45,7 +46,7 @@ impl Reader for MetaImage {
         Ok(VolumeListing {
             format: VolumeFormat::MetaImage,
             dims: volume_dims(&header.sizes()?),
-            sample_type: sample_type(&header)?,
+            sample_type: stored_type(&header)?.widest(),
             choices: choices(&header, input, &header.sizes()?)?,
         })
     }
@@ -58,14 +59,14 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let sizes = header.sizes()?;
     let grid = Grid::new(volume_dims(&sizes), space::world_from_index(&header, sizes.len())?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let sample_type = sample_type(&header)?;
+    let stored = stored_type(&header)?;
     let choices = choices(&header, input, &sizes)?;
     let layout = data::Layout {
         n_samples: grid.n_voxels(),
         share: choices.share(),
-        sample_type,
+        stored,
         encoding: encoding(&header)?,
-        endian: endian(&header, sample_type, &mut warnings)?,
+        endian: endian(&header, stored, &mut warnings)?,
         line_skip: 0,
         byte_skip: header.parsed("headersize")?.unwrap_or(0),
     };
@@ -94,22 +95,25 @@ fn volume_dims(sizes: &[usize]) -> [usize; 3] {
     [0, 1, 2].map(|axis| sizes.get(axis).copied().unwrap_or(1))
 }
 
-fn sample_type(header: &Header) -> Result<SampleType, IoError> {
+fn stored_type(header: &Header) -> Result<StoredType, IoError> {
     let name = header.needed("elementtype")?;
-    match name.trim_end_matches("_ARRAY") {
-        "MET_UCHAR" => Ok(SampleType::U8),
-        "MET_CHAR" => Ok(SampleType::I8),
-        "MET_USHORT" => Ok(SampleType::U16),
-        "MET_SHORT" => Ok(SampleType::I16),
+    Ok(StoredType::Sample(match name.trim_end_matches("_ARRAY") {
+        "MET_UCHAR" => SampleType::U8,
+        "MET_CHAR" => SampleType::I8,
+        "MET_USHORT" => SampleType::U16,
+        "MET_SHORT" => SampleType::I16,
         // Four bytes in files, whatever a compiler says.
-        "MET_UINT" | "MET_ULONG" => Ok(SampleType::U32),
-        "MET_INT" | "MET_LONG" => Ok(SampleType::I32),
-        "MET_FLOAT" => Ok(SampleType::F32),
-        "MET_DOUBLE" => Ok(SampleType::F64),
-        _ => Err(header.unsupported(format!(
-            "elements of type {name:?} cannot be read: convert them to MET_INT, MET_FLOAT or less"
-        ))),
-    }
+        "MET_UINT" | "MET_ULONG" => SampleType::U32,
+        "MET_INT" | "MET_LONG" => SampleType::I32,
+        "MET_ULONG_LONG" => return Ok(StoredType::U64),
+        "MET_LONG_LONG" => return Ok(StoredType::I64),
+        "MET_FLOAT" => SampleType::F32,
+        "MET_DOUBLE" => SampleType::F64,
+        _ => {
+            let what = "cannot be read: convert them to MET_INT, MET_FLOAT or less";
+            return Err(header.unsupported(format!("elements of type {name:?} {what}")));
+        }
+    }))
 }
 
 fn encoding(header: &Header) -> Result<Encoding, IoError> {
@@ -123,14 +127,14 @@ fn encoding(header: &Header) -> Result<Encoding, IoError> {
 /// The byte order; only numbers of several bytes, not written as text, have one.
 fn endian(
     header: &Header,
-    sample_type: SampleType,
+    stored: StoredType,
     warnings: &mut Vec<String>,
 ) -> Result<Endian, IoError> {
     let is_big = match header.is_true("binarydatabyteordermsb")? {
         None => header.is_true("elementbyteordermsb")?,
         said => said,
     };
-    if is_big.is_none() && 1 < sample_type.size_bytes() && encoding(header)? != Encoding::Text {
+    if is_big.is_none() && 1 < stored.size_bytes() && encoding(header)? != Encoding::Text {
         warnings
             .push("the header does not say the byte order: little-endian was assumed".to_owned());
     }

@@ -48,6 +48,20 @@ fn metaimage_attached() {
     check(&[("a.mha", &attached(&other, &BIG))]);
 }
 
+#[test]
+fn metaimage_of_wide_integers() {
+    let data = [3_i64, -4, 5, 6].map(i64::to_be_bytes).concat();
+    for (name, expected) in [
+        ("MET_LONG_LONG", Samples::I32(vec![3, -4, 5, 6])),
+        ("MET_ULONG_LONG", Samples::F64(vec![3.0, 18_446_744_073_709_551_612.0, 5.0, 6.0])),
+    ] {
+        let fields = FIELDS.replace("MET_SHORT", name);
+        let loaded = read(&[("a.mha", &attached(&fields, &data))]).unwrap();
+        assert_eq!(loaded.volume.samples(), &expected);
+        assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
+    }
+}
+
 /// The size of packed data is wrong in many files.
 #[test]
 fn metaimage_packed() {
@@ -156,7 +170,7 @@ fn metaimage_bad_headers_are_named() {
     check("2 2 1", "2 0 1", "empty");
     check("2 2 1", "99999 99999 99999", "too many voxels");
     check("NDims = 3", "NDims = 99999999", "has 99999999 axes");
-    check("MET_SHORT", "MET_LONG_LONG", "\"MET_LONG_LONG\" cannot be read");
+    check("MET_SHORT", "MET_STRING", "\"MET_STRING\" cannot be read");
     check("1 2 3", "1 0 3", "cannot be inverted");
     check("1 2 3", "1 2 x", "elementspacing should be 3 numbers");
     check("MSB = True", "MSB = maybe", "not True or False");

@@ -6,12 +6,10 @@
 //! knows no NIfTI-2, and takes memory for as many voxels as a header claims. The tests compare with
 //! it.
 //!
-//! Reading order: `header` (bytes to fields), `orientation` (fields to the grid's place),
-//! `wide` (integers of 64 bits).
+//! Reading order: `header` (bytes to fields), `orientation` (fields to the grid's place).
 
 mod header;
 mod orientation;
-mod wide;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +18,7 @@ use slabsplat_core::{SampleType, Scaling};
 use super::buffer::SampleBuffer;
 use super::choices::{Choice, Part};
 use super::formats::{Input, Reader, VolumeListing};
+use super::stored::StoredType;
 use super::stream::{DataStream, first_bytes, plain_extension};
 use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
 use crate::IoError;
@@ -60,7 +59,7 @@ impl Reader for Nifti {
         Ok(VolumeListing {
             format: header.format(),
             dims: dims(&header, input.path)?,
-            sample_type: stored(&header, input.path)?.sample_type(),
+            sample_type: stored(&header, input.path)?.each.widest(),
             choices: choices(&header, input)?,
         })
     }
@@ -82,26 +81,18 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let mut stream = DataStream::open_unpacked(store, &image_path)?;
     let n_bytes = (grid.n_voxels() as u64).saturating_mul(stored.voxel_bytes() as u64);
     let [channel, time] = [&choices.channel, &choices.time];
-    let is_interleaved = matches!(stored, Stored::Samples { n_channels: 2.., .. });
-    let n_before = if is_interleaved { 0 } else { channel.chosen as u64 };
+    let Stored { each, n_channels } = stored;
+    let (n_before, color) =
+        if 1 < n_channels { (0, channel.chosen) } else { (channel.chosen as u64, 0) };
     let n_before = n_before.saturating_mul(time.n as u64);
     let n_before = n_before.saturating_add(time.chosen as u64);
     stream.skip(data_offset(&header, path)?.saturating_add(n_before.saturating_mul(n_bytes)))?;
-    let samples = match stored {
-        Stored::Samples { sample_type, n_channels } => {
-            let mut buffer = SampleBuffer::new(sample_type);
-            let colors = [n_channels, if n_channels == 1 { 0 } else { choices.channel.chosen }];
-            stream.fill_channel(&mut buffer, grid.n_voxels(), sample_type.size_bytes(), colors)?;
-            buffer.finish(header.endian)
-        }
-        Stored::Wide { is_signed } => {
-            wide::read(&mut stream, grid.n_voxels(), is_signed, header.endian, &mut warnings)?
-        }
-    };
+    let mut buffer = SampleBuffer::new(each, header.endian);
+    stream.fill_channel(&mut buffer, grid.n_voxels(), each.size_bytes(), [n_channels, color])?;
     if choices.is_single() && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", shown(&image_path)));
     }
-    let volume = assemble(path, grid, samples, scaling)?;
+    let volume = assemble(path, grid, buffer.finish(&mut warnings), scaling)?;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })
 }
 
@@ -166,15 +157,13 @@ fn choices(header: &Header, input: &Input<'_>) -> Result<VolumeChoices, IoError>
     let beyond_space: Vec<usize> = sizes.skip(3).collect();
     let n_times = beyond_space.first().copied().unwrap_or(1);
     let n_channels = beyond_space.iter().skip(1).fold(1, |n: usize, &size| n.saturating_mul(size));
-    let channels = match stored(header, input.path)? {
-        Stored::Samples { n_channels: 1, .. } | Stored::Wide { .. } => {
-            Choice { n: n_channels, ..Choice::default() }
-        }
-        Stored::Samples { n_channels: n, .. } if n_channels == 1 => {
+    let channels = match stored(header, input.path)?.n_channels {
+        1 => Choice { n: n_channels, ..Choice::default() },
+        n if n_channels == 1 => {
             let names = ["red", "green", "blue", "alpha"].map(str::to_owned);
             Choice { n, names: names[..n].to_vec(), ..Choice::default() }
         }
-        Stored::Samples { .. } => {
+        _ => {
             let what = "colours of several channels cannot be read: save one channel alone";
             return Err(IoError::unsupported(input.path, what));
         }
@@ -186,29 +175,16 @@ fn choices(header: &Header, input: &Input<'_>) -> Result<VolumeChoices, IoError>
     })
 }
 
-/// What a voxel is in the file.
+/// What a voxel is in the file: values one after the other, of which one is read.
 #[derive(Clone, Copy)]
-enum Stored {
-    /// Values one after the other, of which one is read.
-    Samples { sample_type: SampleType, n_channels: usize },
-    /// An integer of 64 bits.
-    Wide { is_signed: bool },
+struct Stored {
+    each: StoredType,
+    n_channels: usize,
 }
 
 impl Stored {
-    fn sample_type(self) -> SampleType {
-        match self {
-            Self::Samples { sample_type, .. } => sample_type,
-            Self::Wide { is_signed: true } => SampleType::I32,
-            Self::Wide { is_signed: false } => SampleType::U32,
-        }
-    }
-
     fn voxel_bytes(self) -> usize {
-        match self {
-            Self::Samples { sample_type, n_channels } => sample_type.size_bytes() * n_channels,
-            Self::Wide { .. } => 8,
-        }
+        self.each.size_bytes() * self.n_channels
     }
 }
 
@@ -218,8 +194,8 @@ fn stored(header: &Header, path: &Path) -> Result<Stored, IoError> {
         let what = "a CIFTI file, whose values lie on surfaces: wb_command -cifti-separate takes out its volume";
         return Err(IoError::unsupported(path, what));
     }
-    let of = |sample_type| Ok(Stored::Samples { sample_type, n_channels: 1 });
-    let colors = |n_channels| Ok(Stored::Samples { sample_type: SampleType::U8, n_channels });
+    let of = |sample_type| Ok(Stored { each: StoredType::Sample(sample_type), n_channels: 1 });
+    let colors = |n_channels| Ok(Stored { each: StoredType::U8_SAMPLE, n_channels });
     let other = match header.datatype {
         2 => return of(SampleType::U8),
         4 => return of(SampleType::I16),
@@ -231,8 +207,8 @@ fn stored(header: &Header, path: &Path) -> Result<Stored, IoError> {
         768 => return of(SampleType::U32),
         128 => return colors(3),
         2304 => return colors(4),
-        1024 => return Ok(Stored::Wide { is_signed: true }),
-        1280 => return Ok(Stored::Wide { is_signed: false }),
+        1024 => return Ok(Stored { each: StoredType::I64, n_channels: 1 }),
+        1280 => return Ok(Stored { each: StoredType::U64, n_channels: 1 }),
         1 => "single bits",
         32 | 1792 | 2048 => "complex numbers, of which no one value can be drawn,",
         1536 => "128-bit floats",

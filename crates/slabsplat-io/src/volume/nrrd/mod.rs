@@ -3,7 +3,7 @@
 //! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip, hex and text encodings; data
 //! attached or detached (one file, a `LIST`, a numbered pattern); `space directions` and `spacings`,
 //! also both at once. A first axis of values that voxels have gives a channel, a
-//! last one of moments a time. Not read: bzip2, 64-bit integers.
+//! last one of moments a time. Not read: bzip2.
 //!
 //! Reading order: `header` (lines to fields), `axes` (which three axes are the volume's), `space`
 //! (where they lie), `files` (where the data are).
@@ -13,10 +13,11 @@ mod files;
 mod header;
 mod space;
 
-use slabsplat_core::{Grid, SampleType, Scaling};
+use slabsplat_core::{Grid, Scaling};
 
 use super::data::{self, Encoding};
 use super::formats::{Input, Reader, VolumeListing};
+use super::stored::StoredType;
 use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
 use crate::IoError;
 use header::Header;
@@ -47,7 +48,7 @@ impl Reader for Nrrd {
         Ok(VolumeListing {
             format: VolumeFormat::Nrrd,
             dims: axes.dims,
-            sample_type: sample_type(&header)?,
+            sample_type: stored_type(&header)?.widest(),
             choices: axes.choices(input)?,
         })
     }
@@ -60,14 +61,14 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let axes = axes::find(&header)?;
     let grid = Grid::new(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let sample_type = sample_type(&header)?;
+    let stored = stored_type(&header)?;
     let choices = axes.choices(input)?;
     let layout = data::Layout {
         n_samples: grid.n_voxels(),
         share: choices.share(),
-        sample_type,
+        stored,
         encoding: encoding(&header)?,
-        endian: endian(&header, sample_type, &mut warnings)?,
+        endian: endian(&header, stored, &mut warnings)?,
         line_skip: header.parsed("line skip")?.unwrap_or(0),
         byte_skip: header.parsed("byte skip")?.unwrap_or(0),
     };
@@ -77,9 +78,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings) })
 }
 
-fn sample_type(header: &Header) -> Result<SampleType, IoError> {
+fn stored_type(header: &Header) -> Result<StoredType, IoError> {
     let name = header.needed("type")?;
-    names::sample_type(name).ok_or_else(|| header.unsupported(names::unknown_type(name)))
+    names::stored_type(name).ok_or_else(|| header.unsupported(names::unknown_type(name)))
 }
 
 fn encoding(header: &Header) -> Result<Encoding, IoError> {
@@ -98,7 +99,7 @@ fn encoding(header: &Header) -> Result<Encoding, IoError> {
 /// The byte order; only numbers of several bytes, not written as text, have one.
 fn endian(
     header: &Header,
-    sample_type: SampleType,
+    stored: StoredType,
     warnings: &mut Vec<String>,
 ) -> Result<Endian, IoError> {
     match header.get("endian").map(str::to_lowercase).as_deref() {
@@ -106,7 +107,7 @@ fn endian(
         Some("big") => Ok(Endian::Big),
         Some(other) => Err(header.malformed(format!("endian is {other:?}, not little or big"))),
         None => {
-            let matters = 1 < sample_type.size_bytes() && encoding(header)? != Encoding::Text;
+            let matters = 1 < stored.size_bytes() && encoding(header)? != Encoding::Text;
             if matters {
                 warnings.push("the header does not say endian: little was assumed".to_owned());
             }

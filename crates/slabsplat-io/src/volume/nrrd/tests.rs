@@ -6,7 +6,7 @@ use std::path::Path;
 use slabsplat_core::Samples;
 
 use crate::store::read_from_both as read;
-use crate::{VolumeOptions, read_volume};
+use crate::{FilesInMemory, VolumeOptions, read_volume};
 
 const RAW: &str = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\nencoding: raw\nendian: big\n";
 const BIG: [u8; 8] = [0, 1, 0, 2, 0, 3, 255, 255];
@@ -45,6 +45,48 @@ fn nrrd_attached() {
     let little = RAW.replace("big", "little");
     check(&[("a.nrrd", &attached(&little, &[1, 0, 2, 0, 3, 0, 255, 255]))]);
     check(&[("no-extension", &attached(RAW, &BIG))]);
+}
+
+/// In every encoding, and also one channel of several.
+#[test]
+fn nrrd_of_wide_integers() {
+    let header =
+        |encoding: &str| RAW.replace("short", "unsigned long long int").replace("raw", encoding);
+    let check = |numbers: [u64; 4], expected: Samples, kept: &str| {
+        let bytes = numbers.map(u64::to_be_bytes).concat();
+        let hex: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+        let text = numbers.map(|number| number.to_string()).join(" ");
+        for (encoding, data) in [
+            ("raw", bytes.clone()),
+            ("gzip", gzip(&bytes)),
+            ("hex", hex.into_bytes()),
+            ("text", text.into_bytes()),
+        ] {
+            let loaded = read(&[("a.nrrd", &attached(&header(encoding), &data))]).unwrap();
+            assert_eq!(loaded.volume.samples(), &expected, "{encoding}");
+            assert!(loaded.warnings[0].contains(kept), "{:?}", loaded.warnings);
+            assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
+        }
+    };
+    check([1, 2, 3, 4], Samples::I32(vec![1, 2, 3, 4]), "uint64 became int32");
+    check([1, 2, 3, 1 << 31], Samples::U32(vec![1, 2, 3, 1 << 31]), "uint64 became uint32");
+    let large = Samples::F64(vec![1.0, 2.0, 3.0, 1_099_511_627_776.0]);
+    check([1, 2, 3, 1 << 40], large, "uint64 became float64");
+    let rounded = Samples::F64(vec![1.0, 2.0, 3.0, 18_446_744_073_709_551_615.0]);
+    check([1, 2, 3, u64::MAX], rounded, "were rounded to float64");
+    check_error(&[("a.nrrd", &attached(&header("text"), b"1 2 3 -4"))], "\"-4\" is not a number");
+    let short = attached(&header("raw"), &[0; 31]);
+    check_error(&[("a.nrrd", &short)], "needs 32 bytes of data, has 31");
+
+    let channels = header("raw")
+        .replace("sizes: 2 2 1", "sizes: 2 2 1 1")
+        .replace("dimension: 3", "dimension: 4")
+        + "kinds: vector domain domain domain\n";
+    let data = [1, 2, 3, 1 << 31].map(u64::to_be_bytes).concat();
+    let bytes = attached(&channels, &data);
+    let files = FilesInMemory::from_iter([("a.nrrd", bytes.as_slice())]);
+    let second = files.read_volume_with("a.nrrd", &VolumeOptions::default().channel(1)).unwrap();
+    assert_eq!(second.volume.samples(), &Samples::U32(vec![2, 1 << 31]));
 }
 
 #[test]
@@ -99,7 +141,7 @@ fn nrrd_bad_headers_are_named() {
     };
     check("NRRD0004", "NRRD0007", "NRRD0001 to NRRD0005");
     check("type: short\n", "", "no field \"type\"");
-    check("short", "int64", "\"int64\" cannot be read");
+    check("short", "block", "\"block\" cannot be read");
     check("encoding: raw\n", "", "no field \"encoding\"");
     check("big", "middle", "endian");
     check("2 2 1", "2 2 2", "needs 16 bytes of data, has 8");
@@ -134,7 +176,7 @@ fn nrrd_gone() {
 fn nrrd_channels_and_times_are_chosen() {
     let check = |header: &str, data: &[u8], [time, channel]: [usize; 2], expected: &[i16]| {
         let bytes = attached(header, data);
-        let files = crate::FilesInMemory::from_iter([("a.nrrd", bytes.as_slice())]);
+        let files = FilesInMemory::from_iter([("a.nrrd", bytes.as_slice())]);
         let options = VolumeOptions::default().time(time).channel(channel);
         let loaded = files.read_volume_with("a.nrrd", &options).unwrap();
         assert_eq!(loaded.volume.samples(), &Samples::I16(expected.to_vec()), "{header}");
@@ -153,7 +195,7 @@ fn nrrd_channels_and_times_are_chosen() {
     check(&times.replace("raw", "hex"), b"000100020003ffff", [1, 0], &[3, -1]);
     let files = format!("{times}data file: LIST 3\nx\ny\n");
     let files = [("a.nhdr", files.as_bytes()), ("x", &BIG[..4]), ("y", &BIG[4..])];
-    let files = crate::FilesInMemory::from_iter(files);
+    let files = FilesInMemory::from_iter(files);
     let loaded = files.read_volume_with("a.nhdr", &VolumeOptions::default().time(1)).unwrap();
     assert_eq!(loaded.volume.samples(), &Samples::I16(vec![3, -1]));
     let first = files.read_volume("a.nhdr").unwrap();

@@ -3,7 +3,7 @@
 //! The `tiff` crate reads pages, in every packing that it knows. What they mean is decided here: which pages
 //! are the slices of one channel at one time, and how large voxels are, in millimetres. Pages
 //! are not turned over: y grows downwards, as their rows do. Not read: colours, palettes, samples of less
-//! than 8 bits, of 64 bits unless floats, or of 16-bit floats; OME-TIFFs whose pages are in several files.
+//! than 8 bits; OME-TIFFs whose pages are in several files.
 //!
 //! Reading order: `pages` (what a file holds), `stack` (which pages are slices, and where), `ome`, `imagej`.
 
@@ -47,7 +47,7 @@ impl Reader for Tiff {
         Ok(VolumeListing {
             format: VolumeFormat::Tiff,
             dims: stack.dims(&pages),
-            sample_type: pages.sample_type,
+            sample_type: pages.stored.widest(),
             choices: stack.choices,
         })
     }
@@ -60,17 +60,18 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let stack = Stack::find(input, &pages, &mut warnings)?;
     let grid = Grid::with_spacing(stack.dims(&pages), stack.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let mut buffer = SampleBuffer::new(pages.sample_type);
+    let mut buffer = SampleBuffer::new(pages.stored, Endian::NATIVE);
     let mut page = Vec::new();
     for &page_idx in &stack.slices {
         pages.read_into(page_idx, &mut page)?;
-        let n_samples = page.len() / pages.sample_type.size_bytes();
+        let n_samples = page.len() / pages.stored.size_bytes();
         buffer.append(&mut page.as_slice(), n_samples, true).map_err(|failure| match failure {
             ReadFailure::TooShort(_) => IoError::malformed(path, "a page is shorter than it says"),
             ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
         })?;
     }
-    let volume = assemble(path, grid, buffer.finish(Endian::NATIVE), Scaling::IDENTITY)?;
+    let samples = buffer.finish(&mut warnings);
+    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     let choices = stack.choices;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Tiff, warnings) })
 }

@@ -8,6 +8,7 @@ use tiff::decoder::{Decoder, DecodingSampleType, Limits};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 
+use super::super::stored::StoredType;
 use crate::IoError;
 use crate::store::{Store, StoredFile};
 
@@ -30,7 +31,7 @@ pub(super) struct Pages<'b> {
     indices: Vec<usize>,
     /// Pixels in a row, and rows.
     pub(super) size: [usize; 2],
-    pub(super) sample_type: SampleType,
+    pub(super) stored: StoredType,
     /// What the first page says of all.
     pub(super) description: String,
     /// Pixels per unit of length to the right and downwards, as the first page says.
@@ -52,7 +53,7 @@ impl<'b> Pages<'b> {
             decoder,
             indices: Vec::new(),
             size: [0; 2],
-            sample_type: SampleType::U8,
+            stored: StoredType::U8_SAMPLE,
             description: String::new(),
             resolution: [None; 2],
         };
@@ -69,10 +70,10 @@ impl<'b> Pages<'b> {
 
     /// The bytes of a page, in this machine's byte order.
     pub(super) fn read_into(&mut self, page_idx: usize, page: &mut Vec<u8>) -> Result<(), IoError> {
-        let Self { path, decoder, indices, size, sample_type, .. } = self;
+        let Self { path, decoder, indices, size, stored, .. } = self;
         let in_file = |error: TiffError| to_io_error(path, error);
         decoder.seek_to_image(indices[page_idx]).map_err(in_file)?;
-        let n_bytes = size[0].saturating_mul(size[1]).saturating_mul(sample_type.size_bytes());
+        let n_bytes = size[0].saturating_mul(size[1]).saturating_mul(stored.size_bytes());
         let n_in_file = decoder.image_buffer_layout().map_err(in_file)?.len;
         if n_in_file != n_bytes {
             let what = format!("page {page_idx} has {n_in_file} bytes, not {n_bytes}");
@@ -84,9 +85,9 @@ impl<'b> Pages<'b> {
     }
 
     fn look_at_first(&mut self) -> Result<(), IoError> {
-        (self.size, self.sample_type) = self.size_and_type()?;
+        (self.size, self.stored) = self.size_and_type()?;
         let [width, height] = self.size.map(|n| n as u64);
-        let n_bytes = width.saturating_mul(height) * self.sample_type.size_bytes() as u64;
+        let n_bytes = width.saturating_mul(height) * self.stored.size_bytes() as u64;
         if MAX_PAGE_BYTES < n_bytes {
             let what = format!("pages of {width} x {height} pixels are too large");
             return Err(IoError::unsupported(self.path.as_path(), what));
@@ -150,12 +151,12 @@ impl<'b> Pages<'b> {
     }
 
     fn check_like_first(&mut self, page_idx: usize) -> Result<(), IoError> {
-        let (size, sample_type) = self.size_and_type()?;
-        if (size, sample_type) == (self.size, self.sample_type) {
+        let (size, stored) = self.size_and_type()?;
+        if (size, stored) == (self.size, self.stored) {
             return Ok(());
         }
         let ([w, h], [w0, h0]) = (size, self.size);
-        let [name, name0] = [sample_type, self.sample_type].map(SampleType::name);
+        let [name, name0] = [stored, self.stored].map(StoredType::name);
         let what = format!(
             "page {page_idx} has {w} x {h} pixels of {name}, the first {w0} x {h0} of {name0}: a volume \
              needs slices of one size and type"
@@ -164,7 +165,7 @@ impl<'b> Pages<'b> {
     }
 
     /// Of the page that the decoder is at.
-    fn size_and_type(&mut self) -> Result<([usize; 2], SampleType), IoError> {
+    fn size_and_type(&mut self) -> Result<([usize; 2], StoredType), IoError> {
         let in_file = |error: TiffError| to_io_error(&self.path, error);
         let (width, height) = self.decoder.dimensions().map_err(in_file)?;
         let color = self.decoder.colortype().map_err(in_file)?;
@@ -173,24 +174,11 @@ impl<'b> Pages<'b> {
             let what = "pages of colours, or of less than 8 bits, cannot be read: save one channel in gray";
             return unsupported(format!("{what} ({color:?})"));
         }
-        let stored = self.decoder.image_buffer_layout().map_err(in_file)?.sample_type;
-        let sample_type = match stored {
-            Some(DecodingSampleType::U8) => SampleType::U8,
-            Some(DecodingSampleType::U16) => SampleType::U16,
-            Some(DecodingSampleType::U32) => SampleType::U32,
-            Some(DecodingSampleType::I8) => SampleType::I8,
-            Some(DecodingSampleType::I16) => SampleType::I16,
-            Some(DecodingSampleType::I32) => SampleType::I32,
-            Some(DecodingSampleType::F32) => SampleType::F32,
-            Some(DecodingSampleType::F64) => SampleType::F64,
-            other => {
-                let name = other.map_or("unknown".to_owned(), |other| format!("{other:?}"));
-                return unsupported(format!(
-                    "pixels of type {name} cannot be read: convert them to float32"
-                ));
-            }
-        };
-        Ok(([width as usize, height as usize], sample_type))
+        let decoded = self.decoder.image_buffer_layout().map_err(in_file)?.sample_type;
+        match decoded.map(stored_type) {
+            Some(stored) => Ok(([width as usize, height as usize], stored)),
+            None => unsupported("pixels of an unknown type cannot be read".to_owned()),
+        }
     }
 
     pub(super) fn malformed(&self, what: impl Into<String>) -> IoError {
@@ -200,6 +188,22 @@ impl<'b> Pages<'b> {
     pub(super) fn unsupported(&self, what: impl Into<String>) -> IoError {
         IoError::unsupported(self.path.as_path(), what)
     }
+}
+
+fn stored_type(decoded: DecodingSampleType) -> StoredType {
+    StoredType::Sample(match decoded {
+        DecodingSampleType::U8 => SampleType::U8,
+        DecodingSampleType::U16 => SampleType::U16,
+        DecodingSampleType::U32 => SampleType::U32,
+        DecodingSampleType::I8 => SampleType::I8,
+        DecodingSampleType::I16 => SampleType::I16,
+        DecodingSampleType::I32 => SampleType::I32,
+        DecodingSampleType::F32 => SampleType::F32,
+        DecodingSampleType::F64 => SampleType::F64,
+        DecodingSampleType::U64 => return StoredType::U64,
+        DecodingSampleType::I64 => return StoredType::I64,
+        DecodingSampleType::F16 => return StoredType::F16,
+    })
 }
 
 fn to_io_error(path: &Path, error: TiffError) -> IoError {

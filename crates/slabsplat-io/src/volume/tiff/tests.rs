@@ -4,7 +4,9 @@ use std::fs::File;
 use std::path::Path;
 
 use slabsplat_core::Samples;
-use tiff::encoder::colortype::{ColorType, Gray8, Gray16, Gray32Float, GrayI16, RGB8};
+use tiff::encoder::colortype::{
+    ColorType, Gray8, Gray16, Gray32Float, Gray64, GrayI16, GrayI64, RGB8,
+};
 use tiff::encoder::{Compression, Rational, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
 
@@ -107,6 +109,11 @@ fn tiff_samples_have_their_own_type() {
     packed.write::<Gray32Float>(&path, &[vec![0.5, -1.0, 2.0, 3.0, 4.0, f32::INFINITY]]);
     assert_eq!(read(), Samples::F32(vec![0.5, -1.0, 2.0, 3.0, 4.0, f32::INFINITY]));
     assert_eq!(list_volume(&path, &VolumeOptions::default()).unwrap().bytes(), 24);
+    PLAIN.write::<Gray64>(&path, &[vec![0, 1, 2, 3, 4, 1 << 31]]);
+    assert_eq!(read(), Samples::U32(vec![0, 1, 2, 3, 4, 1 << 31]));
+    packed.write::<GrayI64>(&path, &[vec![0, -1, 2, 3, 4, 5], vec![0, 1, 2, 3, 4, i64::MIN]]);
+    let wide = [0.0, -1.0, 2.0, 3.0, 4.0, 5.0, 0.0, 1.0, 2.0, 3.0, 4.0, i64::MIN as f64];
+    assert_eq!(read(), Samples::F64(wide.to_vec()));
 }
 
 fn ome(pixels: &str, blocks: &str) -> String {
