@@ -11,8 +11,8 @@ use std::path::Path;
 use peak::check_peak;
 use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
 use small_files::{
-    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, arrays, dicom, gzip, metaimage, nifti1, nifti2,
-    nrrd_header, ome_tiff, ply, voxels, zlib,
+    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, arrays, dicom, gzip, metaimage, mrc, nifti1,
+    nifti2, nrrd_header, ome_tiff, ply, voxels, zlib,
 };
 
 /// Changes tried on each file.
@@ -60,6 +60,7 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("a.mhd", metaimage("False", "a.raw", b""), volume),
         ("listed.mhd", metaimage("False", "LIST\na.raw\na.raw", b""), volume),
         ("patterned.mhd", metaimage("False", "slice%02d.raw 1 2 1", b""), volume),
+        ("a.mrc", mrc(), volume),
         ("a.ome.tif", ome_tiff(), volume),
         ("explicit.dcm", dicom("1.2.840.10008.1.2.1"), volume),
         ("deflated.dcm", dicom("1.2.840.10008.1.2.1.99"), volume),

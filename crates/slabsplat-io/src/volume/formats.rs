@@ -9,7 +9,8 @@ use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
 use super::{
-    LoadedVolume, dicom, metaimage, nifti, npy, nrrd, raw_name, sidecar, stream, tiff, vtk, zarr,
+    LoadedVolume, dicom, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar, stream, tiff, vtk,
+    zarr,
 };
 use crate::IoError;
 use crate::store::Store;
@@ -20,6 +21,8 @@ const READERS: &[&dyn Reader] = &[
     &nrrd::Nrrd,
     &tiff::Tiff,
     &metaimage::MetaImage,
+    // Before NIfTI: a header of 348 columns begins as one of Analyze.
+    &mrc::Mrc,
     &nifti::Nifti,
     &npy::Npy,
     &npy::Npz,
@@ -65,6 +68,8 @@ formats! {
     MetaImage = "MetaImage",
     /// DICOM, a folder of slices or a file of them.
     Dicom = "DICOM",
+    /// A map of electron microscopy or crystallography.
+    Mrc = "MRC",
     /// Pages of a TIFF.
     Tiff = "TIFF",
     /// An array of NumPy, alone or in an archive.

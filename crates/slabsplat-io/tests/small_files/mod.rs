@@ -85,6 +85,25 @@ pub(crate) fn nifti1() -> Vec<u8> {
     [bytes, voxels()].concat()
 }
 
+/// An MRC file, big endian, with an extended header, columns along y and a skewed cell.
+pub(crate) fn mrc() -> Vec<u8> {
+    let mut bytes = vec![0; 1024 + 12];
+    let mut put = |offset: usize, word: [u8; 4]| bytes[offset..offset + 4].copy_from_slice(&word);
+    for (idx, number) in [4, 3, 2, 1, 0, 0, 0, 4, 3, 2].into_iter().enumerate() {
+        put(4 * idx, i32::to_be_bytes(number));
+    }
+    for (idx, number) in [4.0, 3.0, 5.0, 90.0, 95.0, 90.0].into_iter().enumerate() {
+        put(40 + 4 * idx, f32::to_be_bytes(number));
+    }
+    for (idx, axis) in [2, 1, 3].into_iter().enumerate() {
+        put(64 + 4 * idx, i32::to_be_bytes(axis));
+    }
+    put(92, 12_i32.to_be_bytes());
+    put(208, *b"MAP ");
+    put(212, [0x11, 0x11, 0, 0]);
+    [bytes, voxels()].concat()
+}
+
 /// NIfTI-2, big endian, otherwise the same but for the voxels' byte order.
 pub(crate) fn nifti2() -> Vec<u8> {
     let mut bytes = vec![0; 544];
