@@ -8,7 +8,7 @@
 //!
 //! | read | by |
 //! | --- | --- |
-//! | NRRD (`.nrrd`, `.nhdr`): raw, gzip, hex, text; data attached, detached, in many files | [`read_volume`] |
+//! | NRRD (`.nrrd`, `.nhdr`): raw, gzip, bzip2, hex, text; data attached, detached, in many files | [`read_volume`] |
 //! | NIfTI-1 and -2, Analyze 7.5 (`.nii`, `.hdr` with `.img`; all maybe `.gz`) | [`read_volume`] |
 //! | MetaImage (`.mha`, `.mhd`): raw, zlib, text; data attached, detached, in many files | [`read_volume`] |
 //! | MRC, CCP4 (`.mrc`, `.map`, `.rec`, `.ali`, `.st`; all maybe `.gz`) | [`read_volume`] |

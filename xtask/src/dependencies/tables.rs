@@ -239,6 +239,7 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "toml", users: Users::Only(CODERS), why: CODECS },
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "bzip2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "half", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "lz4_flex", users: Users::Only(&["slabsplat-io"]), why: CODECS },

@@ -19,6 +19,8 @@ pub(super) enum Encoding {
     Raw,
     /// By gzip or zlib.
     Packed,
+    /// By bzip2.
+    PackedByBzip2,
     Text,
     /// Two digits a byte.
     Hex,
@@ -70,7 +72,7 @@ pub(super) fn read(
     let first = n_volume.saturating_mul(volume as u64);
     let end = first.saturating_add(n_volume);
     let endian = match layout.encoding {
-        Encoding::Raw | Encoding::Packed => layout.endian,
+        Encoding::Raw | Encoding::Packed | Encoding::PackedByBzip2 => layout.endian,
         Encoding::Text | Encoding::Hex => Endian::NATIVE,
     };
     let mut buffer = SampleBuffer::new(layout.stored, endian);
@@ -103,7 +105,11 @@ impl<'p> File<'p> {
     fn open(&self, layout: &Layout) -> Result<DataStream<'p>, IoError> {
         let mut stream = DataStream::open(self.store, self.path, self.offset)?;
         stream.skip_lines(layout.line_skip)?;
-        Ok(if layout.encoding == Encoding::Packed { stream.unpacked() } else { stream })
+        Ok(match layout.encoding {
+            Encoding::Packed => stream.unpacked(),
+            Encoding::PackedByBzip2 => stream.unpacked_by_bzip2(),
+            Encoding::Raw | Encoding::Text | Encoding::Hex => stream,
+        })
     }
 }
 

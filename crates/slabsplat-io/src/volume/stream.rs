@@ -1,9 +1,10 @@
-//! Bytes from files, plain or packed by gzip or zlib. Knows how many there can be before it is asked for
-//! them.
+//! Bytes from files, plain or packed by gzip, zlib or bzip2. Knows how many there can be before it is asked
+//! for them.
 
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use super::buffer::{ReadFailure, SampleBuffer};
@@ -13,6 +14,9 @@ use crate::store::{Store, StoredFile};
 
 /// Deflate cannot pack better than this: 258 bytes in two bits.
 pub(super) const MAX_GZIP_RATIO: u64 = 1032;
+
+/// Nor bzip2 than this: a block of 45.9 million zeros in some forty bytes.
+const MAX_BZIP2_RATIO: u64 = 1 << 21;
 
 /// Voxels of several values are read by so much.
 const CHUNK_BYTES: usize = 1 << 16;
@@ -32,6 +36,7 @@ enum Reader<'p> {
     Plain(BufReader<StoredFile<'p>>),
     Gzip(Box<MultiGzDecoder<BufReader<StoredFile<'p>>>>),
     Zlib(Box<ZlibDecoder<BufReader<StoredFile<'p>>>>),
+    Bzip2(Box<MultiBzDecoder<BufReader<StoredFile<'p>>>>),
 }
 
 impl<'p> DataStream<'p> {
@@ -55,7 +60,7 @@ impl<'p> DataStream<'p> {
     fn peek(&mut self) -> Result<&[u8], IoError> {
         let buffer = match &mut self.reader {
             Reader::Plain(reader) => reader.fill_buf(),
-            Reader::Gzip(_) | Reader::Zlib(_) => Ok(&[][..]),
+            Reader::Gzip(_) | Reader::Zlib(_) | Reader::Bzip2(_) => Ok(&[][..]),
         };
         buffer.map_err(IoError::read(self.path))
     }
@@ -72,6 +77,16 @@ impl<'p> DataStream<'p> {
             Reader::Gzip(Box::new(MultiGzDecoder::new(reader)))
         };
         let n_left_at_most = self.n_left_at_most.saturating_mul(MAX_GZIP_RATIO);
+        Self { reader, n_left_at_most, ..self }
+    }
+
+    /// What follows, unpacked by bzip2.
+    pub(super) fn unpacked_by_bzip2(self) -> Self {
+        let Reader::Plain(reader) = self.reader else {
+            return self;
+        };
+        let reader = Reader::Bzip2(Box::new(MultiBzDecoder::new(reader)));
+        let n_left_at_most = self.n_left_at_most.saturating_mul(MAX_BZIP2_RATIO);
         Self { reader, n_left_at_most, ..self }
     }
 
@@ -195,6 +210,7 @@ impl Read for DataStream<'_> {
             Reader::Plain(reader) => reader.read(bytes)?,
             Reader::Gzip(reader) => reader.read(bytes)?,
             Reader::Zlib(reader) => reader.read(bytes)?,
+            Reader::Bzip2(reader) => reader.read(bytes)?,
         };
         self.n_left_at_most = self.n_left_at_most.saturating_sub(n_read as u64);
         Ok(n_read)
@@ -254,7 +270,7 @@ impl Source for DataStream<'_> {
                 self.n_left_at_most -= n_bytes;
                 Ok(())
             }
-            Reader::Gzip(_) | Reader::Zlib(_) => {
+            Reader::Gzip(_) | Reader::Zlib(_) | Reader::Bzip2(_) => {
                 io::copy(&mut self.by_ref().take(n_bytes), &mut io::sink()).map(drop)
             }
         }

@@ -1,9 +1,9 @@
 //! NRRD, "nearly raw raster data": a text header, and data after it or in files of their own.
 //!
-//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip, hex and text encodings; data
+//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip, bzip2, hex and text encodings; data
 //! attached or detached (one file, a `LIST`, a numbered pattern); `space directions` and `spacings`,
 //! also both at once. A first axis of values that voxels have gives a channel, a
-//! last one of moments a time. Not read: bzip2.
+//! last one of moments a time.
 //!
 //! Reading order: `header` (lines to fields), `axes` (which three axes are the volume's), `space`
 //! (where they lie), `files` (where the data are).
@@ -88,10 +88,11 @@ fn encoding(header: &Header) -> Result<Encoding, IoError> {
     match name.to_lowercase().as_str() {
         "raw" => Ok(Encoding::Raw),
         "gz" | "gzip" => Ok(Encoding::Packed),
+        "bz2" | "bzip2" => Ok(Encoding::PackedByBzip2),
         "txt" | "text" | "ascii" => Ok(Encoding::Text),
         "hex" => Ok(Encoding::Hex),
         _ => Err(header.unsupported(format!(
-            "encoding {name:?} is not supported: save the file as raw, gzip, hex or ascii"
+            "encoding {name:?} is not supported: save the file as raw, gzip, bzip2, hex or ascii"
         ))),
     }
 }
