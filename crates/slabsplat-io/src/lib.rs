@@ -14,6 +14,7 @@
 //! | MRC, CCP4 (`.mrc`, `.map`, `.rec`, `.ali`, `.st`; all maybe `.gz`) | [`read_volume`] |
 //! | DICOM: a folder or a file; plain, deflated, RLE, JPEG of 8 bits or lossless | [`read_volume`] |
 //! | TIFF, BigTIFF, OME-TIFF, ImageJ's: gray, a page a slice | [`read_volume`] |
+//! | a folder of images: TIFF, PNG, JPEG; gray, one a slice | [`read_volume`] |
 //! | NumPy (`.npy`, `.npz`) | [`read_volume`] |
 //! | VTK images (`.vti`, legacy `.vtk`) | [`read_volume`] |
 //! | OME-Zarr 0.4 and 0.5, in a folder or a ZIP archive | [`read_volume`] |

@@ -9,8 +9,8 @@ use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
 use super::{
-    LoadedVolume, dicom, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar, stream, tiff, vtk,
-    zarr,
+    LoadedVolume, dicom, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar, stream, tiff,
+    vtk, zarr,
 };
 use crate::IoError;
 use crate::store::Store;
@@ -28,6 +28,8 @@ const READERS: &[&dyn Reader] = &[
     &npy::Npz,
     &vtk::Vtk,
     &zarr::Zarr,
+    // A folder that is nothing else.
+    &images::Images,
     &sidecar::Sidecar,
     &raw_name::RawName,
 ];
@@ -70,6 +72,8 @@ formats! {
     Dicom = "DICOM",
     /// A map of electron microscopy or crystallography.
     Mrc = "MRC",
+    /// A folder of images, each of them a slice.
+    Images = "image stack",
     /// Pages of a TIFF.
     Tiff = "TIFF",
     /// An array of NumPy, alone or in an archive.

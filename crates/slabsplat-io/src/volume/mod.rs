@@ -29,6 +29,7 @@ mod stored;
 mod zip;
 
 mod dicom;
+mod images;
 mod metaimage;
 mod mrc;
 mod nifti;
@@ -77,7 +78,7 @@ pub struct LoadedVolume {
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
 /// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), MRC (`.mrc`, `.map`), DICOM (a folder of slices, or a
-/// file), TIFF (a page a slice), NumPy (`.npy`, `.npz`), VTK (`.vti`, `.vtk`), OME-Zarr (a folder or an archive), or raw
+/// file), TIFF (a page a slice), a folder of images, NumPy (`.npy`, `.npz`), VTK (`.vti`, `.vtk`), OME-Zarr (a folder or an archive), or raw
 /// described by a `.json` beside it (the path of either) or by its own name. Of a file that holds several
 /// volumes, [`read_volume_with`] chooses; an array may be named after the path, as `a.npz:name`.
 ///

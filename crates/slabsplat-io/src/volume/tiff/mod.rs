@@ -18,7 +18,7 @@ use super::buffer::{Endian, ReadFailure, SampleBuffer};
 use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
-use pages::Pages;
+pub(super) use pages::Pages;
 use stack::Stack;
 
 /// The format.

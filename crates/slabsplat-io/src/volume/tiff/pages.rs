@@ -23,15 +23,15 @@ const MAX_PAGE_BYTES: u64 = 8 << 30;
 const IS_REDUCED: u32 = 1;
 
 /// A file whose pages have been looked at, and not read.
-pub(super) struct Pages<'b> {
+pub(in crate::volume) struct Pages<'b> {
     path: PathBuf,
     n_bytes: u64,
     decoder: Decoder<BufReader<StoredFile<'b>>>,
     /// Places among all pages of those that are not smaller ones of others.
     indices: Vec<usize>,
     /// Pixels in a row, and rows.
-    pub(super) size: [usize; 2],
-    pub(super) stored: StoredType,
+    pub(in crate::volume) size: [usize; 2],
+    pub(in crate::volume) stored: StoredType,
     /// What the first page says of all.
     pub(super) description: String,
     /// Pixels per unit of length to the right and downwards, as the first page says.
@@ -39,7 +39,7 @@ pub(super) struct Pages<'b> {
 }
 
 impl<'b> Pages<'b> {
-    pub(super) fn open(store: Store<'b>, path: &Path) -> Result<Self, IoError> {
+    pub(in crate::volume) fn open(store: Store<'b>, path: &Path) -> Result<Self, IoError> {
         let file = store.open(path)?;
         let n_bytes = file.n_bytes().map_err(IoError::read(path))?;
         let in_file = |error: TiffError| to_io_error(path, error);
@@ -64,12 +64,22 @@ impl<'b> Pages<'b> {
     }
 
     /// How many there are.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::volume) fn len(&self) -> usize {
         self.indices.len()
     }
 
+    /// Whether its metadata say that other files belong to it.
+    pub(in crate::volume) fn is_of_many_files(&self) -> bool {
+        let says = |word: &str| self.description.contains(word);
+        says("<OME") && (says("<UUID FileName=") || says("<BinaryOnly"))
+    }
+
     /// The bytes of a page, in this machine's byte order.
-    pub(super) fn read_into(&mut self, page_idx: usize, page: &mut Vec<u8>) -> Result<(), IoError> {
+    pub(in crate::volume) fn read_into(
+        &mut self,
+        page_idx: usize,
+        page: &mut Vec<u8>,
+    ) -> Result<(), IoError> {
         let Self { path, decoder, indices, size, stored, .. } = self;
         let in_file = |error: TiffError| to_io_error(path, error);
         decoder.seek_to_image(indices[page_idx]).map_err(in_file)?;
@@ -185,7 +195,7 @@ impl<'b> Pages<'b> {
         IoError::malformed(self.path.as_path(), what)
     }
 
-    pub(super) fn unsupported(&self, what: impl Into<String>) -> IoError {
+    pub(in crate::volume) fn unsupported(&self, what: impl Into<String>) -> IoError {
         IoError::unsupported(self.path.as_path(), what)
     }
 }

@@ -1,0 +1,106 @@
+//! A folder of images, each of them a slice, in the order that a person would count them in: TIFF, PNG, JPEG.
+//!
+//! Names decide which files are slices and in which order; content decides what a file is. All must have one
+//! size and one type, in gray. Such folders do not say how large voxels are. Not read: colours, files of
+//! several pages, and OME-TIFFs, which say themselves which files belong together: name one of them.
+//!
+//! Reading order: `names` (which files, in which order), `picture` (one file).
+
+mod names;
+mod picture;
+
+use std::path::{Path, PathBuf};
+
+use slabsplat_core::{Grid, Scaling};
+
+use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::formats::{Input, Reader, VolumeListing};
+use super::stored::StoredType;
+use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
+use crate::IoError;
+use crate::store::Store;
+use names::Slices;
+use picture::Picture;
+
+/// The format.
+pub(super) struct Images;
+
+impl Reader for Images {
+    fn listed(&self) -> &'static str {
+        "a folder of images (.tif, .png, .jpg)"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    fn is_begun_by(&self, _start: &[u8]) -> bool {
+        false
+    }
+
+    fn is_folder(&self, _store: Store<'_>, _folder: &Path, files: &[PathBuf]) -> bool {
+        Slices::of(files).is_some()
+    }
+
+    fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+        read(input)
+    }
+
+    fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
+        let slices = slices(input)?;
+        let first = Picture::open(input.store, &slices.paths[0])?;
+        Ok(VolumeListing {
+            format: VolumeFormat::Images,
+            dims: [first.size[0], first.size[1], slices.paths.len()],
+            sample_type: first.stored.widest(),
+            choices: VolumeChoices::default(),
+        })
+    }
+}
+
+fn slices(input: &Input<'_>) -> Result<Slices, IoError> {
+    let files = input.store.files_in(input.path)?;
+    Slices::of(&files).ok_or_else(|| IoError::malformed(input.path, "the folder holds no images"))
+}
+
+fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let Slices { paths, n_others } = slices(input)?;
+    let first = Picture::open(input.store, &paths[0])?;
+    let (size, stored) = (first.size, first.stored);
+    let grid = Grid::with_spacing([size[0], size[1], paths.len()], [1.0; 3])
+        .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })?;
+    let mut buffer = SampleBuffer::new(stored, Endian::NATIVE);
+    let mut samples = Vec::new();
+    let mut first = Some(first);
+    for path in &paths {
+        let picture = first.take().map_or_else(|| Picture::open(input.store, path), Ok)?;
+        if (picture.size, picture.stored) != (size, stored) {
+            let ([w, h], [w0, h0]) = (picture.size, size);
+            let [name, name0] = [picture.stored, stored].map(StoredType::name);
+            let what = format!(
+                "the image has {w} x {h} pixels of {name}, and the first, {}, {w0} x {h0} of {name0}: a volume \
+                 needs slices of one size and type",
+                paths[0].display()
+            );
+            return Err(IoError::unsupported(path, what));
+        }
+        picture.read_into(path, &mut samples)?;
+        let n_samples = samples.len() / stored.size_bytes();
+        buffer.append(&mut samples.as_slice(), n_samples, true).map_err(
+            |failure| match failure {
+                ReadFailure::TooShort(_) => IoError::malformed(path, "the image is cut off"),
+                ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
+            },
+        )?;
+    }
+    let mut warnings =
+        vec!["images do not say how large voxels are: 1 x 1 x 1 was assumed".to_owned()];
+    if 0 < n_others {
+        warnings.push(format!("{n_others} files that are none of the images were passed over"));
+    }
+    let volume = assemble(input.path, grid, buffer.finish(&mut warnings), Scaling::IDENTITY)?;
+    Ok(LoadedVolume::new(volume, VolumeFormat::Images, warnings))
+}
+
+#[cfg(test)]
+mod tests;
