@@ -3,7 +3,7 @@
 //! The `tiff` crate reads pages, in every packing that it knows. What they mean is decided here: which pages
 //! are the slices of one channel at one time, and how large voxels are, in millimetres. Pages
 //! are not turned over: y grows downwards, as their rows do. Not read: colours, palettes, samples of less
-//! than 8 bits; OME-TIFFs whose pages are in several files.
+//! than 8 bits. Pages of an OME-TIFF may be in several files beside each other.
 //!
 //! Reading order: `pages` (what a file holds), `stack` (which pages are slices, and where), `ome`, `imagej`.
 
@@ -18,6 +18,7 @@ use super::buffer::{Endian, ReadFailure, SampleBuffer};
 use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
+use ome::Page;
 pub(super) use pages::Pages;
 use stack::Stack;
 
@@ -34,7 +35,7 @@ impl Reader for Tiff {
     }
 
     fn is_begun_by(&self, start: &[u8]) -> bool {
-        [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
+        is_tiff(start)
     }
 
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
@@ -53,6 +54,10 @@ impl Reader for Tiff {
     }
 }
 
+fn is_tiff(start: &[u8]) -> bool {
+    [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
+}
+
 fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let &Input { store, path, .. } = input;
     let mut pages = Pages::open(store, path)?;
@@ -62,8 +67,12 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let mut buffer = SampleBuffer::new(pages.stored, Endian::NATIVE);
     let mut page = Vec::new();
-    for &page_idx in &stack.slices {
-        pages.read_into(page_idx, &mut page)?;
+    let mut others = Others { input, last: None };
+    for Page { file, page_idx } in &stack.slices {
+        match file {
+            None => pages.read_into(*page_idx, &mut page)?,
+            Some(name) => others.read_into(name, *page_idx, &pages, &mut page)?,
+        }
         let n_samples = page.len() / pages.stored.size_bytes();
         buffer.append(&mut page.as_slice(), n_samples, true).map_err(|failure| match failure {
             ReadFailure::TooShort(_) => IoError::malformed(path, "a page is shorter than it says"),
@@ -74,6 +83,38 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     let choices = stack.choices;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Tiff, warnings) })
+}
+
+/// Files that the pages of an OME-TIFF are in beside the one that was opened, one at a time.
+struct Others<'a> {
+    input: &'a Input<'a>,
+    last: Option<(String, Pages<'a>)>,
+}
+
+impl Others<'_> {
+    fn read_into(
+        &mut self,
+        name: &str,
+        page_idx: usize,
+        own: &Pages<'_>,
+        page: &mut Vec<u8>,
+    ) -> Result<(), IoError> {
+        if self.last.as_ref().is_none_or(|(last, _)| last != name) {
+            self.last = None;
+            let pages = Pages::open(self.input.store, &self.input.beside(name)?)?;
+            if (pages.size, pages.stored) != (own.size, own.stored) {
+                let what = "its pages are of another size or type than those of the other files";
+                return Err(pages.unsupported(what));
+            }
+            self.last = Some((name.to_owned(), pages));
+        }
+        let Some((_, pages)) = &mut self.last else { return Ok(()) };
+        if pages.len() <= page_idx {
+            let what = format!("the file has no page {page_idx}, which OME-XML says to be a slice");
+            return Err(pages.malformed(what));
+        }
+        pages.read_into(page_idx, page)
+    }
 }
 
 #[cfg(test)]

@@ -17,34 +17,36 @@ pub(super) struct Ome {
     /// How far apart pages of neighbouring slices, channels and times are, if they are in the order that is
     /// said.
     strides: [usize; 3],
-    /// Pages of slices by `TiffData` blocks that name them, if any does.
+    /// `TiffData` blocks, which say which pages are of which slices.
     named: Vec<Block>,
     /// Sizes of voxels, with their units.
     sizes: [Option<(f64, String)>; 3],
 }
 
-/// Pages that follow each other from one on, and the place of the first.
+/// A page, and the file that it is in; `None` is the one that was opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Page {
+    pub(super) file: Option<String>,
+    pub(super) page_idx: usize,
+}
+
+/// Pages that follow each other from one on, in the order that is said, and the place of the first.
 #[derive(Debug)]
 struct Block {
-    page_idx: usize,
+    page: Page,
     n_pages: usize,
     /// Slice, channel, time.
     first: [usize; 3],
 }
 
 impl Ome {
-    /// `None` if the description is none of OME's.
-    pub(super) fn of(description: &str) -> Option<Result<Self, String>> {
-        let text = description.trim_end_matches('\0').trim();
-        let is_ome = text.starts_with('<') && text.contains("<OME");
-        is_ome.then(|| Self::parse(text))
+    /// `None` if the description is none of OME's; `own_name` is that of the file it is of.
+    pub(super) fn of(description: &str, own_name: &str) -> Option<Result<Self, String>> {
+        ome_xml(description).map(|text| Self::parse(text, own_name))
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
-        let document = Document::parse(text).map_err(|error| {
-            let at = error.pos();
-            format!("its OME-XML is broken in line {}, column {}", at.row, at.col)
-        })?;
+    fn parse(text: &str, own_name: &str) -> Result<Self, String> {
+        let document = document(text)?;
         let is_pixels = |node: &Node<'_, '_>| node.tag_name().name() == "Pixels";
         let pixels = document.descendants().find(is_pixels);
         let pixels = pixels.ok_or("its OME-XML tells of no Pixels")?;
@@ -75,7 +77,7 @@ impl Ome {
             (size.is_normal() && 0.0 < size).then(|| (size, unit.to_owned()))
         };
         let blocks = pixels.children().filter(|node| node.tag_name().name() == "TiffData");
-        let named = blocks.filter_map(|node| Block::of(&node)).collect();
+        let named = blocks.map(|node| Block::of(&node, own_name)).collect();
         let sizes = ["X", "Y", "Z"].map(size);
         let channels = pixels.children().filter(|node| node.tag_name().name() == "Channel");
         let channel_names: Vec<String> =
@@ -85,12 +87,12 @@ impl Ome {
         Ok(Self { counts, channel_names, strides, named, sizes })
     }
 
-    /// The pages of the channel and the time that are chosen.
+    /// The pages of the channel and the time that are chosen, in a file that has so many.
     pub(super) fn slices(
         &self,
         choices: &VolumeChoices,
         n_pages: usize,
-    ) -> Result<Vec<usize>, String> {
+    ) -> Result<Vec<Page>, String> {
         let n_slices = self.counts.n_slices;
         let [channel, time] = [choices.channel.chosen, choices.time.chosen];
         let missing = || {
@@ -98,30 +100,40 @@ impl Ome {
                 "its OME-XML tells of {n_slices} slices, which are not all in this file: open it whole"
             )
         };
-        if n_pages < n_slices {
+        if !self.has_other_files() && n_pages < n_slices {
             return Err(missing());
         }
-        let in_order = |place: [usize; 3]| {
-            let steps = place.into_iter().zip(self.strides);
-            steps
-                .map(|(idx, stride)| idx.checked_mul(stride))
-                .try_fold(0, |sum: usize, step| sum.checked_add(step?))
-        };
         let page_of = |z: usize| {
-            let place = [z, channel, time];
-            match self.named.iter().find_map(|block| block.page_of(place)) {
-                Some(page_idx) => Some(page_idx),
+            let at = self.in_order([z, channel, time])?;
+            let in_block = |block: &Block| {
+                let first = self.in_order(block.first)?;
+                Some((first, block.page_at(at, first)?))
+            };
+            // Blocks of all pages of their files end where the next begins.
+            match self.named.iter().rev().filter_map(in_block).max_by_key(|(first, _)| *first) {
+                Some((_, page)) => Some(page),
                 None if self.has_places() => None,
-                None => in_order(place),
+                None => Some(Page { file: None, page_idx: at }),
             }
         };
-        let pages = (0..n_slices).map(|z| page_of(z).filter(|&page_idx| page_idx < n_pages));
+        let is_there = |page: &Page| page.file.is_some() || page.page_idx < n_pages;
+        let pages = (0..n_slices).map(|z| page_of(z).filter(is_there));
         pages.collect::<Option<_>>().ok_or_else(missing)
+    }
+
+    /// How many pages come before that of a slice, channel and time, if all are in order.
+    fn in_order(&self, place: [usize; 3]) -> Option<usize> {
+        let mut steps = place.into_iter().zip(self.strides);
+        steps.try_fold(0_usize, |sum, (idx, stride)| sum.checked_add(idx.checked_mul(stride)?))
     }
 
     /// Whether blocks say of single pages where they belong, and not of all pages in their order.
     fn has_places(&self) -> bool {
-        1 < self.named.len()
+        1 < self.named.len() || self.has_other_files()
+    }
+
+    fn has_other_files(&self) -> bool {
+        self.named.iter().any(|block| block.page.file.is_some())
     }
 
     /// In millimetres.
@@ -144,18 +156,40 @@ impl Ome {
 }
 
 impl Block {
-    /// `None` if the block does not name its first page, or is one of all pages.
-    fn of(node: &Node<'_, '_>) -> Option<Self> {
+    fn of(node: &Node<'_, '_>, own_name: &str) -> Self {
         let number = |name: &str| node.attribute(name).and_then(|text| text.parse().ok());
         let first = ["FirstZ", "FirstC", "FirstT"].map(|name| number(name).unwrap_or(0));
-        let n_pages = number("PlaneCount").unwrap_or(1);
-        let is_place = 1 == n_pages || first != [0; 3];
-        is_place.then_some(Self { page_idx: number("IFD")?, n_pages, first })
+        let uuid = node.children().find(|child| child.tag_name().name() == "UUID");
+        let file = uuid.and_then(|uuid| uuid.attribute("FileName"));
+        let file = file.filter(|name| *name != own_name).map(str::to_owned);
+        // A block that names neither page nor number is of all pages of its file.
+        let n_all = if number("IFD").is_some() { 1 } else { usize::MAX };
+        let n_pages = number("PlaneCount").unwrap_or(n_all);
+        Self { page: Page { file, page_idx: number("IFD").unwrap_or(0) }, n_pages, first }
     }
 
-    /// The page of a slice, channel and time, if it begins a block.
-    fn page_of(&self, place: [usize; 3]) -> Option<usize> {
-        let is_it = self.first == place && 0 < self.n_pages;
-        is_it.then_some(self.page_idx)
+    /// The page of a place, if the block has it; both are counted as if all pages were in order.
+    fn page_at(&self, at: usize, first: usize) -> Option<Page> {
+        let after = at.checked_sub(first).filter(|&after| after < self.n_pages)?;
+        Some(Page { page_idx: self.page.page_idx.checked_add(after)?, ..self.page.clone() })
     }
+}
+
+/// The file that has the OME-XML of this one, if another one has it.
+pub(super) fn metadata_file(description: &str) -> Option<String> {
+    let document = document(ome_xml(description)?).ok()?;
+    let is_it = |node: &Node<'_, '_>| node.tag_name().name() == "BinaryOnly";
+    document.descendants().find(is_it)?.attribute("MetadataFile").map(str::to_owned)
+}
+
+fn ome_xml(description: &str) -> Option<&str> {
+    let text = description.trim_end_matches('\0').trim();
+    (text.starts_with('<') && text.contains("<OME")).then_some(text)
+}
+
+fn document(text: &str) -> Result<Document<'_>, String> {
+    Document::parse(text).map_err(|error| {
+        let at = error.pos();
+        format!("its OME-XML is broken in line {}, column {}", at.row, at.col)
+    })
 }

@@ -2,16 +2,18 @@
 
 use super::super::choices::{Choice, Part, VolumeChoices};
 use super::super::formats::Input;
+use super::super::stream::first_bytes;
 use super::imagej::ImageJ;
-use super::ome::Ome;
+use super::is_tiff;
+use super::ome::{self, Ome, Page};
 use super::pages::Pages;
-use crate::IoError;
+use crate::{IoError, text};
 
 /// The slices of one channel at one time.
 #[derive(Debug)]
 pub(super) struct Stack {
     /// Their pages, in the order of z.
-    pub(super) slices: Vec<usize>,
+    pub(super) slices: Vec<Page>,
     /// Millimetres, or whatever the file counts in.
     pub(super) spacing: [f64; 3],
     /// Which channel and time, and of how many.
@@ -33,7 +35,10 @@ impl Stack {
         pages: &Pages<'_>,
         warnings: &mut Vec<String>,
     ) -> Result<Self, IoError> {
-        if let Some(ome) = Ome::of(&pages.description) {
+        let own_name = input.path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let elsewhere = description_elsewhere(input, pages)?;
+        let description = elsewhere.as_ref().unwrap_or(&pages.description);
+        if let Some(ome) = Ome::of(description, &own_name.unwrap_or_default()) {
             let ome = ome.map_err(|what| pages.malformed(what))?;
             let choices = ome.counts.choices(input, ome.channel_names.clone())?;
             let slices = ome.slices(&choices, pages.len());
@@ -45,7 +50,7 @@ impl Stack {
             let choices = counts.choices(input, Vec::new())?;
             let [channel, time] = [choices.channel.chosen, choices.time.chosen];
             let page_of = |z| (time * counts.n_slices + z) * counts.n_channels + channel;
-            let slices = (0..counts.n_slices).map(page_of).collect();
+            let slices = (0..counts.n_slices).map(|z| Page::own(page_of(z))).collect();
             return Ok(Self {
                 slices,
                 spacing: imagej.spacing(pages.resolution, warnings),
@@ -55,13 +60,30 @@ impl Stack {
         warnings.push(
             "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
         );
-        let slices = (0..pages.len()).collect();
+        let slices = (0..pages.len()).map(Page::own).collect();
         Ok(Self { slices, spacing: [1.0; 3], choices: VolumeChoices::default() })
     }
 
     pub(super) fn dims(&self, pages: &Pages<'_>) -> [usize; 3] {
         [pages.size[0], pages.size[1], self.slices.len()]
     }
+}
+
+impl Page {
+    fn own(page_idx: usize) -> Self {
+        Self { file: None, page_idx }
+    }
+}
+
+/// The OME-XML of another file, to which this one refers.
+fn description_elsewhere(input: &Input<'_>, pages: &Pages<'_>) -> Result<Option<String>, IoError> {
+    let Some(name) = ome::metadata_file(&pages.description) else { return Ok(None) };
+    let path = input.beside(&name)?;
+    let start = first_bytes(input.store, &path)?;
+    if is_tiff(&start) {
+        return Ok(Some(Pages::open(input.store, &path)?.description));
+    }
+    text::read_from(input.store, &path).map(Some)
 }
 
 impl Counts {

@@ -250,3 +250,89 @@ fn tiff_that_lies_costs_nothing() {
     let error = read_volume(&path).unwrap_err().to_string();
     assert!(error.contains("a.tif") && !error.contains('\n'), "{error}");
 }
+
+/// Two files of two pages each, which say so, and one of them alone.
+struct Parted {
+    dir: tempfile::TempDir,
+}
+
+impl Parted {
+    fn new(blocks: &str, second: &[Vec<u8>]) -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let description = ome("SizeZ=\"4\" DimensionOrder=\"XYZCT\"", blocks);
+        let first: Vec<Vec<u8>> = vec![(0..6).collect(), (6..12).collect()];
+        Written { description: &description, ..PLAIN }
+            .write::<Gray8>(&dir.path().join("a.tif"), &first);
+        Written { description: &description, ..PLAIN }
+            .write::<Gray8>(&dir.path().join("b.tif"), second);
+        Self { dir }
+    }
+
+    fn read(&self, name: &str) -> Result<LoadedVolume, String> {
+        read_volume(self.dir.path().join(name)).map_err(|error| error.to_string())
+    }
+}
+
+fn second_half() -> Vec<Vec<u8>> {
+    vec![(12..18).collect(), (18..24).collect()]
+}
+
+#[test]
+fn tiff_of_ome_in_several_files() {
+    let single = |z: usize, ifd: usize, file: &str| {
+        format!(
+            "<TiffData FirstZ=\"{z}\" IFD=\"{ifd}\"><UUID FileName=\"{file}\">x</UUID></TiffData>"
+        )
+    };
+    let of_each = [
+        single(0, 0, "a.tif"),
+        single(1, 1, "a.tif"),
+        single(2, 0, "b.tif"),
+        single(3, 1, "b.tif"),
+    ];
+    let runs = "<TiffData FirstZ=\"0\" IFD=\"0\" PlaneCount=\"2\"><UUID FileName=\"a.tif\">x</UUID></TiffData>\
+                <TiffData FirstZ=\"2\"><UUID FileName=\"b.tif\">y</UUID></TiffData>";
+    for blocks in [of_each.concat(), runs.to_owned()] {
+        let parted = Parted::new(&blocks, &second_half());
+        for name in ["a.tif", "b.tif"] {
+            let loaded = parted.read(name).unwrap();
+            assert_eq!(bytes_of(&loaded), (0..24).collect::<Vec<u8>>(), "{name} {blocks}");
+        }
+        // A folder of such files is one of them, not slices by their names.
+        let error = parted.read("").unwrap_err();
+        assert!(error.contains("name it, not its folder"), "{error}");
+        let alone = parted.dir.path().join("b.tif");
+        std::fs::remove_file(alone).unwrap();
+        assert!(parted.read("a.tif").unwrap_err().contains("b.tif"));
+    }
+    let outside = runs.replace("b.tif", "../b.tif");
+    let error = Parted::new(&outside, &second_half()).read("a.tif").unwrap_err();
+    assert!(error.contains("outside of its folder"), "{error}");
+    let error = Parted::new(runs, &second_half()[..1]).read("a.tif").unwrap_err();
+    assert!(error.contains("b.tif: the file has no page 1"), "{error}");
+    let parted = Parted::new(runs, &[]);
+    PLAIN.write::<Gray16>(&parted.dir.path().join("b.tif"), &[vec![0; 6], vec![0; 6]]);
+    assert!(
+        parted.read("a.tif").unwrap_err().contains("b.tif: its pages are of another size or type")
+    );
+}
+
+/// The metadata of all files in one that has nothing else.
+#[test]
+fn tiff_of_ome_with_a_companion() {
+    let blocks = "<TiffData FirstZ=\"0\" IFD=\"0\" PlaneCount=\"2\"><UUID FileName=\"a.tif\">x</UUID></TiffData>\
+                  <TiffData FirstZ=\"2\" IFD=\"0\" PlaneCount=\"2\"><UUID FileName=\"b.tif\">y</UUID></TiffData>";
+    let parted = Parted::new(blocks, &second_half());
+    let path = |name: &str| parted.dir.path().join(name);
+    let companion = ome("SizeZ=\"4\" DimensionOrder=\"XYZCT\"", blocks);
+    std::fs::write(path("c.companion.ome"), companion).unwrap();
+    let description = "<OME xmlns=\"http://www.openmicroscopy.org/Schemas/OME/2016-06\">\
+                       <BinaryOnly MetadataFile=\"c.companion.ome\" UUID=\"urn:uuid:z\"/></OME>";
+    let refers = Written { description, ..PLAIN };
+    refers.write::<Gray8>(&path("b.tif"), &second_half());
+    assert_eq!(bytes_of(&parted.read("b.tif").unwrap()), (0..24).collect::<Vec<u8>>());
+    std::fs::copy(path("a.tif"), path("c.companion.ome")).unwrap();
+    assert_eq!(bytes_of(&parted.read("b.tif").unwrap()), (0..24).collect::<Vec<u8>>());
+    std::fs::remove_file(path("c.companion.ome")).unwrap();
+    assert!(parted.read("b.tif").unwrap_err().contains("c.companion.ome"));
+}
