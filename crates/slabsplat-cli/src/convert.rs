@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// Write a volume in another format; a file of that name is replaced
 #[derive(Args)]
 pub(crate) struct ConvertArgs {
-    /// A volume file, or a built-in volume as builtin:NAME or builtin:NAME:SIZE
+    /// A volume file, a built-in volume as builtin:NAME or builtin:NAME:SIZE, or - for standard input
     #[arg(value_name = "VOLUME")]
     volume: PathBuf,
 

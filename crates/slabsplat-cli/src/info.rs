@@ -15,8 +15,8 @@ use std::path::PathBuf;
 /// Tell what a volume or a mesh is: size, place, type, range of values
 #[derive(Args)]
 pub(crate) struct InfoArgs {
-    /// A volume file, a mesh (.ply, .stl, .obj), a scene file, or a built-in volume as builtin:NAME or
-    /// builtin:NAME:SIZE
+    /// A volume file, a mesh (.ply, .stl, .obj), a scene file, a built-in volume as builtin:NAME or
+    /// builtin:NAME:SIZE, or - for a volume on standard input
     #[arg(value_name = "VOLUME")]
     volume: PathBuf,
 

@@ -1,6 +1,8 @@
-//! What a command is to work on: a scene file, a volume file, a raw file, or a built-in volume.
+//! What a command is to work on: a scene file, a volume file, standard input, a raw file, or a built-in
+//! volume.
 
 use crate::flags::RawFlags;
+use crate::stdin;
 use anyhow::{Result, anyhow, bail};
 use slabsplat::io::{
     self, IoError, LayerFile, LoadedVolume, MemoryNeed, RawDesc, SceneFile, VolumeSource,
@@ -41,16 +43,23 @@ pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedV
         first.spacing = Some(spacing.to_array());
     }
     flags.parts.lay_over(&mut first.options);
+    stdin::check(file)?;
     io::check_memory(MemoryNeed::of_layers(&file.layers))?;
     LayerFile::load_volumes(&file.layers, |layer| match desc.take() {
+        desc if stdin::is_stdin(layer) => stdin::load(layer, desc.as_ref()).map_err(of_raw),
         Some(desc) => load_raw(layer, &desc),
-        None => layer.load_volume().map_err(|error| match error {
-            IoError::UnknownFormat { .. } => {
-                anyhow!("{error}; --dims and --type tell what a raw file holds")
-            }
-            _ => error.into(),
-        }),
+        None => layer.load_volume().map_err(|error| of_raw(error.into())),
     })
+}
+
+/// What to do if nothing knows the format.
+fn of_raw(error: anyhow::Error) -> anyhow::Error {
+    match error.downcast_ref() {
+        Some(IoError::UnknownFormat { .. }) => {
+            anyhow!("{error}; --dims and --type tell what a raw file holds")
+        }
+        _ => error,
+    }
 }
 
 fn load_raw(layer: &LayerFile, desc: &RawDesc) -> Result<LoadedVolume> {

@@ -29,6 +29,7 @@ mod meter;
 mod output;
 mod progress;
 mod stats;
+mod stdin;
 mod terminal;
 
 use anyhow::Result;

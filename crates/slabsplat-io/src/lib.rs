@@ -30,7 +30,7 @@
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`] |
 //!
-//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
+//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`read_stream`] puts streams there, [`png_bytes`] and [`exr_bytes`] write.
 //!
 //! And without any file: [`builtin_volume`], [`preset_transfer`].
 //!
@@ -55,7 +55,8 @@
 //!
 //! # Reading order
 //!
-//! `error`, `printable`, `store`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`; `picture`.
+//! `error`, `printable`, `store`, `stream`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`;
+//! `picture`.
 
 mod error;
 mod printable;
@@ -72,6 +73,7 @@ mod scene;
 mod picture;
 
 mod memory;
+mod stream;
 mod text;
 
 pub mod scene_keys;
@@ -86,6 +88,7 @@ pub use scene::{
     TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,
 };
 pub use store::FilesInMemory;
+pub use stream::read_stream;
 pub use volume::{
     Choice, Endian, LoadedVolume, Part, RawDesc, VolumeChoices, VolumeFormat, VolumeListing,
     VolumeOptions, VolumeOutput, list_volume, read_raw, read_volume, read_volume_with,

@@ -156,7 +156,9 @@ fn open_file(path: &Path) -> io::Result<File> {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder, not a file"));
     }
     if !metadata.is_file() {
-        return Err(io::Error::other("it is a pipe or a device: save what it gives as a file"));
+        return Err(io::Error::other(
+            "it is a pipe or a device: save what it gives as a file, or pipe it into -",
+        ));
     }
     File::open(path)
 }

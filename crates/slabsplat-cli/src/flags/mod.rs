@@ -28,8 +28,8 @@ use std::path::{Path, PathBuf};
 /// What is drawn, and all flags about how.
 #[derive(Args)]
 pub(crate) struct SceneFlags {
-    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), or a built-in volume as builtin:NAME
-    /// or builtin:NAME:SIZE
+    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), a built-in volume as builtin:NAME or
+    /// builtin:NAME:SIZE, or - for a volume on standard input
     #[arg(value_name = "INPUT")]
     input: PathBuf,
 

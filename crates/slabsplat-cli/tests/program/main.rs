@@ -11,6 +11,7 @@ mod popping;
 mod render;
 #[cfg(unix)]
 mod signals;
+mod stdin;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
