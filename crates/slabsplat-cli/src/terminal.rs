@@ -49,8 +49,11 @@ pub(crate) fn one_line(error: &anyhow::Error) -> String {
     line
 }
 
+/// On one line, without what would command the terminal: names of files may hold that.
 fn flattened(text: &str) -> String {
-    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+    let line =
+        text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    line.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 #[cfg(test)]
@@ -62,6 +65,7 @@ mod tests {
     fn error_chain_is_one_line_without_repeats() {
         let error = anyhow!("no such file").context("cannot read a: no such file").context("b\n c");
         assert_eq!(one_line(&error), "b c: cannot read a: no such file");
+        assert_eq!(one_line(&anyhow!("a\u{1b}[2J\u{7f}b")), "a\u{fffd}[2J\u{fffd}b");
         assert_eq!(one_line(&anyhow!("inner").context("outer")), "outer: inner");
     }
 }

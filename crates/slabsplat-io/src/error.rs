@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::memory::{MemoryNeeds, in_units};
-use crate::printable::{printable, shown};
+use crate::printable::{printable, shown, shown_path};
 use slabsplat_core::{GridError, LabelError, VolumeError};
 
 /// Why a file could not be read or written, or a built-in volume not made.
@@ -14,7 +14,7 @@ use slabsplat_core::{GridError, LabelError, VolumeError};
 #[non_exhaustive]
 pub enum IoError {
     /// The operating system did not let us read.
-    #[error("cannot read {}: {source}", shown(path))]
+    #[error("cannot read {}: {source}", shown_path(path))]
     Read {
         /// The file.
         path: PathBuf,
@@ -22,7 +22,7 @@ pub enum IoError {
         source: io::Error,
     },
     /// The operating system did not let us write; nothing is left behind.
-    #[error("cannot write {}: {source}", shown(path))]
+    #[error("cannot write {}: {source}", shown_path(path))]
     Write {
         /// The file that was to be.
         path: PathBuf,
@@ -39,7 +39,7 @@ pub enum IoError {
     #[error(
         "{} is not a volume file that can be read: expected {known}; 3D Slicer, ITK-SNAP or ImageJ convert \
          many others",
-        shown(path)
+        shown_path(path)
     )]
     UnknownFormat {
         /// The file.
@@ -50,7 +50,7 @@ pub enum IoError {
     /// The folder is none that is a volume.
     #[error(
         "{} is a folder that holds no volume of many files, but {held}: name one of them",
-        shown(path)
+        shown_path(path)
     )]
     UnknownFolder {
         /// The folder.
@@ -59,7 +59,7 @@ pub enum IoError {
         held: String,
     },
     /// The file does not hold as many series, channels, times or levels as are asked for.
-    #[error("{}: there is no {part} {asked}: there is {}", shown(path), printable(there))]
+    #[error("{}: there is no {part} {asked}: there is {}", shown_path(path), printable(there))]
     NoSuchPart {
         /// The file.
         path: PathBuf,
@@ -73,7 +73,7 @@ pub enum IoError {
     /// A header names a file that is not beside it.
     #[error(
         "{}: it names a file outside of its folder, {name:?}: move that, or allow it (allow_external)",
-        shown(path)
+        shown_path(path)
     )]
     External {
         /// The header's file.
@@ -84,14 +84,14 @@ pub enum IoError {
     /// The file is a mesh in none of the formats that can be read.
     #[error(
         "{} is not a mesh file that can be read: expected PLY (.ply), STL (.stl) or OBJ (.obj)",
-        shown(path)
+        shown_path(path)
     )]
     UnknownMesh {
         /// The file.
         path: PathBuf,
     },
     /// The file breaks the rules of its format.
-    #[error("{}: {}", shown(path), printable(what))]
+    #[error("{}: {}", shown_path(path), printable(what))]
     Malformed {
         /// The file.
         path: PathBuf,
@@ -99,7 +99,7 @@ pub enum IoError {
         what: String,
     },
     /// The file is sound, but uses a part of its format that is not read here.
-    #[error("{}: {}", shown(path), printable(what))]
+    #[error("{}: {}", shown_path(path), printable(what))]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -107,7 +107,7 @@ pub enum IoError {
         what: String,
     },
     /// The data are shorter (or, in a plain raw file, longer) than the header promises.
-    #[error("{}: needs {needed} bytes of data, has {found}: {hint}", shown(path))]
+    #[error("{}: needs {needed} bytes of data, has {found}: {hint}", shown_path(path))]
     WrongLength {
         /// The file that holds the data.
         path: PathBuf,
@@ -131,7 +131,7 @@ pub enum IoError {
         free_bytes: u64,
     },
     /// The grid that the file describes cannot be used.
-    #[error("{}: {source}", shown(path))]
+    #[error("{}: {source}", shown_path(path))]
     Grid {
         /// The file.
         path: PathBuf,
@@ -139,7 +139,7 @@ pub enum IoError {
         source: GridError,
     },
     /// The samples that the file holds cannot be used.
-    #[error("{}: {source}", shown(path))]
+    #[error("{}: {source}", shown_path(path))]
     Volume {
         /// The file.
         path: PathBuf,
@@ -147,7 +147,7 @@ pub enum IoError {
         source: VolumeError,
     },
     /// The values of the volume are no labels.
-    #[error("{}: {source}", shown(path))]
+    #[error("{}: {source}", shown_path(path))]
     Labels {
         /// The file.
         path: PathBuf,
@@ -177,7 +177,7 @@ pub enum IoError {
         name: String,
     },
     /// A scene file says something that cannot be.
-    #[error("{}{}: {}", shown(path), line_suffix(*line), printable(what))]
+    #[error("{}{}: {}", shown_path(path), line_suffix(*line), printable(what))]
     Scene {
         /// The file.
         path: PathBuf,
@@ -189,14 +189,14 @@ pub enum IoError {
     /// The name of a volume that is to be written does not tell its format.
     #[error(
         "cannot tell the format of {}: name the volume .nrrd, .nii, .nii.gz, .mha, .npy, .raw or .zarr",
-        shown(path)
+        shown_path(path)
     )]
     UnknownOutput {
         /// The file that was to be.
         path: PathBuf,
     },
     /// The name of a picture does not tell its format.
-    #[error("cannot tell the format of {}: name the picture .exr or .png", shown(path))]
+    #[error("cannot tell the format of {}: name the picture .exr or .png", shown_path(path))]
     UnknownPicture {
         /// The file that was to be.
         path: PathBuf,
@@ -219,10 +219,10 @@ impl IoError {
     }
 
     pub(crate) fn malformed(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
-        Self::Malformed { path: path.into(), what: what.into() }
+        Self::Malformed { path: path.into(), what: shown(&what.into()) }
     }
 
     pub(crate) fn unsupported(path: impl Into<PathBuf>, what: impl Into<String>) -> Self {
-        Self::Unsupported { path: path.into(), what: what.into() }
+        Self::Unsupported { path: path.into(), what: shown(&what.into()) }
     }
 }

@@ -30,7 +30,8 @@
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`] |
 //!
-//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`read_stream`] puts streams there, [`png_bytes`] and [`exr_bytes`] write.
+//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
+//! [`read_stream`] puts there what comes by a pipe.
 //!
 //! And without any file: [`builtin_volume`], [`preset_transfer`].
 //!
@@ -73,6 +74,7 @@ mod scene;
 mod picture;
 
 mod memory;
+mod printable;
 mod stream;
 mod text;
 

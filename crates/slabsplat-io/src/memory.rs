@@ -8,7 +8,7 @@ use std::path::Path;
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::{IoError, LayerFile, VolumeOptions, VolumeSource, list_volume};
 
 /// Memory that something takes.
@@ -52,7 +52,7 @@ impl LayerFile {
 impl MemoryNeed {
     fn of_file(path: &Path, options: &VolumeOptions) -> Option<Self> {
         let bytes = list_volume(path, options).ok()?.bytes();
-        Some(Self { what: shown(path), bytes })
+        Some(Self { what: shown_path(path), bytes })
     }
 }
 

@@ -25,10 +25,50 @@ pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<String, IoError
         .map_err(|_| IoError::malformed(path, "not a text in UTF-8: save it as such"))
 }
 
+/// What serde says of a value, with people's words for its types.
+pub(crate) fn in_plain_words(message: &str) -> String {
+    const WORDS: &[(&str, &str)] = &[
+        ("u8", "a whole number from 0 to 255"),
+        ("u16", "a whole number of at least 0"),
+        ("u32", "a whole number of at least 0"),
+        ("u64", "a whole number of at least 0"),
+        ("usize", "a whole number of at least 0"),
+        ("i64", "a whole number"),
+        ("f32", "a number"),
+        ("f64", "a number"),
+        ("a sequence", "a list"),
+    ];
+    let Some((before, expected)) = message.rsplit_once("expected ") else {
+        return message.to_owned();
+    };
+    let (word, after) = expected.split_once(" at line ").unwrap_or((expected, ""));
+    let plain = WORDS.iter().find(|(theirs, _)| *theirs == word).map_or(word, |(_, ours)| *ours);
+    let separator = if after.is_empty() { "" } else { " at line " };
+    format!("{before}expected {plain}{separator}{after}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::fs::File;
+
+    #[test]
+    fn words_of_serde_are_plain() {
+        for (message, expected) in [
+            (
+                "invalid type: map, expected u32",
+                "invalid type: map, expected a whole number of at least 0",
+            ),
+            (
+                "invalid type: null, expected f64 at line 1 column 2",
+                "invalid type: null, expected a number at line 1 column 2",
+            ),
+            ("missing field `a`", "missing field `a`"),
+            ("expected `=`", "expected `=`"),
+        ] {
+            assert_eq!(in_plain_words(message), expected);
+        }
+    }
 
     #[test]
     fn text_must_be_short_utf8() {

@@ -16,7 +16,7 @@ use std::path::Path;
 use slabsplat_core::{DroppedTriangles, Mesh, MeshParts};
 
 use crate::IoError;
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::store::Store;
 
 /// A mesh, and what is worth knowing about where it came from.
@@ -104,7 +104,7 @@ pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedMesh, IoE
 }
 
 fn warning(path: &Path, n_triangles: usize, dropped: DroppedTriangles) -> Option<String> {
-    let path = shown(path);
+    let path = shown_path(path);
     if n_triangles == 0 {
         return Some(format!("{path}: there are no triangles"));
     }

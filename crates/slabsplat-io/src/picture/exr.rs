@@ -1,6 +1,6 @@
 //! OpenEXR: the compositor's numbers as they are, 32-bit floats, premultiplied.
 
-use std::io::{self, Cursor, Seek, Write};
+use std::io::{self, Cursor, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use image::codecs::openexr::OpenExrEncoder;
@@ -31,9 +31,50 @@ pub fn exr_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
 fn encode(writer: impl Write + Seek, image: &Image) -> io::Result<()> {
     has_pixels(image)?;
     let bytes = bytemuck::cast_slice(image.pixels());
-    OpenExrEncoder::new(writer)
+    let mut noting = Noting { writer, failed: None };
+    let encoded = OpenExrEncoder::new(&mut noting)
         .write_image(bytes, image.width(), image.height(), ExtendedColorType::Rgba32F)
-        .map_err(to_io_error)
+        .map_err(to_io_error);
+    noting.failed.map_or(encoded, Err)
+}
+
+/// Keeps why writing failed: of that the encoder says no more than that it did.
+struct Noting<W> {
+    writer: W,
+    failed: Option<io::Error>,
+}
+
+impl<W> Noting<W> {
+    fn note<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        let interrupted = |error: &io::Error| error.kind() == io::ErrorKind::Interrupted;
+        match result {
+            Err(error) if !interrupted(&error) => {
+                let kind = error.kind();
+                self.failed.get_or_insert(error);
+                Err(kind.into())
+            }
+            other => other,
+        }
+    }
+}
+
+impl<W: Write> Write for Noting<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.writer.write(bytes);
+        self.note(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.writer.flush();
+        self.note(flushed)
+    }
+}
+
+impl<W: Seek> Seek for Noting<W> {
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        let sought = self.writer.seek(position);
+        self.note(sought)
+    }
 }
 
 #[cfg(test)]
@@ -57,6 +98,32 @@ mod tests {
         assert_eq!(read.dimensions(), (33, 17));
         let bits = |channels: &[f32]| channels.iter().map(|c| c.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(read.as_raw()), bits(image.pixels().as_flattened()));
+    }
+
+    /// The encoder's own word for it was "Format error decoding".
+    #[test]
+    fn exr_on_a_full_disk() {
+        struct Full(Cursor<Vec<u8>>);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+                match self.0.position() + bytes.len() as u64 {
+                    ..1000 => self.0.write(bytes),
+                    _ => Err(io::Error::new(io::ErrorKind::StorageFull, "the disk is full")),
+                }
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        impl Seek for Full {
+            fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+                self.0.seek(position)
+            }
+        }
+        let image = Image::filled(64, 64, [0.1, 0.2, 0.3, 0.4]);
+        let error = encode(Full(Cursor::new(Vec::new())), &image).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+        assert_eq!(error.to_string(), "the disk is full");
     }
 
     /// The channels' types as they stand in the file: name, zero, then 2 for 32-bit floats.

@@ -4,6 +4,8 @@
 use std::path::Path;
 
 use crate::IoError;
+use crate::printable::shown;
+use crate::text::in_plain_words;
 
 /// Something wrong with a scene file.
 #[derive(Debug, PartialEq)]
@@ -50,7 +52,7 @@ impl Diagnostic {
             Place::Line(line) => Some(line),
             Place::Key { layer, section, key } => line_of_key(text, layer, section, key),
         };
-        IoError::Scene { path: path.to_owned(), line, what: self.what }
+        IoError::Scene { path: path.to_owned(), line, what: shown(&self.what) }
     }
 }
 
@@ -58,10 +60,24 @@ impl Diagnostic {
 pub(super) fn from_toml(error: &toml::de::Error, text: &str) -> Diagnostic {
     let line =
         error.span().map(|span| 1 + text[..span.start.min(text.len())].matches('\n').count());
-    let what = line
-        .and_then(|line| unknown_key(error.message(), text, line))
-        .unwrap_or_else(|| error.message().lines().collect::<Vec<_>>().join("; "));
+    let what =
+        line.and_then(|line| unknown_key(error.message(), text, line)).unwrap_or_else(|| {
+            let message = error.message().lines().collect::<Vec<_>>().join("; ");
+            let message = in_plain_words(&message);
+            match line.and_then(|line| key_of_line(text, line)) {
+                Some(key) if message.starts_with("invalid ") => format!("{key}: {message}"),
+                _ => message,
+            }
+        });
     Diagnostic { what, place: line.map_or(Place::Unknown, Place::Line) }
+}
+
+/// The key that a line gives a value to.
+fn key_of_line(text: &str, line: usize) -> Option<&str> {
+    let (key, _) = text.lines().nth(line - 1)?.split_once('=')?;
+    let key = key.trim();
+    let is_key = |c: char| c.is_ascii_alphanumeric() || "_-.\"".contains(c);
+    (!key.is_empty() && key.chars().all(is_key)).then_some(key)
 }
 
 /// Takes serde's ``unknown field `a`, expected one of `b`, `c` `` apart.

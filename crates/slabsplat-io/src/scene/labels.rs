@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use slabsplat_core::{Grid, LabelError, LabelMap, LabelStyle, Labels};
 
 use super::label_table::read_label_table;
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::{IoError, read_volume};
 
 /// Labels of a layer, and how they look, as a scene file or flags say it.
@@ -95,7 +95,7 @@ impl LabelsFile {
         let mut missing: Vec<i64> = asked.filter(is_missing).collect();
         missing.sort_unstable();
         missing.dedup();
-        let path = shown(&self.path);
+        let path = shown_path(&self.path);
         (!missing.is_empty()).then(|| format!("{path} has no such labels: {}", listed(&missing)))
     }
 }

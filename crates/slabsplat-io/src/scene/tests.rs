@@ -255,18 +255,24 @@ fn scene_bad_values_name_their_line() {
     check("[render]\nmethod = \"raycast\"", ":5: \"raycast\" is not a choice here: use one of ima");
     check("[render]\nslab_width = -1.0", ":5: slab_width must be above 0");
     check("[render]\nslab_width = nan", ":5: slab_width");
-    check("[render]\nsections = -3", ":5: invalid value");
+    check(
+        "[render]\nsections = -3",
+        ":5: sections: invalid value: integer `-3`, expected a whole number",
+    );
     check("[render]\nsections = 1", ":5: sections must be between 16 and 1024");
     check("[render]\nopacity_cutoff = 2", ":5: opacity_cutoff");
     check("[render]\ntolerance = 1", ":5: tolerance");
-    check("[render]\nslab_width = \"wide\"", ":5: invalid type: string \"wide\"");
+    check(
+        "[render]\nslab_width = \"wide\"",
+        ":5: slab_width: invalid type: string \"wide\", expected a number",
+    );
     check("[image]\nwidth = 0", ":5: an image of 0 x 512");
-    check("[image]\nbackground = [0, 0, 0]", ":5: invalid length 3");
+    check("[image]\nbackground = [0, 0, 0]", ":5: background: invalid length 3");
     check("[image]\nbackground = [0, 0, 0, 2]", ":5: the background");
     check("[shading]\nambient = -1", ":5: ambient");
     check("[shading]\nmodel = \"toon\"", ":5: \"toon\" is not a choice");
-    check("[shading]\ntwo_sided = 1", ":5: invalid type: integer");
-    check("[render]\nbackend = 1", ":5: invalid type: integer");
+    check("[shading]\ntwo_sided = 1", ":5: two_sided: invalid type: integer");
+    check("[render]\nbackend = 1", ":5: backend: invalid type: integer");
     check("[[render]]", ":4: invalid type: sequence, expected a section");
     check("[[lights]]\nfrom = \"sun\"", ":5: \"sun\" is no light");
     check("[[lights]]\nfrom = [0, 0, 0]", ":5: the light's direction");
@@ -298,7 +304,7 @@ fn scene_bad_values_name_their_line() {
     check("[classify]\nisosurfaces = [{ opacity = 1 }]", ":5: missing field `value`");
     check("[classify]\nisosurfaces = [{ value = 1, alpha = 1 }]", ":5: unknown key \"alpha\"");
     check("[region]\nplanes = [[0, 0, 0, 1]]", ":5: a plane needs a finite normal");
-    check("[region]\nplanes = [[0, 1, 0]]", ":5: invalid length 3");
+    check("[region]\nplanes = [[0, 1, 0]]", ":5: background: invalid length 3");
     check("[region]\nbox = [[0, 0, 0], [1, -1, 1]]", ":5: a box goes from its least");
     check("[region]\nbox = [[0, 0, 0], [1, nan, 1]]", ":5: a box goes from its least");
     check(
@@ -493,7 +499,7 @@ fn scene_volume_is_one_thing() {
     check("[volume]\npath = \"a\"\ngenerate = \"b\"", ":3: [volume] has both");
     check("[volume]\npath = \"a\"\nsize = 9", ":3: size goes with generate");
     check("[volume]\ngenerate = \"cube\"\nspacing = [1, 0, 1]", ":3: spacing must be");
-    check("[volume]\ngenerate = \"cube\"\nsize = -1", ":3: invalid value");
+    check("[volume]\ngenerate = \"cube\"\nsize = -1", ":3: size: invalid value");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::data_files::DataFiles;
 use super::stored::StoredType;
 use super::stream::DataStream;
 use crate::IoError;
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::store::Store;
 
 /// How the samples are written.
@@ -144,7 +144,7 @@ fn read_file(
     // With data counted from the end, whatever comes after them was meant to be there.
     let is_all = file.n_before.saturating_add(file.n_here) == file.n_all;
     if is_all && 0 <= layout.byte_skip && stream.has_more()? {
-        warnings.push(format!("{} holds more data than were needed", shown(path)));
+        warnings.push(format!("{} holds more data than were needed", shown_path(path)));
     }
     Ok(())
 }

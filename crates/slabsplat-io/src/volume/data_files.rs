@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::IoError;
-use crate::printable::shown;
+use crate::printable::shown_path;
 
 /// The files that hold the data, in order. Each holds an equal share.
 #[derive(Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl DataFiles {
         match paths.iter().find(|path| !seen.insert(*path)) {
             None => Ok(()),
             Some(path) => {
-                let path = shown(path);
+                let path = shown_path(path);
                 let what = format!("the volume is large, and lists {path} more than once");
                 Err(IoError::malformed(header, what))
             }

@@ -13,6 +13,7 @@ use super::{
     vtk, zarr,
 };
 use crate::IoError;
+use crate::printable::printable;
 use crate::store::Store;
 
 /// All formats. The first that knows a file's content reads it, or else the first that knows its name.
@@ -137,6 +138,9 @@ pub(super) trait Reader: Sync {
     fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError>;
 }
 
+/// No system has longer paths.
+const MAX_NAME_BYTES: usize = 4096;
+
 /// What is to be read.
 pub(super) struct Input<'a> {
     pub(super) store: Store<'a>,
@@ -174,6 +178,10 @@ impl Input<'_> {
     /// # Errors
     /// If it is not.
     pub(super) fn beside(&self, name: &str) -> Result<PathBuf, IoError> {
+        if MAX_NAME_BYTES < name.len() {
+            let what = format!("it names a file by {} bytes, which no name has", name.len());
+            return Err(IoError::malformed(self.path, what));
+        }
         let is_below = |component| matches!(component, Component::Normal(_) | Component::CurDir);
         if self.options.allow_external || Path::new(name).components().all(is_below) {
             return Ok(self.path.parent().unwrap_or(Path::new("")).join(name));
@@ -273,7 +281,7 @@ fn held_by(files: &[PathBuf]) -> String {
     counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
     let named = |(extension, n): &(String, usize)| match extension.as_str() {
         "" => format!("{n} without an extension"),
-        extension => format!("{n} .{extension}"),
+        extension => format!("{n} .{}", printable(extension)),
     };
     match counts.as_slice() {
         [] => "no files".to_owned(),
@@ -294,6 +302,8 @@ mod tests {
         };
         assert_eq!(beside(&options, "b.raw").unwrap(), Path::new("in/b.raw"));
         assert_eq!(beside(&options, "./c/b.raw").unwrap(), Path::new("in/./c/b.raw"));
+        let long = beside(&options, &"b".repeat(5000)).unwrap_err();
+        assert_eq!(long, "in/a.nhdr: it names a file by 5000 bytes, which no name has");
         for name in ["../b.raw", "/etc/passwd", "c/../../b.raw"] {
             let error = beside(&options, name).unwrap_err();
             assert!(error.contains(name) && error.contains("outside of its folder"), "{error}");

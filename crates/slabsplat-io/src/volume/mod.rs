@@ -58,7 +58,7 @@ pub use raw::{RawDesc, read_raw};
 pub use write::{VolumeOutput, write_volume};
 
 use crate::IoError;
-use crate::printable::printable;
+use crate::printable::shown;
 use crate::store::Store;
 use formats::{Found, Input};
 
@@ -77,10 +77,11 @@ pub struct LoadedVolume {
 }
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
-/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), MRC (`.mrc`, `.map`), DICOM (a folder of slices, or a
-/// file), TIFF (a page a slice), a folder of images, NumPy (`.npy`, `.npz`), VTK (`.vti`, `.vtk`), OME-Zarr (a folder or an archive), or raw
-/// described by a `.json` beside it (the path of either) or by its own name. Of a file that holds several
-/// volumes, [`read_volume_with`] chooses; an array may be named after the path, as `a.npz:name`.
+/// file of a `.hdr`/`.img` pair), MetaImage (`.mha`, `.mhd`), MRC (`.mrc`, `.map`), DICOM (a folder of
+/// slices, or a file), TIFF (a page a slice), a folder of images, NumPy (`.npy`, `.npz`), VTK (`.vti`,
+/// `.vtk`), OME-Zarr (a folder or an archive), or raw described by a `.json` beside it (the path of either)
+/// or by its own name. Of a file that holds several volumes, [`read_volume_with`] chooses; an array may be
+/// named after the path, as `a.npz:name`.
 ///
 /// # Errors
 /// If the file cannot be read, is in no such format, is broken, or holds something other than scalar volumes.
@@ -108,9 +109,8 @@ pub(crate) fn read_from(
     let mut loaded = reader.read(&Input { store, path: &path, options: &options })?;
     options.check(&path, &loaded.choices)?;
     loaded.warnings.extend(loaded.choices.warnings(&options));
-    for warning in &mut loaded.warnings {
-        *warning = printable(warning);
-    }
+    // They may cite the file.
+    loaded.warnings.iter_mut().for_each(|warning| *warning = shown(warning));
     Ok(loaded)
 }
 

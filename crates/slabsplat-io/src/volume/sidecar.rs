@@ -22,7 +22,7 @@ use super::formats::{Input, Reader, VolumeListing};
 use super::raw::read_samples;
 use super::stream::plain_extension;
 use super::{Endian, LoadedVolume, RawDesc, VolumeChoices, VolumeFormat, assemble, names};
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::store::Store;
 use crate::{IoError, text};
 
@@ -140,15 +140,33 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let unknown: Vec<String> = unknown.take(12).map(|key| format!("{key:?}")).collect();
     let mut warnings = Vec::new();
     if !unknown.is_empty() {
-        warnings.push(format!("{} says {}, which is no key here", shown(path), unknown.join(", ")));
+        warnings.push(format!(
+            "{} says {}, which is no key here",
+            shown_path(path),
+            unknown.join(", ")
+        ));
     }
     Ok(LoadedVolume::new(volume, VolumeFormat::Raw, warnings))
 }
 
 fn parse(store: Store<'_>, path: &Path) -> Result<SidecarDesc, IoError> {
-    serde_json::from_str(&text::read_from(store, path)?).map_err(|error| {
-        IoError::malformed(path, format!("not a description of a raw volume: {error}"))
+    let text = text::read_from(store, path)?;
+    serde_json::from_str(&text).map_err(|error| {
+        let message = text::in_plain_words(&error.to_string());
+        let key = key_before(&text, error.line(), error.column());
+        let key = key.filter(|_| error.is_data() && message.starts_with("invalid "));
+        let key = key.map(|key| format!("{key}: ")).unwrap_or_default();
+        IoError::malformed(path, format!("not a description of a raw volume: {key}{message}"))
     })
+}
+
+/// The last key that stands before a place in a text.
+fn key_before(text: &str, line: usize, column: usize) -> Option<&str> {
+    let line_at: usize =
+        text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
+    let before = text.get(..(line_at + column).min(text.len()))?;
+    let (before, _) = before.rsplit_once("\":")?;
+    before.rsplit_once('"').map(|(_, key)| key)
 }
 
 impl SidecarDesc {
@@ -228,7 +246,14 @@ mod tests {
         for (json, expected) in [
             ("", "not a description"),
             ("{}", "missing field `dims`"),
-            (r#"{"dims": [2, 1, -1], "type": "uint8"}"#, "not a description"),
+            (
+                r#"{"dims": [2, 1, -1], "type": "uint8"}"#,
+                "dims: invalid value: integer `-1`, expected a whole number of at least 0 at line 1",
+            ),
+            (
+                "{\n\"dims\": [2, 1, 1],\n\"type\": 8}",
+                "type: invalid type: integer `8`, expected a string",
+            ),
             (r#"{"dims": [2, 1, 1], "type": "int64"}"#, "\"int64\" cannot be read"),
             (r#"{"dims": [2, 1, 1], "type": "uint16"}"#, "endian is missing"),
             (r#"{"dims": [2, 1, 1], "type": "uint16", "endian": "pdp"}"#, "endian is pdp"),

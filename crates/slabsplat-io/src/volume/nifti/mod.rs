@@ -22,7 +22,7 @@ use super::stored::StoredType;
 use super::stream::{DataStream, first_bytes, plain_extension};
 use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
 use crate::IoError;
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::store::Store;
 use header::{Header, Version};
 
@@ -90,7 +90,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let mut buffer = SampleBuffer::new(each, header.endian);
     stream.fill_channel(&mut buffer, grid.n_voxels(), each.size_bytes(), [n_channels, color])?;
     if choices.is_single() && stream.has_more()? {
-        warnings.push(format!("{} holds more data than were needed", shown(&image_path)));
+        warnings.push(format!("{} holds more data than were needed", shown_path(&image_path)));
     }
     let volume = assemble(path, grid, buffer.finish(&mut warnings), scaling)?;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })

@@ -23,7 +23,7 @@ use super::placed::{PlacedSamples, Source};
 use super::stream::DataStream;
 use super::{LoadedVolume, VolumeFormat, assemble, zarr, zip};
 use crate::IoError;
-use crate::printable::shown;
+use crate::printable::shown_path;
 use crate::store::Store;
 use header::{Header, HeaderError};
 
@@ -51,7 +51,9 @@ impl Reader for Npy {
         let n_left = stream.n_left_at_most();
         let mut loaded = Array::open(input, &mut stream)?.read(input, &mut stream, n_left)?;
         if stream.has_more()? {
-            loaded.warnings.push(format!("{} holds more data than were needed", shown(input.path)));
+            loaded
+                .warnings
+                .push(format!("{} holds more data than were needed", shown_path(input.path)));
         }
         Ok(loaded)
     }

@@ -72,8 +72,12 @@ impl Header {
     }
 
     fn check_magic(&self, line: &str) -> Result<(), IoError> {
-        match line.trim_end().strip_prefix("NRRD000") {
+        let line = line.trim_end();
+        match line.strip_prefix("NRRD000") {
             Some("1" | "2" | "3" | "4" | "5") => Ok(()),
+            _ if line.starts_with("NRRD") => Err(self.unsupported(format!(
+                "there is no version {line:?} of the format yet: NRRD0001 to NRRD0005 are read"
+            ))),
             _ => Err(self.unsupported(
                 "the first line is not NRRD0001 to NRRD0005: unpack the file if it is packed as a \
                  whole",
@@ -153,6 +157,8 @@ mod tests {
             err.to_string()
         };
         assert!(parse("NRRD0009\n").contains("NRRD0001 to NRRD0005"));
+        assert!(parse("NRRD0012\n").contains("no version \"NRRD0012\""));
+        assert!(parse("").contains("unpack the file"));
         assert!(parse("").contains("NRRD0001 to NRRD0005"));
         assert!(parse("NRRD0004\nhello\n").contains("\"hello\""));
         assert!(parse("NRRD0004\ntype: a\nTYPE: b\n").contains("twice"));

@@ -1,9 +1,9 @@
 //! NRRD, "nearly raw raster data": a text header, and data after it or in files of their own.
 //!
-//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip, bzip2, hex and text encodings; data
-//! attached or detached (one file, a `LIST`, a numbered pattern); `space directions` and `spacings`,
-//! also both at once. A first axis of values that voxels have gives a channel, a
-//! last one of moments a time.
+//! Format: <https://teem.sourceforge.net/nrrd/format.html>. Read: raw, gzip, bzip2, hex and text
+//! encodings; data attached or detached (one file, a `LIST`, a numbered pattern); `space directions` and
+//! `spacings`, also both at once. A first axis of values that voxels have gives a channel, a last one of
+//! moments a time.
 //!
 //! Reading order: `header` (lines to fields), `axes` (which three axes are the volume's), `space`
 //! (where they lie), `files` (where the data are).
@@ -35,7 +35,7 @@ impl Reader for Nrrd {
     }
 
     fn is_begun_by(&self, start: &[u8]) -> bool {
-        start.starts_with(b"NRRD000")
+        start.starts_with(b"NRRD00")
     }
 
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {

@@ -257,3 +257,32 @@ fn nrrd_packed_data_at_the_end() {
     let header = header.replace("-1", "-5");
     check_error(&[("a.nrrd", &attached(&header, &gzip(&BIG)))], "a byte skip is -1");
 }
+
+#[test]
+fn nrrd_whose_data_file_is_a_folder() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::create_dir(dir.path().join("b")).unwrap();
+    let path = dir.path().join("a.nhdr");
+    for name in ["b", "."] {
+        std::fs::write(&path, format!("{RAW}data file: {name}\n")).unwrap();
+        let error = read_volume(&path).unwrap_err().to_string();
+        assert!(error.ends_with("it is a folder, not a file"), "{error}");
+    }
+}
+
+/// However long a field is, and whatever it would do to a terminal.
+#[test]
+fn nrrd_fields_are_cited_in_part() {
+    let long = "x\u{1b}[2J".repeat(100_000);
+    for header in [
+        RAW.replace("short", &long),
+        RAW.replace("2 2 1", &long),
+        RAW.replace("big", &long),
+        format!("{RAW}byte skip: {long}\n"),
+        format!("{RAW}data file: {long}\n"),
+        format!("{RAW}{long}\n"),
+    ] {
+        let error = read(&[("a.nrrd", &attached(&header, &BIG))]).unwrap_err();
+        assert!(error.len() < 1000 && !error.contains('\u{1b}'), "{} bytes", error.len());
+    }
+}
