@@ -56,12 +56,14 @@
 //!
 //! # Reading order
 //!
-//! `error`, `printable`, `store`, `stream`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`;
+//! `error`, `printable`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`;
 //! `picture`.
 
 mod error;
 mod printable;
 mod store;
+mod stream;
+mod text;
 
 mod volume;
 
@@ -74,9 +76,6 @@ mod scene;
 mod picture;
 
 mod memory;
-mod printable;
-mod stream;
-mod text;
 
 pub mod scene_keys;
 

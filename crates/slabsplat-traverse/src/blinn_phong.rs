@@ -153,8 +153,8 @@ impl BlinnPhong8 {
     ) -> [Light8; N] {
         let mut channels = [Light8 { diffuse: [self.ambient; 8], specular: [0.0; 8] }; N];
         for (light, facing) in channels.iter_mut().zip(self.facing_all) {
-            for x in 0..8 {
-                light.diffuse[x] += facing * undirected[x];
+            for (diffuse, undirected) in light.diffuse.iter_mut().zip(undirected) {
+                *diffuse += facing * undirected;
             }
         }
         for lamp in self.lamps() {

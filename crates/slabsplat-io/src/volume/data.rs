@@ -63,7 +63,7 @@ pub(super) fn read(
         let what = "a byte skip is -1, which is from the end, or not below 0";
         return Err(IoError::malformed(path, what));
     }
-    let sample_bytes = layout.sample_type.size_bytes() as u64;
+    let sample_bytes = layout.stored.size_bytes() as u64;
     files.check_backed(path, (layout.n_samples as u64).saturating_mul(sample_bytes))?;
     let Share { n_channels, n_volumes, volume, .. } = layout.share;
     let n_volume = (layout.n_samples as u64).saturating_mul(n_channels as u64);

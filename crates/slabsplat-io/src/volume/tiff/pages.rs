@@ -149,7 +149,7 @@ impl<'b> Pages<'b> {
     /// Pages that share their strips are each sound, and together as large as nobody's memory.
     fn check_backed(&self) -> Result<(), IoError> {
         let page_bytes = self.size[0].saturating_mul(self.size[1]) as u64;
-        let page_bytes = page_bytes.saturating_mul(self.sample_type.size_bytes() as u64);
+        let page_bytes = page_bytes.saturating_mul(self.stored.size_bytes() as u64);
         let n_bytes = page_bytes.saturating_mul(self.indices.len() as u64);
         if self.n_bytes.saturating_mul(MAX_RATIO) < n_bytes {
             let what = format!(
