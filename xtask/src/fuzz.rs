@@ -1,8 +1,8 @@
 //! `cargo xtask fuzz`: gives the readers of files hostile ones, which libFuzzer makes from small valid ones.
 //!
-//! The targets are in `tests/fuzz`, and need a nightly compiler and cargo-fuzz. What libFuzzer learns stays in
-//! `target/fuzz/corpus`, so that the next run goes on from there; an input that breaks a reader is left in
-//! `tests/fuzz/artifacts`, and ends the run.
+//! The targets are in `tests/fuzz`, and need a nightly compiler and cargo-fuzz. What libFuzzer learns stays
+//! in `target/fuzz/corpus`, so that the next run continues from there; an input that breaks a reader is left
+//! in the folder `artifacts` beside the targets, and ends the run.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
-//! What can go wrong with a file. Every message is one line that says what, where and what to do; nothing that
-//! a file holds can end the line or command a terminal, since all of it passes through `printable` here.
+//! What can go wrong with a file. Every message is one line that says what, where and what to do; nothing
+//! that a file holds can end the line or command a terminal: all of it passes through `printable` here.
 
 use std::io;
 use std::path::PathBuf;

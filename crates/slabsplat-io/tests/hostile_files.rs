@@ -1,5 +1,5 @@
-//! Files that once broke a reader, or made it take memory or time that they do not pay for, as small as they can
-//! be made. `tests/fuzz` finds such files; what is found is mended at its root, and kept here.
+//! Files that once broke a reader, or made it take memory or time that they do not pay for, as small as they
+//! can be made. `tests/fuzz` finds such files; what is found is mended at its root, and kept here.
 
 mod peak;
 #[expect(dead_code, reason = "other tests spoil more of them")]
@@ -152,6 +152,17 @@ fn nrrd_list_of_one_file() {
     let header = header + "data file: LIST\n" + &"a.raw\n".repeat(5000);
     let message = refused(&[("a.nhdr", header.as_bytes()), ("a.raw", &[7; 1 << 16])]);
     assert!(message.contains("more than once"), "{message}");
+}
+
+/// Twenty million chunks of one voxel, none of which is there: looking for each took a minute.
+#[test]
+fn zarr_chunks_that_are_nowhere() {
+    let array = r#"{"zarr_format": 2, "shape": [1, 1, 20000000], "chunks": [1, 1, 1], "dtype": "|u1",
+        "order": "C", "compressor": null, "fill_value": 0, "filters": null}"#;
+    let files = FilesInMemory::from_iter([("a.zarr/.zarray", array.as_bytes())]);
+    let message = files.read_volume("a.zarr").map(|loaded| loaded.warnings);
+    let message = message.expect_err("too many").to_string();
+    assert!(message.contains("more than a million chunks"), "{message}");
 }
 
 /// A chunk of one block, which is 1.5 GiB of zeros in 48 KiB.

@@ -41,8 +41,8 @@ pub(super) fn docs_rs(file: &File) -> Vec<Finding> {
     vec![file.finding(message)]
 }
 
-/// Workspaces of their own, whose lints are theirs: programs of other people, as it were, and fuzz targets, which
-/// `libfuzzer-sys` writes unsafe code into.
+/// Workspaces of their own, whose lints are theirs: programs of other people, as it were, and fuzz targets,
+/// which `libfuzzer-sys` writes unsafe code into.
 const OUTSIDE: &[&str] = &["tests/outside/", "tests/fuzz/"];
 
 /// Lints are set once, for all.

@@ -1,5 +1,5 @@
-//! Writes the inputs that fuzzing begins with: `cargo run --example seeds FOLDER` fills `FOLDER/TARGET`. They are
-//! small valid files of every way of packing, made here: none is in the repository.
+//! Writes the inputs that fuzzing begins with: `cargo run --example seeds FOLDER` fills `FOLDER/TARGET`. They
+//! are small valid files of every way of packing, made here: none is in the repository.
 
 mod arrays;
 mod images;

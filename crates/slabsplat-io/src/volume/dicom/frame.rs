@@ -12,7 +12,7 @@ use crate::IoError;
 /// Frames of one file; a hundred times as many as scanners write.
 const MAX_FRAMES: usize = 1 << 20;
 
-/// As many frames are believed before their pixels are looked for, so that a file that was cut off says where.
+/// As many frames are believed before their pixels are looked for: a file that was cut off then says where.
 const MAX_UNBACKED_FRAMES: u64 = 1024;
 
 /// How the pixels of a frame are stored.

@@ -18,8 +18,8 @@ use super::stack::{Slice, Stack};
 use crate::IoError;
 use crate::store::Store;
 
-/// No packing that is read here makes more of a byte than deflate: a JPEG has two bits for 64 pixels at least,
-/// and a run of 128 bytes takes two.
+/// No packing that is read here makes more of a byte than deflate: a JPEG has two bits for 64 pixels at
+/// least, and a run of 128 bytes takes two.
 const MAX_RATIO: u64 = MAX_GZIP_RATIO;
 
 /// Reads the samples of a stack, a slice after the other.
