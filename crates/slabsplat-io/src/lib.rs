@@ -56,8 +56,8 @@
 //!
 //! # Reading order
 //!
-//! `error`, `printable`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`; `scene`; `memory`;
-//! `picture`.
+//! `error`, `printable`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`; `scene`;
+//! `memory`; `picture`.
 
 mod error;
 mod printable;

@@ -6,8 +6,8 @@
 //! `examples/seeds.rs` makes; what libFuzzer finds beside them stays in `target/fuzz/corpus`.
 //!
 //! An input that crashes a reader, holds it for ten seconds or makes it take a gigabyte is left in
-//! `artifacts` beside this crate's manifest. `cargo fuzz tmin` makes it small; what is mended gets a test in slabsplat-io that
-//! has the input's bytes.
+//! `artifacts` beside this crate's manifest. `cargo fuzz tmin` makes it small; what is mended gets a test in
+//! slabsplat-io that has the input's bytes.
 
 use slabsplat_io::{FilesInMemory, IoError, Part, VolumeListing, VolumeOptions};
 
