@@ -3,11 +3,11 @@
 //!
 //! `cargo xtask fuzz` runs all targets, `cargo xtask fuzz dicom 3600` one of them for an hour. It needs
 //! `cargo install cargo-fuzz --locked` and a nightly toolchain. Inputs begin with small valid files, which
-//! `examples/seeds.rs` makes; what libFuzzer finds beside them stays in `target/fuzz/corpus`.
+//! `examples/seeds` makes; what libFuzzer finds beside them stays in `target/fuzz/corpus`.
 //!
-//! An input that crashes a reader, holds it for ten seconds or makes it take a gigabyte is left in
+//! An input that crashes a reader, holds it for ten seconds or makes it take a gigabyte is left in the folder
 //! `artifacts` beside this crate's manifest. `cargo fuzz tmin` makes it small; what is mended gets a test in
-//! slabsplat-io that has the input's bytes.
+//! `crates/slabsplat-io/tests/hostile_files.rs` that has the input's bytes.
 
 use slabsplat_io::{FilesInMemory, IoError, Part, VolumeListing, VolumeOptions};
 

@@ -304,7 +304,7 @@ fn scene_bad_values_name_their_line() {
     check("[classify]\nisosurfaces = [{ opacity = 1 }]", ":5: missing field `value`");
     check("[classify]\nisosurfaces = [{ value = 1, alpha = 1 }]", ":5: unknown key \"alpha\"");
     check("[region]\nplanes = [[0, 0, 0, 1]]", ":5: a plane needs a finite normal");
-    check("[region]\nplanes = [[0, 1, 0]]", ":5: background: invalid length 3");
+    check("[region]\nplanes = [[0, 1, 0]]", ":5: planes: invalid length 3");
     check("[region]\nbox = [[0, 0, 0], [1, -1, 1]]", ":5: a box goes from its least");
     check("[region]\nbox = [[0, 0, 0], [1, nan, 1]]", ":5: a box goes from its least");
     check(
