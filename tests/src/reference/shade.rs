@@ -97,9 +97,12 @@ mod tests {
     }
 
     #[test]
-    fn shade_zero_gradient_gets_ambient_alone() {
-        check(phong(), DVec3::ZERO, [0.05, 0.0, 0.0]);
-        check(phong().shininess(0.0), DVec3::ZERO, [0.05, 0.0, 0.0]);
+    fn shade_zero_gradient_faces_every_light() {
+        check(phong(), DVec3::ZERO, [0.5 * 0.7, 0.0, 0.0]);
+        check(phong().shininess(0.0), DVec3::ZERO, [0.5 * 0.7, 0.0, 0.0]);
+        let lights = [towards(DVec3::X), towards(DVec3::NEG_Z)];
+        check_lit(phong(), &lights, DVec3::ZERO, [0.5 * 1.3, 0.0, 0.0]);
+        check_lit(phong(), &[], DVec3::ZERO, [0.05, 0.0, 0.0]);
     }
 
     #[test]
