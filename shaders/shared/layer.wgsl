@@ -66,5 +66,8 @@ struct Layer {
     is_inverted: u32,
     // Whether its faces are lit as surfaces.
     has_lit_faces: u32,
-    padding: vec2<u32>,
+
+    // Blinn–Phong, too: the share of diffuse light on what has no gradient.
+    zero_gradient: f32,
+    padding: u32,
 }

@@ -7,11 +7,11 @@ struct Light {
     specular: vec3<f32>,
 }
 
-// The light on a normal of a layer, which is not longer than 1: what it lacks of that faces every light, and
-// mirrors none.
+// The light on a normal of a layer, which is not longer than 1: what it lacks of that faces every light by a
+// share, and mirrors none.
 fn light_on(layer: u32, normal: vec3<f32>) -> Light {
     var light = Light(vec3(layers[layer].ambient), vec3(0.0));
-    let undirected = max(1.0 - length(normal), 0.0);
+    let undirected = layers[layer].zero_gradient * max(1.0 - length(normal), 0.0);
     for (var i = 0u; i < frame.n_lamps; i++) {
         let n_l = facing(layer, normal, frame.lamps[i].to_light.xyz);
         light.diffuse += layers[layer].diffuse * (n_l + undirected) * frame.lamps[i].color.rgb;

@@ -63,6 +63,7 @@ pub fn cube(view: &CubeView) -> Scene {
     let headlight = Phong::default()
         .ambient(view.ambient)
         .diffuse(1.0 - view.ambient)
+        .zero_gradient(0.0)
         .specular(0.0)
         .shininess(1.0)
         .two_sided(false);

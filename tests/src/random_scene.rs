@@ -317,6 +317,7 @@ fn random_shading(rng: &mut Rng) -> Shading {
         .ambient(between(rng, 0.0, 0.4))
         .diffuse(between(rng, 0.2, 1.0))
         .specular(between(rng, 0.0, 0.5))
+        .zero_gradient(between(rng, 0.0, 1.0))
         .shininess(between(rng, 1.0, 40.0))
         .two_sided(rng.bool());
     Shading::Phong(phong)

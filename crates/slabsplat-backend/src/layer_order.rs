@@ -109,8 +109,8 @@ fn surfaces(isosurfaces: &[Isosurface]) -> impl Iterator<Item = f64> {
 
 fn light(shading: Shading) -> Vec<f64> {
     let Shading::Phong(phong) = shading else { return Vec::new() };
-    let Phong { ambient, diffuse, specular, shininess, two_sided, .. } = phong;
-    vec![ambient, diffuse, specular, shininess, f64::from(u8::from(two_sided))]
+    let Phong { ambient, diffuse, zero_gradient, specular, shininess, two_sided, .. } = phong;
+    vec![ambient, diffuse, zero_gradient, specular, shininess, f64::from(u8::from(two_sided))]
 }
 
 fn in_numbers(a: impl IntoIterator<Item = f64>, b: impl IntoIterator<Item = f64>) -> Ordering {

@@ -15,8 +15,8 @@ pub enum Shading {
 }
 
 settings! {
-    /// Blinn–Phong: `c·(k_a + Σ k_d·L·(n·l + 1 − |n|)) + Σ k_s·L·(n·h)^s` over all lights, clamped to 0 … 1
-    /// ([model §6](crate::model)).
+    /// Blinn–Phong: `c·(k_a + Σ k_d·L·(n·l + k_0·(1 − |n|))) + Σ k_s·L·(n·h)^s` over all lights, clamped to
+    /// 0 … 1 ([model §6](crate::model)).
     #[derive(Clone, Copy, Debug, PartialEq)]
     #[non_exhaustive]
     pub struct Phong {
@@ -27,6 +27,11 @@ settings! {
         /// Diffuse light, which a surface scatters.
         /// `k_d`.
         diffuse: f64 = 0.7, number("K", COEFFICIENTS);
+
+        /// Diffuse light where there is no gradient, as a share of what faces every light.
+        /// `k_0`: 1 leaves constant regions as bright as surfaces that face the lights, 0 as dark as those
+        /// that are averted.
+        zero_gradient: f64 = 1.0, number("K", SHARE);
 
         /// Specular light, which a surface mirrors.
         /// `k_s`.
@@ -43,6 +48,7 @@ settings! {
 }
 
 const COEFFICIENTS: Interval = Interval::at_least(0.0);
+const SHARE: Interval = Interval::at_least(0.0).at_most(1.0);
 
 impl Phong {
     /// The same, if its coefficients can be used.
@@ -71,16 +77,16 @@ impl BlinnPhong {
     }
 
     /// What `color` becomes on a surface with that normal, which is no longer than 1: what it lacks of that
-    /// faces every light, and mirrors none.
+    /// faces every light by the share `k_0`, and mirrors none.
     #[inline]
     pub fn lit(&self, color: DVec3, normal: DVec3) -> DVec3 {
-        let Phong { ambient, diffuse, specular, shininess, two_sided, .. } = self.phong;
+        let Phong { ambient, diffuse, zero_gradient, specular, shininess, two_sided } = self.phong;
         let facing = |direction: DVec3| {
             let product = normal.dot(direction);
             if two_sided { product.abs() } else { product.max(0.0) }
         };
         let (mut scattered, mut mirrored) = (DVec3::splat(ambient), DVec3::ZERO);
-        let undirected = (1.0 - normal.length()).max(0.0);
+        let undirected = zero_gradient * (1.0 - normal.length()).max(0.0);
         for lamp in &self.lamps {
             let n_l = facing(lamp.to_light);
             scattered += diffuse * (n_l + undirected) * lamp.color;
@@ -99,6 +105,7 @@ mod tests {
     #[test]
     fn phong_rejects_bad_coefficients() {
         assert!(Phong::default().checked().is_ok());
+        assert!(Phong::default().zero_gradient(1.1).checked().is_err());
         for bad in [-0.1, f64::NAN, f64::INFINITY] {
             let err = Phong::default().shininess(bad).checked().unwrap_err();
             assert!(err.to_string().starts_with("shininess"), "{err}");
@@ -122,6 +129,8 @@ mod tests {
         check(false, DVec3::X, 0.1 + 0.5 + 0.25 * 0.5);
         check(false, DVec3::X * 0.5, 0.1 + 0.25 + 0.25 + 0.25 * 0.125);
         check(false, DVec3::ZERO, 0.1 + 0.5);
+        let dark = BlinnPhong::new(phong.zero_gradient(0.0), &[light], DVec3::NEG_Z);
+        assert_eq!(dark.lit(DVec3::ONE, DVec3::ZERO), DVec3::splat(0.1));
         check(false, DVec3::new(1.0, 0.0, 1.0).normalize(), 0.1 + 0.5 * 0.5_f64.sqrt() + 0.25);
         // No light falls on it, so none is reflected.
         check(false, DVec3::Z, 0.1);

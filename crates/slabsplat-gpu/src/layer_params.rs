@@ -87,4 +87,5 @@ fn put_shading(phong: &Phong, layer: &mut Layer) {
     let coefficients = [phong.ambient, phong.diffuse, phong.specular, phong.shininess];
     [layer.ambient, layer.diffuse, layer.specular, layer.shininess] =
         coefficients.map(|c| c as f32);
+    layer.zero_gradient = phong.zero_gradient as f32;
 }

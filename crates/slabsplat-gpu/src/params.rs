@@ -96,7 +96,8 @@ pub(crate) struct Layer {
     pub(crate) n_planes: u32,
     pub(crate) is_inverted: u32,
     pub(crate) has_lit_faces: u32,
-    pub(crate) padding: [u32; 2],
+    pub(crate) zero_gradient: f32,
+    pub(crate) padding: u32,
 }
 
 /// `shaders/shared/densities.wgsl`, likewise.
@@ -247,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn layouts_are_the_shaders() {
+    fn layouts_of_frames_are_the_shaders() {
         check!(Frame {
             image_size,
             n_tiles,
@@ -310,6 +311,7 @@ mod tests {
             n_planes,
             is_inverted,
             has_lit_faces,
+            zero_gradient,
             padding,
         });
         check!(Densities {
@@ -323,6 +325,10 @@ mod tests {
             across,
             along,
         });
+    }
+
+    #[test]
+    fn layouts_of_stages_are_the_shaders() {
         check!(VolumeParams {
             gradient_x,
             gradient_y,

@@ -25,8 +25,8 @@ pub struct BlinnPhong8 {
     two_sided: bool,
     lamps: [Lamp8; Light::MAX_LIGHTS],
     n_lamps: usize,
-    /// Diffuse light of all lamps on what faces them all, times red, green and blue.
-    facing_all: [f32; 3],
+    /// Diffuse light of all lamps on what has no gradient, times red, green and blue.
+    undirected: [f32; 3],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,10 +81,11 @@ impl BlinnPhong8 {
         for (lamp8, lamp) in lamps8.iter_mut().zip(lamps) {
             *lamp8 = Lamp8::new(phong, &lamp);
         }
-        let mut facing_all = [0.0; 3];
+        let mut undirected = [0.0; 3];
         for lamp in &lamps8[..n_lamps] {
-            facing_all.iter_mut().zip(lamp.diffuse).for_each(|(sum, diffuse)| *sum += diffuse);
+            undirected.iter_mut().zip(lamp.diffuse).for_each(|(sum, diffuse)| *sum += diffuse);
         }
+        let undirected = undirected.map(|sum| phong.zero_gradient as f32 * sum);
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
         Self {
             ambient: phong.ambient as f32,
@@ -101,7 +102,7 @@ impl BlinnPhong8 {
             two_sided: phong.two_sided,
             lamps: lamps8,
             n_lamps,
-            facing_all,
+            undirected,
         }
     }
 
@@ -133,7 +134,7 @@ impl BlinnPhong8 {
     }
 
     /// The light on eight normals, x, y and z in world space, none longer than 1: what one lacks of that
-    /// faces every light, and mirrors none. There are `N` channels of it, from red on.
+    /// faces every light by [`Phong::zero_gradient`], and mirrors none. There are `N` channels of it, from red on.
     #[inline(always)]
     pub fn of_normals<const N: usize>(&self, normals: &[[f32; 8]; 3]) -> [Light8; N] {
         let mut undirected = squared_lengths(normals);
@@ -152,9 +153,9 @@ impl BlinnPhong8 {
         undirected: &[f32; 8],
     ) -> [Light8; N] {
         let mut channels = [Light8 { diffuse: [self.ambient; 8], specular: [0.0; 8] }; N];
-        for (light, facing) in channels.iter_mut().zip(self.facing_all) {
+        for (light, of_all) in channels.iter_mut().zip(self.undirected) {
             for (diffuse, undirected) in light.diffuse.iter_mut().zip(undirected) {
-                *diffuse += facing * undirected;
+                *diffuse += of_all * undirected;
             }
         }
         for lamp in self.lamps() {

@@ -204,7 +204,9 @@ mod tests {
         };
         let mut lit = color * phong.ambient;
         if normal == DVec3::ZERO {
-            lit += lamps.iter().map(|lamp| color * phong.diffuse * lamp.color).sum::<DVec3>();
+            let facing_all =
+                lamps.iter().map(|lamp| color * phong.diffuse * lamp.color).sum::<DVec3>();
+            lit += phong.zero_gradient * facing_all;
         }
         for lamp in lamps.iter().filter(|lamp| 0.0 < product(lamp.to_light)) {
             lit += color * phong.diffuse * lamp.color * product(lamp.to_light);
@@ -234,6 +236,7 @@ mod tests {
         Phong::default()
             .ambient(rng.f64())
             .diffuse(rng.f64())
+            .zero_gradient(rng.f64())
             .specular(rng.f64())
             .shininess([0.0, 1.0, 20.0, 7.5, 100.0][rng.usize(0..5)])
             .two_sided(rng.bool())

@@ -40,7 +40,7 @@ pub fn shaded_by_normals(
     })
 }
 
-/// `k_d·(n·l + 1 − |n|)` and `k_s·(n·h)^s`.
+/// `k_d·(n·l + k_0·(1 − |n|))` and `k_s·(n·h)^s`.
 fn lamp_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f64, f64) {
     let to_viewer = -forward;
     let to_light = match light.source {
@@ -54,7 +54,8 @@ fn lamp_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f
         if phong.two_sided { product.abs() } else { product.max(0.0) }
     };
     let n_dot_l = product(to_light);
-    let diffuse = phong.diffuse * (n_dot_l + 1.0 - normal.length().min(1.0));
+    let diffuse =
+        phong.diffuse * (n_dot_l + phong.zero_gradient * (1.0 - normal.length().min(1.0)));
     if n_dot_l <= 0.0 {
         return (diffuse, 0.0);
     }
@@ -103,6 +104,7 @@ mod tests {
         let lights = [towards(DVec3::X), towards(DVec3::NEG_Z)];
         check_lit(phong(), &lights, DVec3::ZERO, [0.5 * 1.3, 0.0, 0.0]);
         check_lit(phong(), &[], DVec3::ZERO, [0.05, 0.0, 0.0]);
+        check(phong().zero_gradient(0.25), DVec3::ZERO, [0.5 * 0.25, 0.0, 0.0]);
     }
 
     #[test]

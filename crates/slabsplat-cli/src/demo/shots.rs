@@ -148,8 +148,13 @@ pub(super) fn popping_scene(cube: Volume) -> Result<Scene> {
     let transfer = vec![(0.0, [0.0]), (255.0, [0.5])];
     let transfer = TransferFunction::new(transfer, vec![(0.0, [1.0; 3])])?;
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection)?;
-    let diffuse =
-        Phong::default().ambient(0.0).diffuse(1.0).specular(0.0).shininess(1.0).two_sided(false);
+    let diffuse = Phong::default()
+        .ambient(0.0)
+        .diffuse(1.0)
+        .zero_gradient(0.0)
+        .specular(0.0)
+        .shininess(1.0)
+        .two_sided(false);
     let (width, height) = (METER_SIDE_PIXELS, METER_SIDE_PIXELS);
     let layer = Layer::new(cube, transfer).shading(Shading::Phong(diffuse));
     Ok(Scene::new(layer, camera)

@@ -227,8 +227,8 @@ fn scene_unknown_keys_are_named() {
     );
     check(
         &format!("{SMALL}\n[shading]\n\nlamp = 1.0\n"),
-        "scene.toml:7: unknown key \"lamp\" in [shading]; known are ambient, diffuse, specular, \
-         shininess, two_sided, model",
+        "scene.toml:7: unknown key \"lamp\" in [shading]; known are ambient, diffuse, \
+         zero_gradient, specular, shininess, two_sided, model",
     );
     check(
         &format!("{SMALL}\n[rendr]\nslab_width = 1.0\n"),
