@@ -10,7 +10,7 @@ use slabsplat::{
     LabelStyle, Labels, Layer, Method, Mode, PiecewiseLinear, Plane, Planner, Projection, Region,
     Scaling, Scene, TransferFunction, Volume,
 };
-use slabsplat_gpu::{DeviceInfo, GpuBackend};
+use slabsplat_gpu::{Device, DeviceInfo, GpuBackend};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A ball of waves in 64-bit floats.
@@ -165,11 +165,30 @@ pub fn on_devices(
     change: impl Fn(&mut DeviceInfo),
     test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
 ) {
-    for (name, device) in devices() {
-        let spy = SpyDevice::new(device, &change);
-        let orders = spy.orders();
-        test(name, &mut GpuBackend::new(name, spy), &orders);
+    devices().into_iter().for_each(|device| on_device(device, &change, &test));
+}
+
+/// Runs it on one of them, in turn by `number`: enough of a test that has many cases, or that no device
+/// decides.
+pub fn on_a_device(
+    number: usize,
+    change: impl Fn(&mut DeviceInfo),
+    test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
+) {
+    let mut devices = devices();
+    if !devices.is_empty() {
+        on_device(devices.swap_remove(number % devices.len()), &change, &test);
     }
+}
+
+fn on_device(
+    (name, device): (&'static str, Box<dyn Device>),
+    change: &impl Fn(&mut DeviceInfo),
+    test: &impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
+) {
+    let spy = SpyDevice::new(device, change);
+    let orders = spy.orders();
+    test(name, &mut GpuBackend::new(name, spy), &orders);
 }
 
 /// Leaves limits as they are.

@@ -9,8 +9,8 @@ use slabsplat::{
 use slabsplat_gpu::DeviceInfo;
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::on_devices::{
-    alone, as_it_is, layered_scene, listed_by_host, on_devices, render, scene, stretched, submit,
-    submit_plan, take, transfer, volume, with_host_list,
+    alone, as_it_is, layered_scene, listed_by_host, on_a_device, on_devices, render, scene,
+    stretched, submit, submit_plan, take, transfer, volume, with_host_list,
 };
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
@@ -28,23 +28,20 @@ const METHODS_OF_COLORS: [Method; 3] =
 fn small_bindings_give_the_same_bits() {
     let _alone = alone();
     let [large, small] = [volume([44, 40, 36]), volume([9, 8, 7])];
-    for method in METHODS_OF_COLORS {
-        let what = format!("a list in chunks, samples in pieces, {method}");
-        check_small_bindings(&what, scene(&large, 40, method), 512 << 10);
-        let what = format!("a picture in bands, {method}");
-        check_small_bindings(&what, scene(&small, 200, method), 128 << 10);
-    }
+    let chunks = METHODS_OF_COLORS.map(|method| (scene(&large, 40, method), 512 << 10));
+    let bands = METHODS_OF_COLORS.map(|method| (scene(&small, 200, method), 128 << 10));
     let densities = scene(&volume([24, 20, 36]), 40, Method::PostClassified);
-    check_small_bindings("densities", densities, 384 << 10);
     // The second layer begins within a chunk, and ends in another.
     let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 40);
-    check_small_bindings("layers", layers, 512 << 10);
-    let mut layers = layered_scene([&small, &stretched(&volume([34, 40, 36]), 0.3)], 40);
-    layers.layers[1] = listed_by_host(layers.layers[1].clone());
-    check_small_bindings("layers, one of which the host lists", layers, 512 << 10);
+    let mut by_host = layered_scene([&small, &stretched(&volume([34, 40, 36]), 0.3)], 40);
+    by_host.layers[1] = listed_by_host(by_host.layers[1].clone());
+    let others = [(densities, 384 << 10), (layers, 512 << 10), (by_host, 512 << 10)];
+    for (number, (scene, max_bytes)) in chunks.into_iter().chain(bands).chain(others).enumerate() {
+        check_small_bindings(number, scene, max_bytes);
+    }
 }
 
-fn check_small_bindings(what: &str, mut scene: Scene, max_bytes: u64) {
+fn check_small_bindings(number: usize, mut scene: Scene, max_bytes: u64) {
     scene.settings.sections = 16;
     scene.settings.lookup = Lookup::Nearest;
     let expected = render(&mut *open("cpu"), &scene).expect("the CPU has no limits");
@@ -53,18 +50,19 @@ fn check_small_bindings(what: &str, mut scene: Scene, max_bytes: u64) {
         let change = |info: &mut DeviceInfo| {
             info.max_binding_bytes = info.max_binding_bytes.min(limit);
         };
-        on_devices(change, |name, backend, _| {
-            let frame = render(backend, &scene).unwrap_or_else(|e| panic!("{name}, {what}: {e}"));
+        on_a_device(number, change, |name, backend, _| {
+            let what = format!("{name}, scene {number}, {}", scene.settings.method);
+            let frame = render(backend, &scene).unwrap_or_else(|e| panic!("{what}: {e}"));
             let difference = frame.image.max_difference(&expected.image);
-            assert!(difference < PARITY, "{name}, {what}: {difference}");
-            pictures.lock().expect("no test failed").push((name.to_owned(), frame));
+            assert!(difference < PARITY, "{what}: {difference}");
+            pictures.lock().expect("no test failed").push((what, frame));
         });
     }
     let pictures = pictures.into_inner().expect("no test failed");
-    let n_devices = pictures.len() / 2;
-    for ((name, whole), (_, cut)) in pictures.iter().zip(&pictures[n_devices..]) {
-        assert!(whole.image == cut.image, "{name}, {what}");
-        assert_eq!(whole.stats, cut.stats, "{name}, {what}");
+    for pair in pictures.windows(2) {
+        let [(what, whole), (_, cut)] = pair else { unreachable!("windows of two") };
+        assert!(whole.image == cut.image, "{what}");
+        assert_eq!(whole.stats, cut.stats, "{what}");
     }
 }
 
@@ -361,13 +359,13 @@ fn crowded_tiles_pause() {
     // What is summed again after a pause takes a program that plays a card too long, of more voxels.
     let densities = scene(&self::volume([16; 3]), 12, Method::PostClassified);
     let scenes = METHODS_OF_COLORS.map(of_method).into_iter().chain([layers, densities]);
-    for mut scene in scenes {
+    for (number, mut scene) in scenes.enumerate() {
         let method = scene.settings.method;
         for layer in &mut scene.layers {
             layer.transfer = transfer(1e-4);
         }
         let expected = render(&mut *open("cpu"), &scene).expect("the CPU has no limits");
-        on_devices(as_it_is, |name, backend, orders| {
+        on_a_device(number, as_it_is, |name, backend, orders| {
             let frame = render(backend, &scene).expect("it fits");
             let difference = frame.image.max_difference(&expected.image);
             assert!(difference < PARITY, "{name}, {method}: {difference}");
@@ -392,7 +390,7 @@ fn too_crowded_tiles_are_an_error() {
     let eye = target + DVec3::new(90.0, 60.0, -75.0);
     scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
     let small = |info: &mut DeviceInfo| info.max_binding_bytes = 128 << 10;
-    on_devices(small, |name, backend, _| {
+    on_a_device(0, small, |name, backend, _| {
         let error = render(backend, &scene).expect_err("the tile is too crowded");
         assert!(matches!(error, BackendError::Unable { .. }), "{name}: {error}");
         let mut easy = scene.clone();

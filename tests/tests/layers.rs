@@ -8,7 +8,7 @@ use slabsplat::{
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
 use slabsplat_tests::reference::{self, Difference, ReferenceImage, undecided_pixels};
-use slabsplat_tests::render::{backends, backends_with, render};
+use slabsplat_tests::render::{backends, backends_in_turn, backends_with, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -40,12 +40,13 @@ fn check_parity(method: Method) {
     let mut tallies: Vec<(&str, Tally)> =
         backends_with(method).map(|backend| (backend, Tally::default())).collect();
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
-        for kind in SceneKind::share(seed).filter(|kind| kind.method == method) {
+        let kinds = SceneKind::share(seed).filter(|kind| kind.method == method);
+        for (number, kind) in kinds.enumerate() {
             let scene = random_layers(&mut rng, &kind);
             let expected = reference::render(&scene);
             let undecided = undecided_pixels(&scene);
             let by_cpu = in_64_bits(&render("cpu", &scene));
-            for (backend, tally) in &mut tallies {
+            for backend in backends_in_turn(method, number) {
                 let image = render(backend, &scene);
                 let compare = |expected: &ReferenceImage| {
                     leaving(&undecided, expected.clone(), &image).compare(&image)
@@ -56,6 +57,8 @@ fn check_parity(method: Method) {
                 assert!(max < MAX_DIFFERENCE, "{worst_pixel:?} is off by {max}: {what}");
                 assert!(mean < MEAN_DIFFERENCE, "pixels are off by {mean}: {what}");
                 assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
+                let tally = tallies.iter_mut().find(|(name, _)| *name == backend);
+                let tally = &mut tally.expect("it has a tally").1;
                 tally.add(&off, from_cpu);
                 tally.n_undecided += undecided.iter().filter(|is_undecided| **is_undecided).count();
             }
@@ -111,7 +114,7 @@ fn region_and_complement_are_the_whole() {
         let are_extinct = |kind: &SceneKind| {
             kind.method == Method::ImageAligned && kind.compositing == Compositing::Extinction
         };
-        for kind in SceneKind::share(seed).filter(are_extinct) {
+        for (number, kind) in SceneKind::share(seed).filter(are_extinct).enumerate() {
             let scene = random_scene(&mut rng, &kind);
             let lit = random_layers(&mut rng, &kind).layers.swap_remove(0).region;
             let region = Region::new(lit.planes().to_vec());
@@ -119,7 +122,7 @@ fn region_and_complement_are_the_whole() {
             let parts =
                 [region.clone(), region.inverted()].map(|region| layer.clone().region(region));
             let parts = scene.clone().layers(parts.to_vec());
-            for backend in backends() {
+            for backend in backends_in_turn(kind.method, number) {
                 let difference = render(backend, &parts).max_difference(&render(backend, &scene));
                 let what = what(&kind, &parts);
                 assert!(difference < ROUNDED_TWICE, "{difference} by {backend}: {what}");

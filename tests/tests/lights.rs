@@ -5,7 +5,7 @@ use slabsplat::{Light, Scene};
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, add_lights, random_scene};
 use slabsplat_tests::reference;
-use slabsplat_tests::render::{backends_with, render};
+use slabsplat_tests::render::{backends_in_turn, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -18,7 +18,7 @@ const ROUNDED: f32 = 1e-6;
 fn parity_of_lights() {
     let (mut n_scenes, mut max) = (0, 0.0_f64);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
-        for kind in SceneKind::share(seed).step_by(3) {
+        for (number, kind) in SceneKind::share(seed).step_by(3).enumerate() {
             let mut scene = random_scene(&mut rng, &kind);
             add_lights(&mut rng, &mut scene);
             let image = render("cpu", &scene);
@@ -27,7 +27,7 @@ fn parity_of_lights() {
             assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
             assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);
             (n_scenes, max) = (n_scenes + 1, max.max(off.max));
-            for backend in backends_with(kind.method).filter(|name| *name != "cpu") {
+            for backend in backends_in_turn(kind.method, number).skip(1) {
                 let difference = render(backend, &scene).max_difference(&image);
                 assert!(f64::from(difference) < MAX_DIFFERENCE, "{backend}: {difference}: {what}");
             }

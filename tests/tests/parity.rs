@@ -9,7 +9,7 @@ use slabsplat_seeds::for_each_numbered_seed;
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{self, Difference};
-use slabsplat_tests::render::{backends, backends_with, render};
+use slabsplat_tests::render::{backends, backends_in_turn, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -24,11 +24,11 @@ fn parity_on_random_scenes() {
     let mut tallies: Vec<(&str, Tally)> =
         backends().iter().map(|b| (*b, Tally::default())).collect();
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
-        for kind in SceneKind::share(seed) {
+        for (number, kind) in SceneKind::share(seed).enumerate() {
             let scene = random_scene(&mut rng, &kind);
             let expected = reference::render(&scene);
             let by_cpu = render("cpu", &scene);
-            for backend in backends_with(kind.method) {
+            for backend in backends_in_turn(kind.method, number) {
                 let image = render(backend, &scene);
                 let (from_cpu, off) = (image.max_difference(&by_cpu), expected.compare(&image));
                 let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
@@ -67,11 +67,11 @@ impl Tally {
 /// whose quadratic form has no digits left in 32 bits unless its square is completed first.
 #[test]
 fn parity_on_needles() {
-    for ratio in [10.0, 100.0, 1000.0] {
-        for &method in Method::ALL {
+    for (turn, ratio) in [10.0, 100.0, 1000.0].into_iter().enumerate() {
+        for (number, &method) in Method::ALL.iter().enumerate() {
             let scene = needles(ratio, method);
             let expected = reference::render(&scene);
-            for backend in backends_with(method) {
+            for backend in backends_in_turn(method, turn + number) {
                 let difference = expected.compare(&render(backend, &scene));
                 println!("{ratio} {method} by {backend}: {:.1e}", difference.max);
                 assert!(difference.max < MAX_DIFFERENCE, "{ratio} {method}: {}", difference.max);
