@@ -276,7 +276,9 @@ fn density_layer_beside_nothing_is_alone() {
     println!("at most {worst:.1e}");
 }
 
-/// A tolerance of all layers together is one of the picture.
+/// A tolerance of all layers together is one of the picture. Where a volume ends may move by a third of a voxel
+/// (docs/numerics.md, "Separable footprints"), which is more than a pixel here: a pixel is beyond the tolerance if it
+/// is beyond that of all pixels next to it.
 #[test]
 fn tolerance_of_density_layers() {
     let tolerance = RenderSettings::default().tolerance;
@@ -289,13 +291,9 @@ fn tolerance_of_density_layers() {
             let exact = render("cpu", &scene);
             let settings = scene.settings.clone().tolerance(tolerance);
             let image = render("cpu", &scene.clone().settings(settings));
-            let is_beyond = |(a, b): (&[f32; 4], &[f32; 4])| {
-                (0..4).any(|channel| tolerance < f64::from((a[channel] - b[channel]).abs()))
-            };
-            let pixels = image.pixels().iter().zip(exact.pixels());
-            let n_beyond_here = pixels.filter(|pair| is_beyond(*pair)).count();
+            let n_beyond_here = n_beyond_neighbors(&image, &exact, tolerance as f32);
             let mean = image.mean_difference(&exact);
-            assert!(100 * n_beyond_here <= exact.pixels().len(), "{n_beyond_here}: {kind:?}");
+            assert_eq!(n_beyond_here, 0, "{kind:?}");
             assert!(mean <= 0.1 * tolerance, "{mean}: {kind:?}");
             n_pixels += exact.pixels().len();
             n_beyond += n_beyond_here;
@@ -303,6 +301,20 @@ fn tolerance_of_density_layers() {
         }
     });
     println!("{n_beyond} of {n_pixels} pixels beyond, means of {worst_mean:.1e} at most");
+}
+
+/// How many pixels have a channel outside of what the exact picture has there and around it.
+fn n_beyond_neighbors(image: &Image, exact: &Image, tolerance: f32) -> usize {
+    let around = |at: u32, len: u32| at.saturating_sub(1)..=(at + 1).min(len - 1);
+    let is_beyond = |x: u32, y: u32, channel: usize| {
+        let neighbors = around(y, exact.height())
+            .flat_map(|y| around(x, exact.width()).map(move |x| exact.pixel(x, y)[channel]));
+        let [low, high] = neighbors
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+        !(low - tolerance..=high + tolerance).contains(&image.pixel(x, y)[channel])
+    };
+    let all = (0..image.height()).flat_map(|y| (0..image.width()).map(move |x| (x, y)));
+    all.filter(|&(x, y)| (0..4).any(|channel| is_beyond(x, y, channel))).count()
 }
 
 /// A layer that is the same everywhere: of this opacity and grey.
