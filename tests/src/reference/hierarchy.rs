@@ -28,11 +28,12 @@ impl Hierarchy {
         plain(front, width) * ((1.0 - t) * thin + t * thick)
     }
 
-    /// Normalised over plain section at a level. What the slab does not cut is not normalised.
+    /// Normalised over plain section at a level. What the slab hardly cuts is not normalised: rounding would
+    /// decide.
     fn ratio(&self, plain: &dyn Fn(f64, f64) -> f64, level: u32, front: f64) -> f64 {
         let normalized = self.level_section(plain, level, front);
         let plain = plain(front, self.level_width(level));
-        if plain == 0.0 { 1.0 } else { normalized / plain }
+        if plain < 1e-11 { 1.0 } else { normalized / plain }
     }
 
     fn level_width(&self, level: u32) -> f64 {
