@@ -18,6 +18,7 @@
 //! | NumPy (`.npy`, `.npz`) | [`read_volume`] |
 //! | VTK images (`.vti`, legacy `.vtk`) | [`read_volume`] |
 //! | OME-Zarr 0.4 and 0.5, in a folder or a ZIP archive | [`read_volume`] |
+//! | HDF5, with the feature `hdf5` | [`read_volume`] |
 //! | raw with a `.json` description beside it, or described by its name | [`read_volume`] |
 //! | raw, described by the caller | [`read_raw`] |
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |

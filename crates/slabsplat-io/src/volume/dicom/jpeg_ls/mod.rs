@@ -1,9 +1,9 @@
 //! JPEG-LS (ITU-T T.87, ISO/IEC 14495-1), lossless and near-lossless, of up to 16 bits.
 //!
 //! Own code, by the sections of the standard: the crates in Rust either bind the C++ library CharLS, or
-//! decode one component and are known to overflow on broken streams (`pure_jpegls`), or bring all of a toolkit
-//! of DICOM. Not read: mapping tables, restart intervals, point transforms, and the colour transforms that HP
-//! added, none of which DICOM has.
+//! decode one component and are known to overflow on broken streams (`pure_jpegls`), or bring all of a
+//! toolkit of DICOM. Not read: mapping tables, restart intervals, point transforms, and the colour transforms
+//! that HP added, none of which DICOM has.
 //!
 //! Reading order: `presets` (what a scan is decoded by), `scan` (its lines), `contexts` (what is known of
 //! samples like the next), `bits`.

@@ -1,4 +1,5 @@
-//! The example of the standard (T.87 §H.3), whole and spoilt. `tests/dicom_codecs.rs` has what CharLS writes.
+//! The example of the standard (T.87 §H.3), whole and spoilt.
+//! `crates/slabsplat-io/tests/dicom_codecs.rs` has what CharLS writes.
 
 use super::super::coded::CodedImage;
 use super::super::frame::{Colors, Layout};
