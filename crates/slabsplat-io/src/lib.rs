@@ -12,12 +12,13 @@
 //! | NIfTI-1 and -2, Analyze 7.5 (`.nii`, `.hdr` with `.img`; all maybe `.gz`) | [`read_volume`] |
 //! | MetaImage (`.mha`, `.mhd`): raw, zlib, text; data attached, detached, in many files | [`read_volume`] |
 //! | MRC, CCP4 (`.mrc`, `.map`, `.rec`, `.ali`, `.st`; all maybe `.gz`) | [`read_volume`] |
-//! | DICOM: a folder or a file; plain, deflated, RLE, JPEG of 8 bits or lossless | [`read_volume`] |
+//! | DICOM: a folder or a file; plain, deflated, RLE, JPEG, JPEG-LS, JPEG 2000 | [`read_volume`] |
 //! | TIFF, BigTIFF, OME-TIFF, ImageJ's: gray, a page a slice | [`read_volume`] |
 //! | a folder of images: TIFF, PNG, JPEG; gray, one a slice | [`read_volume`] |
 //! | NumPy (`.npy`, `.npz`) | [`read_volume`] |
 //! | VTK images (`.vti`, legacy `.vtk`) | [`read_volume`] |
 //! | OME-Zarr 0.4 and 0.5, in a folder or a ZIP archive | [`read_volume`] |
+//! | HDF5, with the feature `hdf5` | [`read_volume`] |
 //! | raw with a `.json` description beside it, or described by its name | [`read_volume`] |
 //! | raw, described by the caller | [`read_raw`] |
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |

@@ -241,6 +241,8 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "bzip2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "rust-j2k", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "hdf5-pure", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "half", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "lz4_flex", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "ruzstd", users: Users::Only(&["slabsplat-io"]), why: CODECS },

@@ -9,8 +9,8 @@ use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
 use super::{
-    LoadedVolume, dicom, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar, stream, tiff,
-    vtk, zarr,
+    LoadedVolume, dicom, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar, stream,
+    tiff, vtk, zarr,
 };
 use crate::IoError;
 use crate::printable::printable;
@@ -28,6 +28,7 @@ const READERS: &[&dyn Reader] = &[
     &npy::Npy,
     &npy::Npz,
     &vtk::Vtk,
+    &hdf5::Hdf5,
     &zarr::Zarr,
     // A folder that is nothing else.
     &images::Images,
@@ -81,6 +82,8 @@ formats! {
     Npy = "NumPy",
     /// An image of VTK, in XML or in the legacy format.
     Vtk = "VTK",
+    /// A data set of HDF5, or of what is made of it: NetCDF-4, MATLAB 7.3, Imaris.
+    Hdf5 = "HDF5",
     /// An array in chunks, with what OME says of it or without.
     Zarr = "OME-Zarr",
     /// Samples without a header.

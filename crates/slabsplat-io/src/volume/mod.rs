@@ -29,6 +29,7 @@ mod stored;
 mod zip;
 
 mod dicom;
+mod hdf5;
 mod images;
 mod metaimage;
 mod mrc;

@@ -1,5 +1,5 @@
 //! Writes the inputs that fuzzing begins with: `cargo run --example seeds FOLDER` fills `FOLDER/TARGET`. They
-//! are small valid files of every way of packing, made here: none is in the repository.
+//! are small valid files of every way of packing, made here, but for those that tests have of other programs.
 
 mod arrays;
 mod images;
@@ -10,7 +10,8 @@ mod images;
 mod small_files;
 
 use std::fs;
-use std::path::PathBuf;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use slabsplat_fuzz::BETWEEN;
@@ -23,7 +24,7 @@ type Seeds = Vec<Vec<u8>>;
 
 fn main() -> anyhow::Result<()> {
     let folder = std::env::args_os().nth(1).context("name the folder that gets the inputs")?;
-    for (target, seeds) in all() {
+    for (target, seeds) in all()? {
         let folder = PathBuf::from(&folder).join(target);
         fs::create_dir_all(&folder)?;
         for (idx, seed) in seeds.iter().enumerate() {
@@ -33,21 +34,40 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> [(&'static str, Seeds); 12] {
-    [
+fn all() -> anyhow::Result<[(&'static str, Seeds); 13]> {
+    Ok([
         ("nrrd", nrrd()),
         ("nifti", nifti()),
         ("metaimage", meta_image()),
-        ("dicom", images::dicom()),
+        ("dicom", [images::dicom(), of_tests("dicom_codecs", "dcm")?].concat()),
         ("tiff", images::tiff()),
         ("npy", arrays::npy()),
+        ("hdf5", of_tests("hdf5", "gz")?.iter().map(|bytes| unpacked(bytes)).collect()),
         ("vtk", arrays::vtk()),
         ("zarr", arrays::zarr()),
         ("zip", zip()),
         ("raw", raw()),
         ("scene", vec![SCENE.into(), include_bytes!("../../../../docs/example.toml").to_vec()]),
         ("mesh", mesh()),
-    ]
+    ])
+}
+
+/// The files in a folder of slabsplat-io's tests that end so.
+fn of_tests(folder: &str, extension: &str) -> anyhow::Result<Seeds> {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../crates/slabsplat-io/tests");
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(tests.join(folder))? {
+        paths.push(entry?.path());
+    }
+    paths.retain(|path| path.extension().is_some_and(|end| end == extension));
+    paths.sort_unstable();
+    Ok(paths.iter().map(fs::read).collect::<Result<_, _>>()?)
+}
+
+fn unpacked(gzip: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(gzip).read_to_end(&mut bytes).expect("the tests read it, too");
+    bytes
 }
 
 /// Files of an input.

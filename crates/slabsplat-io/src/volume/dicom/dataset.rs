@@ -56,6 +56,8 @@ pub(super) enum Packing {
     None,
     Rle,
     Jpeg,
+    JpegLs,
+    Jpeg2000,
 }
 
 /// The elements of a file, or of an item in it.
@@ -118,20 +120,22 @@ impl Syntax {
     /// By its name (PS3.6 §A).
     fn of(uid: &str) -> Result<Self, String> {
         let packed = |packing| Ok(Self { packing, ..Self::EXPLICIT });
-        let (name, tool) = match uid {
+        let name = match uid {
             "1.2.840.10008.1.2" => return Ok(Self { is_explicit: false, ..Self::EXPLICIT }),
             "1.2.840.10008.1.2.1" => return Ok(Self::EXPLICIT),
             "1.2.840.10008.1.2.1.99" => return Ok(Self { is_deflated: true, ..Self::EXPLICIT }),
             "1.2.840.10008.1.2.2" => return Ok(Self { endian: Endian::Big, ..Self::EXPLICIT }),
             "1.2.840.10008.1.2.5" => return packed(Packing::Rle),
-            "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => {
-                return packed(Packing::Jpeg);
+            "1.2.840.10008.1.2.4.50"
+            | "1.2.840.10008.1.2.4.51"
+            | "1.2.840.10008.1.2.4.57"
+            | "1.2.840.10008.1.2.4.70" => return packed(Packing::Jpeg),
+            "1.2.840.10008.1.2.4.80" | "1.2.840.10008.1.2.4.81" => return packed(Packing::JpegLs),
+            "1.2.840.10008.1.2.4.90" | "1.2.840.10008.1.2.4.91" => {
+                return packed(Packing::Jpeg2000);
             }
-            "1.2.840.10008.1.2.4.51" => ("JPEG of 12 bits", "dcmdjpeg"),
-            "1.2.840.10008.1.2.4.80" | "1.2.840.10008.1.2.4.81" => ("JPEG-LS", "dcmdjpls"),
-            "1.2.840.10008.1.2.4.90" | "1.2.840.10008.1.2.4.91" => ("JPEG 2000", "gdcmconv --raw"),
             "1.2.840.10008.1.2.4.201" | "1.2.840.10008.1.2.4.202" | "1.2.840.10008.1.2.4.203" => {
-                ("HTJ2K", "gdcmconv --raw")
+                "HTJ2K"
             }
             other => {
                 let other: String = other.chars().take(64).collect();
@@ -140,7 +144,9 @@ impl Syntax {
                 ));
             }
         };
-        Err(format!("its pixels are packed as {name}, which cannot be read: unpack it by {tool}"))
+        Err(format!(
+            "its pixels are packed as {name}, which cannot be read: save it as JPEG 2000, or unpacked"
+        ))
     }
 }
 

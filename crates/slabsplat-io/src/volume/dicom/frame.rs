@@ -5,7 +5,7 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 
-use super::dataset::{Dataset, Header};
+use super::dataset::{Dataset, Header, Packing};
 use super::tags::{self, Tag};
 use crate::IoError;
 
@@ -22,6 +22,7 @@ pub(super) struct Layout {
     pub(super) columns: usize,
     /// Values of a pixel.
     pub(super) n_channels: usize,
+    pub(super) colors: Colors,
     /// Whether each channel is an image of its own.
     pub(super) is_planar: bool,
     pub(super) bits_allocated: u32,
@@ -31,6 +32,15 @@ pub(super) struct Layout {
     pub(super) is_float: bool,
     /// Whether small values are meant to be bright.
     pub(super) is_inverse: bool,
+}
+
+/// What the values of a pixel are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Colors {
+    Gray,
+    Rgb,
+    /// Luminance and two differences, of 8 bits.
+    Ybr,
 }
 
 /// A slice: where it is, what its values mean, and where its pixels are.
@@ -77,6 +87,23 @@ impl About {
     }
 }
 
+impl Colors {
+    /// By the file's word for them (PS3.3 §C.7.6.3.1.2), which depends on how they are packed (PS3.5 §8.2).
+    fn of(photometric: &str, n_channels: usize, packing: Packing) -> Result<Self, String> {
+        match (n_channels, photometric, packing) {
+            (1, "MONOCHROME1" | "MONOCHROME2", _) => Ok(Self::Gray),
+            // What unpacks JPEG 2000 undoes the latter two.
+            (3, "RGB", _) | (3, "YBR_RCT" | "YBR_ICT", Packing::Jpeg2000) => Ok(Self::Rgb),
+            (3, "YBR_FULL", _) | (3, "YBR_FULL_422", Packing::Jpeg) => Ok(Self::Ybr),
+            _ => {
+                let shown: String = photometric.chars().take(32).collect();
+                let what = format!("pixels of {n_channels} values, {shown:?}, cannot be read");
+                Err(format!("{what}: convert them to gray or RGB"))
+            }
+        }
+    }
+}
+
 impl Layout {
     /// `None` if the file holds no image.
     pub(super) fn of(path: &Path, header: &Header) -> Result<Option<Self>, IoError> {
@@ -95,23 +122,30 @@ impl Layout {
         let is_float = pixels.tag != tags::PIXEL_DATA;
         let bits_stored = number(tags::BITS_STORED).filter(|_| !is_float).unwrap_or(bits_allocated);
         let high_bit = number(tags::HIGH_BIT).unwrap_or(bits_stored.saturating_sub(1));
+        let photometric = dataset.text(tags::PHOTOMETRIC).unwrap_or("MONOCHROME2");
+        let n_channels = number(tags::SAMPLES_PER_PIXEL).unwrap_or(1) as usize;
+        let packing = header.syntax.packing;
+        let colors = Colors::of(photometric, n_channels, packing)
+            .map_err(|what| IoError::unsupported(path, what))?;
         let layout = Self {
             rows: rows as usize,
             columns: columns as usize,
-            n_channels: number(tags::SAMPLES_PER_PIXEL).unwrap_or(1) as usize,
-            is_planar: number(tags::PLANAR) == Some(1),
+            n_channels,
+            colors,
+            // However the values of a pixel are packed, they are unpacked together.
+            is_planar: number(tags::PLANAR) == Some(1) && packing == Packing::None,
             bits_allocated,
             bits_stored,
             high_bit: if is_float { bits_allocated - 1 } else { high_bit },
             is_signed: number(tags::PIXEL_REPRESENTATION) == Some(1),
             is_float,
-            is_inverse: dataset.text(tags::PHOTOMETRIC) == Some("MONOCHROME1"),
+            is_inverse: photometric == "MONOCHROME1",
         };
-        layout.check(path, dataset.text(tags::PHOTOMETRIC).unwrap_or("MONOCHROME2"))?;
+        layout.check(path)?;
         Ok(Some(layout))
     }
 
-    fn check(&self, path: &Path, photometric: &str) -> Result<(), IoError> {
+    fn check(&self, path: &Path) -> Result<(), IoError> {
         let is_byte = matches!(self.bits_allocated, 8 | 16 | 32) || self.is_float;
         if !is_byte {
             let what = format!("pixels of {} bits cannot be read", self.bits_allocated);
@@ -126,15 +160,9 @@ impl Layout {
             );
             return Err(IoError::malformed(path, what));
         }
-        let is_known = match self.n_channels {
-            1 => matches!(photometric, "MONOCHROME1" | "MONOCHROME2"),
-            3 => photometric == "RGB",
-            _ => false,
-        };
-        if !is_known {
-            let shown: String = photometric.chars().take(32).collect();
-            let what = format!("pixels of {} values, {shown:?}, cannot be read", self.n_channels);
-            return Err(IoError::unsupported(path, format!("{what}: convert them to gray or RGB")));
+        if self.colors == Colors::Ybr && (self.bits_allocated, self.bits_stored) != (8, 8) {
+            let what = format!("YBR_FULL of {} bits cannot be read", self.bits_stored);
+            return Err(IoError::unsupported(path, format!("{what}: convert it to RGB")));
         }
         Ok(())
     }

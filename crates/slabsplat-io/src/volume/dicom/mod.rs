@@ -2,21 +2,29 @@
 //!
 //! Standard: <https://www.dicomstandard.org/current> (PS3.3 what elements mean, PS3.5 how they are written).
 //! Read: little and big endian, explicit and implicit, deflated; pixels plain, by run lengths, by JPEG of 8
-//! bits and by lossless JPEG; single images and enhanced ones with functional groups. Slices are sorted and
-//! spaced by their positions; the world is RAS+, DICOM's LPS. Values keep their type with the rescale as a
-//! scaling, unless slices have different ones; padding is a value as others are. Not read: JPEG-LS, JPEG
-//! 2000, single bits, palettes and other colours than RGB, which gives a channel.
+//! and 12 bits, lossless JPEG, JPEG-LS and JPEG 2000; single images and enhanced ones with functional groups.
+//! Slices are sorted and spaced by their positions; the world is RAS+, DICOM's LPS. Values keep their type
+//! with the rescale as a scaling, unless slices have different ones; padding is a value as others are. Not
+//! read: HTJ2K, single bits, palettes and other colours than RGB and YBR, which give a channel.
 //!
 //! Reading order: `dataset` and `tags` (elements), `frame` (what a file says of each slice), `scan` (which
-//! files belong together), `stack` (where slices are), `pixels` and `rle` (their values).
+//! files belong together), `stack` (where slices are), `pixels` and `ybr` (their values); `unpack` with
+//! `rle`, `jpeg`, `jpeg_ls` and `jpeg_2000` (bytes of frames), which share `segments` and `coded`.
 
+mod coded;
 mod dataset;
 mod frame;
+mod jpeg;
+mod jpeg_2000;
+mod jpeg_ls;
 mod pixels;
 mod rle;
 mod scan;
+mod segments;
 mod stack;
 mod tags;
+mod unpack;
+mod ybr;
 
 use std::path::{Path, PathBuf};
 

@@ -1,26 +1,26 @@
 //! The bytes of frames, from wherever they are and however they are packed, and as samples.
 
-use std::io::{BufReader, Cursor, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use flate2::read::DeflateDecoder;
-use jpeg_decoder::{Decoder, PixelFormat};
 use slabsplat_core::{SampleType, Samples};
 
 use super::super::Endian;
 use super::super::buffer::{ReadFailure, SampleBuffer};
 use super::super::stream::MAX_GZIP_RATIO;
 use super::dataset::Packing;
-use super::frame::{Frame, Layout};
-use super::rle;
+use super::frame::{Colors, Frame, Layout};
 use super::scan::{Series, SliceFile};
 use super::stack::{Slice, Stack};
+use super::unpack::unpack;
+use super::ybr;
 use crate::IoError;
 use crate::store::Store;
 
-/// No packing that is read here makes more of a byte than deflate: a JPEG has two bits for 64 pixels at
-/// least, and a run of 128 bytes takes two.
-const MAX_RATIO: u64 = MAX_GZIP_RATIO;
+/// Deflate makes no more of a byte; a JPEG has two bits for 64 pixels at least, and a run of 128 bytes takes
+/// two.
+pub(super) const MAX_RATIO: u64 = MAX_GZIP_RATIO;
 
 /// Reads the samples of a stack, a slice after the other.
 pub(super) fn read(
@@ -149,6 +149,9 @@ impl FrameReader<'_> {
         if stored == Endian::Big {
             let pixel_bytes = layout.bits_allocated as usize / 8;
             bytes.chunks_exact_mut(pixel_bytes).for_each(<[u8]>::reverse);
+        }
+        if layout.colors == Colors::Ybr {
+            ybr::to_rgb(&layout, &mut bytes);
         }
         let bytes = one_channel(&layout, bytes, self.channel);
         Ok(match layout.bits_allocated {
@@ -279,7 +282,7 @@ impl FrameReader<'_> {
     }
 }
 
-fn too_short(path: &Path, needed: u64, found: u64) -> IoError {
+pub(super) fn too_short(path: &Path, needed: u64, found: u64) -> IoError {
     let hint = "the file is cut off, or its header lies";
     IoError::WrongLength { path: path.to_owned(), needed, found, hint }
 }
@@ -354,69 +357,6 @@ fn by_offsets<'f>(
     };
     let end = if frame_idx + 1 < starts.len() { at(frame_idx + 1)? } else { fragments.len() };
     fragments.get(at(frame_idx)?..end)
-}
-
-/// A frame's bytes, least significant first.
-fn unpack(
-    path: &Path,
-    layout: &Layout,
-    packing: Packing,
-    packed: &[u8],
-) -> Result<Vec<u8>, IoError> {
-    let n_bytes = layout.frame_bytes();
-    if (packed.len() as u64).saturating_mul(MAX_RATIO) < n_bytes {
-        return Err(too_short(path, n_bytes, packed.len() as u64));
-    }
-    if packing == Packing::Jpeg {
-        return unpack_jpeg(path, layout, packed);
-    }
-    let pixel_bytes = layout.bits_allocated as usize / 8 * layout.n_channels;
-    rle::unpack(packed, layout.n_pixels(), pixel_bytes)
-        .map(|bytes| if layout.n_channels == 1 { bytes } else { un_rle(layout, &bytes) })
-        .ok_or_else(|| IoError::malformed(path, "its run lengths are broken or cut off"))
-}
-
-/// Segments of several channels come the first channel first, though bytes are counted from the last.
-fn un_rle(layout: &Layout, bytes: &[u8]) -> Vec<u8> {
-    let value_bytes = layout.bits_allocated as usize / 8;
-    let pixels = bytes.chunks_exact(value_bytes * layout.n_channels);
-    pixels.flat_map(|pixel| pixel.rchunks_exact(value_bytes).flatten().copied()).collect()
-}
-
-fn unpack_jpeg(path: &Path, layout: &Layout, packed: &[u8]) -> Result<Vec<u8>, IoError> {
-    let malformed = |error| IoError::malformed(path, format!("its JPEG is broken: {error}"));
-    let mut decoder = Decoder::new(Cursor::new(packed));
-    decoder.read_info().map_err(malformed)?;
-    let info = decoder.info();
-    let is_it = info.is_some_and(|info| {
-        [usize::from(info.width), usize::from(info.height)] == [layout.columns, layout.rows]
-    });
-    let format = info.map(|info| info.pixel_format);
-    let n_channels = match format {
-        Some(PixelFormat::L8 | PixelFormat::L16) => 1,
-        Some(PixelFormat::RGB24) => 3,
-        _ => 0,
-    };
-    if !is_it || n_channels != layout.n_channels {
-        return Err(IoError::malformed(path, "its JPEG is of another size than the file says"));
-    }
-    decoder.set_max_decoding_buffer_size(2 * layout.frame_bytes() as usize);
-    let bytes = decoder.decode().map_err(malformed)?;
-    let is_wide = format == Some(PixelFormat::L16);
-    Ok(match (is_wide, layout.bits_allocated) {
-        (false, 8) => bytes,
-        (false, bits) => {
-            let more = vec![0; bits as usize / 8 - 1];
-            bytes.iter().flat_map(|&byte| std::iter::once(byte).chain(more.clone())).collect()
-        }
-        (true, 16) => from_ne16(&bytes).flat_map(u16::to_le_bytes).collect(),
-        (true, 8) => from_ne16(&bytes).map(|value| value as u8).collect(),
-        (true, _) => from_ne16(&bytes).flat_map(|value| u32::from(value).to_le_bytes()).collect(),
-    })
-}
-
-fn from_ne16(bytes: &[u8]) -> impl Iterator<Item = u16> {
-    bytes.chunks_exact(2).map(|pair| u16::from_ne_bytes([pair[0], pair[1]]))
 }
 
 fn from_le<T, const N: usize>(

@@ -422,6 +422,37 @@ fn dicom_colors_are_channels() {
     }
 }
 
+/// Gray, and red and blue as PS3.3 has them: 76.2, 85.0 and 255.5; 29.1, 255.5 and 107.3.
+#[test]
+fn dicom_luminance_and_differences_are_colors() {
+    for (planar, words) in [
+        (0, [0x8080, 0x4c80, 0xff55, 0xff1d, 0x806b, 0x8080]),
+        (1, [0x4c80, 0x801d, 0x5580, 0x80ff, 0xff80, 0x806b]),
+    ] {
+        let changes = [
+            (tags::SAMPLES_PER_PIXEL, Short(3)),
+            (tags::PLANAR, Short(planar)),
+            (tags::PHOTOMETRIC, text("YBR_FULL")),
+            (tags::BITS_ALLOCATED, Short(8)),
+            (tags::BITS_STORED, Short(8)),
+            (tags::HIGH_BIT, Short(7)),
+            (tags::PIXEL_DATA, Words(words.to_vec())),
+        ];
+        let files = [file(EXPLICIT, &with(slice(0.0, [0; 4]), &changes))];
+        let of_channel = |channel| {
+            let loaded = read_with(&files, &VolumeOptions::default().channel(channel)).unwrap();
+            loaded.volume.samples().clone()
+        };
+        let expected = [[128, 254, 0, 128], [128, 0, 0, 128], [128, 0, 254, 128]];
+        for (channel, expected) in expected.into_iter().enumerate() {
+            assert_eq!(of_channel(channel), Samples::U8(expected.to_vec()), "{planar}, {channel}");
+        }
+        let wide = [(tags::BITS_STORED, Short(7)), (tags::HIGH_BIT, Short(6))];
+        let error = read(&[file(EXPLICIT, &with(with(slice(0.0, [0; 4]), &changes), &wide))]);
+        assert!(error.unwrap_err().contains("YBR_FULL of 7 bits"));
+    }
+}
+
 #[test]
 fn dicom_that_is_not_read_says_why() {
     let check = |changes: &[(Tag, Value)], expected: &str| {
@@ -440,8 +471,8 @@ fn dicom_that_is_not_read_says_why() {
     check(&[(tags::N_FRAMES, text("99999999"))], "99999999 frames");
     check(&[(tags::PIXEL_SPACING, text("1e-300\\1"))], "matrix");
     for (syntax, expected) in [
-        ("1.2.840.10008.1.2.4.80", "JPEG-LS, which cannot be read: unpack it by dcmdjpls"),
-        ("1.2.840.10008.1.2.4.90", "JPEG 2000"),
+        ("1.2.840.10008.1.2.4.201", "HTJ2K, which cannot be read: save it as JPEG 2000"),
+        ("1.2.840.10008.1.2.4.80", "its pixels should be in fragments"),
         ("1.2.3", "its transfer syntax \"1.2.3\""),
     ] {
         let error = read(&[file(syntax, &slice(0.0, [1; 4]))]).unwrap_err();
@@ -499,5 +530,10 @@ fn dicom_lossless_jpeg() {
     let error = read(jpeg[..20].to_vec()).unwrap_err();
     assert!(error.contains("its JPEG is broken"), "{error}");
     let other = [&jpeg[..8], &[9], &jpeg[9..]].concat();
-    assert!(read(other).unwrap_err().contains("of another size"));
+    assert!(
+        read(other).unwrap_err().contains("4 x 9 pixels of 1 values, other than the file says")
+    );
+    // Of two components, which what unpacks JPEG has no name for.
+    let two = [&jpeg[..5], &[14], &jpeg[6..11], &[2, 1, 17, 0, 2, 17, 0], &jpeg[15..]].concat();
+    assert!(read(two).unwrap_err().contains("pixels of 2 values"));
 }

@@ -1,0 +1,26 @@
+//! Without the feature a message. With it `crates/slabsplat-io/tests/hdf5.rs` has files that h5py wrote.
+
+use crate::FilesInMemory;
+
+#[test]
+#[cfg(not(feature = "hdf5"))]
+fn hdf5_is_left_out() {
+    let block = [0; 512];
+    for start in [&[][..], &block[..]] {
+        let bytes = [start, super::MAGIC, &[0; 8]].concat();
+        let files = FilesInMemory::from_iter([("a.h5", bytes.as_slice())]);
+        let error = files.read_volume("a.h5:a/b").unwrap_err().to_string();
+        assert!(error.contains("cargo install slabsplat-cli --features hdf5"), "{error}");
+    }
+    let files = FilesInMemory::from_iter([("a.nc", &b"CDF\x01"[..])]);
+    let error = files.read_volume("a.nc").unwrap_err().to_string();
+    assert!(error.contains("not a HDF5 file"), "{error}");
+}
+
+#[test]
+#[cfg(feature = "hdf5")]
+fn hdf5_that_is_cut_off() {
+    let files = FilesInMemory::from_iter([("a.h5", super::MAGIC)]);
+    let error = files.read_volume("a.h5").unwrap_err().to_string();
+    assert!(error.starts_with("a.h5: not a sound HDF5 file") && !error.contains('\n'), "{error}");
+}
