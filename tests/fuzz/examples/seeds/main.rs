@@ -33,13 +33,15 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> [(&'static str, Seeds); 12] {
+fn all() -> [(&'static str, Seeds); 14] {
     [
         ("nrrd", nrrd()),
         ("nifti", nifti()),
         ("metaimage", meta_image()),
         ("dicom", images::dicom()),
         ("tiff", images::tiff()),
+        ("images", images::folders()),
+        ("mrc", vec![small_files::mrc(), gzip(&small_files::mrc())]),
         ("npy", arrays::npy()),
         ("vtk", arrays::vtk()),
         ("zarr", arrays::zarr()),
