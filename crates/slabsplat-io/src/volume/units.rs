@@ -48,8 +48,9 @@ const OTHERS: &[(&[&str], f64)] = &[
 /// How many millimetres a unit has, as OME, UDUNITS, ImageJ and NRRD name it; `None` for what is no length.
 pub(super) fn millimetres(unit: &str) -> Option<f64> {
     let unit = unit.trim();
-    of_metre(unit).or_else(|| of_metre(&unit.to_lowercase())).or_else(|| {
-        let lower = unit.to_lowercase();
+    // Of symbols the case decides: mm, Mm.
+    let lower = if unit.len() < 4 { unit.to_owned() } else { unit.to_lowercase() };
+    of_metre(unit).or_else(|| of_metre(&lower)).or_else(|| {
         let is_it =
             |(names, _): &&(&[&str], f64)| names.contains(&unit) || names.contains(&&*lower);
         OTHERS.iter().find(is_it).map(|(_, millimetres)| *millimetres)

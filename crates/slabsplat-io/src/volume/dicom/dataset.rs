@@ -97,7 +97,9 @@ pub(super) fn is_begun_by(start: &[u8]) -> bool {
 
 /// Whether the meta information is at the front, without the preamble that should be before it.
 fn begins_with_meta(start: &[u8]) -> bool {
-    start.starts_with(b"\x02\0\0\0UL\x04\0")
+    let &[0x02, 0x00, element, 0x00, a, b, ..] = start else { return false };
+    // Its length, its version, or the names of class, instance and syntax, in explicit elements.
+    matches!(element, 0x00..=0x03 | 0x10) && [a, b].iter().all(u8::is_ascii_uppercase)
 }
 
 /// How a file is written that has no more than elements.

@@ -126,7 +126,7 @@ fn without_flat_axes(
     }
     match kept[..] {
         [x, y, z] => Ok([x, y, z].map(Some)),
-        [x, y] => Ok([Some(x), Some(y), None]),
+        [x, y] if sizes.len() <= 3 => Ok([Some(x), Some(y), None]),
         _ => {
             let n = kept.len();
             Err(header.unsupported(format!("the file has {n} axes in space, and a volume needs 3")))
