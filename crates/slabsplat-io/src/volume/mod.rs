@@ -8,7 +8,7 @@
 //! (formats that are none of them), `choices` (what is read of several volumes); `stream` (bytes from files),
 //! `buffer` (bytes to samples); `header_fields`; `data_files`, `data`, `ascii` (samples in one file or many,
 //! however they are written), `names`, `units`; `stored`, `placed` (samples in any order of axes),
-//! `array_axes`, `zip`; then a format each, and `write`.
+//! `parallel`, `array_axes`, `zip`; then a format each, and `write`.
 
 mod choices;
 mod foreign;
@@ -25,6 +25,7 @@ mod names;
 mod units;
 
 mod array_axes;
+mod parallel;
 mod placed;
 mod stored;
 mod zip;
