@@ -2,7 +2,7 @@
 //! volume.
 
 use crate::flags::RawFlags;
-use crate::stdin;
+use crate::{progress, stdin};
 use anyhow::{Result, anyhow, bail};
 use slabsplat::io::{
     self, IoError, LayerFile, LoadedVolume, MemoryNeed, RawDesc, SceneFile, VolumeSource,
@@ -43,6 +43,9 @@ pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedV
         first.spacing = Some(spacing.to_array());
     }
     flags.parts.lay_over(&mut first.options);
+    // The same one for all, since layers of one volume and the same options share it.
+    let reading = progress::reading();
+    file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(reading.clone()));
     stdin::check(file)?;
     io::check_memory(MemoryNeed::of_layers(&file.layers))?;
     LayerFile::load_volumes(&file.layers, |layer| match desc.take() {

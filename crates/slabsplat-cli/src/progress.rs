@@ -1,6 +1,7 @@
 //! Progress bars: on stderr, only on a terminal, and only once the work has lasted a second.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use slabsplat::io::ProgressCallback;
 use std::io::IsTerminal;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -42,15 +43,17 @@ impl Progress {
     /// A bar of `n_steps` steps; with 0, a spinner.
     pub(crate) fn start(what: &'static str, n_steps: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(n_steps as u64), ProgressDrawTarget::hidden());
-        bar.set_style(style(n_steps));
+        bar.set_style(style(if n_steps == 0 { Kind::Spinner } else { Kind::Steps }));
         bar.set_message(what);
         *current() = Some(bar.clone());
         let (done, watcher) = watch(&bar);
         Self { bar, done, watcher }
     }
 
-    /// What is being done now.
+    /// What is being done now, of which is not known how far it is.
     pub(crate) fn stage(&self, what: &'static str) {
+        self.bar.unset_length();
+        self.bar.set_style(style(Kind::Spinner));
         self.bar.set_message(what);
     }
 
@@ -72,10 +75,32 @@ impl Drop for Progress {
     }
 }
 
-fn style(n_steps: usize) -> ProgressStyle {
-    let template = match n_steps {
-        0 => "{spinner} {msg} {elapsed}",
-        _ => "{msg} [{bar:40}] {pos}/{len} {eta}",
+/// Shows how far the reading of a volume is, and how long it will still take.
+pub(crate) fn reading() -> ProgressCallback {
+    ProgressCallback::new(|read| {
+        let Some(bar) = current().clone() else { return };
+        if read.n_done == 0 {
+            bar.set_style(style(Kind::Bytes));
+            bar.set_length(read.n_bytes);
+            bar.reset_eta();
+        }
+        bar.set_position(read.n_done);
+    })
+}
+
+/// What a bar counts.
+#[derive(Clone, Copy)]
+enum Kind {
+    Spinner,
+    Steps,
+    Bytes,
+}
+
+fn style(kind: Kind) -> ProgressStyle {
+    let template = match kind {
+        Kind::Spinner => "{spinner} {msg} {elapsed}",
+        Kind::Steps => "{msg} [{bar:40}] {pos}/{len} {eta}",
+        Kind::Bytes => "{msg} [{bar:40}] {bytes} of {total_bytes}, {eta} left",
     };
     // The templates are fixed; the usual bar does if one were ever wrong.
     ProgressStyle::with_template(template)

@@ -57,11 +57,12 @@
 //!
 //! # Reading order
 //!
-//! `error`, `printable`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`; `scene`;
-//! `memory`; `picture`.
+//! `error`, `printable`, `progress`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`;
+//! `scene`; `memory`; `picture`.
 
 mod error;
 mod printable;
+mod progress;
 mod store;
 mod stream;
 mod text;
@@ -85,6 +86,7 @@ pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
+pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
     TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,

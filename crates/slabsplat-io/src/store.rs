@@ -79,7 +79,7 @@ impl FilesInMemory<'_> {
         path: impl AsRef<Path>,
         desc: &RawDesc,
     ) -> Result<LoadedVolume, IoError> {
-        volume::read_raw_from(Store::Memory(self), path.as_ref(), desc)
+        volume::read_raw_from(Store::Memory(self), path.as_ref(), desc, None)
     }
 
     /// As [`read_mesh`](crate::read_mesh).

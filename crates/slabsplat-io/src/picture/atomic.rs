@@ -39,7 +39,14 @@ fn beside(path: &Path) -> io::Result<NamedTempFile> {
     // Without this the picture would be its owner's alone, as temporary files are.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder.unwrap_or(Path::new(".")))
+    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => io::Error::new(error.kind(), "its folder is not there"),
+        // Behind what the system says is the name of a file that nobody asked for.
+        kind => {
+            let text = error.to_string();
+            io::Error::new(kind, text.split(" at path ").next().unwrap_or_default())
+        }
+    })
 }
 
 #[cfg(test)]
@@ -78,6 +85,7 @@ mod tests {
         let nothing = |_: &mut BufWriter<&mut File>| Ok(());
         let err = write(&dir.path().join("b/a.png"), nothing).unwrap_err().to_string();
         assert!(err.starts_with("cannot write "), "{err}");
+        assert!(err.ends_with("b/a.png: its folder is not there"), "{err}");
         fs::create_dir(dir.path().join("a.png")).unwrap();
         write(&dir.path().join("a.png"), nothing).unwrap_err();
         assert_eq!(names(dir.path()), ["a.png"]);

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use super::data::Share;
 use super::formats::Input;
-use crate::IoError;
 use crate::printable::printable;
+use crate::progress::ReadMeter;
+use crate::{IoError, ProgressCallback, ReadProgress};
 
 /// Of a name.
 const MAX_NAME_CHARS: usize = 100;
@@ -40,6 +41,8 @@ pub struct VolumeOptions {
     /// Whether a header may name files outside of its own folder; they are refused otherwise, since who
     /// wrote the header need not be who opens it.
     pub allow_external: bool,
+    /// What hears how far reading is.
+    pub progress: Option<ProgressCallback>,
 }
 
 /// A way in which a file may hold several volumes.
@@ -117,6 +120,27 @@ impl VolumeOptions {
     #[must_use]
     pub fn allow_external(self, allow_external: bool) -> Self {
         Self { allow_external, ..self }
+    }
+
+    /// Tells `hear` how far reading is, as [`ProgressCallback::new`] says.
+    ///
+    /// ```
+    /// use slabsplat_io::{FilesInMemory, VolumeOptions};
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicU64, Ordering};
+    ///
+    /// let n_done = Arc::new(AtomicU64::new(0));
+    /// let heard = n_done.clone();
+    /// let options = VolumeOptions::default()
+    ///     .on_progress(move |progress| heard.store(progress.n_done, Ordering::Relaxed));
+    /// let nrrd = b"NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n12345678";
+    /// FilesInMemory::from_iter([("a.nrrd", &nrrd[..])]).read_volume_with("a.nrrd", &options)?;
+    /// assert_eq!(n_done.load(Ordering::Relaxed), 8);
+    /// # Ok::<(), slabsplat_io::IoError>(())
+    /// ```
+    #[must_use]
+    pub fn on_progress(self, hear: impl Fn(ReadProgress) + Send + Sync + 'static) -> Self {
+        Self { progress: Some(ProgressCallback::new(hear)), ..self }
     }
 
     /// What is said of a part.
@@ -240,6 +264,11 @@ impl VolumeChoices {
 }
 
 impl Input<'_> {
+    /// Counts how much of so many bytes has been read.
+    pub(super) fn meter(&self, n_bytes: u64) -> ReadMeter {
+        ReadMeter::new(self.options.progress.as_ref(), n_bytes)
+    }
+
     /// Which of `n` parts is to be read: the one that is asked for, or the first.
     ///
     /// # Errors

@@ -7,10 +7,12 @@ use slabsplat_core::Samples;
 use super::ascii;
 use super::buffer::{Endian, SampleBuffer};
 use super::data_files::DataFiles;
+use super::formats::Input;
 use super::stored::StoredType;
 use super::stream::DataStream;
 use crate::IoError;
 use crate::printable::shown_path;
+use crate::progress::ReadMeter;
 use crate::store::Store;
 
 /// How the samples are written.
@@ -51,14 +53,14 @@ pub(super) struct Layout {
     pub(super) byte_skip: i64,
 }
 
-/// Reads the samples of files that hold equal shares of them; `path` is that of the header.
+/// Reads the samples of files that hold equal shares of them; `input` is the header.
 pub(super) fn read(
-    store: Store<'_>,
-    path: &Path,
+    input: &Input<'_>,
     layout: &Layout,
     files: &DataFiles,
     warnings: &mut Vec<String>,
 ) -> Result<Samples, IoError> {
+    let &Input { store, path, .. } = input;
     if layout.byte_skip < -1 {
         let what = "a byte skip is -1, which is from the end, or not below 0";
         return Err(IoError::malformed(path, what));
@@ -78,11 +80,22 @@ pub(super) fn read(
     let mut buffer = SampleBuffer::new(layout.stored, endian);
     let mut file_idx = first.checked_div(n_each).unwrap_or(0);
     let mut at = first;
+    // What comes before the volume in its first file has to be unpacked, too.
+    let n_counted = end.saturating_sub(file_idx.saturating_mul(n_each));
+    let meter = input.meter(n_counted.saturating_mul(layout.meter_bytes()));
     while at < end && file_idx < files.len() as u64 {
         let start = file_idx.saturating_mul(n_each);
         let n_here = end.min(start.saturating_add(n_each)) - at;
         let (path, offset) = files.get(file_idx as usize);
-        let file = File { store, path: &path, offset, n_all: n_each, n_before: at - start, n_here };
+        let file = File {
+            store,
+            path: &path,
+            offset,
+            n_all: n_each,
+            n_before: at - start,
+            n_here,
+            meter: &meter,
+        };
         read_file(&file, layout, &mut buffer, warnings)?;
         at += n_here;
         file_idx += 1;
@@ -98,6 +111,20 @@ struct File<'p> {
     n_all: u64,
     n_before: u64,
     n_here: u64,
+    meter: &'p ReadMeter,
+}
+
+impl Layout {
+    /// What a sample counts for in the progress of reading: its bytes, and as a text the fewest there are.
+    fn meter_bytes(&self) -> u64 {
+        match self.encoding {
+            Encoding::Text => 2,
+            Encoding::Hex => 2 * self.stored.size_bytes() as u64,
+            Encoding::Raw | Encoding::Packed | Encoding::PackedByBzip2 => {
+                self.stored.size_bytes() as u64
+            }
+        }
+    }
 }
 
 impl<'p> File<'p> {
@@ -132,6 +159,7 @@ fn read_file(
         Err(_) => file.open(layout)?.count()?.saturating_sub(needed),
     };
     stream.skip(byte_skip)?;
+    stream.metered(file.meter);
     if let Encoding::Text | Encoding::Hex = layout.encoding {
         let picked = ascii::Picked { n_before: file.n_before, n_samples, n_channels, channel };
         return match layout.encoding {

@@ -9,8 +9,8 @@ use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
 use super::{
-    LoadedVolume, dicom, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar, stream,
-    tiff, vtk, zarr,
+    LoadedVolume, dicom, foreign, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar,
+    stream, tiff, vtk, zarr,
 };
 use crate::IoError;
 use crate::printable::printable;
@@ -252,9 +252,16 @@ fn find_reader(store: Store<'_>, path: &Path) -> Result<(&'static dyn Reader, Pa
     {
         return Ok((*reader, path.to_owned()));
     }
-    match READERS.iter().find(|reader| reader.is_named(store, path)) {
-        Some(reader) => Ok((*reader, reader.header_of(store, path)?)),
-        None => Err(IoError::UnknownFormat { path: path.to_owned(), known: known() }),
+    let is_it =
+        |reader: &&&dyn Reader| reader.is_named(store, path) && !reader.is_other(store, path);
+    let foreign = foreign::of_content(&start);
+    match (READERS.iter().find(is_it), foreign.or_else(|| foreign::of_name(path))) {
+        (Some(reader), _) => match (reader.header_of(store, path), foreign) {
+            (Err(_), Some(foreign)) => Err(foreign.error(path)),
+            (header, _) => Ok((*reader, header?)),
+        },
+        (None, Some(foreign)) => Err(foreign.error(path)),
+        (None, None) => Err(IoError::UnknownFormat { path: path.to_owned(), known: known() }),
     }
 }
 
@@ -262,6 +269,9 @@ fn find_folder(store: Store<'_>, folder: &Path) -> Result<(&'static dyn Reader, 
     let files = store.files_in(folder)?;
     match READERS.iter().find(|reader| reader.is_folder(store, folder, &files)) {
         Some(reader) => Ok((*reader, folder.to_owned())),
+        None if files.is_empty() => {
+            Err(IoError::malformed(folder, "the folder holds no files, or none that can be read"))
+        }
         None => {
             let held = held_by(&files);
             Err(IoError::UnknownFolder { path: folder.to_owned(), held })

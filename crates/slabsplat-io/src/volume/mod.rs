@@ -4,13 +4,14 @@
 //! file must be long enough first, a packed one could not unpack to more than its length allows,
 //! and memory then grows with what really comes.
 //!
-//! Reading order: `formats` (what each format must say of itself, and how a file's is found), `choices` (what
-//! is read of several volumes); `stream` (bytes from files), `buffer` (bytes to samples); `header_fields`;
-//! `data_files`, `data`, `ascii` (samples in one file or many, however they are written), `names`, `units`;
-//! `stored`, `placed` (samples in any order of axes), `array_axes`, `zip`; then a format each,
-//! and `write`.
+//! Reading order: `formats` (what each format must say of itself, and how a file's is found), `foreign`
+//! (formats that are none of them), `choices` (what is read of several volumes); `stream` (bytes from files),
+//! `buffer` (bytes to samples); `header_fields`; `data_files`, `data`, `ascii` (samples in one file or many,
+//! however they are written), `names`, `units`; `stored`, `placed` (samples in any order of axes),
+//! `parallel`, `array_axes`, `zip`; then a format each, and `write`.
 
 mod choices;
+mod foreign;
 mod formats;
 
 mod buffer;
@@ -24,6 +25,7 @@ mod names;
 mod units;
 
 mod array_axes;
+mod parallel;
 mod placed;
 mod stored;
 mod zip;
@@ -45,6 +47,7 @@ mod zarr;
 mod raw_name;
 mod write;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -110,7 +113,9 @@ pub(crate) fn read_from(
     let mut loaded = reader.read(&Input { store, path: &path, options: &options })?;
     options.check(&path, &loaded.choices)?;
     loaded.warnings.extend(loaded.choices.warnings(&options));
-    // They may cite the file.
+    // They may cite the file, and one that lists a file again and again is warned of as often.
+    let mut said = BTreeSet::new();
+    loaded.warnings.retain(|warning| said.insert(warning.clone()));
     loaded.warnings.iter_mut().for_each(|warning| *warning = shown(warning));
     Ok(loaded)
 }

@@ -14,6 +14,7 @@ use slabsplat_core::{Sample, SampleType, Samples, with_samples};
 use super::Endian;
 use super::buffer::ReadFailure;
 use super::stored::{Narrowed, StoredType, half, integer};
+use crate::progress::ReadMeter;
 
 /// One axis of an array as it is stored.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,6 +75,32 @@ impl<R: Source + ?Sized> Source for &mut R {
 impl<R: Source + ?Sized> Source for Box<R> {
     fn pass_over(&mut self, n_bytes: u64) -> io::Result<()> {
         (**self).pass_over(n_bytes)
+    }
+}
+
+/// A source whose bytes are counted.
+pub(super) struct Metered<'m, S> {
+    pub(super) source: S,
+    pub(super) meter: &'m ReadMeter,
+}
+
+/// No more is read at once.
+const MAX_AT_ONCE_BYTES: usize = 4 << 20;
+
+impl<S: Read> Read for Metered<'_, S> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let n_most = bytes.len().min(MAX_AT_ONCE_BYTES);
+        let n_read = self.source.read(&mut bytes[..n_most])?;
+        self.meter.advance(n_read as u64);
+        Ok(n_read)
+    }
+}
+
+impl<S: Source> Source for Metered<'_, S> {
+    fn pass_over(&mut self, n_bytes: u64) -> io::Result<()> {
+        self.source.pass_over(n_bytes)?;
+        self.meter.advance(n_bytes);
+        Ok(())
     }
 }
 

@@ -7,8 +7,9 @@ use slabsplat_core::{Grid, SampleType, Samples, Scaling};
 use super::buffer::{Endian, SampleBuffer};
 use super::stream::DataStream;
 use super::{LoadedVolume, VolumeFormat, assemble};
-use crate::IoError;
+use crate::progress::ReadMeter;
 use crate::store::Store;
+use crate::{IoError, ProgressCallback};
 
 /// What a raw file holds: the header that it lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,17 +32,18 @@ pub struct RawDesc {
 /// If the file cannot be read, or is not just as long as `desc` says: then the description is
 /// wrong, and the picture would be noise.
 pub fn read_raw(path: impl AsRef<Path>, desc: &RawDesc) -> Result<LoadedVolume, IoError> {
-    read_raw_from(Store::Disk, path.as_ref(), desc)
+    read_raw_from(Store::Disk, path.as_ref(), desc, None)
 }
 
 pub(crate) fn read_raw_from(
     store: Store<'_>,
     path: &Path,
     desc: &RawDesc,
+    progress: Option<&ProgressCallback>,
 ) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing(desc.dims, desc.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let samples = read_samples(store, path, desc)?;
+    let samples = read_samples(store, path, desc, progress)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume::new(volume, VolumeFormat::Raw, Vec::new()))
 }
@@ -51,6 +53,7 @@ pub(super) fn read_samples(
     store: Store<'_>,
     path: &Path,
     desc: &RawDesc,
+    progress: Option<&ProgressCallback>,
 ) -> Result<Samples, IoError> {
     let n_voxels = desc.dims.iter().fold(1, |n: usize, len| n.saturating_mul(*len));
     let sample_bytes = desc.sample_type.size_bytes();
@@ -62,6 +65,8 @@ pub(super) fn read_samples(
         return Err(IoError::malformed(path, what));
     }
     let mut buffer = SampleBuffer::new(desc.sample_type, desc.endian);
+    let meter = ReadMeter::new(progress, needed);
+    stream.metered(&meter);
     stream.fill(&mut buffer, n_voxels, sample_bytes)?;
     Ok(buffer.finish(&mut Vec::new()))
 }

@@ -52,7 +52,8 @@ impl Reader for RawName {
             spacing: [1.0; 3],
             header_bytes: 0,
         };
-        let mut loaded = read_raw_from(input.store, input.path, &desc)?;
+        let mut loaded =
+            read_raw_from(input.store, input.path, &desc, input.options.progress.as_ref())?;
         let [x, y, z] = dims;
         let is_guess = endian.is_none() && 1 < sample_type.size_bytes();
         let order = if is_guess { ", little-endian (which it does not say)" } else { "" };

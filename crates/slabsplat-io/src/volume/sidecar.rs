@@ -133,7 +133,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     };
     let grid = placed(&desc, sidecar.origin, sidecar.affine)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let samples = read_samples(store, &data_path, &desc)?;
+    let samples = read_samples(store, &data_path, &desc, input.options.progress.as_ref())?;
     let scaling = Scaling { slope: sidecar.slope, intercept: sidecar.intercept };
     let volume = assemble(path, grid, samples, scaling)?;
     let unknown = sidecar.others.keys().filter(|key| !NOTES.contains(&key.as_str()));

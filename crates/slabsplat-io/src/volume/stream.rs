@@ -10,6 +10,7 @@ use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 use super::buffer::{ReadFailure, SampleBuffer};
 use super::placed::Source;
 use crate::IoError;
+use crate::progress::ReadMeter;
 use crate::store::{Store, StoredFile};
 
 /// Deflate cannot pack better than this: 258 bytes in two bits.
@@ -21,6 +22,9 @@ const MAX_BZIP2_RATIO: u64 = 1 << 21;
 /// Voxels of several values are read by so much.
 const CHUNK_BYTES: usize = 1 << 16;
 
+/// No more is read at once.
+const MAX_AT_ONCE_BYTES: usize = 4 << 20;
+
 /// Enough of a file to tell what it is: a NIfTI-2 header.
 pub(super) const N_FIRST_BYTES: usize = 540;
 
@@ -30,6 +34,8 @@ pub(super) struct DataStream<'p> {
     reader: Reader<'p>,
     /// No more bytes than this can come.
     n_left_at_most: u64,
+    /// What counts the bytes that came.
+    meter: Option<&'p ReadMeter>,
 }
 
 enum Reader<'p> {
@@ -46,7 +52,13 @@ impl<'p> DataStream<'p> {
         let n_bytes = file.n_bytes().map_err(IoError::read(path))?;
         file.seek(SeekFrom::Start(offset)).map_err(IoError::read(path))?;
         let n_left_at_most = n_bytes.saturating_sub(offset);
-        Ok(Self { path, reader: Reader::Plain(BufReader::new(file)), n_left_at_most })
+        let reader = Reader::Plain(BufReader::new(file));
+        Ok(Self { path, reader, n_left_at_most, meter: None })
+    }
+
+    /// From here on `meter` counts the bytes that come, and those that are passed over.
+    pub(super) fn metered(&mut self, meter: &'p ReadMeter) {
+        self.meter = Some(meter);
     }
 
     /// The file's content: unpacked if it begins as a gzip file does.
@@ -206,6 +218,9 @@ impl<'p> DataStream<'p> {
 
 impl Read for DataStream<'_> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        // Whole volumes are asked for at once; between parts of them is told how far they are.
+        let n_most = bytes.len().min(MAX_AT_ONCE_BYTES);
+        let bytes = &mut bytes[..n_most];
         let n_read = match &mut self.reader {
             Reader::Plain(reader) => reader.read(bytes)?,
             Reader::Gzip(reader) => reader.read(bytes)?,
@@ -213,6 +228,9 @@ impl Read for DataStream<'_> {
             Reader::Bzip2(reader) => reader.read(bytes)?,
         };
         self.n_left_at_most = self.n_left_at_most.saturating_sub(n_read as u64);
+        if let Some(meter) = self.meter {
+            meter.advance(n_read as u64);
+        }
         Ok(n_read)
     }
 }
@@ -268,6 +286,9 @@ impl Source for DataStream<'_> {
             Reader::Plain(reader) => {
                 reader.seek_relative(i64::try_from(n_bytes).unwrap_or(i64::MAX))?;
                 self.n_left_at_most -= n_bytes;
+                if let Some(meter) = self.meter {
+                    meter.advance(n_bytes);
+                }
                 Ok(())
             }
             Reader::Gzip(_) | Reader::Zlib(_) | Reader::Bzip2(_) => {

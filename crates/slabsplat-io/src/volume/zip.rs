@@ -4,6 +4,7 @@
 //! crate `zip` writes, encrypts and knows a dozen packings; reading two of them is this file. Not read:
 //! encrypted archives, archives in several parts.
 
+use std::collections::BTreeMap;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Take};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,8 @@ pub(super) struct ZipFile<'b> {
     store: Store<'b>,
     path: PathBuf,
     entries: Vec<Entry>,
+    /// Where the entry of a name is among them, the first of its name.
+    by_name: BTreeMap<String, usize>,
 }
 
 /// A file in an archive, on the word of the archive's directory.
@@ -70,7 +73,9 @@ impl<'b> ZipFile<'b> {
         let entries = entries(&directory.ok_or_else(cut_off)?).ok_or_else(|| {
             IoError::malformed(path, "the directory of the ZIP archive is broken")
         })?;
-        Ok(Self { store, path: path.to_owned(), entries })
+        let names = entries.iter().enumerate().rev();
+        let by_name = names.map(|(idx, entry)| (entry.name.clone(), idx)).collect();
+        Ok(Self { store, path: path.to_owned(), entries, by_name })
     }
 
     pub(super) fn entries(&self) -> &[Entry] {
@@ -78,7 +83,7 @@ impl<'b> ZipFile<'b> {
     }
 
     pub(super) fn get(&self, name: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.name == name)
+        self.by_name.get(name).map(|&idx| &self.entries[idx])
     }
 
     pub(super) fn path(&self) -> &Path {

@@ -9,7 +9,7 @@ use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
 use tiff::tags::Tag;
 
 use crate::Seeds;
-use crate::small_files::{dicom as small_dicom, ome_tiff};
+use crate::small_files::{dicom as small_dicom, ome_tiff, zlib as small_zlib};
 
 /// The pixels of the small file: an element with its header.
 const N_PIXEL_BYTES: usize = 12 + 48;
@@ -97,6 +97,40 @@ fn of_8_bits(mut bytes: Vec<u8>) -> Vec<u8> {
 
 fn find(bytes: &[u8], part: &[u8]) -> usize {
     bytes.windows(part.len()).position(|window| window == part).expect("the element is there")
+}
+
+/// Folders of images of each kind, and of two.
+pub(crate) fn folders() -> Seeds {
+    let gray = |depth: u8| png(depth, 0, &[0x5a; 12]);
+    vec![
+        [gray(8), gray(8), gray(8)].join(BETWEEN),
+        [gray(16), gray(16)].join(BETWEEN),
+        [png(8, 2, &[7; 36]), png(8, 2, &[7; 36])].join(BETWEEN),
+        [jpeg(), jpeg()].join(BETWEEN),
+        [tiff().swap_remove(0), gray(8)].join(BETWEEN),
+    ]
+}
+
+/// A PNG of two columns and as many rows as `samples` fill, by the colour type of its header (PNG §11.2.2).
+fn png(depth: u8, color: u8, samples: &[u8]) -> Vec<u8> {
+    let n_values = if color == 2 { 3 } else { 1 };
+    let row_bytes = 2 * n_values * usize::from(depth / 8);
+    let rows: Vec<u8> =
+        samples.chunks(row_bytes).flat_map(|row| [&[0][..], row].concat()).collect();
+    let n_rows = (samples.len() / row_bytes) as u32;
+    let header =
+        [&2_u32.to_be_bytes()[..], &n_rows.to_be_bytes(), &[depth, color, 0, 0, 0]].concat();
+    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    for (name, data) in [(b"IHDR", header), (b"IDAT", small_zlib(&rows)), (b"IEND", Vec::new())] {
+        let mut sum = flate2::Crc::new();
+        sum.update(name);
+        sum.update(&data);
+        bytes.extend((data.len() as u32).to_be_bytes());
+        bytes.extend(name);
+        bytes.extend(&data);
+        bytes.extend(sum.sum().to_be_bytes());
+    }
+    bytes
 }
 
 pub(crate) fn tiff() -> Seeds {

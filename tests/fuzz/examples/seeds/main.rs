@@ -34,13 +34,15 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> anyhow::Result<[(&'static str, Seeds); 13]> {
+fn all() -> anyhow::Result<[(&'static str, Seeds); 15]> {
     Ok([
         ("nrrd", nrrd()),
         ("nifti", nifti()),
         ("metaimage", meta_image()),
         ("dicom", [images::dicom(), of_tests("dicom_codecs", "dcm")?].concat()),
         ("tiff", images::tiff()),
+        ("images", images::folders()),
+        ("mrc", vec![small_files::mrc(), gzip(&small_files::mrc())]),
         ("npy", arrays::npy()),
         ("hdf5", of_tests("hdf5", "gz")?.iter().map(|bytes| unpacked(bytes)).collect()),
         ("vtk", arrays::vtk()),

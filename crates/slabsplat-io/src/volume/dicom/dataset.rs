@@ -94,7 +94,14 @@ pub(super) struct PixelElement {
 /// Whether a file begins as one of DICOM does: after 128 bytes of anything, or, as old ones, with its first
 /// elements.
 pub(super) fn is_begun_by(start: &[u8]) -> bool {
-    start.get(128..132) == Some(b"DICM") || headless(start).is_some()
+    start.get(128..132) == Some(b"DICM") || begins_with_meta(start) || headless(start).is_some()
+}
+
+/// Whether the meta information is at the front, without the preamble that should be before it.
+fn begins_with_meta(start: &[u8]) -> bool {
+    let &[0x02, 0x00, element, 0x00, a, b, ..] = start else { return false };
+    // Its length, its version, or the names of class, instance and syntax, in explicit elements.
+    matches!(element, 0x00..=0x03 | 0x10) && [a, b].iter().all(u8::is_ascii_uppercase)
 }
 
 /// How a file is written that has no more than elements.
@@ -166,9 +173,14 @@ impl Header {
             let meta = elements.meta().map_err(malformed)?;
             return Self::after_meta(path, meta, elements).map_err(malformed)?;
         }
-        let syntax = headless(&start[..n_start])
-            .ok_or_else(|| IoError::malformed(path, "not a DICOM file"))?;
-        let reader = Cursor::new(start[..n_start].to_vec()).chain(elements.reader);
+        let start = &start[..n_start];
+        let reader = Cursor::new(start.to_vec()).chain(elements.reader);
+        if begins_with_meta(start) {
+            let mut elements = Elements::of(reader, 0);
+            let meta = elements.meta().map_err(malformed)?;
+            return Self::after_meta(path, meta, elements).map_err(malformed)?;
+        }
+        let syntax = headless(start).ok_or_else(|| IoError::malformed(path, "not a DICOM file"))?;
         Self::of_elements(syntax, Elements::of(reader, 0)).map_err(malformed)
     }
 

@@ -127,7 +127,7 @@ impl Found {
     }
 
     fn read(self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
-        let &Input { store, path, .. } = input;
+        let path = input.path;
         let grid = Grid::new(self.dims(), self.stack.world_from_index)
             .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
         let Self { series, stack, choices, mut warnings } = self;
@@ -140,7 +140,7 @@ impl Found {
         } else {
             Scaling { slope, intercept }
         };
-        let samples = pixels::read(store, &series, &stack, to_float, choices.channel.chosen)?;
+        let samples = pixels::read(input, &series, &stack, to_float, choices.channel.chosen)?;
         let volume = assemble(path, grid, samples, scaling)?;
         Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Dicom, warnings) })
     }

@@ -8,6 +8,8 @@ use slabsplat_core::{SampleType, Samples};
 
 use super::super::Endian;
 use super::super::buffer::{ReadFailure, SampleBuffer};
+use super::super::formats::Input;
+use super::super::parallel;
 use super::super::stream::MAX_GZIP_RATIO;
 use super::dataset::Packing;
 use super::frame::{Colors, Frame, Layout};
@@ -24,15 +26,32 @@ pub(super) const MAX_RATIO: u64 = MAX_GZIP_RATIO;
 
 /// Reads the samples of a stack, a slice after the other.
 pub(super) fn read(
-    store: Store<'_>,
+    input: &Input<'_>,
     series: &Series,
     stack: &Stack,
     to_float: bool,
     channel: usize,
 ) -> Result<Samples, IoError> {
+    let store = input.store;
     let sample_type = if to_float { SampleType::F32 } else { sample_type(&series.layout) };
     let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
-    let mut frames = FrameReader { store, series, channel, to_float, cached: None };
+    let n_slice_bytes = (series.layout.n_pixels() * sample_type.size_bytes()) as u64;
+    let meter = input.meter(n_slice_bytes.saturating_mul(stack.slices.len() as u64));
+    let reader = || FrameReader { store, series, channel, to_float, cached: None };
+    let stored: Option<Vec<usize>> = stack.slices.iter().map(Slice::stored).collect();
+    if let Some(stored) = stored.filter(|_| are_packed_alone(series)) {
+        let n_workers = parallel::n_workers(stored.len());
+        let mut workers: Vec<FrameReader<'_>> = (0..n_workers).map(|_| reader()).collect();
+        let unpack =
+            |frames: &mut FrameReader<'_>, &idx: &usize| frames.samples(&stack.frames[idx]);
+        parallel::in_order(&mut workers, &stored, unpack, |&idx, samples| {
+            let path = &series.files[stack.frames[idx].file_idx].path;
+            meter.advance(samples.len() as u64);
+            append(path, &mut buffer, sample_type, &samples)
+        })?;
+        return Ok(buffer.finish(&mut Vec::new()));
+    }
+    let mut frames = reader();
     let mut last: Option<(usize, Vec<u8>)> = None;
     let mut next: Option<(usize, Vec<u8>)> = None;
     for slice in &stack.slices {
@@ -47,6 +66,7 @@ pub(super) fn read(
             Some((last_idx, samples)) if last_idx == idx => samples,
             _ => frames.samples(&stack.frames[idx])?,
         };
+        meter.advance(n_slice_bytes);
         let path = &series.files[stack.frames[idx].file_idx].path;
         match share {
             None => append(path, &mut buffer, sample_type, &samples)?,
@@ -75,6 +95,12 @@ fn append(
         ReadFailure::TooShort(_) => IoError::malformed(path, "a slice is shorter than it says"),
         ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
     })
+}
+
+/// Whether no file is packed as a whole that holds several slices: each thread would unpack all of it.
+fn are_packed_alone(series: &Series) -> bool {
+    let is_deflated = series.files.iter().any(|file| file.syntax.is_deflated);
+    !is_deflated || series.files.len() == series.frames.len()
 }
 
 /// The type that holds all values of a layout.

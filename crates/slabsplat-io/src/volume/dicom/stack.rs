@@ -45,6 +45,16 @@ pub(super) enum Slice {
     Between(usize, f64),
 }
 
+impl Slice {
+    /// The frame that it is, unless it is made of two.
+    pub(super) fn stored(&self) -> Option<usize> {
+        match *self {
+            Self::Frame(idx) => Some(idx),
+            Self::Between(..) => None,
+        }
+    }
+}
+
 impl Stack {
     pub(super) fn of(
         input: &Input<'_>,

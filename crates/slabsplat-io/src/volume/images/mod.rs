@@ -16,7 +16,7 @@ use slabsplat_core::{Grid, Scaling};
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
 use super::formats::{Input, Reader, VolumeListing};
 use super::stored::StoredType;
-use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
+use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble, parallel};
 use crate::IoError;
 use crate::store::Store;
 use names::Slices;
@@ -69,30 +69,28 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let (size, stored) = (first.size, first.stored);
     let grid = Grid::with_spacing([size[0], size[1], paths.len()], [1.0; 3])
         .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })?;
+    drop(first);
     let mut buffer = SampleBuffer::new(stored, Endian::NATIVE);
-    let mut samples = Vec::new();
-    let mut first = Some(first);
-    for path in &paths {
-        let picture = first.take().map_or_else(|| Picture::open(input.store, path), Ok)?;
-        if (picture.size, picture.stored) != (size, stored) {
-            let ([w, h], [w0, h0]) = (picture.size, size);
-            let [name, name0] = [picture.stored, stored].map(StoredType::name);
-            let what = format!(
-                "the image has {w} x {h} pixels of {name}, and the first, {}, {w0} x {h0} of {name0}: a volume \
-                 needs slices of one size and type",
-                paths[0].display()
-            );
-            return Err(IoError::unsupported(path, what));
-        }
-        picture.read_into(path, &mut samples)?;
+    let meter = input.meter(grid.n_voxels() as u64 * stored.size_bytes() as u64);
+    let unpack = |(): &mut (), path: &PathBuf| {
+        let picture = Picture::open(input.store, path)?;
+        check_like_first(path, &picture, &paths[0], size, stored)?;
+        let mut samples = Vec::new();
+        picture.read_into(path, &mut samples).map(|()| samples)
+    };
+    let take = |path: &PathBuf, samples: Vec<u8>| {
         let n_samples = samples.len() / stored.size_bytes();
         buffer.append(&mut samples.as_slice(), n_samples, true).map_err(
             |failure| match failure {
                 ReadFailure::TooShort(_) => IoError::malformed(path, "the image is cut off"),
-                ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
+                ReadFailure::Io(source) => IoError::Read { path: path.clone(), source },
             },
         )?;
-    }
+        meter.advance(samples.len() as u64);
+        Ok(())
+    };
+    let mut workers = vec![(); parallel::n_workers(paths.len())];
+    parallel::in_order(&mut workers, &paths, unpack, take)?;
     let mut warnings =
         vec!["images do not say how large voxels are: 1 x 1 x 1 was assumed".to_owned()];
     if 0 < n_others {
@@ -100,6 +98,26 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     }
     let volume = assemble(input.path, grid, buffer.finish(&mut warnings), Scaling::IDENTITY)?;
     Ok(LoadedVolume::new(volume, VolumeFormat::Images, warnings))
+}
+
+fn check_like_first(
+    path: &Path,
+    picture: &Picture<'_>,
+    first: &Path,
+    size: [usize; 2],
+    stored: StoredType,
+) -> Result<(), IoError> {
+    if (picture.size, picture.stored) == (size, stored) {
+        return Ok(());
+    }
+    let ([w, h], [w0, h0]) = (picture.size, size);
+    let [name, name0] = [picture.stored, stored].map(StoredType::name);
+    let what = format!(
+        "the image has {w} x {h} pixels of {name}, and the first, {}, {w0} x {h0} of {name0}: a volume \
+         needs slices of one size and type",
+        first.display()
+    );
+    Err(IoError::unsupported(path, what))
 }
 
 #[cfg(test)]

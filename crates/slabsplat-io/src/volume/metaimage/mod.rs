@@ -71,7 +71,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         byte_skip: header.parsed("headersize")?.unwrap_or(0),
     };
     let files = files::find(input, &header, &sizes)?;
-    let samples = data::read(store, path, &layout, &files, &mut warnings)?;
+    let samples = data::read(input, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::MetaImage, warnings) })
 }

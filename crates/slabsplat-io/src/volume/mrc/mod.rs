@@ -106,6 +106,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     };
     let samples = PlacedSamples::new(stored, header.endian, grid.n_voxels());
     let mut samples = samples.map_err(failed)?;
+    let meter = input.meter(needed);
+    stream.metered(&meter);
     samples.place(&mut stream, &axes(&header, choices.time.chosen), 0).map_err(failed)?;
     if choices.is_single() && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", path.display()));

@@ -97,7 +97,8 @@ impl Header {
         let dim: [i64; 8] = fields.array(40, 2, Fields::i16)?;
         let datatype = fields.i16(70)?;
         let n_bits = fields.i16(72)?;
-        let is_sane = *fields.bytes.get(38)? == b'r'
+        // The format wants an `r` there, and nibabel writes none.
+        let is_sane = matches!(*fields.bytes.get(38)?, b'r' | 0)
             && (1..=7).contains(&dim[0])
             && matches!((datatype, n_bits), (2, 8) | (4, 16) | (8 | 16, 32) | (64, 64));
         fields.bytes.get(344..348)?;

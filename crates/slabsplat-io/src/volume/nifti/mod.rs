@@ -86,7 +86,11 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         if 1 < n_channels { (0, channel.chosen) } else { (channel.chosen as u64, 0) };
     let n_before = n_before.saturating_mul(time.n as u64);
     let n_before = n_before.saturating_add(time.chosen as u64);
-    stream.skip(data_offset(&header, path)?.saturating_add(n_before.saturating_mul(n_bytes)))?;
+    let n_before = n_before.saturating_mul(n_bytes);
+    let meter = input.meter(n_before.saturating_add(n_bytes));
+    stream.skip(data_offset(&header, path)?)?;
+    stream.metered(&meter);
+    stream.skip(n_before)?;
     let mut buffer = SampleBuffer::new(each, header.endian);
     stream.fill_channel(&mut buffer, grid.n_voxels(), each.size_bytes(), [n_channels, color])?;
     if choices.is_single() && stream.has_more()? {

@@ -12,7 +12,8 @@ pub(super) fn grid(
     dims: [usize; 3],
     warnings: &mut Vec<String>,
 ) -> Result<Grid, GridError> {
-    let to_millimetres = DAffine3::from_scale(DVec3::splat(unit_in_millimetres(header)));
+    let unit = unit_in_millimetres(header, warnings);
+    let to_millimetres = DAffine3::from_scale(DVec3::splat(unit));
     let in_world = |affine: DAffine3| Grid::new(dims, to_millimetres * affine);
     for (name, code, affine) in
         [("sform", header.sform_code, sform(header)), ("qform", header.qform_code, qform(header))]
@@ -42,12 +43,16 @@ pub(super) fn grid(
     in_world(DAffine3::from_scale(spacing(header)))
 }
 
-/// `xyzt_units` of metres or micrometres; everything else is taken as millimetres.
-fn unit_in_millimetres(header: &Header) -> f64 {
+/// By `xyzt_units`. Files that say none (0) count in millimetres, as all programs take them.
+fn unit_in_millimetres(header: &Header, warnings: &mut Vec<String>) -> f64 {
     match header.xyzt_units & 7 {
+        0 | 2 => 1.0,
         1 => 1e3,
         3 => 1e-3,
-        _ => 1.0,
+        code => {
+            warnings.push(format!("there is no unit of length {code}: millimetres were assumed"));
+            1.0
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::choices::{Choice, Part};
 use super::super::formats::{Input, VolumeListing};
+use super::super::placed::Metered;
 use super::super::zip::{Entry, ZipFile};
 use super::header::Header;
 use super::{Array, LoadedVolume};
@@ -12,7 +13,10 @@ pub(super) fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let (entry, series) = choose(input, &zip)?;
     let mut reader = zip.reader(entry)?;
     let n_left = reader.n_left_at_most();
-    let loaded = Array::open(input, &mut reader)?.read(input, &mut reader, n_left)?;
+    let array = Array::open(input, &mut reader)?;
+    let meter = input.meter(array.n_bytes());
+    let mut metered = Metered { source: &mut reader, meter: &meter };
+    let loaded = array.read(input, &mut metered, n_left)?;
     if !reader.ends_soundly().map_err(IoError::read(input.path))? {
         let what = format!("{} in the archive is damaged: its checksum is another", entry.name);
         return Err(IoError::malformed(input.path, what));

@@ -49,7 +49,10 @@ impl Reader for Npy {
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         let mut stream = DataStream::open_unpacked(input.store, input.path)?;
         let n_left = stream.n_left_at_most();
-        let mut loaded = Array::open(input, &mut stream)?.read(input, &mut stream, n_left)?;
+        let array = Array::open(input, &mut stream)?;
+        let meter = input.meter(array.n_bytes());
+        stream.metered(&meter);
+        let mut loaded = array.read(input, &mut stream, n_left)?;
         if stream.has_more()? {
             loaded
                 .warnings
@@ -108,6 +111,12 @@ impl Array {
         Ok(Self { header, axes })
     }
 
+    /// Of all items.
+    fn n_bytes(&self) -> u64 {
+        let item_bytes = self.header.stored.size_bytes() as u64;
+        self.axes.n_items().and_then(|n| n.checked_mul(item_bytes)).unwrap_or(u64::MAX)
+    }
+
     fn listing(self) -> VolumeListing {
         VolumeListing {
             format: VolumeFormat::Npy,
@@ -124,12 +133,11 @@ impl Array {
         source: &mut impl Source,
         n_left: u64,
     ) -> Result<LoadedVolume, IoError> {
+        let needed = self.n_bytes();
         let Self { header, axes } = self;
         let grid = Grid::with_spacing(axes.dims, [1.0; 3])
             .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })?;
         let found = n_left.saturating_sub(header.n_bytes);
-        let item_bytes = header.stored.size_bytes() as u64;
-        let needed = axes.n_items().and_then(|n| n.checked_mul(item_bytes)).unwrap_or(u64::MAX);
         let failed = |failure| match failure {
             ReadFailure::TooShort(found) => input.too_short(needed, found),
             ReadFailure::Io(source) => IoError::Read { path: input.path.to_owned(), source },

@@ -18,8 +18,8 @@ const DOMAIN_KINDS: &[&str] = &["domain", "space", "???", "none"];
 pub(super) struct Axes {
     /// Sizes of all axes of the file.
     pub(super) file_sizes: Vec<usize>,
-    /// Which of them are x, y and z.
-    pub(super) of_volume: [usize; 3],
+    /// Which of them are x, y and z; an image of two axes is a slice, and has no z.
+    pub(super) of_volume: [Option<usize>; 3],
     /// Their sizes.
     pub(super) dims: [usize; 3],
     /// How many values each voxel has, one after the other.
@@ -64,7 +64,7 @@ pub(super) fn find(header: &Header) -> Result<Axes, IoError> {
     let time = if 3 < n_long && time.is_none() { last } else { time };
     let left: Vec<usize> = left.into_iter().filter(|&axis| Some(axis) != time).collect();
     let of_volume = without_flat_axes(header, left, &sizes, &kinds)?;
-    let dims = of_volume.map(|axis| sizes[axis]);
+    let dims = of_volume.map(|axis| axis.map_or(1, |axis| sizes[axis]));
     let size = |axis: Option<usize>| axis.map_or(1, |axis| sizes[axis]);
     let (n_channels, n_times) = (size(channel), size(time));
     Ok(Axes { file_sizes: sizes, of_volume, dims, n_channels, n_times })
@@ -75,7 +75,7 @@ fn n_axes(header: &Header) -> Result<usize, IoError> {
         .parsed("dimension")?
         .ok_or_else(|| header.malformed("the header has no field \"dimension\""))?;
     match n_axes {
-        3..=MAX_AXES => Ok(n_axes),
+        2..=MAX_AXES => Ok(n_axes),
         _ => Err(header.unsupported(format!("the file has {n_axes} axes, and a volume needs 3"))),
     }
 }
@@ -109,7 +109,7 @@ fn without_flat_axes(
     mut kept: Vec<usize>,
     sizes: &[usize],
     kinds: &[String],
-) -> Result<[usize; 3], IoError> {
+) -> Result<[Option<usize>; 3], IoError> {
     while 3 < kept.len() {
         let is_flat = |&&axis: &&usize| sizes[axis] == 1;
         let is_flat_value = |axis: &&usize| is_flat(axis) && !is_domain(&kinds[**axis]);
@@ -125,7 +125,8 @@ fn without_flat_axes(
         kept.retain(|&axis| axis != flat);
     }
     match kept[..] {
-        [x, y, z] => Ok([x, y, z]),
+        [x, y, z] => Ok([x, y, z].map(Some)),
+        [x, y] if sizes.len() <= 3 => Ok([Some(x), Some(y), None]),
         _ => {
             let n = kept.len();
             Err(header.unsupported(format!("the file has {n} axes in space, and a volume needs 3")))
@@ -150,7 +151,7 @@ mod tests {
     fn axes_leave_out_flat_ones() {
         let check = |lines: &str, of_volume: [usize; 3]| {
             let axes = find(&Header::of(lines)).unwrap();
-            assert_eq!(axes.of_volume, of_volume, "{lines}");
+            assert_eq!(axes.of_volume, of_volume.map(Some), "{lines}");
             assert_eq!(axes.dims, of_volume.map(|axis| axes.file_sizes[axis]));
         };
         check("dimension: 3\nsizes: 4 5 1", [0, 1, 2]);
@@ -163,6 +164,26 @@ mod tests {
     }
 
     #[test]
+    fn axes_of_an_image_are_those_of_a_slice() {
+        for (lines, of_volume, dims) in [
+            ("dimension: 2\nsizes: 4 5", [Some(0), Some(1), None], [4, 5, 1]),
+            (
+                "dimension: 3\nsizes: 3 4 5\nkinds: vector space space",
+                [Some(1), Some(2), None],
+                [4, 5, 1],
+            ),
+            (
+                "dimension: 3\nsizes: 4 5 9\nkinds: space space list",
+                [Some(0), Some(1), None],
+                [4, 5, 1],
+            ),
+        ] {
+            let axes = find(&Header::of(lines)).unwrap();
+            assert_eq!((axes.of_volume, axes.dims), (of_volume, dims), "{lines}");
+        }
+    }
+
+    #[test]
     fn axes_name_what_is_too_much() {
         let check = |lines: &str, expected: &str| {
             let err = find(&Header::of(lines)).unwrap_err().to_string();
@@ -170,14 +191,14 @@ mod tests {
         };
         check("sizes: 4 5 6", "\"dimension\"");
         check("dimension: three\nsizes: 4 5 6", "\"three\"");
-        check("dimension: 2\nsizes: 4 5", "has 2 axes");
+        check("dimension: 1\nsizes: 4", "has 1 axes");
         check("dimension: 99999999999\nsizes: 4 5", "has 99999999999 axes");
         check("dimension: 3", "\"sizes\"");
         check("dimension: 3\nsizes: 4 5", "3 numbers");
         check("dimension: 3\nsizes: 4 -5 6", "3 numbers");
         check("dimension: 5\nsizes: 4 5 6 7 8", "axis 3 (7 long)");
         check("dimension: 4\nsizes: 4 5 6 7\nkinds: space vector space space", "axis 1");
-        check("dimension: 3\nsizes: 4 5 6\nkinds: vector space space", "has 2 axes in space");
+        check("dimension: 2\nsizes: 4 5\nkinds: vector space", "has 1 axes in space");
         check("dimension: 3\nsizes: 3 5 6\nkinds: vector domain", "3 words");
     }
 }

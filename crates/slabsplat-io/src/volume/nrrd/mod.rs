@@ -73,7 +73,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         byte_skip: header.parsed("byte skip")?.unwrap_or(0),
     };
     let files = files::find(input, &header, &axes.file_sizes)?;
-    let samples = data::read(store, path, &layout, &files, &mut warnings)?;
+    let samples = data::read(input, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings) })
 }

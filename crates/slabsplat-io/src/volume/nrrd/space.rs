@@ -3,7 +3,7 @@
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 
-use super::super::units::millimetres;
+use super::super::units::{millimetres, unknown};
 use super::axes::Axes;
 use super::header::Header;
 use crate::IoError;
@@ -72,12 +72,13 @@ fn parse_directions(text: &str) -> Option<Vec<Option<DVec3>>> {
     Some(directions)
 }
 
-/// `(x,y,z)`; in a space with time, the fourth number is left out.
+/// `(x,y,z)`; in a space with time, the fourth number is left out; in a plane, z is 0.
 fn parse_vector(text: &str) -> Option<DVec3> {
     let inside = text.trim().strip_prefix('(')?.strip_suffix(')')?;
     let numbers: Option<Vec<f64>> = inside.split(',').map(|n| n.trim().parse().ok()).collect();
     match numbers?[..] {
         [x, y, z] | [x, y, z, _] => Some(DVec3::new(x, y, z)),
+        [x, y] => Some(DVec3::new(x, y, 0.0)),
         _ => None,
     }
 }
@@ -91,8 +92,15 @@ fn along_directions(
         let what = || format!("axis {axis} of the volume has no direction in space");
         directions[axis].ok_or_else(|| header.malformed(what()))
     };
-    let [x, y, z] = axes.of_volume;
-    Ok([column(x)?, column(y)?, column(z)?])
+    match axes.of_volume {
+        [Some(x), Some(y), Some(z)] => Ok([column(x)?, column(y)?, column(z)?]),
+        // A slice is 1 thick, to the side that makes its axes right-handed.
+        of_slice => {
+            let [x, y] = [of_slice[0], of_slice[1]].map(Option::unwrap_or_default);
+            let [x, y] = [column(x)?, column(y)?];
+            Ok([x, y, x.cross(y).normalize_or_zero()])
+        }
+    }
 }
 
 fn along_axes(
@@ -113,7 +121,7 @@ fn along_axes(
         }
         Some(spacing) => spacing,
     };
-    let [x, y, z] = axes.of_volume.map(&mut spacing);
+    let [x, y, z] = axes.of_volume.map(|axis| axis.map_or(1.0, &mut spacing));
     Ok([DVec3::X * x, DVec3::Y * y, DVec3::Z * z])
 }
 
@@ -126,7 +134,8 @@ fn origin_by_mins(header: &Header, axes: &Axes, columns: &[DVec3; 3]) -> Result<
     let centers: Vec<&str> =
         header.get("centers").map(|text| text.split_whitespace().collect()).unwrap_or_default();
     let mut origin = DVec3::ZERO;
-    for (column, axis) in columns.iter().zip(axes.of_volume) {
+    let in_file = columns.iter().zip(axes.of_volume);
+    for (column, axis) in in_file.filter_map(|(column, axis)| Some((column, axis?))) {
         let half = if centers.get(axis) == Some(&"node") { DVec3::ZERO } else { *column / 2.0 };
         if mins[axis].is_finite() {
             origin += half + column.normalize_or_zero().abs() * mins[axis];
@@ -144,7 +153,7 @@ fn space_unit(header: &Header, warnings: &mut Vec<String>) -> f64 {
 /// Millimetres of the unit of the volume's axes, if they all have one.
 fn axis_unit(header: &Header, axes: &Axes, warnings: &mut Vec<String>) -> f64 {
     let units = header.get("units").map(quoted).unwrap_or_default();
-    let of_volume = axes.of_volume.iter().filter_map(|&axis| units.get(axis).cloned());
+    let of_volume = axes.of_volume.iter().flatten().filter_map(|&axis| units.get(axis).cloned());
     one_unit(&of_volume.collect::<Vec<_>>(), warnings)
 }
 
@@ -155,8 +164,12 @@ fn one_unit(units: &[String], warnings: &mut Vec<String>) -> f64 {
     if let (Some(unit), true) = (millimetres(first), is_one) {
         return unit;
     }
-    let shown: Vec<String> = units.iter().map(|unit| unit.chars().take(16).collect()).collect();
-    warnings.push(format!("the units {shown:?} were taken as millimetres"));
+    if is_one {
+        warnings.push(unknown(first));
+    } else {
+        let shown: Vec<String> = units.iter().map(|unit| unit.chars().take(16).collect()).collect();
+        warnings.push(format!("the units {shown:?} were taken as millimetres"));
+    }
     1.0
 }
 
@@ -307,8 +320,8 @@ mod tests {
             ("spacings: 1 1", "spacings"),
             ("space directions: (1,0,0) (0,1,0)", "3 vectors"),
             ("space directions: (1,0,0) (0,1,0) (0,0", "3 vectors"),
-            ("space directions: (1,0) (0,1) (0,0)", "3 vectors"),
-            ("space directions: none (1,0,0) (0,1,0)", "2 axes in space"),
+            ("space directions: (1) (0) (0)", "3 vectors"),
+            ("space directions: none none (0,1,0)", "axis 1"),
             ("space origin: 1 2 3", "space origin"),
         ] {
             let err = place(lines).unwrap_err();

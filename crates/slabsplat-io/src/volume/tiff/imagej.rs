@@ -2,7 +2,7 @@
 //!
 //! Lines of `key=value`: <https://imagej.net/formats/tiff>. Pages go by channel, then slice, then time.
 
-use super::super::units::millimetres;
+use super::super::units;
 use super::stack::Counts;
 
 /// The lines of a description.
@@ -51,14 +51,16 @@ impl<'a> ImageJ<'a> {
         warnings: &mut Vec<String>,
     ) -> [f64; 3] {
         let depth = self.get("spacing").and_then(|text| text.parse::<f64>().ok()).map(f64::abs);
-        let unit = self.get("unit").and_then(millimetres);
         let [x, y] = resolution.map(|per_unit| per_unit.map(f64::recip));
-        let (Some(unit), Some(x), Some(y)) = (unit, x, y) else {
+        let (Some(unit), Some(x), Some(y)) = (self.get("unit"), x, y) else {
             let what = "the file does not say how large its voxels are: 1 x 1 x 1 was assumed";
             warnings.push(what.to_owned());
             return [1.0; 3];
         };
-        let z = depth.filter(|depth| depth.is_normal()).unwrap_or(x);
-        [x, y, z].map(|size| size * unit)
+        let depth = depth.filter(|depth| depth.is_normal());
+        if depth.is_none() {
+            warnings.push(units::NO_DEPTH.to_owned());
+        }
+        units::in_millimetres([x, y, depth.unwrap_or(x)], [unit; 3], warnings)
     }
 }

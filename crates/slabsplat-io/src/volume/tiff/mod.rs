@@ -16,7 +16,7 @@ use slabsplat_core::{Grid, Scaling};
 
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
 use super::formats::{Input, Reader, VolumeListing};
-use super::{LoadedVolume, VolumeFormat, assemble};
+use super::{LoadedVolume, VolumeFormat, assemble, parallel};
 use crate::IoError;
 use ome::Page;
 pub(super) use pages::Pages;
@@ -60,24 +60,42 @@ fn is_tiff(start: &[u8]) -> bool {
 
 fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let &Input { store, path, .. } = input;
-    let mut pages = Pages::open(store, path)?;
+    let pages = Pages::open(store, path)?;
     let mut warnings = Vec::new();
     let stack = Stack::find(input, &pages, &mut warnings)?;
     let grid = Grid::with_spacing(stack.dims(&pages), stack.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let mut buffer = SampleBuffer::new(pages.stored, Endian::NATIVE);
-    let mut page = Vec::new();
-    let mut others = Others { input, last: None };
-    for Page { file, page_idx } in &stack.slices {
-        match file {
-            None => pages.read_into(*page_idx, &mut page)?,
-            Some(name) => others.read_into(name, *page_idx, &pages, &mut page)?,
-        }
+    let meter = input.meter(grid.n_voxels() as u64 * pages.stored.size_bytes() as u64);
+    let mut take = |page: &[u8]| {
         let n_samples = page.len() / pages.stored.size_bytes();
-        buffer.append(&mut page.as_slice(), n_samples, true).map_err(|failure| match failure {
+        buffer.append(&mut { page }, n_samples, true).map_err(|failure| match failure {
             ReadFailure::TooShort(_) => IoError::malformed(path, "a page is shorter than it says"),
             ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
         })?;
+        meter.advance(page.len() as u64);
+        Ok(())
+    };
+    if stack.slices.iter().all(|page| page.file.is_none()) {
+        let n_workers = parallel::n_workers(stack.slices.len());
+        let workers = (0..n_workers).map(|_| Ok((pages.again(store)?, Vec::new())));
+        let mut workers = workers.collect::<Result<Vec<(Pages<'_>, Vec<u8>)>, IoError>>()?;
+        let unpack = |(pages, page): &mut (Pages<'_>, Vec<u8>), slice: &Page| {
+            pages.read_into(slice.page_idx, page)?;
+            Ok(std::mem::take(page))
+        };
+        parallel::in_order(&mut workers, &stack.slices, unpack, |_, page| take(&page))?;
+    } else {
+        let mut own = pages.again(store)?;
+        let mut others = Others { input, last: None };
+        let mut page = Vec::new();
+        for Page { file, page_idx } in &stack.slices {
+            match file {
+                None => own.read_into(*page_idx, &mut page)?,
+                Some(name) => others.read_into(name, *page_idx, &pages, &mut page)?,
+            }
+            take(&page)?;
+        }
     }
     let samples = buffer.finish(&mut warnings);
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;

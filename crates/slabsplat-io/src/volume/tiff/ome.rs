@@ -5,7 +5,7 @@
 use roxmltree::{Document, Node};
 
 use super::super::choices::VolumeChoices;
-use super::super::units::millimetres;
+use super::super::units;
 use super::stack::Counts;
 
 /// The first image of an OME-TIFF.
@@ -138,20 +138,16 @@ impl Ome {
 
     /// In millimetres.
     pub(super) fn spacing(&self, warnings: &mut Vec<String>) -> [f64; 3] {
-        let in_mm = |size: &Option<(f64, String)>| {
-            let (size, unit) = size.as_ref()?;
-            Some(size * millimetres(unit)?)
+        let [Some((x, x_unit)), Some((y, y_unit)), z] = &self.sizes else {
+            let what = "the file does not say how large its voxels are: 1 x 1 x 1 was assumed";
+            warnings.push(what.to_owned());
+            return [1.0; 3];
         };
-        let [x, y, z] = self.sizes.each_ref().map(in_mm);
-        if let ([Some(x), Some(y)], Some(z)) =
-            ([x, y], z.or(x.filter(|_| self.counts.n_slices == 1)))
-        {
-            return [x, y, z];
+        if z.is_none() && 1 < self.counts.n_slices {
+            warnings.push(units::NO_DEPTH.to_owned());
         }
-        warnings.push(
-            "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
-        );
-        [1.0; 3]
+        let (z, z_unit) = z.as_ref().map_or((*x, x_unit), |(z, unit)| (*z, unit));
+        units::in_millimetres([*x, *y, z], [x_unit, y_unit, z_unit], warnings)
     }
 }
 

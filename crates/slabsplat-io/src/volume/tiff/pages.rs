@@ -1,12 +1,12 @@
 //! The pages of a TIFF, which all have one size and one type.
 
-use std::io::BufReader;
+use std::io::{BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::SampleType;
 use tiff::decoder::{Decoder, DecodingSampleType, Limits};
 use tiff::tags::Tag;
-use tiff::{ColorType, TiffError};
+use tiff::{ColorType, TiffError, TiffUnsupportedError};
 
 use super::super::stored::StoredType;
 use crate::IoError;
@@ -42,11 +42,7 @@ impl<'b> Pages<'b> {
     pub(in crate::volume) fn open(store: Store<'b>, path: &Path) -> Result<Self, IoError> {
         let file = store.open(path)?;
         let n_bytes = file.n_bytes().map_err(IoError::read(path))?;
-        let in_file = |error: TiffError| to_io_error(path, error);
-        let mut limits = Limits::default();
-        let most = n_bytes.saturating_mul(MAX_RATIO).min(MAX_PAGE_BYTES);
-        limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
-        let decoder = Decoder::new(BufReader::new(file)).map_err(in_file)?.with_limits(limits);
+        let decoder = decoder(path, file, n_bytes)?;
         let mut pages = Self {
             path: path.to_owned(),
             n_bytes,
@@ -61,6 +57,16 @@ impl<'b> Pages<'b> {
         pages.look_at_all()?;
         pages.check_backed()?;
         Ok(pages)
+    }
+
+    /// The same pages, to be read on another thread.
+    pub(super) fn again<'s>(&self, store: Store<'s>) -> Result<Pages<'s>, IoError> {
+        let path = self.path.as_path();
+        let decoder = decoder(path, store.open(path)?, self.n_bytes)?;
+        let indices = self.indices.clone();
+        let Self { n_bytes, size, stored, resolution, .. } = *self;
+        let (path, description) = (path.to_owned(), String::new());
+        Ok(Pages { path, n_bytes, decoder, indices, size, stored, description, resolution })
     }
 
     /// How many there are.
@@ -200,6 +206,19 @@ impl<'b> Pages<'b> {
     }
 }
 
+/// A decoder that takes no more memory than a file of `n_bytes` could unpack to.
+fn decoder<'b>(
+    path: &Path,
+    file: StoredFile<'b>,
+    n_bytes: u64,
+) -> Result<Decoder<BufReader<StoredFile<'b>>>, IoError> {
+    let mut limits = Limits::default();
+    let most = n_bytes.saturating_mul(MAX_RATIO).min(MAX_PAGE_BYTES);
+    limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
+    let decoder = Decoder::new(BufReader::new(file));
+    Ok(decoder.map_err(|error| to_io_error(path, error))?.with_limits(limits))
+}
+
 fn stored_type(decoded: DecodingSampleType) -> StoredType {
     StoredType::Sample(match decoded {
         DecodingSampleType::U8 => SampleType::U8,
@@ -218,11 +237,41 @@ fn stored_type(decoded: DecodingSampleType) -> StoredType {
 
 fn to_io_error(path: &Path, error: TiffError) -> IoError {
     match error {
+        TiffError::IoError(source) if source.kind() == ErrorKind::UnexpectedEof => {
+            IoError::malformed(path, "the file is cut off: a page is not all there")
+        }
         TiffError::IoError(source) => IoError::Read { path: path.to_owned(), source },
+        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
+            let what = format!(
+                "pages packed by {} cannot be read: `tiffcp -c zip` packs them by Deflate",
+                packing(method.to_u16())
+            );
+            IoError::unsupported(path, what)
+        }
         TiffError::UnsupportedError(error) => IoError::unsupported(path, error.to_string()),
         TiffError::LimitsExceeded => {
             IoError::malformed(path, "a page says to be larger than what the file could unpack to")
         }
         other => IoError::malformed(path, format!("not a sound TIFF: {other}")),
     }
+}
+
+/// The name of a packing that the crate does not know, by its number in the file.
+fn packing(code: u16) -> String {
+    let name = match code {
+        2..=4 => "the codes of fax machines",
+        6 => "the old way of JPEG",
+        34661 => "JBIG",
+        34712 | 33003..=33005 => "JPEG 2000",
+        34887 => "LERC",
+        34892 => "lossy JPEG of DNG",
+        34925 => "LZMA",
+        34926 | 50000 => "Zstandard",
+        34927 | 50001 => "WebP",
+        34933 => "PNG",
+        34934 | 22610 => "JPEG XR",
+        50002 | 52546 => "JPEG XL",
+        _ => return format!("method {code}"),
+    };
+    name.to_owned()
 }

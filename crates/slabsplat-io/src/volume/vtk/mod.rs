@@ -25,10 +25,11 @@ use slabsplat_core::Scaling;
 
 use super::buffer::ReadFailure;
 use super::formats::{Input, Reader, VolumeListing};
-use super::placed::{Axis, PlacedSamples, Source};
+use super::placed::{Axis, Metered, PlacedSamples, Source};
 use super::stored::StoredType;
 use super::{Endian, LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
+use crate::progress::ReadMeter;
 use crate::store::StoredFile;
 use image::{ArrayDesc, Chosen, Geometry};
 
@@ -110,6 +111,7 @@ struct Filling<'a> {
     component: usize,
     dims: [usize; 3],
     samples: PlacedSamples,
+    meter: ReadMeter,
 }
 
 impl<'a> Filling<'a> {
@@ -123,13 +125,15 @@ impl<'a> Filling<'a> {
         let grid = geometry.grid(input, array.is_of_cells)?;
         let samples = PlacedSamples::new(chosen.stored, endian, grid.n_voxels());
         let samples = samples.map_err(|_| input.failed(io::ErrorKind::OutOfMemory.into()))?;
+        let n_components = array.n_components.max(1);
         Ok(Self {
             input,
             stored: chosen.stored,
-            n_components: array.n_components.max(1),
+            n_components,
             component: chosen.choices.channel.chosen,
             dims: grid.dims(),
             samples,
+            meter: input.meter(n_bytes(grid.dims(), n_components, chosen.stored)),
         })
     }
 
@@ -149,7 +153,8 @@ impl<'a> Filling<'a> {
         ];
         let first = (first[2] * ny + first[1]) * nx + first[0];
         let needed = n_bytes(dims, self.n_components, self.stored);
-        self.samples.place(source, &axes, first).map_err(|failure| match failure {
+        let mut source = Metered { source, meter: &self.meter };
+        self.samples.place(&mut source, &axes, first).map_err(|failure| match failure {
             ReadFailure::TooShort(found) => self.input.too_short(needed, found),
             ReadFailure::Io(error) => self.input.failed(error),
         })

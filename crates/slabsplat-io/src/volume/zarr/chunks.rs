@@ -6,12 +6,14 @@ use slabsplat_core::Samples;
 
 use super::super::buffer::ReadFailure;
 use super::super::formats::Input;
-use super::super::placed::{Axis, PlacedSamples};
+use super::super::parallel;
+use super::super::placed::{Axis, PlacedSamples, Source};
 use super::codecs::{self, crc32c};
 use super::image::Image;
 use super::meta::{Chunks, Shard};
 use super::tree::{Part, Tree};
 use crate::IoError;
+use crate::progress::ReadMeter;
 
 /// Each is looked for, which takes a microsecond or two even if it is not there. The most voxels that a grid
 /// has are as many chunks of 16³.
@@ -33,8 +35,22 @@ const NONE: u64 = u64::MAX;
 struct Reading<'a> {
     tree: &'a Tree<'a>,
     image: &'a Image,
+    meter: &'a ReadMeter,
     samples: PlacedSamples,
     n_found: usize,
+}
+
+/// Of the chunks that are unpacked at once, beside a volume of so many bytes.
+const MAX_SHARE: u64 = 8;
+
+/// Of a chunk of the array, unpacked.
+fn chunk_bytes(image: &Image) -> u64 {
+    unpacked_bytes(image, &image.array.chunks)
+}
+
+fn unpacked_bytes(image: &Image, chunks: &Chunks) -> u64 {
+    let n_items = chunks.shape.iter().fold(1, |n: u64, len| n.saturating_mul(*len as u64));
+    n_items.saturating_mul(image.array.stored.size_bytes() as u64)
 }
 
 pub(super) fn read(
@@ -65,10 +81,9 @@ pub(super) fn read(
         path: input.path.to_owned(),
         source: io::ErrorKind::OutOfMemory.into(),
     })?;
-    let mut reading = Reading { tree, image, samples, n_found: 0 };
-    for index in all {
-        reading.read_file(&index)?;
-    }
+    let meter = input.meter((all.len().unwrap_or(0) as u64).saturating_mul(chunk_bytes(image)));
+    let mut reading = Reading { tree, image, meter: &meter, samples, n_found: 0 };
+    reading.read_all(&all.collect::<Vec<_>>(), n_bytes)?;
     if reading.n_found == 0 {
         warnings.push("no chunk of the array is there: all voxels have its fill value".to_owned());
     }
@@ -108,10 +123,45 @@ fn key(image: &Image, index: &[usize]) -> String {
 }
 
 impl Reading<'_> {
+    /// The chunks of all files, of a volume of so many bytes.
+    fn read_all(&mut self, indices: &[Vec<usize>], n_bytes: u64) -> Result<(), IoError> {
+        let (tree, image) = (self.tree, self.image);
+        let chunks = &image.array.chunks;
+        let n_workers = parallel::n_workers(indices.len());
+        let n_at_once = (n_workers as u64).saturating_mul(chunk_bytes(image));
+        if chunks.shard.is_some() || n_workers == 1 || n_bytes / MAX_SHARE < n_at_once {
+            return indices.iter().try_for_each(|index| self.read_file(index));
+        }
+        let unpack = |(): &mut (), index: &Vec<usize>| {
+            let key = key(image, index);
+            let Some(part) = tree.part(&key)? else { return Ok(None) };
+            let unpacked = unpacked_chunk(image, chunks, part);
+            unpacked.map(Some).map_err(|failure| failed(tree, &key, failure))
+        };
+        parallel::in_order(&mut vec![(); n_workers], indices, unpack, |index, chunk| {
+            let start = self.start_of(index);
+            match chunk {
+                None => self.fill(&start, &chunks.shape),
+                Some(chunk) => {
+                    self.n_found += 1;
+                    let placed = self.place(&mut chunk.as_slice(), chunks, &start);
+                    placed.map_err(|failure| failed(tree, &key(image, index), failure))?;
+                }
+            }
+            self.meter.advance(chunk_bytes(image));
+            Ok(())
+        })
+    }
+
+    fn start_of(&self, index: &[usize]) -> Vec<usize> {
+        index.iter().zip(&self.image.array.chunks.shape).map(|(i, len)| i * len).collect()
+    }
+
     fn read_file(&mut self, index: &[usize]) -> Result<(), IoError> {
         let chunks = &self.image.array.chunks;
-        let start: Vec<usize> = index.iter().zip(&chunks.shape).map(|(i, len)| i * len).collect();
+        let start = self.start_of(index);
         let key = key(self.image, index);
+        self.meter.advance(chunk_bytes(self.image));
         let Some(part) = self.tree.part(&key)? else {
             self.fill(&start, &chunks.shape);
             return Ok(());
@@ -121,20 +171,7 @@ impl Reading<'_> {
             None => self.read_chunk(part, chunks, &start),
             Some(shard) => self.read_shard(part, shard, &start),
         };
-        done.map_err(|failure| {
-            let path = self.tree.path_of(&key);
-            match failure {
-                ReadFailure::TooShort(_) => {
-                    IoError::malformed(path, "a chunk unpacks to less than it should")
-                }
-                ReadFailure::Io(error) => match error.kind() {
-                    io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => {
-                        IoError::Read { path, source: error }
-                    }
-                    _ => IoError::malformed(path, format!("a chunk cannot be unpacked: {error}")),
-                },
-            }
-        })
+        done.map_err(|failure| failed(self.tree, &key, failure))
     }
 
     fn read_shard(
@@ -150,12 +187,7 @@ impl Reading<'_> {
         let n_each: Vec<usize> =
             outer.iter().zip(inner).map(|(outer, inner)| outer / inner).collect();
         for (at, &[offset, n_bytes]) in index.iter().enumerate() {
-            let mut rest = at;
-            let mut first = start.to_vec();
-            for axis in (0..n_each.len()).rev() {
-                first[axis] += rest % n_each[axis] * inner[axis];
-                rest /= n_each[axis];
-            }
+            let first = first_of(at, start, &n_each, inner);
             if self.axes_of(&first, inner).is_none() {
                 continue;
             }
@@ -175,15 +207,27 @@ impl Reading<'_> {
         chunks: &Chunks,
         start: &[usize],
     ) -> Result<(), ReadFailure> {
-        let Some((axes, first)) = self.axes_of(start, &chunks.shape) else { return Ok(()) };
-        let n_items = chunks.shape.iter().fold(1, |n: u64, len| n.saturating_mul(*len as u64));
-        let n_bytes = n_items.saturating_mul(self.image.array.stored.size_bytes() as u64);
+        if self.axes_of(start, &chunks.shape).is_none() {
+            return Ok(());
+        }
+        let n_bytes = unpacked_bytes(self.image, chunks);
         let mut source =
             codecs::unpacked(packed, &chunks.codecs, n_bytes).map_err(ReadFailure::Io)?;
+        self.place(&mut source, chunks, start)
+    }
+
+    /// What is kept of an unpacked chunk goes to its place.
+    fn place(
+        &mut self,
+        source: &mut impl Source,
+        chunks: &Chunks,
+        start: &[usize],
+    ) -> Result<(), ReadFailure> {
+        let Some((axes, first)) = self.axes_of(start, &chunks.shape) else { return Ok(()) };
         // By bytes, the fastest first.
         let in_order: Vec<Axis> =
             chunks.order.iter().rev().map(|&axis| axes[axis].clone()).collect();
-        self.samples.place(&mut source, &in_order, first)
+        self.samples.place(source, &in_order, first)
     }
 
     /// A chunk that is not there.
@@ -223,6 +267,48 @@ impl Reading<'_> {
             axes.push(Axis { len, kept: from - start..to - start, stride: axis.stride });
         }
         Some((axes, first))
+    }
+}
+
+/// Where a chunk of a shard begins that begins at `start` and has so many along each axis.
+fn first_of(at: usize, start: &[usize], n_each: &[usize], inner: &[usize]) -> Vec<usize> {
+    let mut rest = at;
+    let mut first = start.to_vec();
+    for axis in (0..n_each.len()).rev() {
+        first[axis] += rest % n_each[axis] * inner[axis];
+        rest /= n_each[axis];
+    }
+    first
+}
+
+/// All bytes of a chunk; memory grows with what comes.
+fn unpacked_chunk(
+    image: &Image,
+    chunks: &Chunks,
+    packed: impl Read,
+) -> Result<Vec<u8>, ReadFailure> {
+    let n_bytes = unpacked_bytes(image, chunks);
+    let source = codecs::unpacked(packed, &chunks.codecs, n_bytes).map_err(ReadFailure::Io)?;
+    let mut bytes = Vec::new();
+    source.take(n_bytes).read_to_end(&mut bytes).map_err(|error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => ReadFailure::TooShort(bytes.len() as u64),
+        _ => ReadFailure::Io(error),
+    })?;
+    Ok(bytes)
+}
+
+fn failed(tree: &Tree<'_>, key: &str, failure: ReadFailure) -> IoError {
+    let path = tree.path_of(key);
+    match failure {
+        ReadFailure::TooShort(_) => {
+            IoError::malformed(path, "a chunk unpacks to less than it should")
+        }
+        ReadFailure::Io(error) => match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied => {
+                IoError::Read { path, source: error }
+            }
+            _ => IoError::malformed(path, format!("a chunk cannot be unpacked: {error}")),
+        },
     }
 }
 

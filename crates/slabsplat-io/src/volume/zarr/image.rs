@@ -8,6 +8,7 @@ use super::super::array_axes::VolumeAxes;
 use super::super::choices::{Choice, Part, VolumeChoices};
 use super::super::formats::Input;
 use super::super::placed::Axis;
+use super::super::units;
 use super::meta::{ArrayMeta, shown};
 use super::tree::{Tree, joined};
 use crate::IoError;
@@ -270,11 +271,10 @@ fn named_axes(
             _ => Role::Other,
         };
         let unit = axis["unit"].as_str();
-        let millimetres = unit.and_then(millimetres);
+        let millimetres = unit.and_then(units::millimetres);
         if matches!(role, Role::Space(_)) {
             if let (Some(unit), None) = (unit, millimetres) {
-                warnings
-                    .push(format!("the unit {} is unknown: millimetres were assumed", shown(unit)));
+                warnings.push(units::unknown(unit));
             }
             has_unit &= unit.is_some();
         }
@@ -292,22 +292,4 @@ fn named_axes(
             .push("the file does not say a unit of length: millimetres were assumed".to_owned());
     }
     Ok(axes)
-}
-
-/// How many millimetres a unit of length has, as UDUNITS names it.
-fn millimetres(unit: &str) -> Option<f64> {
-    Some(match unit {
-        "meter" | "metre" | "m" => 1e3,
-        "decimeter" => 1e2,
-        "centimeter" | "cm" => 10.0,
-        "millimeter" | "millimetre" | "mm" => 1.0,
-        "micrometer" | "micrometre" | "micron" | "um" | "µm" | "μm" => 1e-3,
-        "nanometer" | "nanometre" | "nm" => 1e-6,
-        "angstrom" | "Å" => 1e-7,
-        "picometer" => 1e-9,
-        "kilometer" => 1e6,
-        "inch" => 25.4,
-        "foot" => 304.8,
-        _ => return None,
-    })
 }

@@ -25,6 +25,7 @@ use std::path::{Path, PathBuf};
 use slabsplat_core::Scaling;
 
 use super::formats::{Input, Reader, VolumeListing};
+use super::zip::is_zip;
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
 use crate::store::Store;
@@ -43,20 +44,21 @@ impl Reader for Zarr {
         &["zarr", "ozx"]
     }
 
-    fn is_begun_by(&self, _start: &[u8]) -> bool {
-        false
+    fn is_begun_by(&self, start: &[u8]) -> bool {
+        is_zip(start)
     }
 
-    fn is_named(&self, store: Store<'_>, path: &Path) -> bool {
-        let is_mark =
-            path.file_name().is_some_and(|name| tree::MARKS.iter().any(|mark| name == *mark));
-        is_mark || is_zip_of_zarr(store, path)
+    fn is_other(&self, store: Store<'_>, path: &Path) -> bool {
+        !is_mark(path) && !is_zip_of_zarr(store, path)
     }
 
-    fn header_of(&self, store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+    fn is_named(&self, _store: Store<'_>, path: &Path) -> bool {
+        is_mark(path)
+    }
+
+    fn header_of(&self, _store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
         // Of a file that marks a folder, the folder.
-        let is_zip = is_zip_of_zarr(store, path);
-        Ok(if is_zip { path } else { path.parent().unwrap_or(Path::new("")) }.to_owned())
+        Ok(path.parent().unwrap_or(Path::new("")).to_owned())
     }
 
     fn is_folder(&self, store: Store<'_>, folder: &Path, _files: &[PathBuf]) -> bool {
@@ -87,6 +89,11 @@ impl Reader for Zarr {
             choices: image.choices,
         })
     }
+}
+
+/// Whether the file is one that a Zarr's folder has.
+fn is_mark(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| tree::MARKS.iter().any(|mark| name == *mark))
 }
 
 /// Whether an archive holds a Zarr.

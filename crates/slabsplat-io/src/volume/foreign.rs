@@ -1,0 +1,207 @@
+//! Formats of volumes that are not read: how they are known, and what converts them. A stranger with such a
+//! file is told a program, and not only a list of what else there is.
+
+use std::path::Path;
+
+use super::stream::plain_extension;
+use crate::IoError;
+
+/// A format that is known, and not read.
+#[derive(Debug)]
+pub(super) struct Foreign {
+    /// What it is called: this is ...
+    name: &'static str,
+    /// The bytes that it begins with, and where they are; none if nothing tells it.
+    magic: &'static [(usize, &'static [u8])],
+    /// In lower case, without `.gz`.
+    extensions: &'static [&'static str],
+    /// What makes a file of it that is read.
+    remedy: &'static str,
+}
+
+/// Of microscopes' makers: all are read by one library.
+const BIO_FORMATS: &str =
+    "`bfconvert IN OUT.ome.tif` (Bio-Formats), or Fiji, saves an OME-TIFF of it";
+
+const FORMATS: &[Foreign] = &[
+    Foreign {
+        name: "FreeSurfer's MGH",
+        magic: &[],
+        extensions: &["mgz", "mgh"],
+        remedy: "`mri_convert IN OUT.nii.gz`, or nibabel, converts it",
+    },
+    Foreign {
+        name: "Nikon's ND2",
+        magic: &[(0, b"\xda\xce\xbe\x0a")],
+        extensions: &["nd2"],
+        remedy: BIO_FORMATS,
+    },
+    Foreign {
+        name: "Zeiss's CZI",
+        magic: &[(0, b"ZISRAWFILE")],
+        extensions: &["czi", "lsm", "zvi"],
+        remedy: BIO_FORMATS,
+    },
+    Foreign { name: "Leica's LIF", magic: &[], extensions: &["lif", "xlef"], remedy: BIO_FORMATS },
+    Foreign {
+        name: "a microscope's format",
+        magic: &[],
+        extensions: &[
+            "oib", "oif", "oir", "vsi", "dv", "r3d", "stk", "svs", "ndpi", "ics", "ids", "sld",
+        ],
+        remedy: BIO_FORMATS,
+    },
+    Foreign { name: "Imaris", magic: &[], extensions: &["ims"], remedy: BIO_FORMATS },
+    Foreign {
+        name: "MINC",
+        magic: &[(0, b"CDF\x01"), (0, b"CDF\x02")],
+        extensions: &["mnc"],
+        remedy: "`mnc2nii IN OUT.nii`, or ITK-SNAP, converts it",
+    },
+    Foreign {
+        name: "MRtrix's MIF",
+        magic: &[(0, b"mrtrix image")],
+        extensions: &["mif", "mih"],
+        remedy: "`mrconvert IN OUT.nii.gz` converts it",
+    },
+    Foreign {
+        name: "AFNI's BRIK",
+        magic: &[],
+        extensions: &["brik", "head"],
+        remedy: "`3dAFNItoNIFTI IN` converts it",
+    },
+    Foreign {
+        name: "Philips's PAR/REC",
+        magic: &[],
+        extensions: &["par"],
+        remedy: "`dcm2niix`, or nibabel's `parrec2nii`, converts it",
+    },
+    Foreign { name: "GIPL", magic: &[], extensions: &["gipl"], remedy: "ITK-SNAP converts it" },
+    Foreign {
+        name: "ENVI's header",
+        magic: &[(0, b"ENVI\n"), (0, b"ENVI\r")],
+        extensions: &[],
+        remedy: "its samples are raw: name the file without .hdr, with --dims, --type and --header-bytes as \
+                 the header says them, or convert it by `gdal_translate`",
+    },
+    Foreign {
+        name: "AmiraMesh",
+        magic: &[(0, b"# AmiraMesh"), (0, b"# Avizo"), (0, b"# HyperMesh")],
+        extensions: &["am", "amiramesh"],
+        remedy: "Amira and Avizo save NRRD or TIFF; 3D Slicer with SlicerMorph opens it",
+    },
+    Foreign {
+        name: "OpenVDB",
+        magic: &[(0, b" BDV")],
+        extensions: &["vdb"],
+        remedy: "a dense array is read: in Python, `openvdb`'s `copyToArray`, then `numpy.save`",
+    },
+    Foreign {
+        name: "VTK's SLC",
+        magic: &[],
+        extensions: &["slc"],
+        remedy: "VTK's `vtkSLCReader` and `vtkXMLImageDataWriter` make a .vti of it",
+    },
+    Foreign {
+        name: "Bio-Rad's PIC",
+        magic: &[],
+        extensions: &["pic"],
+        remedy: "Fiji opens it, and saves TIFF",
+    },
+    Foreign {
+        name: "Blender's BVOX",
+        magic: &[],
+        extensions: &["bvox"],
+        remedy: "it is raw: --dims, --type float32 and --header-bytes 16 read a frame of it",
+    },
+    Foreign {
+        name: "JPEG 2000",
+        magic: &[(0, b"\0\0\0\x0cjP  \r\n"), (0, b"\xff\x4f\xff\x51")],
+        extensions: &["jp2", "j2k", "jpx"],
+        remedy: "`opj_decompress -i IN -o OUT.tif` unpacks it",
+    },
+    Foreign {
+        name: "a picture",
+        magic: &[(0, b"\x89PNG"), (0, b"\xff\xd8\xff")],
+        extensions: &["png", "jpg", "jpeg"],
+        remedy: "one picture is no volume: name the folder that holds all slices",
+    },
+    Foreign {
+        name: "a tar archive",
+        magic: &[(257, b"ustar")],
+        extensions: &["tar", "tgz"],
+        remedy: "unpack it, and name what is in it",
+    },
+    Foreign {
+        name: "packed as a whole",
+        magic: &[
+            (0, b"7z\xbc\xaf"),
+            (0, b"Rar!"),
+            (0, b"\xfd7zXZ\0"),
+            (0, b"BZh"),
+            (0, b"\x28\xb5\x2f\xfd"),
+        ],
+        extensions: &["7z", "rar", "xz", "bz2", "zst"],
+        remedy: "unpack it, as by `zstd -dc IN | slabsplat info -`",
+    },
+];
+
+/// The format whose content begins like this.
+pub(super) fn of_content(start: &[u8]) -> Option<&'static Foreign> {
+    let is_there = |&(at, bytes): &(usize, &[u8])| start.get(at..at + bytes.len()) == Some(bytes);
+    FORMATS.iter().find(|format| format.magic.iter().any(is_there))
+}
+
+/// The format of files with such a name.
+pub(super) fn of_name(path: &Path) -> Option<&'static Foreign> {
+    let extension = plain_extension(path);
+    FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
+}
+
+impl Foreign {
+    /// That the file is not read, and what to do.
+    pub(super) fn error(&self, path: &Path) -> IoError {
+        let Self { name, remedy, .. } = self;
+        IoError::unsupported(path, format!("this is {name}, which is not read: {remedy}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FilesInMemory;
+
+    fn refused(name: &str, bytes: &[u8]) -> String {
+        let files = FilesInMemory::from_iter([(name, bytes)]);
+        files.read_volume(name).map(|loaded| loaded.format).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn foreign_formats_are_named_with_what_converts_them() {
+        for (name, bytes, expected) in [
+            (
+                "a.mgz",
+                &b"\0\0\0\x01"[..],
+                "a.mgz: this is FreeSurfer's MGH, which is not read: `mri_convert",
+            ),
+            ("a.dat", b"ZISRAWFILE\0\0", "Zeiss's CZI"),
+            ("a.ims", b"\0", "this is Imaris"),
+            ("a.hdr", b"ENVI\nsamples = 5\n", "--header-bytes"),
+            ("a.vdb", b" BDV\0\0", "OpenVDB"),
+            ("a.tif", b"\x89PNG\r\n\x1a\n", "name the folder"),
+            ("a.nrrd", b"\x28\xb5\x2f\xfd\0", "unpack it"),
+        ] {
+            let message = refused(name, bytes);
+            assert!(message.contains(expected), "{message}");
+        }
+    }
+
+    /// A table that names an extension which is read would be wrong sooner or later.
+    #[test]
+    fn foreign_extensions_are_none_that_are_read() {
+        for extension in FORMATS.iter().flat_map(|format| format.extensions) {
+            let message = refused(&format!("a.{extension}"), b"?");
+            assert!(message.contains("which is not read"), "{extension}: {message}");
+        }
+    }
+}
