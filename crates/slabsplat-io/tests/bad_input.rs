@@ -64,6 +64,8 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("a.ome.tif", ome_tiff(), volume),
         ("explicit.dcm", dicom("1.2.840.10008.1.2.1"), volume),
         ("deflated.dcm", dicom("1.2.840.10008.1.2.1.99"), volume),
+        ("rgb.nrrd", small_files::rgb_nrrd(), volume),
+        ("rgba.nii", small_files::rgba_nifti(), volume),
         ("hex.nrrd", attached("hex", hex.as_bytes()), volume),
         ("a.json", SIDECAR.as_bytes().to_vec(), volume),
         ("a.npy", arrays::npy(&voxels()), volume),

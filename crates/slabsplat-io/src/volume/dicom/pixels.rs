@@ -22,13 +22,13 @@ use crate::store::Store;
 /// least, and a run of 128 bytes takes two.
 const MAX_RATIO: u64 = MAX_GZIP_RATIO;
 
-/// Reads the samples of a stack, a slice after the other.
+/// Reads the samples of a stack, a slice after the other: of each pixel those of a channel, or all.
 pub(super) fn read(
     store: Store<'_>,
     series: &Series,
     stack: &Stack,
     to_float: bool,
-    channel: usize,
+    channel: Option<usize>,
 ) -> Result<Samples, IoError> {
     let sample_type = if to_float { SampleType::F32 } else { sample_type(&series.layout) };
     let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
@@ -132,7 +132,8 @@ enum Cached {
 struct FrameReader<'a> {
     store: Store<'a>,
     series: &'a Series,
-    channel: usize,
+    /// The value of each pixel that is read, if not all are.
+    channel: Option<usize>,
     to_float: bool,
     cached: Option<Cached>,
 }
@@ -150,7 +151,10 @@ impl FrameReader<'_> {
             let pixel_bytes = layout.bits_allocated as usize / 8;
             bytes.chunks_exact_mut(pixel_bytes).for_each(<[u8]>::reverse);
         }
-        let bytes = one_channel(&layout, bytes, self.channel);
+        let bytes = match self.channel {
+            Some(channel) => one_channel(&layout, bytes, channel),
+            None => all_channels(&layout, bytes),
+        };
         Ok(match layout.bits_allocated {
             64 => from_le(&bytes, f64::from_le_bytes, f64::to_ne_bytes),
             32 if layout.is_float => from_le(&bytes, f32::from_le_bytes, f32::to_ne_bytes),
@@ -426,6 +430,19 @@ fn from_le<T, const N: usize>(
 ) -> Vec<u8> {
     let value = |chunk: &[u8]| to(from(chunk.try_into().expect("chunks have this size")));
     bytes.chunks_exact(N).flat_map(value).collect()
+}
+
+/// The values of all channels, pixel by pixel.
+fn all_channels(layout: &Layout, bytes: Vec<u8>) -> Vec<u8> {
+    if !layout.is_planar || layout.n_channels == 1 {
+        return bytes;
+    }
+    let value_bytes = layout.bits_allocated as usize / 8;
+    let plane_bytes = layout.n_pixels() * value_bytes;
+    let pixels = (0..plane_bytes).step_by(value_bytes);
+    let values =
+        pixels.flat_map(|at| (0..layout.n_channels).map(move |channel| channel * plane_bytes + at));
+    values.flat_map(|at| &bytes[at..at + value_bytes]).copied().collect()
 }
 
 /// The values of one channel.

@@ -2,8 +2,8 @@
 //!
 //! The `tiff` crate reads pages, in every packing that it knows. What they mean is decided here: which pages
 //! are the slices of one channel at one time, and how large voxels are, in millimetres. Pages
-//! are not turned over: y grows downwards, as their rows do. Not read: colours, palettes, samples of less
-//! than 8 bits. Pages of an OME-TIFF may be in several files beside each other.
+//! are not turned over: y grows downwards, as their rows do. Not read: other colours than RGB, palettes,
+//! samples of less than 8 bits. Pages of an OME-TIFF may be in several files beside each other.
 //!
 //! Reading order: `pages` (what a file holds), `stack` (which pages are slices, and where), `ome`, `imagej`.
 
@@ -15,8 +15,9 @@ mod stack;
 use slabsplat_core::{Grid, Scaling};
 
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
-use super::{LoadedVolume, VolumeFormat, assemble};
+use super::{LoadedVolume, VolumeFormat};
 use crate::IoError;
 use ome::Page;
 pub(super) use pages::Pages;
@@ -73,6 +74,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
             None => pages.read_into(*page_idx, &mut page)?,
             Some(name) => others.read_into(name, *page_idx, &pages, &mut page)?,
         }
+        stack.choices.keep_read(&mut page, pages.stored.size_bytes());
         let n_samples = page.len() / pages.stored.size_bytes();
         buffer.append(&mut page.as_slice(), n_samples, true).map_err(|failure| match failure {
             ReadFailure::TooShort(_) => IoError::malformed(path, "a page is shorter than it says"),
@@ -80,9 +82,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         })?;
     }
     let samples = buffer.finish(&mut warnings);
-    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    let choices = stack.choices;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Tiff, warnings) })
+    let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices: stack.choices };
+    voxels.load(input, VolumeFormat::Tiff, warnings)
 }
 
 /// Files that the pages of an OME-TIFF are in beside the one that was opened, one at a time.
@@ -102,7 +103,7 @@ impl Others<'_> {
         if self.last.as_ref().is_none_or(|(last, _)| last != name) {
             self.last = None;
             let pages = Pages::open(self.input.store, &self.input.beside(name)?)?;
-            if (pages.size, pages.stored) != (own.size, own.stored) {
+            if !pages.are_like(own) {
                 let what = "its pages are of another size or type than those of the other files";
                 return Err(pages.unsupported(what));
             }
