@@ -1,5 +1,5 @@
-//! Voxels that have colours of their own (model §15): red, green and blue beside the scalar that their opacity
-//! and their normals are made of.
+//! Voxels that have colours of their own (model §15): red, green and blue beside the scalar that opacity and
+//! normals are made of.
 
 use std::fmt;
 use std::sync::Arc;

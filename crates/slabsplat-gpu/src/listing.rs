@@ -2,9 +2,9 @@
 //!
 //! Where a voxel's look follows from its value, the device does: it holds the samples, and a new transfer
 //! function sends its points, nothing else. Where more decides, as labels, gradients and voxels' own colours
-//! do, the host does, by the rules that the CPU backend lists by, and sends the device a record for each. So such rules are defined
-//! once, and no sample of the layer need be on the device; the price is that every change of them sends all
-//! records again.
+//! do, the host does, by the rules that the CPU backend lists by, and sends the device a record for each. So
+//! such rules are defined once, and no sample of the layer need be on the device; the price is that every
+//! change of them sends all records again.
 
 use crate::classification::Classification;
 use crate::host_list::HostList;

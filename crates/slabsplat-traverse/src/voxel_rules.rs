@@ -8,8 +8,8 @@ use slabsplat_core::{
     VoxelColors,
 };
 
-/// How a layer classifies its voxels: by value, by label (model §13), by gradient (§6), and by colours of their
-/// own (§15).
+/// How a layer classifies its voxels: by value, by label (model §13), by gradient (§6), and by colours of
+/// their own (§15).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelRules<'a> {
     /// What is seen of values.

@@ -22,12 +22,13 @@ pub(crate) struct PartFlags {
     #[arg(long, value_name = "N")]
     level: Option<usize>,
 
-    /// In which colours voxels of three or four values are drawn: own or none [default: own, if they are meant
-    /// to be colours]
+    /// In which colours voxels of three or four values are drawn: own or none [default: own, if they are
+    /// meant to be colours]
     #[arg(long, value_name = "COLORS")]
     colors: Option<ColorUse>,
 
-    /// What the opacity of voxels with colours is made of: luminance or alpha [default: alpha, if there is any]
+    /// What the opacity of voxels with colours is made of: luminance or alpha [default: alpha, if there is
+    /// any]
     #[arg(long, value_name = "SOURCE")]
     opacity_from: Option<OpacitySource>,
 

@@ -1,5 +1,5 @@
-//! One picture in every format that has colours, written here, or by what `convert` writes with; and files that
-//! are spoilt.
+//! One volume of colours in every format that has them, written here, or by what `convert` writes with; and
+//! files that are spoilt.
 
 use std::io::Cursor;
 

@@ -74,7 +74,10 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
             None => pages.read_into(*page_idx, &mut page)?,
             Some(name) => others.read_into(name, *page_idx, &pages, &mut page)?,
         }
-        stack.choices.keep_read(&mut page, pages.stored.size_bytes());
+        // Pixels of one value have their channels in pages of their own.
+        if 1 < pages.n_values {
+            stack.choices.keep_read(&mut page, pages.stored.size_bytes());
+        }
         let n_samples = page.len() / pages.stored.size_bytes();
         buffer.append(&mut page.as_slice(), n_samples, true).map_err(|failure| match failure {
             ReadFailure::TooShort(_) => IoError::malformed(path, "a page is shorter than it says"),

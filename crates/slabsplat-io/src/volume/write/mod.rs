@@ -92,8 +92,8 @@ pub fn write_volume(path: impl AsRef<Path>, volume: &Volume) -> Result<Vec<Strin
 }
 
 /// Writes a volume whose voxels have colours: red, green and blue of each, and the volume's value as alpha if
-/// it is that. Where the format has no room for colours, the volume is written as [`write_volume`] does, and a
-/// warning says so.
+/// it is that. Where the format has no room for colours, the volume is written as [`write_volume`] does, and
+/// a warning says so.
 ///
 /// # Errors
 /// As [`write_volume`].
