@@ -81,7 +81,7 @@ fn colors_take_turns() {
         let kinds = SceneKind::all().into_iter().filter(|kind| kind.method == Method::ImageAligned);
         for (number, kind) in kinds.step_by(47).enumerate() {
             let plain = random_scene(&mut rng, &kind);
-            let mut scenes = vec![plain.clone(), plain.clone(), plain.clone(), plain];
+            let mut scenes = [plain.clone(), plain.clone(), plain.clone(), plain];
             scenes[1..].iter_mut().for_each(|scene| add_colors(&mut rng, scene));
             add_labels(&mut rng, &mut scenes[2]);
             scenes[3].settings.mode = Compositing::ALL[rng.usize(..Compositing::ALL.len())].into();
