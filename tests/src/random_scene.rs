@@ -17,8 +17,8 @@ use crate::exact_settings;
 use fastrand::Rng;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Compositing, Grid, ImageDesc, KernelName, Layer, Light, LightSource, Method, Normalization,
-    Phong, PiecewiseLinear, Scene, Shading, TransferFunction, Volume,
+    ColorSamples, Compositing, Grid, ImageDesc, KernelName, Layer, Light, LightSource, Method,
+    Normalization, Phong, PiecewiseLinear, Scene, Shading, TransferFunction, Volume, VoxelColors,
 };
 
 pub use grid::GridKind;
@@ -187,6 +187,24 @@ pub fn add_transfer_2d(rng: &mut Rng, scene: &mut Scene) {
             let [lo, hi] = layer.volume.summary().range.unwrap_or([0.0, 1.0]);
             layer.transfer_2d = Some(transfer_2d::random_transfer_2d(rng, [lo, hi]));
         }
+    }
+}
+
+/// Gives the voxels of most layers colours of their own, of 8 or 16 bits.
+pub fn add_colors(rng: &mut Rng, scene: &mut Scene) {
+    for layer in &mut scene.layers {
+        if rng.u32(..4) == 0 {
+            continue;
+        }
+        let grid = layer.volume.grid();
+        let voxels = 0..grid.n_voxels();
+        let samples = if rng.bool() {
+            ColorSamples::U8(voxels.map(|_| [0; 3].map(|_| rng.u8(..))).collect())
+        } else {
+            ColorSamples::U16(voxels.map(|_| [0; 3].map(|_| rng.u16(..))).collect())
+        };
+        let colors = VoxelColors::new(grid.dims(), samples).expect("there is one for each voxel");
+        layer.colors = Some(colors);
     }
 }
 

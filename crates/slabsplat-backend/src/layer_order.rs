@@ -2,7 +2,7 @@
 
 use slabsplat_core::{
     Isosurface, LabelMap, LabelStyle, Labels, Layer, Phong, PiecewiseLinear, Shading,
-    TransferFunction, TransferFunction2d, Volume,
+    TransferFunction, TransferFunction2d, Volume, VoxelColors,
 };
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -21,7 +21,9 @@ fn compare(a: &Layer, b: &Layer) -> Ordering {
     in_numbers(region(a), region(b))
         .then_with(by_place)
         .then_with(by_look)
-        .then_with(|| by_values(&a.volume, &b.volume).then_with(|| by_labels(a, b)))
+        .then_with(|| by_values(&a.volume, &b.volume))
+        .then_with(|| by_labels(a, b))
+        .then_with(|| by_colors(a.colors.as_ref(), b.colors.as_ref()))
 }
 
 /// The grids are the same.
@@ -43,6 +45,19 @@ fn by_labels(a: &Layer, b: &Layer) -> Ordering {
         return Ordering::Equal;
     }
     numbers(a).cmp(&numbers(b))
+}
+
+/// The grids are the same.
+fn by_colors(a: Option<&VoxelColors>, b: Option<&VoxelColors>) -> Ordering {
+    let (Some(a), Some(b)) = (a, b) else { return a.is_some().cmp(&b.is_some()) };
+    if a.is_same(b) {
+        return Ordering::Equal;
+    }
+    let numbers = |colors| {
+        let at = move |idx| VoxelColors::at(colors, idx).map(f64::from);
+        (0..colors.samples().len()).flat_map(at)
+    };
+    in_numbers(numbers(a), numbers(b))
 }
 
 /// Where it is seen; first of all, so that layers of one region follow each other.

@@ -4,7 +4,7 @@ use crate::Slabs;
 use slabsplat_core::{
     BlinnPhong, Compositing, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
     PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction, TransferFunction2d,
-    View, Volume,
+    View, Volume, VoxelColors,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
@@ -57,6 +57,8 @@ pub struct LayerPlan<'a> {
     /// What opacity is multiplied with, by the length of a voxel's gradient per `unit`; only for
     /// [`Splats::Colors`].
     pub gradient_opacity: Option<&'a PiecewiseLinear<1>>,
+    /// Colours of voxels instead, only for [`Splats::Colors`]; a label's colour comes before its voxels' own.
+    pub colors: Option<&'a VoxelColors>,
     /// What changes these by the label of a voxel, only for [`Splats::Colors`]; `relevant` then holds what is
     /// visible of any label.
     pub labels: Option<&'a Labels>,

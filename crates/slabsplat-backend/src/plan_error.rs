@@ -71,6 +71,14 @@ pub enum PlanError {
         /// Of the volume.
         volume: [usize; 3],
     },
+    /// Colours are of voxels, and of another number of them than there are.
+    #[error("colours of {colors:?} voxels are not those of a volume of {volume:?}")]
+    ColorsOfAnotherGrid {
+        /// Of the colours, along each axis.
+        colors: [usize; 3],
+        /// Of the volume.
+        volume: [usize; 3],
+    },
     /// A density is a mean over voxels, each of which has its own.
     #[error(
         "{what} shows densities, which have no {of_voxels}: use image-aligned sheets that are composited"

@@ -104,6 +104,7 @@ impl Planner {
                 transfer: &layer.transfer,
                 transfer_2d: layer.transfer_2d.as_ref(),
                 gradient_opacity: layer.gradient_opacity.as_ref(),
+                colors: layer.colors.as_ref(),
                 labels: layer.labels.as_ref(),
                 isosurfaces: &layer.isosurfaces,
                 light: match layer.shading {

@@ -1,7 +1,7 @@
 //! Which methods and modes draw which scenes.
 
 use crate::PlanError;
-use slabsplat_core::{Isosurface, Layer, Method, Mode, RenderSettings, Scene};
+use slabsplat_core::{Isosurface, Layer, Method, Mode, RenderSettings, Scene, VoxelColors};
 
 /// Whether a mode shows densities, whatever the method.
 pub(crate) fn is_of_densities(mode: Mode) -> bool {
@@ -51,6 +51,10 @@ fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
     for layer in &scene.layers {
         let of_voxels = [
             ("two-dimensional transfer functions", layer.transfer_2d.is_some()),
+            (
+                "colours of voxels (colors = \"none\", or --colors none, leaves them out)",
+                layer.colors.is_some(),
+            ),
             ("labels", layer.labels.is_some()),
             ("opacity by gradients", layer.gradient_opacity.is_some()),
         ];
@@ -58,8 +62,14 @@ fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
         if let (Some(what), Some(of_voxels)) = (&densities, of_voxels) {
             return Err(PlanError::OfVoxelsAlone { what: what.clone(), of_voxels });
         }
+        let volume = layer.volume.grid().dims();
+        if let Some(colors) = layer.colors.as_ref().map(VoxelColors::dims)
+            && colors != volume
+        {
+            return Err(PlanError::ColorsOfAnotherGrid { colors, volume });
+        }
         if let Some(labels) = &layer.labels {
-            let [labels, volume] = [labels.map().dims(), layer.volume.grid().dims()];
+            let labels = labels.map().dims();
             if labels != volume {
                 return Err(PlanError::LabelsOfAnotherGrid { labels, volume });
             }

@@ -36,7 +36,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
         bail!("{} is a mesh, not a volume", args.volume.display());
     };
     progress.stage("writing");
-    let lost = output::write_volume(&args.output, &loaded.volume)?;
+    let lost = output::write_volume(&args.output, &loaded)?;
     drop(progress);
     terminal::warn_all(&loaded.warnings);
     terminal::warn_all(&lost);

@@ -8,7 +8,9 @@ use crate::{input, terminal};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::io::{IoError, LoadedMesh, LoadedVolume, Part, VolumeChoices, read_mesh};
+use slabsplat::io::{
+    IoError, LoadedColors, LoadedMesh, LoadedVolume, Part, VolumeChoices, read_mesh,
+};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -65,10 +67,11 @@ struct Info {
     n_infinite: [usize; 2],
     format: &'static str,
     choices: VolumeChoices,
+    colors: Option<LoadedColors>,
 }
 
 impl Info {
-    fn of(LoadedVolume { volume, format, choices, .. }: &LoadedVolume) -> Self {
+    fn of(LoadedVolume { volume, format, choices, colors, .. }: &LoadedVolume) -> Self {
         let grid = volume.grid();
         let summary = volume.summary();
         let to_world = grid.world_from_index();
@@ -85,6 +88,7 @@ impl Info {
             n_infinite: summary.n_infinite,
             format: format.name(),
             choices: choices.clone(),
+            colors: colors.clone(),
         }
     }
 
@@ -107,9 +111,16 @@ impl Info {
         for &part in Part::ALL {
             let choice = self.choices.get(part);
             if 1 < choice.n {
-                let said = json!({ "n": choice.n, "names": choice.names, "chosen": choice.chosen });
-                info[part.name()] = said;
+                let chosen = (!self.is_read_whole(part)).then_some(choice.chosen);
+                info[part.name()] =
+                    json!({ "n": choice.n, "names": choice.names, "chosen": chosen });
             }
+        }
+        if let Some(colors) = &self.colors {
+            info["colors"] = json!({
+                "alpha": colors.has_alpha,
+                "opacity_from": colors.opacity_from.name(),
+            });
         }
         info
     }
@@ -136,6 +147,10 @@ impl Info {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{key:<8} {value}");
         }
+        if let Some(LoadedColors { has_alpha, opacity_from, .. }) = &self.colors {
+            let kind = if *has_alpha { "RGBA" } else { "RGB" };
+            let _ = writeln!(text, "{:<8} {kind}; values are of {opacity_from}", "colors");
+        }
         text + &self.affine_text() + &self.choices_text()
     }
 
@@ -147,12 +162,19 @@ impl Info {
             if choice.n == 1 {
                 continue;
             }
-            let _ = writeln!(text, "{:<8} {} of 0 to {}", part.name(), choice.chosen, choice.n - 1);
+            let chosen =
+                if self.is_read_whole(part) { "all".to_owned() } else { choice.chosen.to_string() };
+            let _ = writeln!(text, "{:<8} {chosen} of 0 to {}", part.name(), choice.n - 1);
             for (idx, name) in choice.names.iter().enumerate() {
                 let _ = writeln!(text, "{:<8} {idx}: {name}", "");
             }
         }
         text
+    }
+
+    /// Whether no single one of a part was read.
+    fn is_read_whole(&self, part: Part) -> bool {
+        part == Part::Channel && self.choices.is_color
     }
 
     fn affine_text(&self) -> String {

@@ -2,8 +2,8 @@
 //! interrupts the program meanwhile waits until that is done, a second at most for most pictures, so that no
 //! half of one is left behind.
 
-use slabsplat::io::{self, IoError};
-use slabsplat::{Image, Volume};
+use slabsplat::Image;
+use slabsplat::io::{self, IoError, LoadedVolume};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -23,9 +23,12 @@ pub(crate) fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
 ///
 /// # Errors
 /// As [`io::write_volume`].
-pub(crate) fn write_volume(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError> {
+pub(crate) fn write_volume(path: &Path, loaded: &LoadedVolume) -> Result<Vec<String>, IoError> {
     let _not_interrupted = writing();
-    io::write_volume(path, volume)
+    match &loaded.colors {
+        Some(colors) => io::write_colored_volume(path, &loaded.volume, colors),
+        None => io::write_volume(path, &loaded.volume),
+    }
 }
 
 fn writing() -> MutexGuard<'static, ()> {

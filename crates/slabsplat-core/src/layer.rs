@@ -2,7 +2,7 @@
 
 use crate::{
     Isosurface, Labels, Phong, PiecewiseLinear, Region, Shading, TransferFunction,
-    TransferFunction2d, Volume,
+    TransferFunction2d, Volume, VoxelColors,
 };
 use std::sync::Arc;
 
@@ -22,6 +22,9 @@ pub struct Layer {
     /// What opacities are multiplied with, 0 … 1, as a function of how fast values change there: the length
     /// of the gradient, per `unit` (Levoy 1988).
     pub gradient_opacity: Option<PiecewiseLinear<1>>,
+    /// Colours of its voxels instead of the transfer function's, which then says how opaque they are (model
+    /// §15); one for each.
+    pub colors: Option<VoxelColors>,
     /// What its voxels belong to, if that changes how they look; a map for as many voxels along each axis.
     pub labels: Option<Labels>,
     /// What is shown instead in the mode [`Isosurfaces`](crate::Mode::Isosurfaces), in any order.
@@ -40,6 +43,7 @@ impl Layer {
             transfer,
             transfer_2d: None,
             gradient_opacity: None,
+            colors: None,
             labels: None,
             isosurfaces: Vec::new(),
             shading: Shading::Phong(Phong::default()),
@@ -69,6 +73,12 @@ impl Layer {
     #[must_use]
     pub fn gradient_opacity(self, factor: impl Into<Option<PiecewiseLinear<1>>>) -> Self {
         Self { gradient_opacity: factor.into(), ..self }
+    }
+
+    /// The same with voxels that have colours of their own.
+    #[must_use]
+    pub fn colors(self, colors: impl Into<Option<VoxelColors>>) -> Self {
+        Self { colors: colors.into(), ..self }
     }
 
     /// The same with voxels that look as their labels say.
@@ -103,6 +113,7 @@ impl PartialEq for Layer {
             transfer,
             transfer_2d,
             gradient_opacity,
+            colors,
             labels,
             isosurfaces,
             shading,
@@ -112,6 +123,7 @@ impl PartialEq for Layer {
             && self.transfer == *transfer
             && self.transfer_2d == *transfer_2d
             && self.gradient_opacity == *gradient_opacity
+            && self.colors == *colors
             && self.labels == *labels
             && self.isosurfaces == *isosurfaces
             && self.shading == *shading

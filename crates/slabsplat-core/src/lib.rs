@@ -18,8 +18,8 @@
 //!
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
 //! `compositing`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`,
-//! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`;
-//! `frame_handle`; `serialized`.
+//! `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`;
+//! `image`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
 //!
@@ -60,6 +60,7 @@ mod layer;
 mod mesh_layer;
 mod region;
 mod scene;
+mod voxel_colors;
 
 mod region_in_view;
 mod slabs;
@@ -107,5 +108,6 @@ pub use transfer_2d::{Transfer2dError, TransferBox, TransferFunction2d};
 pub use transfer_image::TransferImage;
 pub use view::{View, ViewError, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
+pub use voxel_colors::{ColorSamples, VoxelColors, WrongNumberOfColors};
 
 pub use glam;

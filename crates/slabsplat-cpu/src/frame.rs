@@ -181,8 +181,9 @@ impl OfLayer {
         level: Level,
         frame: &'a FrameHandle,
     ) -> Result<Stage<'a>, Cancelled> {
-        let LayerPlan { volume, transfer, transfer_2d, labels, gradient_opacity, .. } = *layer;
-        let rules = VoxelRules { transfer, transfer_2d, labels, gradient_opacity };
+        let LayerPlan { volume, transfer, transfer_2d, colors, labels, gradient_opacity, .. } =
+            *layer;
+        let rules = VoxelRules { transfer, transfer_2d, colors, labels, gradient_opacity };
         let (compositing, identity) = (plan.compositing, ByIdentity::of(volume));
         let classified_by = (OwnVoxelRules::new(&rules), compositing, identity);
         let classification = self

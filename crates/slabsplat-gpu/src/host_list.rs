@@ -20,8 +20,8 @@ pub(crate) struct HostList {
 
 /// What decides which voxels of a layer are relevant, and in which colour.
 pub(crate) fn rules_of<'a>(layer: &LayerPlan<'a>) -> VoxelRules<'a> {
-    let LayerPlan { transfer, transfer_2d, labels, gradient_opacity, .. } = *layer;
-    VoxelRules { transfer, transfer_2d, labels, gradient_opacity }
+    let LayerPlan { transfer, transfer_2d, colors, labels, gradient_opacity, .. } = *layer;
+    VoxelRules { transfer, transfer_2d, colors, labels, gradient_opacity }
 }
 
 /// Records of voxels that follow each other in a list.

@@ -1,10 +1,10 @@
 //! Who lists the relevant voxels of a layer, `L_r` of the paper's §4, with their normals and colours.
 //!
 //! Where a voxel's look follows from its value, the device does: it holds the samples, and a new transfer
-//! function sends its points, nothing else. Where more decides, as labels and gradients do, the host does, by
-//! the rules that the CPU backend lists by, and sends the device a record for each. So such rules are defined
-//! once, and no sample of the layer need be on the device; the price is that every change of them sends all
-//! records again.
+//! function sends its points, nothing else. Where more decides, as labels, gradients and voxels' own colours
+//! do, the host does, by the rules that the CPU backend lists by, and sends the device a record for each. So
+//! such rules are defined once, and no sample of the layer need be on the device; the price is that every
+//! change of them sends all records again.
 
 use crate::classification::Classification;
 use crate::host_list::HostList;

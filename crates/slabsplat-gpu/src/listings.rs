@@ -40,7 +40,7 @@ impl Listings {
     ) -> Result<Listing, Cancelled> {
         frame.check()?;
         let known = self.known(layer.volume);
-        if rules_of(layer).are_by_value() {
+        if rules_of(layer).are_all_by_value() {
             let classification = Classification::new(plan, layer, &known);
             Ok(Listing::ByDevice(known, classification))
         } else {

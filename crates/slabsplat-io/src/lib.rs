@@ -13,8 +13,8 @@
 //! | MetaImage (`.mha`, `.mhd`): raw, zlib, text; data attached, detached, in many files | [`read_volume`] |
 //! | MRC, CCP4 (`.mrc`, `.map`, `.rec`, `.ali`, `.st`; all maybe `.gz`) | [`read_volume`] |
 //! | DICOM: a folder or a file; plain, deflated, RLE, JPEG, JPEG-LS, JPEG 2000 | [`read_volume`] |
-//! | TIFF, BigTIFF, OME-TIFF, ImageJ's: gray, a page a slice | [`read_volume`] |
-//! | a folder of images: TIFF, PNG, JPEG; gray, one a slice | [`read_volume`] |
+//! | TIFF, BigTIFF, OME-TIFF, ImageJ's: gray or RGB, a page a slice | [`read_volume`] |
+//! | a folder of images: TIFF, PNG, JPEG; gray or RGB, one a slice | [`read_volume`] |
 //! | NumPy (`.npy`, `.npz`) | [`read_volume`] |
 //! | VTK images (`.vti`, legacy `.vtk`) | [`read_volume`] |
 //! | OME-Zarr 0.4 and 0.5, in a folder or a ZIP archive | [`read_volume`] |
@@ -29,7 +29,7 @@
 //! | --- | --- |
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
-//! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`] |
+//! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`], [`write_colored_volume`] |
 //!
 //! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
 //! [`read_stream`] puts there what comes by a pipe.
@@ -94,7 +94,7 @@ pub use scene::{
 pub use store::FilesInMemory;
 pub use stream::read_stream;
 pub use volume::{
-    Choice, Endian, LoadedVolume, Part, RawDesc, VolumeChoices, VolumeFormat, VolumeListing,
-    VolumeOptions, VolumeOutput, list_volume, read_raw, read_volume, read_volume_with,
-    write_volume,
+    Choice, ColorUse, Endian, LoadedColors, LoadedVolume, OpacitySource, Part, RawDesc,
+    VolumeChoices, VolumeFormat, VolumeListing, VolumeOptions, VolumeOutput, list_volume, read_raw,
+    read_volume, read_volume_with, write_colored_volume, write_volume,
 };

@@ -67,6 +67,8 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("ls.dcm", include_bytes!("dicom_codecs/ls_lines.dcm").to_vec(), volume),
         ("2000.dcm", include_bytes!("dicom_codecs/2000_rct.dcm").to_vec(), volume),
         ("12.dcm", include_bytes!("dicom_codecs/jpeg_12.dcm").to_vec(), volume),
+        ("rgb.nrrd", small_files::rgb_nrrd(), volume),
+        ("rgba.nii", small_files::rgba_nifti(), volume),
         ("hex.nrrd", attached("hex", hex.as_bytes()), volume),
         ("a.json", SIDECAR.as_bytes().to_vec(), volume),
         ("a.npy", arrays::npy(&voxels()), volume),

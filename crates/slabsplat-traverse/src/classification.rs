@@ -35,7 +35,7 @@ const MAX_TABLES: usize = 16;
 impl Classification {
     /// Classifies the samples of `volume` by value and label.
     pub fn new(rules: &VoxelRules<'_>, compositing: Compositing, volume: &Volume) -> Self {
-        let VoxelRules { transfer, transfer_2d, labels, gradient_opacity: _ } = *rules;
+        let VoxelRules { transfer, transfer_2d, labels, colors: _, gradient_opacity: _ } = *rules;
         let scaling = volume.scaling();
         let mut by_transfer = vec![ByTransfer::new(transfer, compositing, volume)];
         let labels = labels.map(|labels| {
@@ -67,6 +67,12 @@ impl Classification {
     pub fn resident_bytes(&self) -> usize {
         let of_tables: usize = self.by_transfer.iter().map(ByTransfer::resident_bytes).sum();
         of_tables + self.labels.as_ref().map_or(0, ByLabel::resident_bytes)
+    }
+
+    /// Whether the label of a voxel has a colour, which comes before that of the voxel.
+    #[inline]
+    pub(crate) fn has_label_color(&self, label_idx: Option<u16>) -> bool {
+        self.look(label_idx).is_some_and(|look| look.color.is_some())
     }
 
     /// Red, green, blue and weight of a sample of the volume's type, by the label of its voxel, which is one

@@ -10,7 +10,7 @@ use crate::blinn_phong::{BlinnPhong8, Light8};
 use crate::gradient_length::GradientLengths;
 use crate::order::Ordered;
 use crate::{Brick, BrickGrid, Classification, RelevantList, VoxelRecord, VoxelRules};
-use slabsplat_core::{Volume, with_samples};
+use slabsplat_core::{Volume, VoxelColors, with_samples};
 
 /// Everything that a voxel's colour depends on in one frame, but for the voxel.
 #[derive(Clone, Copy, Debug)]
@@ -70,6 +70,25 @@ impl<'a> VoxelLighting<'a> {
     #[inline]
     pub fn classify_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         with_samples!(self.volume.samples(), |s| self.classify(s, brick, records, colors));
+        if let Some(own) = self.rules.colors {
+            self.take_own_colors(own, brick, records, colors);
+        }
+    }
+
+    /// Puts the colours of voxels in the place of those of transfer functions.
+    fn take_own_colors(
+        &self,
+        own: &VoxelColors,
+        brick: &Brick,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
+        let labels = self.rules.labels.map(|labels| labels.map().indices());
+        for (color, idx) in colors.iter_mut().zip(self.grid.voxel_indices(brick, records)) {
+            if !self.classification.has_label_color(labels.map(|labels| labels[idx])) {
+                color[..3].copy_from_slice(&own.at(idx));
+            }
+        }
     }
 
     fn classify<T: Ordered>(

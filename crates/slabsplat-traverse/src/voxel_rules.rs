@@ -1,19 +1,23 @@
-//! What decides beside its value whether a voxel is visible, and how opaque it is.
+//! What decides beside its value whether a voxel is visible, how opaque it is, and in which colour.
 
 use crate::gradient_length::GradientLengths;
 use crate::order::Ordered;
 use crate::visible_labels::VisibleLabels;
 use slabsplat_core::{
     IsoRange, Labels, PiecewiseLinear, Scaling, TransferFunction, TransferFunction2d, Volume,
+    VoxelColors,
 };
 
-/// How a layer classifies its voxels: by value, by label (model §13), and by gradient (§6).
+/// How a layer classifies its voxels: by value, by label (model §13), by gradient (§6), and by colours of
+/// their own (§15).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoxelRules<'a> {
     /// What is seen of values.
     pub transfer: &'a TransferFunction,
     /// What is seen of values and gradients instead.
     pub transfer_2d: Option<&'a TransferFunction2d>,
+    /// The colours of voxels, instead of those of transfer functions.
+    pub colors: Option<&'a VoxelColors>,
     /// What changes either by label.
     pub labels: Option<&'a Labels>,
     /// What opacity is multiplied with, by the length of the gradient per `unit`.
@@ -23,12 +27,17 @@ pub struct VoxelRules<'a> {
 impl<'a> VoxelRules<'a> {
     /// By value alone.
     pub fn by_value(transfer: &'a TransferFunction) -> Self {
-        Self { transfer, transfer_2d: None, labels: None, gradient_opacity: None }
+        Self { transfer, transfer_2d: None, colors: None, labels: None, gradient_opacity: None }
     }
 
-    /// Whether values alone decide.
+    /// Whether values alone decide which voxels are visible.
     pub fn are_by_value(&self) -> bool {
         self.transfer_2d.is_none() && self.labels.is_none() && self.gradient_opacity.is_none()
+    }
+
+    /// Whether values alone decide which voxels are visible and how these look.
+    pub fn are_all_by_value(&self) -> bool {
+        self.are_by_value() && self.colors.is_none()
     }
 
     /// Whether gradients have a say.
@@ -50,6 +59,7 @@ impl<'a> VoxelRules<'a> {
 pub struct OwnVoxelRules {
     transfer: TransferFunction,
     transfer_2d: Option<TransferFunction2d>,
+    colors: Option<VoxelColors>,
     labels: Option<Labels>,
     gradient_opacity: Option<PiecewiseLinear<1>>,
 }
@@ -57,10 +67,11 @@ pub struct OwnVoxelRules {
 impl OwnVoxelRules {
     /// A copy of rules; large things in it are shared.
     pub fn new(rules: &VoxelRules<'_>) -> Self {
-        let VoxelRules { transfer, transfer_2d, labels, gradient_opacity } = *rules;
+        let VoxelRules { transfer, transfer_2d, colors, labels, gradient_opacity } = *rules;
         Self {
             transfer: transfer.clone(),
             transfer_2d: transfer_2d.cloned(),
+            colors: colors.cloned(),
             labels: labels.cloned(),
             gradient_opacity: gradient_opacity.cloned(),
         }
@@ -68,10 +79,11 @@ impl OwnVoxelRules {
 
     /// The rules.
     pub fn rules(&self) -> VoxelRules<'_> {
-        let Self { transfer, transfer_2d, labels, gradient_opacity } = self;
+        let Self { transfer, transfer_2d, colors, labels, gradient_opacity } = self;
         VoxelRules {
             transfer,
             transfer_2d: transfer_2d.as_ref(),
+            colors: colors.as_ref(),
             labels: labels.as_ref(),
             gradient_opacity: gradient_opacity.as_ref(),
         }

@@ -4,9 +4,12 @@ use crate::Automatic;
 use crate::automatic::{Extent, fitting_camera};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{CameraError, Grid, Layer, MeshLayer, RegionError, Scene, Volume};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory};
-use std::sync::Arc;
+use slabsplat_core::{
+    CameraError, Grid, Layer, MeshLayer, RegionError, SampleType, Scene, TransferFunction, Volume,
+};
+use slabsplat_io::{
+    IoError, LayerFile, LoadedVolume, MemoryNeed, OpacitySource, SceneFile, check_memory,
+};
 use thiserror::Error;
 
 /// A scene, ready to be rendered.
@@ -62,9 +65,8 @@ impl OpenScene {
         assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
         let mut all_warnings = Vec::new();
         let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
-            let LoadedVolume { volume, warnings, .. } = loaded;
-            all_warnings.extend(warnings);
-            layer(volume, of_file, &mut all_warnings)
+            all_warnings.extend_from_slice(&loaded.warnings);
+            layer(loaded, of_file, &mut all_warnings)
         });
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
         let mut meshes = Vec::with_capacity(file.meshes.len());
@@ -92,17 +94,42 @@ impl OpenScene {
     }
 }
 
+/// Alpha as the opacity of a voxel step.
+fn transfer_of_alpha(volume: &Volume) -> TransferFunction {
+    let most = match volume.sample_type() {
+        SampleType::U16 => f64::from(u16::MAX),
+        _ => f64::from(u8::MAX),
+    };
+    TransferFunction::new([(0.0, [0.0]), (most, [1.0])], [(0.0, [1.0; 3])])
+        .expect("the points rise, and opacities are shares")
+}
+
+/// Whether it shows anything that is not white.
+fn has_colors(transfer: &TransferFunction) -> bool {
+    transfer.color_points().points().iter().any(|(_, color)| *color != [1.0; 3])
+}
+
 fn layer(
-    volume: Arc<Volume>,
+    LoadedVolume { volume, colors, .. }: LoadedVolume,
     file: &LayerFile,
     all_warnings: &mut Vec<String>,
 ) -> Result<Layer, OpenError> {
-    let automatic = || Automatic::new(volume.clone()).transfer().clone();
+    let automatic = || match &colors {
+        Some(colors) if colors.opacity_from == OpacitySource::Alpha => transfer_of_alpha(&volume),
+        _ => Automatic::new(volume.clone()).transfer().clone(),
+    };
     let transfer = file.transfer.clone().unwrap_or_else(automatic);
+    let own_colors = colors.and_then(|colors| colors.voxels);
+    if own_colors.is_some() && file.transfer.as_ref().is_some_and(has_colors) {
+        let what = "colours of the transfer function are not seen, as voxels have their own: colors = \"none\", \
+                    or --colors none, leaves those out";
+        all_warnings.push(what.to_owned());
+    }
     let region = file.region.on(volume.grid())?;
     let layer = Layer::new(volume, transfer)
         .transfer_2d(file.transfer_2d.clone())
         .gradient_opacity(file.gradient_opacity.clone())
+        .colors(own_colors)
         .isosurfaces(file.isosurfaces.clone())
         .shading(file.shading)
         .region(region);

@@ -8,7 +8,9 @@ use super::{
     Cut, Hierarchy, Kernel, KernelInView, gradient_in_world, gradient_length, merge, shaded_color,
 };
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Grid, LabelStyle, Layer, Light, Method, Region, Scene};
+use slabsplat_core::{
+    ColorSamples, Compositing, Grid, LabelStyle, Layer, Light, Method, Region, Scene, VoxelColors,
+};
 
 /// All that the pixels of a picture have in common.
 pub(super) struct Frame {
@@ -186,7 +188,8 @@ fn whole_footprints(voxel_indices: Vec<usize>) -> Sheet {
 }
 
 fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
-    let Layer { volume, transfer, transfer_2d, gradient_opacity, shading, region, .. } = layer;
+    let Layer { volume, transfer, transfer_2d, gradient_opacity, colors, shading, region, .. } =
+        layer;
     let grid = volume.grid();
     let voxel = |voxel_idx: usize| {
         let value = Some(volume.value(voxel_idx)).filter(|value| !value.is_nan())?;
@@ -210,7 +213,8 @@ fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
         let center_in_world = grid.world_from_index().transform_point3(center_in_index);
         let normal = gradient.try_normalize().map_or(DVec3::ZERO, |uphill| -uphill);
         let normal = normal_by_faces(region, grid.unit(), center_in_world, normal);
-        let color = style.color.unwrap_or(color);
+        let own = colors.as_ref().map(|colors| own_color(colors, voxel_idx));
+        let color = style.color.or(own).unwrap_or(color);
         Some(Voxel {
             coords,
             center_in_view: view.view_from_world(center_in_world),
@@ -219,6 +223,15 @@ fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()
+}
+
+/// The colour of a voxel, as a share of the largest that its type holds (model §15).
+fn own_color(colors: &VoxelColors, voxel_idx: usize) -> [f64; 3] {
+    match colors.samples() {
+        ColorSamples::U8(colors) => colors[voxel_idx].map(|channel| f64::from(channel) / 255.0),
+        ColorSamples::U16(colors) => colors[voxel_idx].map(|channel| f64::from(channel) / 65535.0),
+        other => panic!("no colours are defined of {other:?}"),
+    }
 }
 
 /// What a voxel's label changes (model §13).

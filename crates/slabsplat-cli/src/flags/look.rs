@@ -148,6 +148,11 @@ impl LookFlags {
             return Ok(());
         }
         for layer in layers {
+            if self.color.is_some() && layer.colors.is_some() {
+                bail!(
+                    "--color does nothing where voxels have colours of their own: add --colors none"
+                );
+            }
             let opacity = match &self.opacity {
                 Some(OpacityPoints(points)) => points.clone(),
                 None => layer.transfer.opacity_points().points().to_vec(),

@@ -1,7 +1,7 @@
 //! Flags that choose a volume of a file that holds several.
 
 use clap::Args;
-use slabsplat::io::VolumeOptions;
+use slabsplat::io::{ColorUse, OpacitySource, VolumeOptions};
 
 #[derive(Args, Default)]
 #[command(next_help_heading = "Volume")]
@@ -22,6 +22,16 @@ pub(crate) struct PartFlags {
     #[arg(long, value_name = "N")]
     level: Option<usize>,
 
+    /// In which colours voxels of three or four values are drawn: own or none [default: own, if they are
+    /// meant to be colours]
+    #[arg(long, value_name = "COLORS")]
+    colors: Option<ColorUse>,
+
+    /// What the opacity of voxels with colours is made of: luminance or alpha [default: alpha, if there is
+    /// any]
+    #[arg(long, value_name = "SOURCE")]
+    opacity_from: Option<OpacitySource>,
+
     /// Let the volume's header name files outside of its own folder
     #[arg(long)]
     allow_external: bool,
@@ -30,8 +40,9 @@ pub(crate) struct PartFlags {
 impl PartFlags {
     /// Whether no flag says anything.
     pub(crate) fn are_silent(&self) -> bool {
-        let Self { series, channel, time, level, allow_external } = self;
-        [series, channel, time, level].iter().all(|part| part.is_none()) && !allow_external
+        let Self { series, channel, time, level, colors, opacity_from, allow_external } = self;
+        let is_some = [colors.is_some(), opacity_from.is_some(), *allow_external].contains(&true);
+        [series, channel, time, level].iter().all(|part| part.is_none()) && !is_some
     }
 
     pub(crate) fn lay_over(&self, options: &mut VolumeOptions) {
@@ -39,6 +50,8 @@ impl PartFlags {
         options.channel = self.channel.or(options.channel);
         options.time = self.time.or(options.time);
         options.level = self.level.or(options.level);
+        options.colors = self.colors.or(options.colors);
+        options.opacity_from = self.opacity_from.or(options.opacity_from);
         options.allow_external |= self.allow_external;
     }
 }

@@ -2,6 +2,7 @@
 
 mod backends;
 mod bench;
+mod colors;
 mod convert;
 mod demo;
 mod errors;

@@ -54,6 +54,9 @@ pub(super) struct VolumeSection {
     pub(super) channel: Option<usize>,
     pub(super) time: Option<usize>,
     pub(super) level: Option<usize>,
+    /// In which colours voxels of several values are drawn, and what their opacity is made of.
+    pub(super) colors: Option<String>,
+    pub(super) opacity_from: Option<String>,
     pub(super) spacing: Option<[f64; 3]>,
 }
 

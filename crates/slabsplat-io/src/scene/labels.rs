@@ -55,6 +55,10 @@ impl LabelsFile {
     pub fn load(&self, grid: &Grid) -> Result<(Labels, Vec<String>), IoError> {
         let unlabelled = |source: LabelError| IoError::Labels { path: self.path.clone(), source };
         let loaded = read_volume(&self.path)?;
+        if loaded.colors.is_some() {
+            let what = "labels are whole numbers, and its voxels are colours";
+            return Err(IoError::unsupported(self.path.as_path(), what));
+        }
         let map = LabelMap::new(&loaded.volume, grid).map_err(unlabelled)?;
         let styles = self.styles_of(map.labels())?;
         let mut warnings = loaded.warnings;

@@ -116,7 +116,7 @@ impl LayerSection {
         Ok(LayerFile {
             name,
             spacing: volume.checked_spacing()?,
-            options: volume.options(),
+            options: volume.options()?,
             volume: volume.into_source(folder)?,
             transfer: transfer.flatten(),
             transfer_2d: transfer_2d.transpose()?.flatten(),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::str::FromStr;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
@@ -30,9 +31,12 @@ impl VolumeSection {
         }
     }
 
-    pub(super) fn options(&self) -> VolumeOptions {
+    pub(super) fn options(&self) -> Result<VolumeOptions, Diagnostic> {
         let &Self { series, channel, time, level, .. } = self;
-        VolumeOptions { series, channel, time, level, ..VolumeOptions::default() }
+        let colors = word(self.colors.as_deref(), "colors")?;
+        let opacity_from = word(self.opacity_from.as_deref(), "opacity_from")?;
+        let options = VolumeOptions::default();
+        Ok(VolumeOptions { series, channel, time, level, colors, opacity_from, ..options })
     }
 
     pub(super) fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {
@@ -49,6 +53,15 @@ impl VolumeSection {
             (None, None) => Err(Diagnostic::at("volume", "", "[volume] needs a path, or generate")),
         }
     }
+}
+
+/// One of a few words that a key of `[volume]` may have.
+fn word<T: FromStr<Err = String>>(
+    said: Option<&str>,
+    key: &'static str,
+) -> Result<Option<T>, Diagnostic> {
+    let parsed = said.map(str::parse).transpose();
+    parsed.map_err(|what: String| Diagnostic::at("volume", key, format!("{key}: {what}")))
 }
 
 impl ClassifySection {

@@ -11,6 +11,7 @@ use slabsplat_core::{
 };
 
 use super::*;
+use crate::{ColorUse, OpacitySource};
 
 /// Every key, and no value a default.
 const FULL: &str = r#"
@@ -521,6 +522,11 @@ fn scene_chooses_a_volume_of_several() {
     let expected = VolumeOptions::default().series(1).channel(2).time(3).level(4);
     assert_eq!(layer.options, expected);
     assert!(!layer.shares_volume(&read_layer("[volume]\npath = \"a.nii\"")));
+    let keys = "path = \"a.nii\"\ncolors = \"none\"\nopacity_from = \"alpha\"\n";
+    let colors = VolumeOptions::default().colors(ColorUse::None).opacity_from(OpacitySource::Alpha);
+    assert_eq!(read_layer(&format!("[volume]\n{keys}")).options, colors);
+    let error = read("[volume]\npath = \"a.nii\"\nopacity_from = \"red\"").unwrap_err();
+    assert!(error.to_string().contains("\"red\" is none of: luminance, alpha"), "{error}");
     let error = read_layer(&format!("{SMALL}time = 1")).load_volume().unwrap_err().to_string();
     assert_eq!(error, "cube: there is no time 1: there is only 0");
     let error = read("[volume]\npath = \"a.nii\"\nallow_external = true").unwrap_err();

@@ -3,9 +3,11 @@
 //! The last axis is x, as stacks of images have it, and those before it y and z. A fourth axis is time or
 //! channel: in front, or at the end if it is short there.
 
-use super::choices::{Part, VolumeChoices};
+use super::choices::{Part, VolumeChoices, VolumeOptions};
+use super::colors::{Meaning, Values};
 use super::formats::Input;
 use super::placed::Axis;
+use super::stored::StoredType;
 use crate::IoError;
 
 /// The axes of an array that a volume is made of.
@@ -35,34 +37,38 @@ enum Role {
 const MAX_LAST_CHANNELS: usize = 4;
 
 impl VolumeAxes {
-    /// Of an array of this shape, the slowest axis first.
+    /// Of an array of this shape, the slowest axis first, and of such items.
     ///
     /// # Errors
     /// If it has too few axes, too many, or not what is asked for.
-    pub(super) fn of(input: &Input<'_>, shape: &[usize]) -> Result<Self, IoError> {
-        let roles = roles(shape, input.options.channel.is_some())
-            .map_err(|what| IoError::unsupported(input.path, what))?;
+    pub(super) fn of(
+        input: &Input<'_>,
+        shape: &[usize],
+        stored: StoredType,
+    ) -> Result<Self, IoError> {
+        let roles =
+            roles(shape, input.options).map_err(|what| IoError::unsupported(input.path, what))?;
         let size = |role: Role| {
             let at = roles.iter().position(|r| *r == role);
             at.map_or(1, |at| shape[at])
         };
-        let channel = input.choose(Part::Channel, size(Role::Channel))?;
+        let is_last = roles.last() == Some(&Role::Channel);
+        let meaning = if is_last { Meaning::Unsaid } else { Meaning::Other };
+        let values = Values { n: size(Role::Channel), stored, meaning };
         let time = input.choose(Part::Time, size(Role::Time))?;
+        let choices = VolumeChoices { time, ..input.choose_values(&values)? };
         let dims = [Role::X, Role::Y, Role::Z].map(size);
+        let each = choices.n_read();
         let axis = |(&len, role): (&usize, &Role)| match role {
-            Role::X => Axis::whole(len, 1),
-            Role::Y => Axis::whole(len, dims[0]),
-            Role::Z => Axis::whole(len, dims[0].saturating_mul(dims[1])),
-            Role::Channel => Axis::one(len, channel.chosen),
-            Role::Time => Axis::one(len, time.chosen),
+            Role::X => Axis::whole(len, each),
+            Role::Y => Axis::whole(len, each.saturating_mul(dims[0])),
+            Role::Z => Axis::whole(len, each.saturating_mul(dims[0]).saturating_mul(dims[1])),
+            Role::Channel => choices.axis_of_values(),
+            Role::Time => Axis::one(len, choices.time.chosen),
             Role::Single => Axis::one(len, 0),
         };
         let axes = shape.iter().zip(&roles).rev().map(axis).collect();
-        Ok(Self {
-            dims,
-            axes,
-            choices: VolumeChoices { channel, time, ..VolumeChoices::default() },
-        })
+        Ok(Self { dims, axes, choices })
     }
 
     /// Items of the whole array, of which the volume is a part; `None` if they cannot be counted.
@@ -71,8 +77,10 @@ impl VolumeAxes {
     }
 }
 
-fn roles(shape: &[usize], asks_for_channel: bool) -> Result<Vec<Role>, String> {
+fn roles(shape: &[usize], options: &VolumeOptions) -> Result<Vec<Role>, String> {
     use Role::{Channel, Time, X, Y, Z};
+    let asks_for_colors = options.ask_for_colors();
+    let asks_for_channel = options.channel.is_some() || asks_for_colors;
     let said = || shape.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
     if shape.contains(&0) {
         return Err(format!("the array of {} is empty", said()));
@@ -82,6 +90,7 @@ fn roles(shape: &[usize], asks_for_channel: bool) -> Result<Vec<Role>, String> {
     let n_single = shape.iter().take_while(|&&len| len == 1).count().min(n_more);
     let meant = &shape[n_single..];
     let has_colors = match meant {
+        [.., _, _, 3..=MAX_LAST_CHANNELS] if asks_for_colors => true,
         [.., y, x, last] => (2..=MAX_LAST_CHANNELS).contains(last) && MAX_LAST_CHANNELS < *x.min(y),
         _ => false,
     };
@@ -105,7 +114,6 @@ fn roles(shape: &[usize], asks_for_channel: bool) -> Result<Vec<Role>, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::choices::VolumeOptions;
     use super::*;
     use crate::store::Store;
     use std::path::Path;
@@ -119,7 +127,8 @@ mod tests {
         (options.channel, options.time) = (channel, time);
         let path = Path::new("a.npy");
         let input = Input { store: Store::Disk, path, options: &options };
-        let axes = VolumeAxes::of(&input, shape).map_err(|error| error.to_string())?;
+        let axes =
+            VolumeAxes::of(&input, shape, StoredType::F16).map_err(|error| error.to_string())?;
         let [x, y, z] = axes.dims;
         let picked = axes.axes.iter().filter(|axis| axis.kept.len() == 1 && axis.len != 1);
         let picked: String = picked.map(|axis| format!(" {}", axis.kept.start)).collect();

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
+use super::colors::{ColorUse, OpacitySource};
 use super::data::Share;
 use super::formats::Input;
 use crate::printable::printable;
@@ -36,6 +37,12 @@ pub struct VolumeOptions {
     pub time: Option<usize>,
     /// How coarse: 0 is the finest.
     pub level: Option<usize>,
+    /// In which colours voxels of three or four values are drawn; by default in their own, if they are meant
+    /// to be colours.
+    pub colors: Option<ColorUse>,
+    /// What their opacity is made of; by default alpha, if there is one that tells voxels apart, or else
+    /// luminance.
+    pub opacity_from: Option<OpacitySource>,
     /// Which array of a file that names its arrays; the path may say it, too, as `a.npz:name`.
     pub array: Option<String>,
     /// Whether a header may name files outside of its own folder; they are refused otherwise, since who
@@ -83,6 +90,10 @@ pub struct VolumeChoices {
     pub time: Choice,
     /// Resolutions, the finest first.
     pub level: Choice,
+    /// Whether no single channel was read, but all values of a voxel, as its colour.
+    pub is_color: bool,
+    /// Whether nothing in the file says that they are one.
+    pub(super) is_guess: bool,
 }
 
 impl VolumeOptions {
@@ -108,6 +119,18 @@ impl VolumeOptions {
     #[must_use]
     pub fn level(self, level: usize) -> Self {
         Self { level: Some(level), ..self }
+    }
+
+    /// Draws voxels of three or four values in these colours.
+    #[must_use]
+    pub fn colors(self, colors: ColorUse) -> Self {
+        Self { colors: Some(colors), ..self }
+    }
+
+    /// Makes the opacity of voxels with colours of this.
+    #[must_use]
+    pub fn opacity_from(self, source: OpacitySource) -> Self {
+        Self { opacity_from: Some(source), ..self }
     }
 
     /// Takes the array of this name.
@@ -158,7 +181,28 @@ impl VolumeOptions {
         for &part in Part::ALL {
             choices.get(part).index_of(self.get(part), part, path)?;
         }
-        Ok(())
+        self.check_colors(path, choices)
+    }
+
+    /// That there are colours, if something is asked for that only those have.
+    fn check_colors(&self, path: &Path, choices: &VolumeChoices) -> Result<(), IoError> {
+        let asked = match (self.colors, self.opacity_from) {
+            (_, Some(_)) => "opacity_from",
+            (Some(ColorUse::Own), _) => "colors",
+            (Some(ColorUse::None) | None, None) => return Ok(()),
+        };
+        if choices.is_color {
+            return Ok(());
+        }
+        let what = match self.channel {
+            Some(_) => {
+                format!("one channel has no colours of its own: leave out channel, or {asked}")
+            }
+            None => format!(
+                "its voxels have no colours, which are three or four integers of 8 or 16 bits: leave out {asked}"
+            ),
+        };
+        Err(IoError::unsupported(path, what))
     }
 }
 
@@ -236,30 +280,37 @@ impl VolumeChoices {
     /// Which samples are read, of volumes that follow each other and channels that do in each voxel.
     pub(super) fn share(&self) -> Share {
         let (channel, time) = (&self.channel, &self.time);
-        Share {
-            n_channels: channel.n,
-            channel: channel.chosen,
-            n_volumes: time.n,
-            volume: time.chosen,
-        }
+        let [n_channels, channel] =
+            if self.is_color { [1, 0] } else { [channel.n, channel.chosen] };
+        Share { n_channels, channel, n_volumes: time.n, volume: time.chosen }
     }
 
     /// Whether there is one volume and no more.
     pub(super) fn is_single(&self) -> bool {
-        Part::ALL.iter().all(|&part| self.get(part).n == 1)
+        let is_one = |part: Part| part == Part::Channel && self.is_color || self.get(part).n == 1;
+        Part::ALL.iter().all(|&part| is_one(part))
     }
 
     /// What was chosen though nobody said so.
     pub(super) fn warnings(&self, options: &VolumeOptions) -> impl Iterator<Item = String> {
-        Part::ALL.iter().filter_map(|&part| {
+        let n_values = self.channel.n;
+        let of_colors = (self.is_guess && options.colors.is_none()).then(|| {
+            format!(
+                "{n_values} values of 8 bits a voxel were taken for its colour: --channel takes one alone"
+            )
+        });
+        let of_parts = Part::ALL.iter().filter_map(|&part| {
             let choice = self.get(part);
             let is_named = part == Part::Series && options.array.is_some();
-            let is_guess = 1 < choice.n && options.get(part).is_none() && !is_named;
+            let is_read_whole = part == Part::Channel && self.is_color;
+            let is_guess =
+                1 < choice.n && options.get(part).is_none() && !is_named && !is_read_whole;
             is_guess.then(|| {
                 let (name, many) = (part.name(), part.plural());
                 format!("there are {} {many}: {name} {} was taken", choice.n, choice.chosen)
             })
-        })
+        });
+        of_parts.chain(of_colors)
     }
 }
 

@@ -9,8 +9,8 @@ use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
 use super::{
-    LoadedVolume, dicom, foreign, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar,
-    stream, tiff, vtk, zarr,
+    LoadedVolume, dicom, foreign, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name,
+    sidecar, stream, tiff, vtk, zarr,
 };
 use crate::IoError;
 use crate::printable::printable;
@@ -170,7 +170,10 @@ impl VolumeListing {
     /// Bytes that the samples will take in memory, on the word of the header, which nothing has backed yet.
     pub fn bytes(&self) -> u64 {
         let n_voxels = self.dims.into_iter().fold(1, |n: u64, size| n.saturating_mul(size as u64));
-        n_voxels.saturating_mul(self.sample_type.size_bytes() as u64)
+        // Beside colours there is the scalar that is made of them.
+        let n_values = if self.choices.is_color { self.choices.channel.n + 1 } else { 1 };
+        let voxel_bytes = n_values * self.sample_type.size_bytes();
+        n_voxels.saturating_mul(voxel_bytes as u64)
     }
 }
 

@@ -8,7 +8,7 @@
 //! (formats that are none of them), `choices` (what is read of several volumes); `stream` (bytes from files),
 //! `buffer` (bytes to samples); `header_fields`; `data_files`, `data`, `ascii` (samples in one file or many,
 //! however they are written), `names`, `units`; `stored`, `placed` (samples in any order of axes),
-//! `parallel`, `array_axes`, `zip`; then a format each, and `write`.
+//! `parallel`, `array_axes`, `colors`, `zip`; then a format each, and `write`.
 
 mod choices;
 mod foreign;
@@ -25,6 +25,7 @@ mod names;
 mod units;
 
 mod array_axes;
+mod colors;
 mod parallel;
 mod placed;
 mod stored;
@@ -56,10 +57,11 @@ use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
 
 pub use buffer::Endian;
 pub use choices::{Choice, Part, VolumeChoices, VolumeOptions};
+pub use colors::{ColorUse, LoadedColors, OpacitySource};
 pub use formats::{VolumeFormat, VolumeListing};
 pub(crate) use raw::read_raw_from;
 pub use raw::{RawDesc, read_raw};
-pub use write::{VolumeOutput, write_volume};
+pub use write::{VolumeOutput, write_colored_volume, write_volume};
 
 use crate::IoError;
 use crate::printable::shown;
@@ -78,6 +80,8 @@ pub struct LoadedVolume {
     pub warnings: Vec<String>,
     /// What else there is in the file, and which part of it this is.
     pub choices: VolumeChoices,
+    /// The colours of its voxels, if these are colours; the volume is then the scalar that was made of them.
+    pub colors: Option<LoadedColors>,
 }
 
 /// Reads a volume in any format known: NRRD (`.nrrd`, `.nhdr`), NIfTI-1 and -2 (`.nii`, `.nii.gz`, either
@@ -158,7 +162,7 @@ impl LoadedVolume {
 impl LoadedVolume {
     /// The only volume of a file.
     pub(crate) fn new(volume: Arc<Volume>, format: VolumeFormat, warnings: Vec<String>) -> Self {
-        Self { volume, format, warnings, choices: VolumeChoices::default() }
+        Self { volume, format, warnings, choices: VolumeChoices::default(), colors: None }
     }
 
     /// The same on another grid of as many voxels.

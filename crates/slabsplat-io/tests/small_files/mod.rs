@@ -85,6 +85,24 @@ pub(crate) fn nifti1() -> Vec<u8> {
     [bytes, voxels()].concat()
 }
 
+/// An NRRD of 4 × 2 × 2 voxels that are colours of 8 bits.
+pub(crate) fn rgb_nrrd() -> Vec<u8> {
+    let header = nrrd_header("raw")
+        .replace("type: short\ndimension: 3", "type: uchar\ndimension: 4")
+        .replace("sizes: 4 3 2", "sizes: 3 4 2 2")
+        .replace("directions: ", "directions: none ")
+        .replace("kinds: ", "kinds: RGB-color ");
+    [header.as_bytes(), b"\n", &voxels()].concat()
+}
+
+/// NIfTI-1 of 2 × 3 × 2 voxels that are colours with alpha.
+pub(crate) fn rgba_nifti() -> Vec<u8> {
+    let mut bytes = nifti1();
+    bytes[42..44].copy_from_slice(&2_i16.to_le_bytes());
+    bytes[70..72].copy_from_slice(&2304_i16.to_le_bytes());
+    bytes
+}
+
 /// An MRC file, big endian, with an extended header, columns along y and a skewed cell.
 pub(crate) fn mrc() -> Vec<u8> {
     let mut bytes = vec![0; 1024 + 12];

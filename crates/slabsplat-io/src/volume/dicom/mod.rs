@@ -5,7 +5,7 @@
 //! and 12 bits, lossless JPEG, JPEG-LS and JPEG 2000; single images and enhanced ones with functional groups.
 //! Slices are sorted and spaced by their positions; the world is RAS+, DICOM's LPS. Values keep their type
 //! with the rescale as a scaling, unless slices have different ones; padding is a value as others are. Not
-//! read: HTJ2K, single bits, palettes and other colours than RGB and YBR, which give a channel.
+//! read: HTJ2K, single bits, palettes and other colours than RGB and YBR.
 //!
 //! Reading order: `dataset` and `tags` (elements), `frame` (what a file says of each slice), `scan` (which
 //! files belong together), `stack` (where slices are), `pixels` and `ybr` (their values); `unpack` with
@@ -28,11 +28,12 @@ mod ybr;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{Grid, Scaling};
+use slabsplat_core::{Grid, SampleType, Scaling};
 
 use super::choices::{Choice, Part, VolumeChoices};
+use super::colors::{Meaning, Values, Voxels};
 use super::formats::{Input, Reader, VolumeListing};
-use super::{LoadedVolume, VolumeFormat, assemble};
+use super::{LoadedVolume, VolumeFormat};
 use crate::IoError;
 use crate::store::Store;
 use frame::Frame;
@@ -66,11 +67,7 @@ impl Reader for Dicom {
 
     fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
         let found = Found::of(input)?;
-        let to_float = has_many_scalings(&found.stack.frames);
-        let sample_type = match to_float {
-            true => slabsplat_core::SampleType::F32,
-            false => pixels::sample_type(&found.series.layout),
-        };
+        let sample_type = sample_type(&found.series, &found.stack);
         Ok(VolumeListing {
             format: VolumeFormat::Dicom,
             dims: found.dims(),
@@ -114,9 +111,9 @@ impl Found {
         let mut choices = std::mem::take(&mut stack.choices);
         choices.series = chosen;
         if 1 < series.layout.n_channels {
-            let names = ["red", "green", "blue"].map(str::to_owned).to_vec();
-            let colors = Choice { n: series.layout.n_channels, names, chosen: 0 };
-            choices.channel = input.choose_of(Part::Channel, colors)?;
+            let VolumeChoices { channel, is_color, .. } =
+                input.choose_values(&values(&series, &stack))?;
+            (choices.channel, choices.is_color) = (channel, is_color);
         }
         Ok(Self { series, stack, choices, warnings })
     }
@@ -140,9 +137,27 @@ impl Found {
         } else {
             Scaling { slope, intercept }
         };
-        let samples = pixels::read(input, &series, &stack, to_float, choices.channel.chosen)?;
-        let volume = assemble(path, grid, samples, scaling)?;
-        Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Dicom, warnings) })
+        let channel = (!choices.is_color).then_some(choices.channel.chosen);
+        let samples = pixels::read(input, &series, &stack, to_float, channel)?;
+        Voxels { grid, samples, scaling, choices }.load(input, VolumeFormat::Dicom, warnings)
+    }
+}
+
+fn sample_type(series: &Series, stack: &Stack) -> SampleType {
+    match has_many_scalings(&stack.frames) {
+        true => SampleType::F32,
+        false => pixels::sample_type(&series.layout),
+    }
+}
+
+/// The values of a pixel; they are no colour that could be shown if their largest is not that of their type.
+fn values(series: &Series, stack: &Stack) -> Values {
+    let layout = &series.layout;
+    let is_whole = layout.bits_stored == layout.bits_allocated;
+    Values {
+        n: layout.n_channels,
+        stored: sample_type(series, stack).into(),
+        meaning: if is_whole { Meaning::Color } else { Meaning::Other },
     }
 }
 

@@ -24,18 +24,19 @@ use crate::store::Store;
 /// two.
 pub(super) const MAX_RATIO: u64 = MAX_GZIP_RATIO;
 
-/// Reads the samples of a stack, a slice after the other.
+/// Reads the samples of a stack, a slice after the other: of each pixel those of a channel, or all.
 pub(super) fn read(
     input: &Input<'_>,
     series: &Series,
     stack: &Stack,
     to_float: bool,
-    channel: usize,
+    channel: Option<usize>,
 ) -> Result<Samples, IoError> {
     let store = input.store;
     let sample_type = if to_float { SampleType::F32 } else { sample_type(&series.layout) };
     let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
-    let n_slice_bytes = (series.layout.n_pixels() * sample_type.size_bytes()) as u64;
+    let n_read = channel.map_or(series.layout.n_channels, |_| 1);
+    let n_slice_bytes = (series.layout.n_pixels() * n_read * sample_type.size_bytes()) as u64;
     let meter = input.meter(n_slice_bytes.saturating_mul(stack.slices.len() as u64));
     let reader = || FrameReader { store, series, channel, to_float, cached: None };
     let stored: Option<Vec<usize>> = stack.slices.iter().map(Slice::stored).collect();
@@ -158,7 +159,8 @@ enum Cached {
 struct FrameReader<'a> {
     store: Store<'a>,
     series: &'a Series,
-    channel: usize,
+    /// The value of each pixel that is read, if not all are.
+    channel: Option<usize>,
     to_float: bool,
     cached: Option<Cached>,
 }
@@ -179,7 +181,10 @@ impl FrameReader<'_> {
         if layout.colors == Colors::Ybr {
             ybr::to_rgb(&layout, &mut bytes);
         }
-        let bytes = one_channel(&layout, bytes, self.channel);
+        let bytes = match self.channel {
+            Some(channel) => one_channel(&layout, bytes, channel),
+            None => all_channels(&layout, bytes),
+        };
         Ok(match layout.bits_allocated {
             64 => from_le(&bytes, f64::from_le_bytes, f64::to_ne_bytes),
             32 if layout.is_float => from_le(&bytes, f32::from_le_bytes, f32::to_ne_bytes),
@@ -392,6 +397,19 @@ fn from_le<T, const N: usize>(
 ) -> Vec<u8> {
     let value = |chunk: &[u8]| to(from(chunk.try_into().expect("chunks have this size")));
     bytes.chunks_exact(N).flat_map(value).collect()
+}
+
+/// The values of all channels, pixel by pixel.
+fn all_channels(layout: &Layout, bytes: Vec<u8>) -> Vec<u8> {
+    if !layout.is_planar || layout.n_channels == 1 {
+        return bytes;
+    }
+    let value_bytes = layout.bits_allocated as usize / 8;
+    let plane_bytes = layout.n_pixels() * value_bytes;
+    let pixels = (0..plane_bytes).step_by(value_bytes);
+    let values =
+        pixels.flat_map(|at| (0..layout.n_channels).map(move |channel| channel * plane_bytes + at));
+    values.flat_map(|at| &bytes[at..at + value_bytes]).copied().collect()
 }
 
 /// The values of one channel.

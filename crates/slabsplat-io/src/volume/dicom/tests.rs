@@ -1,7 +1,7 @@
 //! Whole DICOM files, written here element by element.
 
-use slabsplat_core::Samples;
 use slabsplat_core::glam::DVec3;
+use slabsplat_core::{ColorSamples, Samples};
 
 use super::tags::{self, Tag};
 use crate::{FilesInMemory, IoError, LoadedVolume, VolumeFormat, VolumeOptions};
@@ -419,6 +419,11 @@ fn dicom_colors_are_channels() {
         let loaded = read_with(&files, &VolumeOptions::default().channel(1)).unwrap();
         assert_eq!(loaded.volume.samples(), &Samples::U8(vec![2, 5, 8, 11]), "{planar}");
         assert_eq!(loaded.choices.channel.names, ["red", "green", "blue"]);
+        let all = read(&files).unwrap();
+        let colors = ColorSamples::U8(vec![[1, 2, 3], [4, 5, 6], [7, 8, 9], [10, 11, 12]]);
+        assert_eq!(all.volume.samples(), &colors.luminances(), "{planar}");
+        let voxels = all.colors.unwrap().voxels.unwrap();
+        assert_eq!(voxels.samples(), &colors, "{planar}");
     }
 }
 

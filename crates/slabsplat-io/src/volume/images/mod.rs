@@ -1,8 +1,8 @@
 //! A folder of images, each of them a slice, in the order that a person would count them in: TIFF, PNG, JPEG.
 //!
 //! Names decide which files are slices and in which order; content decides what a file is. All must have one
-//! size and one type, in gray. Such folders do not say how large voxels are. Not read: colours, files of
-//! several pages, and OME-TIFFs, which say themselves which files belong together: name one of them.
+//! size and one type. Such folders do not say how large voxels are. Not read: files of several pages, and
+//! OME-TIFFs, which say themselves which files belong together: name one of them.
 //!
 //! Reading order: `names` (which files, in which order), `picture` (one file).
 
@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 use slabsplat_core::{Grid, Scaling};
 
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::colors::{Values, Voxels};
 use super::formats::{Input, Reader, VolumeListing};
-use super::stored::StoredType;
-use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble, parallel};
+use super::{LoadedVolume, VolumeFormat, parallel};
 use crate::IoError;
 use crate::store::Store;
 use names::Slices;
@@ -52,8 +52,8 @@ impl Reader for Images {
         Ok(VolumeListing {
             format: VolumeFormat::Images,
             dims: [first.size[0], first.size[1], slices.paths.len()],
-            sample_type: first.stored.widest(),
-            choices: VolumeChoices::default(),
+            sample_type: first.values.stored.widest(),
+            choices: input.choose_values(&first.values)?,
         })
     }
 }
@@ -66,17 +66,22 @@ fn slices(input: &Input<'_>) -> Result<Slices, IoError> {
 fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let Slices { paths, n_others } = slices(input)?;
     let first = Picture::open(input.store, &paths[0])?;
-    let (size, stored) = (first.size, first.stored);
+    let (size, values) = (first.size, first.values);
+    let choices = input.choose_values(&values)?;
+    let stored = values.stored;
     let grid = Grid::with_spacing([size[0], size[1], paths.len()], [1.0; 3])
         .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })?;
     drop(first);
     let mut buffer = SampleBuffer::new(stored, Endian::NATIVE);
-    let meter = input.meter(grid.n_voxels() as u64 * stored.size_bytes() as u64);
+    let n_samples = grid.n_voxels().saturating_mul(choices.n_read());
+    let meter = input.meter(n_samples as u64 * stored.size_bytes() as u64);
     let unpack = |(): &mut (), path: &PathBuf| {
         let picture = Picture::open(input.store, path)?;
-        check_like_first(path, &picture, &paths[0], size, stored)?;
+        check_like_first(path, &picture, &paths[0], size, values)?;
         let mut samples = Vec::new();
-        picture.read_into(path, &mut samples).map(|()| samples)
+        picture.read_into(path, &mut samples)?;
+        choices.keep_read(&mut samples, stored.size_bytes());
+        Ok(samples)
     };
     let take = |path: &PathBuf, samples: Vec<u8>| {
         let n_samples = samples.len() / stored.size_bytes();
@@ -96,8 +101,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     if 0 < n_others {
         warnings.push(format!("{n_others} files that are none of the images were passed over"));
     }
-    let volume = assemble(input.path, grid, buffer.finish(&mut warnings), Scaling::IDENTITY)?;
-    Ok(LoadedVolume::new(volume, VolumeFormat::Images, warnings))
+    let samples = buffer.finish(&mut warnings);
+    let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+    voxels.load(input, VolumeFormat::Images, warnings)
 }
 
 fn check_like_first(
@@ -105,15 +111,15 @@ fn check_like_first(
     picture: &Picture<'_>,
     first: &Path,
     size: [usize; 2],
-    stored: StoredType,
+    values: Values,
 ) -> Result<(), IoError> {
-    if (picture.size, picture.stored) == (size, stored) {
+    if (picture.size, picture.values) == (size, values) {
         return Ok(());
     }
     let ([w, h], [w0, h0]) = (picture.size, size);
-    let [name, name0] = [picture.stored, stored].map(StoredType::name);
+    let other = picture.values;
     let what = format!(
-        "the image has {w} x {h} pixels of {name}, and the first, {}, {w0} x {h0} of {name0}: a volume \
+        "the image has {w} x {h} pixels of {other}, and the first, {}, {w0} x {h0} of {values}: a volume \
          needs slices of one size and type",
         first.display()
     );

@@ -1,4 +1,4 @@
-//! One image in gray, whatever its file is packed by.
+//! One image in gray or in colours, whatever its file is packed by.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -8,7 +8,7 @@ use image::{ColorType, ImageDecoder, ImageError, Limits};
 use jpeg_decoder::{Decoder as JpegDecoder, PixelFormat};
 use slabsplat_core::SampleType;
 
-use super::super::stored::StoredType;
+use super::super::colors::{Meaning, Values};
 use super::super::stream::first_bytes;
 use super::super::tiff::Pages;
 use crate::IoError;
@@ -21,7 +21,7 @@ const MAX_RATIO: u64 = 1032 * 8;
 pub(super) struct Picture<'b> {
     /// Pixels in a row, and rows.
     pub(super) size: [usize; 2],
-    pub(super) stored: StoredType,
+    pub(super) values: Values,
     pixels: Pixels<'b>,
 }
 
@@ -54,8 +54,8 @@ impl<'b> Picture<'b> {
             let what = format!("the file has {} pages, not one: name it alone", pages.len());
             return Err(pages.unsupported(what));
         }
-        let (size, stored) = (pages.size, pages.stored);
-        Ok(Self { size, stored, pixels: Pixels::Tiff(Box::new(pages)) })
+        let (size, values) = (pages.size, pages.values());
+        Ok(Self { size, values, pixels: Pixels::Tiff(Box::new(pages)) })
     }
 
     fn png(store: Store<'b>, path: &Path) -> Result<Self, IoError> {
@@ -65,15 +65,21 @@ impl<'b> Picture<'b> {
         limits.max_alloc = Some(most);
         let decoder = PngDecoder::with_limits(BufReader::new(file), limits);
         let decoder = decoder.map_err(|error| png_error(path, error))?;
-        let stored = match decoder.color_type() {
-            ColorType::L8 => SampleType::U8,
-            ColorType::L16 => SampleType::U16,
-            other => return Err(of_colors(path, &format!("{other:?}"))),
+        let values = match decoder.color_type() {
+            ColorType::L8 => of(1, SampleType::U8),
+            ColorType::L16 => of(1, SampleType::U16),
+            ColorType::La8 => of(2, SampleType::U8),
+            ColorType::La16 => of(2, SampleType::U16),
+            ColorType::Rgb8 => of(3, SampleType::U8),
+            ColorType::Rgb16 => of(3, SampleType::U16),
+            ColorType::Rgba8 => of(4, SampleType::U8),
+            ColorType::Rgba16 => of(4, SampleType::U16),
+            other => return Err(of_other_colors(path, &format!("{other:?}"))),
         };
         let (width, height) = decoder.dimensions();
         let size = [width as usize, height as usize];
-        check_size(path, size, stored, most)?;
-        Ok(Self { size, stored: stored.into(), pixels: Pixels::Png(Box::new(decoder)) })
+        check_size(path, size, &values, most)?;
+        Ok(Self { size, values, pixels: Pixels::Png(Box::new(decoder)) })
     }
 
     fn jpeg(store: Store<'b>, path: &Path) -> Result<Self, IoError> {
@@ -83,24 +89,27 @@ impl<'b> Picture<'b> {
         decoder.read_info().map_err(|error| jpeg_error(path, error))?;
         let info =
             decoder.info().ok_or_else(|| IoError::malformed(path, "a JPEG without an image"))?;
-        let stored = match info.pixel_format {
-            PixelFormat::L8 => SampleType::U8,
-            PixelFormat::L16 => SampleType::U16,
-            other => return Err(of_colors(path, &format!("{other:?}"))),
+        let values = match info.pixel_format {
+            PixelFormat::L8 => of(1, SampleType::U8),
+            PixelFormat::L16 => of(1, SampleType::U16),
+            PixelFormat::RGB24 => of(3, SampleType::U8),
+            other @ PixelFormat::CMYK32 => {
+                return Err(of_other_colors(path, &format!("{other:?}")));
+            }
         };
         let size = [usize::from(info.width), usize::from(info.height)];
-        check_size(path, size, stored, most)?;
-        decoder.set_max_decoding_buffer_size(2 * size[0] * size[1]);
-        Ok(Self { size, stored: stored.into(), pixels: Pixels::Jpeg(Box::new(decoder)) })
+        check_size(path, size, &values, most)?;
+        decoder.set_max_decoding_buffer_size(2 * size[0] * size[1] * values.n);
+        Ok(Self { size, values, pixels: Pixels::Jpeg(Box::new(decoder)) })
     }
 
-    /// The samples row by row, in this machine's byte order.
+    /// All values of pixels row by row, in this machine's byte order.
     pub(super) fn read_into(self, path: &Path, samples: &mut Vec<u8>) -> Result<(), IoError> {
         match self.pixels {
             Pixels::Tiff(mut pages) => pages.read_into(0, samples),
             Pixels::Png(decoder) => {
                 samples.clear();
-                samples.resize(self.size[0] * self.size[1] * self.stored.size_bytes(), 0);
+                samples.resize(self.size[0] * self.size[1] * pixel_bytes(&self.values), 0);
                 decoder.read_image(samples).map_err(|error| png_error(path, error))
             }
             Pixels::Jpeg(mut decoder) => {
@@ -111,15 +120,25 @@ impl<'b> Picture<'b> {
     }
 }
 
+/// Values of a pixel that are gray or a colour.
+fn of(n: usize, sample_type: SampleType) -> Values {
+    let meaning = if n == 1 { Meaning::Other } else { Meaning::Color };
+    Values { n, stored: sample_type.into(), meaning }
+}
+
+fn pixel_bytes(values: &Values) -> usize {
+    values.n * values.stored.size_bytes()
+}
+
 /// That a file can hold what its header says.
 fn check_size(
     path: &Path,
     [width, height]: [usize; 2],
-    stored: SampleType,
+    values: &Values,
     most: u64,
 ) -> Result<(), IoError> {
     let n_pixels = (width as u64).saturating_mul(height as u64);
-    if n_pixels.saturating_mul(stored.size_bytes() as u64) <= most {
+    if n_pixels.saturating_mul(pixel_bytes(values) as u64) <= most {
         return Ok(());
     }
     let what =
@@ -127,9 +146,8 @@ fn check_size(
     Err(IoError::malformed(path, what))
 }
 
-fn of_colors(path: &Path, color: &str) -> IoError {
-    let what =
-        "images of colours cannot be read: save them in gray, of 8 or 16 bits and without opacity";
+fn of_other_colors(path: &Path, color: &str) -> IoError {
+    let what = "images of these colours cannot be read: save them in gray or RGB, of 8 or 16 bits";
     IoError::unsupported(path, format!("{what} ({color})"))
 }
 

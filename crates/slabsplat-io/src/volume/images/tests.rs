@@ -6,7 +6,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use slabsplat_core::{SampleType, Samples};
 use tiff::encoder::TiffEncoder;
-use tiff::encoder::colortype::{Gray32Float, RGB8};
+use tiff::encoder::colortype::{CMYK8, Gray32Float};
 
 use crate::{LoadedVolume, VolumeFormat, VolumeOptions, list_volume, read_volume};
 
@@ -106,17 +106,20 @@ fn images_that_differ_are_named() {
     );
     check(&[("a.jpg", jpeg()), ("b.jpg", png8(0))], "b.jpg: the image has 3 x 2 pixels");
     let colors = png(&[0; 18], ExtendedColorType::Rgb8);
-    check(&[("a.png", png8(0)), ("b.png", colors)], "b.png: images of colours cannot be read");
+    check(
+        &[("a.png", png8(0)), ("b.png", colors)],
+        "b.png: the image has 3 x 2 pixels of 3 x uint8",
+    );
     check(&[("a.png", png8(0)), ("b.png", vec![])], "b.png: not an image, or cut off");
     let half = |bytes: Vec<u8>| bytes[..bytes.len() / 2].to_vec();
     check(&[("a.png", half(png8(0))), ("b.png", png8(0))], "a.png: ");
     check(&[("a.jpg", half(jpeg())), ("b.jpg", jpeg())], "a.jpg: ");
     let two = tiff(&[[0.0; 6]; 2]);
     check(&[("a.tif", two), ("b.tif", tiff(&[[0.0; 6]]))], "a.tif: the file has 2 pages, not one");
-    let mut rgb = std::io::Cursor::new(Vec::new());
-    let mut encoder = TiffEncoder::new(&mut rgb).unwrap();
-    encoder.write_image::<RGB8>(3, 2, &[0; 18]).unwrap();
-    check(&[("a.tif", rgb.into_inner()), ("b.tif", vec![])], "a.tif: pages of colours");
+    let mut cmyk = std::io::Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut cmyk).unwrap();
+    encoder.write_image::<CMYK8>(3, 2, &[0; 24]).unwrap();
+    check(&[("a.tif", cmyk.into_inner()), ("b.tif", vec![])], "a.tif: pages of other colours");
     check(&[("a.png", png8(0)), ("b.txt", vec![])], "holds no volume of many files");
 }
 

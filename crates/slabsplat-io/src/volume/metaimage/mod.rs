@@ -14,10 +14,11 @@ mod space;
 use slabsplat_core::{Grid, SampleType, Scaling};
 
 use super::choices::Part;
+use super::colors::{Meaning, Values, Voxels};
 use super::data::{self, Encoding};
 use super::formats::{Input, Reader, VolumeListing};
 use super::stored::StoredType;
-use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat, assemble};
+use super::{Endian, LoadedVolume, VolumeChoices, VolumeFormat};
 use crate::IoError;
 use header::Header;
 
@@ -62,7 +63,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let stored = stored_type(&header)?;
     let choices = choices(&header, input, &sizes)?;
     let layout = data::Layout {
-        n_samples: grid.n_voxels(),
+        n_samples: grid.n_voxels().saturating_mul(choices.n_read()),
         share: choices.share(),
         stored,
         encoding: encoding(&header)?,
@@ -72,8 +73,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     };
     let files = files::find(input, &header, &sizes)?;
     let samples = data::read(input, &layout, &files, &mut warnings)?;
-    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::MetaImage, warnings) })
+    let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+    voxels.load(input, VolumeFormat::MetaImage, warnings)
 }
 
 /// Times along all axes after the third, and the values of each voxel.
@@ -83,11 +84,9 @@ fn choices(header: &Header, input: &Input<'_>, sizes: &[usize]) -> Result<Volume
     if n_channels == 0 || n_times == 0 {
         return Err(header.malformed("the volume is empty: it has no channels, or no times"));
     }
-    Ok(VolumeChoices {
-        channel: input.choose(Part::Channel, n_channels)?,
-        time: input.choose(Part::Time, n_times)?,
-        ..VolumeChoices::default()
-    })
+    let values = Values { n: n_channels, stored: stored_type(header)?, meaning: Meaning::Unsaid };
+    let time = input.choose(Part::Time, n_times)?;
+    Ok(VolumeChoices { time, ..input.choose_values(&values)? })
 }
 
 /// Those of the first volume; an image is a volume of one slice.

@@ -16,11 +16,12 @@ use std::path::{Path, PathBuf};
 use slabsplat_core::{SampleType, Scaling};
 
 use super::buffer::SampleBuffer;
-use super::choices::{Choice, Part};
+use super::choices::Part;
+use super::colors::{Meaning, Values, Voxels};
 use super::formats::{Input, Reader, VolumeListing};
 use super::stored::StoredType;
 use super::stream::{DataStream, first_bytes, plain_extension};
-use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
+use super::{LoadedVolume, VolumeChoices, VolumeFormat};
 use crate::IoError;
 use crate::printable::shown_path;
 use crate::store::Store;
@@ -84,6 +85,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let Stored { each, n_channels } = stored;
     let (n_before, color) =
         if 1 < n_channels { (0, channel.chosen) } else { (channel.chosen as u64, 0) };
+    let [n_channels, color] = if choices.is_color { [1, 0] } else { [n_channels, color] };
     let n_before = n_before.saturating_mul(time.n as u64);
     let n_before = n_before.saturating_add(time.chosen as u64);
     let n_before = n_before.saturating_mul(n_bytes);
@@ -92,12 +94,13 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     stream.metered(&meter);
     stream.skip(n_before)?;
     let mut buffer = SampleBuffer::new(each, header.endian);
-    stream.fill_channel(&mut buffer, grid.n_voxels(), each.size_bytes(), [n_channels, color])?;
+    let n_samples = grid.n_voxels().saturating_mul(choices.n_read());
+    stream.fill_channel(&mut buffer, n_samples, each.size_bytes(), [n_channels, color])?;
     if choices.is_single() && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", shown_path(&image_path)));
     }
-    let volume = assemble(path, grid, buffer.finish(&mut warnings), scaling)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })
+    let samples = buffer.finish(&mut warnings);
+    Voxels { grid, samples, scaling, choices }.load(input, header.format(), warnings)
 }
 
 impl Header {
@@ -161,22 +164,18 @@ fn choices(header: &Header, input: &Input<'_>) -> Result<VolumeChoices, IoError>
     let beyond_space: Vec<usize> = sizes.skip(3).collect();
     let n_times = beyond_space.first().copied().unwrap_or(1);
     let n_channels = beyond_space.iter().skip(1).fold(1, |n: usize, &size| n.saturating_mul(size));
-    let channels = match stored(header, input.path)?.n_channels {
-        1 => Choice { n: n_channels, ..Choice::default() },
-        n if n_channels == 1 => {
-            let names = ["red", "green", "blue", "alpha"].map(str::to_owned);
-            Choice { n, names: names[..n].to_vec(), ..Choice::default() }
-        }
-        _ => {
-            let what = "colours of several channels cannot be read: save one channel alone";
-            return Err(IoError::unsupported(input.path, what));
-        }
-    };
-    Ok(VolumeChoices {
-        time: input.choose(Part::Time, n_times)?,
-        channel: input.choose_of(Part::Channel, channels)?,
-        ..VolumeChoices::default()
-    })
+    let Stored { each, n_channels: n_in_voxel } = stored(header, input.path)?;
+    if 1 < n_in_voxel && 1 < n_channels {
+        let what = "colours of several channels cannot be read: save one channel alone";
+        return Err(IoError::unsupported(input.path, what));
+    }
+    let time = input.choose(Part::Time, n_times)?;
+    if n_in_voxel == 1 {
+        let channel = input.choose(Part::Channel, n_channels)?;
+        return Ok(VolumeChoices { time, channel, ..VolumeChoices::default() });
+    }
+    let values = Values { n: n_in_voxel, stored: each, meaning: Meaning::Color };
+    Ok(VolumeChoices { time, ..input.choose_values(&values)? })
 }
 
 /// What a voxel is in the file: values one after the other, of which one is read.

@@ -367,8 +367,9 @@ fn nifti_colors_are_channels() {
     let loaded = files.read_volume_with("a.nii", &VolumeOptions::default().channel(2)).unwrap();
     assert_eq!(loaded.volume.samples(), &Samples::U8(vec![3, 7]));
     assert_eq!(loaded.choices.channel.names, ["red", "green", "blue", "alpha"]);
-    let first = files.read_volume("a.nii").unwrap();
-    assert_eq!(first.warnings, ["there are 4 channels: channel 0 was taken"]);
+    let all = files.read_volume("a.nii").unwrap();
+    assert_eq!(all.volume.samples(), &Samples::U8(vec![4, 8]), "alpha");
+    assert_eq!((all.choices.is_color, all.warnings.as_slice()), (true, &[][..]));
 }
 
 #[test]

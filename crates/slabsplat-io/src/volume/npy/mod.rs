@@ -18,10 +18,11 @@ use slabsplat_core::{Grid, Scaling};
 use super::array_axes::VolumeAxes;
 use super::buffer::ReadFailure;
 use super::choices::VolumeChoices;
+use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
 use super::placed::{PlacedSamples, Source};
 use super::stream::DataStream;
-use super::{LoadedVolume, VolumeFormat, assemble, zarr, zip};
+use super::{LoadedVolume, VolumeFormat, zarr, zip};
 use crate::IoError;
 use crate::printable::shown_path;
 use crate::store::Store;
@@ -107,7 +108,7 @@ impl Array {
     fn open(input: &Input<'_>, reader: &mut impl Read) -> Result<Self, IoError> {
         let header = Header::read(reader).map_err(IoError::read(input.path))?;
         let header = header.map_err(|error| error.in_file(input))?;
-        let axes = VolumeAxes::of(input, &header.shape)?;
+        let axes = VolumeAxes::of(input, &header.shape, header.stored)?;
         Ok(Self { header, axes })
     }
 
@@ -145,7 +146,8 @@ impl Array {
         if found < needed {
             return Err(input.too_short(needed, found));
         }
-        let samples = PlacedSamples::new(header.stored, header.endian, grid.n_voxels());
+        let n_samples = grid.n_voxels().saturating_mul(axes.choices.n_read());
+        let samples = PlacedSamples::new(header.stored, header.endian, n_samples);
         let mut samples = samples.map_err(failed)?;
         let mut in_file = axes.axes;
         if header.is_fortran {
@@ -156,9 +158,8 @@ impl Array {
             "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
         ];
         let samples = samples.finish(&mut warnings);
-        let volume = assemble(input.path, grid, samples, Scaling::IDENTITY)?;
-        let loaded = LoadedVolume::new(volume, VolumeFormat::Npy, warnings);
-        Ok(LoadedVolume { choices: axes.choices, ..loaded })
+        let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices: axes.choices };
+        voxels.load(input, VolumeFormat::Npy, warnings)
     }
 }
 

@@ -2,7 +2,9 @@
 //! last that of times, unless they are one long.
 
 use super::super::choices::{Part, VolumeChoices};
+use super::super::colors::{Meaning, Values};
 use super::super::formats::Input;
+use super::super::stored::StoredType;
 
 use super::header::Header;
 use crate::IoError;
@@ -12,6 +14,9 @@ const MAX_AXES: usize = 16;
 
 /// Kinds of axes along which places change. Along all others the parts of one value lie.
 const DOMAIN_KINDS: &[&str] = &["domain", "space", "???", "none"];
+
+/// Kinds of axes along which the parts of a colour lie that can be shown as it is.
+const COLOR_KINDS: &[&str] = &["rgb-color", "rgba-color"];
 
 /// A file's axes, as far as a volume goes.
 #[derive(Debug, PartialEq)]
@@ -24,18 +29,23 @@ pub(super) struct Axes {
     pub(super) dims: [usize; 3],
     /// How many values each voxel has, one after the other.
     n_channels: usize,
+    /// Whether these are a colour.
+    is_color: bool,
     /// How many volumes follow each other.
     n_times: usize,
 }
 
 impl Axes {
     /// Which channel and time are read.
-    pub(super) fn choices(&self, input: &Input<'_>) -> Result<VolumeChoices, IoError> {
-        Ok(VolumeChoices {
-            channel: input.choose(Part::Channel, self.n_channels)?,
-            time: input.choose(Part::Time, self.n_times)?,
-            ..VolumeChoices::default()
-        })
+    pub(super) fn choices(
+        &self,
+        input: &Input<'_>,
+        stored: StoredType,
+    ) -> Result<VolumeChoices, IoError> {
+        let meaning = if self.is_color { Meaning::Color } else { Meaning::Other };
+        let values = Values { n: self.n_channels, stored, meaning };
+        let time = input.choose(Part::Time, self.n_times)?;
+        Ok(VolumeChoices { time, ..input.choose_values(&values)? })
     }
 }
 
@@ -67,7 +77,8 @@ pub(super) fn find(header: &Header) -> Result<Axes, IoError> {
     let dims = of_volume.map(|axis| axis.map_or(1, |axis| sizes[axis]));
     let size = |axis: Option<usize>| axis.map_or(1, |axis| sizes[axis]);
     let (n_channels, n_times) = (size(channel), size(time));
-    Ok(Axes { file_sizes: sizes, of_volume, dims, n_channels, n_times })
+    let is_color = channel.is_some_and(|axis| COLOR_KINDS.contains(&kinds[axis].as_str()));
+    Ok(Axes { file_sizes: sizes, of_volume, dims, n_channels, is_color, n_times })
 }
 
 fn n_axes(header: &Header) -> Result<usize, IoError> {

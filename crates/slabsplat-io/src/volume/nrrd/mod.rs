@@ -15,10 +15,11 @@ mod space;
 
 use slabsplat_core::{Grid, Scaling};
 
+use super::colors::Voxels;
 use super::data::{self, Encoding};
 use super::formats::{Input, Reader, VolumeListing};
 use super::stored::StoredType;
-use super::{Endian, LoadedVolume, VolumeFormat, assemble, names};
+use super::{Endian, LoadedVolume, VolumeFormat, names};
 use crate::IoError;
 use header::Header;
 
@@ -49,7 +50,7 @@ impl Reader for Nrrd {
             format: VolumeFormat::Nrrd,
             dims: axes.dims,
             sample_type: stored_type(&header)?.widest(),
-            choices: axes.choices(input)?,
+            choices: axes.choices(input, stored_type(&header)?)?,
         })
     }
 }
@@ -62,9 +63,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let grid = Grid::new(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let stored = stored_type(&header)?;
-    let choices = axes.choices(input)?;
+    let choices = axes.choices(input, stored)?;
     let layout = data::Layout {
-        n_samples: grid.n_voxels(),
+        n_samples: grid.n_voxels().saturating_mul(choices.n_read()),
         share: choices.share(),
         stored,
         encoding: encoding(&header)?,
@@ -74,8 +75,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     };
     let files = files::find(input, &header, &axes.file_sizes)?;
     let samples = data::read(input, &layout, &files, &mut warnings)?;
-    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings) })
+    let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+    voxels.load(input, VolumeFormat::Nrrd, warnings)
 }
 
 fn stored_type(header: &Header) -> Result<StoredType, IoError> {

@@ -2,8 +2,8 @@
 //!
 //! The `tiff` crate reads pages, in every packing that it knows. What they mean is decided here: which pages
 //! are the slices of one channel at one time, and how large voxels are, in millimetres. Pages
-//! are not turned over: y grows downwards, as their rows do. Not read: colours, palettes, samples of less
-//! than 8 bits. Pages of an OME-TIFF may be in several files beside each other.
+//! are not turned over: y grows downwards, as their rows do. Not read: other colours than RGB, palettes,
+//! samples of less than 8 bits. Pages of an OME-TIFF may be in several files beside each other.
 //!
 //! Reading order: `pages` (what a file holds), `stack` (which pages are slices, and where), `ome`, `imagej`.
 
@@ -15,8 +15,9 @@ mod stack;
 use slabsplat_core::{Grid, Scaling};
 
 use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
-use super::{LoadedVolume, VolumeFormat, assemble, parallel};
+use super::{LoadedVolume, VolumeFormat, parallel};
 use crate::IoError;
 use ome::Page;
 pub(super) use pages::Pages;
@@ -66,7 +67,14 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing(stack.dims(&pages), stack.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let mut buffer = SampleBuffer::new(pages.stored, Endian::NATIVE);
-    let meter = input.meter(grid.n_voxels() as u64 * pages.stored.size_bytes() as u64);
+    let n_values = grid.n_voxels().saturating_mul(stack.choices.n_read());
+    let meter = input.meter(n_values as u64 * pages.stored.size_bytes() as u64);
+    // Pixels of one value have their channels in pages of their own.
+    let keep = |page: &mut Vec<u8>| {
+        if 1 < pages.n_values {
+            stack.choices.keep_read(page, pages.stored.size_bytes());
+        }
+    };
     let mut take = |page: &[u8]| {
         let n_samples = page.len() / pages.stored.size_bytes();
         buffer.append(&mut { page }, n_samples, true).map_err(|failure| match failure {
@@ -82,6 +90,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         let mut workers = workers.collect::<Result<Vec<(Pages<'_>, Vec<u8>)>, IoError>>()?;
         let unpack = |(pages, page): &mut (Pages<'_>, Vec<u8>), slice: &Page| {
             pages.read_into(slice.page_idx, page)?;
+            keep(page);
             Ok(std::mem::take(page))
         };
         parallel::in_order(&mut workers, &stack.slices, unpack, |_, page| take(&page))?;
@@ -94,13 +103,13 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
                 None => own.read_into(*page_idx, &mut page)?,
                 Some(name) => others.read_into(name, *page_idx, &pages, &mut page)?,
             }
+            keep(&mut page);
             take(&page)?;
         }
     }
     let samples = buffer.finish(&mut warnings);
-    let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    let choices = stack.choices;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Tiff, warnings) })
+    let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices: stack.choices };
+    voxels.load(input, VolumeFormat::Tiff, warnings)
 }
 
 /// Files that the pages of an OME-TIFF are in beside the one that was opened, one at a time.
@@ -120,7 +129,7 @@ impl Others<'_> {
         if self.last.as_ref().is_none_or(|(last, _)| last != name) {
             self.last = None;
             let pages = Pages::open(self.input.store, &self.input.beside(name)?)?;
-            if (pages.size, pages.stored) != (own.size, own.stored) {
+            if !pages.are_like(own) {
                 let what = "its pages are of another size or type than those of the other files";
                 return Err(pages.unsupported(what));
             }

@@ -4,7 +4,6 @@
 
 use roxmltree::{Document, Node};
 
-use super::super::choices::VolumeChoices;
 use super::super::units;
 use super::stack::Counts;
 
@@ -40,12 +39,17 @@ struct Block {
 }
 
 impl Ome {
-    /// `None` if the description is none of OME's; `own_name` is that of the file it is of.
-    pub(super) fn of(description: &str, own_name: &str) -> Option<Result<Self, String>> {
-        ome_xml(description).map(|text| Self::parse(text, own_name))
+    /// `None` if the description is none of OME's; `own_name` is that of the file it is of, whose pixels
+    /// have so many values.
+    pub(super) fn of(
+        description: &str,
+        own_name: &str,
+        n_values: usize,
+    ) -> Option<Result<Self, String>> {
+        ome_xml(description).map(|text| Self::parse(text, own_name, n_values))
     }
 
-    fn parse(text: &str, own_name: &str) -> Result<Self, String> {
+    fn parse(text: &str, own_name: &str, n_values: usize) -> Result<Self, String> {
         let document = document(text)?;
         let is_pixels = |node: &Node<'_, '_>| node.tag_name().name() == "Pixels";
         let pixels = document.descendants().find(is_pixels);
@@ -57,7 +61,8 @@ impl Ome {
         };
         let counts = Counts {
             n_slices: count("SizeZ")?,
-            n_channels: count("SizeC")?,
+            // The values of a pixel are counted, too.
+            n_channels: (count("SizeC")? / n_values).max(1),
             n_times: count("SizeT")?,
         };
         let order = pixels.attribute("DimensionOrder").unwrap_or("XYZCT");
@@ -90,11 +95,10 @@ impl Ome {
     /// The pages of the channel and the time that are chosen, in a file that has so many.
     pub(super) fn slices(
         &self,
-        choices: &VolumeChoices,
+        [channel, time]: [usize; 2],
         n_pages: usize,
     ) -> Result<Vec<Page>, String> {
         let n_slices = self.counts.n_slices;
-        let [channel, time] = [choices.channel.chosen, choices.time.chosen];
         let missing = || {
             format!(
                 "its OME-XML tells of {n_slices} slices, which are not all in this file: open it whole"

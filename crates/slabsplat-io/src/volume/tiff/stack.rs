@@ -38,17 +38,17 @@ impl Stack {
         let own_name = input.path.file_name().map(|name| name.to_string_lossy().into_owned());
         let elsewhere = description_elsewhere(input, pages)?;
         let description = elsewhere.as_ref().unwrap_or(&pages.description);
-        if let Some(ome) = Ome::of(description, &own_name.unwrap_or_default()) {
+        if let Some(ome) = Ome::of(description, &own_name.unwrap_or_default(), pages.n_values) {
             let ome = ome.map_err(|what| pages.malformed(what))?;
-            let choices = ome.counts.choices(input, ome.channel_names.clone())?;
-            let slices = ome.slices(&choices, pages.len());
+            let choices = ome.counts.choices(input, pages, ome.channel_names.clone())?;
+            let slices = ome.slices(pages_of(&choices, pages), pages.len());
             let slices = slices.map_err(|what| pages.unsupported(what))?;
             return Ok(Self { slices, spacing: ome.spacing(warnings), choices });
         }
         if let Some(imagej) = ImageJ::of(&pages.description) {
             let counts = imagej.counts(pages.len()).map_err(|what| pages.unsupported(what))?;
-            let choices = counts.choices(input, Vec::new())?;
-            let [channel, time] = [choices.channel.chosen, choices.time.chosen];
+            let choices = counts.choices(input, pages, Vec::new())?;
+            let [channel, time] = pages_of(&choices, pages);
             let page_of = |z| (time * counts.n_slices + z) * counts.n_channels + channel;
             let slices = (0..counts.n_slices).map(|z| Page::own(page_of(z))).collect();
             return Ok(Self {
@@ -61,12 +61,20 @@ impl Stack {
             "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
         );
         let slices = (0..pages.len()).map(Page::own).collect();
-        Ok(Self { slices, spacing: [1.0; 3], choices: VolumeChoices::default() })
+        let counts = Counts { n_slices: pages.len(), n_channels: 1, n_times: 1 };
+        let choices = counts.choices(input, pages, Vec::new())?;
+        Ok(Self { slices, spacing: [1.0; 3], choices })
     }
 
     pub(super) fn dims(&self, pages: &Pages<'_>) -> [usize; 3] {
         [pages.size[0], pages.size[1], self.slices.len()]
     }
+}
+
+/// The channel and the time that pages are of; pixels of several values have their channels within a page.
+fn pages_of(choices: &VolumeChoices, pages: &Pages<'_>) -> [usize; 2] {
+    let channel = if pages.n_values == 1 { choices.channel.chosen } else { 0 };
+    [channel, choices.time.chosen]
 }
 
 impl Page {
@@ -88,12 +96,25 @@ fn description_elsewhere(input: &Input<'_>, pages: &Pages<'_>) -> Result<Option<
 
 impl Counts {
     /// Which channel is read, and which time.
-    fn choices(self, input: &Input<'_>, names: Vec<String>) -> Result<VolumeChoices, IoError> {
+    fn choices(
+        self,
+        input: &Input<'_>,
+        pages: &Pages<'_>,
+        names: Vec<String>,
+    ) -> Result<VolumeChoices, IoError> {
         let Self { n_slices: _, n_channels, n_times } = self;
+        let time = input.choose(Part::Time, n_times)?;
+        if 1 < pages.n_values {
+            if 1 < n_channels {
+                let what = "colours of several channels cannot be read: save one channel alone";
+                return Err(pages.unsupported(what));
+            }
+            return Ok(VolumeChoices { time, ..input.choose_values(&pages.values())? });
+        }
         let channels = Choice { n: n_channels, names, ..Choice::default() };
         Ok(VolumeChoices {
             channel: input.choose_of(Part::Channel, channels)?,
-            time: input.choose(Part::Time, n_times)?,
+            time,
             ..VolumeChoices::default()
         })
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use slabsplat_core::Samples;
 use tiff::encoder::colortype::{
-    ColorType, Gray8, Gray16, Gray32Float, Gray64, GrayI16, GrayI64, RGB8,
+    CMYK8, ColorType, Gray8, Gray16, Gray32Float, Gray64, GrayI16, GrayI64,
 };
 use tiff::encoder::{Compression, Rational, TiffEncoder, TiffValue};
 use tiff::tags::Tag;
@@ -223,8 +223,8 @@ fn tiff_that_is_no_volume() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.tif");
     let error = || read_volume(&path).unwrap_err().to_string();
-    PLAIN.write::<RGB8>(&path, &[vec![0; 18]]);
-    assert!(error().contains("save one channel in gray (RGB(8))"), "{}", error());
+    PLAIN.write::<CMYK8>(&path, &[vec![0; 24]]);
+    assert!(error().contains("save them in gray or RGB (CMYK(8))"), "{}", error());
     std::fs::write(&path, b"II*\0").unwrap();
     assert!(error().contains("a.tif"), "{}", error());
     std::fs::write(&path, b"not one").unwrap();

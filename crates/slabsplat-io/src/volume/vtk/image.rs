@@ -5,6 +5,7 @@ use slabsplat_core::{Grid, SampleType};
 
 use super::super::VolumeFormat;
 use super::super::choices::{Choice, Part, VolumeChoices};
+use super::super::colors::{Meaning, Values};
 use super::super::formats::{Input, VolumeListing};
 use super::super::stored::StoredType;
 use crate::IoError;
@@ -32,6 +33,8 @@ pub(super) struct ArrayDesc {
     pub(super) stored: Option<StoredType>,
     pub(super) type_name: String,
     pub(super) n_components: usize,
+    /// Whether the file says that these are a colour.
+    pub(super) is_color: bool,
     /// Whether it has a value for each cell, not each point.
     pub(super) is_of_cells: bool,
 }
@@ -124,13 +127,14 @@ pub(super) fn choose(
         series = input.choose_of(Part::Series, series)?;
     }
     let array = &arrays[series.chosen];
-    let channel = input.choose(Part::Channel, array.n_components.max(1))?;
     let stored = array.stored.ok_or_else(|| {
         let (name, type_name) = (&array.name, &array.type_name);
         let what = format!("the array {name:?} is of {type_name:?}, which cannot be samples");
         IoError::unsupported(input.path, what)
     })?;
-    let choices = VolumeChoices { series, channel, ..VolumeChoices::default() };
+    let meaning = if array.is_color { Meaning::Color } else { Meaning::Unsaid };
+    let values = Values { n: array.n_components.max(1), stored, meaning };
+    let choices = VolumeChoices { series, ..input.choose_values(&values)? };
     Ok(Chosen { array_idx: choices.series.chosen, stored, choices })
 }
 

@@ -25,6 +25,7 @@ struct Header {
 #[derive(Clone, Copy)]
 struct Attributes {
     is_of_cells: bool,
+    are_colors: bool,
     n_tuples: u64,
 }
 
@@ -56,8 +57,11 @@ pub(super) fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let endian = if header.is_text { Endian::NATIVE } else { Endian::Big };
     let mut filling = Filling::new(input, &header.geometry, array, &chosen, endian)?;
     if header.is_text {
-        let stored = chosen.stored;
-        filling.place(&mut NumbersInText::new(reader, stored), dims, [0; 3])?;
+        let mut numbers = match array.is_color {
+            true => NumbersInText::of_shares(reader),
+            false => NumbersInText::new(reader, chosen.stored),
+        };
+        filling.place(&mut numbers, dims, [0; 3])?;
     } else {
         filling.place(&mut reader, dims, [0; 3])?;
     }
@@ -134,7 +138,7 @@ impl Header {
                 let [n_tuples] = lines.numbers(keyword, words)?;
                 let is_of_cells = keyword.eq_ignore_ascii_case("CELL_DATA");
                 self.check_count(lines, n_tuples, is_of_cells)?;
-                *attributes = Some(Attributes { is_of_cells, n_tuples });
+                *attributes = Some(Attributes { is_of_cells, are_colors: false, n_tuples });
                 Ok(())
             }
             "METADATA" => lines.pass_over_metadata(),
@@ -173,7 +177,7 @@ impl Header {
         };
         let (type_name, n_components) = match keyword {
             "SCALARS" => (words.get(1).copied(), count(words.get(2), 1)),
-            "COLOR_SCALARS" if self.is_text => (Some("float"), count(words.get(1), 1)),
+            // In text they are shares of the largest byte.
             "COLOR_SCALARS" => (Some("unsigned_char"), count(words.get(1), 1)),
             "VECTORS" | "NORMALS" => (words.get(1).copied(), Some(3)),
             "TENSORS" => (words.get(1).copied(), Some(9)),
@@ -195,6 +199,7 @@ impl Header {
         if keyword == "SCALARS" {
             lines.pass_over_table_name()?;
         }
+        let attributes = Attributes { are_colors: keyword == "COLOR_SCALARS", ..attributes };
         self.push(lines, name, type_name, n_components, attributes)
     }
 
@@ -256,6 +261,7 @@ impl Header {
             stored: legacy_type(type_name),
             type_name: type_name.chars().take(40).collect(),
             n_components,
+            is_color: attributes.are_colors,
             is_of_cells: attributes.is_of_cells,
         });
         let n_items = (n_components as u64).saturating_mul(attributes.n_tuples);

@@ -24,10 +24,11 @@ use std::io::{self, BufReader, Seek, SeekFrom};
 use slabsplat_core::Scaling;
 
 use super::buffer::ReadFailure;
+use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
 use super::placed::{Axis, Metered, PlacedSamples, Source};
 use super::stored::StoredType;
-use super::{Endian, LoadedVolume, VolumeFormat, assemble};
+use super::{Endian, LoadedVolume, VolumeFormat};
 use crate::IoError;
 use crate::progress::ReadMeter;
 use crate::store::StoredFile;
@@ -108,7 +109,8 @@ struct Filling<'a> {
     input: &'a Input<'a>,
     stored: StoredType,
     n_components: usize,
-    component: usize,
+    /// Of its values.
+    values: Axis,
     dims: [usize; 3],
     samples: PlacedSamples,
     meter: ReadMeter,
@@ -123,14 +125,15 @@ impl<'a> Filling<'a> {
         endian: Endian,
     ) -> Result<Self, IoError> {
         let grid = geometry.grid(input, array.is_of_cells)?;
-        let samples = PlacedSamples::new(chosen.stored, endian, grid.n_voxels());
+        let n_samples = grid.n_voxels().saturating_mul(chosen.choices.n_read());
+        let samples = PlacedSamples::new(chosen.stored, endian, n_samples);
         let samples = samples.map_err(|_| input.failed(io::ErrorKind::OutOfMemory.into()))?;
         let n_components = array.n_components.max(1);
         Ok(Self {
             input,
             stored: chosen.stored,
             n_components,
-            component: chosen.choices.channel.chosen,
+            values: chosen.choices.axis_of_values(),
             dims: grid.dims(),
             samples,
             meter: input.meter(n_bytes(grid.dims(), n_components, chosen.stored)),
@@ -145,13 +148,14 @@ impl<'a> Filling<'a> {
         first: [usize; 3],
     ) -> Result<(), IoError> {
         let [nx, ny, _] = self.dims;
+        let each = self.values.kept.len();
         let axes = [
-            Axis::one(self.n_components, self.component),
-            Axis::whole(dims[0], 1),
-            Axis::whole(dims[1], nx),
-            Axis::whole(dims[2], nx * ny),
+            self.values.clone(),
+            Axis::whole(dims[0], each),
+            Axis::whole(dims[1], each * nx),
+            Axis::whole(dims[2], each * nx * ny),
         ];
-        let first = (first[2] * ny + first[1]) * nx + first[0];
+        let first = each * ((first[2] * ny + first[1]) * nx + first[0]);
         let needed = n_bytes(dims, self.n_components, self.stored);
         let mut source = Metered { source, meter: &self.meter };
         self.samples.place(&mut source, &axes, first).map_err(|failure| match failure {
@@ -169,9 +173,9 @@ impl<'a> Filling<'a> {
     ) -> Result<LoadedVolume, IoError> {
         let grid = geometry.grid(self.input, is_of_cells)?;
         let samples = self.samples.finish(&mut warnings);
-        let volume = assemble(self.input.path, grid, samples, Scaling::IDENTITY)?;
-        let loaded = LoadedVolume::new(volume, VolumeFormat::Vtk, warnings);
-        Ok(LoadedVolume { choices: chosen.choices, ..loaded })
+        let choices = chosen.choices;
+        let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+        voxels.load(self.input, VolumeFormat::Vtk, warnings)
     }
 }
 

@@ -9,6 +9,8 @@ use slabsplat_core::SampleType;
 pub(super) struct NumbersInText<R> {
     reader: R,
     stored: StoredType,
+    /// Whether they are shares of the largest number of that type.
+    are_shares: bool,
     token: Vec<u8>,
     bytes: Vec<u8>,
     n_taken: usize,
@@ -24,7 +26,20 @@ const CHUNK_BYTES: usize = 1 << 14;
 
 impl<R: BufRead> NumbersInText<R> {
     pub(super) fn new(reader: R, stored: StoredType) -> Self {
-        Self { reader, stored, token: Vec::new(), bytes: Vec::new(), n_taken: 0, broken: None }
+        Self {
+            reader,
+            stored,
+            are_shares: false,
+            token: Vec::new(),
+            bytes: Vec::new(),
+            n_taken: 0,
+            broken: None,
+        }
+    }
+
+    /// Bytes that are written as shares of 255, as colours are.
+    pub(super) fn of_shares(reader: R) -> Self {
+        Self { are_shares: true, ..Self::new(reader, StoredType::U8_SAMPLE) }
     }
 
     fn fill(&mut self) -> io::Result<()> {
@@ -35,7 +50,11 @@ impl<R: BufRead> NumbersInText<R> {
         }
         while self.bytes.len() < CHUNK_BYTES && next_token(&mut self.reader, &mut self.token)? {
             let token = str::from_utf8(&self.token).unwrap_or("\u{fffd}");
-            if push(&mut self.bytes, token, self.stored).is_none() {
+            let pushed = match self.are_shares {
+                true => push_share(&mut self.bytes, token),
+                false => push(&mut self.bytes, token, self.stored),
+            };
+            if pushed.is_none() {
                 let shown: String = token.chars().take(40).collect();
                 let what = format!("{shown:?} is not a number of {}", self.stored.name());
                 if self.bytes.is_empty() {
@@ -74,6 +93,12 @@ pub(super) fn next_token(reader: &mut impl BufRead, token: &mut Vec<u8>) -> io::
         }
     }
     Ok(!token.is_empty())
+}
+
+fn push_share(bytes: &mut Vec<u8>, token: &str) -> Option<()> {
+    let share: f64 = token.parse().ok()?;
+    bytes.push((255.0 * share.clamp(0.0, 1.0)).round() as u8);
+    Some(())
 }
 
 fn push(bytes: &mut Vec<u8>, token: &str, stored: StoredType) -> Option<()> {

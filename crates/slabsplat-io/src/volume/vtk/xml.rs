@@ -364,6 +364,7 @@ impl Array {
             type_name,
             n_components: usize::try_from(number("NumberOfComponents", 1)?.max(1))
                 .map_err(|_| "an array has too many components".to_owned())?,
+            is_color: false,
             is_of_cells,
         };
         Ok(Self { desc, format, text_at: tag.end })

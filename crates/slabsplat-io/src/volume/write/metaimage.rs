@@ -2,19 +2,19 @@
 
 use std::path::Path;
 
-use slabsplat_core::{SampleType, Volume};
+use slabsplat_core::SampleType;
 
-use super::{Packing, WrittenSamples, numbers, steps_and_origin, write_file};
+use super::{Packing, ToWrite, WrittenSamples, numbers, steps_and_origin, write_file};
 use crate::IoError;
 
-pub(super) fn write(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError> {
+pub(super) fn write(path: &Path, to_write: &ToWrite<'_>) -> Result<Vec<String>, IoError> {
     let mut warnings = Vec::new();
-    let samples = WrittenSamples::as_values(volume, &mut warnings);
-    write_file(path, header(volume, &samples).as_bytes(), &samples, Packing::None)?;
+    let samples = WrittenSamples::as_values(to_write, &mut warnings);
+    write_file(path, header(to_write, &samples).as_bytes(), &samples, Packing::None)?;
     Ok(warnings)
 }
 
-fn header(volume: &Volume, samples: &WrittenSamples<'_>) -> String {
+fn header(to_write: &ToWrite<'_>, samples: &WrittenSamples<'_>) -> String {
     let element_type = match samples.sample_type() {
         SampleType::U8 => "MET_UCHAR",
         SampleType::I8 => "MET_CHAR",
@@ -25,6 +25,11 @@ fn header(volume: &Volume, samples: &WrittenSamples<'_>) -> String {
         SampleType::F32 => "MET_FLOAT",
         SampleType::F64 => "MET_DOUBLE",
     };
+    let volume = to_write.volume;
+    let channels = match to_write.n_values() {
+        1 => String::new(),
+        n => format!("ElementNumberOfChannels = {n}\n"),
+    };
     let [nx, ny, nz] = volume.grid().dims();
     let (steps, origin) = steps_and_origin(volume.grid(), true);
     let spacing = volume.grid().spacing();
@@ -33,7 +38,7 @@ fn header(volume: &Volume, samples: &WrittenSamples<'_>) -> String {
     format!(
         "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
          CompressedData = False\nTransformMatrix = {}\nOffset = {}\nElementSpacing = {}\n\
-         DimSize = {nx} {ny} {nz}\nElementType = {element_type}\nElementDataFile = LOCAL\n",
+         DimSize = {nx} {ny} {nz}\n{channels}ElementType = {element_type}\nElementDataFile = LOCAL\n",
         numbers(directions),
         numbers(origin.to_array()),
         numbers(spacing),

@@ -20,12 +20,13 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use slabsplat_core::glam::{DMat3, DVec3};
-use slabsplat_core::{Grid, Volume};
+use slabsplat_core::{Grid, SampleType, Volume};
 
+use super::colors::{LoadedColors, OpacitySource};
 use super::stream::plain_extension;
 use crate::IoError;
 use crate::picture::atomic;
-use samples::WrittenSamples;
+use samples::{Colored, ToWrite, WrittenSamples};
 
 /// A format that volumes are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -87,15 +88,55 @@ impl VolumeOutput {
 /// # Errors
 /// If the extension is another, the format cannot hold the volume, or the file cannot be written.
 pub fn write_volume(path: impl AsRef<Path>, volume: &Volume) -> Result<Vec<String>, IoError> {
+    write(path.as_ref(), &ToWrite { volume, colors: None })
+}
+
+/// Writes a volume whose voxels have colours: red, green and blue of each, and the volume's value as alpha if
+/// it is that. Where the format has no room for colours, the volume is written as [`write_volume`] does, and
+/// a warning says so.
+///
+/// # Errors
+/// As [`write_volume`].
+pub fn write_colored_volume(
+    path: impl AsRef<Path>,
+    volume: &Volume,
+    colors: &LoadedColors,
+) -> Result<Vec<String>, IoError> {
     let path = path.as_ref();
+    let Some(voxels) = &colors.voxels else { return write_volume(path, volume) };
+    let has_room = match VolumeOutput::of(path)? {
+        VolumeOutput::Nrrd | VolumeOutput::MetaImage | VolumeOutput::Npy => true,
+        VolumeOutput::Nifti | VolumeOutput::NiftiGz => volume.sample_type() == SampleType::U8,
+        VolumeOutput::Raw | VolumeOutput::Zarr => false,
+    };
+    let is_alpha = colors.opacity_from == OpacitySource::Alpha;
+    if !has_room {
+        let bits = 8 * volume.sample_type().size_bytes();
+        let what = format!(
+            "the format has no colours of {bits} bits: {} alone was written",
+            colors.opacity_from
+        );
+        let mut warnings = write_volume(path, volume)?;
+        warnings.push(what);
+        return Ok(warnings);
+    }
+    let colored = Colored { voxels, is_alpha };
+    let mut warnings = write(path, &ToWrite { volume, colors: Some(colored) })?;
+    if colors.has_alpha && !is_alpha {
+        warnings.push("alpha was not written: opacity was made of luminance".to_owned());
+    }
+    Ok(warnings)
+}
+
+fn write(path: &Path, to_write: &ToWrite<'_>) -> Result<Vec<String>, IoError> {
     match VolumeOutput::of(path)? {
-        VolumeOutput::Nrrd => nrrd::write(path, volume),
-        VolumeOutput::Nifti => nifti::write(path, volume, false),
-        VolumeOutput::NiftiGz => nifti::write(path, volume, true),
-        VolumeOutput::MetaImage => metaimage::write(path, volume),
-        VolumeOutput::Npy => npy::write(path, volume),
-        VolumeOutput::Raw => raw::write(path, volume),
-        VolumeOutput::Zarr => zarr::write(path, volume),
+        VolumeOutput::Nrrd => nrrd::write(path, to_write),
+        VolumeOutput::Nifti => nifti::write(path, to_write, false),
+        VolumeOutput::NiftiGz => nifti::write(path, to_write, true),
+        VolumeOutput::MetaImage => metaimage::write(path, to_write),
+        VolumeOutput::Npy => npy::write(path, to_write),
+        VolumeOutput::Raw => raw::write(path, to_write.volume),
+        VolumeOutput::Zarr => zarr::write(path, to_write.volume),
     }
 }
 

@@ -1,16 +1,17 @@
-//! NumPy: an array `[z, y, x]` in C order, which has no place in the world.
+//! NumPy: an array `[z, y, x]` in C order, of colours `[z, y, x, value]`, which has no place in the world.
 
 use std::path::Path;
 
-use slabsplat_core::{Grid, SampleType, Volume};
+use slabsplat_core::{Grid, SampleType};
 
-use super::{Packing, WrittenSamples, write_file};
+use super::{Packing, ToWrite, WrittenSamples, write_file};
 use crate::IoError;
 
-pub(super) fn write(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError> {
+pub(super) fn write(path: &Path, to_write: &ToWrite<'_>) -> Result<Vec<String>, IoError> {
     let mut warnings = Vec::new();
-    let samples = WrittenSamples::as_values(volume, &mut warnings);
-    write_file(path, &header(volume, &samples), &samples, Packing::None)?;
+    let volume = to_write.volume;
+    let samples = WrittenSamples::as_values(to_write, &mut warnings);
+    write_file(path, &header(to_write, &samples), &samples, Packing::None)?;
     if Grid::with_spacing(volume.grid().dims(), [1.0; 3]).as_ref() != Ok(volume.grid()) {
         let [x, y, z] = volume.grid().spacing();
         warnings.push(format!(
@@ -20,7 +21,7 @@ pub(super) fn write(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError
     Ok(warnings)
 }
 
-fn header(volume: &Volume, samples: &WrittenSamples<'_>) -> Vec<u8> {
+fn header(to_write: &ToWrite<'_>, samples: &WrittenSamples<'_>) -> Vec<u8> {
     let code = match samples.sample_type() {
         SampleType::U8 => "|u1",
         SampleType::I8 => "|i1",
@@ -31,10 +32,14 @@ fn header(volume: &Volume, samples: &WrittenSamples<'_>) -> Vec<u8> {
         SampleType::F32 => "<f4",
         SampleType::F64 => "<f8",
     };
-    let [nx, ny, nz] = volume.grid().dims();
-    let text =
-        format!("{{'descr': '{code}', 'fortran_order': False, 'shape': ({nz}, {ny}, {nx}), }}");
-    // With blanks, so that samples begin at a multiple of 64; three sizes are never longer.
+    let [nx, ny, nz] = to_write.volume.grid().dims();
+    let values = match to_write.n_values() {
+        1 => String::new(),
+        n => format!(", {n}"),
+    };
+    let shape = format!("({nz}, {ny}, {nx}{values})");
+    let text = format!("{{'descr': '{code}', 'fortran_order': False, 'shape': {shape}, }}");
+    // With blanks, so that samples begin at a multiple of 64; four sizes are never longer.
     let text = format!("{text:<117}\n");
     let length = (text.len() as u16).to_le_bytes();
     [&b"\x93NUMPY\x01\x00"[..], &length, text.as_bytes()].concat()

@@ -6,12 +6,12 @@ use std::path::Path;
 use serde_json::json;
 use slabsplat_core::Volume;
 
-use super::{Packing, WrittenSamples, write_file};
+use super::{Packing, ToWrite, WrittenSamples, write_file};
 use crate::IoError;
 use crate::picture::atomic;
 
 pub(super) fn write(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError> {
-    let samples = WrittenSamples::as_stored(volume);
+    let samples = WrittenSamples::as_stored(&ToWrite { volume, colors: None });
     write_file(path, b"", &samples, Packing::None)?;
     let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
     let to_world = volume.grid().world_from_index();

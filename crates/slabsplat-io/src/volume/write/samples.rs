@@ -3,11 +3,39 @@
 
 use std::io::{self, Write};
 
-use slabsplat_core::{Sample, SampleType, Scaling, Volume, with_samples};
+use slabsplat_core::{
+    ColorSamples, Sample, SampleType, Samples, Scaling, Volume, VoxelColors, with_samples,
+};
+
+/// A volume, and the colours of its voxels if they are written instead of it.
+#[derive(Clone, Copy)]
+pub(super) struct ToWrite<'v> {
+    pub(super) volume: &'v Volume,
+    pub(super) colors: Option<Colored<'v>>,
+}
+
+/// Colours of voxels, whose type is the volume's.
+#[derive(Clone, Copy)]
+pub(super) struct Colored<'v> {
+    pub(super) voxels: &'v VoxelColors,
+    /// Whether the volume's values are their alpha, and are written, too.
+    pub(super) is_alpha: bool,
+}
+
+impl ToWrite<'_> {
+    /// Values of each voxel.
+    pub(super) fn n_values(&self) -> usize {
+        match self.colors {
+            None => 1,
+            Some(Colored { is_alpha, .. }) => 3 + usize::from(is_alpha),
+        }
+    }
+}
 
 /// The samples of a volume, in the type that they are written in.
 pub(super) struct WrittenSamples<'v> {
     volume: &'v Volume,
+    colors: Option<Colored<'v>>,
     /// The type of values that are written instead of samples.
     values: Option<SampleType>,
 }
@@ -17,14 +45,16 @@ const CHUNK: usize = 1 << 14;
 
 impl<'v> WrittenSamples<'v> {
     /// As they are, for a format that has slope and intercept.
-    pub(super) fn as_stored(volume: &'v Volume) -> Self {
-        Self { volume, values: None }
+    pub(super) fn as_stored(to_write: &ToWrite<'v>) -> Self {
+        let ToWrite { volume, colors } = *to_write;
+        Self { volume, colors, values: None }
     }
 
     /// For a format that has neither slope nor intercept.
-    pub(super) fn as_values(volume: &'v Volume, warnings: &mut Vec<String>) -> Self {
-        if volume.scaling() == Scaling::IDENTITY {
-            return Self::as_stored(volume);
+    pub(super) fn as_values(to_write: &ToWrite<'v>, warnings: &mut Vec<String>) -> Self {
+        let ToWrite { volume, colors } = *to_write;
+        if volume.scaling() == Scaling::IDENTITY || colors.is_some() {
+            return Self::as_stored(to_write);
         }
         let values = type_of_values(volume);
         let Scaling { slope, intercept } = volume.scaling();
@@ -33,16 +63,19 @@ impl<'v> WrittenSamples<'v> {
             "the format has no slope and intercept: values of {to} are written, not samples of {from} with \
              slope {slope} and intercept {intercept}"
         ));
-        Self { volume, values: Some(values) }
+        Self { volume, colors: None, values: Some(values) }
     }
 
     pub(super) fn sample_type(&self) -> SampleType {
         self.values.unwrap_or(self.volume.sample_type())
     }
 
-    /// All of them, x fastest, the least significant byte first.
+    /// All of them, x fastest and the values of a voxel next to each other, the least significant byte first.
     pub(super) fn write(&self, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
-        self.write_range(0, self.volume.grid().n_voxels(), out)
+        match self.colors {
+            Some(colored) => write_colors(colored, self.volume, out),
+            None => self.write_range(0, self.volume.grid().n_voxels(), out),
+        }
     }
 
     /// A run of them.
@@ -65,6 +98,40 @@ impl<'v> WrittenSamples<'v> {
         }
         Ok(())
     }
+}
+
+fn write_colors(
+    Colored { voxels, is_alpha }: Colored<'_>,
+    volume: &Volume,
+    out: &mut (impl Write + ?Sized),
+) -> io::Result<()> {
+    match (voxels.samples(), volume.samples()) {
+        (ColorSamples::U8(colors), Samples::U8(alpha)) => {
+            write_pixels(colors, is_alpha.then_some(alpha), out)
+        }
+        (ColorSamples::U16(colors), Samples::U16(alpha)) => {
+            write_pixels(colors, is_alpha.then_some(alpha), out)
+        }
+        _ => Err(io::Error::other("colours are of another type than the values beside them")),
+    }
+}
+
+fn write_pixels<T: Sample>(
+    colors: &[[T; 3]],
+    alpha: Option<&Vec<T>>,
+    out: &mut (impl Write + ?Sized),
+) -> io::Result<()> {
+    for (idx, chunk) in colors.chunks(CHUNK).enumerate() {
+        let values: Vec<T> = match alpha {
+            None => chunk.iter().flatten().copied().collect(),
+            Some(alpha) => {
+                let pixels = chunk.iter().zip(&alpha[idx * CHUNK..]);
+                pixels.flat_map(|(&[r, g, b], &alpha)| [r, g, b, alpha]).collect()
+            }
+        };
+        write_little(&values, out)?;
+    }
+    Ok(())
 }
 
 /// The least type that holds the values exactly, or else floats: of 32 bits for samples of up to 16.

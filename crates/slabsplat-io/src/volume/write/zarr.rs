@@ -10,7 +10,7 @@ use flate2::write::GzEncoder;
 use serde_json::{Value, json};
 use slabsplat_core::{SampleType, Volume};
 
-use super::{WrittenSamples, is_upright};
+use super::{ToWrite, WrittenSamples, is_upright};
 use crate::IoError;
 
 /// Voxels along each side of a chunk.
@@ -21,7 +21,7 @@ const MARKS: &[&str] = &[".zgroup", ".zattrs", ".zarray", "zarr.json"];
 
 pub(super) fn write(path: &Path, volume: &Volume) -> Result<Vec<String>, IoError> {
     let mut warnings = Vec::new();
-    let samples = WrittenSamples::as_values(volume, &mut warnings);
+    let samples = WrittenSamples::as_values(&ToWrite { volume, colors: None }, &mut warnings);
     if !is_upright(volume.grid()) {
         let what = "OME-Zarr 0.4 has no room for the directions of the axes: spacing and origin are kept alone";
         warnings.push(what.to_owned());

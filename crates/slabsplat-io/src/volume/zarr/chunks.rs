@@ -57,7 +57,7 @@ pub(super) fn read(
     input: &Input<'_>,
     tree: &Tree<'_>,
     image: &Image,
-    n_voxels: usize,
+    n_samples: usize,
     warnings: &mut Vec<String>,
 ) -> Result<Samples, IoError> {
     let all = Indices::of(&image.axes, &image.array.chunks.shape);
@@ -71,12 +71,13 @@ pub(super) fn read(
     if !is_zero && !keys.any(|key| tree.has(&key)) {
         return Err(IoError::malformed(input.path, "no chunk of the array is there"));
     }
-    let n_bytes = (n_voxels as u64).saturating_mul(image.array.stored.widest().size_bytes() as u64);
+    let n_bytes =
+        (n_samples as u64).saturating_mul(image.array.stored.widest().size_bytes() as u64);
     if MAX_UNBACKED_BYTES < n_bytes {
         check_backed(input, tree, all.clone().map(|index| key(image, &index)), n_bytes)?;
     }
     let endian = image.array.chunks.innermost().endian;
-    let samples = PlacedSamples::new(image.array.stored, endian, n_voxels);
+    let samples = PlacedSamples::new(image.array.stored, endian, n_samples);
     let samples = samples.map_err(|_| IoError::Read {
         path: input.path.to_owned(),
         source: io::ErrorKind::OutOfMemory.into(),

@@ -6,6 +6,7 @@ use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 
 use super::super::array_axes::VolumeAxes;
 use super::super::choices::{Choice, Part, VolumeChoices};
+use super::super::colors::{Meaning, Values};
 use super::super::formats::Input;
 use super::super::placed::Axis;
 use super::super::units;
@@ -100,7 +101,8 @@ impl Image {
 
     /// An array by itself: z, y, x.
     fn of_array(input: &Input<'_>, key: String, array: ArrayMeta) -> Result<Self, IoError> {
-        let VolumeAxes { dims, mut axes, choices } = VolumeAxes::of(input, &array.shape)?;
+        let VolumeAxes { dims, mut axes, choices } =
+            VolumeAxes::of(input, &array.shape, array.stored)?;
         axes.reverse();
         let what = "the array does not say how large its voxels are: 1 x 1 x 1 was assumed";
         let warnings = vec![what.to_owned()];
@@ -157,8 +159,11 @@ impl Image {
             let at = axes.iter().position(|axis| axis.role == role);
             at.map_or(1, |at| array.shape[at])
         };
-        let channel = input.choose(Part::Channel, count(Role::Channel))?;
+        // Channels of a microscope, unless somebody says otherwise.
+        let values =
+            Values { n: count(Role::Channel), stored: array.stored, meaning: Meaning::Other };
         let time = input.choose(Part::Time, count(Role::Time))?;
+        let choices = VolumeChoices { time, ..input.choose_values(&values)? };
         let transforms =
             [&dataset["coordinateTransformations"], &image["coordinateTransformations"]];
         let mut said_scale = false;
@@ -194,15 +199,16 @@ impl Image {
             );
         }
         let dims = dims.map(|len| len as usize);
-        let strides = [1, dims[0], dims[0].saturating_mul(dims[1])];
+        let each = choices.n_read();
+        let strides = [each, each.saturating_mul(dims[0])];
+        let strides = [strides[0], strides[1], strides[1].saturating_mul(dims[1])];
         let kept = axes.iter().zip(&array.shape).map(|(axis, &len)| match axis.role {
             Role::Space(along) => Axis::whole(len, strides[along]),
-            Role::Channel => Axis::one(len, channel.chosen),
-            Role::Time => Axis::one(len, time.chosen),
+            Role::Channel => choices.axis_of_values(),
+            Role::Time => Axis::one(len, choices.time.chosen),
             Role::Other => Axis::one(len, 0),
         });
         let axes = kept.collect();
-        let choices = VolumeChoices { channel, time, ..VolumeChoices::default() };
         Ok(Self { key, array, axes, dims, spacing, origin, choices, warnings })
     }
 }

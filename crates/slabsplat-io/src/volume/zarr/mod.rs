@@ -24,9 +24,10 @@ use std::path::{Path, PathBuf};
 
 use slabsplat_core::Scaling;
 
+use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
 use super::zip::is_zip;
-use super::{LoadedVolume, VolumeFormat, assemble};
+use super::{LoadedVolume, VolumeFormat};
 use crate::IoError;
 use crate::store::Store;
 use image::Image;
@@ -73,11 +74,12 @@ impl Reader for Zarr {
         let tree = Tree::open(input)?;
         let image = Image::find(input, &tree)?;
         let grid = image.grid(input)?;
+        let n_samples = grid.n_voxels().saturating_mul(image.choices.n_read());
         let mut warnings = image.warnings.clone();
-        let samples = chunks::read(input, &tree, &image, grid.n_voxels(), &mut warnings)?;
-        let volume = assemble(input.path, grid, samples, Scaling::IDENTITY)?;
-        let loaded = LoadedVolume::new(volume, VolumeFormat::Zarr, warnings);
-        Ok(LoadedVolume { choices: image.choices, ..loaded })
+        let samples = chunks::read(input, &tree, &image, n_samples, &mut warnings)?;
+        let choices = image.choices;
+        let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+        voxels.load(input, VolumeFormat::Zarr, warnings)
     }
 
     fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
