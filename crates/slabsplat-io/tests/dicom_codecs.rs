@@ -17,8 +17,8 @@ fn folder() -> PathBuf {
 /// All values of a channel.
 fn values(path: &Path, channel: usize) -> Vec<i64> {
     let options = VolumeOptions::default();
-    let options = if channel == 0 { options } else { options.channel(channel) };
-    let loaded = read_volume_with(path, &options).unwrap_or_else(|error| panic!("{error}"));
+    let loaded =
+        read_volume_with(path, &options.channel(channel)).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(loaded.volume.grid().dims(), [33, 21, 1], "{}", path.display());
     let volume = &loaded.volume;
     (0..volume.grid().n_voxels()).map(|voxel_idx| volume.value(voxel_idx) as i64).collect()

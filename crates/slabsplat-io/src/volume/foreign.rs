@@ -51,12 +51,11 @@ const FORMATS: &[Foreign] = &[
         ],
         remedy: BIO_FORMATS,
     },
-    Foreign { name: "Imaris", magic: &[], extensions: &["ims"], remedy: BIO_FORMATS },
     Foreign {
-        name: "MINC",
+        name: "NetCDF as it was before HDF5, maybe MINC",
         magic: &[(0, b"CDF\x01"), (0, b"CDF\x02")],
         extensions: &["mnc"],
-        remedy: "`mnc2nii IN OUT.nii`, or ITK-SNAP, converts it",
+        remedy: "`nccopy -k nc4 IN OUT.nc` makes it HDF5, and `mnc2nii IN OUT.nii` a NIfTI of a MINC",
     },
     Foreign {
         name: "MRtrix's MIF",
@@ -185,7 +184,6 @@ mod tests {
                 "a.mgz: this is FreeSurfer's MGH, which is not read: `mri_convert",
             ),
             ("a.dat", b"ZISRAWFILE\0\0", "Zeiss's CZI"),
-            ("a.ims", b"\0", "this is Imaris"),
             ("a.hdr", b"ENVI\nsamples = 5\n", "--header-bytes"),
             ("a.vdb", b" BDV\0\0", "OpenVDB"),
             ("a.tif", b"\x89PNG\r\n\x1a\n", "name the folder"),
