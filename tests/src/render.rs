@@ -37,9 +37,9 @@ pub fn backends_with(method: Method) -> impl Iterator<Item = &'static str> {
     backends().iter().copied().filter(has_it)
 }
 
-/// The CPU and one of the other backends that have a method, which take turns by `number`: they share their
-/// shaders, so that a test of many scenes shows what is wrong with either, and drivers that only play a device
-/// take longer than all else.
+/// The CPU and one of the other backends that have a method, which take turns by `number`. They share their
+/// shaders, so that a test of many scenes shows what is wrong with either, and drivers that only play a
+/// device take longer than all else.
 pub fn backends_in_turn(method: Method, number: usize) -> impl Iterator<Item = &'static str> {
     let (cpu, others): (Vec<_>, Vec<_>) = backends_with(method).partition(|name| *name == "cpu");
     let n_others = others.len().max(1);

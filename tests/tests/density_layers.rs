@@ -276,9 +276,9 @@ fn density_layer_beside_nothing_is_alone() {
     println!("at most {worst:.1e}");
 }
 
-/// A tolerance of all layers together is one of the picture. Where a volume ends may move by a third of a voxel
-/// (docs/numerics.md, "Separable footprints"), which is more than a pixel here: a pixel is beyond the tolerance if it
-/// is beyond that of all pixels next to it.
+/// A tolerance of all layers together is one of the picture. Where a volume ends may move by a third of a
+/// voxel (docs/numerics.md, "Separable footprints"), which is more than a pixel here: a pixel is beyond the
+/// tolerance if it is beyond that of all pixels next to it.
 #[test]
 fn tolerance_of_density_layers() {
     let tolerance = RenderSettings::default().tolerance;

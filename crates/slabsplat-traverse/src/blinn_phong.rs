@@ -134,7 +134,8 @@ impl BlinnPhong8 {
     }
 
     /// The light on eight normals, x, y and z in world space, none longer than 1: what one lacks of that
-    /// faces every light by [`Phong::zero_gradient`], and mirrors none. There are `N` channels of it, from red on.
+    /// faces every light by [`Phong::zero_gradient`], and mirrors none. There are `N` channels of it, from
+    /// red on.
     #[inline(always)]
     pub fn of_normals<const N: usize>(&self, normals: &[[f32; 8]; 3]) -> [Light8; N] {
         let mut undirected = squared_lengths(normals);

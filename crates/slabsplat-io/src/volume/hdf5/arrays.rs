@@ -9,11 +9,12 @@ use slabsplat_core::{Grid, Scaling};
 use super::super::array_axes::VolumeAxes;
 use super::super::buffer::ReadFailure;
 use super::super::choices::{Choice, Part};
+use super::super::colors::Voxels;
 use super::super::formats::{Input, VolumeListing};
-use super::super::placed::PlacedSamples;
+use super::super::placed::{Metered, PlacedSamples};
 use super::super::stored::StoredType;
 use super::super::stream::MAX_GZIP_RATIO;
-use super::super::{Endian, LoadedVolume, VolumeFormat, assemble};
+use super::super::{Endian, LoadedVolume, VolumeFormat};
 use super::rows::Rows;
 use crate::IoError;
 use crate::printable::{printable, shown};
@@ -58,7 +59,7 @@ impl Array {
                 IoError::unsupported(input.path, "the data set holds no numbers that a volume has")
             })?;
         let shape = shape(&dataset).map_err(|error| broken(input, &error))?;
-        let mut axes = VolumeAxes::of(input, &shape)?;
+        let mut axes = VolumeAxes::of(input, &shape, stored)?;
         axes.choices.series = series;
         Ok(Self { dataset, shape, stored, endian, axes, file_bytes })
     }
@@ -89,14 +90,17 @@ impl Array {
             ReadFailure::TooShort(found) => input.too_short(needed, found),
             ReadFailure::Io(error) => IoError::malformed(path, shown(&error.to_string())),
         };
-        let samples = PlacedSamples::new(self.stored, self.endian, grid.n_voxels());
+        let n_samples = grid.n_voxels().saturating_mul(self.axes.choices.n_read());
+        let samples = PlacedSamples::new(self.stored, self.endian, n_samples);
         let mut samples = samples.map_err(failed)?;
+        let meter = input.meter(needed);
         let mut rows = Rows::of(self.dataset, &self.shape, item_bytes);
+        let mut rows = Metered { source: &mut rows, meter: &meter };
         samples.place(&mut rows, &self.axes.axes, 0).map_err(failed)?;
         let samples = samples.finish(&mut warnings);
-        let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-        let loaded = LoadedVolume::new(volume, VolumeFormat::Hdf5, warnings);
-        Ok(LoadedVolume { choices: self.axes.choices, ..loaded })
+        let choices = self.axes.choices;
+        let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+        voxels.load(input, VolumeFormat::Hdf5, warnings)
     }
 
     /// Millimetres from voxel to voxel.
