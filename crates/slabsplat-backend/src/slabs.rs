@@ -4,10 +4,9 @@ use crate::PlanError;
 use slabsplat_core::{Grid, SlabGrid, TooManySlabs, View};
 
 /// Most slabs that a kernel may be deep, as seen along the longest voxel step. In a cubic grid it is four
-/// slabs of a step's width, eight of densities; the bound has room for needles that are a hundred times as
-/// long as they are thick. The work of a voxel grows faster than that: at 800 slabs one took 3 ms, at 6400
-/// more than 10.
-pub(crate) const MAX_SLABS_OF_A_KERNEL: f64 = 1024.0;
+/// slabs of a step's width, eight of densities; the bound has room for needles that are a thousand times as
+/// long as they are thick. The work of a voxel grows with it.
+pub(crate) const MAX_SLABS_OF_A_KERNEL: f64 = 8192.0;
 
 /// The slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -150,7 +150,7 @@ fn planner_bounds_sections_of_a_kernel() {
         else {
             panic!("drawn from {eye}");
         };
-        assert_eq!((n_slabs, wide_enough), (51200.0, 50.0), "{eye}");
+        assert_eq!((n_slabs, wide_enough), (51200.0, 6.25), "{eye}");
         assert_eq!(refused(&settings.clone().slab_width(wide_enough), eye), None, "{eye}");
         // Samples and sheets of voxels are whole.
         for method in [Method::EverySample, Method::AxisAligned] {
@@ -158,9 +158,9 @@ fn planner_bounds_sections_of_a_kernel() {
         }
     }
     // A sheet of densities is half a slab thick.
-    let densities = settings.method(Method::PostClassified).slab_width(50.0);
+    let densities = settings.method(Method::PostClassified).slab_width(6.25);
     assert!(refused(&densities, DVec3::X).is_some());
-    assert_eq!(refused(&densities.slab_width(100.0), DVec3::X), None);
+    assert_eq!(refused(&densities.slab_width(12.5), DVec3::X), None);
 }
 
 /// What decides about a surface is its own value; of two that are one, neither would be in front.
