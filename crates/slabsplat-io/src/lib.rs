@@ -86,7 +86,8 @@ pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
-    TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,
+    TransferImageFile, Unsaid, VolumeSource, parse_scene, preset_transfer, read_color_map,
+    read_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;
