@@ -36,6 +36,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod grid;
+mod provenance;
 mod sample;
 mod volume;
 
@@ -77,8 +78,8 @@ pub mod model;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use choices::{
-    Compositing, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, ProjectionKind,
-    Statistic,
+    Compositing, Fit, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, ProjectionKind,
+    Statistic, Viewpoint,
 };
 pub use compositing::{MAX_OPACITY, extinction};
 pub use frame_handle::{Cancelled, FrameHandle};
@@ -91,6 +92,7 @@ pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
 pub use mesh::{DroppedTriangles, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
+pub use provenance::{Modality, Orientation, Provenance};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};

@@ -89,7 +89,8 @@ pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
-    TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,
+    TransferImageFile, Unsaid, VolumeSource, parse_scene, preset_transfer, read_color_map,
+    read_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;

@@ -63,8 +63,8 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `scene_file`;
-//! `popping`.
+//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
+//! `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -80,16 +80,18 @@ mod render_thread;
 mod texture_renderer;
 
 mod automatic;
+mod framing;
 #[cfg(feature = "files")]
 mod scene_file;
 
 mod popping;
 
-pub use automatic::Automatic;
+pub use automatic::{Automatic, DataKind};
 pub use backends::{
     BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
     choose_backend_async, found_backends,
 };
+pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};

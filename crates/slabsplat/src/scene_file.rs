@@ -1,12 +1,15 @@
 //! The scene of a file, with everything left out filled in.
 
-use crate::Automatic;
-use crate::automatic::{Extent, fitting_camera};
+use crate::automatic::{DARK, Look, lights, phong, takes_gradients};
+use crate::framing::{Aim, Facing, Framing, usual_projection};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{CameraError, Grid, Layer, MeshLayer, RegionError, Scene, Volume};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory};
-use std::sync::Arc;
+use slabsplat_core::{
+    Camera, CameraError, Fit, Layer, MeshLayer, Projection, RegionError, Scene, Shading,
+};
+use slabsplat_io::{
+    CameraDesc, IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory,
+};
 use thiserror::Error;
 
 /// A scene, ready to be rendered.
@@ -18,6 +21,9 @@ pub struct OpenScene {
     pub backend: String,
     /// What was guessed or left out when the volume was read, for people.
     pub warnings: Vec<String>,
+    /// What was found from the volumes, a line for each that did not say how it looks, for people.
+    pub found: Vec<String>,
+    facing: Facing,
 }
 
 /// Why a scene cannot be opened.
@@ -59,55 +65,153 @@ impl OpenScene {
     /// # Panics
     /// If there are more volumes or fewer.
     pub fn with_volumes(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
+        let mut opened = Self::unframed(loaded, file)?;
+        opened.frame(file, &Aim::default())?;
+        Ok(opened)
+    }
+
+    /// The same before the camera is looked for, for who changes layers first: [`frame`](Self::frame) does
+    /// the rest.
+    ///
+    /// # Errors
+    /// As [`with_volumes`](Self::with_volumes), but for the camera.
+    ///
+    /// # Panics
+    /// If there are more volumes or fewer.
+    pub fn unframed(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
         assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
-        let mut all_warnings = Vec::new();
-        let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
-            let LoadedVolume { volume, warnings, .. } = loaded;
-            all_warnings.extend(warnings);
-            layer(volume, of_file, &mut all_warnings)
-        });
+        let mut opening = Opening {
+            file,
+            warnings: Vec::new(),
+            found: Vec::new(),
+            background: None,
+            facing: None,
+        };
+        let layers = loaded.into_iter().zip(&file.layers);
+        let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
-        let mut meshes = Vec::with_capacity(file.meshes.len());
-        for mesh in &file.meshes {
-            let (mesh, warnings) = mesh.load()?;
-            meshes.push(mesh);
-            all_warnings.extend(warnings);
-        }
+        let meshes = opening.meshes()?;
         if layers.is_empty() && meshes.is_empty() {
             return Err(PlanError::NoLayers.into());
         }
-        let grids: Vec<Grid> = layers.iter().map(|layer| *layer.volume.grid()).collect();
-        let boxes: Vec<[DVec3; 2]> = meshes.iter().filter_map(MeshLayer::bounds).collect();
-        // Of a mesh without triangles nothing is seen from anywhere.
-        let nowhere = [[DVec3::ZERO, DVec3::ONE]];
-        let is_empty = grids.is_empty() && boxes.is_empty();
-        let seen = Extent { grids: &grids, boxes: if is_empty { &nowhere } else { &boxes } };
-        let fallback = fitting_camera(seen, &file.image, file.camera.is_perspective())?;
-        let scene = Scene::of_meshes(meshes, file.camera.complete(&fallback)?)
+        let mut image = file.image;
+        if file.unsaid.background {
+            image.background = opening.background.unwrap_or(DARK);
+        }
+        let Opening { warnings, found, facing, .. } = opening;
+        let facing = facing.unwrap_or_default();
+        let scene = Scene::of_meshes(meshes, placeholder())
             .layers(layers)
             .lights(file.lights.clone())
-            .image(file.image)
+            .image(image)
             .settings(file.settings.clone());
-        Ok(Self { scene, backend: file.backend.clone(), warnings: all_warnings })
+        Ok(Self { scene, backend: file.backend.clone(), warnings, found, facing })
+    }
+
+    /// Finds the camera that `file` leaves out, or the rest of it, and aims it; then the lights, if the file
+    /// leaves them out.
+    ///
+    /// A camera that is all found stays filled by what is visible when it is aimed from elsewhere; of one
+    /// that `file` gives size and place stay.
+    ///
+    /// # Errors
+    /// If the camera makes no sense.
+    pub fn frame(&mut self, file: &SceneFile, aim: &Aim) -> Result<(), OpenError> {
+        let Scene { layers, meshes, image, settings, .. } = &self.scene;
+        let given = &file.camera;
+        let is_alone = is_whole(given) && *aim == Aim::default();
+        let camera = if is_alone {
+            given.complete(&placeholder())?
+        } else {
+            let framing = Framing::new(layers, meshes, settings.mode, self.facing);
+            let mut projection = usual_projection(given.is_perspective());
+            if let (Projection::Perspective { fov_y_radians }, Some(degrees)) =
+                (&mut projection, given.fov_y)
+            {
+                *fov_y_radians = degrees.to_radians();
+            }
+            let found = framing.camera(None, Fit::Visible, projection, image)?;
+            let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
+            framing.aimed(&given.complete(&found)?, aim, is_found, image)?
+        };
+        self.scene.camera = camera;
+        if file.unsaid.lights {
+            self.scene.lights = lights(&camera);
+        }
+        Ok(())
     }
 }
 
-fn layer(
-    volume: Arc<Volume>,
-    file: &LayerFile,
-    all_warnings: &mut Vec<String>,
-) -> Result<Layer, OpenError> {
-    let automatic = || Automatic::new(volume.clone()).transfer().clone();
-    let transfer = file.transfer.clone().unwrap_or_else(automatic);
-    let region = file.region.on(volume.grid())?;
-    let layer = Layer::new(volume, transfer)
-        .transfer_2d(file.transfer_2d.clone())
-        .gradient_opacity(file.gradient_opacity.clone())
-        .isosurfaces(file.isosurfaces.clone())
-        .shading(file.shading)
-        .region(region);
-    let Some(labels) = &file.labels else { return Ok(layer) };
-    let (labels, warnings) = labels.load(layer.volume.grid())?;
-    all_warnings.extend(warnings);
-    Ok(layer.labels(labels))
+/// Whether nothing of a camera is left to be found.
+fn is_whole(camera: &CameraDesc) -> bool {
+    let size = if camera.is_perspective() { camera.fov_y } else { camera.view_height };
+    camera.eye.is_some() && camera.target.is_some() && camera.up.is_some() && size.is_some()
+}
+
+/// A camera until there is a better one.
+fn placeholder() -> Camera {
+    let projection = usual_projection(false);
+    Camera::new(DVec3::Y, DVec3::ZERO, DVec3::Z, projection)
+        .expect("its vectors are at right angles")
+}
+
+/// A scene while it is opened.
+struct Opening<'a> {
+    file: &'a SceneFile,
+    warnings: Vec<String>,
+    found: Vec<String>,
+    /// That of the first layer that is found.
+    background: Option<[f32; 4]>,
+    /// That of the first layer.
+    facing: Option<Facing>,
+}
+
+impl Opening<'_> {
+    fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
+        let LoadedVolume { volume, warnings, provenance, .. } = loaded;
+        self.warnings.extend(warnings);
+        let region = file.region.on(volume.grid())?;
+        let mut layer = match &file.transfer {
+            Some(transfer) => {
+                let facing = Facing::of(provenance.orientation, volume.grid());
+                self.facing.get_or_insert(facing);
+                Layer::new(volume, transfer.clone())
+            }
+            None => {
+                let look = Look::of(&volume, provenance);
+                self.facing.get_or_insert(look.facing(&volume, provenance));
+                self.found.push(look.description());
+                self.background.get_or_insert(look.background);
+                look.layer(volume)
+            }
+        };
+        let is_found = file.gradient_opacity.is_none() && file.transfer_2d.is_none();
+        if !is_found || !takes_gradients(&self.file.settings) {
+            layer.gradient_opacity.clone_from(&file.gradient_opacity);
+        }
+        let layer = layer
+            .transfer_2d(file.transfer_2d.clone())
+            .isosurfaces(file.isosurfaces.clone())
+            .shading(self.shading(file.shading))
+            .region(region);
+        let Some(labels) = &file.labels else { return Ok(layer) };
+        let (labels, warnings) = labels.load(layer.volume.grid())?;
+        self.warnings.extend(warnings);
+        Ok(layer.labels(labels))
+    }
+
+    fn meshes(&mut self) -> Result<Vec<MeshLayer>, OpenError> {
+        let mut meshes = Vec::with_capacity(self.file.meshes.len());
+        for mesh in &self.file.meshes {
+            let (mesh, warnings) = mesh.load()?;
+            self.warnings.extend(warnings);
+            let shading = self.shading(mesh.shading);
+            meshes.push(mesh.shading(shading));
+        }
+        Ok(meshes)
+    }
+
+    fn shading(&self, of_file: Shading) -> Shading {
+        if self.file.unsaid.shading { Shading::Phong(phong()) } else { of_file }
+    }
 }

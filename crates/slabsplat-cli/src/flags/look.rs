@@ -4,7 +4,7 @@ use super::table::{TableFlags, flag_name};
 use super::values::{self, ColorPoints, OpacityPoints};
 use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
-use slabsplat::io::{self, SceneFile, TransferImageFile};
+use slabsplat::io::{self, LayerFile, SceneFile, TransferImageFile};
 use slabsplat::{
     Isosurface, Layer, Mode, Phong, PiecewiseLinear, Shading, TransferBox, TransferFunction,
     TransferFunction2d,
@@ -86,6 +86,7 @@ enum Model {
 impl LookFlags {
     /// All but points of opacity or of colour alone: the others may have to be found from the volume.
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
+        file.unsaid.shading &= self.shading.is_none() && self.phong.names().next().is_none();
         let transfer = self.whole_transfer()?;
         let transfer_2d = self.transfer_2d()?;
         let by_gradient = self.gradient_opacity.as_ref().map(|OpacityPoints(points)| {
@@ -116,6 +117,11 @@ impl LookFlags {
         (!self.isosurfaces.is_empty()).then_some(Mode::Isosurfaces)
     }
 
+    /// Whether a flag says what gradients do to opacity.
+    pub(super) fn says_gradients(&self) -> bool {
+        self.gradient_opacity.is_some()
+    }
+
     /// Whether flags say what is seen of values.
     fn are_by_value(&self) -> bool {
         let Self { opacity, color, preset, transfer_file, .. } = self;
@@ -143,11 +149,15 @@ impl LookFlags {
     }
 
     /// Points of opacity and of colour replace those of the scene, or of the automatic function.
-    pub(super) fn lay_points_over(&self, layers: &mut [Layer]) -> Result<()> {
+    pub(super) fn lay_points_over(&self, layers: &mut [Layer], file: &[LayerFile]) -> Result<()> {
         if self.opacity.is_none() == self.color.is_none() {
             return Ok(());
         }
-        for layer in layers {
+        for (layer, of_file) in layers.iter_mut().zip(file) {
+            if self.opacity.is_some() {
+                // What was found by gradients goes with the opacities that were found.
+                layer.gradient_opacity.clone_from(&of_file.gradient_opacity);
+            }
             let opacity = match &self.opacity {
                 Some(OpacityPoints(points)) => points.clone(),
                 None => layer.transfer.opacity_points().points().to_vec(),

@@ -18,6 +18,15 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     numbers(text).map(DVec3::from_array)
 }
 
+/// Two numbers, `X,Y`.
+pub(crate) fn pair(text: &str) -> Result<Pair, String> {
+    numbers(text).map(Pair)
+}
+
+/// Two numbers. A type of its own, because clap takes bare arrays for lists of flags.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair(pub(crate) [f64; 2]);
+
 /// The least and the greatest corner of a box, `X0,Y0,Z0,X1,Y1,Z1`.
 pub(crate) fn ends(text: &str) -> Result<[DVec3; 2], String> {
     let [x0, y0, z0, x1, y1, z1] = numbers(text)?;

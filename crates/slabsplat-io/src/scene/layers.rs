@@ -7,7 +7,7 @@ use super::diagnostic::Diagnostic;
 use super::document::{ClassifySection, Document, LayerSection, TransferImageSection};
 use super::sections::{checked_image, into_lights};
 use super::settings_section::SettingsSection;
-use super::{LayerFile, SceneFile, TransferImageFile};
+use super::{LayerFile, SceneFile, TransferImageFile, Unsaid};
 
 /// What other files say of how a layer looks.
 #[derive(Default)]
@@ -46,7 +46,9 @@ impl Document {
         let (settings, backend) = self.render.into_settings()?;
         let (camera, image) = (self.camera.into_desc()?, checked_image(self.image)?);
         let lights = into_lights(self.lights)?;
-        Ok((SceneFile { layers, meshes, camera, lights, image, settings, backend }, look_files))
+        let unsaid = Unsaid::default();
+        let scene = SceneFile { layers, meshes, camera, lights, image, settings, backend, unsaid };
+        Ok((scene, look_files))
     }
 
     /// The layers, of which there is at least one.

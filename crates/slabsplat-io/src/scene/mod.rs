@@ -64,6 +64,25 @@ pub struct SceneFile {
     pub settings: RenderSettings,
     /// The name of the backend that makes it; it is not checked here.
     pub backend: String,
+    /// What else is to be found from the volumes.
+    pub unsaid: Unsaid,
+}
+
+/// What a scene leaves open, beside transfer functions and the camera's parts. A file leaves none of it open:
+/// what it does not say has a default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unsaid {
+    /// What shines: the scene's lights do not count.
+    pub lights: bool,
+    /// What is behind it all: the image's background does not count.
+    pub background: bool,
+    /// What light does to layers and meshes: their shading does not count.
+    pub shading: bool,
+}
+
+impl Unsaid {
+    /// All of it is left open.
+    pub const ALL: Self = Self { lights: true, background: true, shading: true };
 }
 
 /// What a scene file says of a layer.
@@ -171,6 +190,7 @@ impl SceneFile {
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
             backend: "auto".to_owned(),
+            unsaid: Unsaid::ALL,
         }
     }
 }

@@ -28,14 +28,14 @@ mod ybr;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{Grid, Scaling};
+use slabsplat_core::{Grid, Modality, Provenance, Scaling};
 
 use super::choices::{Choice, Part, VolumeChoices};
 use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat, assemble};
 use crate::IoError;
 use crate::store::Store;
-use frame::Frame;
+use frame::{About, Frame};
 use scan::{Scan, Series};
 use stack::Stack;
 
@@ -142,7 +142,19 @@ impl Found {
         };
         let samples = pixels::read(input, &series, &stack, to_float, choices.channel.chosen)?;
         let volume = assemble(path, grid, samples, scaling)?;
-        Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Dicom, warnings) })
+        let loaded = LoadedVolume::new(volume, VolumeFormat::Dicom, warnings);
+        let provenance = Provenance { modality: modality(&series.about), ..loaded.provenance };
+        Ok(LoadedVolume { choices, provenance, ..loaded })
+    }
+}
+
+/// By the defined terms of PS3.3 C.7.3.1.1.1.
+fn modality(about: &About) -> Option<Modality> {
+    match about.modality.trim() {
+        "CT" => Some(Modality::Ct),
+        "MR" => Some(Modality::Mr),
+        "SM" | "GM" => Some(Modality::Microscopy),
+        _ => None,
     }
 }
 

@@ -73,7 +73,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let files = files::find(input, &header, &sizes)?;
     let samples = data::read(input, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::MetaImage, warnings) })
+    let format = VolumeFormat::MetaImage;
+    let loaded = LoadedVolume { choices, ..LoadedVolume::new(volume, format, warnings) };
+    Ok(loaded.standing(space::orientation(&header)))
 }
 
 /// Times along all axes after the third, and the values of each voxel.

@@ -97,7 +97,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         warnings.push(format!("{} holds more data than were needed", shown_path(&image_path)));
     }
     let volume = assemble(path, grid, buffer.finish(&mut warnings), scaling)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) })
+    let loaded = LoadedVolume { choices, ..LoadedVolume::new(volume, header.format(), warnings) };
+    Ok(loaded.standing(orientation::orientation(&header)))
 }
 
 impl Header {

@@ -75,7 +75,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let files = files::find(input, &header, &axes.file_sizes)?;
     let samples = data::read(input, &layout, &files, &mut warnings)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings) })
+    let loaded =
+        LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Nrrd, warnings) };
+    Ok(loaded.standing(space::orientation(&header)))
 }
 
 fn stored_type(header: &Header) -> Result<StoredType, IoError> {
