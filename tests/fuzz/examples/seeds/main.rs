@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use slabsplat_fuzz::BETWEEN;
-use small_files::{BINARY_PLY, SCENE, SIDECAR, STL};
+use small_files::{BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, VOLUME_PROPERTY};
 use small_files::{arrays as small_arrays, gzip, metaimage, nifti1, nifti2, nrrd_header, ply};
 use small_files::{voxels, zlib};
 
@@ -33,7 +33,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> [(&'static str, Seeds); 12] {
+fn all() -> [(&'static str, Seeds); 13] {
     [
         ("nrrd", nrrd()),
         ("nifti", nifti()),
@@ -47,7 +47,13 @@ fn all() -> [(&'static str, Seeds); 12] {
         ("raw", raw()),
         ("scene", vec![SCENE.into(), include_bytes!("../../../../docs/example.toml").to_vec()]),
         ("mesh", mesh()),
+        ("transfer", vec![named(0, COLOR_MAP), named(1, VOLUME_PROPERTY)]),
     ]
+}
+
+/// A text, after the number of its name.
+fn named(name_idx: u8, text: &str) -> Vec<u8> {
+    [&[name_idx], text.as_bytes()].concat()
 }
 
 /// Files of an input.
