@@ -2,10 +2,13 @@
 
 use crate::Automatic;
 use crate::automatic::{Extent, fitting_camera};
+use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{CameraError, Grid, Layer, MeshLayer, RegionError, Scene, Volume};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory};
+use slabsplat_io::{
+    FitError, IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory,
+};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -30,6 +33,9 @@ pub enum OpenError {
     /// The camera's parts do not make a camera.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// A transfer function cannot be fitted to its volume.
+    #[error(transparent)]
+    Fit(#[from] FitError),
     /// A region is none.
     #[error(transparent)]
     Region(#[from] RegionError),
@@ -64,9 +70,11 @@ impl OpenScene {
         let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
             let LoadedVolume { volume, warnings, .. } = loaded;
             all_warnings.extend(warnings);
-            layer(volume, of_file, &mut all_warnings)
+            let (layer, warnings) = open_layer(volume, of_file)?;
+            all_warnings.extend(warnings);
+            Ok(layer)
         });
-        let layers = layers.collect::<Result<Vec<_>, _>>()?;
+        let layers = layers.collect::<Result<Vec<_>, OpenError>>()?;
         let mut meshes = Vec::with_capacity(file.meshes.len());
         for mesh in &file.meshes {
             let (mesh, warnings) = mesh.load()?;
@@ -92,22 +100,26 @@ impl OpenScene {
     }
 }
 
-fn layer(
-    volume: Arc<Volume>,
+/// What a layer of a file makes of a volume, with everything left out filled in, and warnings, one line each.
+///
+/// # Errors
+/// If its transfer function or its region cannot be, or labels cannot be read.
+pub fn open_layer(
+    volume: impl Into<Arc<Volume>>,
     file: &LayerFile,
-    all_warnings: &mut Vec<String>,
-) -> Result<Layer, OpenError> {
+) -> Result<(Layer, Vec<String>), OpenError> {
+    let volume = volume.into();
     let automatic = || Automatic::new(volume.clone()).transfer().clone();
-    let transfer = file.transfer.clone().unwrap_or_else(automatic);
+    let Fitted { transfer, gradient_opacity, mut warnings } = fitted(file, &volume, automatic)?;
     let region = file.region.on(volume.grid())?;
     let layer = Layer::new(volume, transfer)
         .transfer_2d(file.transfer_2d.clone())
-        .gradient_opacity(file.gradient_opacity.clone())
+        .gradient_opacity(gradient_opacity)
         .isosurfaces(file.isosurfaces.clone())
         .shading(file.shading)
         .region(region);
-    let Some(labels) = &file.labels else { return Ok(layer) };
-    let (labels, warnings) = labels.load(layer.volume.grid())?;
-    all_warnings.extend(warnings);
-    Ok(layer.labels(labels))
+    let Some(labels) = &file.labels else { return Ok((layer, warnings)) };
+    let (labels, of_labels) = labels.load(layer.volume.grid())?;
+    warnings.extend(of_labels);
+    Ok((layer.labels(labels), warnings))
 }
