@@ -6,9 +6,9 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`],
-//! [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written, and
-//! [`environment`] what drivers find.
+//! [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
+//! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are
+//! written, and [`environment`] what drivers find.
 
 mod flags;
 mod input;

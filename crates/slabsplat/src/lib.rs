@@ -63,8 +63,8 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `transfer`, `scene_file`;
-//! `popping`.
+//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `transfer`,
+//! `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

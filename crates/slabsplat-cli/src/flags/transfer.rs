@@ -35,7 +35,8 @@ pub(crate) struct TransferFlags {
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     unit_distance: Option<f64>,
 
-    /// A transfer function from a file: a colour map of ParaView (.json) or a volume property of 3D Slicer (.vp)
+    /// A transfer function from a file: a colour map of ParaView (.json) or a volume property of 3D Slicer
+    /// (.vp)
     #[arg(long, value_name = "FILE", conflicts_with = "preset")]
     transfer_file: Option<PathBuf>,
 

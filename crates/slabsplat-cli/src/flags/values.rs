@@ -124,7 +124,8 @@ pub(crate) fn range_ends(text: &str) -> Result<Ends, String> {
     Ok(Ends([number(lo)?, number(hi)?]))
 }
 
-/// The lower and the upper end of a range. A type of its own, because clap takes bare arrays for lists of flags.
+/// The lower and the upper end of a range. A type of its own, because clap takes bare arrays for lists of
+/// flags.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ends(pub(crate) [f64; 2]);
 

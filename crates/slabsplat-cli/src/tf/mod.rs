@@ -31,11 +31,17 @@ pub(crate) struct TfArgs {
     json: bool,
 
     /// Pixels in a row of a drawing
-    #[arg(long, value_name = "PIXELS", default_value_t = 640, value_parser = clap::value_parser!(u32).range(160..=8192))]
+    #[arg(
+        long, value_name = "PIXELS", default_value_t = 640,
+        value_parser = clap::value_parser!(u32).range(160..=8192)
+    )]
     width: u32,
 
     /// Rows of pixels of a drawing
-    #[arg(long, value_name = "PIXELS", default_value_t = 360, value_parser = clap::value_parser!(u32).range(120..=8192))]
+    #[arg(
+        long, value_name = "PIXELS", default_value_t = 360,
+        value_parser = clap::value_parser!(u32).range(120..=8192)
+    )]
     height: u32,
 
     #[command(flatten)]

@@ -10,8 +10,8 @@ use super::document::{BoxSection, ClassifySection};
 use crate::transfer::{FitError, Stretch, colormap, preset};
 
 impl ClassifySection {
-    /// Lays the section on a layer that says nothing of it yet, but for what is in files. Light of a preset is
-    /// taken over unless the layer `has_shading` of its own.
+    /// Lays the section on a layer that says nothing of it yet, but for what is in files. Light of a preset
+    /// is taken over unless the layer `has_shading` of its own.
     pub(super) fn lay_on(
         mut self,
         layer: &mut LayerFile,
@@ -73,8 +73,7 @@ impl ClassifySection {
             self.gradient_opacity.is_some() || self.boxes.is_some() || self.image.is_some();
         if is_by_gradient || !self.isosurfaces.is_empty() || self.fit_key().is_some() {
             return Err(wrong(
-                "only opacity, color and preset are a label's: all else of [classify] is a layer's, and goes \
-                 there",
+                "of [classify] a style takes opacity, color and preset: all else is a layer's, and no label's",
             ));
         }
         self.check_ways()?;

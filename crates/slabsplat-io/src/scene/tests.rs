@@ -259,7 +259,6 @@ fn scene_classify_says_what_does_not_fit() {
         ("opacity_scale = -1", ":5: opacity is scaled by a number of at least 0, not by -1"),
         ("unit_distance = 0", ":5: the unit distance of opacity is a positive length, not 0"),
         ("boxes = []\nopacity_scale = 2", ":6: opacity_scale is for functions of the value alone"),
-        ("window = [0, 1, 2]", "window"),
         ("colourmap = \"hot\"", "did you mean \"colormap\"?"),
     ] {
         check(keys, expected);

@@ -1,10 +1,10 @@
 //! Colour spaces between whose colours ParaView interpolates, and their lines as points in RGB.
 //!
-//! A transfer function is linear in RGB between its points. A line through another space is therefore cut until
-//! what is between two points is straight to a quarter of a step of 8 bits.
+//! A transfer function is linear in RGB between its points. A line through another space is therefore cut
+//! until what is between two points is straight to a quarter of a step of 8 bits.
 //!
-//! HSV as in A. R. Smith, "Color gamut transform pairs", SIGGRAPH 1978. CIELAB for the white of D65 and sRGB of
-//! IEC 61966-2-1. Msh, the space of diverging maps: K. Moreland, "Diverging Color Maps for Scientific
+//! HSV as in A. R. Smith, "Color gamut transform pairs", SIGGRAPH 1978. CIELAB for the white of D65 and sRGB
+//! of IEC 61966-2-1, its matrices as B. Lindbloom has them, each the other's inverse. Msh, the space of diverging maps: K. Moreland, "Diverging Color Maps for Scientific
 //! Visualization", ISVC 2009.
 
 use std::f64::consts::{FRAC_PI_3, TAU};
@@ -38,11 +38,17 @@ const TABLE_LEN: usize = 1024;
 const WHITE: Triple = [0.950_47, 1.0, 1.088_83];
 
 /// What sRGB makes of CIE XYZ: by rows, red, green and blue.
-const RGB_FROM_XYZ: [Triple; 3] =
-    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+const RGB_FROM_XYZ: [Triple; 3] = [
+    [3.240_454_2, -1.537_138_5, -0.498_531_4],
+    [-0.969_266, 1.876_010_8, 0.041_556],
+    [0.055_643_4, -0.204_025_9, 1.057_225_2],
+];
 
-const XYZ_FROM_RGB: [Triple; 3] =
-    [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
+const XYZ_FROM_RGB: [Triple; 3] = [
+    [0.412_456_4, 0.357_576_1, 0.180_437_5],
+    [0.212_672_9, 0.715_152_2, 0.072_175],
+    [0.019_333_9, 0.119_192, 0.950_304_1],
+];
 
 /// Points between which RGB is linear, for points between which that space is.
 pub(super) fn in_rgb(space: ColorSpace, points: &[(f64, Triple)]) -> Vec<(f64, Triple)> {
@@ -307,12 +313,12 @@ mod tests {
     fn hsv_goes_round_one_way_or_the_other() {
         let [red, magenta] = [[1.0, 0.0, 0.0], [1.0, 0.0, 1.0]];
         let check = |space, expected: [i32; 3]| {
-            assert_eq!(bytes(between(space, red, magenta, 0.5)), expected, "{space:?}");
+            assert_eq!(bytes(between(space, red, magenta, 0.4)), expected, "{space:?}");
         };
-        check(ColorSpace::Rgb, [255, 0, 128]);
-        // Hues 0 and 5/6: by way of 5/12, or of 11/12.
-        check(ColorSpace::Hsv, [0, 255, 128]);
-        check(ColorSpace::HsvWrapped, [255, 0, 128]);
+        check(ColorSpace::Rgb, [255, 0, 102]);
+        // Hues 0 and 5/6: by way of 1/3, or of 14/15.
+        check(ColorSpace::Hsv, [0, 255, 0]);
+        check(ColorSpace::HsvWrapped, [255, 0, 102]);
         for rgb in [[0.2, 0.4, 0.9], [0.9, 0.3, 0.31], [0.1, 0.8, 0.2], [0.5; 3], [0.0; 3]] {
             assert_eq!(bytes(rgb_from_hsv(hsv_from_rgb(rgb))), bytes(rgb), "{rgb:?}");
         }

@@ -36,8 +36,8 @@ impl TransferFormat {
     }
 }
 
-/// Reads the transfer function of a file: of 3D Slicer's if it is named `.vp` or `.txt`, else the first colour
-/// map of ParaView's.
+/// Reads the transfer function of a file: of 3D Slicer's if it is named `.vp` or `.txt`, else the first
+/// colour map of ParaView's.
 ///
 /// # Errors
 /// If the file cannot be read, is not of its format, or its points do not make a transfer function.
@@ -46,8 +46,8 @@ pub fn read_transfer(path: impl AsRef<Path>) -> Result<TransferSource, IoError> 
     parse_transfer(&text::read(path)?, path)
 }
 
-/// The transfer function that a text says, as [`read_transfer`] of a file of that name would; there need not be
-/// one.
+/// The transfer function that a text says, as [`read_transfer`] of a file of that name would; there need not
+/// be one.
 ///
 /// # Errors
 /// As [`read_transfer`].

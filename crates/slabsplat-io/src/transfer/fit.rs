@@ -13,8 +13,8 @@ pub struct TransferFit {
     pub scale: ValueScale,
     /// What values it is stretched to, and a colour map.
     pub stretch: Option<Stretch>,
-    /// Colours over 0 … 1 instead of its own: over the window, else over what its values count, else over all
-    /// values of the volume.
+    /// Colours over 0 … 1 instead of its own: over the window, else over what its values count, else over
+    /// all values of the volume.
     pub colormap: Option<PiecewiseLinear<3>>,
     /// Opacities of the volume's values instead of its own.
     pub opacity: Option<PiecewiseLinear<1>>,

@@ -1,10 +1,10 @@
 //! Transfer functions of ParaView: JSON with `RGBPoints` and `Points`.
 //!
 //! Read: the first map of the file; its colours in the `ColorSpace` that it names, its opacities with their
-//! midpoints, and `ScalarOpacityUnitDistance`. A map over 0 … 1 is stretched to the volume's values, as ParaView
-//! does where it applies one. A sharpness counts as a step if it is (nearly) 1, else as none. CIEDE2000 is taken
-//! as CIELAB, of which it is another measure. Not read: the colour of NaN, which is never drawn here, and indexed
-//! colours.
+//! midpoints, and `ScalarOpacityUnitDistance`. A map over 0 … 1 is stretched to the volume's values, as
+//! ParaView does where it applies one. A sharpness counts as a step if it is (nearly) 1, else as none.
+//! CIEDE2000 is taken as CIELAB, of which it is another measure. Not read: the colour of NaN, which is never
+//! drawn here, and indexed colours.
 
 use serde::Deserialize;
 use serde_json::json;
@@ -212,8 +212,8 @@ mod tests {
         assert_eq!(source.transfer.opacity(0.5), 0.5, "its own span is 0 to 1, too");
     }
 
-    /// Half-way from blue to red, by ParaView's names: the gray of Moreland's map; in CIELAB, by hand from the
-    /// mean of B. Lindbloom's 32.30, 79.19, −107.86 and 53.24, 80.09, 67.20; in HSV hues 2/3 and 0.
+    /// Half-way from blue to red, by ParaView's names. CIELAB's is the value in chroma.js' documentation,
+    /// `chroma.mix('red', 'blue', 0.5, 'lab')`: `#ca0088`. HSV goes from hue 2/3 to 0.
     #[test]
     fn color_map_honours_its_space() {
         let check = |keys: &str, expected: [i32; 3]| {

@@ -1,7 +1,8 @@
 //! Transfer functions for common kinds of volumes, by name: a small file each in `presets/`.
 //!
-//! Those for CT are in Hounsfield units, of which every file names its sources. MR and microscopes have no such
-//! scale: their presets go from 0, the background, to 1, the brightest of the object but for a few voxels.
+//! Those for CT are in Hounsfield units, of which every file names its sources. MR and microscopes have no
+//! such scale: their presets go from 0, the background, to 1, the brightest of the object but for a few
+//! voxels.
 
 use serde::Deserialize;
 use slabsplat_core::{Phong, PiecewiseLinear, Shading, TransferFunction};

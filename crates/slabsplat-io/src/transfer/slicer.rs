@@ -2,8 +2,8 @@
 //!
 //! The lines are interpolation, whether there is light, its diffuse, ambient and specular coefficients, the
 //! exponent; then opacity by value, opacity by gradient and colour, each as the count of its numbers and the
-//! numbers. Interpolation is not read. Slicer's opacities are per millimetre, the unit distance of VTK that it
-//! does not change; its gradients are per voxel step, as here.
+//! numbers. Interpolation is not read. Slicer's opacities are per millimetre, the unit distance of VTK that
+//! it does not change; its gradients are per voxel step, as here.
 //! <https://slicer.readthedocs.io/en/latest/developer_guide/modules/volumerendering.html>.
 
 use std::fmt::Write;

@@ -14,7 +14,8 @@ pub(crate) struct Fitted {
     pub(crate) warnings: Vec<String>,
 }
 
-/// The transfer function that a layer of a file gives to its volume; `automatic` finds one where none is given.
+/// The transfer function that a layer of a file gives to its volume; `automatic` finds one where none is
+/// given.
 ///
 /// # Errors
 /// If it cannot be stretched to the volume's values.

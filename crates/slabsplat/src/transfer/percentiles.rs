@@ -1,7 +1,7 @@
 //! Percentiles of a volume's values, and what parts an object from its background.
 //!
-//! Values are counted in bins, and those of the bin that has the one asked for again in bins of its own: nothing
-//! is sorted or copied, and values of 16 bits are found at once.
+//! Values are counted in bins, and those of the bin that has the one asked for again in bins of its own:
+//! nothing is sorted or copied, and values of 16 bits are found at once.
 
 use rayon::prelude::*;
 use slabsplat_core::{Sample, Scaling, Volume, with_samples};
@@ -17,8 +17,8 @@ const N_PASSES: usize = 4;
 /// Bins that are fine enough to part an object from its background.
 const N_COARSE_BINS: usize = 512;
 
-/// What so many percent of the finite values do not exceed: the least value of which that is true. `None` if no
-/// value is finite.
+/// What so many percent of the finite values do not exceed: the least value of which that is true. `None` if
+/// no value is finite.
 pub(super) fn percentile(volume: &Volume, percent: f64) -> Option<f64> {
     percentile_within(volume, volume.summary().range?, percent)
 }
@@ -62,8 +62,8 @@ pub(super) fn object_range(volume: &Volume, percent: f64) -> Option<[f64; 2]> {
     (background < bright).then_some([background, bright])
 }
 
-/// The last bin of the background: the split with the largest variance between its two sides, or the middle of
-/// such splits if a gap in the values makes many of them equal.
+/// The last bin of the background: the split with the largest variance between its two sides, or the middle
+/// of such splits if a gap in the values makes many of them equal.
 fn otsu(counts: &[u64]) -> usize {
     let moments = || counts.iter().enumerate().map(|(bin, &count)| bin as f64 * count as f64);
     let total: f64 = counts.iter().map(|&count| count as f64).sum();

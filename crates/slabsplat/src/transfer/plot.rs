@@ -1,4 +1,4 @@
-//! A picture of a transfer function: how often values are, and over that how opaque they are, in their colours.
+//! A picture of a transfer function: how often values are, and over that how opaque, in their colours.
 
 use slabsplat_core::{Image, TransferFunction, Volume};
 
@@ -30,9 +30,9 @@ const INK: [f64; 3] = [0.13; 3];
 /// How opaque the colour under the curve is.
 const FILL_OPACITY: f64 = 0.75;
 
-/// Draws `transfer` over the values of `volume`, or where there is none over its own: in gray how many voxels have
-/// a value, on a logarithmic scale; opacities from 0 to 1 as a curve; below it the colours. A side of the picture
-/// that is too short for that is lengthened.
+/// Draws `transfer` over the values of `volume`, or where there is none over its own: in gray how many voxels
+/// have a value, on a logarithmic scale; opacities from 0 to 1 as a curve; below it the colours. A side of the
+/// picture that is too short for that is lengthened.
 pub fn plot_transfer(
     transfer: &TransferFunction,
     volume: Option<&Volume>,
@@ -51,8 +51,8 @@ pub fn plot_transfer(
     plot.image
 }
 
-/// The values from the left to the right of a plot: those of the volume, else those of the transfer function; the
-/// second is larger.
+/// The values from the left to the right of a plot: those of the volume, else those of the transfer function;
+/// the second is larger.
 pub fn plotted_range(transfer: &TransferFunction, volume: Option<&Volume>) -> [f64; 2] {
     let of_volume = volume.and_then(|volume| volume.summary().range);
     let [lo, hi] = of_volume.unwrap_or_else(|| transfer.span());

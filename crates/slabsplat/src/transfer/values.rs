@@ -8,7 +8,8 @@ use slabsplat_core::{Sample, Scaling, Volume, with_samples};
 pub struct ValueCounts {
     /// The least and the largest value that are counted.
     pub range: [f64; 2],
-    /// How many voxels there are in each bin, from the least value on; what is on a border is in the upper one.
+    /// How many voxels there are in each bin, from the least value on; what is on a border is in the upper
+    /// one.
     pub counts: Vec<u64>,
 }
 
