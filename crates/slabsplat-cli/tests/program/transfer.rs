@@ -7,7 +7,7 @@ use std::path::Path;
 /// A slab of values from −1000 to 1000, as Hounsfield units.
 fn write_ct(folder: &Path) {
     let header = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 8 8 21\nencoding: ascii\n\n";
-    let values = (0..21).flat_map(|z| [format!("{} ", 100 * z - 1000); 64]);
+    let values = (0..21).map(|z| format!("{} ", 100 * z - 1000).repeat(64));
     std::fs::write(folder.join("ct.nrrd"), header.to_owned() + &values.collect::<String>())
         .unwrap();
 }

@@ -206,7 +206,8 @@ fn number_text(tick: f64) -> String {
         let text = format!("{tick:.6}");
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();
     }
-    format!("{tick:.0e}")
+    let rounded: f64 = format!("{tick:.5e}").parse().unwrap_or(tick);
+    format!("{rounded:e}")
 }
 
 /// Five rows of three dots, the left one the highest bit.
@@ -242,7 +243,7 @@ mod tests {
         check([0.0, 255.0], &["0", "100", "200"]);
         check([-1024.0, 3071.0], &["-1000", "0", "1000", "2000", "3000"]);
         check([0.0, 1.0], &["0", "0.2", "0.4", "0.6", "0.8", "1"]);
-        check([0.0, 2e-7], &["0", "5e-8", "1e-7", "2e-7", "2e-7"]);
+        check([0.0, 2e-7], &["0", "5e-8", "1e-7", "1.5e-7", "2e-7"]);
     }
 
     #[test]
