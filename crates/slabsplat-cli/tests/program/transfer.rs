@@ -8,8 +8,8 @@ use std::path::Path;
 fn write_ct(folder: &Path) {
     let header = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 8 8 21\nencoding: ascii\n\n";
     let values = (0..21).map(|z| format!("{} ", 100 * z - 1000).repeat(64));
-    std::fs::write(folder.join("ct.nrrd"), header.to_owned() + &values.collect::<String>())
-        .unwrap();
+    let text = header.to_owned() + &values.collect::<String>();
+    std::fs::write(folder.join("ct.nrrd"), text).expect("the folder can be written");
 }
 
 /// What a line of warnings holds; the command succeeds.
@@ -47,10 +47,10 @@ fn tf_converts_there_and_back() {
     let again = json(folder, "tf bone.vp --json");
     assert_eq!(again["color"], points["color"]);
     let opacity = |points: &serde_json::Value, value: f64| {
-        let points = points["opacity"].as_array().unwrap();
+        let points = points["opacity"].as_array().expect("there are points");
         let point =
             points.iter().find(|point| point[0].as_f64() == Some(value)).expect("it is there");
-        point[1].as_f64().unwrap()
+        point[1].as_f64().expect("it is a number")
     };
     for value in [150.0, 300.0, 500.0, 1500.0] {
         assert!((opacity(&again, value) - opacity(&points, value)).abs() < 1e-9, "at {value}");

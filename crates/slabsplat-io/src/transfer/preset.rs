@@ -211,7 +211,7 @@ mod tests {
             match (&complaint, expected) {
                 (None, None) => {}
                 (Some(complaint), Some(expected)) => {
-                    assert!(complaint.contains(expected), "{complaint}")
+                    assert!(complaint.contains(expected), "{complaint}");
                 }
                 _ => panic!("{suited:?} of {range:?}: {complaint:?}"),
             }
