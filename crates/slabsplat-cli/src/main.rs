@@ -7,8 +7,8 @@
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
 //! [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
-//! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are
-//! written, and [`environment`] what drivers find.
+//! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
+//! are written, and [`environment`] what drivers find.
 
 mod flags;
 mod input;

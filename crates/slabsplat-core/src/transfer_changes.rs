@@ -25,12 +25,12 @@ impl<const N: usize> PiecewiseLinear<N> {
     ) -> Result<Self, TransferError> {
         // Halved, or the distance of opposite ends of the numbers would be infinite.
         let half = |[lo, hi]: [f64; 2]| 0.5 * hi - 0.5 * lo;
-        let factor = if 0.0 < half(from) { half(to) / half(from) } else { 1.0 };
         let moved = |position: f64| {
-            if position == from[1] && from[0] < from[1] {
-                return to[1];
+            if half(from) <= 0.0 {
+                return position - from[0] + to[0];
             }
-            to[0] + (position - from[0]) * factor
+            let t = half([from[0], position]) / half(from);
+            to[0] * (1.0 - t) + to[1] * t
         };
         Self::new(what, self.points().iter().map(|&(position, results)| (moved(position), results)))
     }

@@ -4,8 +4,8 @@
 //! until what is between two points is straight to a quarter of a step of 8 bits.
 //!
 //! HSV as in A. R. Smith, "Color gamut transform pairs", SIGGRAPH 1978. CIELAB for the white of D65 and sRGB
-//! of IEC 61966-2-1, its matrices as B. Lindbloom has them, each the other's inverse. Msh, the space of diverging maps: K. Moreland, "Diverging Color Maps for Scientific
-//! Visualization", ISVC 2009.
+//! of IEC 61966-2-1, its matrices as B. Lindbloom has them, each the other's inverse. Msh, the space of
+//! diverging maps: K. Moreland, "Diverging Color Maps for Scientific Visualization", ISVC 2009.
 
 use std::f64::consts::{FRAC_PI_3, TAU};
 

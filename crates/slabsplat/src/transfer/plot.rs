@@ -31,8 +31,8 @@ const INK: [f64; 3] = [0.13; 3];
 const FILL_OPACITY: f64 = 0.75;
 
 /// Draws `transfer` over the values of `volume`, or where there is none over its own: in gray how many voxels
-/// have a value, on a logarithmic scale; opacities from 0 to 1 as a curve; below it the colours. A side of the
-/// picture that is too short for that is lengthened.
+/// have a value, on a logarithmic scale; opacities from 0 to 1 as a curve; below it the colours. A side of
+/// the picture that is too short for that is lengthened.
 pub fn plot_transfer(
     transfer: &TransferFunction,
     volume: Option<&Volume>,
