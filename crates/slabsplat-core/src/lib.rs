@@ -47,6 +47,7 @@ mod light;
 mod shading;
 mod transfer;
 mod transfer_2d;
+mod transfer_changes;
 mod transfer_image;
 
 mod choices;

@@ -64,7 +64,7 @@
 //! # Reading order
 //!
 //! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
-//! `scene_file`; `popping`.
+//! `transfer`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -83,6 +83,7 @@ mod automatic;
 mod framing;
 #[cfg(feature = "files")]
 mod scene_file;
+mod transfer;
 
 mod popping;
 
@@ -99,7 +100,8 @@ pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 pub use render_thread::RenderThread;
 pub use renderer::{RenderError, Renderer};
 #[cfg(feature = "files")]
-pub use scene_file::{OpenError, OpenScene};
+pub use scene_file::{OpenError, OpenScene, open_layer};
+pub use transfer::{ValueCounts, plot_transfer, plotted_range};
 
 #[cfg(feature = "wgpu")]
 pub use texture_renderer::{Drawn, TextureRenderer};

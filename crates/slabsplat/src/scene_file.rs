@@ -2,14 +2,17 @@
 
 use crate::automatic::{DARK, Look, lights, phong, takes_gradients};
 use crate::framing::{Aim, Facing, Framing, usual_projection};
+use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, CameraError, Fit, Layer, MeshLayer, Projection, RegionError, Scene, Shading,
+    Camera, CameraError, Fit, Layer, MeshLayer, Projection, Provenance, RegionError, Scene,
+    Shading, Volume,
 };
 use slabsplat_io::{
-    CameraDesc, IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory,
+    CameraDesc, FitError, IoError, LayerFile, LoadedVolume, MemoryNeed, SceneFile, check_memory,
 };
+use std::sync::Arc;
 use thiserror::Error;
 
 /// A scene, ready to be rendered.
@@ -36,6 +39,9 @@ pub enum OpenError {
     /// The camera's parts do not make a camera.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// A transfer function cannot be fitted to its volume.
+    #[error(transparent)]
+    Fit(#[from] FitError),
     /// A region is none.
     #[error(transparent)]
     Region(#[from] RegionError),
@@ -170,34 +176,21 @@ impl Opening<'_> {
     fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
         let LoadedVolume { volume, warnings, provenance, .. } = loaded;
         self.warnings.extend(warnings);
-        let region = file.region.on(volume.grid())?;
-        let mut layer = match &file.transfer {
-            Some(transfer) => {
-                let facing = Facing::of(provenance.orientation, volume.grid());
-                self.facing.get_or_insert(facing);
-                Layer::new(volume, transfer.clone())
-            }
-            None => {
-                let look = Look::of(&volume, provenance);
-                self.facing.get_or_insert(look.facing(&volume, provenance));
-                self.found.push(look.description());
-                self.background.get_or_insert(look.background);
-                look.layer(volume)
-            }
-        };
-        let is_found = file.gradient_opacity.is_none() && file.transfer_2d.is_none();
-        if !is_found || !takes_gradients(&self.file.settings) {
-            layer.gradient_opacity.clone_from(&file.gradient_opacity);
-        }
-        let layer = layer
-            .transfer_2d(file.transfer_2d.clone())
-            .isosurfaces(file.isosurfaces.clone())
-            .shading(self.shading(file.shading))
-            .region(region);
-        let Some(labels) = &file.labels else { return Ok(layer) };
-        let (labels, warnings) = labels.load(layer.volume.grid())?;
+        let Opened { mut layer, warnings, look } = Opened::of(volume, provenance, file)?;
         self.warnings.extend(warnings);
-        Ok(layer.labels(labels))
+        let facing = match &look {
+            Some(look) => look.facing(&layer.volume, provenance),
+            None => Facing::of(provenance.orientation, layer.volume.grid()),
+        };
+        self.facing.get_or_insert(facing);
+        if let Some(look) = look {
+            self.found.push(look.description());
+            self.background.get_or_insert(look.background);
+            if !takes_gradients(&self.file.settings) {
+                layer.gradient_opacity.clone_from(&file.gradient_opacity);
+            }
+        }
+        Ok(layer.shading(self.shading(file.shading)))
     }
 
     fn meshes(&mut self) -> Result<Vec<MeshLayer>, OpenError> {
@@ -214,4 +207,54 @@ impl Opening<'_> {
     fn shading(&self, of_file: Shading) -> Shading {
         if self.file.unsaid.shading { Shading::Phong(phong()) } else { of_file }
     }
+}
+
+/// A layer, and what was found on the way.
+struct Opened {
+    layer: Layer,
+    warnings: Vec<String>,
+    /// What the volume looks like, if the file does not say it.
+    look: Option<Look>,
+}
+
+impl Opened {
+    fn of(
+        volume: Arc<Volume>,
+        provenance: Provenance,
+        file: &LayerFile,
+    ) -> Result<Self, OpenError> {
+        let mut look = None;
+        let automatic = || look.insert(Look::of(&volume, provenance)).transfer.clone();
+        let Fitted { transfer, mut gradient_opacity, mut warnings } =
+            fitted(file, &volume, automatic)?;
+        // What was found by gradients goes with the opacities that were found.
+        if let (Some(look), None, None) = (&look, &file.transfer_2d, &file.fit.opacity) {
+            gradient_opacity = gradient_opacity.or_else(|| look.gradient_opacity.clone());
+        }
+        let region = file.region.on(volume.grid())?;
+        let layer = Layer::new(volume, transfer)
+            .transfer_2d(file.transfer_2d.clone())
+            .gradient_opacity(gradient_opacity)
+            .isosurfaces(file.isosurfaces.clone())
+            .shading(file.shading)
+            .region(region);
+        let Some(labels) = &file.labels else { return Ok(Self { layer, warnings, look }) };
+        let (labels, of_labels) = labels.load(layer.volume.grid())?;
+        warnings.extend(of_labels);
+        Ok(Self { layer: layer.labels(labels), warnings, look })
+    }
+}
+
+/// What a layer of a file makes of a volume, with everything left out filled in, and warnings, one line each.
+/// `provenance` is what is known of the volume beside its values.
+///
+/// # Errors
+/// If its transfer function or its region cannot be, or labels cannot be read.
+pub fn open_layer(
+    volume: impl Into<Arc<Volume>>,
+    provenance: Provenance,
+    file: &LayerFile,
+) -> Result<(Layer, Vec<String>), OpenError> {
+    let Opened { layer, warnings, .. } = Opened::of(volume.into(), provenance, file)?;
+    Ok((layer, warnings))
 }

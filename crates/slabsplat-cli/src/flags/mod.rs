@@ -12,9 +12,11 @@ mod raw;
 mod region;
 mod settings;
 mod table;
+mod transfer;
 pub(crate) mod values;
 
 pub(crate) use raw::RawFlags;
+pub(crate) use transfer::TransferFlags;
 
 use crate::input;
 use crate::progress::Progress;
@@ -76,7 +78,6 @@ impl SceneFlags {
         self.labels.lay_over(&mut file)?;
         self.region.lay_over(&mut file)?;
         self.in_scene(|| {
-            let n_own = file.layers.len();
             for path in &self.layers {
                 let other = input::scene_file(path)?;
                 file.layers.extend(other.layers);
@@ -85,8 +86,6 @@ impl SceneFlags {
             file.meshes.extend(self.meshes.iter().map(MeshFile::new));
             let loaded = input::load(&mut file, &self.raw)?;
             let mut opened = OpenScene::unframed(loaded, &file)?;
-            let (own, own_files) = (&mut opened.scene.layers[..n_own], &file.layers[..n_own]);
-            self.look.lay_points_over(own, own_files)?;
             opened.frame(&file, &aim)?;
             Ok(opened)
         })

@@ -9,8 +9,8 @@ use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
 use super::{
-    LoadedVolume, dicom, foreign, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name, sidecar,
-    stream, tiff, vtk, zarr,
+    LoadedVolume, dicom, foreign, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name,
+    sidecar, stream, tiff, vtk, zarr,
 };
 use crate::IoError;
 use crate::printable::printable;
