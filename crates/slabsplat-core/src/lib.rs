@@ -17,9 +17,9 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
-//! `compositing`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`,
-//! `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`; `image`;
-//! `frame_handle`; `serialized`.
+//! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`;
+//! `mesh`; `region`, `labels`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`;
+//! `image`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
 //!
@@ -47,6 +47,7 @@ mod shading;
 mod transfer;
 mod transfer_2d;
 mod transfer_image;
+mod unit_vector;
 
 mod choices;
 mod interval;
@@ -96,7 +97,7 @@ pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
 #[cfg(feature = "serde")]
-pub use serialized::{deserialize_settings, serialize_settings};
+pub use serialized::{deserialize_settings, exact_degrees, serialize_settings};
 pub use settings::{RenderSettings, SettingsError};
 pub use settings_table::{Access, Field, Setting, Settings};
 pub use shading::{BlinnPhong, Phong, Shading};
