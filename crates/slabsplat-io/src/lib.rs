@@ -22,12 +22,15 @@
 //! | raw, described by the caller | [`read_raw`] |
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |
+//! | scenes of pictures (PNG, OpenEXR) that were written with them | [`read_picture_scene`] |
 //! | ParaView colour maps (JSON) | [`read_color_map`] |
 //!
 //! | written | by |
 //! | --- | --- |
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
+//! | either with the scene that it shows | [`PictureFormat::write`], [`Provenance`] |
+//! | scene files | [`write_scene`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`] |
 //!
 //! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
@@ -56,8 +59,8 @@
 //!
 //! # Reading order
 //!
-//! `error`, `printable`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`; `scene`;
-//! `memory`; `picture`.
+//! `error`, `printable`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`;
+//! `content_hash`; `scene`; `memory`; `picture`.
 
 mod error;
 mod printable;
@@ -71,6 +74,8 @@ mod mesh;
 
 mod builtin;
 
+mod content_hash;
+
 mod scene;
 
 mod picture;
@@ -80,13 +85,18 @@ mod memory;
 pub mod scene_keys;
 
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
+pub use content_hash::{ContentHash, NotAHash};
 pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
-pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
+pub use picture::{
+    PictureFormat, PictureScene, Provenance, exr_bytes, png_bytes, read_picture_scene, write_exr,
+    write_picture, write_png,
+};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
     TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,
+    scene_text, write_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;

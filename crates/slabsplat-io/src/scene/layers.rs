@@ -89,14 +89,16 @@ impl LayerSection {
 
     fn look_files(&self, folder: &Path) -> LookFiles {
         let Some(classify) = &self.classify else { return LookFiles::default() };
-        let image = |section: &TransferImageSection| TransferImageFile {
-            path: folder.join(&section.file),
-            values: section.values,
-            gradients: section.gradients,
+        let image = |section: &TransferImageSection| {
+            Some(TransferImageFile {
+                path: folder.join(section.file.as_ref()?),
+                values: section.values,
+                gradients: section.gradients,
+            })
         };
         LookFiles {
             color_map: classify.file.as_ref().map(|file| folder.join(file)),
-            transfer_image: classify.image.as_ref().map(image),
+            transfer_image: classify.image.as_ref().and_then(image),
         }
     }
 
@@ -117,9 +119,12 @@ impl LayerSection {
             name,
             spacing: volume.checked_spacing()?,
             options: volume.options(),
+            raw: volume.raw()?,
+            hash: volume.hash,
             volume: volume.into_source(folder)?,
             transfer: transfer.flatten(),
             transfer_2d: transfer_2d.transpose()?.flatten(),
+            transfer_image: None,
             gradient_opacity: by_gradient.transpose()?.flatten(),
             labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
             isosurfaces,

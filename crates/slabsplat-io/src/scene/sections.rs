@@ -1,24 +1,26 @@
 //! What each section of a scene file means. Diagnostics name the section and key.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     ImageDesc, LabelStyle, Light, Phong, PiecewiseLinear, Plane, Region, RenderSettings, Shading,
-    Transfer2dError, TransferBox, TransferFunction, TransferFunction2d,
+    TransferFunction, TransferFunction2d, TransferImage,
 };
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    BoxSection, CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RegionSection,
-    VolumeSection,
+    CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RawSection, RegionSection,
+    TransferImageSection, VolumeSection,
 };
+use super::paths::in_folder;
 use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
 use super::{LabelColors, LabelsFile, RegionDesc, VolumeSource};
-use crate::VolumeOptions;
+use crate::{Endian, RawDesc, VolumeOptions};
 
 impl VolumeSection {
     pub(super) fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
@@ -35,9 +37,20 @@ impl VolumeSection {
         VolumeOptions { series, channel, time, level, ..VolumeOptions::default() }
     }
 
+    /// What the file holds, if it has no header.
+    pub(super) fn raw(&self) -> Result<Option<RawDesc>, Diagnostic> {
+        if self.raw.is_some() && self.path.is_none() {
+            let what = "raw tells what a file holds: it goes with path";
+            return Err(Diagnostic::at("volume", "raw", what));
+        }
+        Ok(self.raw.as_ref().map(RawSection::to_desc))
+    }
+
     pub(super) fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {
         match (self.path, self.generate) {
-            (Some(path), None) if self.size.is_none() => Ok(VolumeSource::File(folder.join(path))),
+            (Some(path), None) if self.size.is_none() => {
+                Ok(VolumeSource::File(in_folder(folder, &path)))
+            }
             (None, Some(name)) => Ok(VolumeSource::Builtin { name, size: self.size }),
             (Some(_), None) => {
                 Err(Diagnostic::at("volume", "size", "size goes with generate, not with path"))
@@ -47,6 +60,18 @@ impl VolumeSection {
                 Err(Diagnostic::at("volume", "generate", what))
             }
             (None, None) => Err(Diagnostic::at("volume", "", "[volume] needs a path, or generate")),
+        }
+    }
+}
+
+impl RawSection {
+    fn to_desc(&self) -> RawDesc {
+        RawDesc {
+            dims: self.dims,
+            sample_type: self.sample_type,
+            endian: if self.big_endian { Endian::Big } else { Endian::Little },
+            spacing: [1.0; 3],
+            header_bytes: self.header_bytes,
         }
     }
 }
@@ -74,14 +99,12 @@ impl ClassifySection {
 impl ClassifySection {
     /// That there is no second one beside what says how values look.
     pub(super) fn check_ways(&self) -> Result<(), Diagnostic> {
-        let ways = [
-            self.opacity.is_some() || self.color.is_some(),
-            self.preset.is_some(),
-            self.file.is_some(),
-            self.boxes.is_some(),
-            self.image.is_some(),
-        ];
-        if 1 < ways.into_iter().filter(|&is_there| is_there).count() {
+        let points = self.opacity.is_some() || self.color.is_some();
+        let by_value = [points, self.preset.is_some(), self.file.is_some()];
+        // Beside these, points are what a saved scene has retained.
+        let by_both = [self.boxes.is_some(), self.image.is_some()];
+        let n = |ways: &[bool]| ways.iter().filter(|&&is_there| is_there).count();
+        if 1 < n(&by_value) || 1 < n(&by_both) + n(&by_value[1..]) {
             let what = "[classify] takes one of: opacity (and color), preset, file, boxes, image";
             return Err(Diagnostic::at("classify", "", what));
         }
@@ -90,21 +113,29 @@ impl ClassifySection {
 
     /// `None` if the section has none, or it is in a file.
     pub(super) fn to_transfer_2d(&self) -> Result<Option<TransferFunction2d>, Diagnostic> {
-        let Some(boxes) = &self.boxes else { return Ok(None) };
-        let boxes = boxes.iter().map(BoxSection::to_box).collect::<Result<_, _>>();
-        boxes
-            .map(|boxes| Some(TransferFunction2d::Boxes(boxes)))
-            .map_err(|error| Diagnostic::at("classify", "boxes", error.to_string()))
+        if let Some(boxes) = &self.boxes {
+            return Ok(Some(TransferFunction2d::Boxes(boxes.clone())));
+        }
+        let image = self.image.as_ref().map(TransferImageSection::to_image).transpose()?;
+        Ok(image.flatten().map(TransferFunction2d::Image))
     }
 }
 
-impl BoxSection {
-    fn to_box(&self) -> Result<TransferBox, Transfer2dError> {
-        let Self { values, gradients, opacity, color, fade } = *self;
-        TransferBox::new(values, gradients.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]))?
-            .opacity(opacity.unwrap_or(1.0))?
-            .color(color.unwrap_or([1.0; 3]))?
-            .fade(fade.unwrap_or([0.0; 2]))
+impl TransferImageSection {
+    /// `None` if it is in a file.
+    fn to_image(&self) -> Result<Option<TransferImage>, Diagnostic> {
+        let at_image = |what: String| Diagnostic::at("classify", "image", what);
+        let (width, pixels) = match (&self.file, self.width, &self.pixels) {
+            (Some(_), None, None) => return Ok(None),
+            (None, Some(width), Some(pixels)) => (width, pixels.clone()),
+            _ => {
+                let what = "a picture has a file, or width and pixels";
+                return Err(at_image(what.to_owned()));
+            }
+        };
+        TransferImage::new(width, pixels, self.values, self.gradients)
+            .map(Some)
+            .map_err(|error| at_image(error.to_string()))
     }
 }
 
@@ -143,7 +174,7 @@ fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction
 
 impl LabelsSection {
     pub(super) fn into_file(self, folder: &Path) -> Result<LabelsFile, Diagnostic> {
-        let Self { path, colors, only, styles: sections } = self;
+        let Self { path, hash, colors, only, styles: sections } = self;
         let mut styles = BTreeMap::new();
         for section in sections {
             let LabelStyleSection { of, color, opacity, classify } = section;
@@ -160,7 +191,7 @@ impl LabelsSection {
             }
         }
         let colors = colors.map(|name| LabelColors::named(&name, folder));
-        Ok(LabelsFile { path: folder.join(path), colors, styles, only })
+        Ok(LabelsFile { path: folder.join(path), hash, colors, styles, only })
     }
 }
 
@@ -207,7 +238,7 @@ pub(super) fn into_lights(lights: Option<Vec<Light>>) -> Result<Vec<Light>, Diag
 
 impl CameraSection {
     pub(super) fn into_desc(self) -> Result<CameraDesc, Diagnostic> {
-        let Self { projection, eye, target, up, view_height, fov_y } = self;
+        let Self { projection, eye, target, up, view_height, fov_y, fov_y_radians } = self;
         if let Some(height) = view_height.filter(|h| !h.is_normal() || *h < 0.0) {
             let what = format!("view_height must be a positive number, not {height}");
             return Err(Diagnostic::at("camera", "view_height", what));
@@ -216,6 +247,12 @@ impl CameraSection {
             let what = format!("fov_y must lie between 0 and 180 degrees, not {angle}");
             return Err(Diagnostic::at("camera", "fov_y", what));
         }
+        if fov_y_radians.is_some_and(|angle| {
+            fov_y.is_some() || !angle.is_normal() || !(0.0..PI).contains(&angle)
+        }) {
+            let what = "fov_y_radians stands instead of fov_y, and lies between 0 and pi";
+            return Err(Diagnostic::at("camera", "fov_y_radians", what));
+        }
         for (key, point) in [("eye", eye), ("target", target), ("up", up)] {
             if point.is_some_and(|p| p.iter().any(|c| !c.is_finite())) {
                 let what = format!("{key} must be three finite numbers");
@@ -223,7 +260,7 @@ impl CameraSection {
             }
         }
         let [eye, target, up] = [eye, target, up].map(|point| point.map(DVec3::from_array));
-        Ok(CameraDesc { projection, eye, target, up, view_height, fov_y })
+        Ok(CameraDesc { projection, eye, target, up, view_height, fov_y, fov_y_radians })
     }
 }
 

@@ -129,6 +129,20 @@ impl VolumeOptions {
         }
     }
 
+    /// Says what was chosen of what there is more of than one, where nothing is said.
+    pub fn choose(&mut self, choices: &VolumeChoices) {
+        for &part in Part::ALL {
+            let Choice { n, chosen, .. } = *choices.get(part);
+            let option = match part {
+                Part::Series => &mut self.series,
+                Part::Channel => &mut self.channel,
+                Part::Time => &mut self.time,
+                Part::Level => &mut self.level,
+            };
+            *option = option.or((1 < n).then_some(chosen));
+        }
+    }
+
     /// That there is what is asked for.
     pub(crate) fn check(&self, path: &Path, choices: &VolumeChoices) -> Result<(), IoError> {
         for &part in Part::ALL {
@@ -299,6 +313,9 @@ mod tests {
         let warnings = |options: VolumeOptions| choices.warnings(&options).collect::<Vec<_>>();
         assert_eq!(warnings(VolumeOptions::default()), ["there are 2 times: time 1 was taken"]);
         assert_eq!(warnings(VolumeOptions::default().time(1)), [""; 0]);
+        let mut chosen = VolumeOptions::default().channel(3);
+        chosen.choose(&choices);
+        assert_eq!(chosen, VolumeOptions::default().channel(3).time(1));
         let options = VolumeOptions::default().series(1);
         assert!(options.check(Path::new("a"), &choices).is_err());
     }

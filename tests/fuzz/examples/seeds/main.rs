@@ -13,7 +13,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::Context;
+use slabsplat_core::Image;
 use slabsplat_fuzz::BETWEEN;
+use slabsplat_io::{PictureFormat, Provenance};
 use small_files::{BINARY_PLY, SCENE, SIDECAR, STL};
 use small_files::{arrays as small_arrays, gzip, metaimage, nifti1, nifti2, nrrd_header, ply};
 use small_files::{voxels, zlib};
@@ -33,7 +35,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> [(&'static str, Seeds); 12] {
+fn all() -> [(&'static str, Seeds); 13] {
     [
         ("nrrd", nrrd()),
         ("nifti", nifti()),
@@ -47,7 +49,17 @@ fn all() -> [(&'static str, Seeds); 12] {
         ("raw", raw()),
         ("scene", vec![SCENE.into(), include_bytes!("../../../../docs/example.toml").to_vec()]),
         ("mesh", mesh()),
+        ("picture", pictures()),
     ]
+}
+
+/// Pictures that say what they show.
+fn pictures() -> Seeds {
+    let mut provenance = Provenance::default();
+    (provenance.program, provenance.scene) = (Some("a program".into()), Some(SCENE.into()));
+    let picture = Image::filled(2, 1, [0.5; 4]);
+    let bytes = PictureFormat::ALL.iter().map(|it| it.bytes(&picture, Some(&provenance)));
+    bytes.map(|bytes| bytes.expect("it has pixels")).collect()
 }
 
 /// Files of an input.
