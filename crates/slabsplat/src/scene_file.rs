@@ -18,6 +18,8 @@ pub struct OpenScene {
     pub backend: String,
     /// What was guessed or left out when the volume was read, for people.
     pub warnings: Vec<String>,
+    /// What was opened, with what was chosen of files that hold several volumes.
+    pub sources: SceneFile,
 }
 
 /// Why a scene cannot be opened.
@@ -50,6 +52,21 @@ impl OpenScene {
         Self::with_volumes(loaded, file)
     }
 
+    /// The scene as it is now, as a scene file that leaves nothing open: volumes and meshes come from where
+    /// they came from, all else is as `scene` has it. [`slabsplat_io::write_scene`] writes it, and
+    /// [`slabsplat_io::Provenance`] puts it into a picture.
+    ///
+    /// # Errors
+    /// If a layer has labels that are from no file.
+    ///
+    /// # Panics
+    /// If layers or meshes were added or taken away.
+    pub fn to_file(&self) -> Result<SceneFile, IoError> {
+        let mut file = self.sources.completed(&self.scene)?;
+        file.backend.clone_from(&self.backend);
+        Ok(file)
+    }
+
     /// The scene of `file` with volumes that are already there, one for each layer; labels and meshes are
     /// read.
     ///
@@ -61,9 +78,14 @@ impl OpenScene {
     pub fn with_volumes(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
         assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
         let mut all_warnings = Vec::new();
+        let mut sources = file.clone();
+        for (source, loaded) in sources.layers.iter_mut().zip(&loaded) {
+            source.options.choose(&loaded.choices);
+        }
         let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
             let LoadedVolume { volume, warnings, .. } = loaded;
             all_warnings.extend(warnings);
+            all_warnings.extend(of_file.warning_of(&volume));
             layer(volume, of_file, &mut all_warnings)
         });
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
@@ -88,7 +110,7 @@ impl OpenScene {
             .lights(file.lights.clone())
             .image(file.image)
             .settings(file.settings.clone());
-        Ok(Self { scene, backend: file.backend.clone(), warnings: all_warnings })
+        Ok(Self { scene, backend: file.backend.clone(), warnings: all_warnings, sources })
     }
 }
 
