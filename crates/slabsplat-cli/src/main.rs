@@ -5,10 +5,10 @@
 //!
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
-//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`convert`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`],
-//! [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written, and
-//! [`environment`] what drivers find.
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`scene`],
+//! [`info`], [`convert`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`],
+//! [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written,
+//! [`advice`] what helps where a backend does not, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -21,7 +21,9 @@ mod info;
 mod plain;
 mod popping;
 mod render;
+mod scene;
 
+mod advice;
 mod columns;
 mod environment;
 mod mesh_info;
@@ -40,6 +42,9 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "slabsplat", version, arg_required_else_help = true)]
 struct Cli {
+    #[command(flatten)]
+    running: flags::RunningFlags,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -47,6 +52,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Scene(Box<scene::SceneArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
     Demo(demo::DemoArgs),
@@ -58,10 +64,11 @@ enum Command {
 fn main() -> ExitCode {
     environment::complete();
     output::end_between_pictures();
-    match run(Cli::parse().command) {
+    let Cli { running, command } = Cli::parse();
+    match running.start().and_then(|()| run(command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            terminal::say(format_args!("error: {}", terminal::one_line(&error)));
+            terminal::report(format_args!("error: {}", terminal::one_line(&error)));
             ExitCode::FAILURE
         }
     }
@@ -70,6 +77,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Scene(args) => scene::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Demo(args) => demo::run(&args),

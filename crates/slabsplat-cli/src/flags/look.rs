@@ -96,6 +96,7 @@ impl LookFlags {
             layer.shading = self.shading_over(layer.shading)?;
             if transfer_2d.is_some() || self.are_by_value() {
                 layer.transfer_2d.clone_from(&transfer_2d);
+                layer.transfer_image.clone_from(&self.transfer_image);
             }
             layer.transfer = transfer.clone().or_else(|| layer.transfer.take());
             if by_gradient.is_some() {
@@ -142,9 +143,14 @@ impl LookFlags {
         })
     }
 
+    /// Whether there are points of opacity or of colour without the others.
+    pub(super) fn are_points_alone(&self) -> bool {
+        self.opacity.is_none() != self.color.is_none()
+    }
+
     /// Points of opacity and of colour replace those of the scene, or of the automatic function.
     pub(super) fn lay_points_over(&self, layers: &mut [Layer]) -> Result<()> {
-        if self.opacity.is_none() == self.color.is_none() {
+        if !self.are_points_alone() {
             return Ok(());
         }
         for layer in layers {

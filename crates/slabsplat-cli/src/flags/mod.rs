@@ -7,29 +7,33 @@ mod camera;
 mod labels;
 mod lights;
 mod look;
+mod output;
 mod parts;
 mod raw;
 mod region;
+mod running;
 mod settings;
 mod table;
 pub(crate) mod values;
 
+pub(crate) use output::{OutputFlags, Target, check_folder, check_scene_name};
 pub(crate) use raw::RawFlags;
+pub(crate) use running::RunningFlags;
 
 use crate::input;
 use crate::progress::Progress;
 use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
-use slabsplat::io::MeshFile;
-use slabsplat::{OpenScene, Renderer, Scene};
+use slabsplat::io::{MeshFile, SceneFile};
+use slabsplat::{NoBackend, OpenScene, Renderer, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
 #[derive(Args)]
 pub(crate) struct SceneFlags {
-    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), a built-in volume as builtin:NAME or
-    /// builtin:NAME:SIZE, or - for a volume on standard input
+    /// A scene file (.toml), a picture that slabsplat made, a volume file, a mesh (.ply, .stl, .obj), a
+    /// built-in volume as builtin:NAME or builtin:NAME:SIZE, or - for a volume on standard input
     #[arg(value_name = "INPUT")]
     input: PathBuf,
 
@@ -65,8 +69,8 @@ pub(crate) struct SceneFlags {
 }
 
 impl SceneFlags {
-    /// Reads what is named, and lays the flags over it.
-    fn open(&self) -> Result<OpenScene> {
+    /// What is named, with the flags laid over it; no volume is read.
+    pub(crate) fn file(&self) -> Result<SceneFile> {
         let mut file = input::scene_file(&self.input)?;
         self.camera.lay_over(&mut file)?;
         self.settings.lay_over(&mut file, self.look.mode())?;
@@ -74,6 +78,12 @@ impl SceneFlags {
         self.lights.lay_over(&mut file)?;
         self.labels.lay_over(&mut file)?;
         self.region.lay_over(&mut file)?;
+        Ok(file)
+    }
+
+    /// Reads what is named, and lays the flags over it.
+    pub(crate) fn open(&self) -> Result<OpenScene> {
+        let mut file = self.file()?;
         self.in_scene(|| {
             let n_own = file.layers.len();
             for path in &self.layers {
@@ -91,16 +101,42 @@ impl SceneFlags {
 
     /// Reads what is named, and makes it ready to be rendered.
     pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
-        let OpenScene { scene, backend, warnings } = self.open()?;
-        terminal::warn_all(&warnings);
+        let (renderer, opened) = self.opened(progress)?;
+        Ok((renderer, opened.scene))
+    }
+
+    /// The same with where the scene came from.
+    pub(crate) fn opened(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
+        let opened = self.open()?;
+        terminal::warn_all(&opened.warnings);
         progress.stage("starting the backend");
-        let renderer = self.in_scene(|| Ok(Renderer::open(&backend, terminal::warn)?))?;
-        Ok((renderer, scene))
+        let renderer = self.in_scene(|| self.renderer_of(&opened.backend))?;
+        Ok((renderer, opened))
+    }
+
+    /// What drew a picture elsewhere need not be here, and nobody has asked for it.
+    fn renderer_of(&self, backend: &str) -> Result<Renderer> {
+        match Renderer::open(backend, terminal::warn) {
+            Err(NoBackend::Unavailable { .. } | NoBackend::NotBuilt { .. })
+                if input::is_picture(&self.input) && !self.settings.names_backend() =>
+            {
+                let picture = self.input.display();
+                terminal::warn(&format!(
+                    "{picture} was drawn by {backend}, which is not here: pixels may differ"
+                ));
+                Ok(Renderer::open("auto", terminal::warn)?)
+            }
+            opened => Ok(opened?),
+        }
     }
 
     /// Names the scene file in errors that only show when its values are used.
     pub(crate) fn in_scene<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let result = work();
+        if input::is_picture(&self.input) {
+            let result = result.map_err(|error| input::where_files_are(&self.input, error));
+            return result.with_context(|| self.input.display().to_string());
+        }
         if input::is_scene(&self.input) {
             return result.with_context(|| self.input.display().to_string());
         }
@@ -110,6 +146,14 @@ impl SceneFlags {
     /// What is drawn, as it was named.
     pub(crate) fn input(&self) -> &Path {
         &self.input
+    }
+
+    /// Whether all that the flags say is in [`file`](Self::file).
+    pub(crate) fn are_of_file(&self) -> bool {
+        self.layers.is_empty()
+            && self.meshes.is_empty()
+            && self.raw.are_silent()
+            && !self.look.are_points_alone()
     }
 
     /// The method that a flag names; the scene's does not count.
