@@ -10,30 +10,33 @@ fn picture(directory: &Path, args: &str, name: &str) -> Vec<u8> {
     let args = format!("render {args} --backend cpu -o {name}");
     let output = slabsplat(directory, &args);
     assert!(output.status.success(), "{args}: {}", text(&output.stderr));
-    fs::read(directory.join(name)).unwrap()
+    fs::read(directory.join(name)).expect("it was written")
 }
 
 /// Values that vary along all axes, in 8 bits and without a header.
 fn write_volume(path: &Path) {
     let samples = (0..7 * 6 * 5).map(|n: u32| (n * n % 251) as u8).collect::<Vec<_>>();
-    fs::write(path, samples).unwrap();
+    fs::write(path, samples).expect("there is room for files");
 }
 
 fn write_inputs(directory: &Path) {
     write_volume(&directory.join("a.raw"));
     let header =
         "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 7 6 5\nspacings: 1 1.5 0.7\nencoding: raw\n";
-    fs::write(directory.join("a.nhdr"), format!("{header}data file: a.raw\n")).unwrap();
+    fs::write(directory.join("a.nhdr"), format!("{header}data file: a.raw\n"))
+        .expect("there is room for files");
     let labels: Vec<u8> = (0..210_u32).map(|n| (n / 70) as u8).collect();
-    fs::write(directory.join("l.nrrd"), [header.as_bytes(), b"\n", &labels].concat()).unwrap();
+    fs::write(directory.join("l.nrrd"), [header.as_bytes(), b"\n", &labels].concat())
+        .expect("there is room for files");
     fs::write(directory.join("l.ctbl"), "1 a 255 0 0 255\n2 b 0 255 0 51\n9 c 0 0 255 255\n")
-        .unwrap();
-    fs::write(directory.join("m.obj"), "v 0 0 0\nv 5 0 0\nv 0 5 3\nf 1 2 3\n").unwrap();
+        .expect("there is room for files");
+    fs::write(directory.join("m.obj"), "v 0 0 0\nv 5 0 0\nv 0 5 3\nf 1 2 3\n")
+        .expect("there is room for files");
     let map = r#"[{"Points": [0, 0, 0.5, 0, 200, 1, 0.5, 0], "RGBPoints": [0, 0, 0, 1, 200, 1, 0.1, 0.3]}]"#;
-    fs::write(directory.join("map.json"), map).unwrap();
+    fs::write(directory.join("map.json"), map).expect("there is room for files");
     let pixels =
         image::RgbaImage::from_fn(4, 4, |x, y| image::Rgba([60 * x as u8, 99, 0, 60 * y as u8]));
-    pixels.save(directory.join("t.png")).unwrap();
+    pixels.save(directory.join("t.png")).expect("there is room for files");
 }
 
 /// What flags say, one case for each that decides a pixel.

@@ -59,8 +59,8 @@ pub(super) fn encode(
 fn attributes(provenance: &Provenance) -> LayerAttributes {
     // Texts of the format are bytes; those of others are UTF-8, too.
     let text = |text: &String| Text::from_slice_unchecked(text.as_bytes());
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = provenance.program.as_ref().map(text);
+    let software_name = provenance.program.as_ref().map(text);
+    let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
     if let Some(scene) = &provenance.scene {
         attributes.other.insert(Text::from(SCENE), AttributeValue::Text(text(scene)));
     }

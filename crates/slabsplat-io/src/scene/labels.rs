@@ -96,9 +96,8 @@ impl LabelsFile {
         let mut styles = match &self.colors {
             Some(LabelColors::Table(path)) => read_label_table(path)?,
             Some(LabelColors::Automatic) => automatic(labels),
-            Some(LabelColors::None) => BTreeMap::new(),
             None if says_nothing => automatic(labels),
-            None => BTreeMap::new(),
+            Some(LabelColors::None) | None => BTreeMap::new(),
         };
         for (&label, style) in &self.styles {
             let LabelStyle { transfer, color, opacity } = style.clone();

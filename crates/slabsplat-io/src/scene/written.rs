@@ -177,7 +177,7 @@ impl ClassifySection {
             }
         };
         let of_values = layer.transfer.as_ref().map(Self::of_values).unwrap_or_default();
-        let gradient_opacity = layer.gradient_opacity.as_ref().map(|function| pairs(function));
+        let gradient_opacity = layer.gradient_opacity.as_ref().map(pairs);
         let section = Self {
             boxes,
             image,
