@@ -197,7 +197,7 @@ fn callback_of_the_caller_may_panic() {
     let Some(caller) = Caller::new(None) else { return };
     let mut device = caller.opened();
     let work = device.submit(&Work::default()).unwrap();
-    caller.queue.submit([]);
+    // On the submission of the work itself: one of its own could end after the work was taken.
     caller.queue.on_submitted_work_done(|| panic!("the caller's"));
     let waited = catch_unwind(AssertUnwindSafe(|| wait(&mut device, work)));
     let message = *waited.unwrap_err().downcast::<&str>().unwrap();
