@@ -22,6 +22,7 @@ mod semver;
 
 mod bench;
 mod ci;
+mod sheet;
 
 mod dependencies;
 mod tidy;
@@ -32,6 +33,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use fuzz::Fuzz;
+use sheet::Sheet;
 use test::Test;
 
 const USAGE: &str = "\
@@ -49,6 +51,7 @@ Usage: cargo xtask COMMAND
   deny [CHECKS]            judge licences and sources of dependencies, or `advisories`, if cargo-deny is here
   semver                   compare with the last release, if there is one and cargo-semver-checks is here
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
+  sheet [FOLDER [PICTURE]] one picture of all volumes of a folder, as they look without any flag
   ci                       lint, test, web, package, outside, msrv, deny, semver, each crate and feature alone
   help                     print this
 
@@ -86,6 +89,7 @@ enum Task {
     Deny(Vec<OsString>),
     Semver,
     Bench(Vec<OsString>),
+    Sheet(Sheet),
     Ci,
     Help,
 }
@@ -102,6 +106,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
         Task::Deny(checks) => deny::run(checks),
         Task::Semver => semver::run(),
         Task::Bench(args) => bench::run(args),
+        Task::Sheet(sheet) => sheet::run(sheet),
         Task::Ci => ci::run(),
         Task::Help => {
             print!("{USAGE}");
@@ -118,6 +123,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
         Some("web") => return web::parse(&rest).map(|installs| Task::Web { installs }),
         Some("fuzz") => return fuzz::parse(&rest).map(Task::Fuzz),
         Some("bench") => return Ok(Task::Bench(rest)),
+        Some("sheet") => return sheet::parse(&rest).map(Task::Sheet),
         Some("deny") => return Ok(Task::Deny(rest)),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
         Some("package") => Task::Package,
@@ -157,6 +163,7 @@ mod tests {
         check(&["msrv", "--install"], Ok(Task::Msrv { installs: true }));
         check(&["deny", "advisories"], Ok(Task::Deny(vec!["advisories".into()])));
         check(&["bench", "cpu", "--help"], Ok(Task::Bench(vec!["cpu".into(), "--help".into()])));
+        check(&["sheet"], Ok(Task::Sheet(Sheet::default())));
         check(&["test"], Ok(Task::Test(Test::default())));
     }
 

@@ -6,9 +6,9 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`convert`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`], [`progress`], [`columns`],
-//! [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written, and
-//! [`environment`] what drivers find.
+//! [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
+//! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
+//! are written, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -20,7 +20,9 @@ mod demo;
 mod info;
 mod plain;
 mod popping;
+mod presets;
 mod render;
+mod tf;
 
 mod columns;
 mod environment;
@@ -49,6 +51,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
+    Tf(Box<tf::TfArgs>),
+    Presets(presets::PresetsArgs),
     Demo(demo::DemoArgs),
     Popping(Box<popping::PoppingArgs>),
     Bench(Box<bench::BenchArgs>),
@@ -72,6 +76,8 @@ fn run(command: Command) -> Result<()> {
         Command::Render(args) => render::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::Tf(args) => tf::run(&args),
+        Command::Presets(args) => presets::run(&args),
         Command::Demo(args) => demo::run(&args),
         Command::Popping(args) => popping::run(&args),
         Command::Bench(args) => bench::run(&args),

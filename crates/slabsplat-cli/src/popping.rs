@@ -41,9 +41,13 @@ pub(crate) fn run(args: &PoppingArgs) -> Result<()> {
     let PoppingArgs { from, to, step, .. } = *args;
     let sweep = Sweep { from_degrees: from, to_degrees: to, step_degrees: step }.checked()?;
     let progress = Progress::start("reading", 0);
-    let (mut renderer, scene) = args.scene.renderer(&progress)?;
+    let (mut renderer, mut scene) = args.scene.renderer(&progress)?;
     drop(progress);
     let methods = args.scene.method().map_or(Method::ALL.to_vec(), |method| vec![method]);
+    if !args.scene.says_gradients() && methods.contains(&Method::PostClassified) {
+        // What was found by gradients cannot be drawn by all that are compared.
+        scene.layers.iter_mut().for_each(|layer| layer.gradient_opacity = None);
+    }
     let reports = args.scene.in_scene(|| meter::measure(&mut renderer, &scene, &methods, sweep))?;
     let text = if args.json {
         format!("{:#}\n", json_of(sweep, &reports))

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::{output, stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use slabsplat::{Caps, Frame, Mode, Scene};
+use slabsplat::{Caps, Frame, Mode, OpenScene, Scene};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -29,7 +29,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     check_output(&args.output)?;
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
-    let (mut renderer, scene) = args.scene.renderer(&progress)?;
+    let (mut renderer, OpenScene { scene, found, .. }) =
+        args.scene.open_with_renderer(&progress)?;
     progress.stage("rendering");
     let frame = args.scene.in_scene(|| Ok(renderer.render(&scene)?))?;
     progress.stage("writing");
@@ -37,6 +38,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     drop(progress);
     if let Some(why) = nothing_visible(&scene, &frame) {
         terminal::warn(&format!("nothing is visible: {why}"));
+    }
+    if !found.is_empty() {
+        terminal::say(format_args!("shown as {}", found.join("; and ")));
     }
     terminal::say(format_args!(
         "{}: {} x {} pixels, {} voxels drawn, {} ms{}",

@@ -103,6 +103,38 @@ pub enum Normalization {
     Product,
 }
 
+/// A side from which a picture is taken, by what people call it.
+///
+/// Of a body ([`Orientation::Anatomical`](crate::Orientation)) left and right are its own; of all else they
+/// are those of who looks at its front.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Viewpoint {
+    /// Before it.
+    Front,
+    /// Behind it.
+    Back,
+    /// On its left.
+    Left,
+    /// On its right.
+    Right,
+    /// Above it.
+    Top,
+    /// Below it.
+    Bottom,
+    /// Before it, as far to the right as above, so that all three axes are equally long.
+    Iso,
+}
+
+/// What a picture is filled with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Fit {
+    /// What is visible of it all.
+    #[default]
+    Visible,
+    /// All of the volumes' grids, and of meshes.
+    Volume,
+}
+
 /// How a section's offset is looked up in the section table (§3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Lookup {
@@ -228,6 +260,16 @@ named!(Mode {
 });
 named!(Normalization { None = "none", Paper = "paper", Product = "product" });
 named!(ProjectionKind { Orthographic = "orthographic", Perspective = "perspective" });
+named!(Viewpoint {
+    Front = "front",
+    Back = "back",
+    Left = "left",
+    Right = "right",
+    Top = "top",
+    Bottom = "bottom",
+    Iso = "iso",
+});
+named!(Fit { Visible = "visible", Volume = "volume" });
 named!(Lookup { Nearest = "nearest", Linear = "linear" });
 
 pub(crate) use named;

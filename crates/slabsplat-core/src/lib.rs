@@ -36,6 +36,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod grid;
+mod provenance;
 mod sample;
 mod volume;
 
@@ -46,6 +47,7 @@ mod light;
 mod shading;
 mod transfer;
 mod transfer_2d;
+mod transfer_changes;
 mod transfer_image;
 
 mod choices;
@@ -78,8 +80,8 @@ pub mod model;
 
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use choices::{
-    Compositing, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, ProjectionKind,
-    Statistic,
+    Compositing, Fit, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, ProjectionKind,
+    Statistic, Viewpoint,
 };
 pub use compositing::{MAX_OPACITY, extinction};
 pub use frame_handle::{Cancelled, FrameHandle};
@@ -92,6 +94,7 @@ pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
 pub use mesh::{DroppedTriangles, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
+pub use provenance::{Modality, Orientation, Provenance};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};

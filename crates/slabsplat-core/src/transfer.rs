@@ -193,6 +193,11 @@ impl TransferFunction {
         })
     }
 
+    /// Of two functions that are there.
+    pub fn of_curves(opacity: PiecewiseLinear<1>, color: PiecewiseLinear<3>) -> Self {
+        Self { opacity, color }
+    }
+
     /// The opacity function.
     pub fn opacity_points(&self) -> &PiecewiseLinear<1> {
         &self.opacity

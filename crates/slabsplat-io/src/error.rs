@@ -176,6 +176,12 @@ pub enum IoError {
         /// The name asked for.
         name: String,
     },
+    /// There is no such colour map.
+    #[error("there is no colour map {name:?}: choose one of {}", crate::COLORMAP_NAMES.join(", "))]
+    UnknownColormap {
+        /// The name asked for.
+        name: String,
+    },
     /// A scene file says something that cannot be.
     #[error("{}{}: {}", shown_path(path), line_suffix(*line), printable(what))]
     Scene {

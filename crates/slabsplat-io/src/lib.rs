@@ -23,18 +23,19 @@
 //! | raw, described by the caller | [`read_raw`] |
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |
-//! | ParaView colour maps (JSON) | [`read_color_map`] |
+//! | ParaView colour maps (JSON), volume properties of 3D Slicer (`.vp`) | [`read_transfer`] |
 //!
 //! | written | by |
 //! | --- | --- |
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`], [`write_colored_volume`] |
+//! | ParaView colour maps, volume properties of 3D Slicer, sections of scenes | [`write_transfer`] |
 //!
 //! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
 //! [`read_stream`] puts there what comes by a pipe.
 //!
-//! And without any file: [`builtin_volume`], [`preset_transfer`].
+//! And without any file: [`builtin_volume`], [`preset`], [`colormap`].
 //!
 //! ```
 //! use slabsplat_io::{read_scene, write_picture};
@@ -58,7 +59,7 @@
 //! # Reading order
 //!
 //! `error`, `printable`, `progress`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`;
-//! `scene`; `memory`; `picture`.
+//! `transfer`; `scene`; `memory`; `picture`.
 
 mod error;
 mod printable;
@@ -72,6 +73,8 @@ mod volume;
 mod mesh;
 
 mod builtin;
+
+mod transfer;
 
 mod scene;
 
@@ -88,11 +91,16 @@ pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
-    CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, PRESET_NAMES, RegionDesc, SceneFile,
-    TransferImageFile, VolumeSource, parse_scene, preset_transfer, read_color_map, read_scene,
+    CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, RegionDesc, SceneFile,
+    TransferImageFile, Unsaid, VolumeSource, parse_scene, read_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;
+pub use transfer::{
+    COLORMAP_NAMES, FitError, PRESET_NAMES, Preset, Stretch, Suited, TransferFit, TransferFormat,
+    TransferSource, ValueScale, colormap, parse_transfer, preset, read_transfer, transfer_text,
+    write_transfer,
+};
 pub use volume::{
     Choice, ColorUse, Endian, LoadedColors, LoadedVolume, OpacitySource, Part, RawDesc,
     VolumeChoices, VolumeFormat, VolumeListing, VolumeOptions, VolumeOutput, list_volume, read_raw,

@@ -9,10 +9,10 @@ use std::fs;
 use std::path::Path;
 
 use peak::check_peak;
-use slabsplat_io::{read_color_map, read_mesh, read_scene, read_volume};
+use slabsplat_io::{read_mesh, read_scene, read_transfer, read_volume};
 use small_files::{
-    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, arrays, dicom, gzip, metaimage, mrc, nifti1,
-    nifti2, nrrd_header, ome_tiff, ply, voxels, zlib,
+    BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, VOLUME_PROPERTY, arrays, dicom, gzip, metaimage,
+    mrc, nifti1, nifti2, nrrd_header, ome_tiff, ply, voxels, zlib,
 };
 
 /// Changes tried on each file.
@@ -29,8 +29,8 @@ fn scene(path: &Path) -> Result<(), slabsplat_io::IoError> {
     read_scene(path).map(drop)
 }
 
-fn color_map(path: &Path) -> Result<(), slabsplat_io::IoError> {
-    read_color_map(path).map(drop)
+fn transfer(path: &Path) -> Result<(), slabsplat_io::IoError> {
+    read_transfer(path).map(drop)
 }
 
 fn mesh(path: &Path) -> Result<(), slabsplat_io::IoError> {
@@ -80,7 +80,8 @@ fn valid_files() -> Vec<(&'static str, Vec<u8>, Reader)> {
         ("two.zip", arrays::zarr_2(&gzip(&voxels())), volume),
         ("three.zip", arrays::zarr_3(&voxels()), volume),
         ("scene.toml", SCENE.as_bytes().to_vec(), scene),
-        ("map.json", COLOR_MAP.as_bytes().to_vec(), color_map),
+        ("map.json", COLOR_MAP.as_bytes().to_vec(), transfer),
+        ("property.vp", VOLUME_PROPERTY.as_bytes().to_vec(), transfer),
         ("text.ply", ply("ascii", b"0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), mesh),
         ("binary.ply", ply("binary_little_endian", &BINARY_PLY), mesh),
         ("text.stl", STL.as_bytes().to_vec(), mesh),
@@ -206,7 +207,7 @@ fn empty_files_and_folders_are_refused() {
         assert!(message.contains(name) && !message.contains('\n'), "{message}");
     }
     let dir = tempfile::tempdir().unwrap();
-    for read in [scene, color_map] {
+    for read in [scene, transfer] {
         let message = read(dir.path()).unwrap_err().to_string();
         assert!(message.starts_with("cannot read "), "{message}");
     }

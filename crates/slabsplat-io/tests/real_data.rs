@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{SampleType, Volume};
+use slabsplat_core::{Modality, Orientation, Provenance, SampleType, Volume};
 use slabsplat_io::{LoadedVolume, VolumeFormat, VolumeSource, read_scene, read_volume};
 
 /// A line of the README. The mean is given to as many digits as the README has.
@@ -199,6 +199,24 @@ fn load(path: &str) -> Option<LoadedVolume> {
 fn mean(volume: &Volume) -> f64 {
     let n_voxels = volume.grid().n_voxels();
     (0..n_voxels).map(|voxel_idx| volume.value(voxel_idx)).sum::<f64>() / n_voxels as f64
+}
+
+#[test]
+fn real_volumes_say_how_they_stand() {
+    use Orientation::{Anatomical, Pictures, Unknown};
+    for (path, modality, orientation) in [
+        ("nifti/mni152_t1_1mm_uint8.nii.gz", None, Anatomical),
+        ("mha/ct_lung_115x157x129_int16.mha", None, Anatomical),
+        ("mha/fuel.mha", None, Unknown),
+        ("mha/HeadMRVolume.mhd", None, Unknown),
+        ("nrrd/stroke_flair_1mm_uint8.nrrd", None, Anatomical),
+        ("nrrd/headsq/quarter.nhdr", None, Unknown),
+        ("tiff/ct_phantom_aniso.ome.tif", None, Pictures),
+        ("dicom/ct_phantom_head", Some(Modality::Ct), Anatomical),
+    ] {
+        let Some(loaded) = load(path) else { continue };
+        assert_eq!(loaded.provenance, Provenance { modality, orientation }, "{path}");
+    }
 }
 
 #[test]

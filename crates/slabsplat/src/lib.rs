@@ -63,8 +63,8 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `scene_file`;
-//! `popping`.
+//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
+//! `transfer`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -80,16 +80,19 @@ mod render_thread;
 mod texture_renderer;
 
 mod automatic;
+mod framing;
 #[cfg(feature = "files")]
 mod scene_file;
+mod transfer;
 
 mod popping;
 
-pub use automatic::Automatic;
+pub use automatic::{Automatic, DataKind};
 pub use backends::{
     BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
     choose_backend_async, found_backends,
 };
+pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
@@ -97,7 +100,8 @@ pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 pub use render_thread::RenderThread;
 pub use renderer::{RenderError, Renderer};
 #[cfg(feature = "files")]
-pub use scene_file::{OpenError, OpenScene};
+pub use scene_file::{OpenError, OpenScene, open_layer};
+pub use transfer::{ValueCounts, plot_transfer, plotted_range};
 
 #[cfg(feature = "wgpu")]
 pub use texture_renderer::{Drawn, TextureRenderer};

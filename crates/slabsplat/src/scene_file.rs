@@ -1,14 +1,17 @@
 //! The scene of a file, with everything left out filled in.
 
-use crate::Automatic;
-use crate::automatic::{Extent, fitting_camera};
+use crate::automatic::{DARK, Look, lights, phong, takes_gradients};
+use crate::framing::{Aim, Facing, Framing, usual_projection};
+use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    CameraError, Grid, Layer, MeshLayer, RegionError, SampleType, Scene, TransferFunction, Volume,
+    Camera, CameraError, Fit, Layer, MeshLayer, PiecewiseLinear, Projection, RegionError, Scene,
+    Shading, TransferFunction,
 };
 use slabsplat_io::{
-    IoError, LayerFile, LoadedVolume, MemoryNeed, OpacitySource, SceneFile, check_memory,
+    CameraDesc, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed, OpacitySource,
+    SceneFile, TransferFit, check_memory,
 };
 use thiserror::Error;
 
@@ -21,6 +24,9 @@ pub struct OpenScene {
     pub backend: String,
     /// What was guessed or left out when the volume was read, for people.
     pub warnings: Vec<String>,
+    /// What was found from the volumes, a line for each that did not say how it looks, for people.
+    pub found: Vec<String>,
+    facing: Facing,
 }
 
 /// Why a scene cannot be opened.
@@ -33,6 +39,9 @@ pub enum OpenError {
     /// The camera's parts do not make a camera.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// A transfer function cannot be fitted to its volume.
+    #[error(transparent)]
+    Fit(#[from] FitError),
     /// A region is none.
     #[error(transparent)]
     Region(#[from] RegionError),
@@ -62,79 +71,209 @@ impl OpenScene {
     /// # Panics
     /// If there are more volumes or fewer.
     pub fn with_volumes(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
+        let mut opened = Self::unframed(loaded, file)?;
+        opened.frame(file, &Aim::default())?;
+        Ok(opened)
+    }
+
+    /// The same before the camera is looked for, for who changes layers first: [`frame`](Self::frame) does
+    /// the rest.
+    ///
+    /// # Errors
+    /// As [`with_volumes`](Self::with_volumes), but for the camera.
+    ///
+    /// # Panics
+    /// If there are more volumes or fewer.
+    pub fn unframed(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
         assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
-        let mut all_warnings = Vec::new();
-        let layers = loaded.into_iter().zip(&file.layers).map(|(loaded, of_file)| {
-            all_warnings.extend_from_slice(&loaded.warnings);
-            layer(loaded, of_file, &mut all_warnings)
-        });
+        let mut opening = Opening {
+            file,
+            warnings: Vec::new(),
+            found: Vec::new(),
+            background: None,
+            facing: None,
+        };
+        let layers = loaded.into_iter().zip(&file.layers);
+        let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
-        let mut meshes = Vec::with_capacity(file.meshes.len());
-        for mesh in &file.meshes {
-            let (mesh, warnings) = mesh.load()?;
-            meshes.push(mesh);
-            all_warnings.extend(warnings);
-        }
+        let meshes = opening.meshes()?;
         if layers.is_empty() && meshes.is_empty() {
             return Err(PlanError::NoLayers.into());
         }
-        let grids: Vec<Grid> = layers.iter().map(|layer| *layer.volume.grid()).collect();
-        let boxes: Vec<[DVec3; 2]> = meshes.iter().filter_map(MeshLayer::bounds).collect();
-        // Of a mesh without triangles nothing is seen from anywhere.
-        let nowhere = [[DVec3::ZERO, DVec3::ONE]];
-        let is_empty = grids.is_empty() && boxes.is_empty();
-        let seen = Extent { grids: &grids, boxes: if is_empty { &nowhere } else { &boxes } };
-        let fallback = fitting_camera(seen, &file.image, file.camera.is_perspective())?;
-        let scene = Scene::of_meshes(meshes, file.camera.complete(&fallback)?)
+        let mut image = file.image;
+        if file.unsaid.background {
+            image.background = opening.background.unwrap_or(DARK);
+        }
+        let Opening { warnings, found, facing, .. } = opening;
+        let facing = facing.unwrap_or_default();
+        let scene = Scene::of_meshes(meshes, placeholder())
             .layers(layers)
             .lights(file.lights.clone())
-            .image(file.image)
+            .image(image)
             .settings(file.settings.clone());
-        Ok(Self { scene, backend: file.backend.clone(), warnings: all_warnings })
+        Ok(Self { scene, backend: file.backend.clone(), warnings, found, facing })
+    }
+
+    /// Finds the camera that `file` leaves out, or the rest of it, and aims it; then the lights, if the file
+    /// leaves them out.
+    ///
+    /// A camera that is all found stays filled by what is visible when it is aimed from elsewhere; of one
+    /// that `file` gives size and place stay.
+    ///
+    /// # Errors
+    /// If the camera makes no sense.
+    pub fn frame(&mut self, file: &SceneFile, aim: &Aim) -> Result<(), OpenError> {
+        let Scene { layers, meshes, image, settings, .. } = &self.scene;
+        let given = &file.camera;
+        let is_alone = is_whole(given) && *aim == Aim::default();
+        let camera = if is_alone {
+            given.complete(&placeholder())?
+        } else {
+            let framing = Framing::new(layers, meshes, settings.mode, self.facing);
+            let mut projection = usual_projection(given.is_perspective());
+            if let (Projection::Perspective { fov_y_radians }, Some(degrees)) =
+                (&mut projection, given.fov_y)
+            {
+                *fov_y_radians = degrees.to_radians();
+            }
+            let found = framing.camera(None, Fit::Visible, projection, image)?;
+            let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
+            framing.aimed(&given.complete(&found)?, aim, is_found, image)?
+        };
+        self.scene.camera = camera;
+        if file.unsaid.lights {
+            self.scene.lights = lights(&camera);
+        }
+        Ok(())
     }
 }
 
-/// Alpha as the opacity of a voxel step.
-fn transfer_of_alpha(volume: &Volume) -> TransferFunction {
-    let most = match volume.sample_type() {
-        SampleType::U16 => f64::from(u16::MAX),
-        _ => f64::from(u8::MAX),
-    };
-    TransferFunction::new([(0.0, [0.0]), (most, [1.0])], [(0.0, [1.0; 3])])
-        .expect("the points rise, and opacities are shares")
+/// Whether nothing of a camera is left to be found.
+fn is_whole(camera: &CameraDesc) -> bool {
+    let size = if camera.is_perspective() { camera.fov_y } else { camera.view_height };
+    camera.eye.is_some() && camera.target.is_some() && camera.up.is_some() && size.is_some()
 }
 
-/// Whether it shows anything that is not white.
-fn has_colors(transfer: &TransferFunction) -> bool {
-    transfer.color_points().points().iter().any(|(_, color)| *color != [1.0; 3])
+/// A camera until there is a better one.
+fn placeholder() -> Camera {
+    let projection = usual_projection(false);
+    Camera::new(DVec3::Y, DVec3::ZERO, DVec3::Z, projection)
+        .expect("its vectors are at right angles")
 }
 
-fn layer(
-    LoadedVolume { volume, colors, .. }: LoadedVolume,
+/// A scene while it is opened.
+struct Opening<'a> {
+    file: &'a SceneFile,
+    warnings: Vec<String>,
+    found: Vec<String>,
+    /// That of the first layer that is found.
+    background: Option<[f32; 4]>,
+    /// That of the first layer.
+    facing: Option<Facing>,
+}
+
+impl Opening<'_> {
+    fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
+        let provenance = loaded.provenance;
+        self.warnings.extend_from_slice(&loaded.warnings);
+        let Opened { mut layer, warnings, look } = Opened::of(loaded, file)?;
+        self.warnings.extend(warnings);
+        let facing = match &look {
+            Some(look) => look.facing(&layer.volume, provenance),
+            None => Facing::of(provenance.orientation, layer.volume.grid()),
+        };
+        self.facing.get_or_insert(facing);
+        if let Some(look) = look {
+            self.found.push(look.description());
+            self.background.get_or_insert(look.background);
+            if !takes_gradients(&self.file.settings) {
+                layer.gradient_opacity.clone_from(&file.gradient_opacity);
+            }
+        }
+        Ok(layer.shading(self.shading(file.shading)))
+    }
+
+    fn meshes(&mut self) -> Result<Vec<MeshLayer>, OpenError> {
+        let mut meshes = Vec::with_capacity(self.file.meshes.len());
+        for mesh in &self.file.meshes {
+            let (mesh, warnings) = mesh.load()?;
+            self.warnings.extend(warnings);
+            let shading = self.shading(mesh.shading);
+            meshes.push(mesh.shading(shading));
+        }
+        Ok(meshes)
+    }
+
+    fn shading(&self, of_file: Shading) -> Shading {
+        if self.file.unsaid.shading { Shading::Phong(phong()) } else { of_file }
+    }
+}
+
+/// A layer, and what was found on the way.
+struct Opened {
+    layer: Layer,
+    warnings: Vec<String>,
+    /// What the volume looks like, if the file does not say it.
+    look: Option<Look>,
+}
+
+impl Opened {
+    fn of(loaded: LoadedVolume, file: &LayerFile) -> Result<Self, OpenError> {
+        let LoadedVolume { volume, provenance, colors, .. } = loaded;
+        let mut look = None;
+        let automatic = || {
+            let found = match &colors {
+                Some(LoadedColors { voxels: None, opacity_from: OpacitySource::Luminance, .. })
+                | None => Look::of(&volume, provenance),
+                Some(colors) => Look::of_colors(&volume, colors.opacity_from),
+            };
+            look.insert(found).transfer.clone()
+        };
+        let Fitted { transfer, mut gradient_opacity, mut warnings } =
+            fitted(file, &volume, automatic)?;
+        // What was found by gradients goes with the opacities that were found.
+        if let (Some(look), None, None) = (&look, &file.transfer_2d, &file.fit.opacity) {
+            gradient_opacity = gradient_opacity.or_else(|| look.gradient_opacity.clone());
+        }
+        let own_colors = colors.and_then(|colors| colors.voxels);
+        if own_colors.is_some() && says_colors(file) {
+            let what = "colours of the transfer function are not seen, as voxels have their own: colors = \
+                        \"none\", or --colors none, leaves those out";
+            warnings.push(what.to_owned());
+        }
+        let region = file.region.on(volume.grid())?;
+        let layer = Layer::new(volume, transfer)
+            .transfer_2d(file.transfer_2d.clone())
+            .gradient_opacity(gradient_opacity)
+            .colors(own_colors)
+            .isosurfaces(file.isosurfaces.clone())
+            .shading(file.shading)
+            .region(region);
+        let Some(labels) = &file.labels else { return Ok(Self { layer, warnings, look }) };
+        let (labels, of_labels) = labels.load(layer.volume.grid())?;
+        warnings.extend(of_labels);
+        Ok(Self { layer: layer.labels(labels), warnings, look })
+    }
+}
+
+/// Whether a layer's file says colours that are not white.
+fn says_colors(file: &LayerFile) -> bool {
+    let is_white =
+        |colors: &PiecewiseLinear<3>| colors.points().iter().all(|(_, color)| *color == [1.0; 3]);
+    let TransferFit { color, colormap, .. } = &file.fit;
+    let of_transfer = file.transfer.as_ref().map(TransferFunction::color_points);
+    let said = [color.as_ref(), colormap.as_ref(), of_transfer];
+    said.into_iter().flatten().any(|colors| !is_white(colors))
+}
+
+/// What a layer of a file makes of a volume, with everything left out filled in, and warnings, one line each.
+///
+/// # Errors
+/// If its transfer function or its region cannot be, or labels cannot be read.
+pub fn open_layer(
+    loaded: LoadedVolume,
     file: &LayerFile,
-    all_warnings: &mut Vec<String>,
-) -> Result<Layer, OpenError> {
-    let automatic = || match &colors {
-        Some(colors) if colors.opacity_from == OpacitySource::Alpha => transfer_of_alpha(&volume),
-        _ => Automatic::new(volume.clone()).transfer().clone(),
-    };
-    let transfer = file.transfer.clone().unwrap_or_else(automatic);
-    let own_colors = colors.and_then(|colors| colors.voxels);
-    if own_colors.is_some() && file.transfer.as_ref().is_some_and(has_colors) {
-        let what = "colours of the transfer function are not seen, as voxels have their own: colors = \"none\", \
-                    or --colors none, leaves those out";
-        all_warnings.push(what.to_owned());
-    }
-    let region = file.region.on(volume.grid())?;
-    let layer = Layer::new(volume, transfer)
-        .transfer_2d(file.transfer_2d.clone())
-        .gradient_opacity(file.gradient_opacity.clone())
-        .colors(own_colors)
-        .isosurfaces(file.isosurfaces.clone())
-        .shading(file.shading)
-        .region(region);
-    let Some(labels) = &file.labels else { return Ok(layer) };
-    let (labels, warnings) = labels.load(layer.volume.grid())?;
-    all_warnings.extend(warnings);
-    Ok(layer.labels(labels))
+) -> Result<(Layer, Vec<String>), OpenError> {
+    let Opened { layer, warnings, .. } = Opened::of(loaded, file)?;
+    Ok((layer, warnings))
 }

@@ -1,12 +1,12 @@
-//! Flags of `[camera]` and `[image]`.
+//! Flags of `[camera]` and `[image]`, and cameras as people say them.
 
 use super::values::{self, Background};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slabsplat::ProjectionKind;
 use slabsplat::glam::DVec3;
 use slabsplat::io::SceneFile;
+use slabsplat::{Aim, Fit, ProjectionKind, Viewpoint};
 
 #[derive(Args)]
 #[command(next_help_heading = "Camera and image")]
@@ -15,7 +15,44 @@ pub(super) struct CameraFlags {
     #[arg(long, value_parser = projection_parser())]
     projection: Option<ProjectionKind>,
 
-    /// Where the picture is taken from, in world units
+    /// The side that the picture is taken from; left and right of a body are its own [default: before it, a
+    /// little to the side and above, or as the scene file says]
+    #[arg(long, value_parser = viewpoint_parser(), conflicts_with = "eye")]
+    view: Option<Viewpoint>,
+
+    /// Degrees by which the camera goes to its own right, around what it looks at
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true)]
+    azimuth: f64,
+
+    /// Degrees by which it rises
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true)]
+    elevation: f64,
+
+    /// Degrees by which the picture turns counter-clockwise
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true)]
+    roll: f64,
+
+    /// What fills the picture: what is visible, or all of the volume [default: visible, where the camera is
+    /// found]
+    #[arg(long, value_parser = fit_parser(), conflicts_with = "eye")]
+    fit: Option<Fit>,
+
+    /// By how much all is magnified
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
+    zoom: f64,
+
+    /// Parts of its width and height by which the picture moves to the right and upwards
+    #[arg(
+        long, value_name = "X,Y", value_parser = values::pair, default_value = "0,0",
+        hide_default_value = true, allow_hyphen_values = true
+    )]
+    pan: values::Pair,
+
+    /// The point of the world in the middle of the picture; the camera looks in the same direction as before
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    look_at: Option<DVec3>,
+
+    /// Where the picture is taken from, in world units; needs --target or --look-at
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     eye: Option<DVec3>,
 
@@ -32,7 +69,7 @@ pub(super) struct CameraFlags {
     view_height: Option<f64>,
 
     /// Perspective: degrees from the lower to the upper edge
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "fov", value_name = "DEGREES", allow_hyphen_values = true)]
     fov_y: Option<f64>,
 
     /// Pixels in a row
@@ -53,9 +90,17 @@ pub(super) struct CameraFlags {
 impl CameraFlags {
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
         let camera = &mut file.camera;
+        let is_aimed = self.target.or(self.look_at).or(camera.target).or(camera.eye).is_some();
+        if self.eye.is_some() && !is_aimed {
+            bail!(
+                "--eye says where the picture is taken from, but not what it shows: add --target X,Y,Z, or \
+                 leave it out and name a side by --view"
+            );
+        }
         camera.projection = self.projection.or(camera.projection);
         camera.eye = self.eye.or(camera.eye);
-        camera.target = self.target.or(camera.target);
+        let target = self.target.or(self.look_at.filter(|_| self.eye.is_some()));
+        camera.target = target.or(camera.target);
         camera.up = self.up.or(camera.up);
         camera.view_height = self.view_height.or(camera.view_height);
         camera.fov_y = self.fov_y.or(camera.fov_y);
@@ -63,9 +108,33 @@ impl CameraFlags {
         image.width = self.width.unwrap_or(image.width);
         image.height = self.height.unwrap_or(image.height);
         image.background = self.background.map_or(image.background, |Background(color)| color);
+        file.unsaid.background &= self.background.is_none();
         image.checked()?;
         Ok(())
     }
+
+    /// How the camera is aimed.
+    pub(super) fn aim(&self) -> Result<Aim> {
+        let values::Pair(pan) = self.pan;
+        let aim = Aim::default()
+            .viewpoint(self.view)
+            .azimuth_degrees(self.azimuth)
+            .elevation_degrees(self.elevation)
+            .roll_degrees(self.roll)
+            .fit(self.fit)
+            .zoom(self.zoom)
+            .pan(pan)
+            .look_at(self.look_at);
+        Ok(aim.checked()?)
+    }
+}
+
+fn viewpoint_parser() -> impl TypedValueParser<Value = Viewpoint> {
+    PossibleValuesParser::new(Viewpoint::NAMES).try_map(|name| name.parse::<Viewpoint>())
+}
+
+fn fit_parser() -> impl TypedValueParser<Value = Fit> {
+    PossibleValuesParser::new(Fit::NAMES).try_map(|name| name.parse::<Fit>())
 }
 
 fn projection_parser() -> impl TypedValueParser<Value = ProjectionKind> {

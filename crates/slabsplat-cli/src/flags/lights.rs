@@ -28,6 +28,7 @@ impl LightFlags {
         }
         Light::check_all(&self.lights)?;
         file.lights.clone_from(&self.lights);
+        file.unsaid.lights = false;
         Ok(())
     }
 }

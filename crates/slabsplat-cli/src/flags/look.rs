@@ -1,39 +1,40 @@
 //! Flags of `[classify]` and `[shading]`.
 
 use super::table::{TableFlags, flag_name};
-use super::values::{self, ColorPoints, OpacityPoints};
-use anyhow::{Context, Result, bail};
+use super::transfer::TransferFlags;
+use super::values::{self, OpacityPoints};
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use slabsplat::io::{self, SceneFile, TransferImageFile};
+use slabsplat::io::{LoadedVolume, SceneFile, TransferImageFile};
 use slabsplat::{
-    Isosurface, Layer, Mode, Phong, PiecewiseLinear, Shading, TransferBox, TransferFunction,
-    TransferFunction2d,
+    Isosurface, Mode, Phong, PiecewiseLinear, Shading, TransferBox, TransferFunction2d,
 };
-use std::path::PathBuf;
+
+/// Flags of functions of the value alone.
+const BY_VALUE: [&str; 9] = [
+    "opacity",
+    "color",
+    "preset",
+    "transfer_file",
+    "colormap",
+    "window",
+    "percentile",
+    "opacity_scale",
+    "unit_distance",
+];
 
 #[derive(Args)]
 #[command(next_help_heading = "Classification and shading")]
 pub(super) struct LookFlags {
-    /// Opacity per voxel step: points of a piecewise-linear function, as "80:0,255:0.9"
-    #[arg(
-        long, value_name = "VALUE:OPACITY,..", value_parser = values::opacity,
-        allow_hyphen_values = true
-    )]
-    opacity: Option<OpacityPoints>,
-
-    /// Colour: points of a piecewise-linear function, as "0:0,0,0;255:1,0.9,0.8"
-    #[arg(
-        long, value_name = "VALUE:R,G,B;..", value_parser = values::color,
-        allow_hyphen_values = true
-    )]
-    color: Option<ColorPoints>,
+    #[command(flatten)]
+    transfer: TransferFlags,
 
     /// A box of values and of how much values change in a voxel step there, opaque and white unless these
     /// follow, as "60,120,5,inf:0.4:1,0.8,0.6"; may be given several times
     #[arg(
         long = "transfer-box", value_name = "V0,V1,G0,G1[:OPACITY[:R,G,B]]",
         value_parser = values::transfer_box, allow_hyphen_values = true,
-        conflicts_with_all = ["opacity", "color", "preset", "transfer_file"]
+        conflicts_with_all = BY_VALUE
     )]
     transfer_boxes: Vec<TransferBox>,
 
@@ -41,7 +42,7 @@ pub(super) struct LookFlags {
     /// above
     #[arg(
         long, value_name = "FILE:V0,V1,G0,G1", value_parser = values::transfer_image,
-        conflicts_with_all = ["opacity", "color", "preset", "transfer_file", "transfer_boxes"]
+        conflicts_with = "transfer_boxes", conflicts_with_all = BY_VALUE
     )]
     transfer_image: Option<TransferImageFile>,
 
@@ -52,14 +53,6 @@ pub(super) struct LookFlags {
         allow_hyphen_values = true
     )]
     gradient_opacity: Option<OpacityPoints>,
-
-    /// A ready-made transfer function, as ct-bone
-    #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
-
-    /// A transfer function from a ParaView colour map (.json)
-    #[arg(long, value_name = "FILE", conflicts_with = "preset")]
-    transfer_file: Option<PathBuf>,
 
     /// A surface of one density, opaque and of the density's colour unless these follow, as
     /// "80:0.4:0.9,0.7,0.6"; may be given several times, and means --mode isosurfaces
@@ -84,20 +77,18 @@ enum Model {
 }
 
 impl LookFlags {
-    /// All but points of opacity or of colour alone: the others may have to be found from the volume.
+    /// Lays the flags over what a file says of how layers and meshes look.
     pub(super) fn lay_over(&self, file: &mut SceneFile) -> Result<()> {
-        let transfer = self.whole_transfer()?;
+        file.unsaid.shading &= self.shading.is_none() && self.phong.names().next().is_none();
         let transfer_2d = self.transfer_2d()?;
         let by_gradient = self.gradient_opacity.as_ref().map(|OpacityPoints(points)| {
             PiecewiseLinear::new("--gradient-opacity", points.clone())
         });
         let by_gradient = by_gradient.transpose()?;
         for layer in &mut file.layers {
-            layer.shading = self.shading_over(layer.shading)?;
-            if transfer_2d.is_some() || self.are_by_value() {
+            if transfer_2d.is_some() || self.transfer.are_by_value() {
                 layer.transfer_2d.clone_from(&transfer_2d);
             }
-            layer.transfer = transfer.clone().or_else(|| layer.transfer.take());
             if by_gradient.is_some() {
                 layer.gradient_opacity.clone_from(&by_gradient);
             }
@@ -105,10 +96,22 @@ impl LookFlags {
                 layer.isosurfaces.clone_from(&self.isosurfaces);
             }
         }
+        self.transfer.lay_over(&mut file.layers)?;
+        // A preset may bring its own light.
+        let usual = Shading::Phong(Phong::default());
+        file.unsaid.shading &= file.layers.iter().all(|layer| layer.shading == usual);
+        for layer in &mut file.layers {
+            layer.shading = self.shading_over(layer.shading)?;
+        }
         for mesh in &mut file.meshes {
             mesh.shading = self.shading_over(mesh.shading)?;
         }
         Ok(())
+    }
+
+    /// That flags do something to a volume.
+    pub(super) fn check_against(&self, loaded: &LoadedVolume) -> Result<()> {
+        self.transfer.check_against(loaded)
     }
 
     /// The mode that flags about looks mean.
@@ -116,10 +119,9 @@ impl LookFlags {
         (!self.isosurfaces.is_empty()).then_some(Mode::Isosurfaces)
     }
 
-    /// Whether flags say what is seen of values.
-    fn are_by_value(&self) -> bool {
-        let Self { opacity, color, preset, transfer_file, .. } = self;
-        opacity.is_some() || color.is_some() || preset.is_some() || transfer_file.is_some()
+    /// Whether a flag says what gradients do to opacity.
+    pub(super) fn says_gradients(&self) -> bool {
+        self.gradient_opacity.is_some()
     }
 
     fn transfer_2d(&self) -> Result<Option<TransferFunction2d>> {
@@ -128,42 +130,6 @@ impl LookFlags {
             Some(image) => Ok(Some(image.load()?)),
             None => Ok((!self.transfer_boxes.is_empty()).then(boxes)),
         }
-    }
-
-    /// The transfer function that flags say as a whole.
-    fn whole_transfer(&self) -> Result<Option<TransferFunction>> {
-        Ok(match (&self.opacity, &self.color, &self.preset, &self.transfer_file) {
-            (Some(OpacityPoints(opacity)), Some(ColorPoints(color)), ..) => {
-                Some(transfer(opacity.clone(), color.clone())?)
-            }
-            (_, _, Some(name), _) => Some(io::preset_transfer(name)?),
-            (_, _, _, Some(path)) => Some(io::read_color_map(path)?),
-            _ => None,
-        })
-    }
-
-    /// Points of opacity and of colour replace those of the scene, or of the automatic function.
-    pub(super) fn lay_points_over(&self, layers: &mut [Layer]) -> Result<()> {
-        if self.opacity.is_none() == self.color.is_none() {
-            return Ok(());
-        }
-        for layer in layers {
-            if self.color.is_some() && layer.colors.is_some() {
-                bail!(
-                    "--color does nothing where voxels have colours of their own: add --colors none"
-                );
-            }
-            let opacity = match &self.opacity {
-                Some(OpacityPoints(points)) => points.clone(),
-                None => layer.transfer.opacity_points().points().to_vec(),
-            };
-            let color = match &self.color {
-                Some(ColorPoints(points)) => points.clone(),
-                None => layer.transfer.color_points().points().to_vec(),
-            };
-            layer.transfer = transfer(opacity, color)?;
-        }
-        Ok(())
     }
 
     fn shading_over(&self, was: Shading) -> Result<Shading> {
@@ -182,11 +148,4 @@ impl LookFlags {
         let Some(name) = self.phong.names().next() else { return Ok(()) };
         bail!("--{} does nothing without shading: add --shading phong", flag_name(name))
     }
-}
-
-fn transfer(
-    opacity: Vec<(f64, [f64; 1])>,
-    color: Vec<(f64, [f64; 3])>,
-) -> Result<TransferFunction> {
-    TransferFunction::new(opacity, color).context("the transfer function cannot be used")
 }

@@ -12,9 +12,11 @@ mod raw;
 mod region;
 mod settings;
 mod table;
+mod transfer;
 pub(crate) mod values;
 
 pub(crate) use raw::RawFlags;
+pub(crate) use transfer::TransferFlags;
 
 use crate::input;
 use crate::progress::Progress;
@@ -69,13 +71,14 @@ impl SceneFlags {
     fn open(&self) -> Result<OpenScene> {
         let mut file = input::scene_file(&self.input)?;
         self.camera.lay_over(&mut file)?;
+        let aim = self.camera.aim()?;
         self.settings.lay_over(&mut file, self.look.mode())?;
         self.look.lay_over(&mut file)?;
         self.lights.lay_over(&mut file)?;
         self.labels.lay_over(&mut file)?;
         self.region.lay_over(&mut file)?;
+        let n_own = file.layers.len();
         self.in_scene(|| {
-            let n_own = file.layers.len();
             for path in &self.layers {
                 let other = input::scene_file(path)?;
                 file.layers.extend(other.layers);
@@ -83,19 +86,26 @@ impl SceneFlags {
             }
             file.meshes.extend(self.meshes.iter().map(MeshFile::new));
             let loaded = input::load(&mut file, &self.raw)?;
-            let mut opened = OpenScene::with_volumes(loaded, &file)?;
-            self.look.lay_points_over(&mut opened.scene.layers[..n_own])?;
+            loaded[..n_own].iter().try_for_each(|volume| self.look.check_against(volume))?;
+            let mut opened = OpenScene::unframed(loaded, &file)?;
+            opened.frame(&file, &aim)?;
             Ok(opened)
         })
     }
 
     /// Reads what is named, and makes it ready to be rendered.
     pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
-        let OpenScene { scene, backend, warnings } = self.open()?;
-        terminal::warn_all(&warnings);
+        let (renderer, opened) = self.open_with_renderer(progress)?;
+        Ok((renderer, opened.scene))
+    }
+
+    /// The same with what was found of the volumes.
+    pub(crate) fn open_with_renderer(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
+        let opened = self.open()?;
+        terminal::warn_all(&opened.warnings);
         progress.stage("starting the backend");
-        let renderer = self.in_scene(|| Ok(Renderer::open(&backend, terminal::warn)?))?;
-        Ok((renderer, scene))
+        let renderer = self.in_scene(|| Ok(Renderer::open(&opened.backend, terminal::warn)?))?;
+        Ok((renderer, opened))
     }
 
     /// Names the scene file in errors that only show when its values are used.
@@ -105,6 +115,11 @@ impl SceneFlags {
             return result.with_context(|| self.input.display().to_string());
         }
         result
+    }
+
+    /// Whether somebody may have said what gradients do to opacity.
+    pub(crate) fn says_gradients(&self) -> bool {
+        input::is_scene(&self.input) || self.look.says_gradients()
     }
 
     /// What is drawn, as it was named.

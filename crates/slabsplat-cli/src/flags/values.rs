@@ -18,6 +18,15 @@ pub(crate) fn vector(text: &str) -> Result<DVec3, String> {
     numbers(text).map(DVec3::from_array)
 }
 
+/// Two numbers, `X,Y`.
+pub(crate) fn pair(text: &str) -> Result<Pair, String> {
+    numbers(text).map(Pair)
+}
+
+/// Two numbers. A type of its own, because clap takes bare arrays for lists of flags.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pair(pub(crate) [f64; 2]);
+
 /// The least and the greatest corner of a box, `X0,Y0,Z0,X1,Y1,Z1`.
 pub(crate) fn ends(text: &str) -> Result<[DVec3; 2], String> {
     let [x0, y0, z0, x1, y1, z1] = numbers(text)?;
@@ -118,6 +127,17 @@ pub(crate) fn light(text: &str) -> Result<Light, String> {
     Ok(light.color(color))
 }
 
+/// Two numbers, `LO:HI`.
+pub(crate) fn range_ends(text: &str) -> Result<Ends, String> {
+    let (lo, hi) = text.split_once(':').ok_or("expected LO:HI")?;
+    Ok(Ends([number(lo)?, number(hi)?]))
+}
+
+/// The lower and the upper end of a range. A type of its own, because clap takes bare arrays for lists of
+/// flags.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ends(pub(crate) [f64; 2]);
+
 fn points<const N: usize>(text: &str, separators: &[char]) -> Result<Vec<(f64, [f64; N])>, String> {
     let point = |part: &str| {
         let (value, results) =
@@ -159,6 +179,7 @@ mod tests {
         assert_eq!(vector("-1, 2.5,3e1"), Ok(DVec3::new(-1.0, 2.5, 30.0)));
         assert_eq!(ends("0,0,0,1,2,3"), Ok([DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)]));
         assert_eq!(plane("0,2,0,-4"), Ok(Plane::new(DVec3::Y, -2.0).unwrap()));
+        assert_eq!(range_ends("-5: 2e3"), Ok(Ends([-5.0, 2000.0])));
         assert_eq!(dims("4,5,6"), Ok(Dims([4, 5, 6])));
         assert_eq!(background("0,0.5,1"), Ok(Background([0.0, 0.5, 1.0, 1.0])));
         assert_eq!(background("0,0.5,1,0"), Ok(Background([0.0, 0.5, 1.0, 0.0])));
@@ -193,6 +214,8 @@ mod tests {
             let error = error.unwrap_err();
             assert!(error.contains(expected), "{error} should contain {expected}");
         };
+        check(range_ends("5").map(drop), "expected LO:HI");
+        check(range_ends("5:x").map(drop), "\"x\" is not a number");
         check(vector("1,2").map(drop), "expected 3 numbers parted by commas, found 2");
         check(vector("1,x,3").map(drop), "\"x\" is not a number");
         check(dims("4,-5,6").map(drop), "\"-5\" is not a number of voxels");

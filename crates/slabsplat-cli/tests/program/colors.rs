@@ -86,6 +86,7 @@ fn colors_that_cannot_be_are_refused() {
         ("a.nrrd --opacity-from alpha", "a.nrrd: its colours have no alpha"),
         ("a.nrrd --channel 1 --colors own", "one channel has no colours of its own"),
         ("a.nrrd --color 0:1,0,0", "--color does nothing where voxels have colours"),
+        ("a.nrrd --colormap turbo", "--colormap does nothing where voxels have colours"),
         ("builtin:cube --colors own", "its voxels have no colours"),
     ] {
         let error = diagnostic(dir, &format!("render {args} {picture}"));

@@ -13,6 +13,7 @@ mod render;
 #[cfg(unix)]
 mod signals;
 mod stdin;
+mod transfer;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -4,7 +4,7 @@ use crate::{answer, json};
 use serde_json::json as value;
 
 /// The cube's level turn through 45 degrees, where the grid's slices change their axis.
-const TURN: &str = "--eye 0,0,100 --up 0,1,0 --view-height 34 --width 48 --height 48 \
+const TURN: &str = "--eye 0,0,100 --target 0,0,0 --up 0,1,0 --view-height 34 --width 48 --height 48 \
                     --from 42 --to 48 --step 1";
 
 #[test]

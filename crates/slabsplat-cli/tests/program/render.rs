@@ -3,6 +3,9 @@
 use crate::{answer, diagnostic, names_in, slabsplat, text};
 use std::path::Path;
 
+/// What a scene file has that says nothing of it; for a volume alone it is found.
+const DEFAULTS: &str = "--background 0,0,0,0 --light headlight --shading phong";
+
 const SMALL: &str = "--width 24 --height 16";
 
 fn bytes_of(directory: &Path, args: &str) -> Vec<u8> {
@@ -33,6 +36,8 @@ fn render_tells_what_it_did() {
     let args = format!("render builtin:cube {SMALL} --backend cpu -o cube.png");
     let output = slabsplat(dir.path(), &args);
     let line = text(&output.stderr);
+    let (found, line) = line.split_once('\n').unwrap();
+    assert_eq!(found, "shown as labels: 1 of them, each in its own colour");
     assert!(line.starts_with("cube.png: 24 x 16 pixels, 4096 voxels drawn, "), "{line}");
     assert!(line.ends_with(" ms\n") && line.lines().count() == 1, "{line}");
     assert!(output.stdout.is_empty());
@@ -45,6 +50,7 @@ fn render_stats_of_the_cpu() {
     let output = slabsplat(dir.path(), &args);
     let stderr = text(&output.stderr);
     assert!(output.status.success() && output.stdout.is_empty(), "{stderr}");
+    let (_, stderr) = stderr.split_once('\n').unwrap();
     let (picture, stats) = stderr.split_once('\n').unwrap();
     assert!(picture.starts_with("cube.png: 24 x 16 pixels"), "{stderr}");
     let value = |key: &str| {
@@ -105,6 +111,7 @@ model = "phong"
 ambient = 0.2
 [camera]
 eye = [50.0, -30.0, 20.0]
+target = [0.0, 0.0, 0.0]
 up = [0.0, 0.0, 1.0]
 view_height = 30.0
 [image]
@@ -126,8 +133,8 @@ fn render_flags_mean_what_keys_mean() {
     let by_flags = bytes_of(
         dir.path(),
         "builtin:cube --opacity 0:0,255:0.5 --color 0:1,0.5,0.25 --shading phong --ambient 0.2 \
-         --eye 50,-30,20 --up 0,0,1 --view-height 30 --width 24 --height 16 --background 0,0,0.5 \
-         --method axis-aligned --slab-width 0.5 --mode separate --backend cpu -o flags.exr",
+         --eye 50,-30,20 --target 0,0,0 --up 0,0,1 --view-height 30 --width 24 --height 16 --background 0,0,0.5 \
+         --light headlight --method axis-aligned --slab-width 0.5 --mode separate --backend cpu -o flags.exr",
     );
     assert!(by_keys == by_flags, "keys and flags differ");
 }
@@ -218,8 +225,8 @@ fn render_of_nothing_says_so() {
 #[test]
 fn render_cuts_by_flags_as_by_keys() {
     let dir = tempfile::tempdir().unwrap();
-    let whole =
-        bytes_of(dir.path(), "builtin:cube:8 --width 24 --height 24 --backend cpu -o whole.exr");
+    let whole = format!("builtin:cube:8 --width 24 --height 24 --backend cpu {DEFAULTS}");
+    let whole = bytes_of(dir.path(), &format!("{whole} -o whole.exr"));
     let mut pictures = vec![whole];
     for (name, flags, keys) in [
         ("crop", "--crop -9,-9,-9,0,9,9", "box = [[-9, -9, -9], [0, 9, 9]]"),
@@ -234,7 +241,7 @@ fn render_cuts_by_flags_as_by_keys() {
             "planes = [[0, 0, 1, 1], [0, -1, 0, 1]]\ninvert = true",
         ),
     ] {
-        let rest = "--width 24 --height 24 --backend cpu";
+        let rest = format!("--width 24 --height 24 --backend cpu {DEFAULTS}");
         let by_flags =
             bytes_of(dir.path(), &format!("builtin:cube:8 {flags} {rest} -o {name}-flags.exr"));
         let scene = format!("[volume]\ngenerate = \"cube\"\nsize = 8\n[region]\n{keys}\n");
@@ -249,7 +256,7 @@ fn render_cuts_by_flags_as_by_keys() {
 #[test]
 fn render_several_layers() {
     let dir = tempfile::tempdir().unwrap();
-    let flags = "--width 24 --height 24 --backend cpu";
+    let flags = format!("--width 24 --height 24 --backend cpu {DEFAULTS}");
     let layer =
         |name: &str| format!("[[layers]]\n[layers.volume]\ngenerate = \"{name}\"\nsize = 9\n");
     let both = layer("cube") + &layer("sphere");
@@ -276,7 +283,7 @@ fn render_labels_by_flags_as_by_keys() {
     labels.extend(1..=27);
     write("labels.nrrd", &labels);
     write("table.txt", b"25 a 255 0 0 0\n26 b 0 255 0 0\n");
-    let rest = "--width 24 --height 24 --backend cpu";
+    let rest = format!("--width 24 --height 24 --backend cpu {DEFAULTS}");
     let scene = |keys: &str| {
         let volume = "[volume]\ngenerate = \"cube\"\nsize = 9\n";
         write("a.toml", format!("{volume}[labels]\npath = \"labels.nrrd\"\n{keys}").as_bytes());
@@ -354,4 +361,46 @@ fn render_mesh_beside_a_volume_and_alone() {
     // The camera finds it.
     let output = slabsplat(dir.path(), "render a.obj --width 8 --height 8 -o found.png");
     assert!(!text(&output.stderr).contains("nothing is visible"), "{}", text(&output.stderr));
+}
+
+/// A side turns the picture, and fills it again; turns alone of a scene file keep its size.
+#[test]
+fn render_cameras_that_people_say() {
+    let dir = tempfile::tempdir().unwrap();
+    let rest = "--width 24 --height 24 --backend cpu";
+    let of =
+        |flags: &str| bytes_of(dir.path(), &format!("builtin:neuron:12 {flags} {rest} -o a.exr"));
+    let mut pictures = vec![of("")];
+    for flags in [
+        "--view front",
+        "--view back",
+        "--view left",
+        "--view right",
+        "--view top",
+        "--view bottom",
+        "--view iso",
+        "--azimuth 20",
+        "--elevation -20",
+        "--roll 30",
+        "--zoom 1.5",
+        "--pan 0.1,-0.1",
+        "--look-at 1,2,3",
+        "--fit volume",
+        "--fov 40",
+        "--fov 40 --view left",
+        "--eye 50,0,0 --target 0,0,0",
+        "--eye 50,0,0 --look-at 0,0,2",
+    ] {
+        let picture = of(flags);
+        assert!(!pictures.contains(&picture), "{flags} is another picture");
+        pictures.push(picture);
+    }
+    assert!(of("--view front --azimuth 90") == of("--view right"), "a quarter to the right");
+    assert!(of("--fov 40") == of("--fov-y 40"), "two names of one flag");
+    assert!(of("--fit visible") == pictures[0], "which is the default");
+    std::fs::write(dir.path().join("a.toml"), SCENE).unwrap();
+    let of_file = |flags: &str| bytes_of(dir.path(), &format!("a.toml {flags} -o b.exr"));
+    assert!(of_file("--azimuth 360 --zoom 1") != of_file("--azimuth 180"));
+    let close = of_file("--zoom 2");
+    assert!(close == of_file("--view-height 15"), "half of the scene's height");
 }

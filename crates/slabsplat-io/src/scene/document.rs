@@ -78,7 +78,15 @@ pub(super) struct ClassifySection {
     pub(super) opacity: Option<Vec<[f64; 2]>>,
     pub(super) color: Option<Vec<[f64; 4]>>,
     pub(super) preset: Option<String>,
+    /// Of ParaView or 3D Slicer.
     pub(super) file: Option<PathBuf>,
+    /// Instead of other colours.
+    pub(super) colormap: Option<String>,
+    /// What a preset, a file or a colour map is stretched to; or percentiles.
+    pub(super) window: Option<[f64; 2]>,
+    pub(super) percentile: Option<[f64; 2]>,
+    pub(super) opacity_scale: Option<f64>,
+    pub(super) unit_distance: Option<f64>,
     pub(super) boxes: Option<Vec<BoxSection>>,
     pub(super) image: Option<TransferImageSection>,
     /// What opacity is multiplied with, by the length of the gradient.

@@ -4,15 +4,17 @@
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
-use super::document::{ClassifySection, Document, LayerSection, TransferImageSection};
+use super::document::{Document, LayerSection, TransferImageSection};
 use super::sections::{checked_image, into_lights};
 use super::settings_section::SettingsSection;
-use super::{LayerFile, SceneFile, TransferImageFile};
+use super::{LayerFile, SceneFile, TransferImageFile, Unsaid};
 
 /// What other files say of how a layer looks.
 #[derive(Default)]
 pub(super) struct LookFiles {
-    pub(super) color_map: Option<PathBuf>,
+    /// A transfer function, whose light counts unless the layer has some of its own.
+    pub(super) transfer: Option<PathBuf>,
+    pub(super) has_shading: bool,
     pub(super) transfer_image: Option<TransferImageFile>,
 }
 
@@ -46,7 +48,9 @@ impl Document {
         let (settings, backend) = self.render.into_settings()?;
         let (camera, image) = (self.camera.into_desc()?, checked_image(self.image)?);
         let lights = into_lights(self.lights)?;
-        Ok((SceneFile { layers, meshes, camera, lights, image, settings, backend }, look_files))
+        let unsaid = Unsaid::default();
+        let scene = SceneFile { layers, meshes, camera, lights, image, settings, backend, unsaid };
+        Ok((scene, look_files))
     }
 
     /// The layers, of which there is at least one.
@@ -95,7 +99,8 @@ impl LayerSection {
             gradients: section.gradients,
         };
         LookFiles {
-            color_map: classify.file.as_ref().map(|file| folder.join(file)),
+            transfer: classify.file.as_ref().map(|file| folder.join(file)),
+            has_shading: self.shading.is_some(),
             transfer_image: classify.image.as_ref().map(image),
         }
     }
@@ -107,24 +112,19 @@ impl LayerSection {
                 "the scene has no [volume] and no [mesh]: add one with path, or generate a volume";
             Diagnostic::at("volume", "", what)
         })?;
-        classify.as_ref().map_or(Ok(()), ClassifySection::check_ways)?;
-        let transfer_2d = classify.as_ref().map(ClassifySection::to_transfer_2d);
-        let by_gradient = classify.as_ref().map(ClassifySection::checked_gradient_opacity);
-        let isosurfaces = classify.iter().flat_map(|section| &section.isosurfaces);
-        let isosurfaces = isosurfaces.copied().collect();
-        let transfer = classify.map(ClassifySection::into_transfer).transpose()?;
-        Ok(LayerFile {
+        let has_shading = shading.is_some();
+        let mut layer = LayerFile {
             name,
             spacing: volume.checked_spacing()?,
             options: volume.options()?,
-            volume: volume.into_source(folder)?,
-            transfer: transfer.flatten(),
-            transfer_2d: transfer_2d.transpose()?.flatten(),
-            gradient_opacity: by_gradient.transpose()?.flatten(),
             labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
-            isosurfaces,
             shading: shading.unwrap_or_else(SettingsSection::default).into_shading()?,
             region: region.unwrap_or_default().into_desc()?,
-        })
+            ..LayerFile::of_volume(volume.into_source(folder)?)
+        };
+        if let Some(classify) = classify {
+            classify.lay_on(&mut layer, has_shading)?;
+        }
+        Ok(layer)
     }
 }

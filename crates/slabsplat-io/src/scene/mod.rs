@@ -1,12 +1,13 @@
 //! Scene files ([`scene_keys`](crate::scene_keys)): everything that decides a pixel, as TOML.
 //!
 //! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells
-//! it), `layers` and `sections` (what that means), `camera`, `labels` and `label_table`, `region`,
-//! `preset`, `color_map` and `transfer_image` (transfer functions from elsewhere), `diagnostic` (what a file
-//! does wrong, and in which line).
+//! it), `layers` and `sections` (what that means), `classify` (which values are
+//! visible), `camera`, `labels` and `label_table`, `region`, `transfer_image` (a transfer function from a
+//! picture), `diagnostic` (what a file does wrong, and in which line).
 
 mod document;
 
+mod classify;
 mod layers;
 mod sections;
 mod settings_section;
@@ -16,9 +17,7 @@ mod label_table;
 mod labels;
 mod region;
 
-mod color_map;
 mod mesh;
-mod preset;
 mod transfer_image;
 
 mod diagnostic;
@@ -31,15 +30,15 @@ use slabsplat_core::{
 };
 
 pub use camera::CameraDesc;
-pub use color_map::read_color_map;
 pub use labels::{LabelColors, LabelsFile};
 pub use mesh::MeshFile;
-pub use preset::{PRESET_NAMES, preset_transfer};
 pub use region::RegionDesc;
 pub use transfer_image::TransferImageFile;
 
+use crate::transfer::{FitError, TransferFit, TransferSource};
 use crate::{
-    IoError, LoadedVolume, VolumeFormat, VolumeOptions, builtin_volume, read_volume_with, text,
+    IoError, LoadedVolume, VolumeFormat, VolumeOptions, builtin_volume, read_transfer,
+    read_volume_with, text,
 };
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
@@ -64,6 +63,25 @@ pub struct SceneFile {
     pub settings: RenderSettings,
     /// The name of the backend that makes it; it is not checked here.
     pub backend: String,
+    /// What else is to be found from the volumes.
+    pub unsaid: Unsaid,
+}
+
+/// What a scene leaves open, beside transfer functions and the camera's parts. A file leaves none of it open:
+/// what it does not say has a default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unsaid {
+    /// What shines: the scene's lights do not count.
+    pub lights: bool,
+    /// What is behind it all: the image's background does not count.
+    pub background: bool,
+    /// What light does to layers and meshes: their shading does not count.
+    pub shading: bool,
+}
+
+impl Unsaid {
+    /// All of it is left open.
+    pub const ALL: Self = Self { lights: true, background: true, shading: true };
 }
 
 /// What a scene file says of a layer.
@@ -80,6 +98,8 @@ pub struct LayerFile {
     pub spacing: Option<[f64; 3]>,
     /// Which values are visible, and in which colour.
     pub transfer: Option<TransferFunction>,
+    /// How that becomes what its volume is shown with.
+    pub fit: TransferFit,
     /// What decides instead, by values and gradients together.
     pub transfer_2d: Option<TransferFunction2d>,
     /// What opacities are multiplied with, by the length of the gradient per voxel step.
@@ -139,10 +159,13 @@ pub fn parse_scene(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoEr
         toml::from_str(text).map_err(|error| in_file(from_toml(&error, text)))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut scene, look_files) = document.into_scene(folder).map_err(in_file)?;
-    for (layer, LookFiles { color_map, transfer_image }) in scene.layers.iter_mut().zip(look_files)
-    {
-        if let Some(color_map) = color_map {
-            layer.transfer = Some(read_color_map(&color_map)?);
+    for (idx, files) in look_files.into_iter().enumerate() {
+        let LookFiles { transfer, has_shading, transfer_image } = files;
+        let layer = &mut scene.layers[idx];
+        if let Some(path) = transfer {
+            layer.begin_with(read_transfer(&path)?, has_shading);
+            let wrong = |error: FitError| Diagnostic::at("classify", "", error.to_string());
+            layer.check_fit().map_err(|error| in_file(wrong(error)))?;
         }
         if let Some(image) = transfer_image {
             layer.transfer_2d = Some(image.load()?);
@@ -171,6 +194,7 @@ impl SceneFile {
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
             backend: "auto".to_owned(),
+            unsaid: Unsaid::ALL,
         }
     }
 }
@@ -184,6 +208,7 @@ impl LayerFile {
             options: VolumeOptions::default(),
             spacing: None,
             transfer: None,
+            fit: TransferFit::default(),
             transfer_2d: None,
             gradient_opacity: None,
             labels: None,
@@ -191,6 +216,29 @@ impl LayerFile {
             shading: Shading::Phong(Phong::default()),
             region: RegionDesc::default(),
         }
+    }
+
+    /// The transfer function of a source; of the light that the source has, if there `has_shading` nothing is
+    /// said of it already. What else is said of how a transfer function fits stays.
+    pub fn begin_with(&mut self, source: TransferSource, has_shading: bool) {
+        if let Some(shading) = source.shading.filter(|_| !has_shading) {
+            self.shading = shading;
+        }
+        let (transfer, fit) = TransferFit::of_source(source);
+        let TransferFit { stretch, colormap, opacity, color, opacity_scale, unit_distance, .. } =
+            std::mem::take(&mut self.fit);
+        self.transfer = Some(transfer);
+        let unit_distance = unit_distance.or(fit.unit_distance);
+        self.fit =
+            TransferFit { stretch, colormap, opacity, color, opacity_scale, unit_distance, ..fit };
+    }
+
+    /// That its transfer function can be fitted to a volume.
+    ///
+    /// # Errors
+    /// If a number of how it fits cannot be, or a window has nothing to move.
+    pub fn check_fit(&self) -> Result<(), FitError> {
+        self.fit.check(self.transfer.is_some())
     }
 
     /// Whether its volume is that of the other layer, so that one may serve both.

@@ -5,18 +5,13 @@ use std::path::Path;
 use std::str::FromStr;
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{
-    ImageDesc, LabelStyle, Light, Phong, PiecewiseLinear, Plane, Region, RenderSettings, Shading,
-    Transfer2dError, TransferBox, TransferFunction, TransferFunction2d,
-};
+use slabsplat_core::{ImageDesc, LabelStyle, Light, Phong, Plane, Region, RenderSettings, Shading};
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    BoxSection, CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RegionSection,
-    VolumeSection,
+    CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RegionSection, VolumeSection,
 };
-use super::preset::preset_transfer;
 use super::settings_section::SettingsSection;
 use super::{LabelColors, LabelsFile, RegionDesc, VolumeSource};
 use crate::VolumeOptions;
@@ -64,96 +59,6 @@ fn word<T: FromStr<Err = String>>(
     parsed.map_err(|what: String| Diagnostic::at("volume", key, format!("{key}: {what}")))
 }
 
-impl ClassifySection {
-    /// `None` if the section has none, or it is in a file.
-    pub(super) fn into_transfer(self) -> Result<Option<TransferFunction>, Diagnostic> {
-        let Self { opacity, color, preset, .. } = self;
-        if opacity.is_none() && color.is_none() && preset.is_none() {
-            return Ok(None);
-        }
-        if let Some(name) = preset {
-            let transfer = preset_transfer(&name);
-            return transfer
-                .map(Some)
-                .map_err(|error| Diagnostic::at("classify", "preset", error.to_string()));
-        }
-        let opacity = opacity
-            .ok_or_else(|| Diagnostic::at("classify", "color", "color needs opacity beside it"))?;
-        let color = color.unwrap_or_else(|| vec![[0.0, 1.0, 1.0, 1.0]]);
-        transfer(&opacity, &color).map(Some)
-    }
-}
-
-impl ClassifySection {
-    /// That there is no second one beside what says how values look.
-    pub(super) fn check_ways(&self) -> Result<(), Diagnostic> {
-        let ways = [
-            self.opacity.is_some() || self.color.is_some(),
-            self.preset.is_some(),
-            self.file.is_some(),
-            self.boxes.is_some(),
-            self.image.is_some(),
-        ];
-        if 1 < ways.into_iter().filter(|&is_there| is_there).count() {
-            let what = "[classify] takes one of: opacity (and color), preset, file, boxes, image";
-            return Err(Diagnostic::at("classify", "", what));
-        }
-        Ok(())
-    }
-
-    /// `None` if the section has none, or it is in a file.
-    pub(super) fn to_transfer_2d(&self) -> Result<Option<TransferFunction2d>, Diagnostic> {
-        let Some(boxes) = &self.boxes else { return Ok(None) };
-        let boxes = boxes.iter().map(BoxSection::to_box).collect::<Result<_, _>>();
-        boxes
-            .map(|boxes| Some(TransferFunction2d::Boxes(boxes)))
-            .map_err(|error| Diagnostic::at("classify", "boxes", error.to_string()))
-    }
-}
-
-impl BoxSection {
-    fn to_box(&self) -> Result<TransferBox, Transfer2dError> {
-        let Self { values, gradients, opacity, color, fade } = *self;
-        TransferBox::new(values, gradients.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]))?
-            .opacity(opacity.unwrap_or(1.0))?
-            .color(color.unwrap_or([1.0; 3]))?
-            .fade(fade.unwrap_or([0.0; 2]))
-    }
-}
-
-impl ClassifySection {
-    pub(super) fn checked_gradient_opacity(
-        &self,
-    ) -> Result<Option<PiecewiseLinear<1>>, Diagnostic> {
-        let Some(points) = &self.gradient_opacity else { return Ok(None) };
-        let points = points.iter().map(|&[gradient, factor]| (gradient, factor));
-        PiecewiseLinear::new("gradient_opacity", points)
-            .map(Some)
-            .map_err(|error| Diagnostic::at("classify", "gradient_opacity", error.to_string()))
-    }
-
-    /// What must be there, and not in a file.
-    fn into_points(self) -> Result<TransferFunction, Diagnostic> {
-        let is_by_gradient =
-            self.gradient_opacity.is_some() || self.boxes.is_some() || self.image.is_some();
-        if is_by_gradient || !self.isosurfaces.is_empty() {
-            let what = "boxes, image, gradient_opacity and isosurfaces are a layer's, and no label's: they go \
-                        into its [classify]";
-            return Err(Diagnostic::at("labels", "styles", what));
-        }
-        self.check_ways()?;
-        let what = "classify of a style needs opacity (and color), or preset";
-        self.into_transfer()?.ok_or_else(|| Diagnostic::at("labels", "styles", what))
-    }
-}
-
-fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction, Diagnostic> {
-    let opacity = opacity.iter().map(|&[value, alpha]| (value, alpha));
-    let color = color.iter().map(|&[value, r, g, b]| (value, [r, g, b]));
-    TransferFunction::new(opacity, color)
-        .map_err(|error| Diagnostic::at("classify", error.what(), error.to_string()))
-}
-
 impl LabelsSection {
     pub(super) fn into_file(self, folder: &Path) -> Result<LabelsFile, Diagnostic> {
         let Self { path, colors, only, styles: sections } = self;
@@ -161,7 +66,7 @@ impl LabelsSection {
         for section in sections {
             let LabelStyleSection { of, color, opacity, classify } = section;
             let style = LabelStyle {
-                transfer: classify.map(ClassifySection::into_points).transpose()?,
+                transfer: classify.map(ClassifySection::into_label_transfer).transpose()?,
                 color,
                 opacity: opacity.unwrap_or(1.0),
             };

@@ -11,7 +11,7 @@ use slabsplat_core::{
 };
 
 use super::*;
-use crate::{ColorUse, OpacitySource};
+use crate::{ColorUse, OpacitySource, Stretch, ValueScale, colormap, preset};
 
 /// Every key, and no value a default.
 const FULL: &str = r#"
@@ -203,8 +203,9 @@ fn scene_defaults() {
 
 #[test]
 fn scene_classify_by_preset_or_file() {
-    let preset = read_layer(&format!("{SMALL}[classify]\npreset = \"ct-bone\""));
-    assert_eq!(preset.transfer, Some(preset_transfer("ct-bone").unwrap()));
+    let bone = read_layer(&format!("{SMALL}[classify]\npreset = \"ct-bone\""));
+    assert_eq!(bone.transfer, Some(preset("ct-bone").unwrap().source.transfer));
+    assert_eq!((bone.fit.scale, bone.fit.preset.as_deref()), (ValueScale::Values, Some("ct-bone")));
     let white = read_layer(&format!("{SMALL}[classify]\nopacity = [[0, 0.5]]"));
     assert_eq!(white.transfer.unwrap().color(3.0), [1.0; 3]);
 
@@ -217,6 +218,51 @@ fn scene_classify_by_preset_or_file() {
     fs::remove_file(dir.path().join("map.json")).unwrap();
     let err = read_scene(&path).unwrap_err().to_string();
     assert!(err.contains("map.json"), "{err}");
+}
+
+#[test]
+fn scene_classify_fits_a_volume() {
+    let fit = |keys: &str| read_layer(&format!("{SMALL}[classify]\n{keys}")).fit;
+    let keys = "colormap = \"viridis\"\nwindow = [-5, 10]\nopacity_scale = 0.5\nunit_distance = 2";
+    let full = fit(keys);
+    assert_eq!(full.colormap, colormap("viridis").ok());
+    assert_eq!(full.stretch, Some(Stretch::Window([-5.0, 10.0])));
+    assert_eq!((full.opacity_scale, full.unit_distance), (0.5, Some(2.0)));
+    let percentiles = fit("preset = \"mr-t1\"\npercentile = [1, 99.5]");
+    assert_eq!(percentiles.stretch, Some(Stretch::Percentiles([1.0, 99.5])));
+    assert_eq!(percentiles.scale, ValueScale::Object { percentile: 99.0 });
+    // Light of a preset counts where the scene has none of its own.
+    let shading =
+        |rest: &str| read_layer(&format!("{SMALL}[classify]\npreset = \"xray\"\n{rest}")).shading;
+    assert_eq!(shading(""), Shading::None);
+    assert_eq!(shading("[shading]\nambient = 0.1"), Shading::Phong(Phong::default()));
+}
+
+/// Typical mistakes about transfer functions, and the lines that they are in.
+#[test]
+fn scene_classify_says_what_does_not_fit() {
+    let check = |keys: &str, expected: &str| {
+        let error = read(&format!("{SMALL}[classify]\n{keys}")).unwrap_err();
+        assert!(error.contains(expected), "{error} should contain {expected}");
+    };
+    for (keys, expected) in [
+        ("colormap = \"jet\"", ":5: there is no colour map \"jet\": choose one of viridis"),
+        ("window = [5, 5]", ":5: a window goes from a value to a greater one, not from 5 to 5"),
+        ("percentile = [90, 10]", ":5: percentiles go from 0 to 100 and rise, not from 90 to 10"),
+        ("percentile = [0, 101]", ":5: percentiles go from 0 to 100"),
+        ("window = [0, 1]\npercentile = [1, 2]", ":6: window and percentile both"),
+        ("opacity = [[0, 1]]\nwindow = [0, 1]", ":6: a window or percentiles move presets"),
+        (
+            "opacity = [[0, 1]]\ncolor = [[0, 1, 1, 1]]\ncolormap = \"hot\"",
+            ":7: color and colormap",
+        ),
+        ("opacity_scale = -1", ":5: opacity is scaled by a number of at least 0, not by -1"),
+        ("unit_distance = 0", ":5: the unit distance of opacity is a positive length, not 0"),
+        ("boxes = []\nopacity_scale = 2", ":6: opacity_scale is for functions of the value alone"),
+        ("colourmap = \"hot\"", "did you mean \"colormap\"?"),
+    ] {
+        check(keys, expected);
+    }
 }
 
 #[test]
@@ -388,12 +434,12 @@ fn scene_of_labels() {
     let colors = of("colors = \"table.txt\"").colors;
     assert!(matches!(&colors, Some(LabelColors::Table(path)) if path.is_absolute()), "{colors:?}");
     let labels = of("only = [-1, 2]\n[[labels.styles]]\nof = [2, 3]\ncolor = [1, 0, 0.5]\n\
-                     [[labels.styles]]\nof = [4]\nopacity = 0.25\nclassify = { preset = \"gray\" }");
+                     [[labels.styles]]\nof = [4]\nopacity = 0.25\nclassify = { preset = \"ct-bone\" }");
     assert_eq!(labels.only, Some(vec![-1, 2]));
     use slabsplat_core::LabelStyle;
     let red = LabelStyle { color: Some([1.0, 0.0, 0.5]), ..LabelStyle::default() };
     let own = LabelStyle {
-        transfer: preset_transfer("gray").ok(),
+        transfer: preset("ct-bone").ok().map(|preset| preset.source.transfer),
         opacity: 0.25,
         ..LabelStyle::default()
     };

@@ -53,7 +53,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use slabsplat_core::glam::DMat3;
-use slabsplat_core::{Grid, GridError, Samples, Scaling, Volume, VolumeError};
+use slabsplat_core::{
+    Grid, GridError, Orientation, Provenance, Samples, Scaling, Volume, VolumeError,
+};
 
 pub use buffer::Endian;
 pub use choices::{Choice, Part, VolumeChoices, VolumeOptions};
@@ -76,6 +78,8 @@ pub struct LoadedVolume {
     pub volume: Arc<Volume>,
     /// What it was read from.
     pub format: VolumeFormat,
+    /// What the file says of where its values come from, and of how the volume stands.
+    pub provenance: Provenance,
     /// What the file left open or got wrong, and what was assumed; one line each.
     pub warnings: Vec<String>,
     /// What else there is in the file, and which part of it this is.
@@ -162,7 +166,19 @@ impl LoadedVolume {
 impl LoadedVolume {
     /// The only volume of a file.
     pub(crate) fn new(volume: Arc<Volume>, format: VolumeFormat, warnings: Vec<String>) -> Self {
-        Self { volume, format, warnings, choices: VolumeChoices::default(), colors: None }
+        let provenance = Provenance { modality: None, orientation: usual_orientation(format) };
+        let choices = VolumeChoices::default();
+        Self { volume, format, provenance, warnings, choices, colors: None }
+    }
+
+    /// A volume that comes from no file: a simulation's, say.
+    pub fn computed(volume: impl Into<Arc<Volume>>) -> Self {
+        Self::new(volume.into(), VolumeFormat::Builtin, Vec::new())
+    }
+
+    /// The same that stands otherwise than is usual in its format.
+    fn standing(self, orientation: Orientation) -> Self {
+        Self { provenance: Provenance { orientation, ..self.provenance }, ..self }
     }
 
     /// The same on another grid of as many voxels.
@@ -170,6 +186,25 @@ impl LoadedVolume {
         let volume = Arc::unwrap_or_clone(self.volume).with_grid(grid);
         let volume = volume.expect("the grid has as many voxels as before");
         Self { volume: volume.into(), ..self }
+    }
+}
+
+/// How volumes of a format stand, where the file does not say otherwise.
+fn usual_orientation(format: VolumeFormat) -> Orientation {
+    match format {
+        VolumeFormat::Dicom
+        | VolumeFormat::Analyze
+        | VolumeFormat::Nifti1
+        | VolumeFormat::Nifti2
+        | VolumeFormat::MetaImage => Orientation::Anatomical,
+        VolumeFormat::Images | VolumeFormat::Tiff | VolumeFormat::Zarr => Orientation::Pictures,
+        VolumeFormat::Nrrd
+        | VolumeFormat::Mrc
+        | VolumeFormat::Npy
+        | VolumeFormat::Vtk
+        | VolumeFormat::Hdf5
+        | VolumeFormat::Raw
+        | VolumeFormat::Builtin => Orientation::Unknown,
     }
 }
 

@@ -166,6 +166,10 @@ slab_width = 1.0
 sections = 128
 "#;
 
+/// A volume property of 3D Slicer.
+pub(crate) const VOLUME_PROPERTY: &str =
+    "1\n1\n0.9\n0.1\n0.3\n12\n6 -9 0 5 0 9 0.8\n4 0 0.5 100 1\n8 -9 0 0 0 9 1 0.9 0.8\n";
+
 /// A ParaView colour map.
 pub(crate) const COLOR_MAP: &str = r#"[{"Name": "x", "Points": [0, 0, 0.5, 0, 255, 1, 0.5, 0],
     "RGBPoints": [0, 0, 0, 0, 128, 1, 0.5, 0, 255, 1, 1, 1]}]"#;

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use slabsplat_fuzz::BETWEEN;
-use small_files::{BINARY_PLY, SCENE, SIDECAR, STL};
+use small_files::{BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, VOLUME_PROPERTY};
 use small_files::{arrays as small_arrays, gzip, metaimage, nifti1, nifti2, nrrd_header, ply};
 use small_files::{voxels, zlib};
 
@@ -34,7 +34,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> anyhow::Result<[(&'static str, Seeds); 15]> {
+fn all() -> anyhow::Result<[(&'static str, Seeds); 16]> {
     Ok([
         ("nrrd", nrrd()),
         ("nifti", nifti()),
@@ -51,6 +51,7 @@ fn all() -> anyhow::Result<[(&'static str, Seeds); 15]> {
         ("raw", raw()),
         ("scene", vec![SCENE.into(), include_bytes!("../../../../docs/example.toml").to_vec()]),
         ("mesh", mesh()),
+        ("transfer", vec![named(0, COLOR_MAP), named(1, VOLUME_PROPERTY)]),
     ])
 }
 
@@ -70,6 +71,11 @@ fn unpacked(gzip: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     flate2::read::GzDecoder::new(gzip).read_to_end(&mut bytes).expect("the tests read it, too");
     bytes
+}
+
+/// A text, after the number of its name.
+fn named(name_idx: u8, text: &str) -> Vec<u8> {
+    [&[name_idx], text.as_bytes()].concat()
 }
 
 /// Files of an input.

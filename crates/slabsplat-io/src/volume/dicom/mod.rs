@@ -28,7 +28,7 @@ mod ybr;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{Grid, SampleType, Scaling};
+use slabsplat_core::{Grid, Modality, Provenance, SampleType, Scaling};
 
 use super::choices::{Choice, Part, VolumeChoices};
 use super::colors::{Meaning, Values, Voxels};
@@ -36,7 +36,7 @@ use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat};
 use crate::IoError;
 use crate::store::Store;
-use frame::Frame;
+use frame::{About, Frame};
 use scan::{Scan, Series};
 use stack::Stack;
 
@@ -139,7 +139,20 @@ impl Found {
         };
         let channel = (!choices.is_color).then_some(choices.channel.chosen);
         let samples = pixels::read(input, &series, &stack, to_float, channel)?;
-        Voxels { grid, samples, scaling, choices }.load(input, VolumeFormat::Dicom, warnings)
+        let voxels = Voxels { grid, samples, scaling, choices };
+        let loaded = voxels.load(input, VolumeFormat::Dicom, warnings)?;
+        let provenance = Provenance { modality: modality(&series.about), ..loaded.provenance };
+        Ok(LoadedVolume { provenance, ..loaded })
+    }
+}
+
+/// By the defined terms of PS3.3 C.7.3.1.1.1.
+fn modality(about: &About) -> Option<Modality> {
+    match about.modality.trim() {
+        "CT" => Some(Modality::Ct),
+        "MR" => Some(Modality::Mr),
+        "SM" | "GM" => Some(Modality::Microscopy),
+        _ => None,
     }
 }
 

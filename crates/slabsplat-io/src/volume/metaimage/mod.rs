@@ -74,7 +74,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let files = files::find(input, &header, &sizes)?;
     let samples = data::read(input, &layout, &files, &mut warnings)?;
     let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
-    voxels.load(input, VolumeFormat::MetaImage, warnings)
+    let loaded = voxels.load(input, VolumeFormat::MetaImage, warnings)?;
+    Ok(loaded.standing(space::orientation(&header)))
 }
 
 /// Times along all axes after the third, and the values of each voxel.

@@ -1,5 +1,6 @@
 //! Where the voxels of a MetaImage are.
 
+use slabsplat_core::Orientation;
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 
 use super::header::Header;
@@ -28,6 +29,24 @@ pub(super) fn world_from_index(header: &Header, n_dims: usize) -> Result<DAffine
     let matrix = DMat3::from_cols(column(0), column(1), column(2));
     let origin = [0, 1, 2].map(|axis| offset.get(axis).copied().unwrap_or(0.0));
     Ok(DAffine3::from_mat3_translation(matrix, DVec3::from_array(origin) * ras_from_lps))
+}
+
+/// ITK writes a matrix, an offset and a spacing whether anybody has set them or not: where all three are
+/// those of a new image, the file says nothing of a body.
+pub(super) fn orientation(header: &Header) -> Orientation {
+    let differs = |key: &str, usual: &[f64]| {
+        let numbers = header.get(key).map(|text| text.split_whitespace().map(str::parse));
+        numbers.is_some_and(|mut numbers| !numbers.all(|n| n.is_ok_and(|n| usual.contains(&n))))
+    };
+    let matrix = header.get("transformmatrix");
+    let is_turned = matrix.is_some_and(|text| {
+        let numbers = text.split_whitespace().map(|number| number.parse().unwrap_or(f64::NAN));
+        !numbers.eq(identity(3))
+    });
+    let is_set = is_turned
+        || differs("offset", &[0.0])
+        || (matrix.is_some() && differs("elementspacing", &[1.0]));
+    if is_set { Orientation::Anatomical } else { Orientation::Unknown }
 }
 
 fn identity(n_dims: usize) -> Vec<f64> {

@@ -214,3 +214,21 @@ fn metaimage_channels_and_times_are_chosen() {
     let loaded = files.read_volume_with("a.mhd", &VolumeOptions::default().time(1)).unwrap();
     assert_eq!(loaded.volume.samples(), &Samples::I16(vec![3]));
 }
+
+/// What ITK writes of a new image says nothing; what somebody has set does.
+#[test]
+fn metaimage_stands_as_somebody_has_said() {
+    use slabsplat_core::Orientation::{Anatomical, Unknown};
+    let new = "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 0 0 0\n";
+    let cube = FIELDS.replace("1 2 3", "1 1 1");
+    for (fields, expected) in [
+        (FIELDS.to_owned(), Unknown),
+        (format!("{new}{cube}"), Unknown),
+        (format!("{new}{FIELDS}"), Anatomical),
+        (format!("{}{cube}", new.replace("0 0 0\n", "0 -7 0\n")), Anatomical),
+        (format!("{}{cube}", new.replace("1 0 0 0 1 0 0 0 1", "0 1 0 -1 0 0 0 0 1")), Anatomical),
+    ] {
+        let loaded = read(&[("a.mha", &attached(&fields, &BIG))]).unwrap();
+        assert_eq!(loaded.provenance.orientation, expected, "{fields}");
+    }
+}

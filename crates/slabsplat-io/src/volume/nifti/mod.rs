@@ -100,7 +100,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         warnings.push(format!("{} holds more data than were needed", shown_path(&image_path)));
     }
     let samples = buffer.finish(&mut warnings);
-    Voxels { grid, samples, scaling, choices }.load(input, header.format(), warnings)
+    let voxels = Voxels { grid, samples, scaling, choices };
+    let loaded = voxels.load(input, header.format(), warnings)?;
+    Ok(loaded.standing(orientation::orientation(&header)))
 }
 
 impl Header {

@@ -2,7 +2,7 @@
 //! (`qform`), or the spacing alone. NIfTI's world is RAS+, as ours is.
 
 use slabsplat_core::glam::{DAffine3, DMat3, DQuat, DVec3};
-use slabsplat_core::{Grid, GridError};
+use slabsplat_core::{Grid, GridError, Orientation};
 
 use super::header::{Header, Version};
 
@@ -41,6 +41,15 @@ pub(super) fn grid(
         return in_world(DAffine3::from_scale(spacing(header) * DVec3::new(-1.0, 1.0, 1.0)));
     }
     in_world(DAffine3::from_scale(spacing(header)))
+}
+
+/// Without a code the file gives lengths alone, of whatever it is.
+pub(super) fn orientation(header: &Header) -> Orientation {
+    let is_placed = 0 < header.sform_code || 0 < header.qform_code;
+    match is_placed || header.version == Version::Zero {
+        true => Orientation::Anatomical,
+        false => Orientation::Unknown,
+    }
 }
 
 /// By `xyzt_units`. Files that say none (0) count in millimetres, as all programs take them.

@@ -76,7 +76,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let files = files::find(input, &header, &axes.file_sizes)?;
     let samples = data::read(input, &layout, &files, &mut warnings)?;
     let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
-    voxels.load(input, VolumeFormat::Nrrd, warnings)
+    let loaded = voxels.load(input, VolumeFormat::Nrrd, warnings)?;
+    Ok(loaded.standing(space::orientation(&header)))
 }
 
 fn stored_type(header: &Header) -> Result<StoredType, IoError> {

@@ -1,6 +1,7 @@
 //! Where the voxels lie. World space is RAS+: an axis that points left or to the back changes sign,
 //! a space that does not say where the body is stays as it is (model §1).
 
+use slabsplat_core::Orientation;
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 
 use super::super::units::{millimetres, unknown};
@@ -189,6 +190,16 @@ fn origin(header: &Header, warnings: &mut Vec<String>) -> Result<DVec3, IoError>
         return Ok(DVec3::ZERO);
     }
     Ok(origin)
+}
+
+/// Whether the file's space is that of a body.
+pub(super) fn orientation(header: &Header) -> Orientation {
+    let space = header.get("space").map(str::to_lowercase).unwrap_or_default();
+    let name = space.strip_suffix("-time").unwrap_or(&space);
+    match anatomical_signs(name) {
+        Some(_) => Orientation::Anatomical,
+        None => Orientation::Unknown,
+    }
 }
 
 /// −1 for the axes of the file's space that run against the world's.

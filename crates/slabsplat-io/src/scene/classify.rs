@@ -1,0 +1,183 @@
+//! What `[classify]` means: which values are visible, and in which colour.
+
+use slabsplat_core::{
+    PiecewiseLinear, Transfer2dError, TransferBox, TransferFunction, TransferFunction2d,
+};
+
+use super::LayerFile;
+use super::diagnostic::Diagnostic;
+use super::document::{BoxSection, ClassifySection};
+use crate::transfer::{FitError, Stretch, colormap, preset};
+
+impl ClassifySection {
+    /// Lays the section on a layer that says nothing of it yet, but for what is in files. Light of a preset
+    /// is taken over unless the layer `has_shading` of its own.
+    pub(super) fn lay_on(
+        mut self,
+        layer: &mut LayerFile,
+        has_shading: bool,
+    ) -> Result<(), Diagnostic> {
+        self.check_ways()?;
+        self.check_fit_keys()?;
+        layer.isosurfaces = std::mem::take(&mut self.isosurfaces);
+        layer.transfer_2d = self.to_transfer_2d()?;
+        layer.gradient_opacity = self.checked_gradient_opacity()?;
+        self.lay_fit_on(layer)?;
+        if let Some(name) = &self.preset {
+            let preset = preset(name)
+                .map_err(|error| Diagnostic::at("classify", "preset", error.to_string()))?;
+            layer.begin_with(preset.source, has_shading);
+        }
+        let is_in_file = self.file.is_some();
+        if let Some(points) = self.into_points()? {
+            layer.transfer = Some(points);
+        }
+        // Of a file more is known once it is read.
+        if is_in_file {
+            return Ok(());
+        }
+        layer
+            .check_fit()
+            .map_err(|error| Diagnostic::at("classify", key_of(&error), error.to_string()))
+    }
+
+    fn lay_fit_on(&self, layer: &mut LayerFile) -> Result<(), Diagnostic> {
+        layer.fit.stretch =
+            self.window.map(Stretch::Window).or_else(|| self.percentile.map(Stretch::Percentiles));
+        if let Some(name) = &self.colormap {
+            let colors = colormap(name)
+                .map_err(|error| Diagnostic::at("classify", "colormap", error.to_string()))?;
+            layer.fit.colormap = Some(colors);
+        }
+        layer.fit.opacity_scale = self.opacity_scale.unwrap_or(1.0);
+        layer.fit.unit_distance = self.unit_distance;
+        Ok(())
+    }
+
+    /// The transfer function that its points are.
+    fn into_points(self) -> Result<Option<TransferFunction>, Diagnostic> {
+        let Self { opacity, color, .. } = self;
+        if opacity.is_none() && color.is_none() {
+            return Ok(None);
+        }
+        let opacity = opacity
+            .ok_or_else(|| Diagnostic::at("classify", "color", "color needs opacity beside it"))?;
+        let color = color.unwrap_or_else(|| vec![[0.0, 1.0, 1.0, 1.0]]);
+        transfer(&opacity, &color).map(Some)
+    }
+
+    /// What a label may have: points, or a preset for values that need no volume to be known.
+    pub(super) fn into_label_transfer(self) -> Result<TransferFunction, Diagnostic> {
+        let wrong = |what: &str| Diagnostic::at("labels", "styles", what);
+        let is_by_gradient =
+            self.gradient_opacity.is_some() || self.boxes.is_some() || self.image.is_some();
+        if is_by_gradient || !self.isosurfaces.is_empty() || self.fit_key().is_some() {
+            return Err(wrong(
+                "of [classify] a style takes opacity, color and preset: all else is a layer's, and no label's",
+            ));
+        }
+        self.check_ways()?;
+        let Some(name) = &self.preset else {
+            let needs = "classify of a style needs opacity (and color), or preset";
+            return self.into_points()?.ok_or_else(|| wrong(needs));
+        };
+        let source = preset(name).map_err(|error| wrong(&error.to_string()))?.source;
+        if source.scale.is_relative() {
+            return Err(wrong(&format!(
+                "the preset {name} depends on all of a volume's values, and a label has only some: take a ct-.. \
+                 preset, or opacity"
+            )));
+        }
+        Ok(source.transfer)
+    }
+
+    /// That there is no second one beside what says how values look.
+    fn check_ways(&self) -> Result<(), Diagnostic> {
+        let ways = [
+            self.opacity.is_some() || self.color.is_some(),
+            self.preset.is_some(),
+            self.file.is_some(),
+            self.boxes.is_some(),
+            self.image.is_some(),
+        ];
+        if 1 < ways.into_iter().filter(|&is_there| is_there).count() {
+            let what = "[classify] takes one of: opacity (and color), preset, file, boxes, image";
+            return Err(Diagnostic::at("classify", "", what));
+        }
+        Ok(())
+    }
+
+    /// The first key that fits a function of the value to a volume.
+    fn fit_key(&self) -> Option<&'static str> {
+        let keys = [
+            ("colormap", self.colormap.is_some()),
+            ("window", self.window.is_some()),
+            ("percentile", self.percentile.is_some()),
+            ("opacity_scale", self.opacity_scale.is_some()),
+            ("unit_distance", self.unit_distance.is_some()),
+        ];
+        keys.into_iter().find_map(|(key, is_there)| is_there.then_some(key))
+    }
+
+    fn check_fit_keys(&self) -> Result<(), Diagnostic> {
+        let wrong = |key: &'static str, what: &str| Err(Diagnostic::at("classify", key, what));
+        if self.color.is_some() && self.colormap.is_some() {
+            return wrong("colormap", "color and colormap both say the colours: leave one out");
+        }
+        if self.window.is_some() && self.percentile.is_some() {
+            return wrong("percentile", "window and percentile both say the values: leave one out");
+        }
+        match self.fit_key() {
+            Some(key) if self.boxes.is_some() || self.image.is_some() => wrong(
+                key,
+                &format!("{key} is for functions of the value alone, not for boxes or image"),
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// `None` if the section has none, or it is in a file.
+    fn to_transfer_2d(&self) -> Result<Option<TransferFunction2d>, Diagnostic> {
+        let Some(boxes) = &self.boxes else { return Ok(None) };
+        let boxes = boxes.iter().map(BoxSection::to_box).collect::<Result<_, _>>();
+        boxes
+            .map(|boxes| Some(TransferFunction2d::Boxes(boxes)))
+            .map_err(|error| Diagnostic::at("classify", "boxes", error.to_string()))
+    }
+
+    fn checked_gradient_opacity(&self) -> Result<Option<PiecewiseLinear<1>>, Diagnostic> {
+        let Some(points) = &self.gradient_opacity else { return Ok(None) };
+        let points = points.iter().map(|&[gradient, factor]| (gradient, factor));
+        PiecewiseLinear::new("gradient_opacity", points)
+            .map(Some)
+            .map_err(|error| Diagnostic::at("classify", "gradient_opacity", error.to_string()))
+    }
+}
+
+/// The key that an error is about.
+fn key_of(error: &FitError) -> &'static str {
+    match error {
+        FitError::Window(_) | FitError::PointsDoNotMove => "window",
+        FitError::Percentiles(_) | FitError::NothingBetween { .. } => "percentile",
+        FitError::OpacityScale(_) => "opacity_scale",
+        FitError::UnitDistance(_) => "unit_distance",
+        FitError::NoRoom(_) => "",
+    }
+}
+
+impl BoxSection {
+    fn to_box(&self) -> Result<TransferBox, Transfer2dError> {
+        let Self { values, gradients, opacity, color, fade } = *self;
+        TransferBox::new(values, gradients.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]))?
+            .opacity(opacity.unwrap_or(1.0))?
+            .color(color.unwrap_or([1.0; 3]))?
+            .fade(fade.unwrap_or([0.0; 2]))
+    }
+}
+
+fn transfer(opacity: &[[f64; 2]], color: &[[f64; 4]]) -> Result<TransferFunction, Diagnostic> {
+    let opacity = opacity.iter().map(|&[value, alpha]| (value, alpha));
+    let color = color.iter().map(|&[value, r, g, b]| (value, [r, g, b]));
+    TransferFunction::new(opacity, color)
+        .map_err(|error| Diagnostic::at("classify", error.what(), error.to_string()))
+}

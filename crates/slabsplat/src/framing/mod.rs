@@ -1,0 +1,168 @@
+//! Cameras for what is visible: from a side that people can name, filling the picture.
+//!
+//! Reading order: `facing` (where the front is), `visible` (what is there to be seen), `silhouette` (what of
+//! it is seen from a direction), `fit` (how near the camera goes), `aim` (what people wish beside).
+
+mod aim;
+mod facing;
+mod fit;
+mod silhouette;
+mod visible;
+
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Camera, CameraError, Fit, ImageDesc, Layer, MeshLayer, Mode, Projection, Viewpoint,
+};
+
+pub use aim::{Aim, AimError};
+pub use facing::Facing;
+use visible::Cells;
+
+/// Vertical field of view of a perspective camera that nobody described.
+pub(crate) const FOV_Y_RADIANS: f64 = 30.0 * std::f64::consts::PI / 180.0;
+
+/// What pictures of some layers and meshes are to hold, and which way it stands.
+#[derive(Clone, Debug)]
+pub struct Framing {
+    facing: Facing,
+    visible: Vec<Cells>,
+    whole: Vec<Cells>,
+}
+
+impl Framing {
+    /// Looks once at the voxels of all layers.
+    ///
+    /// Where nobody says which way up things are, the end at which more of them is cut off by the grid is
+    /// taken for the lower one, as of a head that ends at its neck.
+    pub fn new(layers: &[Layer], meshes: &[MeshLayer], mode: Mode, facing: Facing) -> Self {
+        let boxes: Vec<[DVec3; 2]> = meshes.iter().filter_map(MeshLayer::bounds).collect();
+        // Of a mesh without triangles nothing is seen from anywhere.
+        let nowhere = [[DVec3::ZERO, DVec3::ONE]];
+        let is_empty = layers.is_empty() && boxes.is_empty();
+        let boxes = if is_empty { &nowhere[..] } else { &boxes };
+        let of_boxes = || boxes.iter().map(|it| Cells::of_box(*it));
+        let visible: Vec<Cells> =
+            layers.iter().map(|layer| Cells::of_layer(layer, mode)).chain(of_boxes()).collect();
+        let facing = match layers {
+            [only] if facing.is_guessed() => stood_up(facing, only, &visible[0]),
+            _ => facing,
+        };
+        let whole = layers.iter().map(Cells::of_grid).chain(of_boxes()).collect();
+        Self { facing, visible, whole }
+    }
+
+    /// Which way it stands.
+    pub fn facing(&self) -> Facing {
+        self.facing
+    }
+
+    /// A camera from a side, or from before it and a little above, whose picture is filled.
+    ///
+    /// # Errors
+    /// If numbers do not suffice to tell where it is.
+    pub fn camera(
+        &self,
+        viewpoint: Option<Viewpoint>,
+        fit: Fit,
+        projection: Projection,
+        image: &ImageDesc,
+    ) -> Result<Camera, CameraError> {
+        let [to_eye, up] = viewpoint.map_or(self.facing.usual(), |it| self.facing.seen_from(it));
+        let towards = Camera::new(to_eye, DVec3::ZERO, up, projection)?;
+        self.refitted(&towards, fit, image)
+    }
+
+    /// The camera moved so that its picture is filled; it looks in the same direction.
+    ///
+    /// # Errors
+    /// If numbers do not suffice to tell where it is.
+    pub fn refitted(
+        &self,
+        camera: &Camera,
+        fit: Fit,
+        image: &ImageDesc,
+    ) -> Result<Camera, CameraError> {
+        let axes = camera.axes();
+        let axes = [axes.right, axes.up, axes.forward];
+        let of = |parts: &[Cells]| silhouette::seen(parts, axes);
+        let mut seen = match fit {
+            Fit::Visible => of(&self.visible),
+            Fit::Volume => Vec::new(),
+        };
+        if seen.is_empty() {
+            seen = of(&self.whole);
+        }
+        fit::fitting(&seen, axes, camera.up(), camera.projection(), image)
+    }
+
+    /// The camera aimed otherwise: turned, filled again where the aim or `refits` says so, magnified, moved.
+    ///
+    /// # Errors
+    /// If numbers do not suffice to tell where it is.
+    pub fn aimed(
+        &self,
+        camera: &Camera,
+        aim: &Aim,
+        refits: bool,
+        image: &ImageDesc,
+    ) -> Result<Camera, CameraError> {
+        let mut camera = *camera;
+        if let Some(viewpoint) = aim.viewpoint {
+            let [to_eye, up] = self.facing.seen_from(viewpoint);
+            let distance = camera.eye().distance(camera.target());
+            let eye = camera.target() + to_eye * distance;
+            camera = Camera::new(eye, camera.target(), up, camera.projection())?;
+        }
+        camera = aim.turned(&camera)?;
+        let is_turned = aim.viewpoint.is_some() || aim.turns();
+        let fit = aim.fit.or((refits && is_turned).then_some(Fit::Visible));
+        if let Some(fit) = fit {
+            camera = self.refitted(&camera, fit, image)?;
+        }
+        aim.moved(&camera, f64::from(image.width) / f64::from(image.height))
+    }
+}
+
+/// The projection of a camera that is all found.
+pub(crate) fn usual_projection(is_perspective: bool) -> Projection {
+    if is_perspective {
+        Projection::Perspective { fov_y_radians: FOV_Y_RADIANS }
+    } else {
+        Projection::Orthographic { view_height: 1.0 }
+    }
+}
+
+/// Turned upside down if more is cut off at its top than at its bottom.
+fn stood_up(facing: Facing, layer: &Layer, visible: &Cells) -> Facing {
+    let grid = layer.volume.grid();
+    let index_from_world = grid.index_from_world();
+    let last = grid.dims()[2] as f64 - 1.0;
+    // A layer of cells at either end of z.
+    let thickness = (0.04 * last).max(1.0);
+    let at_end = |is_upper: bool| {
+        silhouette::weights(&visible.cells, |middle| {
+            let z = index_from_world.transform_point3(middle).z;
+            if is_upper { last - thickness < z } else { z < thickness }
+        })
+    };
+    let steps = grid.world_from_index().matrix3.z_axis;
+    let [lower, upper] = match 0.0 < steps.dot(facing.top()) {
+        true => [at_end(false), at_end(true)],
+        false => [at_end(true), at_end(false)],
+    };
+    let are_both_cut = BOTH_CUT * lower.max(upper) < lower.min(upper);
+    let is_upside_down = match facing.is_head() && are_both_cut {
+        true => upper < lower,
+        false => TOP_HEAVY * lower < upper,
+    };
+    if is_upside_down { facing.upside_down() } else { facing }
+}
+
+/// How many times more must be cut off above than below.
+const TOP_HEAVY: f64 = 2.0;
+
+/// The least part of what is cut off at one end, of that at the other, from which on both count as cut.
+const BOTH_CUT: f64 = 0.05;
+
+#[cfg(test)]
+mod tests;

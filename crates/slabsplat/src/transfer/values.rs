@@ -1,0 +1,87 @@
+//! How many voxels of a volume have which values.
+
+use rayon::prelude::*;
+use slabsplat_core::{Sample, Scaling, Volume, with_samples};
+
+/// How many voxels have values in each of some bins of equal width. NaN and infinities are left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ValueCounts {
+    /// The least and the largest value that are counted.
+    pub range: [f64; 2],
+    /// How many voxels there are in each bin, from the least value on; what is on a border is in the upper
+    /// one.
+    pub counts: Vec<u64>,
+}
+
+/// Voxels that a thread counts at a time.
+pub(super) const CHUNK_LEN: usize = 1 << 16;
+
+impl ValueCounts {
+    /// Counts all finite values; `None` if there are none.
+    ///
+    /// # Panics
+    /// If there are to be no bins.
+    pub fn of(volume: &Volume, n_bins: usize) -> Option<Self> {
+        assert!(0 < n_bins, "usage: values are counted in one bin at least");
+        let bins = Bins { range: volume.summary().range?, n_bins };
+        Some(Self { range: bins.range, counts: bins.counts(volume) })
+    }
+}
+
+/// A range of values, cut into bins of equal width.
+#[derive(Clone, Copy)]
+pub(super) struct Bins {
+    pub(super) range: [f64; 2],
+    pub(super) n_bins: usize,
+}
+
+impl Bins {
+    /// The bin that a value is in; `None` outside of the range.
+    #[inline]
+    pub(super) fn bin_of(self, value: f64) -> Option<usize> {
+        let [lo, hi] = self.range;
+        // Halved, as the distance of two ends of the numbers is infinite.
+        let t = (0.5 * value - 0.5 * lo) / (0.5 * hi - 0.5 * lo);
+        // In a range of one value, 0 / 0 is in the first.
+        let bin = (t * self.n_bins as f64) as usize;
+        (lo <= value && value <= hi).then_some(bin.min(self.n_bins - 1))
+    }
+
+    /// How many values are in each.
+    pub(super) fn counts(self, volume: &Volume) -> Vec<u64> {
+        with_samples!(volume.samples(), |samples| self.counts_of(samples, volume.scaling()))
+    }
+
+    fn counts_of<T: Sample>(self, samples: &[T], scaling: Scaling) -> Vec<u64> {
+        let count = |mut counts: Vec<u64>, chunk: &[T]| {
+            let values = chunk.iter().map(|sample| scaling.apply(sample.to_f64()));
+            values.filter_map(|value| self.bin_of(value)).for_each(|bin| counts[bin] += 1);
+            counts
+        };
+        let sum = |mut a: Vec<u64>, b: Vec<u64>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            a
+        };
+        let nothing = || vec![0; self.n_bins];
+        samples.par_chunks(CHUNK_LEN).fold(nothing, count).reduce(nothing, sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::{Grid, Samples};
+
+    fn row(samples: Samples) -> Volume {
+        let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();
+        Volume::new(grid, samples, Scaling::IDENTITY).unwrap()
+    }
+
+    #[test]
+    fn values_are_counted() {
+        let volume = row(Samples::F32(vec![0.0, 0.5, 1.0, 4.0, f32::NAN, 2.0]));
+        let counted = ValueCounts::of(&volume, 4).unwrap();
+        assert_eq!((counted.range, counted.counts), ([0.0, 4.0], vec![2, 1, 1, 1]));
+        assert_eq!(ValueCounts::of(&row(Samples::F32(vec![f32::NAN])), 4), None);
+    }
+}
