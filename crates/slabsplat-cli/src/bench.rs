@@ -5,7 +5,7 @@
 
 use crate::flags::SceneFlags;
 use crate::progress::Progress;
-use crate::{columns, stats, terminal};
+use crate::{advice, columns, stats, terminal};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
@@ -61,7 +61,7 @@ fn time_frames(renderer: &mut Renderer, scene: &Scene, n_frames: u16) -> Result<
     let mut time_at = |degrees: f64| -> Result<(Frame, f64)> {
         let turned = scene.clone().camera(scene.camera.orbited(degrees.to_radians()));
         let started = Instant::now();
-        let frame = renderer.render(&turned)?;
+        let frame = advice::render(renderer, &turned)?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         progress.step();
         Ok((frame, ms))

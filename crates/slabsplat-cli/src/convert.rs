@@ -26,8 +26,11 @@ pub(crate) struct ConvertArgs {
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     // What would fail after the work must fail before it.
     VolumeOutput::of(&args.output)?;
-    if input::is_scene(&args.volume) {
-        bail!("{} is a scene: name the volume that it shows", args.volume.display());
+    if input::is_scene(&args.volume) || input::is_picture(&args.volume) {
+        bail!(
+            "{} is a scene, or a picture of one: name the volume that it shows",
+            args.volume.display()
+        );
     }
     let progress = Progress::start("reading", 0);
     let mut file = input::scene_file(&args.volume)?;

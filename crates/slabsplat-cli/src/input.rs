@@ -1,12 +1,15 @@
-//! What a command is to work on: a scene file, a volume file, standard input, a raw file, or a built-in
-//! volume.
+//! What a command is to work on: a scene file, a picture that says what it shows, a volume file, standard
+//! input, a raw file, or a built-in volume.
 
 use crate::flags::RawFlags;
-use crate::{progress, stdin};
+use crate::{progress, stdin, terminal};
 use anyhow::{Result, anyhow, bail};
+use slabsplat::OpenError;
 use slabsplat::io::{
-    self, IoError, LayerFile, LoadedVolume, MemoryNeed, RawDesc, SceneFile, VolumeSource,
+    self, IoError, LayerFile, LoadedVolume, MemoryNeed, PictureFormat, PictureScene, Provenance,
+    SceneFile, VolumeSource,
 };
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// The scene of `input`. That of a volume or a mesh is empty: all of it is found from what that holds.
@@ -16,6 +19,9 @@ pub(crate) fn scene_file(input: &Path) -> Result<SceneFile> {
     }
     if is_scene(input) {
         return Ok(io::read_scene(input)?);
+    }
+    if is_picture(input) {
+        return of_picture(input);
     }
     if io::is_mesh_name(input) {
         return Ok(SceneFile::of_mesh(input));
@@ -28,11 +34,35 @@ pub(crate) fn is_scene(input: &Path) -> bool {
     input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
+/// Whether `input` names a picture.
+pub(crate) fn is_picture(input: &Path) -> bool {
+    PictureFormat::of_name(input).is_some()
+}
+
+/// The scene that a picture shows.
+fn of_picture(input: &Path) -> Result<SceneFile> {
+    let Some(PictureScene { scene, program, .. }) = io::read_picture_scene(input)? else {
+        bail!(
+            "{} is a picture that does not say what it shows: slabsplat did not make it, or with \
+             --no-metadata",
+            input.display()
+        )
+    };
+    if let Some(program) = program.filter(|program| program != Provenance::PROGRAM) {
+        let path = input.display();
+        terminal::warn(&format!(
+            "{path} was made by {program}, and this is {}: pixels may differ",
+            Provenance::PROGRAM
+        ));
+    }
+    Ok(scene)
+}
+
 /// The volumes of `file`, the first of them as the flags describe it.
 pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
-    let mut desc = flags.desc()?;
+    let desc = flags.desc()?;
     let Some(first) = file.layers.first_mut() else {
-        if flags.spacing.is_some() || desc.is_some() || !flags.parts.are_silent() {
+        if !flags.are_silent() {
             bail!(
                 "there is no volume that --spacing, --dims, --channel and the like could describe"
             );
@@ -43,16 +73,38 @@ pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedV
         first.spacing = Some(spacing.to_array());
     }
     flags.parts.lay_over(&mut first.options);
+    if let (Some(_), VolumeSource::Builtin { name, .. }) = (&desc, &first.volume) {
+        bail!("{name} is built in, not a raw file: leave out --dims, --type and the like");
+    }
+    first.raw = desc.or(first.raw.take());
     // The same one for all, since layers of one volume and the same options share it.
     let reading = progress::reading();
     file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(reading.clone()));
     stdin::check(file)?;
     io::check_memory(MemoryNeed::of_layers(&file.layers))?;
-    LayerFile::load_volumes(&file.layers, |layer| match desc.take() {
-        desc if stdin::is_stdin(layer) => stdin::load(layer, desc.as_ref()).map_err(of_raw),
-        Some(desc) => load_raw(layer, &desc),
-        None => layer.load_volume().map_err(|error| of_raw(error.into())),
+    LayerFile::load_volumes(&file.layers, |layer| {
+        if stdin::is_stdin(layer) {
+            return stdin::load(layer, layer.raw.as_ref()).map_err(of_raw);
+        }
+        layer.load_volume().map_err(|error| of_raw(error.into()))
     })
+}
+
+/// What to do if a file is missing that a picture names.
+pub(crate) fn where_files_are(picture: &Path, error: anyhow::Error) -> anyhow::Error {
+    let is_missing = |error: &IoError| match error {
+        IoError::Read { path, source } => path != picture && source.kind() == ErrorKind::NotFound,
+        _ => false,
+    };
+    let of_opening = match error.downcast_ref::<OpenError>() {
+        Some(OpenError::Io(error)) => Some(error),
+        _ => error.downcast_ref(),
+    };
+    if of_opening.is_some_and(is_missing) {
+        let what = terminal::one_line(&error);
+        return anyhow!("{what}; pictures tell no folders: start slabsplat where the file is");
+    }
+    error
 }
 
 /// What to do if nothing knows the format.
@@ -62,16 +114,6 @@ fn of_raw(error: anyhow::Error) -> anyhow::Error {
             anyhow!("{error}; --dims and --type tell what a raw file holds")
         }
         _ => error,
-    }
-}
-
-fn load_raw(layer: &LayerFile, desc: &RawDesc) -> Result<LoadedVolume> {
-    let spacing = layer.spacing.unwrap_or(desc.spacing);
-    match &layer.volume {
-        VolumeSource::File(path) => Ok(io::read_raw(path, &RawDesc { spacing, ..*desc })?),
-        VolumeSource::Builtin { name, .. } => {
-            bail!("{name} is built in, not a raw file: leave out --dims, --type and the like")
-        }
     }
 }
 

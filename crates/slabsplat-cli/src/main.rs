@@ -5,10 +5,10 @@
 //!
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
-//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`info`],
-//! [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`scene`],
+//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
 //! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
-//! are written, and [`environment`] what drivers find.
+//! are written, [`advice`] what helps where a backend does not, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -22,8 +22,10 @@ mod plain;
 mod popping;
 mod presets;
 mod render;
+mod scene;
 mod tf;
 
+mod advice;
 mod columns;
 mod environment;
 mod mesh_info;
@@ -42,6 +44,9 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "slabsplat", version, arg_required_else_help = true)]
 struct Cli {
+    #[command(flatten)]
+    running: flags::RunningFlags,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -49,6 +54,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Scene(Box<scene::SceneArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
     Tf(Box<tf::TfArgs>),
@@ -62,10 +68,11 @@ enum Command {
 fn main() -> ExitCode {
     environment::complete();
     output::end_between_pictures();
-    match run(Cli::parse().command) {
+    let Cli { running, command } = Cli::parse();
+    match running.start().and_then(|()| run(command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            terminal::say(format_args!("error: {}", terminal::one_line(&error)));
+            terminal::report(format_args!("error: {}", terminal::one_line(&error)));
             ExitCode::FAILURE
         }
     }
@@ -74,6 +81,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Scene(args) => scene::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Tf(args) => tf::run(&args),

@@ -1,5 +1,6 @@
 //! The popping meter's readings for several methods: measured with a progress bar, printed as a table.
 
+use crate::advice;
 use crate::progress::Progress;
 use anyhow::Result;
 use slabsplat::{Method, PoppingReport, Renderer, Scene, Sweep, measure_popping};
@@ -13,8 +14,10 @@ pub(crate) fn measure(
     sweep: Sweep,
 ) -> Result<Vec<PoppingReport>> {
     let progress = Progress::start("measuring", methods.len() * sweep.n_frames());
-    let measure_one =
-        |&method| Ok(measure_popping(renderer, scene, method, sweep, || progress.step())?);
+    let measure_one = |&method| {
+        measure_popping(renderer, scene, method, sweep, || progress.step())
+            .map_err(|error| advice::of(error, renderer.caps()))
+    };
     methods.iter().map(measure_one).collect()
 }
 

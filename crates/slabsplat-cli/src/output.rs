@@ -3,20 +3,34 @@
 //! half of one is left behind.
 
 use slabsplat::Image;
-use slabsplat::io::{self, IoError, LoadedVolume};
+use slabsplat::io::{self, IoError, LoadedVolume, PictureFormat, Provenance, SceneFile};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Held while a picture is written.
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// Writes a picture in the format that the name's extension says.
+/// Writes a picture, and what it was made of.
 ///
 /// # Errors
-/// As [`io::write_picture`].
-pub(crate) fn write_picture(path: &Path, image: &Image) -> Result<(), IoError> {
+/// As [`PictureFormat::write`].
+pub(crate) fn write_picture(
+    path: &Path,
+    format: PictureFormat,
+    image: &Image,
+    provenance: Option<&Provenance>,
+) -> Result<(), IoError> {
     let _not_interrupted = writing();
-    io::write_picture(path, image)
+    format.write(path, image, provenance)
+}
+
+/// Writes a scene file.
+///
+/// # Errors
+/// As [`io::write_scene`].
+pub(crate) fn write_scene(path: &Path, scene: &SceneFile) -> Result<(), IoError> {
+    let _not_interrupted = writing();
+    io::write_scene(path, scene)
 }
 
 /// Writes a volume in the format that the name's extension says, and returns what that has no room for.

@@ -1,60 +1,135 @@
 //! `slabsplat render`: one picture.
 
-use crate::flags::SceneFlags;
+use crate::flags::{OutputFlags, SceneFlags, Target};
 use crate::progress::Progress;
-use crate::{output, stats, terminal};
-use anyhow::{Context, Result, bail};
+use crate::terminal::{self, Loudness};
+use crate::{advice, stats};
+use anyhow::Result;
 use clap::Args;
+use serde_json::{Value, json};
+use slabsplat::io::{SceneFile, VolumeSource};
 use slabsplat::{Caps, Frame, Mode, OpenScene, Scene};
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// Render a scene or a volume into a picture
 #[derive(Args)]
 pub(crate) struct RenderArgs {
-    /// The picture: .exr (32-bit float, premultiplied) or .png (8 bits)
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    #[command(flatten)]
+    output: OutputFlags,
 
     /// Tell on stderr what the frame cost: each stage, what was splatted, memory
     #[arg(long)]
     stats: bool,
+
+    /// Answer in JSON: what was written, time, warnings, statistics
+    #[arg(long)]
+    json: bool,
 
     #[command(flatten)]
     scene: SceneFlags,
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
-    check_output(&args.output)?;
+    let target = args.output.target(args.json)?;
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
-    let (mut renderer, OpenScene { scene, found, .. }) =
-        args.scene.open_with_renderer(&progress)?;
+    let (mut renderer, mut opened) = args.scene.opened(&progress)?;
     progress.stage("rendering");
-    let frame = args.scene.in_scene(|| Ok(renderer.render(&scene)?))?;
+    let frame = args.scene.in_scene(|| advice::render(&mut renderer, &opened.scene))?;
     progress.stage("writing");
-    output::write_picture(&args.output, &frame.image)?;
+    // What drew it, and not what might have: another backend has other bits.
+    renderer.caps().name.clone_into(&mut opened.backend);
+    let scene = args.output.has_scene().then(|| opened.to_file()).transpose()?;
+    let provenance = args.output.provenance(scene.as_ref());
+    target.write(&frame.image, provenance.as_ref())?;
+    let scene_file = args.output.save_scene(scene.as_ref())?;
     drop(progress);
-    if let Some(why) = nothing_visible(&scene, &frame) {
+    if let Some(why) = nothing_visible(&opened.scene, &frame) {
         terminal::warn(&format!("nothing is visible: {why}"));
     }
-    if !found.is_empty() {
-        terminal::say(format_args!("shown as {}", found.join("; and ")));
+    let done = Done { target, scene_file, scene, started, frame, caps: renderer.caps() };
+    done.tell(&opened, args.stats);
+    if args.json { terminal::answer(&format!("{:#}\n", done.json())) } else { Ok(()) }
+}
+
+/// What was done.
+struct Done<'a> {
+    target: Target,
+    scene_file: Option<&'a Path>,
+    /// If it was written anywhere.
+    scene: Option<SceneFile>,
+    started: Instant,
+    frame: Frame,
+    caps: &'a Caps,
+}
+
+impl Done<'_> {
+    fn tell(&self, opened: &OpenScene, with_stats: bool) {
+        for layer in &opened.scene.layers {
+            let (grid, range) = (layer.volume.grid(), layer.volume.summary().range);
+            let values = range.map_or("no finite values".to_owned(), |[min, max]| {
+                format!("values from {min} to {max}")
+            });
+            terminal::detail(format_args!("volume of {:?} voxels, {values}", grid.dims()));
+        }
+        if !opened.found.is_empty() {
+            terminal::say(format_args!("shown as {}", opened.found.join("; and ")));
+        }
+        terminal::say(format_args!(
+            "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
+            self.target.name(),
+            self.frame.image.width(),
+            self.frame.image.height(),
+            self.frame.stats.n_voxels,
+            self.started.elapsed().as_millis(),
+            by_which(self.caps),
+        ));
+        if let Some(path) = self.scene_file {
+            terminal::say(format_args!("{}: its scene", path.display()));
+        }
+        if with_stats || terminal::is_at_least(Loudness::Verbose) {
+            terminal::report(format_args!("{}", stats::text(&self.frame, self.caps)));
+        }
     }
-    terminal::say(format_args!(
-        "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
-        args.output.display(),
-        frame.image.width(),
-        frame.image.height(),
-        frame.stats.n_voxels,
-        started.elapsed().as_millis(),
-        by_which(renderer.caps()),
-    ));
-    if args.stats {
-        terminal::say(format_args!("{}", stats::text(&frame, renderer.caps())));
+
+    fn json(&self) -> Value {
+        let Frame { image, stats, cost, .. } = &self.frame;
+        let stages = cost.stages.iter().map(|stage| json!({ "name": stage.name, "ms": stage.ms }));
+        json!({
+            "picture": self.target.name(),
+            "format": self.target.format.name(),
+            "width": image.width(),
+            "height": image.height(),
+            "scene_file": self.scene_file.map(|path| path.display().to_string()),
+            "volumes": self.scene.as_ref().map(volumes),
+            "seconds": self.started.elapsed().as_secs_f64(),
+            "backend": self.caps.name,
+            "device": self.caps.device,
+            "threads": (self.caps.name == "cpu").then(rayon::current_num_threads),
+            "warnings": terminal::warnings(),
+            "stages": stages.collect::<Vec<_>>(),
+            "n_voxels": stats.n_voxels,
+            "n_splats": stats.n_splats,
+            "n_occluded": stats.n_occluded,
+            "n_culled": stats.n_culled,
+            "n_tiles": stats.n_tiles,
+            "n_saturated_tiles": stats.n_saturated_tiles,
+            "resident_bytes": cost.resident_bytes,
+        })
     }
-    Ok(())
+}
+
+/// What tells which volumes were drawn.
+fn volumes(scene: &SceneFile) -> Vec<Value> {
+    let volume = |layer: &slabsplat::io::LayerFile| {
+        let name = match &layer.volume {
+            VolumeSource::File(path) => path.display().to_string(),
+            VolumeSource::Builtin { name, .. } => format!("builtin:{name}"),
+        };
+        json!({ "name": name, "hash": layer.hash.map(|hash| hash.to_string()) })
+    };
+    scene.layers.iter().map(volume).collect()
 }
 
 /// The CPU goes without saying.
@@ -90,26 +165,4 @@ fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
         Some(_) if is_cut => "all of it is cut off, or the camera looks past it".to_owned(),
         Some(_) => "the camera looks past it".to_owned(),
     })
-}
-
-/// What would fail after the work must fail before it.
-fn check_output(path: &Path) -> Result<()> {
-    let is_known =
-        |extension: &OsStr| ["exr", "png"].iter().any(|e| extension.eq_ignore_ascii_case(e));
-    if !path.extension().is_some_and(is_known) {
-        bail!("cannot tell the format of {}: name the picture .exr or .png", path.display());
-    }
-    if path.is_dir() {
-        bail!("cannot write {}: it is a directory", path.display());
-    }
-    let directory = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    let metadata = std::fs::metadata(directory)
-        .with_context(|| format!("cannot write to the directory {}", directory.display()))?;
-    if !metadata.is_dir() {
-        bail!("cannot write {}: {} is not a directory", path.display(), directory.display());
-    }
-    Ok(())
 }

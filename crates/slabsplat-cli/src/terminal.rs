@@ -4,6 +4,8 @@ use crate::progress;
 use anyhow::{Context, Result};
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Writes the program's answer to stdout.
 ///
@@ -20,8 +22,49 @@ pub(crate) fn answer(text: &str) -> Result<()> {
     }
 }
 
-/// Prints a line on stderr. If that fails, there is nobody to report it to.
+/// How much is said on stderr, by [`RunningFlags`](crate::flags::RunningFlags).
+static LOUDNESS: AtomicU8 = AtomicU8::new(Loudness::Usual as u8);
+
+/// What warnings there were, for an answer in JSON.
+static WARNINGS: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// How much is said on stderr.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Loudness {
+    /// Errors.
+    Quiet,
+    /// What was done, and warnings.
+    Usual,
+    /// Whatever is known.
+    Verbose,
+}
+
+/// From now on, so much is said.
+pub(crate) fn set_loudness(loudness: Loudness) {
+    LOUDNESS.store(loudness as u8, Ordering::Relaxed);
+}
+
+/// Whether so much is to be said.
+pub(crate) fn is_at_least(loudness: Loudness) -> bool {
+    loudness as u8 <= LOUDNESS.load(Ordering::Relaxed)
+}
+
+/// Prints a line on stderr, unless nothing but errors is to be said.
 pub(crate) fn say(line: Arguments<'_>) {
+    if is_at_least(Loudness::Usual) {
+        report(line);
+    }
+}
+
+/// Prints a line on stderr that few want to know.
+pub(crate) fn detail(line: Arguments<'_>) {
+    if is_at_least(Loudness::Verbose) {
+        report(line);
+    }
+}
+
+/// Prints a line on stderr. If that fails, there is nobody to report it to.
+pub(crate) fn report(line: Arguments<'_>) {
     let _ = progress::suspended(|| writeln!(io::stderr().lock(), "{line}"));
 }
 
@@ -32,7 +75,14 @@ pub(crate) fn warn_all(warnings: &[String]) {
 
 /// Reports something that is not as it should be, and does not stop the work.
 pub(crate) fn warn(warning: &str) {
-    say(format_args!("warning: {}", flattened(warning)));
+    let warning = flattened(warning);
+    say(format_args!("warning: {warning}"));
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
+}
+
+/// All warnings that there have been.
+pub(crate) fn warnings() -> Vec<String> {
+    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
 /// An error and its causes on one line. Many a message already ends with its cause; it is said once.

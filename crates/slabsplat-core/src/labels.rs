@@ -38,6 +38,11 @@ pub struct Labels {
 
 /// What a label changes of the look of its voxels.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(from = "crate::serialized::LabelStyleKeys", into = "crate::serialized::LabelStyleKeys")
+)]
 pub struct LabelStyle {
     /// The transfer function instead of the layer's.
     pub transfer: Option<TransferFunction>,

@@ -17,8 +17,9 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
-//! `compositing`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`; `mesh`; `region`,
-//! `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `slabs`, `slices`;
+//! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`;
+//! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
+//! `slabs`, `slices`;
 //! `image`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
@@ -36,7 +37,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod grid;
-mod provenance;
+mod acquisition;
 mod sample;
 mod volume;
 
@@ -49,6 +50,7 @@ mod transfer;
 mod transfer_2d;
 mod transfer_changes;
 mod transfer_image;
+mod unit_vector;
 
 mod choices;
 mod interval;
@@ -94,13 +96,13 @@ pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
 pub use mesh::{DroppedTriangles, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
-pub use provenance::{Modality, Orientation, Provenance};
+pub use acquisition::{Modality, Orientation, Acquisition};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};
 pub use scene::Scene;
 #[cfg(feature = "serde")]
-pub use serialized::{deserialize_settings, serialize_settings};
+pub use serialized::{deserialize_settings, exact_degrees, serialize_settings};
 pub use settings::{RenderSettings, SettingsError};
 pub use settings_table::{Access, Field, Setting, Settings};
 pub use shading::{BlinnPhong, Phong, Shading};

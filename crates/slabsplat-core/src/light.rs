@@ -1,6 +1,7 @@
 //! Lights infinitely far away, and how a viewer sees them (model §6).
 
 use crate::ViewAxes;
+use crate::unit_vector::is_unit;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -84,6 +85,10 @@ impl Light {
     /// If the direction is zero or not finite.
     pub fn towards(direction: impl Into<DVec3>) -> Result<Self, LightError> {
         let direction = direction.into();
+        if is_unit(direction) {
+            let source = LightSource::Direction(LightDirection(direction));
+            return Ok(Self { source, ..Self::default() });
+        }
         // Squares of very long or short vectors would leave the range of numbers.
         let scaled = direction / direction.abs().max_element();
         let unit = scaled.try_normalize().ok_or(LightError::BadDirection(direction))?;

@@ -1,6 +1,7 @@
 //! Where a layer is seen (model §11).
 
 use crate::Grid;
+use crate::unit_vector::is_unit;
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
@@ -67,6 +68,9 @@ impl Plane {
     pub fn new(normal: impl Into<DVec3>, distance: f64) -> Result<Self, RegionError> {
         let normal = normal.into();
         let bad = RegionError::BadPlane { normal, distance };
+        if is_unit(normal) && distance.is_finite() {
+            return Ok(Self { normal, distance });
+        }
         // Squares of very long or short normals would leave the range of numbers.
         let largest = normal.abs().max_element();
         let scaled = normal / largest;

@@ -7,6 +7,8 @@ use thiserror::Error;
 /// There is at least one point, every number is finite, and the positions never fall. Two points at
 /// one position make a step, which takes the later point's value at the position itself.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Vec<Vec<f64>>", into = "Vec<Vec<f64>>"))]
 pub struct PiecewiseLinear<const N: usize> {
     points: Vec<(f64, [f64; N])>,
 }

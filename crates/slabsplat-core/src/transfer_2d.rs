@@ -21,6 +21,8 @@ use thiserror::Error;
 /// # Ok::<(), slabsplat_core::Transfer2dError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
 pub enum TransferFunction2d {
     /// What is in none of them is invisible. In several of them, extinctions add up, and colours are mixed by
     /// extinction.
@@ -31,6 +33,14 @@ pub enum TransferFunction2d {
 
 /// A box of values and gradients of one colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "crate::serialized::TransferBoxKeys",
+        into = "crate::serialized::TransferBoxKeys"
+    )
+)]
 pub struct TransferBox {
     values: [f64; 2],
     gradients: [f64; 2],
@@ -186,6 +196,21 @@ impl TransferBox {
             }
         }
         Ok(Self { fade, ..self })
+    }
+
+    /// The values at its ends.
+    pub fn values(&self) -> [f64; 2] {
+        self.values
+    }
+
+    /// The gradients at its ends.
+    pub fn gradients(&self) -> [f64; 2] {
+        self.gradients
+    }
+
+    /// Its opacity per `unit`, its colour, and over how much of values and of gradients it fades.
+    pub fn look(&self) -> (f64, [f64; 3], [f64; 2]) {
+        (self.opacity, self.color, self.fade)
     }
 
     fn opacity_at(&self, value: f64, gradient: f64) -> f64 {

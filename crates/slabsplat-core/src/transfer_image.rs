@@ -8,6 +8,14 @@ use std::sync::Arc;
 /// lower edge to its upper one. It is interpolated between the centres of its pixels and constant beyond
 /// them. A copy shares the pixels.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "crate::serialized::TransferImageKeys",
+        into = "crate::serialized::TransferImageKeys"
+    )
+)]
 pub struct TransferImage {
     width: usize,
     height: usize,
@@ -48,6 +56,26 @@ impl TransferImage {
             check_share("the opacity", opacity.into())?;
         }
         Ok(Self { width, height, values, gradients, pixels: pixels.into() })
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The values at its left and its right edge.
+    pub fn values(&self) -> [f64; 2] {
+        self.values
+    }
+
+    /// The gradients at its lower and its upper edge.
+    pub fn gradients(&self) -> [f64; 2] {
+        self.gradients
+    }
+
+    /// All pixels, the top row first: red, green, blue, not premultiplied, and opacity.
+    pub fn pixels(&self) -> &[[f32; 4]] {
+        &self.pixels
     }
 
     /// Opacity, and the colour of the pixels around, each counted by its opacity.

@@ -192,6 +192,20 @@ pub enum IoError {
         /// What is wrong, and what to do.
         what: String,
     },
+    /// A scene cannot be a scene file.
+    #[error("cannot write the scene {}: {}", shown_path(path), printable(what))]
+    SceneText {
+        /// The file that was to be.
+        path: PathBuf,
+        /// Why not.
+        what: String,
+    },
+    /// A scene file names the files that labels are in.
+    #[error("the labels of layer {layer_idx} come from no file that a scene file could name")]
+    LabelsWithoutFile {
+        /// Which layer, counted from 0.
+        layer_idx: usize,
+    },
     /// The name of a volume that is to be written does not tell its format.
     #[error(
         "cannot tell the format of {}: name the volume .nrrd, .nii, .nii.gz, .mha, .npy, .raw or .zarr",

@@ -24,11 +24,14 @@
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |
 //! | ParaView colour maps (JSON), volume properties of 3D Slicer (`.vp`) | [`read_transfer`] |
+//! | scenes of pictures (PNG, OpenEXR) that were written with them | [`read_picture_scene`] |
 //!
 //! | written | by |
 //! | --- | --- |
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
+//! | either with the scene that it shows | [`PictureFormat::write`], [`Provenance`] |
+//! | scene files | [`write_scene`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`], [`write_colored_volume`] |
 //! | ParaView colour maps, volume properties of 3D Slicer, sections of scenes | [`write_transfer`] |
 //!
@@ -59,7 +62,7 @@
 //! # Reading order
 //!
 //! `error`, `printable`, `progress`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`;
-//! `transfer`; `scene`; `memory`; `picture`.
+//! `transfer`; `content_hash`; `scene`; `memory`; `picture`.
 
 mod error;
 mod printable;
@@ -76,6 +79,8 @@ mod builtin;
 
 mod transfer;
 
+mod content_hash;
+
 mod scene;
 
 mod picture;
@@ -85,14 +90,18 @@ mod memory;
 pub mod scene_keys;
 
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
+pub use content_hash::{ContentHash, NotAHash};
 pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
-pub use picture::{exr_bytes, png_bytes, write_exr, write_picture, write_png};
+pub use picture::{
+    PictureFormat, PictureScene, Provenance, exr_bytes, png_bytes, read_picture_scene, write_exr,
+    write_picture, write_png,
+};
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, RegionDesc, SceneFile,
-    TransferImageFile, Unsaid, VolumeSource, parse_scene, read_scene,
+    TransferImageFile, Unsaid, VolumeSource, parse_scene, read_scene, scene_text, write_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Modality, Orientation, Provenance, SampleType, Volume};
+use slabsplat_core::{Modality, Orientation, Acquisition, SampleType, Volume};
 use slabsplat_io::{LoadedVolume, VolumeFormat, VolumeSource, read_scene, read_volume};
 
 /// A line of the README. The mean is given to as many digits as the README has.
@@ -215,7 +215,7 @@ fn real_volumes_say_how_they_stand() {
         ("dicom/ct_phantom_head", Some(Modality::Ct), Anatomical),
     ] {
         let Some(loaded) = load(path) else { continue };
-        assert_eq!(loaded.provenance, Provenance { modality, orientation }, "{path}");
+        assert_eq!(loaded.acquisition, Acquisition { modality, orientation }, "{path}");
     }
 }
 

@@ -27,6 +27,8 @@ pub struct OpenScene {
     /// What was found from the volumes, a line for each that did not say how it looks, for people.
     pub found: Vec<String>,
     facing: Facing,
+    /// What was opened, with what was chosen of files that hold several volumes.
+    pub sources: SceneFile,
 }
 
 /// Why a scene cannot be opened.
@@ -62,6 +64,21 @@ impl OpenScene {
         Self::with_volumes(loaded, file)
     }
 
+    /// The scene as it is now, as a scene file that leaves nothing open: volumes and meshes come from where
+    /// they came from, all else is as `scene` has it. [`slabsplat_io::write_scene`] writes it, and
+    /// [`slabsplat_io::Acquisition`] puts it into a picture.
+    ///
+    /// # Errors
+    /// If a layer has labels that are from no file.
+    ///
+    /// # Panics
+    /// If layers or meshes were added or taken away.
+    pub fn to_file(&self) -> Result<SceneFile, IoError> {
+        let mut file = self.sources.completed(&self.scene)?;
+        file.backend.clone_from(&self.backend);
+        Ok(file)
+    }
+
     /// The scene of `file` with volumes that are already there, one for each layer; labels and meshes are
     /// read.
     ///
@@ -86,6 +103,10 @@ impl OpenScene {
     /// If there are more volumes or fewer.
     pub fn unframed(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
         assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
+        let mut sources = file.clone();
+        for (source, loaded) in sources.layers.iter_mut().zip(&loaded) {
+            source.options.choose(loaded);
+        }
         let mut opening = Opening {
             file,
             warnings: Vec::new(),
@@ -111,7 +132,7 @@ impl OpenScene {
             .lights(file.lights.clone())
             .image(image)
             .settings(file.settings.clone());
-        Ok(Self { scene, backend: file.backend.clone(), warnings, found, facing })
+        Ok(Self { scene, backend: file.backend.clone(), warnings, sources, found, facing })
     }
 
     /// Finds the camera that `file` leaves out, or the rest of it, and aims it; then the lights, if the file
@@ -174,13 +195,13 @@ struct Opening<'a> {
 
 impl Opening<'_> {
     fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
-        let provenance = loaded.provenance;
+        let acquisition = loaded.acquisition;
         self.warnings.extend_from_slice(&loaded.warnings);
         let Opened { mut layer, warnings, look } = Opened::of(loaded, file)?;
         self.warnings.extend(warnings);
         let facing = match &look {
-            Some(look) => look.facing(&layer.volume, provenance),
-            None => Facing::of(provenance.orientation, layer.volume.grid()),
+            Some(look) => look.facing(&layer.volume, acquisition),
+            None => Facing::of(acquisition.orientation, layer.volume.grid()),
         };
         self.facing.get_or_insert(facing);
         if let Some(look) = look {
@@ -219,12 +240,12 @@ struct Opened {
 
 impl Opened {
     fn of(loaded: LoadedVolume, file: &LayerFile) -> Result<Self, OpenError> {
-        let LoadedVolume { volume, provenance, colors, .. } = loaded;
+        let LoadedVolume { volume, acquisition, colors, .. } = loaded;
         let mut look = None;
         let automatic = || {
             let found = match &colors {
                 Some(LoadedColors { voxels: None, opacity_from: OpacitySource::Luminance, .. })
-                | None => Look::of(&volume, provenance),
+                | None => Look::of(&volume, acquisition),
                 Some(colors) => Look::of_colors(&volume, colors.opacity_from),
             };
             look.insert(found).transfer.clone()
@@ -236,6 +257,7 @@ impl Opened {
             gradient_opacity = gradient_opacity.or_else(|| look.gradient_opacity.clone());
         }
         let own_colors = colors.and_then(|colors| colors.voxels);
+        warnings.extend(file.warning_of(&volume, own_colors.as_ref()));
         if own_colors.is_some() && says_colors(file) {
             let what = "colours of the transfer function are not seen, as voxels have their own: colors = \
                         \"none\", or --colors none, leaves those out";

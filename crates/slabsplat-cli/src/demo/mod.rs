@@ -8,7 +8,8 @@ use crate::{meter, output, stats, terminal};
 use anyhow::{Context, Result};
 use clap::Args;
 use shots::{CUBE_TURN, SHOTS, Shot};
-use slabsplat::{Frame, Method, Renderer, io};
+use slabsplat::io::{self, PictureFormat, Provenance, SceneFile, VolumeSource};
+use slabsplat::{Frame, Method, Renderer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -43,6 +44,8 @@ pub(crate) fn run(args: &DemoArgs) -> Result<()> {
 fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
     let progress = Progress::start("rendering", 0);
     let volume = Arc::new(io::builtin_volume(shot.volume, None)?);
+    let name = shot.volume.to_owned();
+    let file = SceneFile::of_volume(VolumeSource::Builtin { name, size: None });
     let scenes = Method::ALL.iter().map(|&method| shot.scene(volume.clone(), method));
     let scenes = scenes.collect::<Result<Vec<_>>>()?;
     let mut lines = String::new();
@@ -51,7 +54,11 @@ fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
         let Frame { image, stats, .. } = renderer.render(&scene)?;
         let ms = started.elapsed().as_millis();
         let name = format!("{}-{}.png", shot.volume, scene.settings.method);
-        output::write_picture(&directory.join(&name), &image)?;
+        let path = directory.join(&name);
+        let mut source = file.completed(&scene)?;
+        renderer.caps().name.clone_into(&mut source.backend);
+        let provenance = Provenance::of_scene(&source, &path)?;
+        output::write_picture(&path, PictureFormat::Png, &image, Some(&provenance))?;
         lines += &format!("{name:<34}  {:>12}  {ms:>6}\n", stats.n_voxels);
     }
     drop(progress);

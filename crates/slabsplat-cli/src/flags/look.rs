@@ -88,6 +88,7 @@ impl LookFlags {
         for layer in &mut file.layers {
             if transfer_2d.is_some() || self.transfer.are_by_value() {
                 layer.transfer_2d.clone_from(&transfer_2d);
+                layer.transfer_image.clone_from(&self.transfer_image);
             }
             if by_gradient.is_some() {
                 layer.gradient_opacity.clone_from(&by_gradient);

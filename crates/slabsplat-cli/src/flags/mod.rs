@@ -7,15 +7,19 @@ mod camera;
 mod labels;
 mod lights;
 mod look;
+mod output;
 mod parts;
 mod raw;
 mod region;
+mod running;
 mod settings;
 mod table;
 mod transfer;
 pub(crate) mod values;
 
+pub(crate) use output::{OutputFlags, Target, check_folder, check_scene_name};
 pub(crate) use raw::RawFlags;
+pub(crate) use running::RunningFlags;
 pub(crate) use transfer::TransferFlags;
 
 use crate::input;
@@ -23,15 +27,15 @@ use crate::progress::Progress;
 use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
-use slabsplat::io::MeshFile;
-use slabsplat::{OpenScene, Renderer, Scene};
+use slabsplat::io::{MeshFile, SceneFile};
+use slabsplat::{Aim, NoBackend, OpenScene, Renderer, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
 #[derive(Args)]
 pub(crate) struct SceneFlags {
-    /// A scene file (.toml), a volume file, a mesh (.ply, .stl, .obj), a built-in volume as builtin:NAME or
-    /// builtin:NAME:SIZE, or - for a volume on standard input
+    /// A scene file (.toml), a picture that slabsplat made, a volume file, a mesh (.ply, .stl, .obj), a
+    /// built-in volume as builtin:NAME or builtin:NAME:SIZE, or - for a volume on standard input
     #[arg(value_name = "INPUT")]
     input: PathBuf,
 
@@ -67,16 +71,22 @@ pub(crate) struct SceneFlags {
 }
 
 impl SceneFlags {
-    /// Reads what is named, and lays the flags over it.
-    fn open(&self) -> Result<OpenScene> {
+    /// What is named, with the flags laid over it; no volume is read.
+    pub(crate) fn file(&self) -> Result<SceneFile> {
         let mut file = input::scene_file(&self.input)?;
         self.camera.lay_over(&mut file)?;
-        let aim = self.camera.aim()?;
         self.settings.lay_over(&mut file, self.look.mode())?;
         self.look.lay_over(&mut file)?;
         self.lights.lay_over(&mut file)?;
         self.labels.lay_over(&mut file)?;
         self.region.lay_over(&mut file)?;
+        Ok(file)
+    }
+
+    /// Reads what is named, and lays the flags over it.
+    pub(crate) fn open(&self) -> Result<OpenScene> {
+        let mut file = self.file()?;
+        let aim = self.camera.aim()?;
         let n_own = file.layers.len();
         self.in_scene(|| {
             for path in &self.layers {
@@ -95,22 +105,42 @@ impl SceneFlags {
 
     /// Reads what is named, and makes it ready to be rendered.
     pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
-        let (renderer, opened) = self.open_with_renderer(progress)?;
+        let (renderer, opened) = self.opened(progress)?;
         Ok((renderer, opened.scene))
     }
 
-    /// The same with what was found of the volumes.
-    pub(crate) fn open_with_renderer(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
+    /// The same with where the scene came from.
+    pub(crate) fn opened(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
         let opened = self.open()?;
         terminal::warn_all(&opened.warnings);
         progress.stage("starting the backend");
-        let renderer = self.in_scene(|| Ok(Renderer::open(&opened.backend, terminal::warn)?))?;
+        let renderer = self.in_scene(|| self.renderer_of(&opened.backend))?;
         Ok((renderer, opened))
+    }
+
+    /// What drew a picture elsewhere need not be here, and nobody has asked for it.
+    fn renderer_of(&self, backend: &str) -> Result<Renderer> {
+        match Renderer::open(backend, terminal::warn) {
+            Err(NoBackend::Unavailable { .. } | NoBackend::NotBuilt { .. })
+                if input::is_picture(&self.input) && !self.settings.names_backend() =>
+            {
+                let picture = self.input.display();
+                terminal::warn(&format!(
+                    "{picture} was drawn by {backend}, which is not here: pixels may differ"
+                ));
+                Ok(Renderer::open("auto", terminal::warn)?)
+            }
+            opened => Ok(opened?),
+        }
     }
 
     /// Names the scene file in errors that only show when its values are used.
     pub(crate) fn in_scene<T>(&self, work: impl FnOnce() -> Result<T>) -> Result<T> {
         let result = work();
+        if input::is_picture(&self.input) {
+            let result = result.map_err(|error| input::where_files_are(&self.input, error));
+            return result.with_context(|| self.input.display().to_string());
+        }
         if input::is_scene(&self.input) {
             return result.with_context(|| self.input.display().to_string());
         }
@@ -125,6 +155,14 @@ impl SceneFlags {
     /// What is drawn, as it was named.
     pub(crate) fn input(&self) -> &Path {
         &self.input
+    }
+
+    /// Whether all that the flags say is in [`file`](Self::file).
+    pub(crate) fn are_of_file(&self) -> bool {
+        self.layers.is_empty()
+            && self.meshes.is_empty()
+            && self.raw.are_silent()
+            && self.camera.aim().is_ok_and(|aim| aim == Aim::default())
     }
 
     /// The method that a flag names; the scene's does not count.

@@ -42,6 +42,11 @@ enum ByteOrder {
 }
 
 impl RawFlags {
+    /// Whether no flag says anything.
+    pub(crate) fn are_silent(&self) -> bool {
+        self.spacing.is_none() && self.parts.are_silent() && matches!(self.desc(), Ok(None))
+    }
+
     /// What the flags say of a raw file; `None` if they say nothing of one.
     pub(crate) fn desc(&self) -> Result<Option<RawDesc>> {
         let is_silent = self.dims.is_none()

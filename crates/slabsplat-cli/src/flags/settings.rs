@@ -39,6 +39,11 @@ impl SettingsFlags {
         Ok(())
     }
 
+    /// Whether a flag names the backend.
+    pub(super) fn names_backend(&self) -> bool {
+        self.backend.is_some()
+    }
+
     /// The method, if a flag names it.
     pub(super) fn method(&self) -> Option<Method> {
         self.is_given("method").then(|| self.rows.lay_over(RenderSettings::default()).method)

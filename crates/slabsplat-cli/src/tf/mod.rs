@@ -9,7 +9,9 @@ use crate::{columns, input, output, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::json;
-use slabsplat::io::{self, LayerFile, LoadedVolume, TransferFormat, TransferSource, VolumeSource};
+use slabsplat::io::{
+    self, LayerFile, LoadedVolume, PictureFormat, TransferFormat, TransferSource, VolumeSource,
+};
 use slabsplat::{Grid, Layer, Scaling, Volume, open_layer, plot_transfer};
 use std::path::{Path, PathBuf};
 
@@ -64,7 +66,7 @@ pub(crate) fn run(args: &TfArgs) -> Result<()> {
     match kind {
         Output::Drawing => {
             let image = plot_transfer(&layer.transfer, volume, [args.width, args.height]);
-            output::write_picture(path, &image)?;
+            output::write_picture(path, PictureFormat::Png, &image, None)?;
         }
         Output::Transfer => io::write_transfer(path, &layer)?,
     }

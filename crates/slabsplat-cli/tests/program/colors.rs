@@ -24,8 +24,11 @@ fn write_nrrd(path: &Path, has_alpha: bool) {
     std::fs::write(path, bytes).expect("the folder can be written");
 }
 
+/// From one side, in one light: what else is found differs between formats and scene files.
 fn picture(directory: &Path, args: &str) -> Vec<u8> {
-    answer(directory, &format!("render {args} --width 40 --height 30 --backend cpu -o a.exr"));
+    const SEEN: &str = "--eye 20,-20,30 --target 0,8,1 --up 0,0,1 --view-height 14 --light 1,-2,3 --ambient 0.2 \
+                        --background 0,0,0 --width 40 --height 30";
+    answer(directory, &format!("render {args} {SEEN} --backend cpu --no-metadata -o a.exr"));
     std::fs::read(directory.join("a.exr")).expect("a picture was written")
 }
 

@@ -10,6 +10,7 @@ mod help;
 mod info;
 mod popping;
 mod render;
+mod scene;
 #[cfg(unix)]
 mod signals;
 mod stdin;

@@ -9,7 +9,8 @@ const DEFAULTS: &str = "--background 0,0,0,0 --light headlight --shading phong";
 const SMALL: &str = "--width 24 --height 16";
 
 fn bytes_of(directory: &Path, args: &str) -> Vec<u8> {
-    answer(directory, &format!("render {args}"));
+    // Scenes of one picture are told apart by what it says.
+    answer(directory, &format!("render --no-metadata {args}"));
     let path = directory.join(args.rsplit(' ').next().unwrap_or_default());
     std::fs::read(&path).unwrap_or_else(|error| panic!("{args}: {error}"))
 }

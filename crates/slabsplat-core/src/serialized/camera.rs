@@ -1,7 +1,8 @@
-//! A camera has its angle in degrees.
+//! A camera has its angle in degrees, and in radians where no number of degrees is that angle.
 
 use serde::{Deserialize, Serialize};
 
+use super::exact_degrees;
 use crate::{Camera, Projection, ProjectionKind};
 
 /// The keys of a camera.
@@ -17,25 +18,30 @@ pub(crate) struct CameraKeys {
     /// Degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     fov_y: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fov_y_radians: Option<f64>,
 }
 
 impl TryFrom<CameraKeys> for Camera {
     type Error = String;
 
     fn try_from(keys: CameraKeys) -> Result<Self, String> {
-        let CameraKeys { projection, eye, target, up, view_height, fov_y } = keys;
-        let projection = match (projection, view_height, fov_y) {
-            (ProjectionKind::Orthographic, Some(view_height), None) => {
+        let CameraKeys { projection, eye, target, up, view_height, fov_y, fov_y_radians } = keys;
+        let projection = match (projection, view_height, fov_y, fov_y_radians) {
+            (ProjectionKind::Orthographic, Some(view_height), None, None) => {
                 Projection::Orthographic { view_height }
             }
-            (ProjectionKind::Perspective, None, Some(degrees)) => {
+            (ProjectionKind::Perspective, None, Some(degrees), None) => {
                 Projection::Perspective { fov_y_radians: degrees.to_radians() }
+            }
+            (ProjectionKind::Perspective, None, None, Some(fov_y_radians)) => {
+                Projection::Perspective { fov_y_radians }
             }
             (ProjectionKind::Orthographic, ..) => {
                 return Err("an orthographic camera has view_height, and no fov_y".to_owned());
             }
             (ProjectionKind::Perspective, ..) => {
-                return Err("a perspective camera has fov_y, and no view_height".to_owned());
+                return Err("a perspective camera has fov_y, once, and no view_height".to_owned());
             }
         };
         Self::new(eye, target, up, projection).map_err(|error| error.to_string())
@@ -44,10 +50,11 @@ impl TryFrom<CameraKeys> for Camera {
 
 impl From<Camera> for CameraKeys {
     fn from(camera: Camera) -> Self {
-        let (view_height, fov_y) = match camera.projection() {
+        let (view_height, radians) = match camera.projection() {
             Projection::Orthographic { view_height } => (Some(view_height), None),
-            Projection::Perspective { fov_y_radians } => (None, Some(fov_y_radians.to_degrees())),
+            Projection::Perspective { fov_y_radians } => (None, Some(fov_y_radians)),
         };
+        let fov_y = radians.and_then(exact_degrees);
         Self {
             projection: camera.projection().kind(),
             eye: camera.eye().to_array(),
@@ -55,6 +62,7 @@ impl From<Camera> for CameraKeys {
             up: camera.up().to_array(),
             view_height,
             fov_y,
+            fov_y_radians: radians.filter(|_| fov_y.is_none()),
         }
     }
 }

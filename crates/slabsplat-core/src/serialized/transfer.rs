@@ -54,7 +54,8 @@ pub(crate) struct IsosurfaceKeys {
     color: Option<[f64; 3]>,
 }
 
-fn opaque() -> f64 {
+/// The opacity of what does not say.
+pub(crate) fn opaque() -> f64 {
     1.0
 }
 

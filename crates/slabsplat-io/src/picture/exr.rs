@@ -1,21 +1,32 @@
 //! OpenEXR: the compositor's numbers as they are, 32-bit floats, premultiplied.
 
-use std::io::{self, Cursor, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use image::codecs::openexr::OpenExrEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use exr::error::Error;
+use exr::image::write::WritableImage;
+use exr::image::{Encoding, Image as ExrImage, Layer, SpecificChannels};
+use exr::math::Vec2;
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, Text};
+use exr::meta::header::LayerAttributes;
 use slabsplat_core::Image;
 
-use super::{atomic, has_pixels, to_io_error};
+use super::{PictureFormat, Provenance, has_pixels};
 use crate::IoError;
+
+/// The attribute that is the scene.
+const SCENE: &str = "slabsplat.scene";
+
+/// What is read of a picture to find it.
+const MAX_HEADER_BYTES: u64 = 8 << 20;
 
 /// Writes channels R, G, B and A of 32-bit floats, bit by bit what the picture holds.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_exr(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
-    atomic::write(path.as_ref(), |writer| encode(writer, image))
+    PictureFormat::Exr.write(path, image, None)
 }
 
 /// What [`write_exr`] would write.
@@ -23,19 +34,58 @@ pub fn write_exr(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
 /// # Errors
 /// If the picture has no pixels.
 pub fn exr_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
-    let mut bytes = Cursor::new(Vec::new());
-    encode(&mut bytes, image).map_err(|source| IoError::Encode { source })?;
-    Ok(bytes.into_inner())
+    PictureFormat::Exr.bytes(image, None)
 }
 
-fn encode(writer: impl Write + Seek, image: &Image) -> io::Result<()> {
+pub(super) fn encode(
+    writer: impl Write + Seek,
+    image: &Image,
+    provenance: &Provenance,
+) -> io::Result<()> {
     has_pixels(image)?;
-    let bytes = bytemuck::cast_slice(image.pixels());
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let pixels = image.pixels();
+    let channels = SpecificChannels::rgba(|Vec2(x, y): Vec2<usize>| {
+        let [r, g, b, a] = pixels[y * width + x];
+        (r, g, b, a)
+    });
+    let attributes = attributes(provenance);
+    let layer = Layer::new((width, height), attributes, Encoding::FAST_LOSSLESS, channels);
     let mut noting = Noting { writer, failed: None };
-    let encoded = OpenExrEncoder::new(&mut noting)
-        .write_image(bytes, image.width(), image.height(), ExtendedColorType::Rgba32F)
-        .map_err(to_io_error);
-    noting.failed.map_or(encoded, Err)
+    let written = ExrImage::from_layer(layer).write().to_buffered(&mut noting);
+    noting.failed.map_or(written.map_err(to_io_error), Err)
+}
+
+fn attributes(provenance: &Provenance) -> LayerAttributes {
+    // Texts of the format are bytes; those of others are UTF-8, too.
+    let text = |text: &String| Text::from_slice_unchecked(text.as_bytes());
+    let software_name = provenance.program.as_ref().map(text);
+    let mut attributes = LayerAttributes { software_name, ..LayerAttributes::default() };
+    if let Some(scene) = &provenance.scene {
+        attributes.other.insert(Text::from(SCENE), AttributeValue::Text(text(scene)));
+    }
+    attributes
+}
+
+fn to_io_error(error: Error) -> io::Error {
+    match error {
+        Error::Io(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+/// What the first header of a picture says.
+pub(super) fn read_provenance(file: impl Read) -> Result<Provenance, String> {
+    let file = file.take(MAX_HEADER_BYTES);
+    let headers = MetaData::read_from_buffered(file, false).map_err(|error| error.to_string())?;
+    let Some(header) = headers.headers.into_iter().next() else { return Ok(Provenance::NONE) };
+    let attributes = header.own_attributes;
+    let text = |text: &Text| String::from_utf8(text.as_slice().to_vec()).ok();
+    let scene = match attributes.other.get(SCENE.as_bytes()) {
+        Some(AttributeValue::Text(scene)) => text(scene),
+        _ => None,
+    };
+    Ok(Provenance { program: attributes.software_name.as_ref().and_then(text), scene })
 }
 
 /// Keeps why writing failed: of that the encoder says no more than that it did.
@@ -80,6 +130,7 @@ impl<W: Seek> Seek for Noting<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Cursor;
 
     #[test]
     fn exr_keeps_every_bit() {
@@ -121,7 +172,8 @@ mod tests {
             }
         }
         let image = Image::filled(64, 64, [0.1, 0.2, 0.3, 0.4]);
-        let error = encode(Full(Cursor::new(Vec::new())), &image).unwrap_err();
+        let full = Full(Cursor::new(Vec::new()));
+        let error = encode(full, &image, &Provenance::NONE).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::StorageFull);
         assert_eq!(error.to_string(), "the disk is full");
     }

@@ -1,8 +1,11 @@
-//! Writing pictures. What is written appears under its name only when it is complete.
+//! Writing pictures, and what they say of how they were made. What is written appears under its name only
+//! when it is complete.
 
 pub(crate) mod atomic;
 mod exr;
+mod format;
 mod png;
+mod provenance;
 
 use std::io;
 use std::path::Path;
@@ -10,7 +13,9 @@ use std::path::Path;
 use slabsplat_core::Image;
 
 pub use exr::{exr_bytes, write_exr};
+pub use format::PictureFormat;
 pub use png::{png_bytes, write_png};
+pub use provenance::{PictureScene, Provenance, read_picture_scene};
 
 use crate::IoError;
 
@@ -20,11 +25,9 @@ use crate::IoError;
 /// If the extension is another, or the file cannot be written.
 pub fn write_picture(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
     let path = path.as_ref();
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("exr") => write_exr(path, image),
-        Some("png") => write_png(path, image),
-        _ => Err(IoError::UnknownPicture { path: path.to_owned() }),
+    match PictureFormat::of_name(path) {
+        Some(format) => format.write(path, image, None),
+        None => Err(IoError::UnknownPicture { path: path.to_owned() }),
     }
 }
 
@@ -33,14 +36,6 @@ fn has_pixels(image: &Image) -> io::Result<()> {
     match image.pixels() {
         [] => Err(io::Error::other("it has no pixels")),
         [..] => Ok(()),
-    }
-}
-
-/// What the encoders' errors come down to.
-fn to_io_error(error: image::ImageError) -> io::Error {
-    match error {
-        image::ImageError::IoError(error) => error,
-        other => io::Error::other(other),
     }
 }
 

@@ -1,22 +1,31 @@
 //! PNG: 8 bits a channel. PNG's colours are not premultiplied, so that ours are divided by their
 //! opacity.
 
-use std::io::{self, Write};
+use std::io::{self, BufRead, Seek, Write};
 use std::path::Path;
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::text_metadata::ITXtChunk;
+use png::{BitDepth, ColorType, Decoder, Encoder, EncodingError, Filter, Info, Limits};
 use slabsplat_core::Image;
 
-use super::{atomic, has_pixels, to_io_error};
+use super::{PictureFormat, Provenance, has_pixels};
 use crate::IoError;
+
+/// The keyword of the text that is the scene; others of the kind have a program's name before them, too.
+const SCENE: &str = "slabsplat.scene";
+
+/// PNG's own keyword.
+const SOFTWARE: &str = "Software";
+
+/// What reading a picture's texts may take: they are packed, and their lengths are a stranger's word.
+const MAX_BYTES: usize = 8 << 20;
 
 /// Writes red, green, blue and opacity, rounded to 8 bits, as [`Image::to_rgba8`] does.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_png(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
-    atomic::write(path.as_ref(), |writer| encode(writer, image))
+    PictureFormat::Png.write(path, image, None)
 }
 
 /// What [`write_png`] would write.
@@ -24,16 +33,50 @@ pub fn write_png(path: impl AsRef<Path>, image: &Image) -> Result<(), IoError> {
 /// # Errors
 /// If the picture has no pixels.
 pub fn png_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
-    let mut bytes = Vec::new();
-    encode(&mut bytes, image).map_err(|source| IoError::Encode { source })?;
-    Ok(bytes)
+    PictureFormat::Png.bytes(image, None)
 }
 
-fn encode(writer: impl Write, image: &Image) -> io::Result<()> {
+pub(super) fn encode(writer: impl Write, image: &Image, provenance: &Provenance) -> io::Result<()> {
     has_pixels(image)?;
-    PngEncoder::new(writer)
-        .write_image(&image.to_rgba8(), image.width(), image.height(), ExtendedColorType::Rgba8)
-        .map_err(to_io_error)
+    let mut info = Info::with_size(image.width(), image.height());
+    info.color_type = ColorType::Rgba;
+    info.bit_depth = BitDepth::Eight;
+    info.utf8_text.extend(texts(provenance));
+    let mut encoder = Encoder::with_info(writer, info).map_err(to_io_error)?;
+    encoder.set_filter(Filter::Adaptive);
+    let mut writer = encoder.write_header().map_err(to_io_error)?;
+    writer.write_image_data(&image.to_rgba8()).map_err(to_io_error)?;
+    writer.finish().map_err(to_io_error)
+}
+
+fn texts(provenance: &Provenance) -> impl Iterator<Item = ITXtChunk> {
+    let Provenance { program, scene } = provenance;
+    let text = |keyword, text: &Option<String>| Some(ITXtChunk::new(keyword, text.clone()?));
+    let scene = text(SCENE, scene).map(|mut chunk| {
+        chunk.compressed = true;
+        chunk
+    });
+    [text(SOFTWARE, program), scene].into_iter().flatten()
+}
+
+fn to_io_error(error: EncodingError) -> io::Error {
+    match error {
+        EncodingError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+/// What stands before the pixels.
+pub(super) fn read_provenance(file: impl BufRead + Seek) -> Result<Provenance, String> {
+    let decoder = Decoder::new_with_limits(file, Limits { bytes: MAX_BYTES });
+    let reader = decoder.read_info().map_err(|error| error.to_string())?;
+    let info = reader.info();
+    let text = |keyword: &str| {
+        let mut chunk = info.utf8_text.iter().find(|chunk| chunk.keyword == keyword)?.clone();
+        chunk.decompress_text_with_limit(MAX_BYTES).ok()?;
+        chunk.get_text().ok()
+    };
+    Ok(Provenance { program: text(SOFTWARE), scene: text(SCENE) })
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ pub struct CameraDesc {
     pub view_height: Option<f64>,
     /// Degrees between the lower and the upper edge of the picture, if perspective.
     pub fov_y: Option<f64>,
+    /// The same angle in radians, where no number of degrees is just that; `fov_y` overrules it.
+    pub fov_y_radians: Option<f64>,
 }
 
 /// The field of view where neither the scene nor the fallback has one.
@@ -28,7 +30,7 @@ impl CameraDesc {
     pub fn is_perspective(&self) -> bool {
         match self.projection {
             Some(kind) => kind == ProjectionKind::Perspective,
-            None => self.fov_y.is_some() && self.view_height.is_none(),
+            None => self.angle_radians().is_some() && self.view_height.is_none(),
         }
     }
 
@@ -52,21 +54,25 @@ impl CameraDesc {
         cameras.find(is_settled).unwrap_or(Err(CameraError::UpIsForward))
     }
 
+    /// The angle that is given, by either.
+    fn angle_radians(&self) -> Option<f64> {
+        self.fov_y.map(f64::to_radians).or(self.fov_y_radians)
+    }
+
     fn projection(&self, distance: f64, fallback: &Camera) -> Projection {
-        let says_nothing =
-            self.projection.is_none() && self.view_height.is_none() && self.fov_y.is_none();
+        let says_nothing = self.projection.is_none()
+            && self.view_height.is_none()
+            && self.angle_radians().is_none();
         let is_perspective = match fallback.projection() {
             Projection::Perspective { .. } => says_nothing || self.is_perspective(),
             Projection::Orthographic { .. } => self.is_perspective(),
         };
         if is_perspective {
-            let fov_y_radians = self.fov_y.map_or_else(
-                || match fallback.projection() {
+            let fov_y_radians =
+                self.angle_radians().unwrap_or_else(|| match fallback.projection() {
                     Projection::Perspective { fov_y_radians } => fov_y_radians,
                     Projection::Orthographic { .. } => DEFAULT_FOV_Y_DEGREES.to_radians(),
-                },
-                f64::to_radians,
-            );
+                });
             return Projection::Perspective { fov_y_radians };
         }
         let view_height = self.view_height.unwrap_or_else(|| match fallback.projection() {

@@ -1,12 +1,10 @@
 //! What `[classify]` means: which values are visible, and in which colour.
 
-use slabsplat_core::{
-    PiecewiseLinear, Transfer2dError, TransferBox, TransferFunction, TransferFunction2d,
-};
+use slabsplat_core::{PiecewiseLinear, TransferFunction, TransferFunction2d, TransferImage};
 
 use super::LayerFile;
 use super::diagnostic::Diagnostic;
-use super::document::{BoxSection, ClassifySection};
+use super::document::{ClassifySection, TransferImageSection};
 use crate::transfer::{FitError, Stretch, colormap, preset};
 
 impl ClassifySection {
@@ -93,14 +91,12 @@ impl ClassifySection {
 
     /// That there is no second one beside what says how values look.
     fn check_ways(&self) -> Result<(), Diagnostic> {
-        let ways = [
-            self.opacity.is_some() || self.color.is_some(),
-            self.preset.is_some(),
-            self.file.is_some(),
-            self.boxes.is_some(),
-            self.image.is_some(),
-        ];
-        if 1 < ways.into_iter().filter(|&is_there| is_there).count() {
+        let points = self.opacity.is_some() || self.color.is_some();
+        let by_value = [points, self.preset.is_some(), self.file.is_some()];
+        // Beside these, points are what a saved scene has retained.
+        let by_both = [self.boxes.is_some(), self.image.is_some()];
+        let n = |ways: &[bool]| ways.iter().filter(|&&is_there| is_there).count();
+        if 1 < n(&by_value) || 1 < n(&by_both) + n(&by_value[1..]) {
             let what = "[classify] takes one of: opacity (and color), preset, file, boxes, image";
             return Err(Diagnostic::at("classify", "", what));
         }
@@ -138,11 +134,11 @@ impl ClassifySection {
 
     /// `None` if the section has none, or it is in a file.
     fn to_transfer_2d(&self) -> Result<Option<TransferFunction2d>, Diagnostic> {
-        let Some(boxes) = &self.boxes else { return Ok(None) };
-        let boxes = boxes.iter().map(BoxSection::to_box).collect::<Result<_, _>>();
-        boxes
-            .map(|boxes| Some(TransferFunction2d::Boxes(boxes)))
-            .map_err(|error| Diagnostic::at("classify", "boxes", error.to_string()))
+        if let Some(boxes) = &self.boxes {
+            return Ok(Some(TransferFunction2d::Boxes(boxes.clone())));
+        }
+        let image = self.image.as_ref().map(TransferImageSection::to_image).transpose()?;
+        Ok(image.flatten().map(TransferFunction2d::Image))
     }
 
     fn checked_gradient_opacity(&self) -> Result<Option<PiecewiseLinear<1>>, Diagnostic> {
@@ -165,13 +161,21 @@ fn key_of(error: &FitError) -> &'static str {
     }
 }
 
-impl BoxSection {
-    fn to_box(&self) -> Result<TransferBox, Transfer2dError> {
-        let Self { values, gradients, opacity, color, fade } = *self;
-        TransferBox::new(values, gradients.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]))?
-            .opacity(opacity.unwrap_or(1.0))?
-            .color(color.unwrap_or([1.0; 3]))?
-            .fade(fade.unwrap_or([0.0; 2]))
+impl TransferImageSection {
+    /// `None` if it is in a file.
+    fn to_image(&self) -> Result<Option<TransferImage>, Diagnostic> {
+        let at_image = |what: String| Diagnostic::at("classify", "image", what);
+        let (width, pixels) = match (&self.file, self.width, &self.pixels) {
+            (Some(_), None, None) => return Ok(None),
+            (None, Some(width), Some(pixels)) => (width, pixels.clone()),
+            _ => {
+                let what = "a picture has a file, or width and pixels";
+                return Err(at_image(what.to_owned()));
+            }
+        };
+        TransferImage::new(width, pixels, self.values, self.gradients)
+            .map(Some)
+            .map_err(|error| at_image(error.to_string()))
     }
 }
 

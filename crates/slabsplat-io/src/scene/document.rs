@@ -1,14 +1,17 @@
 //! A scene file as it is spelt: its sections, keys and defaults. `sections` turns each into what it
-//! means.
+//! means, and `written` back.
 
 use std::path::PathBuf;
 
-use serde::Deserialize;
-use slabsplat_core::{ImageDesc, Isosurface, Light, Phong, ProjectionKind, RenderSettings};
+use serde::{Deserialize, Serialize};
+use slabsplat_core::{
+    ImageDesc, Isosurface, Light, Phong, ProjectionKind, RenderSettings, SampleType, TransferBox,
+};
 
 use super::settings_section::SettingsSection;
+use crate::ContentHash;
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
     pub(super) volume: Option<VolumeSection>,
@@ -28,7 +31,7 @@ pub(super) struct Document {
 }
 
 /// What the sections of a scene with one layer say, of one of several.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LayerSection {
     pub(super) name: Option<String>,
@@ -42,7 +45,7 @@ pub(super) struct LayerSection {
 }
 
 /// Either `path` or `generate`.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct VolumeSection {
     pub(super) path: Option<PathBuf>,
@@ -58,13 +61,32 @@ pub(super) struct VolumeSection {
     pub(super) colors: Option<String>,
     pub(super) opacity_from: Option<String>,
     pub(super) spacing: Option<[f64; 3]>,
+    /// Of the volume that the scene was made of.
+    pub(super) hash: Option<ContentHash>,
+    /// What the file holds, if it has no header.
+    pub(super) raw: Option<RawSection>,
+}
+
+/// Samples without a header.
+#[derive(Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSection {
+    pub(super) dims: [usize; 3],
+    #[serde(rename = "type")]
+    pub(super) sample_type: SampleType,
+    #[serde(default)]
+    pub(super) big_endian: bool,
+    #[serde(default)]
+    pub(super) header_bytes: u64,
 }
 
 /// Instead of a volume.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MeshSection {
     pub(super) path: Option<PathBuf>,
+    /// Of the mesh that the scene was made of.
+    pub(super) hash: Option<ContentHash>,
     pub(super) color: Option<[f64; 3]>,
     /// What takes the file's coordinates to the world, by rows.
     pub(super) affine: Option<[[f64; 4]; 3]>,
@@ -72,7 +94,7 @@ pub(super) struct MeshSection {
 
 /// Points, a preset, a file, or boxes or a picture of values and gradients. Without `color`, all that is
 /// visible is white. Beside them, isosurfaces.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ClassifySection {
     pub(super) opacity: Option<Vec<[f64; 2]>>,
@@ -87,49 +109,43 @@ pub(super) struct ClassifySection {
     pub(super) percentile: Option<[f64; 2]>,
     pub(super) opacity_scale: Option<f64>,
     pub(super) unit_distance: Option<f64>,
-    pub(super) boxes: Option<Vec<BoxSection>>,
+    pub(super) boxes: Option<Vec<TransferBox>>,
     pub(super) image: Option<TransferImageSection>,
     /// What opacity is multiplied with, by the length of the gradient.
     pub(super) gradient_opacity: Option<Vec<[f64; 2]>>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) isosurfaces: Vec<Isosurface>,
 }
 
-/// A box of values and gradients; of all gradients if it does not say.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct BoxSection {
-    pub(super) values: [f64; 2],
-    pub(super) gradients: Option<[f64; 2]>,
-    pub(super) opacity: Option<f64>,
-    pub(super) color: Option<[f64; 3]>,
-    /// Over how much of values and of gradients it fades.
-    pub(super) fade: Option<[f64; 2]>,
-}
-
-/// A picture, and the values and gradients at its edges.
-#[derive(Deserialize)]
+/// A picture, by its file or its pixels, and the values and gradients at its edges.
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TransferImageSection {
-    pub(super) file: PathBuf,
+    pub(super) file: Option<PathBuf>,
     pub(super) values: [f64; 2],
     pub(super) gradients: [f64; 2],
+    /// Pixels in a row.
+    pub(super) width: Option<usize>,
+    /// Red, green, blue and opacity, the top row first.
+    pub(super) pixels: Option<Vec<[f32; 4]>>,
 }
 
 /// A volume of labels, and how these look.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LabelsSection {
     pub(super) path: PathBuf,
-    /// A file, or `auto`.
+    /// Of the labels that the scene was made of.
+    pub(super) hash: Option<ContentHash>,
+    /// A file, `auto` or `none`.
     pub(super) colors: Option<PathBuf>,
     pub(super) only: Option<Vec<i64>>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub(super) styles: Vec<LabelStyleSection>,
 }
 
 /// How some labels look.
-#[derive(Deserialize)]
+#[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LabelStyleSection {
     pub(super) of: Vec<i64>,
@@ -139,7 +155,7 @@ pub(super) struct LabelStyleSection {
 }
 
 /// A box, planes, or both.
-#[derive(Default, Deserialize)]
+#[derive(Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct RegionSection {
     /// The least and the greatest corner.
@@ -148,12 +164,13 @@ pub(super) struct RegionSection {
     /// Whether these are voxels.
     pub(super) index: bool,
     /// Normals and distances.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) planes: Vec<[f64; 4]>,
     pub(super) invert: bool,
     pub(super) lit: bool,
 }
 
-#[derive(Default, Deserialize)]
+#[derive(Default, Deserialize, Serialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct CameraSection {
     pub(super) projection: Option<ProjectionKind>,
@@ -163,4 +180,6 @@ pub(super) struct CameraSection {
     pub(super) view_height: Option<f64>,
     /// Degrees.
     pub(super) fov_y: Option<f64>,
+    /// The same where no number of degrees is that angle.
+    pub(super) fov_y_radians: Option<f64>,
 }

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use slabsplat_core::{Grid, LabelError, LabelMap, LabelStyle, Labels};
 
+use super::completed::DIFFERS;
 use super::label_table::read_label_table;
 use crate::printable::shown_path;
-use crate::{IoError, read_volume};
+use crate::{ContentHash, IoError, read_volume};
 
 /// Labels of a layer, and how they look, as a scene file or flags say it.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,8 @@ use crate::{IoError, read_volume};
 pub struct LabelsFile {
     /// A volume of whole numbers, on the layer's grid or another.
     pub path: PathBuf,
+    /// Of the labels that the scene was made of, on the layer's grid.
+    pub hash: Option<ContentHash>,
     /// Where colours come from that no style says.
     pub colors: Option<LabelColors>,
     /// How labels look that look otherwise than the layer says.
@@ -28,14 +31,29 @@ pub struct LabelsFile {
 pub enum LabelColors {
     /// Each label but 0 gets one, far from those of the numbers beside it.
     Automatic,
+    /// No label has one but by its style.
+    None,
     /// A table of FreeSurfer, 3D Slicer, ITK-SNAP or BIDS.
     Table(PathBuf),
 }
 
 impl LabelColors {
-    /// `auto`, or the name of a table's file in `folder`.
+    /// `auto`, `none`, or the name of a table's file in `folder`.
     pub fn named(name: &Path, folder: &Path) -> Self {
-        if name == Path::new("auto") { Self::Automatic } else { Self::Table(folder.join(name)) }
+        match name.to_str() {
+            Some("auto") => Self::Automatic,
+            Some("none") => Self::None,
+            _ => Self::Table(folder.join(name)),
+        }
+    }
+
+    /// As [`named`](Self::named) takes it, with an empty folder.
+    pub(super) fn name(&self) -> PathBuf {
+        match self {
+            Self::Automatic => "auto".into(),
+            Self::None => "none".into(),
+            Self::Table(path) => path.clone(),
+        }
     }
 }
 
@@ -45,7 +63,7 @@ const MAX_LISTED: usize = 8;
 impl LabelsFile {
     /// Labels as they are in a file. Where nothing else is said, each has a colour.
     pub fn new(path: PathBuf) -> Self {
-        Self { path, colors: None, styles: BTreeMap::new(), only: None }
+        Self { path, hash: None, colors: None, styles: BTreeMap::new(), only: None }
     }
 
     /// Reads the labels of a layer on `grid`, and returns them with warnings, one line each.
@@ -60,10 +78,19 @@ impl LabelsFile {
             return Err(IoError::unsupported(self.path.as_path(), what));
         }
         let map = LabelMap::new(&loaded.volume, grid).map_err(unlabelled)?;
-        let styles = self.styles_of(map.labels())?;
+        let mut styles = self.styles_of(map.labels())?;
         let mut warnings = loaded.warnings;
+        if self.hash.is_some_and(|hash| hash != ContentHash::of_labels(&map)) {
+            let path = shown_path(&self.path);
+            let what = "does not hold the labels that the scene was made of";
+            warnings.push(format!("{path} {what}: {DIFFERS}"));
+        }
         warnings.extend(self.missing(map.labels()));
         warnings.extend(uncolored(map.labels(), &styles));
+        // Tables are of more labels than most volumes have.
+        styles.retain(|label, style| {
+            map.labels().binary_search(label).is_ok() && *style != LabelStyle::default()
+        });
         let labels = Labels::new(map, styles).map_err(unlabelled)?;
         Ok((labels, warnings))
     }
@@ -74,7 +101,7 @@ impl LabelsFile {
             Some(LabelColors::Table(path)) => read_label_table(path)?,
             Some(LabelColors::Automatic) => automatic(labels),
             None if says_nothing => automatic(labels),
-            None => BTreeMap::new(),
+            Some(LabelColors::None) | None => BTreeMap::new(),
         };
         for (&label, style) in &self.styles {
             let LabelStyle { transfer, color, opacity } = style.clone();

@@ -93,15 +93,17 @@ impl LayerSection {
 
     fn look_files(&self, folder: &Path) -> LookFiles {
         let Some(classify) = &self.classify else { return LookFiles::default() };
-        let image = |section: &TransferImageSection| TransferImageFile {
-            path: folder.join(&section.file),
-            values: section.values,
-            gradients: section.gradients,
+        let image = |section: &TransferImageSection| {
+            Some(TransferImageFile {
+                path: folder.join(section.file.as_ref()?),
+                values: section.values,
+                gradients: section.gradients,
+            })
         };
         LookFiles {
             transfer: classify.file.as_ref().map(|file| folder.join(file)),
             has_shading: self.shading.is_some(),
-            transfer_image: classify.image.as_ref().map(image),
+            transfer_image: classify.image.as_ref().and_then(image),
         }
     }
 
@@ -117,6 +119,8 @@ impl LayerSection {
             name,
             spacing: volume.checked_spacing()?,
             options: volume.options()?,
+            raw: volume.raw()?,
+            hash: volume.hash,
             labels: labels.map(|labels| labels.into_file(folder)).transpose()?,
             shading: shading.unwrap_or_else(SettingsSection::default).into_shading()?,
             region: region.unwrap_or_default().into_desc()?,

@@ -6,9 +6,11 @@ use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{Mesh, MeshLayer, Phong, Shading};
 
 use super::RegionDesc;
+use super::completed::DIFFERS;
 use super::diagnostic::Diagnostic;
 use super::document::{LayerSection, MeshSection};
-use crate::{IoError, read_mesh};
+use crate::printable::shown_path;
+use crate::{ContentHash, IoError, read_mesh};
 
 /// What a scene file says of an opaque mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +20,8 @@ pub struct MeshFile {
     pub name: Option<String>,
     /// A file in any format that [`read_mesh`] knows.
     pub path: PathBuf,
+    /// Of the mesh that the scene was made of.
+    pub hash: Option<ContentHash>,
     /// Red, green and blue, 0 to 1, of all of it.
     pub color: Option<[f64; 3]>,
     /// What takes the file's coordinates to the world.
@@ -34,6 +38,7 @@ impl MeshFile {
         Self {
             name: None,
             path: path.into(),
+            hash: None,
             color: None,
             world_from_mesh: DAffine3::IDENTITY,
             shading: Shading::Phong(Phong::default()),
@@ -53,7 +58,12 @@ impl MeshFile {
         let layer = layer.placed(self.world_from_mesh);
         let layer = layer.map_err(|error| in_file(error.to_string()))?;
         let layer = self.color.map_or(layer.clone(), |color| layer.color(color));
-        Ok((layer, loaded.warnings))
+        let mut warnings = loaded.warnings;
+        if self.hash.is_some_and(|hash| hash != ContentHash::of_mesh(&layer.mesh)) {
+            let path = shown_path(&self.path);
+            warnings.push(format!("{path} is not the mesh that the scene was made of: {DIFFERS}"));
+        }
+        Ok((layer, warnings))
     }
 }
 
@@ -83,6 +93,7 @@ impl LayerSection {
         Ok(MeshFile {
             name: self.name,
             path: folder.join(path),
+            hash: mesh.hash,
             color: mesh.checked_color()?,
             world_from_mesh: mesh.place()?,
             shading: self.shading.unwrap_or_default().into_shading()?,

@@ -3,7 +3,8 @@
 //! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells
 //! it), `layers` and `sections` (what that means), `classify` (which values are
 //! visible), `camera`, `labels` and `label_table`, `region`, `transfer_image` (a transfer function from a
-//! picture), `diagnostic` (what a file does wrong, and in which line).
+//! picture), `diagnostic` (what a file does wrong, and in which line); `completed` (a scene file that leaves
+//! nothing open), `written` and `paths` (its text).
 
 mod document;
 
@@ -22,6 +23,10 @@ mod transfer_image;
 
 mod diagnostic;
 
+mod completed;
+mod paths;
+mod written;
+
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{
@@ -34,15 +39,18 @@ pub use labels::{LabelColors, LabelsFile};
 pub use mesh::MeshFile;
 pub use region::RegionDesc;
 pub use transfer_image::TransferImageFile;
+pub(crate) use written::text_of;
+pub use written::{scene_text, write_scene};
 
 use crate::transfer::{FitError, TransferFit, TransferSource};
 use crate::{
-    IoError, LoadedVolume, VolumeFormat, VolumeOptions, builtin_volume, read_transfer,
-    read_volume_with, text,
+    ContentHash, IoError, LoadedVolume, RawDesc, VolumeFormat, VolumeOptions, builtin_volume,
+    read_raw, read_transfer, read_volume_with, text,
 };
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
 use layers::LookFiles;
+use paths::folder_of;
 
 /// What a scene file says. What it leaves to the volumes is `None`: transfer functions, and the camera's
 /// parts.
@@ -100,8 +108,14 @@ pub struct LayerFile {
     pub transfer: Option<TransferFunction>,
     /// How that becomes what its volume is shown with.
     pub fit: TransferFit,
+    /// What the file holds, if it has no header; `spacing` overrules its spacing.
+    pub raw: Option<RawDesc>,
+    /// Of the volume that the scene was made of, which need not be the one that is there now.
+    pub hash: Option<ContentHash>,
     /// What decides instead, by values and gradients together.
     pub transfer_2d: Option<TransferFunction2d>,
+    /// The file that `transfer_2d` was read from, if it was.
+    pub transfer_image: Option<TransferImageFile>,
     /// What opacities are multiplied with, by the length of the gradient per voxel step.
     pub gradient_opacity: Option<PiecewiseLinear<1>>,
     /// What its voxels belong to.
@@ -157,11 +171,9 @@ pub fn parse_scene(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoEr
     let in_file = |diagnostic: Diagnostic| diagnostic.in_file(path, text);
     let document: Document =
         toml::from_str(text).map_err(|error| in_file(from_toml(&error, text)))?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let (mut scene, look_files) = document.into_scene(folder).map_err(in_file)?;
-    for (idx, files) in look_files.into_iter().enumerate() {
+    let (mut scene, look_files) = document.into_scene(folder_of(path)).map_err(in_file)?;
+    for (layer, files) in scene.layers.iter_mut().zip(look_files) {
         let LookFiles { transfer, has_shading, transfer_image } = files;
-        let layer = &mut scene.layers[idx];
         if let Some(path) = transfer {
             layer.begin_with(read_transfer(&path)?, has_shading);
             let wrong = |error: FitError| Diagnostic::at("classify", "", error.to_string());
@@ -169,6 +181,7 @@ pub fn parse_scene(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoEr
         }
         if let Some(image) = transfer_image {
             layer.transfer_2d = Some(image.load()?);
+            layer.transfer_image = Some(image);
         }
     }
     Ok(scene)
@@ -183,6 +196,12 @@ impl SceneFile {
     /// A scene of a mesh alone.
     pub fn of_mesh(path: impl Into<PathBuf>) -> Self {
         Self { meshes: vec![MeshFile::new(path)], ..Self::of_nothing() }
+    }
+
+    /// Whether the transfer functions that it has are those that volumes are shown with, and none is still to
+    /// be fitted to its volume.
+    pub fn is_fitted(&self) -> bool {
+        self.layers.iter().all(|layer| layer.fit == TransferFit::default())
     }
 
     fn of_nothing() -> Self {
@@ -207,9 +226,12 @@ impl LayerFile {
             volume,
             options: VolumeOptions::default(),
             spacing: None,
+            raw: None,
+            hash: None,
             transfer: None,
             fit: TransferFit::default(),
             transfer_2d: None,
+            transfer_image: None,
             gradient_opacity: None,
             labels: None,
             isosurfaces: Vec::new(),
@@ -246,6 +268,7 @@ impl LayerFile {
         self.volume == other.volume
             && self.options == other.options
             && self.spacing == other.spacing
+            && self.raw == other.raw
     }
 
     /// The volumes of all layers, by `load`; one that several of them show is loaded once.
@@ -272,6 +295,10 @@ impl LayerFile {
     /// # Errors
     /// As [`read_volume_with`] and [`builtin_volume`]; or if the spacing cannot be.
     pub fn load_volume(&self) -> Result<LoadedVolume, IoError> {
+        if let (VolumeSource::File(path), Some(raw)) = (&self.volume, &self.raw) {
+            let spacing = self.spacing.unwrap_or(raw.spacing);
+            return read_raw(path, &RawDesc { spacing, ..*raw });
+        }
         let loaded = self.volume.load(&self.options)?;
         match self.spacing {
             None => Ok(loaded),

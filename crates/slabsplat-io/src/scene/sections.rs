@@ -1,6 +1,7 @@
 //! What each section of a scene file means. Diagnostics name the section and key.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::path::Path;
 use std::str::FromStr;
 
@@ -10,11 +11,13 @@ use slabsplat_core::{ImageDesc, LabelStyle, Light, Phong, Plane, Region, RenderS
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RegionSection, VolumeSection,
+    CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RawSection, RegionSection,
+    VolumeSection,
 };
+use super::paths::in_folder;
 use super::settings_section::SettingsSection;
 use super::{LabelColors, LabelsFile, RegionDesc, VolumeSource};
-use crate::VolumeOptions;
+use crate::{Endian, RawDesc, VolumeOptions};
 
 impl VolumeSection {
     pub(super) fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
@@ -34,9 +37,20 @@ impl VolumeSection {
         Ok(VolumeOptions { series, channel, time, level, colors, opacity_from, ..options })
     }
 
+    /// What the file holds, if it has no header.
+    pub(super) fn raw(&self) -> Result<Option<RawDesc>, Diagnostic> {
+        if self.raw.is_some() && self.path.is_none() {
+            let what = "raw tells what a file holds: it goes with path";
+            return Err(Diagnostic::at("volume", "raw", what));
+        }
+        Ok(self.raw.as_ref().map(RawSection::to_desc))
+    }
+
     pub(super) fn into_source(self, folder: &Path) -> Result<VolumeSource, Diagnostic> {
         match (self.path, self.generate) {
-            (Some(path), None) if self.size.is_none() => Ok(VolumeSource::File(folder.join(path))),
+            (Some(path), None) if self.size.is_none() => {
+                Ok(VolumeSource::File(in_folder(folder, &path)))
+            }
             (None, Some(name)) => Ok(VolumeSource::Builtin { name, size: self.size }),
             (Some(_), None) => {
                 Err(Diagnostic::at("volume", "size", "size goes with generate, not with path"))
@@ -59,9 +73,21 @@ fn word<T: FromStr<Err = String>>(
     parsed.map_err(|what: String| Diagnostic::at("volume", key, format!("{key}: {what}")))
 }
 
+impl RawSection {
+    fn to_desc(&self) -> RawDesc {
+        RawDesc {
+            dims: self.dims,
+            sample_type: self.sample_type,
+            endian: if self.big_endian { Endian::Big } else { Endian::Little },
+            spacing: [1.0; 3],
+            header_bytes: self.header_bytes,
+        }
+    }
+}
+
 impl LabelsSection {
     pub(super) fn into_file(self, folder: &Path) -> Result<LabelsFile, Diagnostic> {
-        let Self { path, colors, only, styles: sections } = self;
+        let Self { path, hash, colors, only, styles: sections } = self;
         let mut styles = BTreeMap::new();
         for section in sections {
             let LabelStyleSection { of, color, opacity, classify } = section;
@@ -78,7 +104,7 @@ impl LabelsSection {
             }
         }
         let colors = colors.map(|name| LabelColors::named(&name, folder));
-        Ok(LabelsFile { path: folder.join(path), colors, styles, only })
+        Ok(LabelsFile { path: folder.join(path), hash, colors, styles, only })
     }
 }
 
@@ -125,7 +151,7 @@ pub(super) fn into_lights(lights: Option<Vec<Light>>) -> Result<Vec<Light>, Diag
 
 impl CameraSection {
     pub(super) fn into_desc(self) -> Result<CameraDesc, Diagnostic> {
-        let Self { projection, eye, target, up, view_height, fov_y } = self;
+        let Self { projection, eye, target, up, view_height, fov_y, fov_y_radians } = self;
         if let Some(height) = view_height.filter(|h| !h.is_normal() || *h < 0.0) {
             let what = format!("view_height must be a positive number, not {height}");
             return Err(Diagnostic::at("camera", "view_height", what));
@@ -134,6 +160,12 @@ impl CameraSection {
             let what = format!("fov_y must lie between 0 and 180 degrees, not {angle}");
             return Err(Diagnostic::at("camera", "fov_y", what));
         }
+        if fov_y_radians.is_some_and(|angle| {
+            fov_y.is_some() || !angle.is_normal() || !(0.0..PI).contains(&angle)
+        }) {
+            let what = "fov_y_radians stands instead of fov_y, and lies between 0 and pi";
+            return Err(Diagnostic::at("camera", "fov_y_radians", what));
+        }
         for (key, point) in [("eye", eye), ("target", target), ("up", up)] {
             if point.is_some_and(|p| p.iter().any(|c| !c.is_finite())) {
                 let what = format!("{key} must be three finite numbers");
@@ -141,7 +173,7 @@ impl CameraSection {
             }
         }
         let [eye, target, up] = [eye, target, up].map(|point| point.map(DVec3::from_array));
-        Ok(CameraDesc { projection, eye, target, up, view_height, fov_y })
+        Ok(CameraDesc { projection, eye, target, up, view_height, fov_y, fov_y_radians })
     }
 }
 

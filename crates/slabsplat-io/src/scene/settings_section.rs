@@ -1,7 +1,9 @@
 //! A section whose keys are the rows of a settings table, beside one key that is none of them.
 
-use serde::{Deserialize, Deserializer};
-use slabsplat_core::{Phong, RenderSettings, Settings, Shading, deserialize_settings};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use slabsplat_core::{
+    Phong, RenderSettings, Settings, Shading, deserialize_settings, serialize_settings,
+};
 
 /// The settings of a section, by default those of `S`, and the word of its other key.
 #[derive(Debug)]
@@ -34,5 +36,12 @@ impl<'de, S: Section> Deserialize<'de> for SettingsSection<S> {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         let (settings, other) = deserialize_settings(d, Some(S::OTHER_KEY))?;
         Ok(Self { settings, other })
+    }
+}
+
+impl<S: Section> Serialize for SettingsSection<S> {
+    fn serialize<Z: Serializer>(&self, serializer: Z) -> Result<Z::Ok, Z::Error> {
+        let other = self.other.as_deref().map(|word| (S::OTHER_KEY, word));
+        serialize_settings(&self.settings, other, serializer)
     }
 }

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
-use super::colors::{ColorUse, OpacitySource};
+use super::LoadedVolume;
+use super::colors::{ColorUse, LoadedColors, OpacitySource};
 use super::data::Share;
 use super::formats::Input;
 use crate::printable::printable;
@@ -173,6 +174,29 @@ impl VolumeOptions {
             Part::Channel => self.channel,
             Part::Time => self.time,
             Part::Level => self.level,
+        }
+    }
+
+    /// Says what was chosen of what there is more of than one, and which colours, where nothing is said.
+    pub fn choose(&mut self, loaded: &LoadedVolume) {
+        if let Some(LoadedColors { voxels, opacity_from, .. }) = &loaded.colors {
+            let use_of_colors = if voxels.is_some() { ColorUse::Own } else { ColorUse::None };
+            self.colors = Some(use_of_colors);
+            self.opacity_from = Some(*opacity_from);
+        }
+        for &part in Part::ALL {
+            let Choice { n, chosen, .. } = *loaded.choices.get(part);
+            // Of colours all channels are read.
+            if part == Part::Channel && loaded.colors.is_some() {
+                continue;
+            }
+            let option = match part {
+                Part::Series => &mut self.series,
+                Part::Channel => &mut self.channel,
+                Part::Time => &mut self.time,
+                Part::Level => &mut self.level,
+            };
+            *option = option.or((1 < n).then_some(chosen));
         }
     }
 
@@ -347,6 +371,7 @@ impl Input<'_> {
 mod tests {
     use super::*;
     use crate::store::Store;
+    use slabsplat_core::{Grid, Scaling, Volume};
 
     #[test]
     fn choices_are_what_is_there() {
@@ -379,6 +404,22 @@ mod tests {
         let warnings = |options: VolumeOptions| choices.warnings(&options).collect::<Vec<_>>();
         assert_eq!(warnings(VolumeOptions::default()), ["there are 2 times: time 1 was taken"]);
         assert_eq!(warnings(VolumeOptions::default().time(1)), [""; 0]);
+        let mut chosen = VolumeOptions::default().channel(3);
+        let samples = vec![0_u8, 1].into();
+        let grid = Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, samples, Scaling::IDENTITY).unwrap();
+        let mut loaded = LoadedVolume { choices, ..LoadedVolume::computed(volume) };
+        chosen.choose(&loaded);
+        assert_eq!(chosen, VolumeOptions::default().channel(3).time(1));
+        let opacity_from = OpacitySource::Alpha;
+        loaded.choices.channel.n = 4;
+        loaded.colors = Some(LoadedColors { voxels: None, has_alpha: true, opacity_from });
+        let mut of_colors = VolumeOptions::default();
+        of_colors.choose(&loaded);
+        let expected = VolumeOptions { colors: Some(ColorUse::None), ..VolumeOptions::default() };
+        let expected = VolumeOptions { opacity_from: Some(opacity_from), ..expected };
+        assert_eq!(of_colors, expected.time(1));
+        let choices = loaded.choices;
         let options = VolumeOptions::default().series(1);
         assert!(options.check(Path::new("a"), &choices).is_err());
     }

@@ -54,7 +54,7 @@ use std::sync::Arc;
 
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{
-    Grid, GridError, Orientation, Provenance, Samples, Scaling, Volume, VolumeError,
+    Grid, GridError, Orientation, Acquisition, Samples, Scaling, Volume, VolumeError,
 };
 
 pub use buffer::Endian;
@@ -79,7 +79,7 @@ pub struct LoadedVolume {
     /// What it was read from.
     pub format: VolumeFormat,
     /// What the file says of where its values come from, and of how the volume stands.
-    pub provenance: Provenance,
+    pub acquisition: Acquisition,
     /// What the file left open or got wrong, and what was assumed; one line each.
     pub warnings: Vec<String>,
     /// What else there is in the file, and which part of it this is.
@@ -166,9 +166,9 @@ impl LoadedVolume {
 impl LoadedVolume {
     /// The only volume of a file.
     pub(crate) fn new(volume: Arc<Volume>, format: VolumeFormat, warnings: Vec<String>) -> Self {
-        let provenance = Provenance { modality: None, orientation: usual_orientation(format) };
+        let acquisition = Acquisition { modality: None, orientation: usual_orientation(format) };
         let choices = VolumeChoices::default();
-        Self { volume, format, provenance, warnings, choices, colors: None }
+        Self { volume, format, acquisition, warnings, choices, colors: None }
     }
 
     /// A volume that comes from no file: a simulation's, say.
@@ -178,7 +178,7 @@ impl LoadedVolume {
 
     /// The same that stands otherwise than is usual in its format.
     fn standing(self, orientation: Orientation) -> Self {
-        Self { provenance: Provenance { orientation, ..self.provenance }, ..self }
+        Self { acquisition: Acquisition { orientation, ..self.acquisition }, ..self }
     }
 
     /// The same on another grid of as many voxels.

@@ -1,6 +1,6 @@
 //! What kind of data a volume holds, by what its file says and by its values.
 
-use slabsplat_core::{Modality, Orientation, Provenance, Volume};
+use slabsplat_core::{Modality, Orientation, Acquisition, Volume};
 
 use super::histogram::Histogram;
 use super::statistics::Statistics;
@@ -79,15 +79,15 @@ impl DataKind {
         matches!(self, Self::Hounsfield { .. }) && longest.fold(0.0, f64::max) < LARGEST_HEAD
     }
 
-    pub(super) fn of(volume: &Volume, statistics: &Statistics, provenance: Provenance) -> Self {
+    pub(super) fn of(volume: &Volume, statistics: &Statistics, acquisition: Acquisition) -> Self {
         let Some(histogram) = &statistics.histogram else { return Self::Flat };
         if is_labels(statistics, histogram) {
             return Self::Labels;
         }
-        if let Some(water) = water(statistics, histogram, provenance) {
+        if let Some(water) = water(statistics, histogram, acquisition) {
             return Self::Hounsfield { water };
         }
-        match (provenance.modality, provenance.orientation) {
+        match (acquisition.modality, acquisition.orientation) {
             (Some(Modality::Microscopy), _) => Self::Microscopy,
             (None, Orientation::Pictures) if is_microscopic(volume) => Self::Microscopy,
             (Some(Modality::Mr), _) | (None, Orientation::Anatomical) => Self::Mr,
@@ -119,7 +119,7 @@ fn is_microscopic(volume: &Volume) -> bool {
 
 /// The value of water, if values are Hounsfield units: there is air, there is soft tissue, and between them
 /// less than of either; and nothing is too far away.
-fn water(statistics: &Statistics, histogram: &Histogram, provenance: Provenance) -> Option<f64> {
+fn water(statistics: &Statistics, histogram: &Histogram, acquisition: Acquisition) -> Option<f64> {
     let [least, largest] = statistics.extremes;
     let share = |[lo, hi]: [f64; 2]| {
         let levels = [lo, hi].map(|value| histogram.scale.level_of(value).unwrap_or(0));
@@ -131,7 +131,7 @@ fn water(statistics: &Statistics, histogram: &Histogram, provenance: Provenance)
         // body is mostly says what is added.
         let is_doubtful = offset != 0.0
             && (histogram.background().noise == 0.0
-                || provenance.orientation == Orientation::Anatomical);
+                || acquisition.orientation == Orientation::Anatomical);
         let is_wide = least <= AIR[1] + offset && 300.0 + offset < largest;
         let is_near = -4096.0 - AIR[0] <= least - offset || least < -2000.0;
         let [air, tissue] = [share(at(AIR)), share(at(SOFT_TISSUE))];
@@ -144,7 +144,7 @@ fn water(statistics: &Statistics, histogram: &Histogram, provenance: Provenance)
             && between < air.max(tissue)
     };
     let offset = OFFSETS.iter().copied().find(is_it);
-    match (offset, provenance.modality) {
+    match (offset, acquisition.modality) {
         (None, Some(Modality::Ct)) if least < AIR[1] => Some(0.0),
         (_, Some(Modality::Mr | Modality::Microscopy)) => None,
         (offset, _) => offset,

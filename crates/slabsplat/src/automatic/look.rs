@@ -5,7 +5,7 @@
 
 #[cfg(feature = "files")]
 use slabsplat_core::SampleType;
-use slabsplat_core::{PiecewiseLinear, Provenance, TransferFunction, Volume};
+use slabsplat_core::{PiecewiseLinear, Acquisition, TransferFunction, Volume};
 #[cfg(feature = "files")]
 use slabsplat_io::OpacitySource;
 
@@ -75,9 +75,9 @@ const PERCEPTUAL: [[f64; 3]; 10] = [
 ];
 
 impl Look {
-    pub(crate) fn of(volume: &Volume, provenance: Provenance) -> Self {
+    pub(crate) fn of(volume: &Volume, acquisition: Acquisition) -> Self {
         let statistics = Statistics::of(volume);
-        let kind = DataKind::of(volume, &statistics, provenance);
+        let kind = DataKind::of(volume, &statistics, acquisition);
         Self::of_kind(kind, &statistics)
     }
 

@@ -18,7 +18,7 @@ mod look;
 mod studio;
 
 use slabsplat_core::{
-    Camera, Fit, ImageDesc, Layer, Mode, Provenance, RenderSettings, Scene, Shading,
+    Camera, Fit, ImageDesc, Layer, Mode, Acquisition, RenderSettings, Scene, Shading,
     TransferFunction, Volume,
 };
 use std::sync::Arc;
@@ -40,15 +40,15 @@ pub struct Automatic {
 impl Automatic {
     /// Looks at the volume's values, of which nothing else is known.
     pub fn new(volume: impl Into<Arc<Volume>>) -> Self {
-        Self::with_provenance(volume, Provenance::default())
+        Self::with_acquisition(volume, Acquisition::default())
     }
 
     /// Looks at the volume's values, and takes for granted what is known of it beside them, as readers of
     /// files report it.
-    pub fn with_provenance(volume: impl Into<Arc<Volume>>, provenance: Provenance) -> Self {
+    pub fn with_acquisition(volume: impl Into<Arc<Volume>>, acquisition: Acquisition) -> Self {
         let volume = volume.into();
-        let look = Look::of(&volume, provenance);
-        let facing = look.facing(&volume, provenance);
+        let look = Look::of(&volume, acquisition);
+        let facing = look.facing(&volume, acquisition);
         let layer = look.layer(volume);
         let framing = Framing::new(std::slice::from_ref(&layer), &[], Mode::Extinction, facing);
         Self { layer, look, framing }
@@ -130,8 +130,8 @@ impl Look {
     }
 
     /// Which way the volume stands.
-    pub(crate) fn facing(&self, volume: &Volume, provenance: Provenance) -> Facing {
-        let facing = Facing::of(provenance.orientation, volume.grid());
+    pub(crate) fn facing(&self, volume: &Volume, acquisition: Acquisition) -> Facing {
+        let facing = Facing::of(acquisition.orientation, volume.grid());
         if self.kind.is_head(volume) { facing.on_neck() } else { facing }
     }
 

@@ -105,13 +105,13 @@ fn automatic_transfer_is_no_box_of_noise() {
 
 #[test]
 fn automatic_kind_by_values() {
-    let check = |volume: Volume, provenance: Provenance, expected: DataKind| {
-        let automatic = Automatic::with_provenance(volume, provenance);
+    let check = |volume: Volume, acquisition: Acquisition, expected: DataKind| {
+        let automatic = Automatic::with_acquisition(volume, acquisition);
         assert_eq!(automatic.kind(), expected, "{}", automatic.description());
     };
     let side = 32;
-    let standing = |orientation| Provenance { modality: None, orientation };
-    let unknown = Provenance::default();
+    let standing = |orientation| Acquisition { modality: None, orientation };
+    let unknown = Acquisition::default();
     let within = |voxel, limit: f64| f64::from(radius(voxel, side) < limit);
     let labels =
         |voxel| within(voxel, 0.8) + 16.0 * within(voxel, 0.6) + 900.0 * within(voxel, 0.4);
@@ -121,7 +121,7 @@ fn automatic_kind_by_values() {
         |voxel| 1040.0 * within(voxel, 0.8) + 400.0 * within(voxel, 0.3) + 30.0 * noise(voxel);
     check(cube(side, |voxel| body(voxel) - 1000.0), unknown, DataKind::Hounsfield { water: 0.0 });
     check(cube(side, |voxel| body(voxel) + 24.0), unknown, DataKind::Hounsfield { water: 1024.0 });
-    let mr = Provenance { modality: Some(Modality::Mr), orientation: Orientation::Anatomical };
+    let mr = Acquisition { modality: Some(Modality::Mr), orientation: Orientation::Anatomical };
     check(cube(side, |voxel| body(voxel) - 1000.0), mr, DataKind::Mr);
     let smooth = |voxel| (-3.0 * radius(voxel, side).powi(2)).exp();
     check(cube(side, smooth), unknown, DataKind::Field);

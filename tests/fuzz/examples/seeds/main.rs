@@ -14,7 +14,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use slabsplat_core::Image;
 use slabsplat_fuzz::BETWEEN;
+use slabsplat_io::{PictureFormat, Provenance};
 use small_files::{BINARY_PLY, COLOR_MAP, SCENE, SIDECAR, STL, VOLUME_PROPERTY};
 use small_files::{arrays as small_arrays, gzip, metaimage, nifti1, nifti2, nrrd_header, ply};
 use small_files::{voxels, zlib};
@@ -34,7 +36,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> anyhow::Result<[(&'static str, Seeds); 16]> {
+fn all() -> anyhow::Result<[(&'static str, Seeds); 17]> {
     Ok([
         ("nrrd", nrrd()),
         ("nifti", nifti()),
@@ -52,6 +54,7 @@ fn all() -> anyhow::Result<[(&'static str, Seeds); 16]> {
         ("scene", vec![SCENE.into(), include_bytes!("../../../../docs/example.toml").to_vec()]),
         ("mesh", mesh()),
         ("transfer", vec![named(0, COLOR_MAP), named(1, VOLUME_PROPERTY)]),
+        ("picture", pictures()),
     ])
 }
 
@@ -76,6 +79,15 @@ fn unpacked(gzip: &[u8]) -> Vec<u8> {
 /// A text, after the number of its name.
 fn named(name_idx: u8, text: &str) -> Vec<u8> {
     [&[name_idx], text.as_bytes()].concat()
+}
+
+/// Pictures that say what they show.
+fn pictures() -> Seeds {
+    let mut provenance = Provenance::default();
+    (provenance.program, provenance.scene) = (Some("a program".into()), Some(SCENE.into()));
+    let picture = Image::filled(2, 1, [0.5; 4]);
+    let bytes = PictureFormat::ALL.iter().map(|it| it.bytes(&picture, Some(&provenance)));
+    bytes.map(|bytes| bytes.expect("it has pixels")).collect()
 }
 
 /// Files of an input.

@@ -28,7 +28,7 @@ mod ybr;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{Grid, Modality, Provenance, SampleType, Scaling};
+use slabsplat_core::{Grid, Modality, Acquisition, SampleType, Scaling};
 
 use super::choices::{Choice, Part, VolumeChoices};
 use super::colors::{Meaning, Values, Voxels};
@@ -141,8 +141,8 @@ impl Found {
         let samples = pixels::read(input, &series, &stack, to_float, channel)?;
         let voxels = Voxels { grid, samples, scaling, choices };
         let loaded = voxels.load(input, VolumeFormat::Dicom, warnings)?;
-        let provenance = Provenance { modality: modality(&series.about), ..loaded.provenance };
-        Ok(LoadedVolume { provenance, ..loaded })
+        let acquisition = Acquisition { modality: modality(&series.about), ..loaded.acquisition };
+        Ok(LoadedVolume { acquisition, ..loaded })
     }
 }
 

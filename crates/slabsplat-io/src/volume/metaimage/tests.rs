@@ -229,6 +229,6 @@ fn metaimage_stands_as_somebody_has_said() {
         (format!("{}{cube}", new.replace("1 0 0 0 1 0 0 0 1", "0 1 0 -1 0 0 0 0 1")), Anatomical),
     ] {
         let loaded = read(&[("a.mha", &attached(&fields, &BIG))]).unwrap();
-        assert_eq!(loaded.provenance.orientation, expected, "{fields}");
+        assert_eq!(loaded.acquisition.orientation, expected, "{fields}");
     }
 }

@@ -12,6 +12,7 @@ use slabsplat_core::{SampleType, Volume};
 
 use super::{ToWrite, WrittenSamples, is_upright};
 use crate::IoError;
+use crate::picture::atomic::without_name;
 
 /// Voxels along each side of a chunk.
 const CHUNK_LEN: usize = 64;
@@ -37,8 +38,8 @@ fn try_write(path: &Path, volume: &Volume, samples: &WrittenSamples<'_>) -> io::
     }
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     let parent = parent.unwrap_or(Path::new("."));
-    let folder =
-        tempfile::Builder::new().prefix(".slabsplat-").suffix(".part").tempdir_in(parent)?;
+    let folder = tempfile::Builder::new().prefix(".slabsplat-").suffix(".part").tempdir_in(parent);
+    let folder = folder.map_err(without_name)?;
     let filled = folder.path().join("new");
     fs::create_dir_all(filled.join("0"))?;
     write_json(&filled.join(".zgroup"), &json!({ "zarr_format": 2 }))?;

@@ -3,7 +3,7 @@
 /// What whoever made a volume says of it. Nothing of it changes a pixel; what is found for a volume that
 /// nobody has described ([`Viewpoint`](crate::Viewpoint), colours) depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Provenance {
+pub struct Acquisition {
     /// What measured it, if that is known.
     pub modality: Option<Modality>,
     /// What the axes of the world are.
