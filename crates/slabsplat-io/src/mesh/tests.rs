@@ -103,6 +103,8 @@ fn ply_faults() {
     check("element vertex 4\n", "", "a property before any element");
     check("end_header", "end", "no line of a PLY header");
     check("element face", "element tristrips", "strips");
+    // Of which one may have colours, and the other none.
+    check("element face", "element vertex", "there are two elements \"vertex\"");
     assert!(fault("a.ply", b"ply\nformat ascii 1.0\n").contains("end_header"));
     assert!(fault("a.ply", b"plyers").contains("does not begin with ply"));
     let endless = b"ply\nformat ascii 1.0\nelement face 18446744073709551615\nend_header\n";

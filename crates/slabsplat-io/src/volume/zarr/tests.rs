@@ -302,6 +302,9 @@ fn zarr_errors_are_plain() {
     check(&meta.replace("[2, 2, 3]", "[2, 2, 4]"), "less than it should");
     check("{", "no JSON");
     check("{}", "no samples");
+    check("-8", "no JSON object");
+    let files = vec![file("zarr.json", "[1]")];
+    assert!(read(&files, &VolumeOptions::default()).unwrap_err().contains("no JSON object"));
     let files = vec![file(".zattrs", &format!("{{{}}}", IMAGE.replace("s0", "../s0")))];
     assert!(read(&files, &VolumeOptions::default()).unwrap_err().contains("path that cannot be"));
     let files = vec![file(".zattrs", &format!("{{{IMAGE}}}"))];

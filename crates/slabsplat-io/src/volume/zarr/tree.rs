@@ -53,10 +53,13 @@ impl<'b> Tree<'b> {
         let mut text = Vec::new();
         let path = self.path_of(key);
         part.take(MAX_JSON_BYTES).read_to_end(&mut text).map_err(IoError::read(&path))?;
-        let value = serde_json::from_slice(&text);
-        value
-            .map(Some)
-            .map_err(|error| IoError::malformed(path, format!("the metadata are no JSON: {error}")))
+        match serde_json::from_slice(&text) {
+            Ok(object @ Value::Object(_)) => Ok(Some(object)),
+            Ok(_) => Err(IoError::malformed(path, "the metadata are no JSON object")),
+            Err(error) => {
+                Err(IoError::malformed(path, format!("the metadata are no JSON: {error}")))
+            }
+        }
     }
 
     /// The file at a key, if there is one.
