@@ -36,8 +36,8 @@
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
-mod grid;
 mod acquisition;
+mod grid;
 mod sample;
 mod volume;
 
@@ -80,6 +80,7 @@ mod serialized;
 
 pub mod model;
 
+pub use acquisition::{Acquisition, Modality, Orientation};
 pub use camera::{Camera, CameraError, Projection, ViewAxes};
 pub use choices::{
     Compositing, Fit, KernelName, Lookup, Method, Mode, Normalization, NotAChoice, ProjectionKind,
@@ -96,7 +97,6 @@ pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
 pub use mesh::{DroppedTriangles, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
-pub use acquisition::{Modality, Orientation, Acquisition};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Modality, Orientation, Acquisition, SampleType, Volume};
+use slabsplat_core::{Acquisition, Modality, Orientation, SampleType, Volume};
 use slabsplat_io::{LoadedVolume, VolumeFormat, VolumeSource, read_scene, read_volume};
 
 /// A line of the README. The mean is given to as many digits as the README has.

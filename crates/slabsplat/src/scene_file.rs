@@ -10,8 +10,8 @@ use slabsplat_core::{
     Shading, TransferFunction,
 };
 use slabsplat_io::{
-    CameraDesc, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed, OpacitySource,
-    SceneFile, TransferFit, check_memory,
+    CameraDesc, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
+    OpacitySource, SceneFile, TransferFit, check_memory,
 };
 use thiserror::Error;
 
@@ -66,7 +66,7 @@ impl OpenScene {
 
     /// The scene as it is now, as a scene file that leaves nothing open: volumes and meshes come from where
     /// they came from, all else is as `scene` has it. [`slabsplat_io::write_scene`] writes it, and
-    /// [`slabsplat_io::Acquisition`] puts it into a picture.
+    /// [`slabsplat_io::Provenance`] puts it into a picture.
     ///
     /// # Errors
     /// If a layer has labels that are from no file.
@@ -244,7 +244,9 @@ impl Opened {
         let mut look = None;
         let automatic = || {
             let found = match &colors {
-                Some(LoadedColors { voxels: None, opacity_from: OpacitySource::Luminance, .. })
+                Some(LoadedColors {
+                    voxels: None, opacity_from: OpacitySource::Luminance, ..
+                })
                 | None => Look::of(&volume, acquisition),
                 Some(colors) => Look::of_colors(&volume, colors.opacity_from),
             };

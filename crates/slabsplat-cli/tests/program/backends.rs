@@ -38,9 +38,7 @@ fn backends_that_work_say_nothing_else() {
         assert!(!stderr.contains("XDG_RUNTIME_DIR"), "{args}: {stderr}");
         if args != "backends" {
             let lines: Vec<&str> = stderr.lines().collect();
-            let is_both = |lines: &[&str]| {
-                matches!(lines, [shown, picture] if shown.starts_with("shown as ") && picture.starts_with("a.png: "))
-            };
+            let is_both = |lines: &[&str]| matches!(lines, [shown, picture] if shown.starts_with("shown as ") && picture.starts_with("a.png: "));
             assert!(is_both(&lines), "{args}: {stderr}");
         }
     }

@@ -97,7 +97,9 @@ impl<'a> Header<'a> {
             match words[..] {
                 [b"end_header"] => break,
                 [b"format", name, _] => encoding = Some(Encoding::named(name)?),
-                [b"element", name, _] if elements.iter().any(|it: &Element<'_>| it.name == name) => {
+                [b"element", name, _]
+                    if elements.iter().any(|it: &Element<'_>| it.name == name) =>
+                {
                     return Err(format!("there are two elements {}", quoted(name)));
                 }
                 [b"element", name, n] => elements.push(Element::new(name, n)?),

@@ -1,8 +1,7 @@
 //! The scene file that leaves nothing open: where a scene came from, and all that it became.
 
 use slabsplat_core::{
-    Camera, Labels, Layer, MeshLayer, Projection, Region, Scene, Volume, VoxelColors,
-    exact_degrees,
+    Camera, Labels, Layer, MeshLayer, Projection, Region, Scene, Volume, VoxelColors, exact_degrees,
 };
 
 use super::{

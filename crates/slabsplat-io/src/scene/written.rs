@@ -39,9 +39,9 @@ pub fn write_scene(path: impl AsRef<Path>, scene: &SceneFile) -> Result<(), IoEr
 /// but that paths may lead to the same files by another way.
 ///
 /// # Errors
-/// If the scene shows nothing, or a path is no text in UTF-8; or if it leaves something open that a text could
-/// not say: what is [`unsaid`](SceneFile::unsaid), or a transfer function that is still to be fitted to its
-/// volume. [`SceneFile::completed`] is a scene that leaves nothing open.
+/// If the scene shows nothing, or a path is no text in UTF-8; or if it leaves something open that a text
+/// could not say: what is [`unsaid`](SceneFile::unsaid), or a transfer function that is still to be fitted to
+/// its volume. [`SceneFile::completed`] is a scene that leaves nothing open.
 pub fn scene_text(scene: &SceneFile, path: impl AsRef<Path>) -> Result<String, IoError> {
     let path = path.as_ref();
     text_of(&scene.clone().seen_from(path), path)

@@ -54,7 +54,7 @@ use std::sync::Arc;
 
 use slabsplat_core::glam::DMat3;
 use slabsplat_core::{
-    Grid, GridError, Orientation, Acquisition, Samples, Scaling, Volume, VolumeError,
+    Acquisition, Grid, GridError, Orientation, Samples, Scaling, Volume, VolumeError,
 };
 
 pub use buffer::Endian;

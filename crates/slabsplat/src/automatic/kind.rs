@@ -1,6 +1,6 @@
 //! What kind of data a volume holds, by what its file says and by its values.
 
-use slabsplat_core::{Modality, Orientation, Acquisition, Volume};
+use slabsplat_core::{Acquisition, Modality, Orientation, Volume};
 
 use super::histogram::Histogram;
 use super::statistics::Statistics;

@@ -5,7 +5,7 @@
 
 #[cfg(feature = "files")]
 use slabsplat_core::SampleType;
-use slabsplat_core::{PiecewiseLinear, Acquisition, TransferFunction, Volume};
+use slabsplat_core::{Acquisition, PiecewiseLinear, TransferFunction, Volume};
 #[cfg(feature = "files")]
 use slabsplat_io::OpacitySource;
 

@@ -18,7 +18,7 @@ mod look;
 mod studio;
 
 use slabsplat_core::{
-    Camera, Fit, ImageDesc, Layer, Mode, Acquisition, RenderSettings, Scene, Shading,
+    Acquisition, Camera, Fit, ImageDesc, Layer, Mode, RenderSettings, Scene, Shading,
     TransferFunction, Volume,
 };
 use std::sync::Arc;

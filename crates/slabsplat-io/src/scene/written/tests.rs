@@ -159,7 +159,8 @@ fn written_scenes_show_something() {
 fn written_scenes_leave_nothing_open_that_text_cannot() {
     let unsaid = SceneFile::of_mesh("a.ply");
     let text = "volume = { path = \"a.nii\" }\n[classify]\n";
-    let fits = ["window = [0, 1]", "preset = \"gray\"", "colormap = \"turbo\"", "opacity_scale = 2"];
+    let fits =
+        ["window = [0, 1]", "preset = \"gray\"", "colormap = \"turbo\"", "opacity_scale = 2"];
     let fitted = fits.map(|key| parse_scene(&format!("{text}{key}"), "x.toml").unwrap());
     for scene in fitted.into_iter().chain([unsaid]) {
         let error = scene_text(&scene, "x.toml").unwrap_err().to_string();

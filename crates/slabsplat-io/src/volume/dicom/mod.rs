@@ -28,7 +28,7 @@ mod ybr;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{Grid, Modality, Acquisition, SampleType, Scaling};
+use slabsplat_core::{Acquisition, Grid, Modality, SampleType, Scaling};
 
 use super::choices::{Choice, Part, VolumeChoices};
 use super::colors::{Meaning, Values, Voxels};
