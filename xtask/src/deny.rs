@@ -21,7 +21,7 @@ pub(crate) fn run(checks: &[OsString]) -> Result<()> {
         return Ok(());
     }
     let mut deny = cargo(workspace::root());
-    deny.args(["deny", "--all-features", "check", "--config", "xtask/deny.toml"]);
+    deny.args(["deny", "--all-features", "--config", "xtask/deny.toml", "check"]);
     if checks.is_empty() {
         deny.args(OFFLINE);
     }
