@@ -44,7 +44,7 @@ fn of_picture(input: &Path) -> Result<SceneFile> {
     let Some(PictureScene { scene, program, .. }) = io::read_picture_scene(input)? else {
         bail!(
             "{} is a picture that does not say what it shows: slabsplat did not make it, or with \
-             --no-metadata",
+             --no-metadata; of slices of a volume, name the folder",
             input.display()
         )
     };
