@@ -53,6 +53,7 @@ mod transfer_image;
 mod unit_vector;
 
 mod choices;
+mod easing;
 mod interval;
 mod settings;
 mod settings_table;
@@ -87,6 +88,7 @@ pub use choices::{
     Statistic, Viewpoint,
 };
 pub use compositing::{MAX_OPACITY, extinction};
+pub use easing::Easing;
 pub use frame_handle::{Cancelled, FrameHandle};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};

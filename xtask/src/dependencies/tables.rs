@@ -59,6 +59,11 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "readers and writers make and take core's types, and never render",
     },
     Layer {
+        name: "slabsplat-film",
+        may_use: &["slabsplat-core"],
+        why: "a film is scenes over time and frames as files; who renders one calls it",
+    },
+    Layer {
         name: "slabsplat-traverse",
         may_use: &["slabsplat-core", "slabsplat-kernel"],
         why: "the order of voxels must not depend on who draws them",
@@ -109,6 +114,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-core",
             "slabsplat-kernel",
             "slabsplat-io",
+            "slabsplat-film",
             "slabsplat-traverse",
             "slabsplat-backend",
             "slabsplat-mesh",
@@ -243,6 +249,8 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "rust-j2k", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "hdf5-pure", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "gif", users: Users::Only(&["slabsplat-film"]), why: FILMS },
+    External { name: "image-webp", users: Users::Only(&["slabsplat-film"]), why: FILMS },
     External { name: "half", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "lz4_flex", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "ruzstd", users: Users::Only(&["slabsplat-io"]), why: CODECS },
@@ -269,5 +277,6 @@ pub(super) const EXTERNALS: &[External] = &[
 
 const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
 const CODECS: &str = "file formats stay in one crate";
+const FILMS: &str = "who makes no films compiles no encoder of them";
 const CODERS: &[&str] = &["slabsplat-core", "slabsplat-io", "xtask", "slabsplat-bench"];
 const TERMINAL: &str = "only the program talks to a terminal";
