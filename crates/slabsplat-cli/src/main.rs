@@ -5,9 +5,9 @@
 //!
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
-//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`scene`],
-//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
-//! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`turntable`],
+//! [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`filming`] is how
+//! films are made; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
 //! are written, [`advice`] what helps where a backend does not, and [`environment`] what drivers find.
 
 mod flags;
@@ -17,6 +17,7 @@ mod backends;
 mod bench;
 mod convert;
 mod demo;
+mod film;
 mod info;
 mod plain;
 mod popping;
@@ -24,10 +25,12 @@ mod presets;
 mod render;
 mod scene;
 mod tf;
+mod turntable;
 
 mod advice;
 mod columns;
 mod environment;
+mod filming;
 mod mesh_info;
 mod meter;
 mod output;
@@ -54,6 +57,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Turntable(Box<turntable::TurntableArgs>),
+    Film(Box<film::FilmArgs>),
     Scene(Box<scene::SceneArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
@@ -81,6 +86,8 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Turntable(args) => turntable::run(&args),
+        Command::Film(args) => film::run(&args),
         Command::Scene(args) => scene::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),

@@ -57,6 +57,17 @@ impl Progress {
         self.bar.set_message(what);
     }
 
+    /// Whether anybody sees a bar.
+    pub(crate) fn is_seen() -> bool {
+        std::io::stderr().is_terminal()
+    }
+
+    /// So many steps were done before.
+    pub(crate) fn begin_at(&self, n_done: u64) {
+        self.bar.set_position(n_done);
+        self.bar.reset_eta();
+    }
+
     /// One step is done.
     pub(crate) fn step(&self) {
         self.bar.inc(1);
@@ -99,7 +110,7 @@ enum Kind {
 fn style(kind: Kind) -> ProgressStyle {
     let template = match kind {
         Kind::Spinner => "{spinner} {msg} {elapsed}",
-        Kind::Steps => "{msg} [{bar:40}] {pos}/{len} {eta}",
+        Kind::Steps => "{msg} [{bar:40}] {pos}/{len}, {percent} %, {eta} left",
         Kind::Bytes => "{msg} [{bar:40}] {bytes} of {total_bytes}, {eta} left",
     };
     // The templates are fixed; the usual bar does if one were ever wrong.
@@ -111,7 +122,7 @@ fn style(kind: Kind) -> ProgressStyle {
 /// Shows the bar after a second, from a thread of its own: a single frame may take longer, and it
 /// calls nobody in between.
 fn watch(bar: &ProgressBar) -> (Option<Sender<()>>, Option<JoinHandle<()>>) {
-    if !std::io::stderr().is_terminal() {
+    if !Progress::is_seen() {
         return (None, None);
     }
     let (done, is_done) = mpsc::channel();

@@ -75,6 +75,13 @@ impl FilmFormat {
         }
     }
 
+    /// Width and height of the film in pixels. Those of MP4 and WebM are even: of an odd side the last row or column
+    /// is there twice.
+    pub fn size(self, desc: &FilmDesc) -> [u32; 2] {
+        let size = [desc.width, desc.height];
+        if self.needs_ffmpeg() { size.map(|side| side.next_multiple_of(2)) } else { size }
+    }
+
     /// That the format has room for such a film.
     ///
     /// # Errors

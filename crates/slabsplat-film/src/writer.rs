@@ -6,6 +6,7 @@ use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat, MakeError};
 use slabsplat_core::Image;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
@@ -131,6 +132,12 @@ impl FilmWriter {
     ) -> Result<FilmReport, MakeError<E>> {
         let Self { target, format, desc, folder, n_done } = self;
         let made = folder.beside("film.part");
+        // An ffmpeg of a run that was killed may still be writing what it had, and goes on with a file of no name.
+        if let Err(error) = fs::remove_file(&made)
+            && error.kind() != ErrorKind::NotFound
+        {
+            return Err(FilmError::write(&made)(error).into());
+        }
         let (sender, receiver) = sync_channel(N_WAITING);
         thread::scope(|scope| {
             let (folder, made) = (&folder, &made);

@@ -32,6 +32,7 @@
 //! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
+//! - `film`: films of scenes ([`film`]).
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
 //! - `ndarray`: volumes of arrays of the crate `ndarray`.
 //!
@@ -64,7 +65,8 @@
 //! # Reading order
 //!
 //! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
-//! `transfer`, `scene_file`; `popping`.
+//! `transfer`, `scene_file`,
+//! `scene_film`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -83,6 +85,8 @@ mod automatic;
 mod framing;
 #[cfg(feature = "files")]
 mod scene_file;
+#[cfg(all(feature = "files", feature = "film"))]
+mod scene_film;
 mod transfer;
 
 mod popping;
@@ -124,6 +128,10 @@ pub use slabsplat_backend::{
 };
 pub use slabsplat_core::*;
 pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, UnknownKernel};
+
+/// Films: scenes between key frames, a camera that goes around, and frames as files that move.
+#[cfg(feature = "film")]
+pub use slabsplat_film as film;
 
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]

@@ -10,8 +10,8 @@ use slabsplat_core::{
     Shading, TransferFunction,
 };
 use slabsplat_io::{
-    CameraDesc, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
-    OpacitySource, SceneFile, TransferFit, check_memory,
+    CameraDesc, FilmFile, FitError, IoError, KeyLook, LayerFile, LoadedColors, LoadedVolume,
+    MemoryNeed, OpacitySource, SceneFile, TransferFit, check_memory,
 };
 use thiserror::Error;
 
@@ -31,6 +31,9 @@ pub struct OpenScene {
     pub sources: SceneFile,
 }
 
+/// The cameras that go around with one.
+type Views<'a> = &'a dyn Fn(&Camera) -> Vec<Camera>;
+
 /// Why a scene cannot be opened.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -47,6 +50,10 @@ pub enum OpenError {
     /// A region is none.
     #[error(transparent)]
     Region(#[from] RegionError),
+    /// Key frames make no film.
+    #[cfg(feature = "film")]
+    #[error(transparent)]
+    Motion(#[from] slabsplat_film::MotionError),
     /// There is nothing to draw.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -121,6 +128,9 @@ impl OpenScene {
         if layers.is_empty() && meshes.is_empty() {
             return Err(PlanError::NoLayers.into());
         }
+        if let Some(film) = &mut sources.film {
+            fit_looks(film, &file.layers, &layers)?;
+        }
         let mut image = file.image;
         if file.unsaid.background {
             image.background = opening.background.unwrap_or(DARK);
@@ -144,6 +154,29 @@ impl OpenScene {
     /// # Errors
     /// If the camera makes no sense.
     pub fn frame(&mut self, file: &SceneFile, aim: &Aim) -> Result<(), OpenError> {
+        self.frame_for(file, aim, None)
+    }
+
+    /// The same for a camera that goes around: where it is found, all is within the picture from each of `views`,
+    /// and stands still in its middle ([`Framing::aimed_around`]). A camera that `file` gives stays.
+    ///
+    /// # Errors
+    /// If the camera makes no sense.
+    pub fn frame_around(
+        &mut self,
+        file: &SceneFile,
+        aim: &Aim,
+        views: &dyn Fn(&Camera) -> Vec<Camera>,
+    ) -> Result<(), OpenError> {
+        self.frame_for(file, aim, Some(views))
+    }
+
+    fn frame_for(
+        &mut self,
+        file: &SceneFile,
+        aim: &Aim,
+        views: Option<Views<'_>>,
+    ) -> Result<(), OpenError> {
         let Scene { layers, meshes, image, settings, .. } = &self.scene;
         let given = &file.camera;
         let is_alone = is_whole(given) && *aim == Aim::default();
@@ -159,7 +192,11 @@ impl OpenScene {
             }
             let found = framing.camera(None, Fit::Visible, projection, image)?;
             let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
-            framing.aimed(&given.complete(&found)?, aim, is_found, image)?
+            let found = given.complete(&found)?;
+            match views.filter(|_| is_found || aim.fit.is_some()) {
+                Some(views) => framing.aimed_around(&found, aim, views, image)?,
+                None => framing.aimed(&found, aim, is_found, image)?,
+            }
         };
         self.scene.camera = camera;
         if file.unsaid.lights {
@@ -167,6 +204,19 @@ impl OpenScene {
         }
         Ok(())
     }
+}
+
+/// Gives the keys of a film the transfer functions that their volumes are shown with.
+fn fit_looks(film: &mut FilmFile, files: &[LayerFile], layers: &[Layer]) -> Result<(), FitError> {
+    for of_key in film.keys.iter_mut().flat_map(|key| &mut key.layers) {
+        let (file, layer) = (&files[of_key.layer_idx], &layers[of_key.layer_idx]);
+        let Some(look) = &mut of_key.look else { continue };
+        let mut file = file.clone();
+        (file.transfer, file.fit) = (look.transfer.take(), look.fit.clone());
+        let Fitted { transfer, .. } = fitted(&file, &layer.volume, || layer.transfer.clone())?;
+        *look = KeyLook { transfer: Some(transfer), fit: TransferFit::default() };
+    }
+    Ok(())
 }
 
 /// Whether nothing of a camera is left to be found.

@@ -4,6 +4,7 @@
 //! flags of what is a row in a table of settings.
 
 mod camera;
+mod film;
 mod labels;
 mod lights;
 mod look;
@@ -17,6 +18,7 @@ mod table;
 mod transfer;
 pub(crate) mod values;
 
+pub(crate) use film::{FilmFlags, UsualLength};
 pub(crate) use output::{OutputFlags, Target, check_folder, check_scene_name};
 pub(crate) use raw::RawFlags;
 pub(crate) use running::RunningFlags;
@@ -28,7 +30,7 @@ use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
 use slabsplat::io::{MeshFile, SceneFile};
-use slabsplat::{Aim, NoBackend, OpenScene, Renderer, Scene};
+use slabsplat::{Aim, Camera, NoBackend, OpenError, OpenScene, Renderer, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
@@ -70,6 +72,9 @@ pub(crate) struct SceneFlags {
     settings: settings::SettingsFlags,
 }
 
+/// What finds the camera of a scene that is open.
+type Frame<'a> = &'a dyn Fn(&mut OpenScene, &SceneFile, &Aim) -> Result<(), OpenError>;
+
 impl SceneFlags {
     /// What is named, with the flags laid over it; no volume is read.
     pub(crate) fn file(&self) -> Result<SceneFile> {
@@ -85,6 +90,10 @@ impl SceneFlags {
 
     /// Reads what is named, and lays the flags over it.
     pub(crate) fn open(&self) -> Result<OpenScene> {
+        self.open_framed(&|opened, file, aim| opened.frame(file, aim))
+    }
+
+    fn open_framed(&self, frame: Frame<'_>) -> Result<OpenScene> {
         let mut file = self.file()?;
         let aim = self.camera.aim()?;
         let n_own = file.layers.len();
@@ -98,7 +107,7 @@ impl SceneFlags {
             let loaded = input::load(&mut file, &self.raw)?;
             loaded[..n_own].iter().try_for_each(|volume| self.look.check_against(volume))?;
             let mut opened = OpenScene::unframed(loaded, &file)?;
-            opened.frame(&file, &aim)?;
+            frame(&mut opened, &file, &aim)?;
             Ok(opened)
         })
     }
@@ -111,7 +120,22 @@ impl SceneFlags {
 
     /// The same with where the scene came from.
     pub(crate) fn opened(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
-        let opened = self.open()?;
+        self.ready(progress, self.open()?)
+    }
+
+    /// The same with a camera that holds what is seen by others, too, which go around with the one that is found.
+    pub(crate) fn opened_around(
+        &self,
+        progress: &Progress,
+        views: &dyn Fn(&SceneFile, &Camera) -> Vec<Camera>,
+    ) -> Result<(Renderer, OpenScene)> {
+        let opened = self.open_framed(&|opened, file, aim| {
+            opened.frame_around(file, aim, &|camera| views(file, camera))
+        })?;
+        self.ready(progress, opened)
+    }
+
+    fn ready(&self, progress: &Progress, opened: OpenScene) -> Result<(Renderer, OpenScene)> {
         terminal::warn_all(&opened.warnings);
         progress.stage("starting the backend");
         let renderer = self.in_scene(|| self.renderer_of(&opened.backend))?;

@@ -68,7 +68,7 @@ impl Ffmpeg {
 /// All but the name of the file.
 fn arguments(format: FilmFormat, desc: &FilmDesc) -> Vec<String> {
     let [frames, seconds] = desc.rate.fraction();
-    let [width, height] = even_size(desc);
+    let [width, height] = format.size(desc);
     let size = format!("{width}x{height}");
     let rate = format!("{frames}/{seconds}");
     let threads = desc.n_threads.min(MAX_THREADS).to_string();
@@ -150,10 +150,6 @@ fn arguments(format: FilmFormat, desc: &FilmDesc) -> Vec<String> {
 
 /// libvpx and x264 take no more.
 const MAX_THREADS: usize = 16;
-
-fn even_size(desc: &FilmDesc) -> [usize; 2] {
-    [desc.width, desc.height].map(|side| (side as usize).next_multiple_of(2))
-}
 
 /// A picture with the last column and row twice, where they are odd.
 fn padded(rgb: Vec<u8>, width: usize, height: usize) -> Vec<u8> {

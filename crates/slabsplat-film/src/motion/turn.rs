@@ -35,6 +35,10 @@ pub struct Turn {
     pub n_frames: u32,
 }
 
+/// Degrees between two views. What stands 24 times as far out as it is wide is cut off by 1 % between them, and
+/// pictures are filled to 95 %.
+const VIEW_STEP_DEGREES: f64 = 7.5;
+
 impl Axis {
     /// The name of every choice.
     pub const NAMES: &[&'static str] = &["up", "right", "x", "y", "z"];
@@ -86,6 +90,20 @@ impl Turn {
     /// If numbers do not suffice.
     pub fn camera_at(&self, camera: &Camera, frame_idx: u32) -> Result<Camera, MotionError> {
         turned(camera, self.rotation_at(camera, frame_idx))
+    }
+
+    /// Cameras on the way, close enough to tell what is seen from all of it; however long the film is, they are few.
+    pub fn views(&self, camera: &Camera) -> Vec<Camera> {
+        let span = self.degrees.abs().min(360.0);
+        let n_steps = (span / VIEW_STEP_DEGREES).ceil().max(1.0);
+        let from = if self.is_rocking { -0.5 * span } else { 0.0 };
+        let view = |idx: u32| {
+            let degrees = from + span * f64::from(idx) / n_steps;
+            let radians = degrees * self.degrees.signum().to_radians();
+            turned(camera, DQuat::from_axis_angle(self.axis.direction(camera), radians))
+        };
+        // Where numbers do not suffice for a camera, there is no frame either.
+        (0..=n_steps as u32).filter_map(|idx| view(idx).ok()).collect()
     }
 
     /// The scene of a frame: camera and lights are turned.
@@ -163,6 +181,33 @@ mod tests {
         let eye = over.camera_at(&camera(), 4).unwrap();
         assert!(eye.eye().abs_diff_eq(DVec3::new(-1.0, 13.0, 1.0), 1e-12), "{}", eye.eye());
         assert!(eye.up().z < 0.0, "it stands on its head there");
+    }
+
+    #[test]
+    fn turn_has_views_of_all_of_it() {
+        let angles = |turn: Turn| {
+            let [right, forward] = [camera().axes().right, camera().axes().forward];
+            let axis = DVec3::Z;
+            let flat = (forward - axis * forward.dot(axis)).normalize();
+            let angle = |view: Camera| {
+                let there = view.axes().forward;
+                (-there.dot(right)).atan2(there.dot(flat)).to_degrees()
+            };
+            let angles: Vec<f64> = turn.views(&camera()).into_iter().map(angle).collect();
+            angles
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], c| [a.min(*c), b.max(*c)])
+        };
+        let near = |found: [f64; 2], expected: [f64; 2]| {
+            assert!(
+                found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9),
+                "{found:?} {expected:?}"
+            );
+        };
+        near(angles(turn(60.0, true, 5)), [-30.0, 30.0]);
+        near(angles(turn(60.0, false, 5)), [0.0, 60.0]);
+        near(angles(turn(-60.0, false, 5)), [-60.0, 0.0]);
+        assert_eq!(turn(36_000.0, false, 9).views(&camera()).len(), 49);
     }
 
     #[test]
