@@ -1,7 +1,7 @@
 //! `slabsplat film`: a film of a scene with key frames.
 
 use crate::filming::Filming;
-use crate::flags::{FilmFlags, SceneFlags, UsualLength};
+use crate::flags::{FilmFlags, SceneFlags};
 use crate::progress::Progress;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -32,11 +32,10 @@ pub(crate) fn run(args: &FilmArgs) -> Result<()> {
     let Some(file) = &mut opened.sources.film else {
         return args.scene.in_scene(|| Err(anyhow::anyhow!(NO_FILM)));
     };
-    let fps = file.frames_per_second.unwrap_or(UsualLength::FPS);
-    let (_, rate) = args.film.length(&UsualLength { fps, seconds: 1.0 })?;
+    let rate = args.film.rate(file.frames_per_second)?;
     file.seconds = args.film.seconds(rate).or(file.seconds);
     let film = args.scene.in_scene(|| opened.film()?.context(NO_FILM))?;
-    let length = args.film.length(&UsualLength { fps, seconds: film.seconds() })?;
+    let n_frames = args.film.n_frames(rate, film.seconds())?;
     let filming = Filming {
         flags: &args.film,
         scene_flags: &args.scene,
@@ -45,10 +44,9 @@ pub(crate) fn run(args: &FilmArgs) -> Result<()> {
         started,
         renderer,
         opened,
-        length,
+        length: (n_frames, rate),
         motion: String::new(),
     };
-    let (n_frames, _) = length;
     let at = |frame_idx| film.seconds_of(frame_idx, n_frames);
     filming.run(|frame_idx| Ok::<Scene, _>(film.scene_at(at(frame_idx))?))
 }

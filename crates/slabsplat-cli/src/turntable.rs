@@ -1,7 +1,7 @@
 //! `slabsplat turntable`: a film of a thing that turns.
 
 use crate::filming::Filming;
-use crate::flags::{FilmFlags, SceneFlags, UsualLength};
+use crate::flags::{FilmFlags, SceneFlags};
 use crate::progress::Progress;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -40,7 +40,8 @@ fn axis_parser() -> impl TypedValueParser<Value = Axis> {
     PossibleValuesParser::new(Axis::NAMES).try_map(|name| name.parse::<Axis>())
 }
 
-const USUAL: UsualLength = UsualLength { fps: UsualLength::FPS, seconds: 6.0 };
+/// How long it takes, where nobody says it.
+const USUAL_SECONDS: f64 = 6.0;
 
 /// Most turns of a film.
 const MAX_DEGREES: f64 = 360_000.0;
@@ -48,8 +49,9 @@ const MAX_DEGREES: f64 = 360_000.0;
 pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
     let started = Instant::now();
     let (path, format) = args.film.target()?;
-    let length = args.film.length(&USUAL)?;
-    let turn = args.turn(length.0)?;
+    let rate = args.film.rate(None)?;
+    let n_frames = args.film.n_frames(rate, USUAL_SECONDS)?;
+    let turn = args.turn(n_frames)?;
     let progress = Progress::start("reading", 0);
     let (renderer, opened) =
         args.scene.opened_around(&progress, &|_, camera| turn.views(camera))?;
@@ -65,7 +67,7 @@ pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
         started,
         renderer,
         opened,
-        length,
+        length: (n_frames, rate),
         motion,
     };
     filming.run(|frame_idx| Ok::<Scene, _>(turn.scene_at(&base, frame_idx)?))

@@ -2,11 +2,11 @@
 
 use super::output::check_folder;
 use crate::terminal;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::ImageDesc;
-use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate};
+use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate};
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -54,16 +54,8 @@ fn format_parser() -> impl TypedValueParser<Value = FilmFormat> {
     })
 }
 
-/// How long a film is where nobody says it.
-pub(crate) struct UsualLength {
-    pub(crate) fps: f64,
-    pub(crate) seconds: f64,
-}
-
-impl UsualLength {
-    /// Frames a second that every format shows evenly, and of which a graphics card is no condition.
-    pub(crate) const FPS: f64 = 25.0;
-}
+/// Frames a second where nobody says it: every format shows them evenly, GIF for 4/100 s each.
+const USUAL_FPS: f64 = 25.0;
 
 impl FilmFlags {
     /// Where the film goes, and as what. What would fail after the work fails here.
@@ -80,14 +72,17 @@ impl FilmFlags {
         Ok((path, format))
     }
 
-    /// How many frames there are, and how fast.
-    pub(crate) fn length(&self, usual: &UsualLength) -> Result<(u32, FrameRate)> {
-        let rate = FrameRate::new(self.fps.unwrap_or(usual.fps))?;
-        let n_frames = match self.frames {
-            Some(n_frames) => n_frames,
-            None => FilmDesc::n_frames_of(self.seconds.unwrap_or(usual.seconds), rate)?,
-        };
-        Ok((n_frames, rate))
+    /// How fast frames follow each other, if need be as a scene file says.
+    pub(crate) fn rate(&self, of_file: Option<f64>) -> Result<FrameRate> {
+        Ok(FrameRate::new(self.fps.or(of_file).unwrap_or(USUAL_FPS))?)
+    }
+
+    /// How many frames there are, of `usual_seconds` if no flag says it.
+    pub(crate) fn n_frames(&self, rate: FrameRate, usual_seconds: f64) -> Result<u32> {
+        Ok(match self.frames {
+            Some(n_frames) => FilmDesc::new(1, 1, n_frames, rate)?.n_frames,
+            None => FilmDesc::n_frames_of(self.seconds.unwrap_or(usual_seconds), rate)?,
+        })
     }
 
     /// How long the flags say that the film is, if they do.
@@ -130,6 +125,13 @@ impl FilmFlags {
         identity: &str,
     ) -> Result<FilmWriter> {
         let begin = if self.restart { FilmWriter::begin_anew } else { FilmWriter::begin };
-        Ok(begin(path.to_owned(), format, desc, identity)?)
+        begin(path.to_owned(), format, desc, identity).map_err(|error| match error {
+            FilmError::OtherFilm { folder, what } => anyhow!(
+                "{} has frames of another film, which differs in {what}: remove that folder, or --restart begins \
+                 anew",
+                folder.display()
+            ),
+            error => error.into(),
+        })
     }
 }

@@ -18,7 +18,7 @@ mod table;
 mod transfer;
 pub(crate) mod values;
 
-pub(crate) use film::{FilmFlags, UsualLength};
+pub(crate) use film::FilmFlags;
 pub(crate) use output::{OutputFlags, Target, check_folder, check_scene_name};
 pub(crate) use raw::RawFlags;
 pub(crate) use running::RunningFlags;

@@ -14,6 +14,7 @@ use super::*;
 use crate::{ColorUse, OpacitySource, Stretch, ValueScale, colormap, preset};
 
 mod classify;
+mod film;
 mod layers;
 
 /// Every key, and no value a default.
