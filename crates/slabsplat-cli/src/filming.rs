@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::{advice, columns, output, terminal};
 use anyhow::{Error, Result};
 use serde_json::{Value, json};
-use slabsplat::film::{FilmDesc, FilmFormat, FilmReport, FrameRate, MakeError, Step};
+use slabsplat::film::{FilmDesc, FilmFormat, FilmReport, FrameRate, Step};
 use slabsplat::io;
 use slabsplat::{Caps, OpenScene, Renderer, Scene};
 use std::path::Path;
@@ -43,12 +43,7 @@ impl Filming<'_> {
         let made = film.make(render, |step| counter.step(step));
         output::say_when_interrupted(None);
         drop(counter);
-        let report = self.scene_flags.in_scene(|| {
-            made.map_err(|error| match error {
-                MakeError::Render(error) => error,
-                MakeError::Film(error) => error.into(),
-            })
-        })?;
+        let report = self.scene_flags.in_scene(|| made)?;
         self.tell(&desc, &report)
     }
 

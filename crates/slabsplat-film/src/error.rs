@@ -125,14 +125,3 @@ impl FilmError {
         move |source| Self::Write { path, source }
     }
 }
-
-/// Why a film was not made to its end.
-#[derive(Debug, Error)]
-pub enum MakeError<E> {
-    /// A frame could not be rendered.
-    #[error(transparent)]
-    Render(E),
-    /// It could not be stored.
-    #[error(transparent)]
-    Film(#[from] FilmError),
-}

@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use slabsplat_core::Image;
-//! use slabsplat_film::{FilmDesc, FilmFormat, FilmWriter, FrameRate};
+//! use slabsplat_film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate};
 //!
 //! # let dir = tempfile::tempdir()?;
 //! # let path = dir.path().join("fade.gif");
@@ -14,7 +14,7 @@
 //! let film = FilmWriter::begin(&path, FilmFormat::Gif, desc, "a fade")?;
 //! let gray = |frame_idx: u32| {
 //!     let value = frame_idx as f32 / 10.0;
-//!     Ok::<_, std::convert::Infallible>(Image::filled(16, 16, [value, value, value, 1.0]))
+//!     Ok::<_, FilmError>(Image::filled(16, 16, [value, value, value, 1.0]))
 //! };
 //! let report = film.make(gray, |_| ())?;
 //! assert_eq!(report.n_frames, 10);
@@ -37,7 +37,7 @@ mod writer;
 mod error;
 
 pub use desc::{FilmDesc, FrameRate};
-pub use error::{FilmError, MakeError};
+pub use error::FilmError;
 pub use format::FilmFormat;
 pub use motion::{Axis, Film, Key, LayerKey, MotionError, Turn};
 pub use writer::{FilmReport, FilmWriter, Step};

@@ -3,7 +3,7 @@
 use crate::encode::{Encoder, check_ffmpeg, encoder};
 use crate::folder::{FrameFolder, check_sequence};
 use crate::pixels::Pixels;
-use crate::{FilmDesc, FilmError, FilmFormat, MakeError};
+use crate::{FilmDesc, FilmError, FilmFormat};
 use slabsplat_core::Image;
 use std::fs;
 use std::io::ErrorKind;
@@ -125,11 +125,11 @@ impl FilmWriter {
     /// # Errors
     /// As `render`; or if a frame has another size, or the film cannot be stored. What is rendered then stays in
     /// the folder of frames.
-    pub fn make<E>(
+    pub fn make<E: From<FilmError>>(
         self,
         mut render: impl FnMut(u32) -> Result<Image, E>,
         mut tell: impl FnMut(Step),
-    ) -> Result<FilmReport, MakeError<E>> {
+    ) -> Result<FilmReport, E> {
         let Self { target, format, desc, folder, n_done } = self;
         let made = folder.beside("film.part");
         // An ffmpeg of a run that was killed may still be writing what it had, and goes on with a file of no name.
@@ -146,7 +146,7 @@ impl FilmWriter {
                 store(folder, &desc, encoder, n_done, receiver)
             });
             for frame_idx in n_done..desc.n_frames {
-                let image = render(frame_idx).map_err(MakeError::Render)?;
+                let image = render(frame_idx)?;
                 // An encoder that does not listen any more says why when it is joined.
                 if sender.send(image).is_err() {
                     break;
@@ -155,7 +155,7 @@ impl FilmWriter {
             }
             drop(sender);
             tell(Step::Ending);
-            encoding.join().unwrap_or(Err(FilmError::Panicked)).map_err(MakeError::Film)
+            Ok::<_, E>(encoding.join().unwrap_or(Err(FilmError::Panicked))?)
         })?;
         match format {
             FilmFormat::PngSequence => folder.end_as_folder(&target)?,

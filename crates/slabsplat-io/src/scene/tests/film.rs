@@ -75,7 +75,7 @@ fn film_diagnostics_name_key_and_line() {
     check(
         TWO,
         "[[film.keys]]\nat = 1\nopacity_scale = 0\n",
-        "18: key 0 of the film: opacity_scale belongs below [[film.keys.layers]], with the layer that it is about",
+        "17: key 0 of the film: opacity_scale belongs below [[film.keys.layers]], with the layer that it is about",
     );
     for (layer, expected) in [
         ("9", "the scene has no layer 9"),
@@ -83,7 +83,7 @@ fn film_diagnostics_name_key_and_line() {
         ("\"implant\"", "that layer is a mesh, which does not change"),
     ] {
         let keys = format!("[[film.keys]]\nat = 1\n[[film.keys.layers]]\nlayer = {layer}\n");
-        check(TWO, &keys, &format!("19: key 0 of the film: {expected}"));
+        check(TWO, &keys, &format!("18: key 0 of the film: {expected}"));
     }
     let both = "layers = [{ layer = 0 }, { layer = \"bone\" }]";
     let error = film_of(&format!("{TWO}[[film.keys]]\nat = 1\n{both}\n")).unwrap_err().to_string();

@@ -228,7 +228,7 @@ fn scene_unknown_keys_are_named() {
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
         "scene.toml:1: unknown key \"size\"; known are volume, mesh, classify, labels, shading, \
-         region, layers, camera, lights, image, render",
+         region, layers, camera, lights, image, render, film",
     );
 }
 
