@@ -1,4 +1,4 @@
-//! `cargo xtask manual`: man pages and completions of shells, into `target/manual`, for whoever packs the program.
+//! `cargo xtask manual`: man pages and completions of shells, for whoever packs the program.
 
 use anyhow::Result;
 

@@ -1,5 +1,5 @@
-//! `slabsplat completions` and `slabsplat manual`: what shells and `man` know of the program, made of the same
-//! definitions as its help.
+//! `slabsplat completions` and `slabsplat manual`: what shells and `man` know of the program, made of the
+//! same definitions as its help.
 
 use crate::terminal;
 use anyhow::{Context, Result};

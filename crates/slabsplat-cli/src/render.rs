@@ -35,8 +35,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     if args.json { terminal::answer(&format!("{done:#}\n")) } else { Ok(()) }
 }
 
-/// Draws a scene, writes what is to be written of it, and tells what was done: in lines on stderr, and in JSON,
-/// which is returned.
+/// Draws a scene, writes what is to be written of it, and tells what was done: in lines on stderr, and in
+/// JSON, which is returned.
 pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, with_stats: bool) -> Result<Value> {
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
