@@ -81,6 +81,7 @@ mod texture_renderer;
 
 mod automatic;
 mod framing;
+mod otsu;
 #[cfg(feature = "files")]
 mod scene_file;
 mod transfer;
