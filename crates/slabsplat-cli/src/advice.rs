@@ -1,14 +1,14 @@
 //! What helps where a backend cannot draw a frame: the CPU draws all of them.
 
 use anyhow::{Result, anyhow};
-use slabsplat::{Caps, Frame, RenderError, Renderer, Scene};
+use slabsplat::{Caps, Frame, FrameHandle, RenderError, Renderer, Scene};
 
-/// Renders a frame.
+/// Renders a frame, which is watched by its handle.
 ///
 /// # Errors
-/// As [`Renderer::render`], with what helps.
-pub(crate) fn render(renderer: &mut Renderer, scene: &Scene) -> Result<Frame> {
-    renderer.render(scene).map_err(|error| of(error, renderer.caps()))
+/// As [`Renderer::render_as`], with what helps.
+pub(crate) fn render(renderer: &mut Renderer, scene: &Scene, frame: &FrameHandle) -> Result<Frame> {
+    renderer.render_as(scene, frame).map_err(|error| of(error, renderer.caps()))
 }
 
 /// An error of a backend, with what helps, if anything does.

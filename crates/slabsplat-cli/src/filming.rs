@@ -7,7 +7,7 @@ use anyhow::{Error, Result};
 use serde_json::{Value, json};
 use slabsplat::film::{FilmDesc, FilmFormat, FilmReport, FrameRate, Step};
 use slabsplat::io;
-use slabsplat::{Caps, OpenScene, Renderer, Scene};
+use slabsplat::{Caps, FrameHandle, OpenScene, Renderer, Scene};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -38,7 +38,7 @@ impl Filming<'_> {
         )));
         let render = |frame_idx| {
             let scene = scene_at(frame_idx)?;
-            Ok::<_, Error>(advice::render(&mut self.renderer, &scene)?.image)
+            Ok::<_, Error>(advice::render(&mut self.renderer, &scene, &FrameHandle::new())?.image)
         };
         let made = film.make(render, |step| counter.step(step));
         output::say_when_interrupted(None);

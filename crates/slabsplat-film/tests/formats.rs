@@ -205,7 +205,11 @@ fn film_that_is_continued_has_the_same_bytes() {
             let film = begin();
             assert_eq!(film.n_done(), n_done, "{format:?}");
             let render = |idx| {
-                if idx < n_done + n_more { Ok(frame(idx, 1.0)) } else { Err("power cut".into()) }
+                if idx < n_done + n_more {
+                    Ok(frame(idx, 1.0))
+                } else {
+                    Err(Failure::from("power cut"))
+                }
             };
             let error = film.make(render, |_| ()).unwrap_err();
             assert_eq!(error.to_string(), "power cut");

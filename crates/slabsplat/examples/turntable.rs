@@ -36,5 +36,5 @@ pub(crate) fn turn(path: &Path) -> Result<FilmReport, Box<dyn Error>> {
             eprintln!("{n_done} of {N_FRAMES}");
         }
     };
-    Ok(film.make(frame, tell)?)
+    film.make(frame, tell)
 }

@@ -83,6 +83,7 @@ mod texture_renderer;
 
 mod automatic;
 mod framing;
+mod otsu;
 #[cfg(feature = "files")]
 mod scene_file;
 #[cfg(all(feature = "files", feature = "film"))]

@@ -6,8 +6,8 @@ use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, CameraError, Fit, Layer, MeshLayer, PiecewiseLinear, Projection, RegionError, Scene,
-    Shading, TransferFunction,
+    Acquisition, Camera, CameraError, Fit, Layer, MeshLayer, PiecewiseLinear, Projection,
+    RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
     CameraDesc, FilmFile, FitError, IoError, KeyLook, LayerFile, LoadedColors, LoadedVolume,
@@ -121,6 +121,7 @@ impl OpenScene {
             background: None,
             facing: None,
         };
+        let acquisitions: Vec<Acquisition> = loaded.iter().map(|it| it.acquisition).collect();
         let layers = loaded.into_iter().zip(&file.layers);
         let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
@@ -129,7 +130,8 @@ impl OpenScene {
             return Err(PlanError::NoLayers.into());
         }
         if let Some(film) = &mut sources.film {
-            fit_looks(film, &file.layers, &layers)?;
+            let warnings = fit_looks(film, &file.layers, &layers, &acquisitions)?;
+            opening.warnings.extend(warnings);
         }
         let mut image = file.image;
         if file.unsaid.background {
@@ -206,17 +208,27 @@ impl OpenScene {
     }
 }
 
-/// Gives the keys of a film the transfer functions that their volumes are shown with.
-fn fit_looks(film: &mut FilmFile, files: &[LayerFile], layers: &[Layer]) -> Result<(), FitError> {
+/// Gives the keys of a film the transfer functions that their volumes are shown with, and returns warnings.
+fn fit_looks(
+    film: &mut FilmFile,
+    files: &[LayerFile],
+    layers: &[Layer],
+    acquisitions: &[Acquisition],
+) -> Result<Vec<String>, FitError> {
+    let mut all_warnings = Vec::new();
     for of_key in film.keys.iter_mut().flat_map(|key| &mut key.layers) {
-        let (file, layer) = (&files[of_key.layer_idx], &layers[of_key.layer_idx]);
         let Some(look) = &mut of_key.look else { continue };
-        let mut file = file.clone();
+        let layer = &layers[of_key.layer_idx];
+        let mut file = files[of_key.layer_idx].clone();
         (file.transfer, file.fit) = (look.transfer.take(), look.fit.clone());
-        let Fitted { transfer, .. } = fitted(&file, &layer.volume, || layer.transfer.clone())?;
+        let acquisition = acquisitions[of_key.layer_idx];
+        let water = || Look::of(&layer.volume, acquisition).kind.water();
+        let Fitted { transfer, warnings, .. } =
+            fitted(&file, &layer.volume, || layer.transfer.clone(), water)?;
+        all_warnings.extend(warnings);
         *look = KeyLook { transfer: Some(transfer), fit: TransferFit::default() };
     }
-    Ok(())
+    Ok(all_warnings)
 }
 
 /// Whether nothing of a camera is left to be found.
@@ -303,7 +315,7 @@ impl Opened {
             look.insert(found).transfer.clone()
         };
         let Fitted { transfer, mut gradient_opacity, mut warnings } =
-            fitted(file, &volume, automatic)?;
+            fitted(file, &volume, automatic, || Look::of(&volume, acquisition).kind.water())?;
         // What was found by gradients goes with the opacities that were found.
         if let (Some(look), None, None) = (&look, &file.transfer_2d, &file.fit.opacity) {
             gradient_opacity = gradient_opacity.or_else(|| look.gradient_opacity.clone());

@@ -1,6 +1,7 @@
 //! The built program, run as a user runs it: what it prints, what it writes, and how it ends.
 
 mod backends;
+mod batch;
 mod bench;
 mod colors;
 mod convert;
@@ -9,6 +10,7 @@ mod errors;
 mod film;
 mod help;
 mod info;
+mod manual;
 mod popping;
 mod render;
 mod scene;
