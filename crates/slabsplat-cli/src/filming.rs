@@ -98,7 +98,7 @@ fn json_of(film: &Filming<'_>, desc: &FilmDesc, report: &FilmReport, caps: &Caps
         "seconds": film.started.elapsed().as_secs_f64(),
         "backend": caps.name,
         "device": caps.device,
-        "warnings": terminal::warnings(),
+        "warnings": terminal::take_warnings(),
     })
 }
 
@@ -142,13 +142,17 @@ impl Counter {
     }
 
     fn line(&self, n_done: u32) -> String {
-        let n_frames = self.n_frames;
-        let percent = u64::from(n_done) * 100 / u64::from(n_frames);
         let n_here = n_done.saturating_sub(self.n_before).max(1);
-        let left =
-            self.started.elapsed().as_secs_f64() / f64::from(n_here) * f64::from(n_frames - n_done);
-        format!("{n_done} of {n_frames} frames, {percent} %, {} left", duration(left))
+        let of_one = self.started.elapsed().as_secs_f64() / f64::from(n_here);
+        line(n_done, self.n_frames, of_one)
     }
+}
+
+/// How far a film is whose frames take so many seconds each.
+fn line(n_done: u32, n_frames: u32, seconds_of_one: f64) -> String {
+    let percent = u64::from(n_done) * 100 / u64::from(n_frames);
+    let left = duration(seconds_of_one * f64::from(n_frames - n_done));
+    format!("{n_done} of {n_frames} frames, {percent} %, {left} left")
 }
 
 /// Seconds as people say them.
@@ -165,6 +169,12 @@ fn duration(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn line_says_what_is_left() {
+        assert_eq!(line(12, 90, 0.5), "12 of 90 frames, 13 %, 39 s left");
+        assert_eq!(line(1, 100_000, 2.0), "1 of 100000 frames, 0 %, 55 h 33 min left");
+    }
 
     #[test]
     fn duration_as_people_say_it() {

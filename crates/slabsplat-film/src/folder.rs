@@ -62,13 +62,13 @@ impl FrameFolder {
             return Err(FilmError::OtherFilm { folder: self.path.clone(), what });
         }
         if said != identity {
-            self.remove_frames()?;
+            remove_files(&self.path, is_frame)?;
             let said = self.lock.set_len(0).and_then(|()| self.lock.write_all(identity.as_bytes()));
             said.map_err(FilmError::write(&text))?;
             return Ok(0);
         }
         if anew {
-            self.remove_frames()?;
+            remove_files(&self.path, is_frame)?;
         }
         let mut n_done = 0;
         while n_done < self.desc.n_frames && self.frame_path(n_done).is_file() {
@@ -79,16 +79,6 @@ impl FrameFolder {
             n_done -= 1;
         }
         Ok(n_done)
-    }
-
-    fn remove_frames(&self) -> Result<(), FilmError> {
-        for entry in fs::read_dir(&self.path).map_err(FilmError::write(&self.path))? {
-            let path = entry.map_err(FilmError::write(&self.path))?.path();
-            if is_frame(&path) {
-                fs::remove_file(&path).map_err(FilmError::write(&path))?;
-            }
-        }
-        Ok(())
     }
 
     fn frame_path(&self, frame_idx: u32) -> PathBuf {
@@ -133,14 +123,7 @@ impl FrameFolder {
         remove_sequence(target)?;
         // A folder with an open file cannot be renamed everywhere.
         drop(self.lock);
-        for name in [IDENTITY, PART] {
-            match fs::remove_file(self.path.join(name)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(FilmError::write(&self.path)(error));
-                }
-                _ => {}
-            }
-        }
+        remove_files(&self.path, |path| !is_frame(path))?;
         fs::rename(&self.path, target).map_err(FilmError::write(target))
     }
 }
@@ -161,6 +144,16 @@ fn remove_sequence(target: &Path) -> Result<(), FilmError> {
         }
         _ => Ok(()),
     }
+}
+
+fn remove_files(folder: &Path, is_to_go: impl Fn(&Path) -> bool) -> Result<(), FilmError> {
+    for entry in fs::read_dir(folder).map_err(FilmError::write(folder))? {
+        let path = entry.map_err(FilmError::write(folder))?.path();
+        if is_to_go(&path) {
+            fs::remove_file(&path).map_err(FilmError::write(&path))?;
+        }
+    }
+    Ok(())
 }
 
 /// That a folder has nothing but frames.

@@ -47,6 +47,9 @@ impl Ffmpeg {
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(messages);
+        // An interrupt from the terminal is the program's to handle; ffmpeg ends when no more frames come.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn().map_err(|error| of_start(format, &error))?;
         let stdin = child.stdin.take();
         Ok(Self { child, stdin, log })
