@@ -12,8 +12,8 @@ use std::time::Instant;
 
 /// Film a scene file that has key frames, in [film]
 ///
-/// Flags change the scene, which is how all is at the beginning; key frames say what it becomes. While the film is
-/// made its frames are in a folder FILE.frames: an interrupted run is continued by the same command.
+/// Flags change the scene, which is how all is at the beginning; key frames say what it becomes. While the
+/// film is made its frames are in a folder FILE.frames: an interrupted run is continued by the same command.
 #[derive(Args)]
 pub(crate) struct FilmArgs {
     #[command(flatten)]

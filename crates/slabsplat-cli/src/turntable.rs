@@ -12,9 +12,9 @@ use std::time::Instant;
 
 /// Film a scene or a volume as it turns
 ///
-/// Camera and lights go around what the camera looks at, as if the thing turned before them; where the camera is
-/// found, all of it is in the picture at any angle. A whole turn is seamless. While the film is made its frames are
-/// in a folder FILE.frames: an interrupted run is continued by the same command.
+/// Camera and lights go around what the camera looks at, as if the thing turned before them; where the camera
+/// is found, all of it is in the picture at any angle. A whole turn is seamless. While the film is made its
+/// frames are in a folder FILE.frames: an interrupted run is continued by the same command.
 #[derive(Args)]
 pub(crate) struct TurntableArgs {
     #[command(flatten)]

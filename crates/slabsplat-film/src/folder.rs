@@ -1,5 +1,6 @@
-//! The folder of frames beside a film that is being made: a PNG for each, and a text that says of which film they
-//! are. What it holds is whole at any moment, so that a run that was interrupted, however hard, can be continued.
+//! The folder of frames beside a film that is being made: a PNG for each, and a text that says of which film
+//! they are. What it holds is whole at any moment, so that a run that was interrupted, however hard, can be
+//! continued.
 
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError};

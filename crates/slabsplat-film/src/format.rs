@@ -1,5 +1,6 @@
 //! What a film is stored as.
 
+use crate::encode::check_ffmpeg;
 use crate::{FilmDesc, FilmError};
 use std::path::Path;
 
@@ -60,6 +61,14 @@ impl FilmFormat {
         matches!(self, Self::Mp4 | Self::WebM)
     }
 
+    /// That the program which makes it is there, if one does.
+    ///
+    /// # Errors
+    /// If it is not, or cannot be started.
+    pub fn check_program(self) -> Result<(), FilmError> {
+        check_ffmpeg(self)
+    }
+
     /// Whether something may shine through its frames.
     pub fn has_opacity(self) -> bool {
         matches!(self, Self::WebP | Self::Apng | Self::PngSequence)
@@ -75,8 +84,8 @@ impl FilmFormat {
         }
     }
 
-    /// Width and height of the film in pixels. Those of MP4 and WebM are even: of an odd side the last row or column
-    /// is there twice.
+    /// Width and height of the film in pixels. Those of MP4 and WebM are even: of an odd side the last row or
+    /// column is there twice.
     pub fn size(self, desc: &FilmDesc) -> [u32; 2] {
         let size = [desc.width, desc.height];
         if self.needs_ffmpeg() { size.map(|side| side.next_multiple_of(2)) } else { size }

@@ -1,8 +1,9 @@
 //! Films of slabsplat: what is between key frames, and frames as files that move.
 //!
-//! A [`Film`] is key frames of a scene: it tells the scene at any moment. [`Turn`] is the film that needs none,
-//! a camera that goes around. [`FilmWriter`] takes frames one after the other, in a folder beside the film from
-//! which an interrupted run continues, and makes the film of them. Whoever renders the frames is the caller.
+//! A [`Film`] is key frames of a scene: it tells the scene at any moment. [`Turn`] is the film that needs
+//! none, a camera that goes around. [`FilmWriter`] takes frames one after the other, in a folder beside the
+//! film from which an interrupted run continues, and makes the film of them. Whoever renders the frames is
+//! the caller.
 //!
 //! ```
 //! use slabsplat_core::Image;

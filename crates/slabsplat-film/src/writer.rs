@@ -1,6 +1,6 @@
 //! A film, from its first frame to its last.
 
-use crate::encode::{Encoder, check_ffmpeg, encoder};
+use crate::encode::{Encoder, encoder};
 use crate::folder::{FrameFolder, check_sequence};
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
-/// Frames that wait between whoever renders and the encoder. More would only take memory: on average the slower
-/// of the two decides.
+/// Frames that wait between whoever renders and the encoder. More would only take memory: on average the
+/// slower of the two decides.
 const N_WAITING: usize = 2;
 
 /// A film that has begun.
@@ -64,13 +64,13 @@ impl FilmWriter {
     /// Begins the film `target`, or continues it if frames of it are in the folder `target.frames`.
     ///
     /// `identity` is a text that tells films apart, with all that decides about its pixels; lines of `key =
-    /// value` are named in the error if they differ. Frames are retained in that folder until the film is done,
-    /// and a film that is continued has the same bytes as one that is made in one go, as far as ffmpeg makes the
-    /// same of the same frames.
+    /// value` are named in the error if they differ. Frames are retained in that folder until the film is
+    /// done, and a film that is continued has the same bytes as one that is made in one go, as far as ffmpeg
+    /// makes the same of the same frames.
     ///
     /// # Errors
-    /// If the format has no room for such frames, there is no ffmpeg and it is needed, the folder has frames of
-    /// another film or is in use, or files cannot be written.
+    /// If the format has no room for such frames, there is no ffmpeg and it is needed, the folder has frames
+    /// of another film or is in use, or files cannot be written.
     pub fn begin(
         target: impl Into<PathBuf>,
         format: FilmFormat,
@@ -101,7 +101,7 @@ impl FilmWriter {
         anew: bool,
     ) -> Result<Self, FilmError> {
         format.check(&desc)?;
-        check_ffmpeg(format)?;
+        format.check_program()?;
         if format == FilmFormat::PngSequence {
             check_sequence(&target)?;
         } else if target.is_dir() {
@@ -123,8 +123,8 @@ impl FilmWriter {
     /// `render` is given the number of a frame, from 0 on. `tell` hears of each step.
     ///
     /// # Errors
-    /// As `render`; or if a frame has another size, or the film cannot be stored. What is rendered then stays in
-    /// the folder of frames.
+    /// As `render`; or if a frame has another size, or the film cannot be stored. What is rendered then stays
+    /// in the folder of frames.
     pub fn make<E: From<FilmError>>(
         self,
         mut render: impl FnMut(u32) -> Result<Image, E>,
@@ -132,7 +132,8 @@ impl FilmWriter {
     ) -> Result<FilmReport, E> {
         let Self { target, format, desc, folder, n_done } = self;
         let made = folder.beside("film.part");
-        // An ffmpeg of a run that was killed may still be writing what it had, and goes on with a file of no name.
+        // An ffmpeg of a run that was killed may still be writing what it had, and goes on with a file of no
+        // name.
         if let Err(error) = fs::remove_file(&made)
             && error.kind() != ErrorKind::NotFound
         {

@@ -1,7 +1,8 @@
-//! A film of a thing that turns: `cargo run --release -p slabsplat --features film --example turntable [FILE]`.
+//! A film of a thing that turns: `cargo run --release -p slabsplat --features film --example turntable
+//! [FILE]`.
 //!
-//! The file is `.gif`, `.webp`, `.apng` or `.png-sequence`, or with ffmpeg `.mp4` or `.webm`. Run again after it was
-//! interrupted, it continues.
+//! The file is `.gif`, `.webp`, `.apng` or `.png-sequence`, or with ffmpeg `.mp4` or `.webm`. Run again after
+//! it was interrupted, it continues.
 
 use slabsplat::film::{Axis, FilmDesc, FilmFormat, FilmReport, FilmWriter, FrameRate, Step, Turn};
 use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, io};

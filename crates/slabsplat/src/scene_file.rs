@@ -159,8 +159,8 @@ impl OpenScene {
         self.frame_for(file, aim, None)
     }
 
-    /// The same for a camera that goes around: where it is found, all is within the picture from each of `views`,
-    /// and stands still in its middle ([`Framing::aimed_around`]). A camera that `file` gives stays.
+    /// The same for a camera that goes around: where it is found, all is within the picture from each of
+    /// `views`, and stands still in its middle ([`Framing::aimed_around`]). A camera that `file` gives stays.
     ///
     /// # Errors
     /// If the camera makes no sense.

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(next_help_heading = "Film")]
 pub(crate) struct FilmFlags {
-    /// The film: .mp4 and .webm (by the program ffmpeg), .gif, .webp, .apng, or .png-sequence, which is a folder
-    /// with a PNG for each frame
+    /// The film: .mp4 and .webm (by the program ffmpeg), .gif, .webp, .apng, or .png-sequence, which is a
+    /// folder with a PNG for each frame
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
@@ -66,6 +66,7 @@ impl FilmFlags {
             let names = names.collect::<Vec<_>>().join(", ");
             bail!("cannot tell the format of {}: name the film one of {names}", path.display());
         };
+        format.check_program()?;
         if format != FilmFormat::PngSequence || !path.is_dir() {
             check_folder(path, self.mkdir)?;
         }

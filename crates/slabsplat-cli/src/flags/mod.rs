@@ -133,7 +133,8 @@ impl SceneFlags {
         self.ready(progress, self.open()?)
     }
 
-    /// The same with a camera that holds what is seen by others, too, which go around with the one that is found.
+    /// The same with a camera that holds what is seen by others, too, which go around with the one that is
+    /// found.
     pub(crate) fn opened_around(
         &self,
         progress: &Progress,

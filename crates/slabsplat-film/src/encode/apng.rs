@@ -1,4 +1,5 @@
-//! Animated PNG (<https://www.w3.org/TR/png-3/#apng-frame-based-animation>): whole frames, one after the other.
+//! Animated PNG (<https://www.w3.org/TR/png-3/#apng-frame-based-animation>): whole frames, one after the
+//! other.
 
 use super::Encoder;
 use crate::folder::FrameFolder;

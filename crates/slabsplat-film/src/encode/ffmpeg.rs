@@ -1,6 +1,6 @@
-//! MP4 and WebM by the program ffmpeg (<https://ffmpeg.org/ffmpeg.html>), which takes frames by a pipe as they are
-//! made. Its sides are even, as 4:2:0 has one colour for 2 × 2 pixels: of an odd one the last row or column is
-//! there twice.
+//! MP4 and WebM by the program ffmpeg (<https://ffmpeg.org/ffmpeg.html>), which takes frames by a pipe as
+//! they are made. Its sides are even, as 4:2:0 has one colour for 2 × 2 pixels: of an odd one the last row or
+//! column is there twice.
 
 use super::Encoder;
 use crate::folder::FrameFolder;

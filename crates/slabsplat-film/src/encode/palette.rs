@@ -2,8 +2,9 @@
 //!
 //! One palette for all frames, or what does not move would change its colour from frame to frame. It is found
 //! from counts of all frames' colours by variance-based splitting (Wan, Prusinkiewicz & Wong 1988): whichever
-//! box of colours is widest is cut where its two halves are narrowest. A colour between two of the palette is a
-//! pattern of both by a fixed matrix (Bayer 1973), which stands still on the screen as error diffusion does not.
+//! box of colours is widest is cut where its two halves are narrowest. A colour between two of the palette is
+//! a pattern of both by a fixed matrix (Bayer 1973), which stands still on the screen as error diffusion does
+//! not.
 
 /// Bits of a channel by which colours are counted.
 const COUNTED_BITS: u32 = 6;

@@ -1,5 +1,5 @@
-//! Animated WebP (<https://developers.google.com/speed/webp/docs/riff_container>): lossless frames, each a chunk
-//! `ANMF` around a still picture's `VP8L`.
+//! Animated WebP (<https://developers.google.com/speed/webp/docs/riff_container>): lossless frames, each a
+//! chunk `ANMF` around a still picture's `VP8L`.
 
 use super::Encoder;
 use crate::folder::FrameFolder;

@@ -1,9 +1,9 @@
 //! Cameras over time: around what they look at, not through it.
 //!
-//! A camera is what it looks at, how far away it is, how much it shows, and a rotation. Rotations go from key to key
-//! by a cubic curve of unit quaternions (Kim, Kim & Shin 1995) whose speeds at keys are limited as those of numbers
-//! are; between two keys that is a turn about one axis at one speed. What is upwards comes from the cameras' own up
-//! vectors, so that the horizon stays level where it is so in all keys.
+//! A camera is what it looks at, how far away it is, how much it shows, and a rotation. Rotations go from key
+//! to key by a cubic curve of unit quaternions (Kim, Kim & Shin 1995) whose speeds at keys are limited as
+//! those of numbers are; between two keys that is a turn about one axis at one speed. What is upwards comes
+//! from the cameras' own up vectors, so that the horizon stays level where it is so in all keys.
 
 use super::MotionError;
 use super::track::{Moment, Track};
@@ -23,8 +23,8 @@ pub(super) struct CameraPath {
 struct Pose {
     /// From the camera's axes: right, up and towards the eye.
     world_from_camera: DQuat,
-    /// Of the distance between eye and target, and of the size of what is shown at the target: logarithms, since
-    /// what doubles in a second doubles in the next.
+    /// Of the distance between eye and target, and of the size of what is shown at the target: logarithms,
+    /// since what doubles in a second doubles in the next.
     logs: [f64; 2],
 }
 

@@ -19,8 +19,8 @@ pub struct Key {
     pub easing: Easing,
     /// Where the scene is seen from.
     pub camera: Option<Camera>,
-    /// How far that camera has then gone to its own right around what it looks at, in degrees: beyond half a turn,
-    /// which two cameras cannot say.
+    /// How far that camera has then gone to its own right around what it looks at, in degrees: beyond half a
+    /// turn, which two cameras cannot say.
     pub azimuth_degrees: Option<f64>,
     /// Width of slabs, in voxel steps.
     pub slab_width: Option<f64>,
@@ -176,9 +176,9 @@ impl Numbers {
 impl Film {
     /// A scene that changes from key to key.
     ///
-    /// The scene itself is how things are at 0 seconds, where no key says otherwise, and `easing` how time passes
-    /// from there to the first key. If the film `is_loop`, all goes back from the last key to the beginning until
-    /// `seconds` are over, unless the last key is at the end.
+    /// The scene itself is how things are at 0 seconds, where no key says otherwise, and `easing` how time
+    /// passes from there to the first key. If the film `is_loop`, all goes back from the last key to the
+    /// beginning until `seconds` are over, unless the last key is at the end.
     ///
     /// # Errors
     /// If keys are not in order or beyond the end, or a number or a layer is none.

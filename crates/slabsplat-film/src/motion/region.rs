@@ -1,5 +1,5 @@
-//! Regions over time: planes move. Where keys have as many planes each moves to the one in its place; else planes of
-//! the same direction are one, and where a key lacks it, it stands where it cuts nothing off.
+//! Regions over time: planes move. Where keys have as many planes each moves to the one in its place; else
+//! planes of the same direction are one, and where a key lacks it, it stands where it cuts nothing off.
 
 use super::MotionError;
 use super::track::Track;

@@ -1,8 +1,8 @@
 //! Numbers over time, through values at given moments.
 //!
 //! Between two keys a number is a cubic polynomial whose slopes at both ends are limited (Fritsch & Butland
-//! 1984): the curve is smooth, passes through every key, and never leaves the range between two neighbours. So
-//! opacities stay opacities, and what rests between two equal keys rests.
+//! 1984): the curve is smooth, passes through every key, and never leaves the range between two neighbours.
+//! So opacities stay opacities, and what rests between two equal keys rests.
 
 use slabsplat_core::Easing;
 

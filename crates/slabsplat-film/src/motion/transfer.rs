@@ -1,5 +1,5 @@
-//! Transfer functions over time. Where all keys have as many points, points move from key to key; else the functions
-//! fade into each other, over the positions of all of them.
+//! Transfer functions over time. Where all keys have as many points, points move from key to key; else the
+//! functions fade into each other, over the positions of all of them.
 
 use super::MotionError;
 use super::track::{Moment, Track};

@@ -1,4 +1,5 @@
-//! A camera that goes around: a turntable, on which the thing turns before camera and lights that stand still.
+//! A camera that goes around: a turntable, on which the thing turns before camera and lights that stand
+//! still.
 
 use super::MotionError;
 use slabsplat_core::glam::{DQuat, DVec3};
@@ -27,7 +28,8 @@ pub enum Axis {
 pub struct Turn {
     /// Around what.
     pub axis: Axis,
-    /// From the first frame to the last, or if it rocks, from one side to the other; negative the other way round.
+    /// From the first frame to the last, or if it rocks, from one side to the other; negative the other way
+    /// round.
     pub degrees: f64,
     /// Whether it goes to and fro about where it begins, slowest at either side.
     pub is_rocking: bool,
@@ -35,8 +37,8 @@ pub struct Turn {
     pub n_frames: u32,
 }
 
-/// Degrees between two views. What stands 24 times as far out as it is wide is cut off by 1 % between them, and
-/// pictures are filled to 95 %.
+/// Degrees between two views. What stands 24 times as far out as it is wide is cut off by 1 % between them,
+/// and pictures are filled to 95 %.
 const VIEW_STEP_DEGREES: f64 = 7.5;
 
 impl Axis {
@@ -72,8 +74,8 @@ impl FromStr for Axis {
 impl Turn {
     /// How far the camera has gone in a frame, in degrees.
     ///
-    /// The last frame of a whole turn is a step before the first one, so that a film that is shown again and again
-    /// has no frame twice; a part of a turn ends where it says.
+    /// The last frame of a whole turn is a step before the first one, so that a film that is shown again and
+    /// again has no frame twice; a part of a turn ends where it says.
     pub fn degrees_at(&self, frame_idx: u32) -> f64 {
         let (idx, n_frames) = (f64::from(frame_idx), f64::from(self.n_frames.max(1)));
         if self.is_rocking {
@@ -92,7 +94,8 @@ impl Turn {
         turned(camera, self.rotation_at(camera, frame_idx))
     }
 
-    /// Cameras on the way, close enough to tell what is seen from all of it; however long the film is, they are few.
+    /// Cameras on the way, close enough to tell what is seen from all of it; however long the film is, they
+    /// are few.
     pub fn views(&self, camera: &Camera) -> Vec<Camera> {
         let span = self.degrees.abs().min(360.0);
         let n_steps = (span / VIEW_STEP_DEGREES).ceil().max(1.0);

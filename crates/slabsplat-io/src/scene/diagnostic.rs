@@ -18,8 +18,8 @@ pub(super) struct Diagnostic {
 enum Place {
     Unknown,
     Line(usize),
-    /// A key of a section, of the scene or of an item of a list; an empty key is the section itself, and an empty
-    /// section the item.
+    /// A key of a section, of the scene or of an item of a list; an empty key is the section itself, and an
+    /// empty section the item.
     Key {
         item: Option<Item>,
         section: &'static str,
@@ -149,7 +149,8 @@ fn section_name(line: &str) -> Option<&str> {
     (is_name && !is_number && !name.trim().is_empty()).then(|| name.trim())
 }
 
-/// The line, counted from 1, where a section, of the scene or of an item of a list, sets a key; else where it begins.
+/// The line, counted from 1, where a section, of the scene or of an item of a list, sets a key; else where it
+/// begins.
 fn line_of_key(text: &str, item: Option<Item>, section: &str, key: &str) -> Option<usize> {
     let sets_key = |line: &str| {
         let name = line.split_once('=').map(|(name, _)| name.trim());

@@ -1,10 +1,10 @@
 //! Scene files ([`scene_keys`](crate::scene_keys)): everything that decides a pixel, as TOML.
 //!
-//! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells
-//! it), `layers` and `sections` (what that means), `classify` (which values are
-//! visible), `camera`, `film`, `labels` and `label_table`, `region`, `transfer_image` (a transfer function from a
-//! picture), `diagnostic` (what a file does wrong, and in which line); `completed` (a scene file that leaves
-//! nothing open), `written` and `paths` (its text).
+//! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells it),
+//! `layers` and `sections` (what that means), `classify` (which values are visible), `camera`, `film`,
+//! `labels` and `label_table`, `region`, `transfer_image` (a transfer function from a picture), `diagnostic`
+//! (what a file does wrong, and in which line); `completed` (a scene file that leaves nothing open),
+//! `written` and `paths` (its text).
 
 mod document;
 

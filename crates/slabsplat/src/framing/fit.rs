@@ -51,8 +51,8 @@ pub(super) fn fitting(
     Camera::new(in_world(eye), in_world(target), world_up, projection)
 }
 
-/// The camera moved so that the pictures of all `views`, which turn with it about its target, hold what each of them
-/// sees. It looks in the same direction, at the middle of it all.
+/// The camera moved so that the pictures of all `views`, which turn with it about its target, hold what each
+/// of them sees. It looks in the same direction, at the middle of it all.
 ///
 /// # Errors
 /// If numbers do not suffice.

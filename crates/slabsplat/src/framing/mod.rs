@@ -123,8 +123,8 @@ impl Framing {
         aim.moved(&camera, f64::from(image.width) / f64::from(image.height))
     }
 
-    /// The camera aimed otherwise, and filled by what is seen from all of `views`: cameras that go around what
-    /// it looks at, for the camera that is turned. Then it is magnified and moved.
+    /// The camera aimed otherwise, and filled by what is seen from all of `views`: cameras that go around
+    /// what it looks at, for the camera that is turned. Then it is magnified and moved.
     ///
     /// From each of them all is within the picture, and as large as from the others. It stands still in the
     /// middle, if they go around that: the target is in the middle of what they see.
