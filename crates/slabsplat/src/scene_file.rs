@@ -6,8 +6,8 @@ use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, CameraError, Fit, Layer, MeshLayer, PiecewiseLinear, Projection, RegionError, Scene,
-    Shading, TransferFunction,
+    Acquisition, Camera, CameraError, Fit, Layer, MeshLayer, PiecewiseLinear, Projection,
+    RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
     CameraDesc, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
@@ -26,6 +26,8 @@ pub struct OpenScene {
     pub warnings: Vec<String>,
     /// What was found from the volumes, a line for each that did not say how it looks, for people.
     pub found: Vec<String>,
+    /// What the first volume's file says of it beside its values.
+    pub acquisition: Acquisition,
     facing: Facing,
     /// What was opened, with what was chosen of files that hold several volumes.
     pub sources: SceneFile,
@@ -114,6 +116,7 @@ impl OpenScene {
             background: None,
             facing: None,
         };
+        let acquisition = loaded.first().map(|loaded| loaded.acquisition);
         let layers = loaded.into_iter().zip(&file.layers);
         let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
@@ -131,8 +134,18 @@ impl OpenScene {
             .layers(layers)
             .lights(file.lights.clone())
             .image(image)
-            .settings(file.settings.clone());
-        Ok(Self { scene, backend: file.backend.clone(), warnings, sources, found, facing })
+            .settings(file.settings.clone())
+            .finish(file.finish.clone());
+        let acquisition = acquisition.unwrap_or_default();
+        Ok(Self {
+            scene,
+            backend: file.backend.clone(),
+            warnings,
+            sources,
+            found,
+            acquisition,
+            facing,
+        })
     }
 
     /// Finds the camera that `file` leaves out, or the rest of it, and aims it; then the lights, if the file
