@@ -270,12 +270,12 @@ fn scene_finish() {
         let error = read(&format!("{SMALL}{text}")).unwrap_err();
         assert!(error.contains(expected), "{error} should contain {expected}");
     };
-    check("[image]\n\nsamples = 8\n", ":7: samples of a pixel are 1, 4, 9,");
-    check("[image]\nsamples = 100\n", ":6: samples of a pixel are 1, 4, 9,");
-    check("[image]\nwidth = 32768\nsamples = 4\n", ":7: 4 samples for each of 32768 x");
-    check("[image]\nbackground_below = [2, 0, 0, 1]\n", ":6: the background must be");
-    check("[annotations]\ntitle = \"\"\n", ":6: a title is a line");
-    check("[annotations]\naxes = 1\n", ":6: ");
+    check("[image]\n\nsamples = 8\n", ":6: samples of a pixel are 1, 4, 9,");
+    check("[image]\nsamples = 100\n", ":5: samples of a pixel are 1, 4, 9,");
+    check("[image]\nwidth = 32768\nsamples = 4\n", ":6: 4 samples for each of 32768 x");
+    check("[image]\nbackground_below = [2, 0, 0, 1]\n", ":5: the background must be");
+    check("[annotations]\ntitle = \"\"\n", ":5: a title is a line");
+    check("[annotations]\naxes = 1\n", ":5: ");
 }
 
 #[test]
