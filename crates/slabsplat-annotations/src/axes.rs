@@ -35,7 +35,7 @@ impl Bounds {
     /// Of all volumes and meshes; `None` if there are none.
     pub(crate) fn of(scene: &Scene) -> Option<Self> {
         let volumes = scene.layers.iter().flat_map(|layer| layer.volume.grid().corners_in_world());
-        let meshes = scene.meshes.iter().filter_map(|mesh| mesh.bounds()).flatten();
+        let meshes = scene.meshes.iter().filter_map(slabsplat_core::MeshLayer::bounds).flatten();
         let points = volumes.chain(meshes).map(|point| [point, point]);
         points.reduce(|[min, max], [at, _]| [min.min(at), max.max(at)]).map(Self)
     }

@@ -68,7 +68,10 @@ mod tests {
         }
         assert!((round_number_to(0.0031) - 0.002).abs() < 1e-15);
         for most in [1e-9, 1e-3, 1e3, 1e15] {
-            assert!((round_number_to(most) / most - 1.0).abs() < 1e-12 || round_number_to(most) == 0.5 * most);
+            assert!(
+                (round_number_to(most) / most - 1.0).abs() < 1e-12
+                    || round_number_to(most) == 0.5 * most
+            );
         }
     }
 }

@@ -64,12 +64,13 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
+//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
 //! `transfer`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod backends;
+mod picture;
 mod renderer;
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -96,6 +97,7 @@ pub use backends::{
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;
+pub use picture::{Picture, finished, frame_scene};
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 #[cfg(not(target_arch = "wasm32"))]
 pub use render_thread::RenderThread;

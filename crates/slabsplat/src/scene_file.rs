@@ -172,7 +172,8 @@ impl OpenScene {
             }
             let found = framing.camera(None, Fit::Visible, projection, image)?;
             let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
-            framing.aimed(&given.complete(&found)?, aim, is_found, image)?
+            let aim = if is_found { self.with_room_for_axes(aim) } else { *aim };
+            framing.aimed(&given.complete(&found)?, &aim, is_found, image)?
         };
         self.scene.camera = camera;
         if file.unsaid.lights {
@@ -181,6 +182,20 @@ impl OpenScene {
         Ok(())
     }
 }
+
+impl OpenScene {
+    /// The same aim, but that axes fit the picture: their box is around all of the volume, and coordinates stand
+    /// around that.
+    fn with_room_for_axes(&self, aim: &Aim) -> Aim {
+        match self.scene.finish.annotations.axes {
+            true => aim.fit(aim.fit.or(Some(Fit::Volume))).zoom(AXES_ZOOM * aim.zoom),
+            false => *aim,
+        }
+    }
+}
+
+/// What of a picture is left to the box of its axes.
+const AXES_ZOOM: f64 = 0.8;
 
 /// Whether nothing of a camera is left to be found.
 fn is_whole(camera: &CameraDesc) -> bool {
