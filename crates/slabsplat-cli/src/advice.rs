@@ -1,9 +1,18 @@
 //! What helps where a backend cannot draw a frame: the CPU draws all of them.
 
 use anyhow::{Result, anyhow};
-use slabsplat::{Caps, Frame, RenderError, Renderer, Scene};
+use slabsplat::{Caps, Frame, OpenScene, Picture, RenderError, Renderer, Scene};
 
-/// Renders a frame.
+/// Renders a scene's picture.
+///
+/// # Errors
+/// As [`Renderer::picture`], with what helps.
+pub(crate) fn picture(renderer: &mut Renderer, opened: &OpenScene) -> Result<Picture> {
+    let picture = renderer.picture(&opened.scene, opened.acquisition);
+    picture.map_err(|error| of(error, renderer.caps()))
+}
+
+/// Renders a frame, which nobody finishes.
 ///
 /// # Errors
 /// As [`Renderer::render`], with what helps.

@@ -36,18 +36,21 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let progress = Progress::start("reading", 0);
     let (mut renderer, mut opened) = args.scene.opened(&progress)?;
     progress.stage("rendering");
-    let frame = args.scene.in_scene(|| advice::render(&mut renderer, &opened.scene))?;
+    let picture = args.scene.in_scene(|| advice::picture(&mut renderer, &opened))?;
     progress.stage("writing");
     // What drew it, and not what might have: another backend has other bits.
     renderer.caps().name.clone_into(&mut opened.backend);
     let scene = args.output.has_scene().then(|| opened.to_file()).transpose()?;
     let provenance = args.output.provenance(scene.as_ref());
-    target.write(&frame.image, provenance.as_ref())?;
+    target.write(&picture.frame.image, provenance.as_ref())?;
     let scene_file = args.output.save_scene(scene.as_ref())?;
     drop(progress);
-    if let Some(why) = nothing_visible(&opened.scene, &frame) {
+    terminal::warn_all(&picture.notes);
+    if picture.is_blank {
+        let why = nothing_visible(&opened.scene, &picture.frame);
         terminal::warn(&format!("nothing is visible: {why}"));
     }
+    let frame = picture.frame;
     let done = Done { target, scene_file, scene, started, frame, caps: renderer.caps() };
     done.tell(&opened, args.stats);
     if args.json { terminal::answer(&format!("{:#}\n", done.json())) } else { Ok(()) }
@@ -140,16 +143,12 @@ fn by_which(caps: &Caps) -> String {
     }
 }
 
-/// An empty picture is seldom what was meant.
-fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
-    let background = scene.image.premultiplied_background();
-    if frame.image.pixels().iter().any(|pixel| *pixel != background) {
-        return None;
-    }
+/// Why a picture is empty, which is seldom what was meant.
+fn nothing_visible(scene: &Scene, frame: &Frame) -> String {
     let ranges = scene.layers.iter().filter_map(|layer| layer.volume.summary().range);
     let range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
     let is_cut = scene.layers.iter().any(|layer| !layer.region.is_everywhere());
-    Some(match range {
+    match range {
         None if !scene.meshes.is_empty() && scene.layers.is_empty() => {
             "the camera looks past it, or all of it is cut off".to_owned()
         }
@@ -164,5 +163,5 @@ fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
         }
         Some(_) if is_cut => "all of it is cut off, or the camera looks past it".to_owned(),
         Some(_) => "the camera looks past it".to_owned(),
-    })
+    }
 }

@@ -3,6 +3,7 @@
 //! One struct for one table of the file; each lays its flags over that part of the scene. `table` makes the
 //! flags of what is a row in a table of settings.
 
+mod annotations;
 mod camera;
 mod labels;
 mod lights;
@@ -67,6 +68,9 @@ pub(crate) struct SceneFlags {
     camera: camera::CameraFlags,
 
     #[command(flatten)]
+    annotations: annotations::AnnotationFlags,
+
+    #[command(flatten)]
     settings: settings::SettingsFlags,
 }
 
@@ -75,6 +79,7 @@ impl SceneFlags {
     pub(crate) fn file(&self) -> Result<SceneFile> {
         let mut file = input::scene_file(&self.input)?;
         self.camera.lay_over(&mut file)?;
+        self.annotations.lay_over(&mut file)?;
         self.settings.lay_over(&mut file, self.look.mode())?;
         self.look.lay_over(&mut file)?;
         self.lights.lay_over(&mut file)?;
