@@ -6,7 +6,7 @@
 //! is outside of it.
 
 use slabsplat_core::glam::{DVec2, DVec3};
-use slabsplat_core::{Acquisition, Image, Orientation, Scene, round_ticks};
+use slabsplat_core::{Acquisition, Grid, Image, Orientation, Scene, round_ticks};
 
 use crate::Ink;
 use crate::lengths::Unit;
@@ -34,7 +34,7 @@ const FRONT_COSINE: f64 = 1e-6;
 impl Bounds {
     /// Of all volumes and meshes; `None` if there are none.
     pub(crate) fn of(scene: &Scene) -> Option<Self> {
-        let volumes = scene.layers.iter().flat_map(|layer| layer.volume.grid().corners_in_world());
+        let volumes = scene.layers.iter().flat_map(|layer| voxel_corners(layer.volume.grid()));
         let meshes = scene.meshes.iter().filter_map(slabsplat_core::MeshLayer::bounds).flatten();
         let points = volumes.chain(meshes).map(|point| [point, point]);
         points.reduce(|[min, max], [at, _]| [min.min(at), max.max(at)]).map(Self)
@@ -75,6 +75,15 @@ impl Bounds {
     }
 }
 
+/// The corners of all voxels together, half a step beyond where the outermost sit.
+fn voxel_corners(grid: &Grid) -> impl Iterator<Item = DVec3> + use<> {
+    let (world_from_index, n_voxels) = (grid.world_from_index(), grid.dims().map(|n| n as f64));
+    (0..8).map(move |corner: u8| {
+        let is_last = [0, 1, 2].map(|axis| f64::from(corner >> axis & 1));
+        world_from_index.transform_point3(DVec3::from(is_last) * DVec3::from(n_voxels) - 0.5)
+    })
+}
+
 /// Draws the edges, for a picture behind which nothing but a background is.
 pub(crate) fn draw_edges(image: &mut Image, scene: &Scene, screen: &Screen) {
     let Some(bounds) = Bounds::of(scene) else { return };
@@ -106,7 +115,7 @@ pub(crate) fn draw_coordinates(
         n_without_room += usize::from(!scale.draw(sheet, name(axis, acquisition.orientation)));
     }
     if 0 < n_without_room {
-        sheet.no_room_for("coordinates of an axis");
+        sheet.no_room_for("what is written on axes");
     }
 }
 
@@ -185,21 +194,42 @@ impl<'a> Scale<'a> {
             "" => name.to_owned(),
             unit => format!("{name} ({unit})"),
         };
-        let beyond = widest.dot(self.outwards.abs());
-        // It may stand beside the middle where other words are there.
-        let [from, to] = self.line;
-        let places = [0.5, 0.35, 0.65, 0.2, 0.8].map(|part| from.lerp(to, part));
-        let is_named =
-            places.into_iter().any(|at| self.write(sheet, &title, at, 0.9 * em + beyond));
+        let beyond = 0.9 * em + widest.dot(self.outwards.abs());
+        let is_named = self.write_name(sheet, &title, em, beyond);
         0 < n_written && is_named
     }
 
-    /// Writes beside a point of the edge, outside of the box if that is in the picture, else within.
+    /// Writes what coordinates are of beyond them, beside the middle or else the ends of the edge.
+    fn write_name(&self, sheet: &mut Sheet<'_>, name: &str, em: f64, beyond: f64) -> bool {
+        let [from, to] = self.line;
+        let along = (to - from).normalize_or_zero();
+        let beside =
+            [0.5, 0.35, 0.65, 0.2, 0.8].map(|part| (from.lerp(to, part), self.outwards, beyond));
+        let ends = [(to, along, 0.9 * em), (from, -along, 0.9 * em)];
+        beside
+            .into_iter()
+            .chain(ends)
+            .any(|(at, way, distance)| sheet.write(&self.words(sheet, name, at, way, distance)))
+    }
+
+    /// Writes a coordinate outside of the box if that is in the picture, else within.
     fn write(&self, sheet: &mut Sheet<'_>, text: &str, at: DVec2, distance: f64) -> bool {
-        let size_pixels = sheet.text_size();
-        [self.outwards, -self.outwards].into_iter().any(|way| {
-            let anchor = [0, 1].map(|axis| 0.5 - 0.5 * way[axis]);
-            sheet.write(&Words { text, at: at + way * distance, anchor, size_pixels })
-        })
+        let outside = self.words(sheet, text, at, self.outwards, distance);
+        let inside = self.words(sheet, text, at, -self.outwards, distance);
+        let words = if sheet.holds(outside.bounds()) { outside } else { inside };
+        sheet.write(&words)
+    }
+
+    /// Words so far from a point, to one side of it.
+    fn words<'t>(
+        &self,
+        sheet: &Sheet<'_>,
+        text: &'t str,
+        at: DVec2,
+        way: DVec2,
+        distance: f64,
+    ) -> Words<'t> {
+        let anchor = [0, 1].map(|axis| 0.5 - 0.5 * way[axis]);
+        Words { text, at: at + way * distance, anchor, size_pixels: sheet.text_size() }
     }
 }

@@ -8,8 +8,8 @@ use crate::screen::Screen;
 use crate::shapes::fill_box;
 use crate::sheet::{Sheet, Words, written};
 
-/// The longest that a bar may be, in parts of the picture's width: round numbers are up to 2.5 times apart, so that
-/// it is a tenth at least.
+/// The longest that a bar may be, in parts of the picture's width, or of twice its height if that is less: round
+/// numbers are up to 2.5 times apart, so that it is a tenth at least.
 const LONGEST: f64 = 0.25;
 
 /// A length of the world as it is seen.
@@ -23,7 +23,7 @@ impl Bar {
     /// `None` if lengths are none.
     fn of(screen: &Screen, is_metric: bool) -> Option<Self> {
         let pixels_per_world = screen.pixels_per_world();
-        let most = LONGEST * screen.size().x / pixels_per_world;
+        let most = LONGEST * room(screen.size()) / pixels_per_world;
         if !most.is_normal() {
             return None;
         }
@@ -40,6 +40,10 @@ impl Bar {
         let where_to = if screen.is_perspective() { " at target" } else { "" };
         format!("{number} {}{where_to}", unit.symbol).replace("  ", " ").trim_end().to_owned()
     }
+}
+
+fn room(size: DVec2) -> f64 {
+    size.x.min(2.0 * size.y)
 }
 
 /// Draws a bar as long as a round length is at the depth of the camera's target.
@@ -109,7 +113,7 @@ mod tests {
                     (f64::from(lit) - seen).abs() < 1e-2,
                     "{size:?} {projection:?}: {lit} {seen}"
                 );
-                let part = seen / f64::from(size[0]);
+                let part = seen / room(screen.size());
                 assert!((0.0999..=0.25).contains(&part), "{part}");
             }
         }

@@ -56,12 +56,15 @@ impl<'a> Sheet<'a> {
         Ink::on(self.scene.background_at(part))
     }
 
-    /// Whether a box lies in the picture, and on nothing that is there.
+    /// Whether a box lies in the picture.
+    pub(crate) fn holds(&self, [min, max]: [DVec2; 2]) -> bool {
+        min.cmpge(DVec2::ZERO).all() && max.cmple(self.size()).all()
+    }
+
+    /// Whether it also lies on nothing that is there.
     pub(crate) fn is_free(&self, [min, max]: [DVec2; 2]) -> bool {
         let is_apart = |[from, to]: &[DVec2; 2]| max.cmple(*from).any() || to.cmple(min).any();
-        min.cmpge(DVec2::ZERO).all()
-            && max.cmple(self.size()).all()
-            && self.taken.iter().all(is_apart)
+        self.holds([min, max]) && self.taken.iter().all(is_apart)
     }
 
     /// Takes a box, so that nothing else is drawn there.

@@ -35,6 +35,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
     let (mut renderer, mut opened) = args.scene.opened(&progress)?;
+    target.format.check(&opened.scene)?;
     progress.stage("rendering");
     let picture = args.scene.in_scene(|| advice::picture(&mut renderer, &opened))?;
     progress.stage("writing");

@@ -33,6 +33,7 @@
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
 //! - `annotations`: text and other things drawn onto pictures ([`annotations`]).
+//! - `webp`: pictures as WebP, too.
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
 //! - `ndarray`: volumes of arrays of the crate `ndarray`.
 //!

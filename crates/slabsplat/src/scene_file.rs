@@ -172,7 +172,7 @@ impl OpenScene {
             }
             let found = framing.camera(None, Fit::Visible, projection, image)?;
             let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
-            let aim = if is_found { self.with_room_for_axes(aim) } else { *aim };
+            let aim = if is_found { self.with_room_for_annotations(aim) } else { *aim };
             framing.aimed(&given.complete(&found)?, &aim, is_found, image)?
         };
         self.scene.camera = camera;
@@ -184,18 +184,41 @@ impl OpenScene {
 }
 
 impl OpenScene {
-    /// The same aim, but that axes fit the picture: their box is around all of the volume, and coordinates stand
-    /// around that.
-    fn with_room_for_axes(&self, aim: &Aim) -> Aim {
-        match self.scene.finish.annotations.axes {
-            true => aim.fit(aim.fit.or(Some(Fit::Volume))).zoom(AXES_ZOOM * aim.zoom),
-            false => *aim,
+    /// The same aim, but that annotations have room beside what is seen. The box of axes is around all of the
+    /// volume, and coordinates stand around that; a colour bar is at the right.
+    #[cfg(feature = "annotations")]
+    fn with_room_for_annotations(&self, aim: &Aim) -> Aim {
+        let Scene { image, finish, .. } = &self.scene;
+        let [width, height] = [image.width, image.height];
+        let em = f64::from(slabsplat_annotations::text_size(width, height));
+        let (mut aim, sides) = (*aim, [width, height].map(f64::from));
+        if finish.annotations.axes {
+            aim.fit = aim.fit.or(Some(Fit::Volume));
+            aim.zoom *= (1.0 - AXES_EMS * em / sides[0].min(sides[1])).max(0.4);
         }
+        if finish.annotations.color_bar {
+            // A wide picture has room beside what is seen anyway.
+            let share = (COLOR_BAR_EMS * em - 0.5 * (sides[0] - sides[1]).max(0.0)) / sides[0];
+            let share = share.clamp(0.0, 0.4);
+            aim.zoom *= 1.0 - share;
+            aim.pan[0] -= 0.5 * share;
+        }
+        aim
+    }
+
+    #[cfg(not(feature = "annotations"))]
+    fn with_room_for_annotations(&self, aim: &Aim) -> Aim {
+        *aim
     }
 }
 
-/// What of a picture is left to the box of its axes.
-const AXES_ZOOM: f64 = 0.8;
+/// Ems of a picture's shorter side that coordinates take on both sides of a box.
+#[cfg(feature = "annotations")]
+const AXES_EMS: f64 = 8.0;
+
+/// Ems of a picture's width that a colour bar takes.
+#[cfg(feature = "annotations")]
+const COLOR_BAR_EMS: f64 = 5.0;
 
 /// Whether nothing of a camera is left to be found.
 fn is_whole(camera: &CameraDesc) -> bool {

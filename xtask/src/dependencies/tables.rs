@@ -252,6 +252,8 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "bzip2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "image-webp", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "csscolorparser", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "rust-j2k", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "hdf5-pure", users: Users::Only(&["slabsplat-io"]), why: CODECS },

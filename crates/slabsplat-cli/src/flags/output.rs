@@ -5,14 +5,15 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::Image;
-use slabsplat::io::{PictureFormat, Provenance, SceneFile};
+use slabsplat::io::{self, PictureFormat, Provenance, SceneFile};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputFlags {
-    /// The picture: .exr (32-bit float, premultiplied) or .png (8 bits); - is standard output
+    /// The picture: .png or .webp (8 bits), .jpg (8 bits, opaque), .tif (16 bits; with --format tiff-float
+    /// 32-bit float, premultiplied) or .exr (32-bit float, premultiplied); - is standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
@@ -67,7 +68,7 @@ impl OutputFlags {
             return Ok(Target { path: None, format: self.format.unwrap_or(PictureFormat::Png) });
         }
         let Some(format) = self.format.or_else(|| PictureFormat::of_name(path)) else {
-            bail!("cannot tell the format of {}: name the picture .exr or .png", path.display());
+            return Err(io::IoError::UnknownPicture { path: path.clone() }.into());
         };
         check_folder(path, self.mkdir)?;
         Ok(Target { path: Some(path.clone()), format })

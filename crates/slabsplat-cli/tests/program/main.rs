@@ -1,5 +1,6 @@
 //! The built program, run as a user runs it: what it prints, what it writes, and how it ends.
 
+mod annotations;
 mod backends;
 mod bench;
 mod colors;
@@ -8,6 +9,7 @@ mod demo;
 mod errors;
 mod help;
 mod info;
+mod pictures;
 mod popping;
 mod render;
 mod scene;
