@@ -233,3 +233,81 @@ impl<'a> Scale<'a> {
         Words { text, at: at + way * distance, anchor, size_pixels: sheet.text_size() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::{
+        Camera, Grid, ImageDesc, Layer, Projection, Scaling, TransferFunction, Volume,
+    };
+
+    const PARALLEL: Projection = Projection::Orthographic { view_height: 90.0 };
+
+    fn screen(eye: [f64; 3], projection: Projection) -> Screen {
+        let up = if eye[0] == 0.0 && eye[1] == 0.0 { DVec3::Y } else { DVec3::Z };
+        let camera = Camera::new(eye, DVec3::ZERO, up, projection).unwrap();
+        Screen::new(&camera, &ImageDesc { width: 300, height: 300, background: [0.0; 4] })
+    }
+
+    const BOX: Bounds = Bounds([DVec3::new(-20.0, -10.0, -15.0), DVec3::new(20.0, 10.0, 15.0)]);
+
+    #[test]
+    fn axes_box_is_around_all_voxels() {
+        let grid = Grid::centered([4, 2, 3], [1.0, 2.0, 5.0]).unwrap();
+        let volume = Volume::new(grid, vec![0_u8; 24].into(), Scaling::IDENTITY).unwrap();
+        let transfer = TransferFunction::new([(0.0, 0.0)], [(0.0, [1.0; 3])]).unwrap();
+        let camera = Camera::new([9.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], PARALLEL).unwrap();
+        let scene = Scene::new(Layer::new(volume, transfer), camera);
+        let expected = DVec3::new(2.0, 2.0, 7.5);
+        assert_eq!(Bounds::of(&scene), Some(Bounds([-expected, expected])));
+        assert_eq!(Bounds::of(&Scene::of_meshes(Vec::new(), camera)), None);
+    }
+
+    /// Of a corner seen from afar three edges lie before the volume, and six are its outline.
+    #[test]
+    fn axes_edges_by_how_they_are_seen() {
+        let counts = |eye, projection| {
+            let edges = BOX.edges(&screen(eye, projection));
+            assert_eq!(edges.len(), 12);
+            [0, 1, 2].map(|n| edges.iter().filter(|edge| edge.n_front == n).count())
+        };
+        let perspective = Projection::Perspective { fov_y_radians: 0.6 };
+        assert_eq!(counts([90.0, 80.0, 70.0], PARALLEL), [3, 6, 3]);
+        assert_eq!(counts([90.0, 80.0, 70.0], perspective), [3, 6, 3]);
+        assert_eq!(counts([0.0, 90.0, 0.0], PARALLEL), [8, 4, 0], "a face from before it");
+        assert_eq!(counts([0.0, 1.0, 0.0], perspective), [12, 0, 0], "from within");
+    }
+
+    /// Ticks are where their coordinates are, and outside of the box.
+    #[test]
+    fn axes_ticks_are_round_and_in_place() {
+        let screen = screen([90.0, 80.0, 70.0], PARALLEL);
+        let unit = Unit::of_axis(40.0, true);
+        let middle = screen.point(DVec3::ZERO).unwrap();
+        for edge in BOX.edges(&screen).iter().filter(|edge| edge.n_front == 1) {
+            let scale = Scale::of(edge, &screen, middle, unit).unwrap();
+            let ticks = scale.ticks(11.0);
+            assert!(2 < ticks.len(), "{ticks:?}");
+            for (tick, at) in ticks {
+                assert_eq!(tick % 5.0, 0.0, "{tick}");
+                let mut point = edge.ends[0];
+                point[edge.axis] = tick;
+                assert!(at.distance(screen.point(point).unwrap()) < 1e-9);
+            }
+            let corners = (0..8).map(|corner: u8| {
+                let end = |axis: usize| BOX.0[usize::from(corner >> axis & 1)][axis];
+                screen.point(DVec3::new(end(0), end(1), end(2))).unwrap()
+            });
+            for corner in corners {
+                let beyond = (corner - scale.middle()).dot(scale.outwards);
+                assert!(beyond < 1e-9, "{edge:?}: {beyond}");
+            }
+        }
+    }
+
+    #[test]
+    fn axes_are_named_by_what_is_known() {
+        assert_eq!([0, 1, 2].map(|axis| name(axis, Orientation::Anatomical)), ["R", "A", "S"]);
+        assert_eq!([0, 1, 2].map(|axis| name(axis, Orientation::Pictures)), ["x", "y", "z"]);
+    }
+}

@@ -76,7 +76,8 @@ fn annotations_that_are_not_drawn_are_told() {
     let nameless = warnings("builtin:sphere:12 --scale-bar");
     assert!(nameless[0].contains("does not say in which unit"), "{nameless:?}");
     let title = dir.path().join("a.toml");
-    std::fs::write(title, "[volume]\ngenerate = \"cube\"\n[annotations]\ntitle = \"漢\"\n").unwrap();
+    std::fs::write(title, "[volume]\ngenerate = \"cube\"\n[annotations]\ntitle = \"漢\"\n")
+        .unwrap();
     assert_eq!(warnings("a.toml"), ["the font of the title has no 漢"]);
 }
 
@@ -101,7 +102,10 @@ fn background_by_name_and_as_a_gradient() {
     assert_eq!(corners("--background #ff8000"), [Rgba([255, 128, 0, 255]); 2]);
     assert_eq!(corners("--background 1,0,0"), [Rgba([255, 0, 0, 255]); 2]);
     let [above, below] = corners("--background red:#0000ff");
-    assert!(250 < above[0] && above[2] < 5 && below[0] < 5 && 250 < below[2], "{above:?} {below:?}");
+    assert!(
+        250 < above[0] && above[2] < 5 && below[0] < 5 && 250 < below[2],
+        "{above:?} {below:?}"
+    );
     assert_eq!(corners("--background transparent"), [Rgba([0; 4]); 2]);
 }
 

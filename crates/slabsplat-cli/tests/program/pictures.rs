@@ -4,7 +4,8 @@ use crate::{answer, diagnostic, names_in, slabsplat};
 use image::ColorType;
 use std::path::Path;
 
-const CUBE: &str = "render builtin:cube:8 --backend cpu --width 40 --height 30 --background 0.2,0.4,0.6";
+const CUBE: &str =
+    "render builtin:cube:8 --backend cpu --width 40 --height 30 --background 0.2,0.4,0.6";
 
 /// What a picture is read as; formats that the crate of tests does not read are told by their first bytes.
 fn read(path: &Path) -> image::DynamicImage {
@@ -90,7 +91,8 @@ fn picture_formats_say_what_they_lack() {
     let cleared = CUBE.replace("0.2,0.4,0.6", "transparent");
     let line = diagnostic(dir.path(), &format!("{cleared} -o a.jpg"));
     assert!(line.contains("JPEG has no transparency: an opaque background is needed"), "{line}");
-    let line = diagnostic(dir.path(), &format!("{} -o a.jpg", CUBE.replace("0.6", "0.6:#00000000")));
+    let line =
+        diagnostic(dir.path(), &format!("{} -o a.jpg", CUBE.replace("0.6", "0.6:#00000000")));
     assert!(line.contains("JPEG has no transparency"), "{line}");
     let wide = CUBE.replace("--width 40", "--width 20000");
     let line = diagnostic(dir.path(), &format!("{wide} -o a.webp"));
