@@ -32,6 +32,8 @@
 //! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
+//! - `annotations`: text and other things drawn onto pictures ([`annotations`]).
+//! - `webp`: pictures as WebP, too.
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
 //! - `ndarray`: volumes of arrays of the crate `ndarray`.
 //!
@@ -63,12 +65,13 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
+//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
 //! `transfer`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod backends;
+mod picture;
 mod renderer;
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -96,6 +99,7 @@ pub use backends::{
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;
+pub use picture::{Picture, finished, frame_scene};
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 #[cfg(not(target_arch = "wasm32"))]
 pub use render_thread::RenderThread;
@@ -125,6 +129,10 @@ pub use slabsplat_backend::{
 };
 pub use slabsplat_core::*;
 pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, UnknownKernel};
+
+/// Text and other things that are drawn onto pictures.
+#[cfg(feature = "annotations")]
+pub use slabsplat_annotations as annotations;
 
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]

@@ -1,5 +1,6 @@
 //! The built program, run as a user runs it: what it prints, what it writes, and how it ends.
 
+mod annotations;
 mod backends;
 mod batch;
 mod bench;
@@ -10,6 +11,7 @@ mod errors;
 mod help;
 mod info;
 mod manual;
+mod pictures;
 mod popping;
 mod render;
 mod scene;

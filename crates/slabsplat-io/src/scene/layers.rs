@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
 use super::document::{Document, LayerSection, TransferImageSection};
-use super::sections::{checked_image, into_lights};
+use super::sections::into_lights;
 use super::settings_section::SettingsSection;
 use super::{LayerFile, SceneFile, TransferImageFile, Unsaid};
 
@@ -46,10 +46,12 @@ impl Document {
             return Err(Diagnostic::general("no layer of the scene is visible"));
         }
         let (settings, backend) = self.render.into_settings()?;
-        let (camera, image) = (self.camera.into_desc()?, checked_image(self.image)?);
+        let camera = self.camera.into_desc()?;
+        let (image, finish) = self.image.into_desc(self.annotations)?;
         let lights = into_lights(self.lights)?;
         let unsaid = Unsaid::default();
-        let scene = SceneFile { layers, meshes, camera, lights, image, settings, backend, unsaid };
+        let scene =
+            SceneFile { layers, meshes, camera, lights, image, settings, finish, backend, unsaid };
         Ok((scene, look_files))
     }
 

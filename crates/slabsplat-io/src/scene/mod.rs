@@ -30,7 +30,7 @@ mod written;
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{
-    ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading,
+    Finish, ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading,
     TransferFunction, TransferFunction2d,
 };
 
@@ -69,6 +69,8 @@ pub struct SceneFile {
     pub image: ImageDesc,
     /// How it is made.
     pub settings: RenderSettings,
+    /// What becomes of the frame before it is a picture.
+    pub finish: Finish,
     /// The name of the backend that makes it; it is not checked here.
     pub backend: String,
     /// What else is to be found from the volumes.
@@ -212,6 +214,7 @@ impl SceneFile {
             lights: vec![Light::default()],
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
+            finish: Finish::default(),
             backend: "auto".to_owned(),
             unsaid: Unsaid::ALL,
         }
