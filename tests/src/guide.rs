@@ -12,6 +12,7 @@ chapters! {
     methods = "methods.md",
     own_data = "own-data.md",
     scenes_as_text = "scenes-as-text.md",
+    pictures = "pictures.md",
     films = "films.md",
     windows = "windows.md",
     browsers = "browsers.md",

@@ -1,9 +1,23 @@
 //! What helps where a backend cannot draw a frame: the CPU draws all of them.
 
 use anyhow::{Result, anyhow};
-use slabsplat::{Caps, Frame, FrameHandle, RenderError, Renderer, Scene};
+use slabsplat::{Acquisition, Caps, Frame, FrameHandle, Picture, RenderError, Renderer, Scene};
 
-/// Renders a frame, which is watched by its handle.
+/// Renders a scene's picture, whose frame is watched by its handle.
+///
+/// # Errors
+/// As [`Renderer::picture_as`], with what helps.
+pub(crate) fn picture(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    acquisition: Acquisition,
+    frame: &FrameHandle,
+) -> Result<Picture> {
+    let picture = renderer.picture_as(scene, acquisition, frame);
+    picture.map_err(|error| of(error, renderer.caps()))
+}
+
+/// Renders a frame, which nobody finishes.
 ///
 /// # Errors
 /// As [`Renderer::render_as`], with what helps.

@@ -28,7 +28,7 @@ pub(crate) struct Filming<'a> {
 impl Filming<'_> {
     /// Makes the film, of which `scene_at` tells the scene of each frame.
     pub(crate) fn run(mut self, scene_at: impl Fn(u32) -> Result<Scene>) -> Result<()> {
-        let desc = self.flags.desc(self.format, &self.opened.scene.image, self.length)?;
+        let desc = self.flags.desc(self.format, &self.opened.scene, self.length)?;
         let identity = self.identity()?;
         let film = self.flags.begin(self.path, self.format, desc, &identity)?;
         let mut counter = Counter::start(film.n_done(), desc.n_frames);
@@ -36,9 +36,19 @@ impl Filming<'_> {
             "interrupted: the same command continues {} with the frames that are there",
             self.path.display()
         )));
+        let acquisition = self.opened.acquisition;
+        let mut notes: Vec<String> = Vec::new();
         let render = |frame_idx| {
-            let scene = scene_at(frame_idx)?;
-            Ok::<_, Error>(advice::render(&mut self.renderer, &scene, &FrameHandle::new())?.image)
+            let (scene, watched) = (scene_at(frame_idx)?, FrameHandle::new());
+            let picture = advice::picture(&mut self.renderer, &scene, acquisition, &watched)?;
+            // What is said of a frame is said once.
+            for note in picture.notes {
+                if !notes.contains(&note) {
+                    terminal::warn(&note);
+                    notes.push(note);
+                }
+            }
+            Ok::<_, Error>(picture.frame.image)
         };
         let made = film.make(render, |step| counter.step(step));
         output::say_when_interrupted(None);

@@ -34,9 +34,11 @@ pub(crate) fn is_scene(input: &Path) -> bool {
     input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
-/// Whether `input` names a picture.
+/// Whether `input` names a picture. A TIFF is one if it says what it shows, and else a volume.
 pub(crate) fn is_picture(input: &Path) -> bool {
-    PictureFormat::of_name(input).is_some()
+    PictureFormat::of_name(input).is_some_and(|format| {
+        !format.holds_volumes() || matches!(io::read_picture_scene(input), Ok(Some(_)))
+    })
 }
 
 /// The scene that a picture shows.

@@ -41,18 +41,22 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, with_stats: bool) 
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
     let (mut renderer, mut opened) = scene.opened(&progress)?;
+    written.target.format.check(&opened.scene)?;
     let watched = progress.frame("rendering");
-    let frame = scene.in_scene(|| advice::render(&mut renderer, &opened.scene, &watched))?;
+    let picture = scene
+        .in_scene(|| advice::picture(&mut renderer, &opened.scene, opened.acquisition, &watched))?;
     progress.stage("writing");
     // What drew it, and not what might have: another backend has other bits.
     renderer.caps().name.clone_into(&mut opened.backend);
     let file = written.has_scene().then(|| opened.to_file()).transpose()?;
-    written.write(&frame.image, file.as_ref())?;
+    written.write(&picture.frame.image, file.as_ref())?;
     drop(progress);
-    if let Some(why) = nothing_visible(&opened.scene, &frame) {
+    terminal::warn_all(&picture.notes);
+    if picture.is_blank {
+        let why = nothing_visible(&opened.scene, &picture.frame);
         terminal::warn(&format!("nothing is visible: {why}"));
     }
-    let done = Done { written, file, started, frame, caps: renderer.caps() };
+    let done = Done { written, file, started, frame: picture.frame, caps: renderer.caps() };
     done.tell(&opened, with_stats);
     Ok(done.json())
 }
@@ -143,16 +147,12 @@ fn by_which(caps: &Caps) -> String {
     }
 }
 
-/// An empty picture is seldom what was meant.
-fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
-    let background = scene.image.premultiplied_background();
-    if frame.image.pixels().iter().any(|pixel| *pixel != background) {
-        return None;
-    }
+/// Why a picture is empty, which is seldom what was meant.
+fn nothing_visible(scene: &Scene, frame: &Frame) -> String {
     let ranges = scene.layers.iter().filter_map(|layer| layer.volume.summary().range);
     let range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
     let is_cut = scene.layers.iter().any(|layer| !layer.region.is_everywhere());
-    Some(match range {
+    match range {
         None if !scene.meshes.is_empty() && scene.layers.is_empty() => {
             "the camera looks past it, or all of it is cut off".to_owned()
         }
@@ -167,5 +167,5 @@ fn nothing_visible(scene: &Scene, frame: &Frame) -> Option<String> {
         }
         Some(_) if is_cut => "all of it is cut off, or the camera looks past it".to_owned(),
         Some(_) => "the camera looks past it".to_owned(),
-    })
+    }
 }

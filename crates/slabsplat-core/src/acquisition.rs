@@ -8,6 +8,8 @@ pub struct Acquisition {
     pub modality: Option<Modality>,
     /// What the axes of the world are.
     pub orientation: Orientation,
+    /// Whether lengths in the world are millimetres. Otherwise nobody says what they are.
+    pub is_metric: bool,
 }
 
 /// What measured a volume.

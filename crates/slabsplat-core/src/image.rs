@@ -135,6 +135,17 @@ impl Image {
         self.pixels.iter().flat_map(|&pixel| straight(pixel)).collect()
     }
 
+    /// The same in 16 bits a channel: straight, clamped, and all 0 where opacity rounds to 0.
+    pub fn to_rgba16(&self) -> Vec<u16> {
+        let full = f32::from(u16::MAX);
+        let to_word = |value: f32| (value.clamp(0.0, 1.0) * full).round() as u16;
+        let straight = |&[r, g, b, a]: &[f32; 4]| match to_word(a) {
+            0 => [0; 4],
+            alpha => [to_word(r / a), to_word(g / a), to_word(b / a), alpha],
+        };
+        self.pixels.iter().flat_map(straight).collect()
+    }
+
     /// The same as an image of the crate `image`.
     ///
     /// # Panics
@@ -220,6 +231,7 @@ mod tests {
         let mut image = Image::filled(2, 1, [0.0; 4]);
         image.pixels_mut()[1] = [0.5, 0.0, 0.0, 0.5];
         assert_eq!(image.to_rgba8(), [0, 0, 0, 0, 255, 0, 0, 128]);
+        assert_eq!(image.to_rgba16(), [0, 0, 0, 0, 65535, 0, 0, 32768]);
     }
 
     #[cfg(feature = "image")]

@@ -20,7 +20,7 @@
 //! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`;
 //! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
 //! `slabs`, `slices`;
-//! `image`; `frame_handle`; `serialized`.
+//! `image`; `finish`, `ticks`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
 //!
@@ -74,6 +74,9 @@ mod view;
 
 mod image;
 
+mod finish;
+mod ticks;
+
 mod frame_handle;
 
 #[cfg(feature = "serde")]
@@ -89,6 +92,7 @@ pub use choices::{
 };
 pub use compositing::{MAX_OPACITY, extinction};
 pub use easing::Easing;
+pub use finish::{Annotations, Finish, FinishError};
 pub use frame_handle::{Cancelled, FrameHandle};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
@@ -110,6 +114,7 @@ pub use settings_table::{Access, Field, Setting, Settings};
 pub use shading::{BlinnPhong, Phong, Shading};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
+pub use ticks::{number_text, round_number_to, round_ticks};
 pub use transfer::{CurvePoint, IsoRange, PiecewiseLinear, TransferError, TransferFunction};
 pub use transfer_2d::{Transfer2dError, TransferBox, TransferFunction2d};
 pub use transfer_image::TransferImage;

@@ -1,6 +1,6 @@
 //! Everything that decides a pixel ([`model`](crate::model)).
 
-use crate::{Camera, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
+use crate::{Camera, Finish, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
 
 /// A picture to be made of one thing or several.
 ///
@@ -40,6 +40,8 @@ pub struct Scene {
     pub image: ImageDesc,
     /// How it is made.
     pub settings: RenderSettings,
+    /// What becomes of the frame before it is a picture. What a backend draws has nothing of it.
+    pub finish: Finish,
 }
 
 impl Scene {
@@ -52,6 +54,7 @@ impl Scene {
             lights: vec![Light::default()],
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
+            finish: Finish::default(),
         }
     }
 
@@ -64,7 +67,16 @@ impl Scene {
             lights: vec![Light::default()],
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
+            finish: Finish::default(),
         }
+    }
+
+    /// The premultiplied background at a part of the picture's height, from 0 at its upper edge to 1.
+    pub fn background_at(&self, part: f32) -> [f32; 4] {
+        let above = self.image.premultiplied_background();
+        let Some(below) = self.finish.background_below else { return above };
+        let below = ImageDesc { background: below, ..self.image }.premultiplied_background();
+        std::array::from_fn(|channel| above[channel] * (1.0 - part) + below[channel] * part)
     }
 
     /// The same of other layers.
@@ -101,6 +113,12 @@ impl Scene {
     #[must_use]
     pub fn settings(self, settings: RenderSettings) -> Self {
         Self { settings, ..self }
+    }
+
+    /// The same finished otherwise.
+    #[must_use]
+    pub fn finish(self, finish: Finish) -> Self {
+        Self { finish, ..self }
     }
 }
 
@@ -139,6 +157,7 @@ mod tests {
             lights: vec![],
             image: ImageDesc { width: 7, height: 5, background: [1.0; 4] },
             settings: RenderSettings::default().sections(9),
+            finish: Finish { samples: 4, ..Finish::default() },
         };
         let other = Layer::new(volume(), transfer(0.25));
         assert_ne!(other.clone().transfer(transfer(0.5)).shading(Shading::None), layer);
@@ -155,10 +174,12 @@ mod tests {
             .camera(expected.camera)
             .lights(vec![])
             .image(expected.image)
-            .settings(expected.settings.clone());
+            .settings(expected.settings.clone())
+            .finish(expected.finish.clone());
         assert_eq!(scene, expected);
         let alone = Scene::of_meshes(vec![mesh], camera(DVec3::X)).lights(vec![]);
         let alone = alone.image(expected.image).settings(expected.settings.clone());
+        let alone = alone.finish(expected.finish.clone());
         assert_eq!(alone, expected.layers(Vec::new()));
     }
 }

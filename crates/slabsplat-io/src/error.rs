@@ -216,7 +216,11 @@ pub enum IoError {
         path: PathBuf,
     },
     /// The name of a picture does not tell its format.
-    #[error("cannot tell the format of {}: name the picture .exr or .png", shown_path(path))]
+    #[error(
+        "cannot tell the format of {}: name it {}",
+        shown_path(path),
+        crate::PictureFormat::endings()
+    )]
     UnknownPicture {
         /// The file that was to be.
         path: PathBuf,

@@ -24,13 +24,14 @@
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |
 //! | ParaView colour maps (JSON), volume properties of 3D Slicer (`.vp`) | [`read_transfer`] |
-//! | scenes of pictures (PNG, OpenEXR) that were written with them | [`read_picture_scene`] |
+//! | scenes of pictures (PNG, OpenEXR, TIFF, JPEG, WebP) that were written with them | [`read_picture_scene`] |
 //!
 //! | written | by |
 //! | --- | --- |
 //! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
-//! | either with the scene that it shows | [`PictureFormat::write`], [`Provenance`] |
+//! | TIFF of 16 bits or 32-bit floats, JPEG, WebP with the feature `webp` | [`PictureFormat::write`] |
+//! | any of them with the scene that it shows | [`PictureFormat::write`], [`Provenance`] |
 //! | scene files | [`write_scene`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`], [`write_colored_volume`] |
 //! | ParaView colour maps, volume properties of 3D Slicer, sections of scenes | [`write_transfer`] |

@@ -204,18 +204,18 @@ fn mean(volume: &Volume) -> f64 {
 #[test]
 fn real_volumes_say_how_they_stand() {
     use Orientation::{Anatomical, Pictures, Unknown};
-    for (path, modality, orientation) in [
-        ("nifti/mni152_t1_1mm_uint8.nii.gz", None, Anatomical),
-        ("mha/ct_lung_115x157x129_int16.mha", None, Anatomical),
-        ("mha/fuel.mha", None, Unknown),
-        ("mha/HeadMRVolume.mhd", None, Unknown),
-        ("nrrd/stroke_flair_1mm_uint8.nrrd", None, Anatomical),
-        ("nrrd/headsq/quarter.nhdr", None, Unknown),
-        ("tiff/ct_phantom_aniso.ome.tif", None, Pictures),
-        ("dicom/ct_phantom_head", Some(Modality::Ct), Anatomical),
+    for (path, modality, orientation, is_metric) in [
+        ("nifti/mni152_t1_1mm_uint8.nii.gz", None, Anatomical, true),
+        ("mha/ct_lung_115x157x129_int16.mha", None, Anatomical, true),
+        ("mha/fuel.mha", None, Unknown, false),
+        ("mha/HeadMRVolume.mhd", None, Unknown, false),
+        ("nrrd/stroke_flair_1mm_uint8.nrrd", None, Anatomical, true),
+        ("nrrd/headsq/quarter.nhdr", None, Unknown, false),
+        ("tiff/ct_phantom_aniso.ome.tif", None, Pictures, true),
+        ("dicom/ct_phantom_head", Some(Modality::Ct), Anatomical, true),
     ] {
         let Some(loaded) = load(path) else { continue };
-        assert_eq!(loaded.acquisition, Acquisition { modality, orientation }, "{path}");
+        assert_eq!(loaded.acquisition, Acquisition { modality, orientation, is_metric }, "{path}");
     }
 }
 

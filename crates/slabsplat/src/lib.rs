@@ -33,6 +33,8 @@
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
 //! - `film`: films of scenes ([`film`]).
+//! - `annotations`: text and other things drawn onto pictures ([`annotations`]).
+//! - `webp`: pictures as WebP, too.
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
 //! - `ndarray`: volumes of arrays of the crate `ndarray`.
 //!
@@ -64,13 +66,13 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
-//! `transfer`, `scene_file`,
-//! `scene_film`; `popping`.
+//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
+//! `framing`, `transfer`, `scene_file`, `scene_film`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod backends;
+mod picture;
 mod renderer;
 
 #[cfg(not(target_arch = "wasm32"))]
@@ -100,6 +102,7 @@ pub use backends::{
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;
+pub use picture::{Picture, finished, frame_scene};
 pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
 #[cfg(not(target_arch = "wasm32"))]
 pub use render_thread::RenderThread;
@@ -133,6 +136,10 @@ pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, Unknow
 /// Films: scenes between key frames, a camera that goes around, and frames as files that move.
 #[cfg(feature = "film")]
 pub use slabsplat_film as film;
+
+/// Text and other things that are drawn onto pictures.
+#[cfg(feature = "annotations")]
+pub use slabsplat_annotations as annotations;
 
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]

@@ -2,7 +2,7 @@
 
 use crate::{Choice, NoBackend, choose_backend, choose_backend_async};
 use slabsplat_backend::{Backend, BackendError, Caps, Frame, PlanError, Planner};
-use slabsplat_core::{Cancelled, FrameHandle, Scene};
+use slabsplat_core::{Cancelled, FinishError, FrameHandle, Scene};
 use slabsplat_kernel::{Kernel, KernelError};
 use std::fmt;
 use std::future::poll_fn;
@@ -32,6 +32,9 @@ pub enum RenderError {
     /// The backend failed, or the frame was cancelled.
     #[error(transparent)]
     Backend(#[from] BackendError),
+    /// There is no room for all samples of a picture.
+    #[error(transparent)]
+    Finish(#[from] FinishError),
     /// The texture takes no such picture.
     #[cfg(feature = "wgpu")]
     #[error(transparent)]

@@ -26,6 +26,8 @@ pub struct OpenScene {
     pub warnings: Vec<String>,
     /// What was found from the volumes, a line for each that did not say how it looks, for people.
     pub found: Vec<String>,
+    /// What the first volume's file says of it beside its values.
+    pub acquisition: Acquisition,
     facing: Facing,
     /// What was opened, with what was chosen of files that hold several volumes.
     pub sources: SceneFile,
@@ -122,6 +124,7 @@ impl OpenScene {
             facing: None,
         };
         let acquisitions: Vec<Acquisition> = loaded.iter().map(|it| it.acquisition).collect();
+        let acquisition = loaded.first().map(|loaded| loaded.acquisition);
         let layers = loaded.into_iter().zip(&file.layers);
         let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
@@ -143,8 +146,18 @@ impl OpenScene {
             .layers(layers)
             .lights(file.lights.clone())
             .image(image)
-            .settings(file.settings.clone());
-        Ok(Self { scene, backend: file.backend.clone(), warnings, sources, found, facing })
+            .settings(file.settings.clone())
+            .finish(file.finish.clone());
+        let acquisition = acquisition.unwrap_or_default();
+        Ok(Self {
+            scene,
+            backend: file.backend.clone(),
+            warnings,
+            sources,
+            found,
+            acquisition,
+            facing,
+        })
     }
 
     /// Finds the camera that `file` leaves out, or the rest of it, and aims it; then the lights, if the file
@@ -195,9 +208,10 @@ impl OpenScene {
             let found = framing.camera(None, Fit::Visible, projection, image)?;
             let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
             let found = given.complete(&found)?;
+            let aim = if is_found { self.with_room_for_annotations(aim) } else { *aim };
             match views.filter(|_| is_found || aim.fit.is_some()) {
-                Some(views) => framing.aimed_around(&found, aim, views, image)?,
-                None => framing.aimed(&found, aim, is_found, image)?,
+                Some(views) => framing.aimed_around(&found, &aim, views, image)?,
+                None => framing.aimed(&found, &aim, is_found, image)?,
             }
         };
         self.scene.camera = camera;
@@ -230,6 +244,43 @@ fn fit_looks(
     }
     Ok(all_warnings)
 }
+
+impl OpenScene {
+    /// The same aim, but that annotations have room beside what is seen. The box of axes is around all of the
+    /// volume, and coordinates stand around that; a colour bar is at the right.
+    #[cfg(feature = "annotations")]
+    fn with_room_for_annotations(&self, aim: &Aim) -> Aim {
+        let Scene { image, finish, .. } = &self.scene;
+        let [width, height] = [image.width, image.height];
+        let em = f64::from(slabsplat_annotations::text_size(width, height));
+        let (mut aim, sides) = (*aim, [width, height].map(f64::from));
+        if finish.annotations.axes {
+            aim.fit = aim.fit.or(Some(Fit::Volume));
+            aim.zoom *= (1.0 - AXES_EMS * em / sides[0].min(sides[1])).max(0.4);
+        }
+        if finish.annotations.color_bar {
+            // A wide picture has room beside what is seen anyway.
+            let share = (COLOR_BAR_EMS * em - 0.5 * (sides[0] - sides[1]).max(0.0)) / sides[0];
+            let share = share.clamp(0.0, 0.4);
+            aim.zoom *= 1.0 - share;
+            aim.pan[0] -= 0.5 * share;
+        }
+        aim
+    }
+
+    #[cfg(not(feature = "annotations"))]
+    fn with_room_for_annotations(&self, aim: &Aim) -> Aim {
+        *aim
+    }
+}
+
+/// Ems of a picture's shorter side that coordinates take on both sides of a box.
+#[cfg(feature = "annotations")]
+const AXES_EMS: f64 = 8.0;
+
+/// Ems of a picture's width that a colour bar takes.
+#[cfg(feature = "annotations")]
+const COLOR_BAR_EMS: f64 = 5.0;
 
 /// Whether nothing of a camera is left to be found.
 fn is_whole(camera: &CameraDesc) -> bool {

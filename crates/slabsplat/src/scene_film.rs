@@ -87,7 +87,7 @@ mod tests {
         [[layers]]
         name = "second"
         volume = { generate = "sphere", size = 8 }
-        classify = { preset = "isosurface" }
+        classify = { preset = "gray" }
         [camera]
         eye = [0, -50, 0]
         target = [0, 0, 0]

@@ -64,6 +64,11 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "a film is scenes over time and frames as files; who renders one calls it",
     },
     Layer {
+        name: "slabsplat-annotations",
+        may_use: &["slabsplat-core"],
+        why: "it draws onto a picture that is done, whoever made it of what",
+    },
+    Layer {
         name: "slabsplat-traverse",
         may_use: &["slabsplat-core", "slabsplat-kernel"],
         why: "the order of voxels must not depend on who draws them",
@@ -112,6 +117,7 @@ pub(super) const LAYERS: &[Layer] = &[
         name: "slabsplat",
         may_use: &[
             "slabsplat-core",
+            "slabsplat-annotations",
             "slabsplat-kernel",
             "slabsplat-io",
             "slabsplat-film",
@@ -134,6 +140,7 @@ pub(super) const LAYERS: &[Layer] = &[
         name: "slabsplat-tests",
         may_use: &[
             "slabsplat-core",
+            "slabsplat-annotations",
             "slabsplat-kernel",
             "slabsplat-io",
             "slabsplat-traverse",
@@ -237,6 +244,11 @@ pub(super) const EXTERNALS: &[External] = &[
         why: "exact predicates are for where edges are; volumes have none",
     },
     External {
+        name: "ab_glyph",
+        users: Users::Only(&["slabsplat-annotations"]),
+        why: "whoever wants no text on pictures compiles no font",
+    },
+    External {
         name: "image",
         users: Users::Only(&["slabsplat-core", "slabsplat-io"]),
         why: CODECS,
@@ -246,11 +258,16 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "bzip2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External {
+        name: "image-webp",
+        users: Users::Only(&["slabsplat-io", "slabsplat-film"]),
+        why: CODECS,
+    },
+    External { name: "csscolorparser", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "rust-j2k", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "hdf5-pure", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "gif", users: Users::Only(&["slabsplat-film"]), why: FILMS },
-    External { name: "image-webp", users: Users::Only(&["slabsplat-film"]), why: FILMS },
     External { name: "half", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "lz4_flex", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "ruzstd", users: Users::Only(&["slabsplat-io"]), why: CODECS },

@@ -80,11 +80,18 @@ pub(super) struct CameraFlags {
     #[arg(long, value_name = "PIXELS")]
     height: Option<u32>,
 
-    /// Colour behind the volume, 0 to 1 each; opaque without A
+    /// Colour behind the volume: a name of CSS, #rgb, #rrggbb, #rrggbbaa, or R,G,B or R,G,B,A from 0 to 1 each,
+    /// opaque without A; two of them are the upper and the lower end of a gradient
     #[arg(
-        long, value_name = "R,G,B,A", value_parser = values::background, allow_hyphen_values = true
+        long, value_name = "COLOR[:COLOR]", value_parser = values::background,
+        allow_hyphen_values = true
     )]
     background: Option<Background>,
+
+    /// Samples of a pixel, whose mean it is, in a square: 1, 4, 9, 16, 25, 36, 49 or 64; time and memory grow
+    /// with them
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
 }
 
 impl CameraFlags {
@@ -107,9 +114,14 @@ impl CameraFlags {
         let image = &mut file.image;
         image.width = self.width.unwrap_or(image.width);
         image.height = self.height.unwrap_or(image.height);
-        image.background = self.background.map_or(image.background, |Background(color)| color);
+        let finish = &mut file.finish;
+        if let Some(Background { above, below }) = self.background {
+            (image.background, finish.background_below) = (above, below);
+        }
+        finish.samples = self.samples.unwrap_or(finish.samples);
         file.unsaid.background &= self.background.is_none();
         image.checked()?;
+        finish.clone().checked()?.sampled(image)?;
         Ok(())
     }
 

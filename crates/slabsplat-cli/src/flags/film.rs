@@ -5,7 +5,7 @@ use crate::terminal;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slabsplat::ImageDesc;
+use slabsplat::Scene;
 use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate};
 use std::path::{Path, PathBuf};
 
@@ -95,10 +95,12 @@ impl FilmFlags {
     pub(crate) fn desc(
         &self,
         format: FilmFormat,
-        image: &ImageDesc,
+        scene: &Scene,
         (n_frames, rate): (u32, FrameRate),
     ) -> Result<FilmDesc> {
-        let lets_through = image.background[3] < 1.0;
+        let Scene { image, finish, .. } = scene;
+        let below = finish.background_below.unwrap_or(image.background);
+        let lets_through = image.background[3].min(below[3]) < 1.0;
         let desc = FilmDesc::new(image.width, image.height, n_frames, rate)?
             .has_opacity(lets_through && format.has_opacity())
             .n_threads(rayon::current_num_threads());

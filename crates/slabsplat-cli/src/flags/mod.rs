@@ -3,6 +3,7 @@
 //! One struct for one table of the file; each lays its flags over that part of the scene. `table` makes the
 //! flags of what is a row in a table of settings.
 
+mod annotations;
 mod camera;
 mod film;
 mod labels;
@@ -79,6 +80,9 @@ pub(crate) struct HowFlags {
     raw: RawFlags,
 
     #[command(flatten)]
+    annotations: annotations::AnnotationFlags,
+
+    #[command(flatten)]
     settings: settings::SettingsFlags,
 }
 
@@ -90,6 +94,7 @@ impl SceneFlags {
     pub(crate) fn file(&self) -> Result<SceneFile> {
         let mut file = input::scene_file(&self.input)?;
         self.how.camera.lay_over(&mut file)?;
+        self.how.annotations.lay_over(&mut file)?;
         self.how.settings.lay_over(&mut file, self.how.look.mode())?;
         self.how.look.lay_over(&mut file)?;
         self.how.lights.lay_over(&mut file)?;

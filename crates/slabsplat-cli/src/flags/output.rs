@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputFlags {
-    /// The picture: .exr (32-bit float, premultiplied) or .png (8 bits); - is standard output [default:
-    /// INPUT's name with .png, in the working directory]
+    /// The picture: .png or .webp (8 bits), .jpg (8 bits, opaque), .tif (16 bits; with --format tiff-float
+    /// 32-bit float, premultiplied) or .exr (32-bit float, premultiplied); - is standard output
+    /// [default: INPUT's name with .png, in the working directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -87,7 +88,7 @@ impl PictureFlags {
     /// The picture of that name.
     pub(crate) fn target(&self, path: PathBuf) -> Result<Target> {
         let Some(format) = self.format.or_else(|| PictureFormat::of_name(&path)) else {
-            bail!("cannot tell the format of {}: name the picture .exr or .png", path.display());
+            return Err(io::IoError::UnknownPicture { path }.into());
         };
         check_folder(&path, self.mkdir)?;
         Ok(Target { path: Some(path), format })
@@ -120,7 +121,7 @@ impl PictureFlags {
         }
         let mut name = stem.to_owned();
         name.push(".");
-        name.push(self.format_or_usual().name());
+        name.push(self.format_or_usual().extensions()[0]);
         Ok(name.into())
     }
 

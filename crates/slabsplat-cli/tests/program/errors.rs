@@ -75,7 +75,7 @@ fn errors_say_what_and_where() {
         ),
         ("render builtin:cube:many -o a.png", "\"many\""),
         ("render builtin:cube:2000000 -o a.png", "4 to 1024"),
-        ("render builtin:cube -o a.jpg", ".exr or .png"),
+        ("render builtin:cube -o a.gif", "name it .png, .exr, .tif, .jpg or .webp"),
         ("render builtin:cube -o nowhere/a.png", "no folder nowhere; --mkdir makes it"),
         ("render builtin:cube -o empty.nrrd/a.png", "not a directory"),
         ("render builtin:cube -o dir.png", "is a directory"),

@@ -1,5 +1,6 @@
 //! The built program, run as a user runs it: what it prints, what it writes, and how it ends.
 
+mod annotations;
 mod backends;
 mod batch;
 mod bench;
@@ -11,6 +12,7 @@ mod film;
 mod help;
 mod info;
 mod manual;
+mod pictures;
 mod popping;
 mod render;
 mod scene;

@@ -3,9 +3,11 @@
 use std::io::{BufReader, Cursor, Seek, Write};
 use std::path::Path;
 
-use slabsplat_core::Image;
+use slabsplat_core::{Image, Scene};
 
-use super::{Provenance, atomic, exr, png};
+#[cfg(feature = "webp")]
+use super::webp;
+use super::{Provenance, atomic, exr, jpeg, png, tiff};
 use crate::IoError;
 use crate::store::Store;
 
@@ -17,25 +19,103 @@ pub enum PictureFormat {
     Png,
     /// OpenEXR: 32-bit floats, premultiplied, bit by bit what was drawn.
     Exr,
+    /// TIFF, 16 bits a channel, not premultiplied.
+    Tiff,
+    /// TIFF, 32-bit floats, premultiplied, bit by bit what was drawn.
+    TiffFloat,
+    /// JPEG of quality 95, for opaque pictures.
+    Jpeg,
+    /// WebP: 8 bits a channel, not premultiplied, lossless.
+    #[cfg(feature = "webp")]
+    WebP,
 }
+
+/// Why a picture is no JPEG.
+pub(super) const NO_TRANSPARENCY: &str =
+    "JPEG has no transparency: an opaque background is needed, or another format";
+
+/// Longest side of a WebP.
+#[cfg(feature = "webp")]
+const MAX_WEBP_SIDE: u32 = 16384;
 
 impl PictureFormat {
     /// All of them.
-    pub const ALL: &[Self] = &[Self::Png, Self::Exr];
+    pub const ALL: &[Self] = &[
+        Self::Png,
+        Self::Exr,
+        Self::Tiff,
+        Self::TiffFloat,
+        Self::Jpeg,
+        #[cfg(feature = "webp")]
+        Self::WebP,
+    ];
 
-    /// The format's name, which is the extension of its files.
+    /// The format's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Png => "png",
             Self::Exr => "exr",
+            Self::Tiff => "tiff",
+            Self::TiffFloat => "tiff-float",
+            Self::Jpeg => "jpeg",
+            #[cfg(feature = "webp")]
+            Self::WebP => "webp",
         }
     }
 
-    /// The format that a name's extension says; `None` if it says none of these.
+    /// The extensions of its files, the usual one first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Png => &["png"],
+            Self::Exr => &["exr"],
+            Self::Tiff | Self::TiffFloat => &["tif", "tiff"],
+            Self::Jpeg => &["jpg", "jpeg"],
+            #[cfg(feature = "webp")]
+            Self::WebP => &["webp"],
+        }
+    }
+
+    /// All extensions, for people: `.png, .exr or .tif`.
+    pub fn endings() -> String {
+        let mut endings: Vec<String> = Vec::new();
+        for format in Self::ALL {
+            let ending = format!(".{}", format.extensions()[0]);
+            if !endings.contains(&ending) {
+                endings.push(ending);
+            }
+        }
+        let last = endings.pop().unwrap_or_default();
+        format!("{} or {last}", endings.join(", "))
+    }
+
+    /// The format that a name's extension says, of TIFF the one of 16 bits; `None` if it says none of these.
     pub fn of_name(path: impl AsRef<Path>) -> Option<Self> {
         let extension = path.as_ref().extension()?;
-        let is_its = |format: &&Self| extension.eq_ignore_ascii_case(format.name());
+        let is_its = |format: &&Self| {
+            format.extensions().iter().any(|its| extension.eq_ignore_ascii_case(its))
+        };
         Self::ALL.iter().find(is_its).copied()
+    }
+
+    /// Whether files of the format may be volumes as well as pictures.
+    pub fn holds_volumes(self) -> bool {
+        matches!(self, Self::Tiff | Self::TiffFloat)
+    }
+
+    /// That it can hold a scene's picture, as far as can be told before there is one.
+    ///
+    /// # Errors
+    /// If the background shines through and the format has no transparency, or a side is too long for it.
+    pub fn check(self, scene: &Scene) -> Result<(), IoError> {
+        let what = match self {
+            Self::Jpeg if is_transparent(scene) => NO_TRANSPARENCY.to_owned(),
+            #[cfg(feature = "webp")]
+            Self::WebP if MAX_WEBP_SIDE < scene.image.width.max(scene.image.height) => {
+                format!("sides of a WebP are at most {MAX_WEBP_SIDE} pixels")
+            }
+            _ => return Ok(()),
+        };
+        Err(IoError::Encode { source: std::io::Error::other(what) })
     }
 
     /// Writes a picture, and what it was made of, if that is given.
@@ -73,6 +153,11 @@ impl PictureFormat {
         match self {
             Self::Png => png::encode(writer, image, provenance),
             Self::Exr => exr::encode(writer, image, provenance),
+            Self::Tiff => tiff::encode_16_bits(writer, image, provenance),
+            Self::TiffFloat => tiff::encode_floats(writer, image, provenance),
+            Self::Jpeg => jpeg::encode(writer, image, provenance),
+            #[cfg(feature = "webp")]
+            Self::WebP => webp::encode(writer, image, provenance),
         }
     }
 
@@ -89,10 +174,20 @@ impl PictureFormat {
         let read = match self {
             Self::Png => png::read_provenance(file),
             Self::Exr => exr::read_provenance(file),
+            Self::Tiff | Self::TiffFloat => tiff::read_provenance(file),
+            Self::Jpeg => jpeg::read_provenance(file),
+            #[cfg(feature = "webp")]
+            Self::WebP => webp::read_provenance(file),
         };
         read.map_err(|what| {
             let name = self.name().to_uppercase();
             IoError::malformed(path, format!("not a picture in {name} that can be read: {what}"))
         })
     }
+}
+
+/// Whether anything shines through a scene's background.
+fn is_transparent(scene: &Scene) -> bool {
+    let opacities = [0.0, 1.0].map(|part| scene.background_at(part)[3]);
+    opacities.into_iter().any(|opacity| opacity < 1.0)
 }

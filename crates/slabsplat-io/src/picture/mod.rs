@@ -4,8 +4,12 @@
 pub(crate) mod atomic;
 mod exr;
 mod format;
+mod jpeg;
 mod png;
 mod provenance;
+mod tiff;
+#[cfg(feature = "webp")]
+mod webp;
 
 use std::io;
 use std::path::Path;
@@ -19,7 +23,7 @@ pub use provenance::{PictureScene, Provenance, read_picture_scene};
 
 use crate::IoError;
 
-/// Writes a picture in the format that the name's extension says: `.exr` or `.png`.
+/// Writes a picture in the format that the name's extension says: one of [`PictureFormat::ALL`].
 ///
 /// # Errors
 /// If the extension is another, or the file cannot be written.
@@ -65,9 +69,9 @@ mod tests {
             write_picture(dir.path().join(name), &image).unwrap();
             assert!(std::fs::read(dir.path().join(name)).unwrap().starts_with(magic), "{name}");
         }
-        for name in ["a.jpg", "a", "png"] {
+        for name in ["a.gif", "a", "png"] {
             let err = write_picture(dir.path().join(name), &image).unwrap_err().to_string();
-            assert!(err.contains(".exr or .png"), "{err}");
+            assert!(err.contains(&format!("name it {}", PictureFormat::endings())), "{err}");
         }
     }
 }

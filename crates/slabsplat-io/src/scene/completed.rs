@@ -57,6 +57,7 @@ impl SceneFile {
             lights: scene.lights.clone(),
             image: scene.image,
             settings: scene.settings.clone(),
+            finish: scene.finish.clone(),
             film: self.film.clone(),
             backend: self.backend.clone(),
             unsaid: Unsaid::default(),

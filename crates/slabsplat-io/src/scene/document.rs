@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use slabsplat_core::{
-    ImageDesc, Isosurface, Light, Phong, ProjectionKind, RenderSettings, SampleType, TransferBox,
+    Annotations, Isosurface, Light, Phong, ProjectionKind, RenderSettings, SampleType, TransferBox,
 };
 
 use super::film::FilmSection;
@@ -26,7 +26,9 @@ pub(super) struct Document {
     pub(super) camera: CameraSection,
     pub(super) lights: Option<Vec<Light>>,
     #[serde(default)]
-    pub(super) image: ImageDesc,
+    pub(super) image: ImageSection,
+    #[serde(default, skip_serializing_if = "Annotations::is_empty")]
+    pub(super) annotations: Annotations,
     #[serde(default)]
     pub(super) render: SettingsSection<RenderSettings>,
     pub(super) film: Option<FilmSection>,
@@ -184,4 +186,16 @@ pub(super) struct CameraSection {
     pub(super) fov_y: Option<f64>,
     /// The same where no number of degrees is that angle.
     pub(super) fov_y_radians: Option<f64>,
+}
+
+/// Size and background of the picture, and samples of its pixels.
+#[derive(Deserialize, Serialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct ImageSection {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) background: [f32; 4],
+    /// What it goes over to at the lower edge.
+    pub(super) background_below: Option<[f32; 4]>,
+    pub(super) samples: u32,
 }

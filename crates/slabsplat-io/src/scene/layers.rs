@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::diagnostic::Diagnostic;
 use super::document::{Document, LayerSection, TransferImageSection};
 use super::film::{Listed, ListedKind};
-use super::sections::{checked_image, into_lights};
+use super::sections::into_lights;
 use super::settings_section::SettingsSection;
 use super::{LayerFile, SceneFile, TransferImageFile, Unsaid};
 
@@ -54,12 +54,23 @@ impl Document {
             return Err(Diagnostic::general("no layer of the scene is visible"));
         }
         let (settings, backend) = self.render.into_settings()?;
-        let (camera, image) = (self.camera.into_desc()?, checked_image(self.image)?);
+        let camera = self.camera.into_desc()?;
+        let (image, finish) = self.image.into_desc(self.annotations)?;
         let lights = into_lights(self.lights)?;
         let film = self.film.map(|film| film.into_file(&listed)).transpose()?;
         let unsaid = Unsaid::default();
-        let scene =
-            SceneFile { layers, meshes, camera, lights, image, settings, film, backend, unsaid };
+        let scene = SceneFile {
+            layers,
+            meshes,
+            camera,
+            lights,
+            image,
+            settings,
+            finish,
+            film,
+            backend,
+            unsaid,
+        };
         Ok((scene, look_files))
     }
 

@@ -31,7 +31,7 @@ mod written;
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{
-    ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading,
+    Finish, ImageDesc, Isosurface, Light, Phong, PiecewiseLinear, RenderSettings, Shading,
     TransferFunction, TransferFunction2d,
 };
 
@@ -71,6 +71,8 @@ pub struct SceneFile {
     pub image: ImageDesc,
     /// How it is made.
     pub settings: RenderSettings,
+    /// What becomes of the frame before it is a picture.
+    pub finish: Finish,
     /// How it changes, if it does.
     pub film: Option<FilmFile>,
     /// The name of the backend that makes it; it is not checked here.
@@ -217,6 +219,7 @@ impl SceneFile {
             lights: vec![Light::default()],
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
+            finish: Finish::default(),
             film: None,
             backend: "auto".to_owned(),
             unsaid: Unsaid::ALL,

@@ -6,13 +6,16 @@ use std::path::Path;
 use std::str::FromStr;
 
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{ImageDesc, LabelStyle, Light, Phong, Plane, Region, RenderSettings, Shading};
+use slabsplat_core::{
+    Annotations, Finish, ImageDesc, LabelStyle, Light, Phong, Plane, Region, RenderSettings,
+    Shading,
+};
 
 use super::camera::CameraDesc;
 use super::diagnostic::Diagnostic;
 use super::document::{
-    CameraSection, ClassifySection, LabelStyleSection, LabelsSection, RawSection, RegionSection,
-    VolumeSection,
+    CameraSection, ClassifySection, ImageSection, LabelStyleSection, LabelsSection, RawSection,
+    RegionSection, VolumeSection,
 };
 use super::paths::in_folder;
 use super::settings_section::SettingsSection;
@@ -177,8 +180,41 @@ impl CameraSection {
     }
 }
 
-pub(super) fn checked_image(image: ImageDesc) -> Result<ImageDesc, Diagnostic> {
-    image.checked().map_err(|error| Diagnostic::at("image", error.field(), error.to_string()))
+impl Default for ImageSection {
+    fn default() -> Self {
+        Self::of(&ImageDesc::default(), &Finish::default())
+    }
+}
+
+impl ImageSection {
+    /// What they say, but for annotations.
+    pub(super) fn of(image: &ImageDesc, finish: &Finish) -> Self {
+        Self {
+            width: image.width,
+            height: image.height,
+            background: image.background,
+            background_below: finish.background_below,
+            samples: finish.samples,
+        }
+    }
+
+    /// The frame, and what becomes of it.
+    pub(super) fn into_desc(
+        self,
+        annotations: Annotations,
+    ) -> Result<(ImageDesc, Finish), Diagnostic> {
+        let Self { width, height, background, background_below, samples } = self;
+        let image = ImageDesc { width, height, background }.checked();
+        let image =
+            image.map_err(|error| Diagnostic::at("image", error.field(), error.to_string()))?;
+        let finish = Finish { samples, background_below, annotations }.checked();
+        let finish = finish.and_then(|finish| finish.sampled(&image).map(|_| finish));
+        let finish = finish.map_err(|error| {
+            let [section, key] = error.key();
+            Diagnostic::at(section, key, error.to_string())
+        })?;
+        Ok((image, finish))
+    }
 }
 
 impl SettingsSection<RenderSettings> {

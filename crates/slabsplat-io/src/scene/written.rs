@@ -10,8 +10,8 @@ use slabsplat_core::{
 };
 
 use super::document::{
-    CameraSection, ClassifySection, Document, LabelStyleSection, LabelsSection, LayerSection,
-    MeshSection, RawSection, RegionSection, TransferImageSection, VolumeSection,
+    CameraSection, ClassifySection, Document, ImageSection, LabelStyleSection, LabelsSection,
+    LayerSection, MeshSection, RawSection, RegionSection, TransferImageSection, VolumeSection,
 };
 use super::film::FilmSection;
 use super::settings_section::SettingsSection;
@@ -81,7 +81,8 @@ impl Document {
             layers: (!is_single).then_some(sections),
             camera: CameraSection::of(&scene.camera),
             lights: Some(scene.lights.clone()),
-            image: scene.image,
+            image: ImageSection::of(&scene.image, &scene.finish),
+            annotations: scene.finish.annotations.clone(),
             render: SettingsSection {
                 settings: scene.settings.clone(),
                 other: Some(scene.backend.clone()),

@@ -2,6 +2,7 @@
 //!
 //! A new format is a module with a [`Reader`], a line in [`READERS`] and a line in [`VolumeFormat`].
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -290,7 +291,7 @@ fn known() -> String {
 /// How many kinds of files are told of, and how many of each by name.
 const MAX_TOLD: usize = 5;
 
-/// How many files there are of each extension, and the first of them, `2 .png (a.png, b.png)`.
+/// How many files there are of each extension, those that are read first, and the first of each, `2 .png (a.png, b.png)`.
 fn held_by(files: &[PathBuf]) -> String {
     let mut kinds: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for file in files {
@@ -298,7 +299,8 @@ fn held_by(files: &[PathBuf]) -> String {
         kinds.entry(stream::plain_extension(file)).or_default().push(printable(&name));
     }
     let mut kinds: Vec<(String, Vec<String>)> = kinds.into_iter().collect();
-    kinds.sort_by_key(|(_, names)| std::cmp::Reverse(names.len()));
+    let is_read = |extension: &str| READERS.iter().any(|it| it.extensions().contains(&extension));
+    kinds.sort_by_key(|(extension, names)| (!is_read(extension), Reverse(names.len())));
     let told = |(extension, names): &(String, Vec<String>)| {
         let kind = match extension.as_str() {
             "" => "without an extension".to_owned(),
@@ -358,6 +360,8 @@ mod tests {
             held_by(&files),
             "2 .png (a.PNG, b.png), 1 without an extension (d), 1 .txt (c.txt)"
         );
+        let slices = ["a.1", "a.2", "a.3", "a.4", "a.5", "a.nhdr"].map(PathBuf::from);
+        assert!(held_by(&slices).starts_with("1 .nhdr (a.nhdr), 1 .1 (a.1), "));
         let many = ["6.a", "5.a", "4.a", "3.a", "2.a", "1.a"].map(PathBuf::from);
         assert_eq!(held_by(&many), "6 .a (1.a, 2.a, 3.a, 4.a, 5.a, …)");
     }

@@ -166,7 +166,10 @@ impl LoadedVolume {
 impl LoadedVolume {
     /// The only volume of a file.
     pub(crate) fn new(volume: Arc<Volume>, format: VolumeFormat, warnings: Vec<String>) -> Self {
-        let acquisition = Acquisition { modality: None, orientation: usual_orientation(format) };
+        let orientation = usual_orientation(format);
+        let is_metric =
+            is_usually_metric(format) && !warnings.iter().any(|what| what == units::NO_SIZE);
+        let acquisition = Acquisition { modality: None, orientation, is_metric };
         let choices = VolumeChoices::default();
         Self { volume, format, acquisition, warnings, choices, colors: None }
     }
@@ -179,6 +182,11 @@ impl LoadedVolume {
     /// The same that stands otherwise than is usual in its format.
     fn standing(self, orientation: Orientation) -> Self {
         Self { acquisition: Acquisition { orientation, ..self.acquisition }, ..self }
+    }
+
+    /// The same where the file says of lengths what they are, or does not.
+    fn measured(self, is_metric: bool) -> Self {
+        Self { acquisition: Acquisition { is_metric, ..self.acquisition }, ..self }
     }
 
     /// The same on another grid of as many voxels.
@@ -205,6 +213,27 @@ fn usual_orientation(format: VolumeFormat) -> Orientation {
         | VolumeFormat::Hdf5
         | VolumeFormat::Raw
         | VolumeFormat::Builtin => Orientation::Unknown,
+    }
+}
+
+/// Whether files of a format say lengths in units that are known; they become millimetres.
+fn is_usually_metric(format: VolumeFormat) -> bool {
+    match format {
+        VolumeFormat::Dicom
+        | VolumeFormat::Analyze
+        | VolumeFormat::Nifti1
+        | VolumeFormat::Nifti2
+        | VolumeFormat::Mrc
+        | VolumeFormat::Tiff
+        | VolumeFormat::Zarr => true,
+        VolumeFormat::Nrrd
+        | VolumeFormat::MetaImage
+        | VolumeFormat::Images
+        | VolumeFormat::Npy
+        | VolumeFormat::Vtk
+        | VolumeFormat::Hdf5
+        | VolumeFormat::Raw
+        | VolumeFormat::Builtin => false,
     }
 }
 

@@ -63,6 +63,10 @@ pub(super) fn unknown(unit: &str) -> String {
     format!("{shown:?} is no unit of length that is known: millimetres were assumed")
 }
 
+/// What to say of a file that has no lengths at all.
+pub(super) const NO_SIZE: &str =
+    "the file does not say how large its voxels are: 1 x 1 x 1 was assumed";
+
 /// What to say of a stack of which only the pixels' size is known.
 pub(super) const NO_DEPTH: &str =
     "the file does not say how far apart slices are: as far as pixels was assumed";

@@ -1,6 +1,6 @@
 //! A picture of a transfer function: how often values are, and over that how opaque, in their colours.
 
-use slabsplat_core::{Image, TransferFunction, Volume};
+use slabsplat_core::{Image, TransferFunction, Volume, number_text, round_ticks};
 
 use super::values::ValueCounts;
 
@@ -81,7 +81,7 @@ impl Plot {
             let row = self.row_of(f64::from(quarter) / 4.0);
             (0..self.width).for_each(|column| self.mix(column, row, GRID, 1.0));
         }
-        for tick in ticks(self.range) {
+        for tick in round_ticks(self.range, 5) {
             let column = self.column_of(tick);
             (0..self.height).for_each(|row| self.mix(column, row, GRID, 1.0));
         }
@@ -123,7 +123,7 @@ impl Plot {
 
     fn labels(&mut self) {
         let [left, _, above, _] = MARGINS;
-        for tick in ticks(self.range) {
+        for tick in round_ticks(self.range, 5) {
             let text = number_text(tick);
             let middle = left + self.column_of(tick);
             let start = middle.saturating_sub(text.len() as u32 * CHARACTER_WIDTH / 2);
@@ -188,28 +188,6 @@ fn pixel([r, g, b]: [f64; 3]) -> [f32; 4] {
     [r as f32, g as f32, b as f32, 1.0]
 }
 
-/// Round numbers in a range: 1, 2 or 5 times a power of ten apart, some five of them.
-fn ticks([lo, hi]: [f64; 2]) -> Vec<f64> {
-    let rough = (hi / 5.0 - lo / 5.0).abs();
-    let power = 10.0_f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
-    let step = step.into_iter().find(|step| rough <= *step).unwrap_or(rough);
-    let first = (lo / step).ceil();
-    let ticks = (0..8).map(|idx| (first + f64::from(idx)) * step);
-    ticks.filter(|tick| lo <= *tick && *tick <= hi).collect()
-}
-
-/// A tick as it is written: the rest that is left of a sum of binary fractions is none.
-fn number_text(tick: f64) -> String {
-    let is_plain = tick == 0.0 || (1e-4 < tick.abs() && tick.abs() < 1e7);
-    if is_plain {
-        let text = format!("{tick:.6}");
-        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
-    }
-    let rounded: f64 = format!("{tick:.5e}").parse().unwrap_or(tick);
-    format!("{rounded:e}")
-}
-
 /// Five rows of three dots, the left one the highest bit.
 fn dots_of(character: char) -> [u8; 5] {
     match character {
@@ -233,18 +211,6 @@ fn dots_of(character: char) -> [u8; 5] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round() {
-        let check = |range, expected: &[&str]| {
-            let texts: Vec<String> = ticks(range).into_iter().map(number_text).collect();
-            assert_eq!(texts, expected, "{range:?}");
-        };
-        check([0.0, 255.0], &["0", "100", "200"]);
-        check([-1024.0, 3071.0], &["-1000", "0", "1000", "2000", "3000"]);
-        check([0.0, 1.0], &["0", "0.2", "0.4", "0.6", "0.8", "1"]);
-        check([0.0, 2e-7], &["0", "5e-8", "1e-7", "1.5e-7", "2e-7"]);
-    }
 
     #[test]
     fn plot_shows_curve_and_colors() {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Field, KernelName, Light, Lookup, Method, Mode, Normalization, Phong, Plane, ProjectionKind,
-    Setting, Settings, Shading,
+    Annotations, Field, KernelName, Light, Lookup, Method, Mode, Normalization, Phong, Plane,
+    ProjectionKind, Setting, Settings, Shading,
 };
 
 use super::*;
@@ -65,6 +65,15 @@ fov_y = 34.0
 width = 64
 height = 32
 background = [0.1, 0.2, 0.3, 1.0]
+background_below = [0.0, 0.5, 1.0, 1.0]
+samples = 4
+
+[annotations]
+title = "a title"
+axes = true
+scale_bar = true
+color_bar = true
+orientation_marker = true
 
 [render]
 method = "every-sample"
@@ -128,6 +137,14 @@ fn scene_has_every_key() {
     assert_eq!(vectors, [Some(DVec3::Z * 400.0), Some(DVec3::X), Some(DVec3::Y)]);
     let background = [0.1, 0.2, 0.3, 1.0];
     assert_eq!(scene.image, ImageDesc { width: 64, height: 32, background });
+    assert_eq!(
+        (scene.finish.samples, scene.finish.background_below),
+        (4, Some([0.0, 0.5, 1.0, 1.0]))
+    );
+    let Annotations { title, axes, scale_bar, color_bar, orientation_marker } =
+        scene.finish.annotations;
+    assert_eq!(title.as_deref(), Some("a title"));
+    assert!(axes && scale_bar && color_bar && orientation_marker);
     let settings = &scene.settings;
     assert_eq!(settings.method, Method::EverySample);
     assert_eq!(settings.kernel.0, "crawfis-max");
@@ -223,13 +240,43 @@ fn scene_unknown_keys_are_named() {
     );
     check(
         &format!("{SMALL}\n[image]\nwidth = 3\ngamma = 2.2\n"),
-        "scene.toml:7: unknown key \"gamma\" in [image]; known are width, height, background",
+        "scene.toml:7: unknown key \"gamma\" in [image]; known are width, height, background, \
+         background_below, samples",
+    );
+    check(
+        &format!("{SMALL}\n[annotations]\nscalebar = true\n"),
+        "scene.toml:6: unknown key \"scalebar\" in [annotations]; did you mean \"scale_bar\"?",
     );
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
         "scene.toml:1: unknown key \"size\"; known are volume, mesh, classify, labels, shading, \
-         region, layers, camera, lights, image, render, film",
+         region, layers, camera, lights, image, annotations, render, film",
     );
+}
+
+#[test]
+fn scene_finish() {
+    let text = "[image]\nsamples = 9\nbackground_below = [0, 0.5, 1, 1]\n\
+                [annotations]\ntitle = \"A head\"\naxes = true\ncolor_bar = true\n";
+    let annotations = Annotations {
+        title: Some("A head".to_owned()),
+        axes: true,
+        color_bar: true,
+        ..Annotations::default()
+    };
+    let background_below = Some([0.0, 0.5, 1.0, 1.0]);
+    let expected = Finish { samples: 9, background_below, annotations };
+    assert_eq!(read(&format!("{SMALL}{text}")).unwrap().finish, expected);
+    let check = |text: &str, expected: &str| {
+        let error = read(&format!("{SMALL}{text}")).unwrap_err();
+        assert!(error.contains(expected), "{error} should contain {expected}");
+    };
+    check("[image]\n\nsamples = 8\n", ":6: samples of a pixel are 1, 4, 9,");
+    check("[image]\nsamples = 100\n", ":5: samples of a pixel are 1, 4, 9,");
+    check("[image]\nwidth = 32768\nsamples = 4\n", ":6: 4 samples for each of 32768 x");
+    check("[image]\nbackground_below = [2, 0, 0, 1]\n", ":5: the background must be");
+    check("[annotations]\ntitle = \"\"\n", ":5: a title is a line");
+    check("[annotations]\naxes = 1\n", ":5: ");
 }
 
 #[test]

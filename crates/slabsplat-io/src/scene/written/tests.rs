@@ -4,8 +4,8 @@ use std::fs;
 
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{
-    Camera, Easing, Grid, Isosurface, LabelMap, Labels, Layer, Light, Mesh, MeshLayer, Plane,
-    Projection, Region, SampleType, Scaling, Scene, TransferBox, Volume,
+    Annotations, Camera, Easing, Finish, Grid, Isosurface, LabelMap, Labels, Layer, Light, Mesh,
+    MeshLayer, Plane, Projection, Region, SampleType, Scaling, Scene, TransferBox, Volume,
 };
 
 use super::*;
@@ -124,6 +124,16 @@ fn written_scene_has_all_keys() {
     scene.image.background = [0.1, 0.2, 0.3, 1.0 / 3.0];
     check(&scene);
     scene.lights.clear();
+    assert!(!check(&scene).contains("[annotations]"), "nothing is said of none");
+    let annotations = Annotations {
+        title: Some("a \"title\" – µ".to_owned()),
+        axes: true,
+        scale_bar: true,
+        color_bar: true,
+        orientation_marker: true,
+    };
+    let background_below = Some([1.0 / 3.0, 0.0, 1.0, 0.7]);
+    scene.finish = Finish { samples: 16, background_below, annotations };
     check(&scene);
     let mut mesh = of_mesh();
     check(&mesh);

@@ -11,7 +11,7 @@ mod files;
 mod header;
 mod space;
 
-use slabsplat_core::{Grid, SampleType, Scaling};
+use slabsplat_core::{Grid, Orientation, SampleType, Scaling};
 
 use super::choices::Part;
 use super::colors::{Meaning, Values, Voxels};
@@ -75,7 +75,9 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let samples = data::read(input, &layout, &files, &mut warnings)?;
     let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
     let loaded = voxels.load(input, VolumeFormat::MetaImage, warnings)?;
-    Ok(loaded.standing(space::orientation(&header)))
+    let orientation = space::orientation(&header);
+    // Millimetres are those of bodies; simulations have no unit.
+    Ok(loaded.standing(orientation).measured(orientation == Orientation::Anatomical))
 }
 
 /// Times along all axes after the third, and the values of each voxel.

@@ -2,7 +2,7 @@
 
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 
-use super::super::units::millimetres;
+use super::super::units::{NO_SIZE, millimetres};
 use super::header::Header;
 
 /// Index space to millimetres. The format does not say how the axes lie in a body: they are taken as they
@@ -22,9 +22,7 @@ pub(super) fn world_from_index(
     let matrix = directions * DMat3::from_diagonal(DVec3::from_array(steps));
     let origin = origin(header, matrix, warnings);
     if !is_known {
-        warnings.push(
-            "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
-        );
+        warnings.push(NO_SIZE.to_owned());
         return Ok(DAffine3::from_mat3_translation(matrix, DVec3::ZERO));
     }
     let unit = millimetres("Å").unwrap_or(1.0);

@@ -154,9 +154,7 @@ impl Array {
             in_file.reverse();
         }
         samples.place(source, &in_file, 0).map_err(failed)?;
-        let mut warnings = vec![
-            "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
-        ];
+        let mut warnings = vec![super::units::NO_SIZE.to_owned()];
         let samples = samples.finish(&mut warnings);
         let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices: axes.choices };
         voxels.load(input, VolumeFormat::Npy, warnings)

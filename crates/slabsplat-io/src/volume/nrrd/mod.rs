@@ -13,7 +13,7 @@ mod files;
 mod header;
 mod space;
 
-use slabsplat_core::{Grid, Scaling};
+use slabsplat_core::{Grid, Orientation, Scaling};
 
 use super::colors::Voxels;
 use super::data::{self, Encoding};
@@ -77,7 +77,10 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let samples = data::read(input, &layout, &files, &mut warnings)?;
     let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
     let loaded = voxels.load(input, VolumeFormat::Nrrd, warnings)?;
-    Ok(loaded.standing(space::orientation(&header)))
+    let orientation = space::orientation(&header);
+    let has_unit = header.get("space units").or_else(|| header.get("units")).is_some();
+    let is_metric = has_unit || orientation == Orientation::Anatomical;
+    Ok(loaded.standing(orientation).measured(is_metric))
 }
 
 fn stored_type(header: &Header) -> Result<StoredType, IoError> {

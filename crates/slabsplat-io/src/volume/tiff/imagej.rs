@@ -53,8 +53,7 @@ impl<'a> ImageJ<'a> {
         let depth = self.get("spacing").and_then(|text| text.parse::<f64>().ok()).map(f64::abs);
         let [x, y] = resolution.map(|per_unit| per_unit.map(f64::recip));
         let (Some(unit), Some(x), Some(y)) = (self.get("unit"), x, y) else {
-            let what = "the file does not say how large its voxels are: 1 x 1 x 1 was assumed";
-            warnings.push(what.to_owned());
+            warnings.push(units::NO_SIZE.to_owned());
             return [1.0; 3];
         };
         let depth = depth.filter(|depth| depth.is_normal());

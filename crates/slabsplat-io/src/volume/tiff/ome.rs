@@ -143,8 +143,7 @@ impl Ome {
     /// In millimetres.
     pub(super) fn spacing(&self, warnings: &mut Vec<String>) -> [f64; 3] {
         let [Some((x, x_unit)), Some((y, y_unit)), z] = &self.sizes else {
-            let what = "the file does not say how large its voxels are: 1 x 1 x 1 was assumed";
-            warnings.push(what.to_owned());
+            warnings.push(units::NO_SIZE.to_owned());
             return [1.0; 3];
         };
         if z.is_none() && 1 < self.counts.n_slices {

@@ -57,9 +57,7 @@ impl Stack {
                 choices,
             });
         }
-        warnings.push(
-            "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
-        );
+        warnings.push(super::super::units::NO_SIZE.to_owned());
         let slices = (0..pages.len()).map(Page::own).collect();
         let counts = Counts { n_slices: pages.len(), n_channels: 1, n_times: 1 };
         let choices = counts.choices(input, pages, Vec::new())?;

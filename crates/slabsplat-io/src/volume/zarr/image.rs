@@ -194,9 +194,7 @@ impl Image {
             dims[along] = array.shape[at] as f64;
         }
         if !said_scale {
-            warnings.push(
-                "the file does not say how large its voxels are: 1 x 1 x 1 was assumed".to_owned(),
-            );
+            warnings.push(units::NO_SIZE.to_owned());
         }
         let dims = dims.map(|len| len as usize);
         let each = choices.n_read();

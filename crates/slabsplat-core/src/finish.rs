@@ -1,0 +1,186 @@
+//! What becomes of a frame before it is a picture: samples are averaged, a gradient goes behind it, and what
+//! people need to read it is drawn on it. No backend knows of it; the facade does it, after the frame.
+
+use crate::ImageDesc;
+use thiserror::Error;
+
+/// What is done with a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finish {
+    /// Samples of a pixel, whose mean it is: a square, 1 … 64, as many of them in a row as in a column.
+    pub samples: u32,
+    /// Red, green, blue and opacity, 0 … 1, not premultiplied, to which the background goes over evenly from the
+    /// upper edge, where it is that of [`ImageDesc`], to the lower one.
+    pub background_below: Option<[f32; 4]>,
+    /// What is drawn on it.
+    pub annotations: Annotations,
+}
+
+/// What is drawn on a picture, so that people can tell how large, where and what it is.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+pub struct Annotations {
+    /// A line of text at the top, of 1 to 200 characters.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub title: Option<String>,
+    /// The edges of the box around all that there is, behind it, with coordinates.
+    pub axes: bool,
+    /// A bar of a round length.
+    pub scale_bar: bool,
+    /// The colours of values.
+    pub color_bar: bool,
+    /// The directions of the world.
+    pub orientation_marker: bool,
+}
+
+/// Why a frame cannot be finished like that.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum FinishError {
+    /// So many samples are in no square grid, or too many.
+    #[error("samples of a pixel are 1, 4, 9, 16, 25, 36, 49 or 64, and not {0}")]
+    BadSamples(u32),
+    /// All samples together are more than a picture may have pixels.
+    #[error(
+        "{samples} samples for each of {width} x {height} pixels take {gigabytes:.1} GB, and sides of at most \
+         32768 samples and 2.1 GB in all are possible: take fewer samples or pixels"
+    )]
+    TooManySamples {
+        /// Of a pixel.
+        samples: u32,
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// What they would take.
+        gigabytes: f64,
+    },
+    /// A channel of a gradient's lower end is outside 0 … 1.
+    #[error("the background must be four numbers from 0 to 1, not {0:?}")]
+    BadBackground([f32; 4]),
+    /// The title is none or too long, or is not a line.
+    #[error("a title is a line of 1 to 200 characters")]
+    BadTitle,
+}
+
+/// Samples in a row of a pixel.
+const MAX_SIDE: u32 = 8;
+
+/// Characters of a title; no picture is wide enough for more.
+const MAX_TITLE_CHARS: usize = 200;
+
+impl Default for Finish {
+    fn default() -> Self {
+        Self { samples: 1, background_below: None, annotations: Annotations::default() }
+    }
+}
+
+impl Finish {
+    /// The same, if it can be done.
+    ///
+    /// # Errors
+    /// If the number of samples is no square or above 64, a colour is outside 0 … 1, or the title is no line of
+    /// 1 to 200 characters.
+    pub fn checked(self) -> Result<Self, FinishError> {
+        if !(1..=MAX_SIDE).any(|side| side * side == self.samples) {
+            return Err(FinishError::BadSamples(self.samples));
+        }
+        if let Some(color) = self.background_below
+            && color.iter().any(|channel| !(0.0..=1.0).contains(channel))
+        {
+            return Err(FinishError::BadBackground(color));
+        }
+        let is_line = |title: &String| {
+            (1..=MAX_TITLE_CHARS).contains(&title.chars().count())
+                && !title.chars().any(char::is_control)
+        };
+        if !self.annotations.title.iter().all(is_line) {
+            return Err(FinishError::BadTitle);
+        }
+        Ok(self)
+    }
+
+    /// Samples in a row of a pixel, and in a column.
+    pub fn samples_side(&self) -> u32 {
+        self.samples.isqrt().max(1)
+    }
+
+    /// The frame whose pixels are the samples of `image`'s.
+    ///
+    /// # Errors
+    /// If a frame has no room for them all.
+    pub fn sampled(&self, image: &ImageDesc) -> Result<ImageDesc, FinishError> {
+        let ImageDesc { width, height, .. } = *image;
+        let side = self.samples_side();
+        let [wide, high] = [width, height].map(|n| n.saturating_mul(side));
+        let sampled = ImageDesc { width: wide, height: high, ..*image };
+        sampled.checked().map_err(|_| FinishError::TooManySamples {
+            samples: self.samples,
+            width,
+            height,
+            gigabytes: 16e-9 * f64::from(wide) * f64::from(high),
+        })
+    }
+}
+
+impl FinishError {
+    /// The section of a scene file, and the key in it, that a person should look at.
+    pub fn key(&self) -> [&'static str; 2] {
+        match self {
+            Self::BadSamples(_) | Self::TooManySamples { .. } => ["image", "samples"],
+            Self::BadBackground(_) => ["image", "background_below"],
+            Self::BadTitle => ["annotations", "title"],
+        }
+    }
+}
+
+impl Annotations {
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finish_checks_its_numbers() {
+        for samples in [1, 4, 9, 64] {
+            assert!(Finish { samples, ..Finish::default() }.checked().is_ok(), "{samples}");
+        }
+        for samples in [0, 2, 8, 65, 81, 100, u32::MAX] {
+            let finish = Finish { samples, ..Finish::default() };
+            assert_eq!(finish.checked(), Err(FinishError::BadSamples(samples)));
+        }
+        for color in [[0.0, 0.0, 0.0, 1.1], [f32::NAN, 0.0, 0.0, 0.0]] {
+            let finish = Finish { background_below: Some(color), ..Finish::default() };
+            assert!(matches!(finish.checked(), Err(FinishError::BadBackground(_))), "{color:?}");
+        }
+        let titled = |title: &str| {
+            let annotations =
+                Annotations { title: Some(title.to_owned()), ..Annotations::default() };
+            Finish { annotations, ..Finish::default() }.checked()
+        };
+        assert!(titled(&"ä".repeat(200)).is_ok());
+        for title in ["", "a\nb", "\u{1b}[2J", &"a".repeat(201)] {
+            assert_eq!(titled(title), Err(FinishError::BadTitle), "{title:?}");
+        }
+    }
+
+    #[test]
+    fn finish_samples_are_a_larger_frame() {
+        let image = ImageDesc { width: 30, height: 20, ..ImageDesc::default() };
+        let sampled = |samples, image| Finish { samples, ..Finish::default() }.sampled(image);
+        assert_eq!(sampled(1, &image), Ok(image));
+        assert_eq!(sampled(9, &image), Ok(ImageDesc { width: 90, height: 60, ..image }));
+        let large = ImageDesc { width: 8000, height: 8000, ..image };
+        let error = sampled(16, &large).unwrap_err();
+        assert_eq!(error.key(), ["image", "samples"]);
+        let expected = "16 samples for each of 8000 x 8000 pixels take 16.4 GB";
+        assert!(error.to_string().starts_with(expected), "{error}");
+        assert!(sampled(64, &ImageDesc { width: 4097, height: 1, ..image }).is_err(), "a long row");
+    }
+}
