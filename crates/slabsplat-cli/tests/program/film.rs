@@ -318,3 +318,27 @@ fn film_before_nothing_says_what_becomes_of_opacity() {
     };
     assert_eq!(["a.gif", "a.webp", "a.apng"].map(warned), [true, false, false]);
 }
+
+/// What is drawn on pictures is drawn on each frame, and what is averaged is so in each.
+#[test]
+fn film_frames_are_finished_as_pictures_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let cube = "turntable builtin:cube:8 --frames 3 --width 90 --height 90 --backend cpu";
+    for (name, flags) in [("plain", ""), ("titled", "--title Cube"), ("fine", "--samples 4")] {
+        let made = slabsplat(dir.path(), &format!("{cube} -o {name}.gif {flags}"));
+        assert!(made.status.success(), "{}", text(&made.stderr));
+    }
+    let [plain, titled, fine] =
+        ["plain", "titled", "fine"].map(|name| frames_of(&dir.path().join(format!("{name}.gif"))));
+    for idx in 0..3 {
+        let differs = |other: &[image::RgbaImage], rows: std::ops::Range<u32>| {
+            let mut pixels = rows.flat_map(|y| (0..90).map(move |x| (x, y)));
+            pixels.any(|(x, y)| {
+                let [a, b] = [&plain[idx], &other[idx]].map(|frame| frame.get_pixel(x, y).0);
+                a.iter().zip(b).any(|(a, b)| 60 < a.abs_diff(b))
+            })
+        };
+        assert!(differs(&titled, 0..20) && !differs(&titled, 60..90), "{idx}");
+        assert!(plain[idx] != fine[idx] && !differs(&fine, 0..90), "{idx}");
+    }
+}
