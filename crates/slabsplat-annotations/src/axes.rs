@@ -108,10 +108,12 @@ pub(crate) fn draw_coordinates(
     for axis in 0..3 {
         let outline = edges.iter().filter(|edge| edge.axis == axis && edge.n_front == 1);
         let scales = outline.filter_map(|edge| Scale::of(edge, screen, middle?, unit));
-        // At the left if it goes up, else below.
-        let place =
-            |scale: &Scale| if scale.goes_up() { -scale.middle().x } else { scale.middle().y };
-        let Some(scale) = scales.max_by(|a, b| place(a).total_cmp(&place(b))) else { continue };
+        let scales: Vec<Scale<'_>> = scales.collect();
+        // At the left if they go up, else below.
+        let go_up = scales.iter().all(Scale::goes_up);
+        let place = |scale: &&Scale<'_>| if go_up { -scale.middle().x } else { scale.middle().y };
+        let best = scales.iter().max_by(|a, b| place(a).total_cmp(&place(b)));
+        let Some(scale) = best else { continue };
         n_without_room += usize::from(!scale.draw(sheet, name(axis, acquisition.orientation)));
     }
     if 0 < n_without_room {

@@ -153,7 +153,9 @@ fn finish_errors_say_what() {
     };
     check("--samples 0", "samples of a pixel are 1, 4, 9,");
     check("--samples 100", "samples of a pixel are 1, 4, 9,");
-    check("--samples 64 --width 9000", "64 samples for each of 9000 x 180 pixels take");
+    let wide = "render builtin:cube --width 9000 --height 180 --samples 64 -o a.png";
+    let line = diagnostic(dir.path(), wide);
+    assert!(line.contains("64 samples for each of 9000 x 180 pixels take"), "{line}");
     check("--background 2,0,0", "the background must be four numbers from 0 to 1");
     let output = slabsplat(dir.path(), &format!("{SPHERE} --background nonsense -o a.png"));
     assert_eq!(output.status.code(), Some(2));
