@@ -10,7 +10,7 @@ const ALL: &str = "--title Ball --axes --scale-bar --color-bar --orientation-mar
 
 fn picture(directory: &Path, flags: &str) -> RgbaImage {
     answer(directory, &format!("{SPHERE} {flags} -o a.png"));
-    image::open(directory.join("a.png")).unwrap().into_rgba8()
+    image::open(directory.join("a.png")).expect("it was written").into_rgba8()
 }
 
 fn n_different(a: &RgbaImage, b: &RgbaImage) -> usize {
