@@ -22,6 +22,7 @@ mod semver;
 
 mod bench;
 mod ci;
+mod manual;
 mod sheet;
 
 mod dependencies;
@@ -52,6 +53,7 @@ Usage: cargo xtask COMMAND
   semver                   compare with the last release, if there is one and cargo-semver-checks is here
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
   sheet [FOLDER [PICTURE]] one picture of all volumes of a folder, as they look without any flag
+  manual                   write man pages and completions of shells into target/manual
   ci                       lint, test, web, package, outside, msrv, deny, semver, each crate and feature alone
   help                     print this
 
@@ -90,6 +92,7 @@ enum Task {
     Semver,
     Bench(Vec<OsString>),
     Sheet(Sheet),
+    Manual,
     Ci,
     Help,
 }
@@ -107,6 +110,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
         Task::Semver => semver::run(),
         Task::Bench(args) => bench::run(args),
         Task::Sheet(sheet) => sheet::run(sheet),
+        Task::Manual => manual::run(),
         Task::Ci => ci::run(),
         Task::Help => {
             print!("{USAGE}");
@@ -130,6 +134,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
         Some("outside") => Task::Outside,
         Some("semver") => Task::Semver,
         Some("lint") => Task::Lint,
+        Some("manual") => Task::Manual,
         Some("ci") => Task::Ci,
         Some("help" | "--help" | "-h") => Task::Help,
         _ => return Err(format!("there is no command `{}`", command.display())),
@@ -164,6 +169,7 @@ mod tests {
         check(&["deny", "advisories"], Ok(Task::Deny(vec!["advisories".into()])));
         check(&["bench", "cpu", "--help"], Ok(Task::Bench(vec!["cpu".into(), "--help".into()])));
         check(&["sheet"], Ok(Task::Sheet(Sheet::default())));
+        check(&["manual"], Ok(Task::Manual));
         check(&["test"], Ok(Task::Test(Test::default())));
     }
 

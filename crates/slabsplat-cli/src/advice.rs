@@ -1,23 +1,27 @@
 //! What helps where a backend cannot draw a frame: the CPU draws all of them.
 
 use anyhow::{Result, anyhow};
-use slabsplat::{Caps, Frame, OpenScene, Picture, RenderError, Renderer, Scene};
+use slabsplat::{Caps, Frame, FrameHandle, OpenScene, Picture, RenderError, Renderer, Scene};
 
-/// Renders a scene's picture.
+/// Renders a scene's picture, whose frame is watched by its handle.
 ///
 /// # Errors
-/// As [`Renderer::picture`], with what helps.
-pub(crate) fn picture(renderer: &mut Renderer, opened: &OpenScene) -> Result<Picture> {
-    let picture = renderer.picture(&opened.scene, opened.acquisition);
+/// As [`Renderer::picture_as`], with what helps.
+pub(crate) fn picture(
+    renderer: &mut Renderer,
+    opened: &OpenScene,
+    frame: &FrameHandle,
+) -> Result<Picture> {
+    let picture = renderer.picture_as(&opened.scene, opened.acquisition, frame);
     picture.map_err(|error| of(error, renderer.caps()))
 }
 
 /// Renders a frame, which nobody finishes.
 ///
 /// # Errors
-/// As [`Renderer::render`], with what helps.
-pub(crate) fn render(renderer: &mut Renderer, scene: &Scene) -> Result<Frame> {
-    renderer.render(scene).map_err(|error| of(error, renderer.caps()))
+/// As [`Renderer::render_as`], with what helps.
+pub(crate) fn render(renderer: &mut Renderer, scene: &Scene, frame: &FrameHandle) -> Result<Frame> {
+    renderer.render_as(scene, frame).map_err(|error| of(error, renderer.caps()))
 }
 
 /// An error of a backend, with what helps, if anything does.

@@ -9,7 +9,7 @@ use crate::{advice, columns, stats, terminal};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::{Caps, Frame, Renderer, Scene};
+use slabsplat::{Caps, Frame, FrameHandle, Renderer, Scene};
 use std::time::Instant;
 
 /// Time frames while the camera turns
@@ -61,7 +61,7 @@ fn time_frames(renderer: &mut Renderer, scene: &Scene, n_frames: u16) -> Result<
     let mut time_at = |degrees: f64| -> Result<(Frame, f64)> {
         let turned = scene.clone().camera(scene.camera.orbited(degrees.to_radians()));
         let started = Instant::now();
-        let frame = advice::render(renderer, &turned)?;
+        let frame = advice::render(renderer, &turned, &FrameHandle::new())?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         progress.step();
         Ok((frame, ms))

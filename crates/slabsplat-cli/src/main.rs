@@ -5,19 +5,22 @@
 //!
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
-//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`scene`],
-//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
-//! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
-//! are written, [`advice`] what helps where a backend does not, and [`environment`] what drivers find.
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`batch`],
+//! [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`],
+//! [`manual`]; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with,
+//! [`output`] is how pictures are written, [`advice`] what helps where a backend does not, [`help`] what
+//! stands in help beside the flags, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
 
 mod backends;
+mod batch;
 mod bench;
 mod convert;
 mod demo;
 mod info;
+mod manual;
 mod plain;
 mod popping;
 mod presets;
@@ -28,6 +31,7 @@ mod tf;
 mod advice;
 mod columns;
 mod environment;
+mod help;
 mod mesh_info;
 mod meter;
 mod output;
@@ -37,7 +41,7 @@ mod stdin;
 mod terminal;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Renders volumes by image-aligned splatting, which does not pop when the camera turns.
@@ -54,6 +58,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Batch(Box<batch::BatchArgs>),
     Scene(Box<scene::SceneArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
@@ -63,12 +68,15 @@ enum Command {
     Popping(Box<popping::PoppingArgs>),
     Bench(Box<bench::BenchArgs>),
     Backends(backends::BackendsArgs),
+    Completions(manual::CompletionsArgs),
+    #[command(hide = true)]
+    Manual(manual::ManualArgs),
 }
 
 fn main() -> ExitCode {
     environment::complete();
     output::end_between_pictures();
-    let Cli { running, command } = Cli::parse();
+    let Cli { running, command } = parsed();
     match running.start().and_then(|()| run(command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -78,9 +86,21 @@ fn main() -> ExitCode {
     }
 }
 
+/// What the command line says; if it cannot be understood, or asks for help, this does not return.
+fn parsed() -> Cli {
+    let matches = command_line().get_matches();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+}
+
+/// What the command line may say.
+fn command_line() -> clap::Command {
+    help::completed(Cli::command())
+}
+
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Batch(args) => batch::run(*args),
         Command::Scene(args) => scene::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
@@ -90,5 +110,7 @@ fn run(command: Command) -> Result<()> {
         Command::Popping(args) => popping::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Backends(args) => backends::run(&args),
+        Command::Completions(args) => manual::print_completions(&args, command_line()),
+        Command::Manual(args) => manual::write(&args, command_line()),
     }
 }

@@ -1,6 +1,6 @@
 //! `slabsplat render`: one picture.
 
-use crate::flags::{OutputFlags, SceneFlags, Target};
+use crate::flags::{OutputFlags, SceneFlags, Written};
 use crate::progress::Progress;
 use crate::terminal::{self, Loudness};
 use crate::{advice, stats};
@@ -9,7 +9,6 @@ use clap::Args;
 use serde_json::{Value, json};
 use slabsplat::io::{SceneFile, VolumeSource};
 use slabsplat::{Caps, Frame, Mode, OpenScene, Scene};
-use std::path::Path;
 use std::time::Instant;
 
 /// Render a scene or a volume into a picture
@@ -31,38 +30,41 @@ pub(crate) struct RenderArgs {
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
-    let target = args.output.target(args.json)?;
+    let written = args.output.written(args.scene.input(), args.json)?;
+    let done = draw(&args.scene, &written, args.stats)?;
+    if args.json { terminal::answer(&format!("{done:#}\n")) } else { Ok(()) }
+}
+
+/// Draws a scene, writes what is to be written of it, and tells what was done: in lines on stderr, and in
+/// JSON, which is returned.
+pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, with_stats: bool) -> Result<Value> {
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
-    let (mut renderer, mut opened) = args.scene.opened(&progress)?;
-    target.format.check(&opened.scene)?;
-    progress.stage("rendering");
-    let picture = args.scene.in_scene(|| advice::picture(&mut renderer, &opened))?;
+    let (mut renderer, mut opened) = scene.opened(&progress)?;
+    written.target.format.check(&opened.scene)?;
+    let watched = progress.frame("rendering");
+    let picture = scene.in_scene(|| advice::picture(&mut renderer, &opened, &watched))?;
     progress.stage("writing");
     // What drew it, and not what might have: another backend has other bits.
     renderer.caps().name.clone_into(&mut opened.backend);
-    let scene = args.output.has_scene().then(|| opened.to_file()).transpose()?;
-    let provenance = args.output.provenance(scene.as_ref());
-    target.write(&picture.frame.image, provenance.as_ref())?;
-    let scene_file = args.output.save_scene(scene.as_ref())?;
+    let file = written.has_scene().then(|| opened.to_file()).transpose()?;
+    written.write(&picture.frame.image, file.as_ref())?;
     drop(progress);
     terminal::warn_all(&picture.notes);
     if picture.is_blank {
         let why = nothing_visible(&opened.scene, &picture.frame);
         terminal::warn(&format!("nothing is visible: {why}"));
     }
-    let frame = picture.frame;
-    let done = Done { target, scene_file, scene, started, frame, caps: renderer.caps() };
-    done.tell(&opened, args.stats);
-    if args.json { terminal::answer(&format!("{:#}\n", done.json())) } else { Ok(()) }
+    let done = Done { written, file, started, frame: picture.frame, caps: renderer.caps() };
+    done.tell(&opened, with_stats);
+    Ok(done.json())
 }
 
 /// What was done.
 struct Done<'a> {
-    target: Target,
-    scene_file: Option<&'a Path>,
+    written: &'a Written<'a>,
     /// If it was written anywhere.
-    scene: Option<SceneFile>,
+    file: Option<SceneFile>,
     started: Instant,
     frame: Frame,
     caps: &'a Caps,
@@ -82,14 +84,14 @@ impl Done<'_> {
         }
         terminal::say(format_args!(
             "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
-            self.target.name(),
+            self.written.target.name(),
             self.frame.image.width(),
             self.frame.image.height(),
             self.frame.stats.n_voxels,
             self.started.elapsed().as_millis(),
             by_which(self.caps),
         ));
-        if let Some(path) = self.scene_file {
+        if let Some(path) = self.written.scene {
             terminal::say(format_args!("{}: its scene", path.display()));
         }
         if with_stats || terminal::is_at_least(Loudness::Verbose) {
@@ -101,17 +103,17 @@ impl Done<'_> {
         let Frame { image, stats, cost, .. } = &self.frame;
         let stages = cost.stages.iter().map(|stage| json!({ "name": stage.name, "ms": stage.ms }));
         json!({
-            "picture": self.target.name(),
-            "format": self.target.format.name(),
+            "picture": self.written.target.name(),
+            "format": self.written.target.format.name(),
             "width": image.width(),
             "height": image.height(),
-            "scene_file": self.scene_file.map(|path| path.display().to_string()),
-            "volumes": self.scene.as_ref().map(volumes),
+            "scene_file": self.written.scene.map(|path| path.display().to_string()),
+            "volumes": self.file.as_ref().map(volumes),
             "seconds": self.started.elapsed().as_secs_f64(),
             "backend": self.caps.name,
             "device": self.caps.device,
             "threads": (self.caps.name == "cpu").then(rayon::current_num_threads),
-            "warnings": terminal::warnings(),
+            "warnings": terminal::take_warnings(),
             "stages": stages.collect::<Vec<_>>(),
             "n_voxels": stats.n_voxels,
             "n_splats": stats.n_splats,

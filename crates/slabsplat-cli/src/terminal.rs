@@ -4,6 +4,7 @@ use crate::progress;
 use anyhow::{Context, Result};
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
+use std::mem;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -80,9 +81,9 @@ pub(crate) fn warn(warning: &str) {
     WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).push(warning);
 }
 
-/// All warnings that there have been.
-pub(crate) fn warnings() -> Vec<String> {
-    WARNINGS.lock().unwrap_or_else(PoisonError::into_inner).clone()
+/// All warnings that there have been since they were asked for.
+pub(crate) fn take_warnings() -> Vec<String> {
+    mem::take(&mut WARNINGS.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// An error and its causes on one line. Many a message already ends with its cause; it is said once.

@@ -84,6 +84,7 @@ mod texture_renderer;
 
 mod automatic;
 mod framing;
+mod otsu;
 #[cfg(feature = "files")]
 mod scene_file;
 mod transfer;

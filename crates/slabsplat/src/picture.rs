@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 
 use slabsplat_backend::Frame;
-use slabsplat_core::{Acquisition, FinishError, Image, ImageDesc, Scene, over};
+use slabsplat_core::{Acquisition, FinishError, FrameHandle, Image, ImageDesc, Scene, over};
 
 use crate::{RenderError, Renderer};
 
@@ -48,7 +48,20 @@ impl Renderer {
         scene: &Scene,
         acquisition: Acquisition,
     ) -> Result<Picture, RenderError> {
-        let frame = self.render(&*frame_scene(scene)?)?;
+        self.picture_as(scene, acquisition, &FrameHandle::new())
+    }
+
+    /// The same by a handle, a clone of which watches the frame or cancels it from another thread.
+    ///
+    /// # Errors
+    /// If the frame is cancelled, too.
+    pub fn picture_as(
+        &mut self,
+        scene: &Scene,
+        acquisition: Acquisition,
+        frame: &FrameHandle,
+    ) -> Result<Picture, RenderError> {
+        let frame = self.render_as(&*frame_scene(scene)?, frame)?;
         Ok(finished(frame, scene, acquisition))
     }
 }

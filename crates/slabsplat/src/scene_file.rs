@@ -304,7 +304,7 @@ impl Opened {
             look.insert(found).transfer.clone()
         };
         let Fitted { transfer, mut gradient_opacity, mut warnings } =
-            fitted(file, &volume, automatic)?;
+            fitted(file, &volume, automatic, || Look::of(&volume, acquisition).kind.water())?;
         // What was found by gradients goes with the opacities that were found.
         if let (Some(look), None, None) = (&look, &file.transfer_2d, &file.fit.opacity) {
             gradient_opacity = gradient_opacity.or_else(|| look.gradient_opacity.clone());

@@ -18,7 +18,9 @@ mod table;
 mod transfer;
 pub(crate) mod values;
 
-pub(crate) use output::{OutputFlags, Target, check_folder, check_scene_name};
+pub(crate) use output::{
+    OutputFlags, PictureFlags, Target, Written, check_folder, check_scene_name,
+};
 pub(crate) use raw::RawFlags;
 pub(crate) use running::RunningFlags;
 pub(crate) use transfer::TransferFlags;
@@ -37,9 +39,17 @@ use std::path::{Path, PathBuf};
 pub(crate) struct SceneFlags {
     /// A scene file (.toml), a picture that slabsplat made, a volume file, a mesh (.ply, .stl, .obj), a
     /// built-in volume as builtin:NAME or builtin:NAME:SIZE, or - for a volume on standard input
-    #[arg(value_name = "INPUT")]
+    #[arg(value_name = "INPUT", help_heading = "Input")]
     input: PathBuf,
 
+    #[command(flatten)]
+    how: HowFlags,
+}
+
+/// All flags about how something is drawn, whatever it is.
+#[derive(Args)]
+#[command(next_help_heading = "Input")]
+pub(crate) struct HowFlags {
     /// Something else in the same picture: a scene file's layers, a volume file, or a built-in volume; flags
     /// that say what a layer is like are about INPUT's
     #[arg(long = "layer", value_name = "FILE")]
@@ -50,7 +60,7 @@ pub(crate) struct SceneFlags {
     meshes: Vec<PathBuf>,
 
     #[command(flatten)]
-    raw: RawFlags,
+    camera: camera::CameraFlags,
 
     #[command(flatten)]
     look: look::LookFlags,
@@ -59,13 +69,13 @@ pub(crate) struct SceneFlags {
     lights: lights::LightFlags,
 
     #[command(flatten)]
-    labels: labels::LabelFlags,
-
-    #[command(flatten)]
     region: region::RegionFlags,
 
     #[command(flatten)]
-    camera: camera::CameraFlags,
+    labels: labels::LabelFlags,
+
+    #[command(flatten)]
+    raw: RawFlags,
 
     #[command(flatten)]
     annotations: annotations::AnnotationFlags,
@@ -78,30 +88,30 @@ impl SceneFlags {
     /// What is named, with the flags laid over it; no volume is read.
     pub(crate) fn file(&self) -> Result<SceneFile> {
         let mut file = input::scene_file(&self.input)?;
-        self.camera.lay_over(&mut file)?;
-        self.annotations.lay_over(&mut file)?;
-        self.settings.lay_over(&mut file, self.look.mode())?;
-        self.look.lay_over(&mut file)?;
-        self.lights.lay_over(&mut file)?;
-        self.labels.lay_over(&mut file)?;
-        self.region.lay_over(&mut file)?;
+        self.how.camera.lay_over(&mut file)?;
+        self.how.annotations.lay_over(&mut file)?;
+        self.how.settings.lay_over(&mut file, self.how.look.mode())?;
+        self.how.look.lay_over(&mut file)?;
+        self.how.lights.lay_over(&mut file)?;
+        self.how.labels.lay_over(&mut file)?;
+        self.how.region.lay_over(&mut file)?;
         Ok(file)
     }
 
     /// Reads what is named, and lays the flags over it.
     pub(crate) fn open(&self) -> Result<OpenScene> {
         let mut file = self.file()?;
-        let aim = self.camera.aim()?;
+        let aim = self.how.camera.aim()?;
         let n_own = file.layers.len();
         self.in_scene(|| {
-            for path in &self.layers {
+            for path in &self.how.layers {
                 let other = input::scene_file(path)?;
                 file.layers.extend(other.layers);
                 file.meshes.extend(other.meshes);
             }
-            file.meshes.extend(self.meshes.iter().map(MeshFile::new));
-            let loaded = input::load(&mut file, &self.raw)?;
-            loaded[..n_own].iter().try_for_each(|volume| self.look.check_against(volume))?;
+            file.meshes.extend(self.how.meshes.iter().map(MeshFile::new));
+            let loaded = input::load(&mut file, &self.how.raw)?;
+            loaded[..n_own].iter().try_for_each(|volume| self.how.look.check_against(volume))?;
             let mut opened = OpenScene::unframed(loaded, &file)?;
             opened.frame(&file, &aim)?;
             Ok(opened)
@@ -127,7 +137,7 @@ impl SceneFlags {
     fn renderer_of(&self, backend: &str) -> Result<Renderer> {
         match Renderer::open(backend, terminal::warn) {
             Err(NoBackend::Unavailable { .. } | NoBackend::NotBuilt { .. })
-                if input::is_picture(&self.input) && !self.settings.names_backend() =>
+                if input::is_picture(&self.input) && !self.how.settings.names_backend() =>
             {
                 let picture = self.input.display();
                 terminal::warn(&format!(
@@ -154,7 +164,17 @@ impl SceneFlags {
 
     /// Whether somebody may have said what gradients do to opacity.
     pub(crate) fn says_gradients(&self) -> bool {
-        input::is_scene(&self.input) || self.look.says_gradients()
+        input::is_scene(&self.input) || self.how.look.says_gradients()
+    }
+
+    /// The same flags for something else to draw.
+    pub(crate) fn of(input: PathBuf, how: HowFlags) -> Self {
+        Self { input, how }
+    }
+
+    /// From now on, something else is drawn.
+    pub(crate) fn set_input(&mut self, input: PathBuf) {
+        self.input = input;
     }
 
     /// What is drawn, as it was named.
@@ -164,14 +184,14 @@ impl SceneFlags {
 
     /// Whether all that the flags say is in [`file`](Self::file).
     pub(crate) fn are_of_file(&self) -> bool {
-        self.layers.is_empty()
-            && self.meshes.is_empty()
-            && self.raw.are_silent()
-            && self.camera.aim().is_ok_and(|aim| aim == Aim::default())
+        self.how.layers.is_empty()
+            && self.how.meshes.is_empty()
+            && self.how.raw.are_silent()
+            && self.how.camera.aim().is_ok_and(|aim| aim == Aim::default())
     }
 
     /// The method that a flag names; the scene's does not count.
     pub(crate) fn method(&self) -> Option<slabsplat::Method> {
-        self.settings.method()
+        self.how.settings.method()
     }
 }

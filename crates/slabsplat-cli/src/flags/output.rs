@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::Image;
 use slabsplat::io::{self, PictureFormat, Provenance, SceneFile};
-use std::io::{IsTerminal, Write};
+use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -14,16 +14,24 @@ use std::path::{Path, PathBuf};
 pub(crate) struct OutputFlags {
     /// The picture: .png or .webp (8 bits), .jpg (8 bits, opaque), .tif (16 bits; with --format tiff-float
     /// 32-bit float, premultiplied) or .exr (32-bit float, premultiplied); - is standard output
+    /// [default: INPUT's name with .png, in the working directory]
     #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
-
-    /// Format of the picture [default: by the name's extension; png on standard output]
-    #[arg(long, value_parser = format_parser())]
-    format: Option<PictureFormat>,
+    output: Option<PathBuf>,
 
     /// Write what was drawn as a scene file, too, with all that was found or is by default
     #[arg(long, value_name = "FILE.toml")]
     save_scene: Option<PathBuf>,
+
+    #[command(flatten)]
+    picture: PictureFlags,
+}
+
+/// Flags of pictures, wherever they go.
+#[derive(Args)]
+pub(crate) struct PictureFlags {
+    /// Format of the picture [default: by the name's extension; else png]
+    #[arg(long, value_parser = format_parser())]
+    pub(crate) format: Option<PictureFormat>,
 
     /// Leave the scene out of the picture's metadata, by which it can be rendered again
     #[arg(long)]
@@ -31,7 +39,7 @@ pub(crate) struct OutputFlags {
 
     /// Make folders that are to be written to and are not there
     #[arg(long)]
-    mkdir: bool,
+    pub(crate) mkdir: bool,
 }
 
 fn format_parser() -> impl TypedValueParser<Value = PictureFormat> {
@@ -50,46 +58,77 @@ pub(crate) struct Target {
 }
 
 impl OutputFlags {
-    /// Where the picture goes, in a run that may answer on standard output, too. What would fail after the
-    /// work fails here.
-    pub(crate) fn target(&self, answers: bool) -> Result<Target> {
+    /// What is to be written of `input`, in a run that may answer on standard output, too. What would fail
+    /// after the work fails here.
+    pub(crate) fn written(&self, input: &Path, answers: bool) -> Result<Written<'_>> {
         if let Some(scene) = &self.save_scene {
             check_scene_name(scene)?;
-            check_folder(scene, self.mkdir)?;
+            check_folder(scene, self.picture.mkdir)?;
         }
-        let path = &self.output;
-        if path == Path::new("-") {
-            if answers {
-                bail!("the picture and the answer in JSON cannot both go to standard output");
-            }
-            if std::io::stdout().is_terminal() {
-                bail!("standard output is a terminal: send the picture to a file or a program");
-            }
-            return Ok(Target { path: None, format: self.format.unwrap_or(PictureFormat::Png) });
-        }
-        let Some(format) = self.format.or_else(|| PictureFormat::of_name(path)) else {
-            return Err(io::IoError::UnknownPicture { path: path.clone() }.into());
+        let target = match &self.output {
+            Some(path) if path == Path::new("-") => self.picture.on_stdout(answers)?,
+            Some(path) => self.picture.target(path.clone())?,
+            None => self.picture.target(self.unsaid_name(input)?)?,
         };
-        check_folder(path, self.mkdir)?;
-        Ok(Target { path: Some(path.clone()), format })
+        Ok(Written { target, scene: self.save_scene.as_deref(), picture: &self.picture })
     }
 
-    /// Whether the scene is written anywhere.
-    pub(crate) fn has_scene(&self) -> bool {
-        self.save_scene.is_some() || !self.no_metadata
+    /// The picture's name if nobody says it: then it replaces nothing but a picture that slabsplat made.
+    fn unsaid_name(&self, input: &Path) -> Result<PathBuf> {
+        let path = self.picture.name_for(input)?;
+        let is_ours = || io::read_picture_scene(&path).is_ok_and(|scene| scene.is_some());
+        if path == input || path.exists() && !is_ours() {
+            bail!("{} is there already: name the picture by -o", path.display());
+        }
+        Ok(path)
+    }
+}
+
+impl PictureFlags {
+    /// The picture of that name.
+    pub(crate) fn target(&self, path: PathBuf) -> Result<Target> {
+        let Some(format) = self.format.or_else(|| PictureFormat::of_name(&path)) else {
+            return Err(io::IoError::UnknownPicture { path }.into());
+        };
+        check_folder(&path, self.mkdir)?;
+        Ok(Target { path: Some(path), format })
     }
 
-    /// Writes the scene file, if there is to be one, and returns its name.
-    pub(crate) fn save_scene(&self, scene: Option<&SceneFile>) -> Result<Option<&Path>> {
-        let (Some(path), Some(scene)) = (&self.save_scene, scene) else { return Ok(None) };
-        output::write_scene(path, scene)?;
-        Ok(Some(path))
+    fn on_stdout(&self, answers: bool) -> Result<Target> {
+        if answers {
+            bail!("the picture and the answer in JSON cannot both go to standard output");
+        }
+        if std::io::stdout().is_terminal() {
+            bail!("standard output is a terminal: send the picture to a file or a program");
+        }
+        Ok(Target { path: None, format: self.format_or_usual() })
+    }
+
+    fn format_or_usual(&self) -> PictureFormat {
+        self.format.unwrap_or(PictureFormat::Png)
+    }
+
+    /// What a picture of `input` is called, without a folder.
+    pub(crate) fn name_for(&self, input: &Path) -> Result<PathBuf> {
+        let name = match input.to_str().and_then(|input| input.strip_prefix("builtin:")) {
+            Some(builtin) => builtin.split(':').next().unwrap_or_default().into(),
+            None => input.file_name().unwrap_or_default().to_string_lossy(),
+        };
+        let plain = name.strip_suffix(".gz").unwrap_or(&name);
+        let stem = Path::new(plain).file_stem().unwrap_or_default();
+        if stem.is_empty() || stem == "-" {
+            bail!("{} gives the picture no name: name it by -o", input.display());
+        }
+        let mut name = stem.to_owned();
+        name.push(".");
+        name.push(self.format_or_usual().extensions()[0]);
+        Ok(name.into())
     }
 
     /// What the picture is to say of itself.
-    pub(crate) fn provenance(&self, scene: Option<&SceneFile>) -> Option<Provenance> {
+    fn provenance(&self, scene: Option<&SceneFile>, path: &Path) -> Option<Provenance> {
         let scene = scene.filter(|_| !self.no_metadata)?;
-        match Provenance::of_scene(scene, &self.output) {
+        match Provenance::of_scene(scene, path) {
             Ok(provenance) => Some(provenance),
             Err(error) => {
                 terminal::warn(&format!(
@@ -101,9 +140,35 @@ impl OutputFlags {
     }
 }
 
+/// What is written of a frame, and where.
+pub(crate) struct Written<'a> {
+    pub(crate) target: Target,
+    /// The scene file, if there is to be one.
+    pub(crate) scene: Option<&'a Path>,
+    pub(crate) picture: &'a PictureFlags,
+}
+
+impl Written<'_> {
+    /// Whether the scene is written anywhere.
+    pub(crate) fn has_scene(&self) -> bool {
+        self.scene.is_some() || !self.picture.no_metadata
+    }
+
+    /// Writes all of it.
+    pub(crate) fn write(&self, image: &Image, scene: Option<&SceneFile>) -> Result<()> {
+        let path = self.target.path.as_deref().unwrap_or(Path::new("-"));
+        let provenance = self.picture.provenance(scene, path);
+        self.target.write(image, provenance.as_ref())?;
+        match (self.scene, scene) {
+            (Some(path), Some(scene)) => Ok(output::write_scene(path, scene)?),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl Target {
     /// Writes the picture.
-    pub(crate) fn write(&self, image: &Image, provenance: Option<&Provenance>) -> Result<()> {
+    fn write(&self, image: &Image, provenance: Option<&Provenance>) -> Result<()> {
         if let Some(path) = &self.path {
             return Ok(output::write_picture(path, self.format, image, provenance)?);
         }

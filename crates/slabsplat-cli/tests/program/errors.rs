@@ -171,7 +171,7 @@ fn errors_of_usage_exit_with_2() {
     for args in [
         "",
         "draw",
-        "render builtin:cube",
+        "render",
         "render -o a.png",
         "render builtin:cube -o a.png --methods image-aligned",
         "render builtin:cube -o a.png --method splat",

@@ -2,6 +2,7 @@
 
 mod annotations;
 mod backends;
+mod batch;
 mod bench;
 mod colors;
 mod convert;
@@ -9,6 +10,7 @@ mod demo;
 mod errors;
 mod help;
 mod info;
+mod manual;
 mod pictures;
 mod popping;
 mod render;

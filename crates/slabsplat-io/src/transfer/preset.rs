@@ -106,10 +106,10 @@ impl PresetFile {
             let points = points.into_iter().map(|[gradient, factor]| (gradient, factor));
             PiecewiseLinear::new("gradient_opacity", points).expect(VALID)
         });
-        let scale = match self.percentile {
-            Some(percentile) => ValueScale::Object { percentile },
-            None if self.suited == Suited::Any => ValueScale::Data,
-            None => ValueScale::Values,
+        let scale = match (self.percentile, self.suited) {
+            (Some(percentile), _) => ValueScale::Object { percentile },
+            (None, Suited::Hounsfield) => ValueScale::Hounsfield,
+            (None, Suited::Intensities | Suited::Any) => ValueScale::Data,
         };
         let source = TransferSource {
             scale,

@@ -28,6 +28,8 @@ pub enum ValueScale {
     Points,
     /// The volume's values; a window moves them so that the least and the greatest are its ends.
     Values,
+    /// Hounsfield units, which some files store with a constant added; a window moves them as it moves values.
+    Hounsfield,
     /// From 0, the least value of the volume, to 1, the largest; or the ends of a window.
     Data,
     /// From 0, the background, to 1, what so many percent of the object do not exceed; or the ends of a
@@ -42,7 +44,7 @@ impl ValueScale {
     /// Whether 0 and 1 mean something only once there is a volume, or a window.
     pub fn is_relative(self) -> bool {
         match self {
-            Self::Points | Self::Values => false,
+            Self::Points | Self::Values | Self::Hounsfield => false,
             Self::Data | Self::Object { .. } => true,
         }
     }

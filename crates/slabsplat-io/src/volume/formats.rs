@@ -2,6 +2,7 @@
 //!
 //! A new format is a module with a [`Reader`], a line in [`READERS`] and a line in [`VolumeFormat`].
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
@@ -273,7 +274,7 @@ fn find_folder(store: Store<'_>, folder: &Path) -> Result<(&'static dyn Reader, 
     match READERS.iter().find(|reader| reader.is_folder(store, folder, &files)) {
         Some(reader) => Ok((*reader, folder.to_owned())),
         None if files.is_empty() => {
-            Err(IoError::malformed(folder, "the folder holds no files, or none that can be read"))
+            Err(IoError::malformed(folder, "the folder itself holds no files that can be read"))
         }
         None => {
             let held = held_by(&files);
@@ -287,22 +288,37 @@ fn known() -> String {
     READERS.iter().map(|reader| reader.listed()).collect::<Vec<_>>().join(", ")
 }
 
-/// How many files there are of each extension: `12 .png, 1 .txt`.
+/// How many kinds of files are told of, and how many of each by name.
+const MAX_TOLD: usize = 5;
+
+/// How many files there are of each extension, those that are read first, and the first of each, `2 .png (a.png, b.png)`.
 fn held_by(files: &[PathBuf]) -> String {
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    let mut kinds: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for file in files {
-        *counts.entry(stream::plain_extension(file)).or_default() += 1;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        kinds.entry(stream::plain_extension(file)).or_default().push(printable(&name));
     }
-    let mut counts: Vec<(String, usize)> = counts.into_iter().collect();
-    counts.sort_by_key(|(_, n)| std::cmp::Reverse(*n));
-    let named = |(extension, n): &(String, usize)| match extension.as_str() {
-        "" => format!("{n} without an extension"),
-        extension => format!("{n} .{}", printable(extension)),
+    let mut kinds: Vec<(String, Vec<String>)> = kinds.into_iter().collect();
+    let is_read = |extension: &str| READERS.iter().any(|it| it.extensions().contains(&extension));
+    kinds.sort_by_key(|(extension, names)| (!is_read(extension), Reverse(names.len())));
+    let told = |(extension, names): &(String, Vec<String>)| {
+        let kind = match extension.as_str() {
+            "" => "without an extension".to_owned(),
+            extension => format!(".{}", printable(extension)),
+        };
+        format!("{} {kind} ({})", names.len(), first_of(names))
     };
-    match counts.as_slice() {
-        [] => "no files".to_owned(),
-        counts => counts.iter().take(5).map(named).collect::<Vec<_>>().join(", "),
+    kinds.iter().take(MAX_TOLD).map(told).collect::<Vec<_>>().join(", ")
+}
+
+fn first_of(names: &[String]) -> String {
+    let mut names = names.to_vec();
+    names.sort();
+    if names.len() > MAX_TOLD {
+        names.truncate(MAX_TOLD);
+        names.push("…".to_owned());
     }
+    names.join(", ")
 }
 
 #[cfg(test)]
@@ -340,7 +356,13 @@ mod tests {
     #[test]
     fn folders_say_what_they_hold() {
         let files = ["a.PNG", "b.png", "c.txt", "d"].map(PathBuf::from);
-        assert_eq!(held_by(&files), "2 .png, 1 without an extension, 1 .txt");
-        assert_eq!(held_by(&[]), "no files");
+        assert_eq!(
+            held_by(&files),
+            "2 .png (a.PNG, b.png), 1 without an extension (d), 1 .txt (c.txt)"
+        );
+        let slices = ["a.1", "a.2", "a.3", "a.4", "a.5", "a.nhdr"].map(PathBuf::from);
+        assert!(held_by(&slices).starts_with("1 .nhdr (a.nhdr), 1 .1 (a.1), "));
+        let many = ["6.a", "5.a", "4.a", "3.a", "2.a", "1.a"].map(PathBuf::from);
+        assert_eq!(held_by(&many), "6 .a (1.a, 2.a, 3.a, 4.a, 5.a, …)");
     }
 }

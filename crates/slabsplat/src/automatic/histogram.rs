@@ -2,6 +2,7 @@
 //! background, noise and materials.
 
 use super::scale::Scale;
+use crate::otsu;
 
 /// Levels of the scale.
 pub(super) const N_BINS: usize = 1024;
@@ -130,7 +131,7 @@ impl Histogram {
     ///
     /// Noise is measured below the most frequent value, where nothing else is.
     pub(super) fn background(&self) -> Background {
-        let (threshold, _) = self.otsu();
+        let threshold = self.split().last;
         let peak = self.peak(threshold);
         let below = self.bins[..peak].iter().rev().map(|bin| bin.n);
         let n: u64 = self.bins[..peak].iter().map(|bin| bin.n).sum();
@@ -169,33 +170,12 @@ impl Histogram {
             self.bins.iter().enumerate().map(of).sum::<f64>() / n
         };
         let variance = sum(2) - sum(1).powi(2);
-        let (_, between) = self.otsu();
-        between / (n * n * variance.max(f64::MIN_POSITIVE))
+        self.split().between / (n * n * variance.max(f64::MIN_POSITIVE))
     }
 
-    /// The last level below the threshold that parts the levels into two sides of the largest variance
-    /// between them, or the middle of such thresholds if a gap in the values makes many of them equal; and
-    /// that variance, times all voxels squared (N. Otsu, "A threshold selection method from gray-level
-    /// histograms", IEEE Trans. SMC 9(1), 1979).
-    fn otsu(&self) -> (usize, f64) {
-        let moment = |level: usize| level as f64 * self.bins[level].n as f64;
-        let total = self.n_from(0) as f64;
-        let total_moment: f64 = (0..self.bins.len()).map(moment).sum();
-        let (mut below, mut moment_below) = (0.0, 0.0);
-        let (mut best, mut first, mut last) = (0.0, 0, 0);
-        for level in 0..self.bins.len() - 1 {
-            below += self.bins[level].n as f64;
-            moment_below += moment(level);
-            let above = total - below;
-            let apart = moment_below / below - (total_moment - moment_below) / above;
-            let between = below * above * apart * apart;
-            if best < between {
-                (best, first, last) = (between, level, level);
-            } else if best == between {
-                last = level;
-            }
-        }
-        (usize::midpoint(first, last), best)
+    /// The last level of the background, and the variance that parts it from the rest.
+    fn split(&self) -> otsu::Split {
+        otsu::split(&self.bins.iter().map(|bin| bin.n).collect::<Vec<_>>())
     }
 }
 

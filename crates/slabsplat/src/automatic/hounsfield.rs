@@ -1,7 +1,7 @@
 //! Tissues in computed tomography, by Hounsfield units: water is 0 and air −1000.
 //!
-//! The ranges are those that textbooks of radiology give: fat −120 … −60, muscle 35 … 60, blood with a
-//! contrast agent 100 … 300, spongy bone 150 … 400, compact bone from 500 on.
+//! The ranges are those of the presets `ct-…`, whose files name their sources: fat −190 … −30, muscle
+//! −29 … 150, blood with a contrast agent above 250, spongy bone 150 … 350, compact bone above that.
 
 use super::histogram::Histogram;
 use super::look::{Curves, Points};

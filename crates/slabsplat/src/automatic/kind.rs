@@ -72,6 +72,14 @@ impl DataKind {
         }
     }
 
+    /// The value of water, if values are Hounsfield units and a constant.
+    pub(crate) fn water(self) -> Option<f64> {
+        match self {
+            Self::Hounsfield { water } => Some(water),
+            _ => None,
+        }
+    }
+
     /// Whether it is a head or so: a scan of a body that is as small.
     pub(crate) fn is_head(self, volume: &Volume) -> bool {
         let grid = volume.grid();

@@ -15,7 +15,7 @@ pub(crate) struct Fitted {
 }
 
 /// The transfer function that a layer of a file gives to its volume; `automatic` finds one where none is
-/// given.
+/// given, and `water` the value of water if values are Hounsfield units and a constant.
 ///
 /// # Errors
 /// If it cannot be stretched to the volume's values.
@@ -23,11 +23,22 @@ pub(crate) fn fitted(
     layer: &LayerFile,
     volume: &Volume,
     automatic: impl FnOnce() -> TransferFunction,
+    water: impl FnOnce() -> Option<f64>,
 ) -> Result<Fitted, FitError> {
     let fit = &layer.fit;
     let window = fit.stretch.map(|stretch| window_of(stretch, volume)).transpose()?.flatten();
+    let mut warnings = complaints(fit, window, volume);
+    let water = match fit.scale {
+        ValueScale::Hounsfield if !warnings.is_empty() => water().filter(|&water| water != 0.0),
+        _ => None,
+    };
+    if let Some(water) = water {
+        warnings = vec![format!(
+            "the values look like Hounsfield units plus {water}, and are taken for that"
+        )];
+    }
     let placed = match &layer.transfer {
-        Some(transfer) => Placed::of(transfer, fit, window, volume)?,
+        Some(transfer) => Placed::of(transfer, fit, window.or(moved_by(water, transfer)), volume)?,
         None => Placed::of_nothing(window, automatic)?,
     };
     let color = match (&fit.color, &fit.colormap) {
@@ -45,7 +56,7 @@ pub(crate) fn fitted(
         None => placed.gradient_opacity,
     };
     let transfer = TransferFunction::of_curves(opacity, color);
-    Ok(Fitted { transfer, gradient_opacity, warnings: complaints(fit, window, volume) })
+    Ok(Fitted { transfer, gradient_opacity, warnings })
 }
 
 /// A transfer function over the values of a volume.
@@ -87,10 +98,12 @@ impl Placed {
         };
         let (from, to) = match (fit.scale, window) {
             (ValueScale::Points, _) => return Ok(is_as_it_is(None)),
-            (ValueScale::Values, None) => {
+            (ValueScale::Values | ValueScale::Hounsfield, None) => {
                 return Ok(is_as_it_is(Some(transfer.color_points().span())));
             }
-            (ValueScale::Values, Some(window)) => (transfer.span(), window),
+            (ValueScale::Values | ValueScale::Hounsfield, Some(window)) => {
+                (transfer.span(), window)
+            }
             (ValueScale::Data | ValueScale::Object { .. }, Some(window)) => ([0.0, 1.0], window),
             (ValueScale::Data, None) => ([0.0, 1.0], data_range(volume)),
             (ValueScale::Object { percentile }, None) => {
@@ -113,6 +126,11 @@ impl Placed {
             range: Some(to),
         })
     }
+}
+
+/// The window of a transfer function over Hounsfield units where water has another value than 0.
+fn moved_by(water: Option<f64>, transfer: &TransferFunction) -> Option<[f64; 2]> {
+    water.map(|water| transfer.span().map(|end| end + water))
 }
 
 /// The ends of a window; `None` of a volume without finite values.
@@ -195,7 +213,7 @@ mod tests {
 
     fn fit(keys: &str) -> Fitted {
         let automatic = || TransferFunction::new([(7.0, 0.5)], [(7.0, [1.0, 0.0, 0.0])]).unwrap();
-        fitted(&layer(keys), &volume(), automatic).unwrap()
+        fitted(&layer(keys), &volume(), automatic, || None).unwrap()
     }
 
     #[test]
@@ -259,7 +277,9 @@ mod tests {
         let grid = Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
         let gray = Volume::new(grid, Samples::U8(vec![0, 255]), Scaling::IDENTITY).unwrap();
         let warnings = |keys: &str| {
-            fitted(&layer(keys), &gray, || unreachable!("there is a preset")).unwrap().warnings
+            fitted(&layer(keys), &gray, || unreachable!("there is a preset"), || None)
+                .unwrap()
+                .warnings
         };
         let [warning] = &warnings("preset = \"ct-bone\"")[..] else {
             panic!("there is one warning")
@@ -271,13 +291,39 @@ mod tests {
         assert!(warnings("preset = \"mr-t1\"").is_empty());
     }
 
+    /// CT that was stored without a sign: −1000 to 2000 and 1024.
+    #[test]
+    fn fit_of_hounsfield_units_and_a_constant() {
+        let grid = Grid::with_spacing([3, 1, 1], [1.0; 3]).unwrap();
+        let volume =
+            Volume::new(grid, Samples::U16(vec![24, 1524, 3024]), Scaling::IDENTITY).unwrap();
+        let fit = |keys: &str, water| {
+            let automatic = || unreachable!("there is a preset");
+            fitted(&layer(keys), &volume, automatic, || water).unwrap()
+        };
+        let plain = preset("ct-bone").unwrap().source.transfer;
+        let found = fit("preset = \"ct-bone\"", Some(1024.0));
+        for units in [0.0, 149.0, 300.0, 700.0, 1500.0] {
+            assert_eq!(found.transfer.opacity(units + 1024.0), plain.opacity(units), "{units}");
+        }
+        assert_eq!(
+            found.warnings,
+            ["the values look like Hounsfield units plus 1024, and are taken for that"]
+        );
+        let not_found = fit("preset = \"ct-bone\"", None);
+        assert_eq!(not_found.transfer, plain);
+        assert!(not_found.warnings[0].contains("ct-bone is for Hounsfield units"));
+        let window = fit("preset = \"ct-bone\"\nwindow = [1000, 3000]", Some(1024.0));
+        assert_eq!(window.transfer.span(), [1000.0, 3000.0], "who gives a window knows the values");
+    }
+
     #[test]
     fn fit_of_odd_volumes() {
         let of = |samples: Vec<f32>, keys: &str| {
             let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();
             let volume = Volume::new(grid, Samples::F32(samples), Scaling::IDENTITY).unwrap();
             let automatic = || TransferFunction::new([(0.0, 0.5)], [(0.0, [1.0; 3])]).unwrap();
-            fitted(&layer(keys), &volume, automatic)
+            fitted(&layer(keys), &volume, automatic, || None)
         };
         for keys in [
             "preset = \"gray\"",

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use slabsplat_core::{Sample, Scaling, Volume, with_samples};
 
 use super::values::{Bins, CHUNK_LEN};
+use crate::otsu;
 
 /// Bins in which percentiles are looked for: those of 16 bits each have one.
 const N_FINE_BINS: usize = 1 << 16;
@@ -49,40 +50,17 @@ fn rank_of(percent: f64, n: u64) -> u64 {
     ((percent / 100.0 * n as f64).ceil() as u64).clamp(1, n.max(1))
 }
 
-/// The level of the background, and what so many percent of the object do not exceed: Otsu's threshold parts
-/// them (N. Otsu, IEEE Trans. SMC 9(1), 1979). `None` if fewer than two values differ.
+/// The level of the background, and what so many percent of the object do not exceed, as [`otsu`] parts them;
+/// `None` if fewer than two values differ.
 pub(super) fn object_range(volume: &Volume, percent: f64) -> Option<[f64; 2]> {
     let range = volume.summary().range.filter(|[lo, hi]| lo < hi)?;
     let bins = Bins { range, n_bins: N_COARSE_BINS };
-    let last = otsu(&bins.counts(volume));
+    let last = otsu::split(&bins.counts(volume)).last;
     let is_behind = |value| bins.bin_of(value).is_some_and(|bin| bin <= last);
     let is_object = |value| bins.bin_of(value).is_some_and(|bin| last < bin);
     let background = percentile_within(volume, extremes_where(volume, is_behind)?, 50.0)?;
     let bright = percentile_within(volume, extremes_where(volume, is_object)?, percent)?;
     (background < bright).then_some([background, bright])
-}
-
-/// The last bin of the background: the split with the largest variance between its two sides, or the middle
-/// of such splits if a gap in the values makes many of them equal.
-fn otsu(counts: &[u64]) -> usize {
-    let moments = || counts.iter().enumerate().map(|(bin, &count)| bin as f64 * count as f64);
-    let total: f64 = counts.iter().map(|&count| count as f64).sum();
-    let total_moment: f64 = moments().sum();
-    let (mut below, mut moment_below) = (0.0, 0.0);
-    let (mut best, mut first, mut last) = (0.0, 0, 0);
-    for (bin, moment) in moments().enumerate().take(counts.len() - 1) {
-        below += counts[bin] as f64;
-        moment_below += moment;
-        let above = total - below;
-        let apart = moment_below / below - (total_moment - moment_below) / above;
-        let between = below * above * apart * apart;
-        if best < between {
-            (best, first, last) = (between, bin, bin);
-        } else if best == between {
-            last = bin;
-        }
-    }
-    usize::midpoint(first, last)
 }
 
 /// The least and the largest of some values; `None` if there are none.

@@ -6,7 +6,10 @@ use super::*;
 fn scene_classify_by_preset_or_file() {
     let bone = read_layer(&format!("{SMALL}[classify]\npreset = \"ct-bone\""));
     assert_eq!(bone.transfer, Some(preset("ct-bone").unwrap().source.transfer));
-    assert_eq!((bone.fit.scale, bone.fit.preset.as_deref()), (ValueScale::Values, Some("ct-bone")));
+    assert_eq!(
+        (bone.fit.scale, bone.fit.preset.as_deref()),
+        (ValueScale::Hounsfield, Some("ct-bone"))
+    );
     let white = read_layer(&format!("{SMALL}[classify]\nopacity = [[0, 0.5]]"));
     assert_eq!(white.transfer.unwrap().color(3.0), [1.0; 3]);
 

@@ -120,7 +120,10 @@ fn images_that_differ_are_named() {
     let mut encoder = TiffEncoder::new(&mut cmyk).unwrap();
     encoder.write_image::<CMYK8>(3, 2, &[0; 24]).unwrap();
     check(&[("a.tif", cmyk.into_inner()), ("b.tif", vec![])], "a.tif: pages of other colours");
-    check(&[("a.png", png8(0)), ("b.txt", vec![])], "holds no volume of many files");
+    check(
+        &[("b.txt", vec![]), ("a.png", png8(0)), ("c.txt", vec![])],
+        "holds no volume of many files, but 2 .txt (b.txt, c.txt), 1 .png (a.png): name one of them",
+    );
 }
 
 #[test]
