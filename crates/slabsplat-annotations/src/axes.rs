@@ -1,9 +1,9 @@
 //! The box around all that there is: its edges, which lie behind it, and coordinates along three of them.
 //!
-//! The box is that of the world's axes, so that coordinates are the world's, however a grid stands. Of its edges
-//! those at which only faces meet that look to the eye are left out: they would lie before the volume. Those between
-//! a face that does and one that does not are the outline, along which coordinates stand, as nothing of the volume
-//! is outside of it.
+//! The box is that of the world's axes, so that coordinates are the world's, however a grid stands. Of its
+//! edges those at which only faces meet that look to the eye are left out: they would lie before the volume.
+//! Those between a face that does and one that does not are the outline, along which coordinates stand, as
+//! nothing of the volume is outside of it.
 
 use slabsplat_core::glam::{DVec2, DVec3};
 use slabsplat_core::{Acquisition, Grid, Image, Orientation, Scene, round_ticks};

@@ -65,8 +65,8 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
-//! `transfer`, `scene_file`; `popping`.
+//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
+//! `framing`, `transfer`, `scene_file`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

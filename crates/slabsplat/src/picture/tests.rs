@@ -39,8 +39,8 @@ fn picture_of_one_sample_is_the_frame() {
     assert!(matches!(frame_scene(&scene).unwrap(), Cow::Borrowed(_)));
 }
 
-/// How opaque things are does not depend on how many samples there are: within the ball, where nothing has an edge,
-/// pixels are the same but for where in them it is sampled.
+/// How opaque things are does not depend on how many samples there are: within the ball, where nothing has an
+/// edge, pixels are the same but for where in them it is sampled.
 #[test]
 fn picture_samples_leave_opacity() {
     let scene = ball(40);
