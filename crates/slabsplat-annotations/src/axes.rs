@@ -169,8 +169,10 @@ impl<'a> Scale<'a> {
             point[self.edge.axis] = tick * self.unit.in_world;
             self.screen.point(point)
         };
-        let ticks = round_ticks([from, to], n_steps).into_iter();
-        ticks.filter_map(|tick| Some((tick, at(tick)?))).collect()
+        // One coordinate alone is no scale.
+        let ticks = (n_steps..n_steps + 4).map(|n_steps| round_ticks([from, to], n_steps));
+        let ticks = ticks.into_iter().find(|ticks| 2 <= ticks.len()).unwrap_or_default();
+        ticks.into_iter().filter_map(|tick| Some((tick, at(tick)?))).collect()
     }
 
     /// Draws ticks, coordinates and the axis' name; whether any coordinate had room.
@@ -289,7 +291,7 @@ mod tests {
         for edge in BOX.edges(&screen).iter().filter(|edge| edge.n_front == 1) {
             let scale = Scale::of(edge, &screen, middle, unit).unwrap();
             let ticks = scale.ticks(11.0);
-            assert!(2 < ticks.len(), "{ticks:?}");
+            assert!(2 <= ticks.len(), "{ticks:?}");
             for (tick, at) in ticks {
                 assert_eq!(tick % 5.0, 0.0, "{tick}");
                 let mut point = edge.ends[0];
