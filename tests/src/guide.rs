@@ -13,6 +13,7 @@ chapters! {
     own_data = "own-data.md",
     scenes_as_text = "scenes-as-text.md",
     pictures = "pictures.md",
+    films = "films.md",
     windows = "windows.md",
     browsers = "browsers.md",
     own_kernel = "own-kernel.md",

@@ -1,7 +1,7 @@
 //! What helps where a backend cannot draw a frame: the CPU draws all of them.
 
 use anyhow::{Result, anyhow};
-use slabsplat::{Caps, Frame, FrameHandle, OpenScene, Picture, RenderError, Renderer, Scene};
+use slabsplat::{Acquisition, Caps, Frame, FrameHandle, Picture, RenderError, Renderer, Scene};
 
 /// Renders a scene's picture, whose frame is watched by its handle.
 ///
@@ -9,10 +9,11 @@ use slabsplat::{Caps, Frame, FrameHandle, OpenScene, Picture, RenderError, Rende
 /// As [`Renderer::picture_as`], with what helps.
 pub(crate) fn picture(
     renderer: &mut Renderer,
-    opened: &OpenScene,
+    scene: &Scene,
+    acquisition: Acquisition,
     frame: &FrameHandle,
 ) -> Result<Picture> {
-    let picture = renderer.picture_as(&opened.scene, opened.acquisition, frame);
+    let picture = renderer.picture_as(scene, acquisition, frame);
     picture.map_err(|error| of(error, renderer.caps()))
 }
 

@@ -58,6 +58,20 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
             "slabsplat batch a.toml b.toml -o pictures --width 1200 --height 1200 --json",
         ],
     ),
+    (
+        "turntable",
+        [
+            "slabsplat turntable head.nii.gz -o head.mp4",
+            "slabsplat turntable ct-folder --preset ct-bone -o bone.gif --rock --seconds 4 --fps 20",
+        ],
+    ),
+    (
+        "film",
+        [
+            "slabsplat film head.toml -o head.mp4",
+            "slabsplat film head.toml -o head.webp --width 800 --height 600",
+        ],
+    ),
     ("scene", ["slabsplat scene head.nii.gz -o head.toml", "slabsplat scene head.png"]),
     ("info", ["slabsplat info head.nii.gz", "slabsplat info ct-folder --json"]),
     (

@@ -6,10 +6,11 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`batch`],
-//! [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`],
-//! [`manual`]; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with,
-//! [`output`] is how pictures are written, [`advice`] what helps where a backend does not, [`help`] what
-//! stands in help beside the flags, and [`environment`] what drivers find.
+//! [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`],
+//! [`demo`], [`backends`], [`manual`]; [`filming`] is how films are made; [`terminal`], [`progress`],
+//! [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written,
+//! [`advice`] what helps where a backend does not, [`help`] what stands in help beside the flags, and
+//! [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -19,6 +20,7 @@ mod batch;
 mod bench;
 mod convert;
 mod demo;
+mod film;
 mod info;
 mod manual;
 mod plain;
@@ -27,10 +29,12 @@ mod presets;
 mod render;
 mod scene;
 mod tf;
+mod turntable;
 
 mod advice;
 mod columns;
 mod environment;
+mod filming;
 mod help;
 mod mesh_info;
 mod meter;
@@ -59,6 +63,8 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Batch(Box<batch::BatchArgs>),
+    Turntable(Box<turntable::TurntableArgs>),
+    Film(Box<film::FilmArgs>),
     Scene(Box<scene::SceneArgs>),
     Info(info::InfoArgs),
     Convert(convert::ConvertArgs),
@@ -101,6 +107,8 @@ fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Batch(args) => batch::run(*args),
+        Command::Turntable(args) => turntable::run(&args),
+        Command::Film(args) => film::run(&args),
         Command::Scene(args) => scene::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),

@@ -2,6 +2,7 @@
 //! interrupts the program meanwhile waits until that is done, a second at most for most pictures, so that no
 //! half of one is left behind.
 
+use crate::terminal;
 use slabsplat::Image;
 use slabsplat::io::{self, IoError, LoadedVolume, PictureFormat, Provenance, SceneFile};
 use std::path::Path;
@@ -45,6 +46,14 @@ pub(crate) fn write_volume(path: &Path, loaded: &LoadedVolume) -> Result<Vec<Str
     }
 }
 
+/// What is told when a signal ends the program, if anything is.
+static INTERRUPTED: Mutex<Option<String>> = Mutex::new(None);
+
+/// From now on, this is told when a signal ends the program.
+pub(crate) fn say_when_interrupted(line: Option<String>) {
+    *INTERRUPTED.lock().unwrap_or_else(PoisonError::into_inner) = line;
+}
+
 fn writing() -> MutexGuard<'static, ()> {
     WRITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -63,6 +72,10 @@ pub(crate) fn end_between_pictures() {
     std::thread::spawn(move || {
         for signal in signals.forever() {
             let _not_interrupted = writing();
+            let line = INTERRUPTED.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(line) = line {
+                terminal::say(format_args!("{line}"));
+            }
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
     });

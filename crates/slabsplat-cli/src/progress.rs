@@ -67,6 +67,17 @@ impl Progress {
         self.bar.set_message(what);
     }
 
+    /// Whether anybody sees a bar.
+    pub(crate) fn is_seen() -> bool {
+        std::io::stderr().is_terminal()
+    }
+
+    /// So many steps were done before.
+    pub(crate) fn begin_at(&self, n_done: u64) {
+        self.bar.set_position(n_done);
+        self.bar.reset_eta();
+    }
+
     /// A frame is drawn now, under the name that is returned. How much of it is done is shown if whoever
     /// draws it tells: the CPU does.
     pub(crate) fn frame(&self, what: &'static str) -> FrameHandle {
@@ -119,7 +130,7 @@ enum Kind {
 fn style(kind: Kind) -> ProgressStyle {
     let template = match kind {
         Kind::Spinner => "{spinner} {msg} {elapsed}",
-        Kind::Steps => "{msg} [{bar:40}] {pos}/{len} {eta}",
+        Kind::Steps => "{msg} [{bar:40}] {pos}/{len}, {percent} %, {eta} left",
         Kind::Bytes => "{msg} [{bar:40}] {bytes} of {total_bytes}, {eta} left",
         Kind::Share => "{msg} [{bar:40}] {percent} %, {eta} left",
     };
@@ -132,7 +143,7 @@ fn style(kind: Kind) -> ProgressStyle {
 /// Shows the bar after a second, from a thread of its own: a single frame may take longer, and it
 /// calls nobody in between.
 fn watch(bar: &ProgressBar, frame: &WatchedFrame) -> (Option<Sender<()>>, Option<JoinHandle<()>>) {
-    if !std::io::stderr().is_terminal() {
+    if !Progress::is_seen() {
         return (None, None);
     }
     let (done, is_done) = mpsc::channel();

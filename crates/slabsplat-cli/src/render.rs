@@ -43,7 +43,8 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, with_stats: bool) 
     let (mut renderer, mut opened) = scene.opened(&progress)?;
     written.target.format.check(&opened.scene)?;
     let watched = progress.frame("rendering");
-    let picture = scene.in_scene(|| advice::picture(&mut renderer, &opened, &watched))?;
+    let picture = scene
+        .in_scene(|| advice::picture(&mut renderer, &opened.scene, opened.acquisition, &watched))?;
     progress.stage("writing");
     // What drew it, and not what might have: another backend has other bits.
     renderer.caps().name.clone_into(&mut opened.backend);

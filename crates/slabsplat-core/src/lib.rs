@@ -53,6 +53,7 @@ mod transfer_image;
 mod unit_vector;
 
 mod choices;
+mod easing;
 mod interval;
 mod settings;
 mod settings_table;
@@ -90,6 +91,7 @@ pub use choices::{
     Statistic, Viewpoint,
 };
 pub use compositing::{MAX_OPACITY, extinction};
+pub use easing::Easing;
 pub use finish::{Annotations, Finish, FinishError};
 pub use frame_handle::{Cancelled, FrameHandle};
 pub use grid::{Grid, GridError};

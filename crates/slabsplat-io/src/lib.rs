@@ -101,8 +101,9 @@ pub use picture::{
 };
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
-    CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, RegionDesc, SceneFile,
-    TransferImageFile, Unsaid, VolumeSource, parse_scene, read_scene, scene_text, write_scene,
+    CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelColors, LabelsFile, LayerFile,
+    MeshFile, RegionDesc, SceneFile, TransferImageFile, Unsaid, VolumeSource, parse_scene,
+    read_scene, scene_text, write_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;

@@ -1,32 +1,41 @@
-//! A series of frames around a volume, as for a film: `cargo run --release -p slabsplat --example turntable
-//! [DIR]`.
+//! A film of a thing that turns: `cargo run --release -p slabsplat --features film --example turntable
+//! [FILE]`.
+//!
+//! The file is `.gif`, `.webp`, `.apng` or `.png-sequence`, or with ffmpeg `.mp4` or `.webm`. Run again after
+//! it was interrupted, it continues.
 
+use slabsplat::film::{Axis, FilmDesc, FilmFormat, FilmReport, FilmWriter, FrameRate, Step, Turn};
 use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, io};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-const N_FRAMES: u32 = 24;
+const N_FRAMES: u32 = 48;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let dir = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "turntable".to_owned()));
-    std::fs::create_dir_all(&dir)?;
-    turn(&dir)?;
-    println!("{N_FRAMES} frames in {}", dir.display());
+    let path = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| "turntable.gif".to_owned()));
+    let report = turn(&path)?;
+    println!("{}: {} frames, {} bytes", path.display(), report.n_frames, report.n_bytes);
     Ok(())
 }
 
-/// Writes a picture of each step into `dir`.
-pub(crate) fn turn(dir: &Path) -> Result<(), Box<dyn Error>> {
-    let volume = io::builtin_volume("neuron", None)?;
+/// Makes the film.
+pub(crate) fn turn(path: &Path) -> Result<FilmReport, Box<dyn Error>> {
+    let format = FilmFormat::of_name(path).ok_or("name the film .gif")?;
     let image = ImageDesc { width: 256, height: 256, background: [0.05, 0.05, 0.07, 1.0] };
-    let mut scene = Automatic::new(volume).scene(image, RenderSettings::default());
+    let volume = io::builtin_volume("neuron", None)?;
+    let scene = Automatic::new(volume).scene(image, RenderSettings::default());
+    let turn = Turn { axis: Axis::Up, degrees: 360.0, is_rocking: false, n_frames: N_FRAMES };
     let mut renderer = Renderer::open("auto", |note| eprintln!("{note}"))?;
 
-    let step_radians = std::f64::consts::TAU / f64::from(N_FRAMES);
-    for frame_idx in 0..N_FRAMES {
-        let frame = renderer.render(&scene)?;
-        io::write_picture(dir.join(format!("frame-{frame_idx:03}.png")), &frame.image)?;
-        scene.camera = scene.camera.orbited(step_radians);
-    }
-    Ok(())
+    let desc = FilmDesc::new(image.width, image.height, N_FRAMES, FrameRate::new(20.0)?)?;
+    let film = FilmWriter::begin(path, format, desc, "a neuron that turns once")?;
+    let frame = |frame_idx| -> Result<_, Box<dyn Error>> {
+        Ok(renderer.render(&turn.scene_at(&scene, frame_idx)?)?.image)
+    };
+    let tell = |step| {
+        if let Step::Rendered(n_done) = step {
+            eprintln!("{n_done} of {N_FRAMES}");
+        }
+    };
+    film.make(frame, tell)
 }

@@ -32,6 +32,7 @@
 //! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
+//! - `film`: films of scenes ([`film`]).
 //! - `annotations`: text and other things drawn onto pictures ([`annotations`]).
 //! - `webp`: pictures as WebP, too.
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
@@ -66,7 +67,7 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `transfer`, `scene_file`; `popping`.
+//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -87,6 +88,8 @@ mod framing;
 mod otsu;
 #[cfg(feature = "files")]
 mod scene_file;
+#[cfg(all(feature = "files", feature = "film"))]
+mod scene_film;
 mod transfer;
 
 mod popping;
@@ -129,6 +132,10 @@ pub use slabsplat_backend::{
 };
 pub use slabsplat_core::*;
 pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, UnknownKernel};
+
+/// Films: scenes between key frames, a camera that goes around, and frames as files that move.
+#[cfg(feature = "film")]
+pub use slabsplat_film as film;
 
 /// Text and other things that are drawn onto pictures.
 #[cfg(feature = "annotations")]

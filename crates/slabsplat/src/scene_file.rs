@@ -10,8 +10,8 @@ use slabsplat_core::{
     Projection, RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
-    CameraDesc, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
-    OpacitySource, SceneFile, TransferFit, check_memory,
+    CameraDesc, FilmFile, FitError, IoError, KeyLook, LayerFile, LoadedColors, LoadedVolume,
+    MemoryNeed, OpacitySource, SceneFile, TransferFit, check_memory,
 };
 use std::cell::{Cell, OnceCell};
 use thiserror::Error;
@@ -34,6 +34,9 @@ pub struct OpenScene {
     pub sources: SceneFile,
 }
 
+/// The cameras that go around with one.
+type Views<'a> = &'a dyn Fn(&Camera) -> Vec<Camera>;
+
 /// Why a scene cannot be opened.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -50,6 +53,10 @@ pub enum OpenError {
     /// A region is none.
     #[error(transparent)]
     Region(#[from] RegionError),
+    /// Key frames make no film.
+    #[cfg(feature = "film")]
+    #[error(transparent)]
+    Motion(#[from] slabsplat_film::MotionError),
     /// There is nothing to draw.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -117,6 +124,7 @@ impl OpenScene {
             background: None,
             facing: None,
         };
+        let acquisitions: Vec<Acquisition> = loaded.iter().map(|it| it.acquisition).collect();
         let acquisition = loaded.first().map(|loaded| loaded.acquisition);
         let layers = loaded.into_iter().zip(&file.layers);
         let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
@@ -124,6 +132,10 @@ impl OpenScene {
         let meshes = opening.meshes()?;
         if layers.is_empty() && meshes.is_empty() {
             return Err(PlanError::NoLayers.into());
+        }
+        if let Some(film) = &mut sources.film {
+            let warnings = fit_looks(film, &file.layers, &layers, &acquisitions)?;
+            opening.warnings.extend(warnings);
         }
         let mut image = file.image;
         if file.unsaid.background {
@@ -158,6 +170,29 @@ impl OpenScene {
     /// # Errors
     /// If the camera makes no sense.
     pub fn frame(&mut self, file: &SceneFile, aim: &Aim) -> Result<(), OpenError> {
+        self.frame_for(file, aim, None)
+    }
+
+    /// The same for a camera that goes around: where it is found, all is within the picture from each of
+    /// `views`, and stands still in its middle ([`Framing::aimed_around`]). A camera that `file` gives stays.
+    ///
+    /// # Errors
+    /// If the camera makes no sense.
+    pub fn frame_around(
+        &mut self,
+        file: &SceneFile,
+        aim: &Aim,
+        views: &dyn Fn(&Camera) -> Vec<Camera>,
+    ) -> Result<(), OpenError> {
+        self.frame_for(file, aim, Some(views))
+    }
+
+    fn frame_for(
+        &mut self,
+        file: &SceneFile,
+        aim: &Aim,
+        views: Option<Views<'_>>,
+    ) -> Result<(), OpenError> {
         let Scene { layers, meshes, image, settings, .. } = &self.scene;
         let given = &file.camera;
         let is_alone = is_whole(given) && *aim == Aim::default();
@@ -173,8 +208,12 @@ impl OpenScene {
             }
             let found = framing.camera(None, Fit::Visible, projection, image)?;
             let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
+            let found = given.complete(&found)?;
             let aim = if is_found { self.with_room_for_annotations(aim) } else { *aim };
-            framing.aimed(&given.complete(&found)?, &aim, is_found, image)?
+            match views.filter(|_| is_found || aim.fit.is_some()) {
+                Some(views) => framing.aimed_around(&found, &aim, views, image)?,
+                None => framing.aimed(&found, &aim, is_found, image)?,
+            }
         };
         self.scene.camera = camera;
         if file.unsaid.lights {
@@ -182,6 +221,29 @@ impl OpenScene {
         }
         Ok(())
     }
+}
+
+/// Gives the keys of a film the transfer functions that their volumes are shown with, and returns warnings.
+fn fit_looks(
+    film: &mut FilmFile,
+    files: &[LayerFile],
+    layers: &[Layer],
+    acquisitions: &[Acquisition],
+) -> Result<Vec<String>, FitError> {
+    let mut all_warnings = Vec::new();
+    for of_key in film.keys.iter_mut().flat_map(|key| &mut key.layers) {
+        let Some(look) = &mut of_key.look else { continue };
+        let layer = &layers[of_key.layer_idx];
+        let mut file = files[of_key.layer_idx].clone();
+        (file.transfer, file.fit) = (look.transfer.take(), look.fit.clone());
+        let acquisition = acquisitions[of_key.layer_idx];
+        let water = || Look::of(&layer.volume, acquisition).kind.water();
+        let Fitted { transfer, warnings, .. } =
+            fitted(&file, &layer.volume, || layer.transfer.clone(), water)?;
+        all_warnings.extend(warnings);
+        *look = KeyLook { transfer: Some(transfer), fit: TransferFit::default() };
+    }
+    Ok(all_warnings)
 }
 
 impl OpenScene {

@@ -13,6 +13,7 @@ mod own_device;
 #[expect(dead_code, reason = "an example's `main` reads the command line")]
 #[path = "../examples/own_kernel.rs"]
 mod own_kernel;
+#[cfg(feature = "film")]
 #[expect(dead_code, reason = "an example's `main` reads the command line")]
 #[path = "../examples/turntable.rs"]
 mod turntable;
@@ -64,12 +65,14 @@ fn example_guide_figures_are_those_of_the_guide() {
     }
 }
 
+#[cfg(feature = "film")]
 #[test]
 fn example_turntable_draws_all_frames() {
     let dir = tempfile::tempdir().unwrap();
-    turntable::turn(dir.path()).unwrap();
-    let frames = std::fs::read_dir(dir.path()).unwrap();
+    let film = dir.path().join("a.png-sequence");
+    turntable::turn(&film).unwrap();
+    let frames = std::fs::read_dir(&film).unwrap();
     let frames = frames.map(|frame| frame.unwrap().path()).collect::<Vec<_>>();
-    assert_eq!(frames.len(), 24);
+    assert_eq!(frames.len(), 48);
     assert!(frames.iter().all(|frame| is_png(frame)));
 }

@@ -59,6 +59,11 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "readers and writers make and take core's types, and never render",
     },
     Layer {
+        name: "slabsplat-film",
+        may_use: &["slabsplat-core"],
+        why: "a film is scenes over time and frames as files; who renders one calls it",
+    },
+    Layer {
         name: "slabsplat-annotations",
         may_use: &["slabsplat-core"],
         why: "it draws onto a picture that is done, whoever made it of what",
@@ -115,6 +120,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-annotations",
             "slabsplat-kernel",
             "slabsplat-io",
+            "slabsplat-film",
             "slabsplat-traverse",
             "slabsplat-backend",
             "slabsplat-mesh",
@@ -252,11 +258,16 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "nifti", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "flate2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "bzip2", users: Users::Only(&["slabsplat-io"]), why: CODECS },
-    External { name: "image-webp", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External {
+        name: "image-webp",
+        users: Users::Only(&["slabsplat-io", "slabsplat-film"]),
+        why: CODECS,
+    },
     External { name: "csscolorparser", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "rust-j2k", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "hdf5-pure", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "gif", users: Users::Only(&["slabsplat-film"]), why: FILMS },
     External { name: "half", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "lz4_flex", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "ruzstd", users: Users::Only(&["slabsplat-io"]), why: CODECS },
@@ -283,5 +294,6 @@ pub(super) const EXTERNALS: &[External] = &[
 
 const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
 const CODECS: &str = "file formats stay in one crate";
+const FILMS: &str = "who makes no films compiles no encoder of them";
 const CODERS: &[&str] = &["slabsplat-core", "slabsplat-io", "xtask", "slabsplat-bench"];
 const TERMINAL: &str = "only the program talks to a terminal";

@@ -5,6 +5,7 @@
 
 mod annotations;
 mod camera;
+mod film;
 mod labels;
 mod lights;
 mod look;
@@ -18,6 +19,7 @@ mod table;
 mod transfer;
 pub(crate) mod values;
 
+pub(crate) use film::FilmFlags;
 pub(crate) use output::{
     OutputFlags, PictureFlags, Target, Written, check_folder, check_scene_name,
 };
@@ -31,7 +33,7 @@ use crate::terminal;
 use anyhow::{Context, Result};
 use clap::Args;
 use slabsplat::io::{MeshFile, SceneFile};
-use slabsplat::{Aim, NoBackend, OpenScene, Renderer, Scene};
+use slabsplat::{Aim, Camera, NoBackend, OpenError, OpenScene, Renderer, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
@@ -84,6 +86,9 @@ pub(crate) struct HowFlags {
     settings: settings::SettingsFlags,
 }
 
+/// What finds the camera of a scene that is open.
+type Frame<'a> = &'a dyn Fn(&mut OpenScene, &SceneFile, &Aim) -> Result<(), OpenError>;
+
 impl SceneFlags {
     /// What is named, with the flags laid over it; no volume is read.
     pub(crate) fn file(&self) -> Result<SceneFile> {
@@ -100,6 +105,10 @@ impl SceneFlags {
 
     /// Reads what is named, and lays the flags over it.
     pub(crate) fn open(&self) -> Result<OpenScene> {
+        self.open_framed(&|opened, file, aim| opened.frame(file, aim))
+    }
+
+    fn open_framed(&self, frame: Frame<'_>) -> Result<OpenScene> {
         let mut file = self.file()?;
         let aim = self.how.camera.aim()?;
         let n_own = file.layers.len();
@@ -113,7 +122,7 @@ impl SceneFlags {
             let loaded = input::load(&mut file, &self.how.raw)?;
             loaded[..n_own].iter().try_for_each(|volume| self.how.look.check_against(volume))?;
             let mut opened = OpenScene::unframed(loaded, &file)?;
-            opened.frame(&file, &aim)?;
+            frame(&mut opened, &file, &aim)?;
             Ok(opened)
         })
     }
@@ -126,7 +135,23 @@ impl SceneFlags {
 
     /// The same with where the scene came from.
     pub(crate) fn opened(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
-        let opened = self.open()?;
+        self.ready(progress, self.open()?)
+    }
+
+    /// The same with a camera that holds what is seen by others, too, which go around with the one that is
+    /// found.
+    pub(crate) fn opened_around(
+        &self,
+        progress: &Progress,
+        views: &dyn Fn(&SceneFile, &Camera) -> Vec<Camera>,
+    ) -> Result<(Renderer, OpenScene)> {
+        let opened = self.open_framed(&|opened, file, aim| {
+            opened.frame_around(file, aim, &|camera| views(file, camera))
+        })?;
+        self.ready(progress, opened)
+    }
+
+    fn ready(&self, progress: &Progress, opened: OpenScene) -> Result<(Renderer, OpenScene)> {
         terminal::warn_all(&opened.warnings);
         progress.stage("starting the backend");
         let renderer = self.in_scene(|| self.renderer_of(&opened.backend))?;

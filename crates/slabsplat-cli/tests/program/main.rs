@@ -8,6 +8,7 @@ mod colors;
 mod convert;
 mod demo;
 mod errors;
+mod film;
 mod help;
 mod info;
 mod manual;

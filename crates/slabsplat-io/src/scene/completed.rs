@@ -58,6 +58,7 @@ impl SceneFile {
             image: scene.image,
             settings: scene.settings.clone(),
             finish: scene.finish.clone(),
+            film: self.film.clone(),
             backend: self.backend.clone(),
             unsaid: Unsaid::default(),
         })

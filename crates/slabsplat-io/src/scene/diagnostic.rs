@@ -18,18 +18,22 @@ pub(super) struct Diagnostic {
 enum Place {
     Unknown,
     Line(usize),
-    /// A key of a section, of the scene or of one of its layers; an empty key is the section itself.
+    /// A key of a section, of the scene or of an item of a list; an empty key is the section itself, and an
+    /// empty section the item.
     Key {
-        layer: Option<usize>,
+        item: Option<Item>,
         section: &'static str,
         key: &'static str,
     },
 }
 
+/// Which item of which list has the section.
+type Item = (&'static str, usize);
+
 impl Diagnostic {
     /// About a key of a section, or with an empty key, about the section.
     pub(super) fn at(section: &'static str, key: &'static str, what: impl Into<String>) -> Self {
-        Self { what: what.into(), place: Place::Key { layer: None, section, key } }
+        Self { what: what.into(), place: Place::Key { item: None, section, key } }
     }
 
     /// About the scene as a whole.
@@ -39,8 +43,17 @@ impl Diagnostic {
 
     /// The same in the sections of a layer.
     pub(super) fn in_layer(mut self, idx: usize) -> Self {
-        if let Place::Key { layer, .. } = &mut self.place {
-            *layer = Some(idx);
+        if let Place::Key { item, .. } = &mut self.place {
+            *item = Some(("layers", idx));
+        }
+        self
+    }
+
+    /// The same in the sections of a key frame.
+    pub(super) fn in_key(mut self, idx: usize) -> Self {
+        self.what = format!("key {idx} of the film: {}", self.what);
+        if let Place::Key { item, .. } = &mut self.place {
+            *item = Some(("film.keys", idx));
         }
         self
     }
@@ -50,7 +63,7 @@ impl Diagnostic {
         let line = match self.place {
             Place::Unknown => None,
             Place::Line(line) => Some(line),
-            Place::Key { layer, section, key } => line_of_key(text, layer, section, key),
+            Place::Key { item, section, key } => line_of_key(text, item, section, key),
         };
         IoError::Scene { path: path.to_owned(), line, what: shown(&self.what) }
     }
@@ -136,25 +149,31 @@ fn section_name(line: &str) -> Option<&str> {
     (is_name && !is_number && !name.trim().is_empty()).then(|| name.trim())
 }
 
-/// The line, counted from 1, where a section, of the scene or of a layer, sets a key; else where it begins.
-fn line_of_key(text: &str, layer: Option<usize>, section: &str, key: &str) -> Option<usize> {
+/// The line, counted from 1, where a section, of the scene or of an item of a list, sets a key; else where it
+/// begins.
+fn line_of_key(text: &str, item: Option<Item>, section: &str, key: &str) -> Option<usize> {
     let sets_key = |line: &str| {
         let name = line.split_once('=').map(|(name, _)| name.trim());
         name.is_some_and(|name| name == key)
     };
-    let (mut n_layers, mut in_section) = (0, false);
+    let (mut n_items, mut in_section) = (0, false);
     let mut section_line = None;
     for (idx, line) in text.lines().enumerate() {
         if let Some(name) = section_name(line) {
-            let is_layer = name == "layers";
-            n_layers += usize::from(is_layer);
-            in_section = match layer {
+            let is_item = item.is_some_and(|(list, _)| name == list);
+            n_items += usize::from(is_item);
+            let is_in_item = item.is_some_and(|(_, idx)| n_items == idx + 1);
+            in_section = match item {
                 None => name == section,
-                Some(idx) if n_layers != idx + 1 => false,
-                Some(_) => name.strip_prefix("layers.") == Some(section),
+                Some(_) if !is_in_item => false,
+                Some(_) if section.is_empty() => is_item,
+                Some((list, _)) => {
+                    let below = name.strip_prefix(list).and_then(|rest| rest.strip_prefix('.'));
+                    below == Some(section)
+                }
             };
-            // A layer without that section.
-            if in_section || (is_layer && layer.is_some_and(|idx| n_layers == idx + 1)) {
+            // An item without that section.
+            if in_section || (is_item && is_in_item) {
                 section_line = Some(idx + 1);
             }
         } else if in_section && sets_key(line) {
@@ -185,7 +204,7 @@ mod tests {
         assert_eq!(line_of_key(text, None, "c", "x"), None);
         assert_eq!(section_of_line(text, 9), Some("b"));
         let text = "[[layers]]\n[layers.a]\nx = 1\n[[layers]]\nname = 2\n[layers.a]\n\nx = 2\n";
-        let line = |layer, section, key| line_of_key(text, Some(layer), section, key);
+        let line = |layer, section, key| line_of_key(text, Some(("layers", layer)), section, key);
         assert_eq!([line(0, "a", "x"), line(1, "a", "x")], [Some(3), Some(8)]);
         assert_eq!([line(1, "a", "y"), line(1, "b", "y")], [Some(6), Some(4)]);
     }

@@ -8,6 +8,7 @@ use slabsplat_core::{
     Annotations, Isosurface, Light, Phong, ProjectionKind, RenderSettings, SampleType, TransferBox,
 };
 
+use super::film::FilmSection;
 use super::settings_section::SettingsSection;
 use crate::ContentHash;
 
@@ -30,6 +31,7 @@ pub(super) struct Document {
     pub(super) annotations: Annotations,
     #[serde(default)]
     pub(super) render: SettingsSection<RenderSettings>,
+    pub(super) film: Option<FilmSection>,
 }
 
 /// What the sections of a scene with one layer say, of one of several.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::diagnostic::Diagnostic;
 use super::document::{Document, LayerSection, TransferImageSection};
+use super::film::{Listed, ListedKind};
 use super::sections::into_lights;
 use super::settings_section::SettingsSection;
 use super::{LayerFile, SceneFile, TransferImageFile, Unsaid};
@@ -27,9 +28,16 @@ impl Document {
         let sections = self.take_layers()?;
         let is_list = self.layers.is_some();
         let (mut layers, mut look_files, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut listed = Vec::with_capacity(sections.len());
         for (idx, mut section) in sections.into_iter().enumerate() {
             let in_layer = |error: Diagnostic| if is_list { error.in_layer(idx) } else { error };
             let is_visible = section.visible.unwrap_or(true);
+            let what = match (&section.mesh, is_visible) {
+                (_, false) => ListedKind::Hidden,
+                (Some(_), true) => ListedKind::Mesh,
+                (None, true) => ListedKind::Layer(layers.len()),
+            };
+            listed.push(Listed { name: section.name.clone(), what });
             if let Some(mesh) = section.mesh.take() {
                 let mesh = section.into_mesh(&mesh, folder).map_err(in_layer)?;
                 meshes.extend(is_visible.then_some(mesh));
@@ -49,9 +57,20 @@ impl Document {
         let camera = self.camera.into_desc()?;
         let (image, finish) = self.image.into_desc(self.annotations)?;
         let lights = into_lights(self.lights)?;
+        let film = self.film.map(|film| film.into_file(&listed)).transpose()?;
         let unsaid = Unsaid::default();
-        let scene =
-            SceneFile { layers, meshes, camera, lights, image, settings, finish, backend, unsaid };
+        let scene = SceneFile {
+            layers,
+            meshes,
+            camera,
+            lights,
+            image,
+            settings,
+            finish,
+            film,
+            backend,
+            unsaid,
+        };
         Ok((scene, look_files))
     }
 

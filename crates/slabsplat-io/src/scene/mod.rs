@@ -1,10 +1,10 @@
 //! Scene files ([`scene_keys`](crate::scene_keys)): everything that decides a pixel, as TOML.
 //!
-//! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells
-//! it), `layers` and `sections` (what that means), `classify` (which values are
-//! visible), `camera`, `labels` and `label_table`, `region`, `transfer_image` (a transfer function from a
-//! picture), `diagnostic` (what a file does wrong, and in which line); `completed` (a scene file that leaves
-//! nothing open), `written` and `paths` (its text).
+//! Reading order: this file (what a scene file says), `document` and `settings_section` (how it spells it),
+//! `layers` and `sections` (what that means), `classify` (which values are visible), `camera`, `film`,
+//! `labels` and `label_table`, `region`, `transfer_image` (a transfer function from a picture), `diagnostic`
+//! (what a file does wrong, and in which line); `completed` (a scene file that leaves nothing open),
+//! `written` and `paths` (its text).
 
 mod document;
 
@@ -14,6 +14,7 @@ mod sections;
 mod settings_section;
 
 mod camera;
+mod film;
 mod label_table;
 mod labels;
 mod region;
@@ -35,6 +36,7 @@ use slabsplat_core::{
 };
 
 pub use camera::CameraDesc;
+pub use film::{FilmFile, KeyFile, KeyLayerFile, KeyLook};
 pub use labels::{LabelColors, LabelsFile};
 pub use mesh::MeshFile;
 pub use region::RegionDesc;
@@ -71,6 +73,8 @@ pub struct SceneFile {
     pub settings: RenderSettings,
     /// What becomes of the frame before it is a picture.
     pub finish: Finish,
+    /// How it changes, if it does.
+    pub film: Option<FilmFile>,
     /// The name of the backend that makes it; it is not checked here.
     pub backend: String,
     /// What else is to be found from the volumes.
@@ -204,6 +208,7 @@ impl SceneFile {
     /// be fitted to its volume.
     pub fn is_fitted(&self) -> bool {
         self.layers.iter().all(|layer| layer.fit == TransferFit::default())
+            && self.film.as_ref().is_none_or(FilmFile::is_fitted)
     }
 
     fn of_nothing() -> Self {
@@ -215,6 +220,7 @@ impl SceneFile {
             image: ImageDesc::default(),
             settings: RenderSettings::default(),
             finish: Finish::default(),
+            film: None,
             backend: "auto".to_owned(),
             unsaid: Unsaid::ALL,
         }

@@ -13,6 +13,7 @@ use super::document::{
     CameraSection, ClassifySection, Document, ImageSection, LabelStyleSection, LabelsSection,
     LayerSection, MeshSection, RawSection, RegionSection, TransferImageSection, VolumeSection,
 };
+use super::film::FilmSection;
 use super::settings_section::SettingsSection;
 use super::{
     CameraDesc, LabelColors, LabelsFile, LayerFile, MeshFile, RegionDesc, SceneFile, Unsaid,
@@ -86,6 +87,7 @@ impl Document {
                 settings: scene.settings.clone(),
                 other: Some(scene.backend.clone()),
             },
+            film: scene.film.as_ref().map(FilmSection::of),
         }
     }
 }
@@ -203,7 +205,7 @@ impl ClassifySection {
         (!says_nothing).then_some(section)
     }
 
-    fn of_values(transfer: &TransferFunction) -> Self {
+    pub(super) fn of_values(transfer: &TransferFunction) -> Self {
         let color = transfer.color_points().points().iter();
         Self {
             opacity: Some(pairs(transfer.opacity_points())),
@@ -269,7 +271,7 @@ const MAX_COMPARED: usize = 64;
 
 impl RegionSection {
     /// `None` if it is everywhere.
-    fn of(region: &RegionDesc) -> Option<Self> {
+    pub(super) fn of(region: &RegionDesc) -> Option<Self> {
         let planes = region.planes.iter().map(|plane| {
             let [x, y, z] = plane.normal().to_array();
             [x, y, z, plane.distance()]
@@ -285,7 +287,7 @@ impl RegionSection {
 }
 
 impl CameraSection {
-    fn of(camera: &CameraDesc) -> Self {
+    pub(super) fn of(camera: &CameraDesc) -> Self {
         let &CameraDesc { projection, eye, target, up, view_height, fov_y, fov_y_radians } = camera;
         let [eye, target, up] = [eye, target, up].map(|it| it.map(|it| it.to_array()));
         Self { projection, eye, target, up, view_height, fov_y, fov_y_radians }

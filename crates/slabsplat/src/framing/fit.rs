@@ -3,7 +3,7 @@
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Camera, CameraError, ImageDesc, Projection};
 
-use super::silhouette::Seen;
+use super::silhouette::{Axes, Seen};
 
 /// The share of a picture's side that what is seen fills.
 const FILLED: f64 = 0.95;
@@ -49,6 +49,65 @@ pub(super) fn fitting(
         }
     };
     Camera::new(in_world(eye), in_world(target), world_up, projection)
+}
+
+/// The camera moved so that the pictures of all `views`, which turn with it about its target, hold what each
+/// of them sees. It looks in the same direction, at the middle of it all.
+///
+/// # Errors
+/// If numbers do not suffice.
+pub(super) fn around(
+    camera: &Camera,
+    views: &[(Axes, Vec<Seen>)],
+    image: &ImageDesc,
+) -> Result<Camera, CameraError> {
+    let target = middle_of(camera, views);
+    let aspect = f64::from(image.width) / f64::from(image.height);
+    let forward = camera.axes().forward;
+    let of_all = |needed: &dyn Fn(DVec3, DVec3) -> f64| {
+        let of_view = |(axes, seen): &(Axes, Vec<Seen>)| {
+            let middle = DVec3::from_array(axes.map(|axis| axis.dot(target)));
+            let needed = seen.iter().map(|seen| needed(seen.middle - middle, seen.reach));
+            needed.fold(f64::NEG_INFINITY, f64::max)
+        };
+        views.iter().map(of_view).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let (distance, projection) = match camera.projection() {
+        Projection::Orthographic { .. } => {
+            let height = |at: DVec3, reach: DVec3| {
+                let half = at.abs() + reach;
+                2.0 * half.y.max(half.x / aspect) / FILLED
+            };
+            let view_height = of_all(&height);
+            let size = of_all(&|at, reach| 2.0 * (at.abs() + reach).length());
+            (DISTANCE * size, Projection::Orthographic { view_height })
+        }
+        projection @ Projection::Perspective { fov_y_radians } => {
+            let slope = FILLED * (0.5 * fov_y_radians).tan();
+            let distance = |at: DVec3, reach: DVec3| {
+                let half = at.abs() + reach;
+                half.y.max(half.x / aspect) / slope - (at.z - reach.z)
+            };
+            (of_all(&distance), projection)
+        }
+    };
+    Camera::new(target - forward * distance, target, camera.up(), projection)
+}
+
+/// The middle of the box, along the camera's axes, around what any of the views sees.
+fn middle_of(camera: &Camera, views: &[(Axes, Vec<Seen>)]) -> DVec3 {
+    let own = camera.axes();
+    let own = [own.right, own.up, own.forward];
+    let along = |[right, up, forward]: Axes, v: DVec3| right * v.x + up * v.y + forward * v.z;
+    let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    let [min, max] = views.iter().fold(nothing, |ends, (axes, seen)| {
+        seen.iter().fold(ends, |[min, max], seen| {
+            let point = along(*axes, seen.middle);
+            let at = DVec3::from_array(own.map(|axis| axis.dot(point)));
+            [min.min(at), max.max(at)]
+        })
+    });
+    along(own, min.midpoint(max))
 }
 
 /// Where an eye is along an axis of the picture, and at which depth, whose two planes of that slope touch all

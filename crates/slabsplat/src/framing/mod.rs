@@ -9,6 +9,8 @@ mod fit;
 mod silhouette;
 mod visible;
 
+use rayon::prelude::*;
+use silhouette::{Axes, Seen};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Camera, CameraError, Fit, ImageDesc, Layer, MeshLayer, Mode, Projection, Viewpoint,
@@ -82,6 +84,12 @@ impl Framing {
         fit: Fit,
         image: &ImageDesc,
     ) -> Result<Camera, CameraError> {
+        let (axes, seen) = self.seen(camera, fit);
+        fit::fitting(&seen, axes, camera.up(), camera.projection(), image)
+    }
+
+    /// What is to fill the picture of a camera, along its axes.
+    fn seen(&self, camera: &Camera, fit: Fit) -> (Axes, Vec<Seen>) {
         let axes = camera.axes();
         let axes = [axes.right, axes.up, axes.forward];
         let of = |parts: &[Cells]| silhouette::seen(parts, axes);
@@ -92,7 +100,7 @@ impl Framing {
         if seen.is_empty() {
             seen = of(&self.whole);
         }
-        fit::fitting(&seen, axes, camera.up(), camera.projection(), image)
+        (axes, seen)
     }
 
     /// The camera aimed otherwise: turned, filled again where the aim or `refits` says so, magnified, moved.
@@ -106,6 +114,43 @@ impl Framing {
         refits: bool,
         image: &ImageDesc,
     ) -> Result<Camera, CameraError> {
+        let mut camera = self.turned(camera, aim)?;
+        let is_turned = aim.viewpoint.is_some() || aim.turns();
+        let fit = aim.fit.or((refits && is_turned).then_some(Fit::Visible));
+        if let Some(fit) = fit {
+            camera = self.refitted(&camera, fit, image)?;
+        }
+        aim.moved(&camera, f64::from(image.width) / f64::from(image.height))
+    }
+
+    /// The camera aimed otherwise, and filled by what is seen from all of `views`: cameras that go around
+    /// what it looks at, for the camera that is turned. Then it is magnified and moved.
+    ///
+    /// From each of them all is within the picture, and as large as from the others. It stands still in the
+    /// middle, if they go around that: the target is in the middle of what they see.
+    ///
+    /// # Errors
+    /// If numbers do not suffice to tell where it is.
+    pub fn aimed_around(
+        &self,
+        camera: &Camera,
+        aim: &Aim,
+        views: impl FnOnce(&Camera) -> Vec<Camera>,
+        image: &ImageDesc,
+    ) -> Result<Camera, CameraError> {
+        let camera = self.turned(camera, aim)?;
+        let views = views(&camera);
+        let views = views.par_iter().map(|view| self.seen(view, aim.fit.unwrap_or_default()));
+        let views = [self.seen(&camera, aim.fit.unwrap_or_default())]
+            .into_iter()
+            .chain(views.collect::<Vec<_>>());
+        let views: Vec<(Axes, Vec<Seen>)> = views.collect();
+        let camera = fit::around(&camera, &views, image)?;
+        aim.moved(&camera, f64::from(image.width) / f64::from(image.height))
+    }
+
+    /// The camera from the side and by the turns that the aim says.
+    fn turned(&self, camera: &Camera, aim: &Aim) -> Result<Camera, CameraError> {
         let mut camera = *camera;
         if let Some(viewpoint) = aim.viewpoint {
             let [to_eye, up] = self.facing.seen_from(viewpoint);
@@ -113,13 +158,7 @@ impl Framing {
             let eye = camera.target() + to_eye * distance;
             camera = Camera::new(eye, camera.target(), up, camera.projection())?;
         }
-        camera = aim.turned(&camera)?;
-        let is_turned = aim.viewpoint.is_some() || aim.turns();
-        let fit = aim.fit.or((refits && is_turned).then_some(Fit::Visible));
-        if let Some(fit) = fit {
-            camera = self.refitted(&camera, fit, image)?;
-        }
-        aim.moved(&camera, f64::from(image.width) / f64::from(image.height))
+        aim.turned(&camera)
     }
 }
 

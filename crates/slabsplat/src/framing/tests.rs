@@ -211,3 +211,48 @@ fn framing_aims_anew_and_fills_the_picture_only_where_it_is_found() {
     assert_eq!((height(&above), above.eye()), (7.0, DVec3::new(0.0, 0.0, 93.0)));
     assert_eq!(framing.aimed(&given, &Aim::default(), true, &SQUARE), Ok(given));
 }
+
+/// A rod that is off the middle of its grid, seen from the side and a little from above while it turns.
+#[test]
+fn framing_around_holds_all_angles() {
+    let grid = Grid::centered([40, 40, 20], [1.0; 3]).unwrap();
+    let is_rod = |[x, y, z]: [usize; 3]| {
+        (4..30).contains(&x) && (20..24).contains(&y) && (3..9).contains(&z)
+    };
+    let only = layer(grid, is_rod);
+    let facing = Facing::of(Orientation::Unknown, &grid);
+    let framing = Framing::new(&[only], &[], Mode::Extinction, facing);
+    let ends = [0, 1].map(|end| {
+        let voxel = |which: usize| [[4.0, 20.0, 3.0], [29.0, 23.0, 8.0]][end][which];
+        grid.world_from_index().transform_point3(DVec3::from_array([0, 1, 2].map(voxel)))
+    });
+    let wide = ImageDesc { width: 160, ..SQUARE };
+    for (is_perspective, image) in [(false, SQUARE), (true, SQUARE), (false, wide), (true, wide)] {
+        let found =
+            framing.camera(None, Fit::Visible, usual_projection(is_perspective), &image).unwrap();
+        let orbit = |camera: &Camera| {
+            (0..48)
+                .map(|step| camera.orbited(f64::from(step) * 7.5_f64.to_radians()))
+                .collect::<Vec<_>>()
+        };
+        let camera = framing.aimed_around(&found, &Aim::default(), orbit, &image).unwrap();
+        let mut largest = 0.0_f64;
+        for degrees in 0..360 {
+            let view = camera.orbited(f64::from(degrees).to_radians());
+            let corners = (0..8).map(|corner: usize| {
+                let pick = |axis: usize| ends[corner >> axis & 1][axis];
+                seen(&grid, &view, &image, DVec3::new(pick(0), pick(1), pick(2)))
+            });
+            let most = corners.flatten().map(f64::abs).fold(0.0, f64::max);
+            assert!(
+                most < 1.0,
+                "{is_perspective}, {} wide, {degrees} degrees: {most}",
+                image.width
+            );
+            largest = largest.max(most);
+        }
+        assert!(0.7 < largest, "{is_perspective}, {} wide: {largest}", image.width);
+        let centre = ends[0].midpoint(ends[1]);
+        assert!(camera.target().distance(centre) < 2.0, "{} and not {centre}", camera.target());
+    }
+}

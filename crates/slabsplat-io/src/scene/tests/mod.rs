@@ -14,6 +14,7 @@ use super::*;
 use crate::{ColorUse, OpacitySource, Stretch, ValueScale, colormap, preset};
 
 mod classify;
+mod film;
 mod layers;
 
 /// Every key, and no value a default.
@@ -249,7 +250,7 @@ fn scene_unknown_keys_are_named() {
     check(
         "size = 3\n[volume]\ngenerate = \"cube\"",
         "scene.toml:1: unknown key \"size\"; known are volume, mesh, classify, labels, shading, \
-         region, layers, camera, lights, image, annotations, render",
+         region, layers, camera, lights, image, annotations, render, film",
     );
 }
 

@@ -4,12 +4,16 @@ use std::fs;
 
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{
-    Annotations, Camera, Finish, Grid, Isosurface, LabelMap, Labels, Layer, Light, Mesh, MeshLayer,
-    Plane, Projection, Region, SampleType, Scaling, Scene, TransferBox, Volume,
+    Annotations, Camera, Easing, Finish, Grid, Isosurface, LabelMap, Labels, Layer, Light, Mesh,
+    MeshLayer, Plane, Projection, Region, SampleType, Scaling, Scene, TransferBox, Volume,
 };
 
 use super::*;
-use crate::{ContentHash, TransferImageFile, VolumeOptions, parse_scene};
+use crate::transfer::TransferFit;
+use crate::{
+    ContentHash, FilmFile, KeyFile, KeyLayerFile, KeyLook, TransferImageFile, VolumeOptions,
+    parse_scene,
+};
 
 /// Writes a scene, and reads it back as the same.
 fn check(scene: &SceneFile) -> String {
@@ -136,6 +140,47 @@ fn written_scene_has_all_keys() {
     mesh.meshes[0] = MeshFile { name: None, ..full_mesh() };
     let text = check(&mesh);
     assert!(text.contains("\n[mesh]"), "{text}");
+}
+
+#[test]
+fn written_film_has_all_keys() {
+    let mut scene = of_volume("a.nii");
+    scene.film = Some(FilmFile::default());
+    check(&scene);
+    scene.layers.push(full_layer());
+    scene.meshes = vec![full_mesh()];
+    let look = KeyLook { transfer: Some(transfer()), fit: TransferFit::default() };
+    let full = KeyLayerFile {
+        layer_idx: 1,
+        look: Some(look.clone()),
+        region: Some(full_layer().region),
+        opacity_scale: Some(1.0 / 3.0),
+    };
+    let everywhere =
+        KeyLayerFile { region: Some(RegionDesc::default()), ..KeyLayerFile::default() };
+    let camera = CameraDesc { eye: Some(DVec3::new(0.1, 1e20, 3.0)), ..CameraDesc::default() };
+    let first = KeyFile { at_secs: 0.1, layers: vec![everywhere, full], ..KeyFile::default() };
+    let second = KeyFile {
+        at_secs: 1.0 / 3.0,
+        easing: Some(Easing::EaseOut),
+        camera: Some(camera),
+        azimuth_degrees: Some(-720.1),
+        slab_width: Some(0.7),
+        layers: Vec::new(),
+    };
+    scene.film = Some(FilmFile {
+        frames_per_second: Some(29.97),
+        seconds: Some(1.0 / 7.0),
+        is_loop: true,
+        easing: Easing::EaseInOut,
+        keys: vec![first, second],
+    });
+    check(&scene);
+    let film = scene.film.as_mut().unwrap();
+    let fit = TransferFit { opacity_scale: 2.0, ..TransferFit::default() };
+    film.keys[0].layers[1].look = Some(KeyLook { fit, ..look });
+    let error = scene_text(&scene, "x.toml").unwrap_err().to_string();
+    assert!(error.contains("it leaves open what is found"), "{error}");
 }
 
 #[test]

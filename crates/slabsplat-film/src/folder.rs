@@ -1,0 +1,245 @@
+//! The folder of frames beside a film that is being made: a PNG for each, and a text that says of which film
+//! they are. What it holds is whole at any moment, so that a run that was interrupted, however hard, can be
+//! continued.
+
+use crate::pixels::Pixels;
+use crate::{FilmDesc, FilmError};
+use std::fs::{self, File, TryLockError};
+use std::io::{self, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The text that says of which film the frames are.
+const IDENTITY: &str = "film.txt";
+
+/// What a frame's file is called while it is written.
+const PART: &str = "frame.part";
+
+/// Frames on disk.
+pub(crate) struct FrameFolder {
+    path: PathBuf,
+    desc: FilmDesc,
+    /// Locked as long as it is open, and released however the program ends.
+    lock: File,
+}
+
+impl FrameFolder {
+    /// The folder of the film at `target`, and how many frames from the first one on are there already.
+    ///
+    /// `anew` has those of any film removed.
+    pub(crate) fn open(
+        target: &Path,
+        desc: &FilmDesc,
+        identity: &str,
+        anew: bool,
+    ) -> Result<(Self, u32), FilmError> {
+        let mut name = target.as_os_str().to_owned();
+        name.push(".frames");
+        let path = PathBuf::from(name);
+        let text = path.join(IDENTITY);
+        let is_there = path.symlink_metadata().is_ok();
+        if is_there && !text.is_file() {
+            check_empty(&path)?;
+        }
+        fs::create_dir_all(&path).map_err(FilmError::write(&path))?;
+        let mut options = File::options();
+        let lock = options.read(true).append(true).create(true).open(&text);
+        let lock = lock.map_err(FilmError::write(&text))?;
+        match lock.try_lock() {
+            // Where a file system has no locks, one run is believed to be the only one.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+            Err(TryLockError::WouldBlock) => return Err(FilmError::InUse { folder: path }),
+        }
+        let mut folder = Self { path, desc: *desc, lock };
+        let n_done = folder.begin(identity, anew)?;
+        Ok((folder, n_done))
+    }
+
+    /// Says of which film its frames are, unless it does already, and counts them.
+    fn begin(&mut self, identity: &str, anew: bool) -> Result<u32, FilmError> {
+        let text = self.path.join(IDENTITY);
+        let said = fs::read_to_string(&text).map_err(FilmError::write(&text))?;
+        if !anew && !said.is_empty() && said != identity {
+            let what = difference(&said, identity);
+            return Err(FilmError::OtherFilm { folder: self.path.clone(), what });
+        }
+        if said != identity {
+            remove_files(&self.path, is_frame)?;
+            let said = self.lock.set_len(0).and_then(|()| self.lock.write_all(identity.as_bytes()));
+            said.map_err(FilmError::write(&text))?;
+            return Ok(0);
+        }
+        if anew {
+            remove_files(&self.path, is_frame)?;
+        }
+        let mut n_done = 0;
+        while n_done < self.desc.n_frames && self.frame_path(n_done).is_file() {
+            n_done += 1;
+        }
+        // After a loss of power the last ones may be names without content.
+        while 0 < n_done && self.read(n_done - 1).is_err() {
+            n_done -= 1;
+        }
+        Ok(n_done)
+    }
+
+    fn frame_path(&self, frame_idx: u32) -> PathBuf {
+        self.path.join(format!("frame_{frame_idx:05}.png"))
+    }
+
+    /// A file in the folder that is no frame.
+    pub(crate) fn beside(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Stores a frame.
+    pub(crate) fn write(&self, frame_idx: u32, frame: &Pixels) -> Result<(), FilmError> {
+        let part = self.path.join(PART);
+        let written = || -> io::Result<()> {
+            let mut writer = BufWriter::new(File::create(&part)?);
+            frame.write_png(&mut writer, self.desc.has_opacity)?;
+            writer.flush()?;
+            drop(writer);
+            fs::rename(&part, self.frame_path(frame_idx))
+        };
+        written().map_err(FilmError::write(&self.frame_path(frame_idx)))
+    }
+
+    /// A frame that was stored.
+    pub(crate) fn read(&self, frame_idx: u32) -> Result<Pixels, FilmError> {
+        let bad = |what: String| FilmError::BadFrame { frame_idx, folder: self.path.clone(), what };
+        let file =
+            File::open(self.frame_path(frame_idx)).map_err(|error| bad(error.to_string()))?;
+        Pixels::read_png(BufReader::new(file), [self.desc.width, self.desc.height]).map_err(bad)
+    }
+
+    /// The file `made` within it becomes the film, and the folder is gone.
+    pub(crate) fn end_with_file(self, made: &Path, target: &Path) -> Result<(), FilmError> {
+        fs::rename(made, target).map_err(FilmError::write(target))?;
+        drop(self.lock);
+        fs::remove_dir_all(&self.path).map_err(FilmError::write(&self.path))
+    }
+
+    /// The folder itself becomes the film.
+    pub(crate) fn end_as_folder(self, target: &Path) -> Result<(), FilmError> {
+        remove_sequence(target)?;
+        // A folder with an open file cannot be renamed everywhere.
+        drop(self.lock);
+        remove_files(&self.path, |path| !is_frame(path))?;
+        fs::rename(&self.path, target).map_err(FilmError::write(target))
+    }
+}
+
+/// That a film of `target` as a folder takes the place of nothing but another one.
+pub(crate) fn check_sequence(target: &Path) -> Result<(), FilmError> {
+    if target.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    check_empty(target)
+}
+
+fn remove_sequence(target: &Path) -> Result<(), FilmError> {
+    check_sequence(target)?;
+    match fs::remove_dir_all(target) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(FilmError::write(target)(error))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn remove_files(folder: &Path, is_to_go: impl Fn(&Path) -> bool) -> Result<(), FilmError> {
+    for entry in fs::read_dir(folder).map_err(FilmError::write(folder))? {
+        let path = entry.map_err(FilmError::write(folder))?.path();
+        if is_to_go(&path) {
+            fs::remove_file(&path).map_err(FilmError::write(&path))?;
+        }
+    }
+    Ok(())
+}
+
+/// That a folder has nothing but frames.
+fn check_empty(path: &Path) -> Result<(), FilmError> {
+    let in_the_way = || FilmError::InTheWay { path: path.to_owned() };
+    let mut entries = fs::read_dir(path).map_err(|_| in_the_way())?;
+    let is_all_frames = entries.all(|entry| entry.is_ok_and(|entry| is_frame(&entry.path())));
+    if is_all_frames { Ok(()) } else { Err(in_the_way()) }
+}
+
+fn is_frame(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let number = name.strip_prefix("frame_").and_then(|rest| rest.strip_suffix(".png"));
+    number.is_some_and(|number| number.len() == 5 && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// The first line in which two texts differ, as people call it.
+fn difference(said: &str, identity: &str) -> String {
+    let mut lines = said.lines().zip(identity.lines());
+    let line = lines.find(|(said, now)| said != now).map(|(said, now)| {
+        let key = |line: &str| line.split_once('=').map(|(key, _)| key.trim().to_owned());
+        match (key(said), key(now)) {
+            (Some(a), Some(b)) if a == b => a,
+            _ => "its scene".to_owned(),
+        }
+    });
+    line.unwrap_or_else(|| "its scene".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FrameRate;
+
+    fn desc(n_frames: u32) -> FilmDesc {
+        FilmDesc::new(2, 2, n_frames, FrameRate::new(10.0).unwrap()).unwrap()
+    }
+
+    fn frame(value: u8) -> Pixels {
+        Pixels { width: 2, height: 2, rgba: [value, value, value, 255].repeat(4) }
+    }
+
+    #[test]
+    fn folder_continues_the_same_film_alone() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("a.gif");
+        let open = |identity: &str, anew| FrameFolder::open(&target, &desc(9), identity, anew);
+        let (folder, n_done) = open("size = 2\n", false).unwrap();
+        assert_eq!(n_done, 0);
+        for idx in [0, 1, 3] {
+            folder.write(idx, &frame(idx as u8)).unwrap();
+        }
+        assert!(matches!(open("size = 2\n", false), Err(FilmError::InUse { .. })));
+        drop(folder);
+        let (folder, n_done) = open("size = 2\n", false).unwrap();
+        assert_eq!((n_done, folder.read(1).unwrap()), (2, frame(1)));
+        drop(folder);
+        let error = open("size = 3\n", false).err().unwrap().to_string();
+        assert!(error.contains("differs in size"), "{error}");
+        assert_eq!(open("size = 3\n", true).unwrap().1, 0);
+    }
+
+    #[test]
+    fn folder_does_not_believe_a_damaged_end() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("a.gif");
+        let open = || FrameFolder::open(&target, &desc(9), "x", false).unwrap();
+        let (folder, _) = open();
+        (0..3).for_each(|idx| folder.write(idx, &frame(7)).unwrap());
+        fs::write(folder.frame_path(2), "").unwrap();
+        drop(folder);
+        assert_eq!(open().1, 2);
+    }
+
+    #[test]
+    fn folder_leaves_what_is_not_its_own() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("a.gif");
+        let frames = dir.path().join("a.gif.frames");
+        fs::create_dir(&frames).unwrap();
+        fs::write(frames.join("precious.txt"), "x").unwrap();
+        let open = FrameFolder::open(&target, &desc(9), "x", true);
+        assert!(matches!(open, Err(FilmError::InTheWay { .. })));
+        assert!(frames.join("precious.txt").is_file());
+        assert!(check_sequence(&frames).is_err());
+        assert!(check_sequence(&dir.path().join("none")).is_ok());
+    }
+}
