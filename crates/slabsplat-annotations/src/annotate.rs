@@ -11,8 +11,8 @@ use crate::screen::Screen;
 use crate::sheet::{Sheet, Words};
 use crate::text::{lacks, measure_text};
 
-/// Draws what lies behind all that the scene shows, the edges of the box of its axes, onto what is to be behind its
-/// frame: a background of the picture's size.
+/// Draws what lies behind all that the scene shows, the edges of the box of its axes, onto what is to be
+/// behind its frame: a background of the picture's size.
 pub fn draw_behind(background: &mut Image, scene: &Scene) {
     if scene.finish.annotations.axes {
         let screen = Screen::new(&scene.camera, &scene.image);
@@ -20,9 +20,9 @@ pub fn draw_behind(background: &mut Image, scene: &Scene) {
     }
 }
 
-/// Draws the annotations of `scene` onto a picture of it, of whose first volume `acquisition` says how it stands and
-/// whether lengths are millimetres. Returns what is not drawn and why, and what people must know of what is, a line
-/// each.
+/// Draws the annotations of `scene` onto a picture of it, of whose first volume `acquisition` says how it
+/// stands and whether lengths are millimetres. Returns what is not drawn and why, and what people must know
+/// of what is, a line each.
 ///
 /// # Panics
 /// If the picture has another size than the scene's.

@@ -1,9 +1,9 @@
 //! The box around all that there is: its edges, which lie behind it, and coordinates along three of them.
 //!
-//! The box is that of the world's axes, so that coordinates are the world's, however a grid stands. Of its edges
-//! those at which only faces meet that look to the eye are left out: they would lie before the volume. Those between
-//! a face that does and one that does not are the outline, along which coordinates stand, as nothing of the volume
-//! is outside of it.
+//! The box is that of the world's axes, so that coordinates are the world's, however a grid stands. Of its
+//! edges those at which only faces meet that look to the eye are left out: they would lie before the volume.
+//! Those between a face that does and one that does not are the outline, along which coordinates stand, as
+//! nothing of the volume is outside of it.
 
 use slabsplat_core::glam::{DVec2, DVec3};
 use slabsplat_core::{Acquisition, Grid, Image, Orientation, Scene, round_ticks};
@@ -108,10 +108,12 @@ pub(crate) fn draw_coordinates(
     for axis in 0..3 {
         let outline = edges.iter().filter(|edge| edge.axis == axis && edge.n_front == 1);
         let scales = outline.filter_map(|edge| Scale::of(edge, screen, middle?, unit));
-        // At the left if it goes up, else below.
-        let place =
-            |scale: &Scale| if scale.goes_up() { -scale.middle().x } else { scale.middle().y };
-        let Some(scale) = scales.max_by(|a, b| place(a).total_cmp(&place(b))) else { continue };
+        let scales: Vec<Scale<'_>> = scales.collect();
+        // At the left if they go up, else below.
+        let go_up = scales.iter().all(Scale::goes_up);
+        let place = |scale: &&Scale<'_>| if go_up { -scale.middle().x } else { scale.middle().y };
+        let best = scales.iter().max_by(|a, b| place(a).total_cmp(&place(b)));
+        let Some(scale) = best else { continue };
         n_without_room += usize::from(!scale.draw(sheet, name(axis, acquisition.orientation)));
     }
     if 0 < n_without_room {
@@ -167,8 +169,10 @@ impl<'a> Scale<'a> {
             point[self.edge.axis] = tick * self.unit.in_world;
             self.screen.point(point)
         };
-        let ticks = round_ticks([from, to], n_steps).into_iter();
-        ticks.filter_map(|tick| Some((tick, at(tick)?))).collect()
+        // One coordinate alone is no scale.
+        let ticks = (n_steps..n_steps + 4).map(|n_steps| round_ticks([from, to], n_steps));
+        let ticks = ticks.into_iter().find(|ticks| 2 <= ticks.len()).unwrap_or_default();
+        ticks.into_iter().filter_map(|tick| Some((tick, at(tick)?))).collect()
     }
 
     /// Draws ticks, coordinates and the axis' name; whether any coordinate had room.
@@ -287,7 +291,7 @@ mod tests {
         for edge in BOX.edges(&screen).iter().filter(|edge| edge.n_front == 1) {
             let scale = Scale::of(edge, &screen, middle, unit).unwrap();
             let ticks = scale.ticks(11.0);
-            assert!(2 < ticks.len(), "{ticks:?}");
+            assert!(2 <= ticks.len(), "{ticks:?}");
             for (tick, at) in ticks {
                 assert_eq!(tick % 5.0, 0.0, "{tick}");
                 let mut point = edge.ends[0];

@@ -32,7 +32,8 @@ fn bar_of(scene: &Scene) -> Result<(&Layer, [f64; 2]), &'static str> {
     visible_range(layer).map(|range| (layer, range)).ok_or("no value is visible")
 }
 
-/// From the least visible value to the greatest, of those that the volume has and the transfer function speaks of.
+/// From the least visible value to the greatest, of those that the volume has and the transfer function
+/// speaks of.
 fn visible_range(layer: &Layer) -> Option<[f64; 2]> {
     let transfer = &layer.transfer;
     let visible = transfer.iso_ranges();

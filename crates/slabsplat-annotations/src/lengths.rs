@@ -35,7 +35,8 @@ impl Unit {
         }
     }
 
-    /// What coordinates along an axis of that length are in: never centimetres, which nobody counts slices in.
+    /// What coordinates along an axis of that length are in: never centimetres, which nobody counts slices
+    /// in.
     pub(crate) fn of_axis(length: f64, is_metric: bool) -> Self {
         let unit = Self::of(length, is_metric);
         match METRIC.iter().position(|metric| *metric == unit) {

@@ -1,10 +1,11 @@
 //! What is drawn onto a picture that is finished: text anywhere, and for a scene that has
-//! [`Annotations`](slabsplat_core::Annotations) its title, axes, a scale bar, a colour bar and an orientation marker.
+//! [`Annotations`](slabsplat_core::Annotations) its title, axes, a scale bar, a colour bar and an orientation
+//! marker.
 //!
-//! Everything is drawn onto an [`Image`](slabsplat_core::Image) of premultiplied floats, anti-aliased at whatever
-//! size, and with a halo in the contrasting colour, so that it is legible before anything, also where the picture
-//! is transparent. Sizes follow the picture's. Nothing is drawn outside of the picture, what has no room in it is
-//! left out and told of, and nothing here reads a file or renders.
+//! Everything is drawn onto an [`Image`](slabsplat_core::Image) of premultiplied floats, anti-aliased at
+//! whatever size, and with a halo in the contrasting colour, so that it is legible before anything, also
+//! where the picture is transparent. Sizes follow the picture's. Nothing is drawn outside of the picture,
+//! what has no room in it is left out and told of, and nothing here reads a file or renders.
 //!
 //! The font is bundled: Latin, Greek and Cyrillic of DejaVu Sans, whose licence is in `fonts/`.
 //!
@@ -23,8 +24,8 @@
 //!
 //! # Reading order
 //!
-//! `ink`, `coverage`, `text`, `shapes`; `screen` (where the world is in the picture), `lengths`, `sheet` (what has
-//! room in it); `axes`, `scale_bar`, `color_bar`, `orientation_marker`; `annotate` (all of them).
+//! `ink`, `coverage`, `text`, `shapes`; `screen` (where the world is in the picture), `lengths`, `sheet`
+//! (what has room in it); `axes`, `scale_bar`, `color_bar`, `orientation_marker`; `annotate` (all of them).
 
 mod coverage;
 mod ink;

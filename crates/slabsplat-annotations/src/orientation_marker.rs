@@ -1,4 +1,5 @@
-//! The directions of the world, in the lower left corner: arms that turn with the camera, with letters at their ends.
+//! The directions of the world, in the lower left corner: arms that turn with the camera, with letters at
+//! their ends.
 
 use slabsplat_core::Orientation;
 use slabsplat_core::glam::{DVec2, DVec3};
@@ -25,11 +26,13 @@ const COLORS: [[f32; 3]; 3] = [[0.90, 0.25, 0.25], [0.25, 0.75, 0.30], [0.35, 0.
 const ARM: f64 = 2.1;
 const LETTER: f64 = 2.75;
 
-/// Arms whose end is nearer to the middle than this part of their length, and point away, lie behind the others.
+/// Arms whose end is nearer to the middle than this part of their length, and point away, lie behind the
+/// others.
 const SHORT: f64 = 0.35;
 
 impl Arm {
-    /// All that have letters, the farthest first: of a body both ways of each axis, otherwise where numbers grow.
+    /// All that have letters, the farthest first: of a body both ways of each axis, otherwise where numbers
+    /// grow.
     fn all(screen: &Screen, orientation: Orientation) -> Vec<Self> {
         let (letters, ways): (_, &[f64]) = match orientation {
             Orientation::Anatomical => ([["R", "L"], ["A", "P"], ["S", "I"]], &[1.0, -1.0]),

@@ -8,8 +8,8 @@ use crate::screen::Screen;
 use crate::shapes::fill_box;
 use crate::sheet::{Sheet, Words, written};
 
-/// The longest that a bar may be, in parts of the picture's width, or of twice its height if that is less: round
-/// numbers are up to 2.5 times apart, so that it is a tenth at least.
+/// The longest that a bar may be, in parts of the picture's width, or of twice its height if that is less:
+/// round numbers are up to 2.5 times apart, so that it is a tenth at least.
 const LONGEST: f64 = 0.25;
 
 /// A length of the world as it is seen.

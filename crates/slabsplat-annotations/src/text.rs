@@ -17,8 +17,8 @@ pub struct Label<'a> {
     pub text: &'a str,
     /// A point of the picture, in pixels from its upper left corner.
     pub at: [f32; 2],
-    /// Which point of the text is there, in parts of its width and height: `[0.0, 0.0]` is its upper left corner,
-    /// `[0.5, 1.0]` the middle of its lower edge.
+    /// Which point of the text is there, in parts of its width and height: `[0.0, 0.0]` is its upper left
+    /// corner, `[0.5, 1.0]` the middle of its lower edge.
     pub anchor: [f32; 2],
     /// Pixels of an em; a capital letter is 0.73 of it high.
     pub size_pixels: f32,
@@ -30,14 +30,14 @@ pub struct Label<'a> {
 const ASCENT: f32 = 0.93;
 const DESCENT: f32 = 0.24;
 
-/// The size of text that suits a picture of `width` × `height` pixels: a fortieth of its shorter side, and no less
-/// than is legible, 11 pixels.
+/// The size of text that suits a picture of `width` × `height` pixels: a fortieth of its shorter side, and no
+/// less than is legible, 11 pixels.
 pub fn text_size(width: u32, height: u32) -> f32 {
     (width.min(height) as f32 / 40.0).max(11.0)
 }
 
-/// Width and height of a line of text in pixels, by the size of an em. The height is the same for all texts; the
-/// halo reaches a tenth of an em further.
+/// Width and height of a line of text in pixels, by the size of an em. The height is the same for all texts;
+/// the halo reaches a tenth of an em further.
 pub fn measure_text(text: &str, size_pixels: f32) -> [f32; 2] {
     let font = Scaled::new(size_pixels);
     [font.glyphs(text).1, (ASCENT + DESCENT) * size_pixels]

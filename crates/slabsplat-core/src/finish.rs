@@ -9,8 +9,8 @@ use thiserror::Error;
 pub struct Finish {
     /// Samples of a pixel, whose mean it is: a square, 1 … 64, as many of them in a row as in a column.
     pub samples: u32,
-    /// Red, green, blue and opacity, 0 … 1, not premultiplied, to which the background goes over evenly from the
-    /// upper edge, where it is that of [`ImageDesc`], to the lower one.
+    /// Red, green, blue and opacity, 0 … 1, not premultiplied, to which the background goes over evenly from
+    /// the upper edge, where it is that of [`ImageDesc`], to the lower one.
     pub background_below: Option<[f32; 4]>,
     /// What is drawn on it.
     pub annotations: Annotations,
@@ -80,8 +80,8 @@ impl Finish {
     /// The same, if it can be done.
     ///
     /// # Errors
-    /// If the number of samples is no square or above 64, a colour is outside 0 … 1, or the title is no line of
-    /// 1 to 200 characters.
+    /// If the number of samples is no square or above 64, a colour is outside 0 … 1, or the title is no line
+    /// of 1 to 200 characters.
     pub fn checked(self) -> Result<Self, FinishError> {
         if !(1..=MAX_SIDE).any(|side| side * side == self.samples) {
             return Err(FinishError::BadSamples(self.samples));

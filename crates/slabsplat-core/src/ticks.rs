@@ -1,7 +1,7 @@
 //! Round numbers on scales, and how they are written.
 
-/// Round numbers in a range, from its least to its greatest: 1, 2 or 5 times a power of ten apart, as near to each
-/// other as a `n_steps`-th of the range allows. None if the range is empty or not finite.
+/// Round numbers in a range, from its least to its greatest: 1, 2 or 5 times a power of ten apart, as near to
+/// each other as a `n_steps`-th of the range allows. None if the range is empty or not finite.
 pub fn round_ticks([lo, hi]: [f64; 2], n_steps: u32) -> Vec<f64> {
     let n_steps = n_steps.clamp(1, 100);
     let rough = (hi / f64::from(n_steps) - lo / f64::from(n_steps)).abs();

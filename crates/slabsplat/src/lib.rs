@@ -67,7 +67,7 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `transfer`, `scene_file`, `scene_film`; `popping`.
+//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`; `popping`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

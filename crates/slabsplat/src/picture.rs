@@ -1,8 +1,9 @@
-//! Frames made into pictures: what a scene's [`Finish`](slabsplat_core::Finish) says, done here for all backends.
+//! Frames made into pictures: what a scene's [`Finish`](slabsplat_core::Finish) says, done here for all
+//! backends.
 //!
-//! A picture with several samples a pixel is drawn larger and averaged. What goes behind everything, a gradient or
-//! the edges of axes, is put behind a frame that was drawn before nothing; where there is neither, a frame has the
-//! bits that it always had.
+//! A picture with several samples a pixel is drawn larger and averaged. What goes behind everything, a
+//! gradient or the edges of axes, is put behind a frame that was drawn before nothing; where there is
+//! neither, a frame has the bits that it always had.
 
 use std::borrow::Cow;
 
@@ -24,8 +25,8 @@ pub struct Picture {
 }
 
 impl Renderer {
-    /// Renders a frame of a scene and finishes it, as its [`finish`](Scene::finish) says. `acquisition` says how the
-    /// first volume stands, and whether lengths are millimetres; annotations depend on it.
+    /// Renders a frame of a scene and finishes it, as its [`finish`](Scene::finish) says. `acquisition` says
+    /// how the first volume stands, and whether lengths are millimetres; annotations depend on it.
     ///
     /// ```
     /// use slabsplat::{Acquisition, Automatic, Finish, ImageDesc, RenderSettings, Renderer};
@@ -66,8 +67,8 @@ impl Renderer {
     }
 }
 
-/// The scene whose frame [`finished`] makes into a picture of `scene`, for who renders frames otherwise than by
-/// [`Renderer::picture`].
+/// The scene whose frame [`finished`] makes into a picture of `scene`, for who renders frames otherwise than
+/// by [`Renderer::picture`].
 ///
 /// # Errors
 /// If all samples are more than a frame has room for.
@@ -104,8 +105,8 @@ fn has_behind(scene: &Scene) -> bool {
     scene.finish.background_below.is_some() || scene.finish.annotations.axes
 }
 
-/// Each square of `side` × `side` pixels becomes one, their mean. They are premultiplied, so that what is transparent
-/// has no part in colours.
+/// Each square of `side` × `side` pixels becomes one, their mean. They are premultiplied, so that what is
+/// transparent has no part in colours.
 fn averaged(image: Image, side: u32) -> Image {
     if side == 1 {
         return image;

@@ -6,13 +6,14 @@ use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Acquisition, Camera, CameraError, Fit, Layer, MeshLayer, PiecewiseLinear, Projection,
-    RegionError, Scene, Shading, TransferFunction,
+    Acquisition, Camera, CameraError, Fit, Layer, MeshLayer, Orientation, PiecewiseLinear,
+    Projection, RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
     CameraDesc, FilmFile, FitError, IoError, KeyLook, LayerFile, LoadedColors, LoadedVolume,
     MemoryNeed, OpacitySource, SceneFile, TransferFit, check_memory,
 };
+use std::cell::{Cell, OnceCell};
 use thiserror::Error;
 
 /// A scene, ready to be rendered.
@@ -308,14 +309,10 @@ struct Opening<'a> {
 
 impl Opening<'_> {
     fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
-        let acquisition = loaded.acquisition;
         self.warnings.extend_from_slice(&loaded.warnings);
-        let Opened { mut layer, warnings, look } = Opened::of(loaded, file)?;
+        let is_framed = self.facing.is_none() && !is_whole(&self.file.camera);
+        let Opened { mut layer, warnings, look, facing } = Opened::of(loaded, file, is_framed)?;
         self.warnings.extend(warnings);
-        let facing = match &look {
-            Some(look) => look.facing(&layer.volume, acquisition),
-            None => Facing::of(acquisition.orientation, layer.volume.grid()),
-        };
         self.facing.get_or_insert(facing);
         if let Some(look) = look {
             self.found.push(look.description());
@@ -349,24 +346,30 @@ struct Opened {
     warnings: Vec<String>,
     /// What the volume looks like, if the file does not say it.
     look: Option<Look>,
+    /// Which way it stands; if somebody is to look at it, and its file does not say that, as its values have
+    /// it.
+    facing: Facing,
 }
 
 impl Opened {
-    fn of(loaded: LoadedVolume, file: &LayerFile) -> Result<Self, OpenError> {
-        let LoadedVolume { volume, acquisition, colors, .. } = loaded;
-        let mut look = None;
+    fn of(loaded: LoadedVolume, file: &LayerFile, is_framed: bool) -> Result<Self, OpenError> {
+        let found = OnceCell::new();
+        let find = || found.get_or_init(|| look_of(&loaded));
+        let is_automatic = Cell::new(false);
         let automatic = || {
-            let found = match &colors {
-                Some(LoadedColors {
-                    voxels: None, opacity_from: OpacitySource::Luminance, ..
-                })
-                | None => Look::of(&volume, acquisition),
-                Some(colors) => Look::of_colors(&volume, colors.opacity_from),
-            };
-            look.insert(found).transfer.clone()
+            is_automatic.set(true);
+            find().transfer.clone()
         };
         let Fitted { transfer, mut gradient_opacity, mut warnings } =
-            fitted(file, &volume, automatic, || Look::of(&volume, acquisition).kind.water())?;
+            fitted(file, &loaded.volume, automatic, || find().kind.water())?;
+        let acquisition = loaded.acquisition;
+        let facing = if is_framed && acquisition.orientation == Orientation::Unknown {
+            find().facing(&loaded.volume, acquisition)
+        } else {
+            Facing::of(acquisition.orientation, loaded.volume.grid())
+        };
+        let look = found.into_inner().filter(|_| is_automatic.get());
+        let LoadedVolume { volume, colors, .. } = loaded;
         // What was found by gradients goes with the opacities that were found.
         if let (Some(look), None, None) = (&look, &file.transfer_2d, &file.fit.opacity) {
             gradient_opacity = gradient_opacity.or_else(|| look.gradient_opacity.clone());
@@ -386,10 +389,20 @@ impl Opened {
             .isosurfaces(file.isosurfaces.clone())
             .shading(file.shading)
             .region(region);
-        let Some(labels) = &file.labels else { return Ok(Self { layer, warnings, look }) };
+        let Some(labels) = &file.labels else { return Ok(Self { layer, warnings, look, facing }) };
         let (labels, of_labels) = labels.load(layer.volume.grid())?;
         warnings.extend(of_labels);
-        Ok(Self { layer: layer.labels(labels), warnings, look })
+        Ok(Self { layer: layer.labels(labels), warnings, look, facing })
+    }
+}
+
+/// What a volume looks like to somebody who says nothing.
+fn look_of(loaded: &LoadedVolume) -> Look {
+    match &loaded.colors {
+        Some(LoadedColors { voxels: None, opacity_from: OpacitySource::Luminance, .. }) | None => {
+            Look::of(&loaded.volume, loaded.acquisition)
+        }
+        Some(colors) => Look::of_colors(&loaded.volume, colors.opacity_from),
     }
 }
 
@@ -411,6 +424,6 @@ pub fn open_layer(
     loaded: LoadedVolume,
     file: &LayerFile,
 ) -> Result<(Layer, Vec<String>), OpenError> {
-    let Opened { layer, warnings, .. } = Opened::of(loaded, file)?;
+    let Opened { layer, warnings, .. } = Opened::of(loaded, file, false)?;
     Ok((layer, warnings))
 }

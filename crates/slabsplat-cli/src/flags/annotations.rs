@@ -10,8 +10,8 @@ pub(super) struct AnnotationFlags {
     #[arg(long, value_name = "TEXT", allow_hyphen_values = true)]
     title: Option<String>,
 
-    /// The box around everything, behind it, with coordinates in the file's units; a camera that is found leaves
-    /// room for it
+    /// The box around everything, behind it, with coordinates in the file's units; a camera that is found
+    /// leaves room for it
     #[arg(long)]
     axes: bool,
 

@@ -80,8 +80,8 @@ pub(super) struct CameraFlags {
     #[arg(long, value_name = "PIXELS")]
     height: Option<u32>,
 
-    /// Colour behind the volume: a name of CSS, #rgb, #rrggbb, #rrggbbaa, or R,G,B or R,G,B,A from 0 to 1 each,
-    /// opaque without A; two of them are the upper and the lower end of a gradient
+    /// Colour behind the volume: a name of CSS, #rgb, #rrggbb, #rrggbbaa, or R,G,B or R,G,B,A from 0 to 1
+    /// each, opaque without A; two of them are the upper and the lower end of a gradient
     #[arg(
         long, value_name = "COLOR[:COLOR]", value_parser = values::background,
         allow_hyphen_values = true

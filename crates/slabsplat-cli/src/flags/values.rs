@@ -82,8 +82,8 @@ pub(crate) struct Background {
     pub(crate) below: Option<[f32; 4]>,
 }
 
-/// A name of CSS, `#rgb`, `#rrggbb` and with opacity `#rgba`, `#rrggbbaa`; `R,G,B` or `R,G,B,A`, 0 to 1; opaque if
-/// opacity is left out.
+/// A name of CSS, `#rgb`, `#rrggbb` and with opacity `#rgba`, `#rrggbbaa`; `R,G,B` or `R,G,B,A`, 0 to 1;
+/// opaque if opacity is left out.
 fn straight_color(text: &str) -> Result<[f32; 4], String> {
     let text = text.trim();
     let is_name = text.starts_with(|c: char| c == '#' || c.is_ascii_alphabetic());

@@ -10,7 +10,7 @@ const ALL: &str = "--title Ball --axes --scale-bar --color-bar --orientation-mar
 
 fn picture(directory: &Path, flags: &str) -> RgbaImage {
     answer(directory, &format!("{SPHERE} {flags} -o a.png"));
-    image::open(directory.join("a.png")).unwrap().into_rgba8()
+    image::open(directory.join("a.png")).expect("it was written").into_rgba8()
 }
 
 fn n_different(a: &RgbaImage, b: &RgbaImage) -> usize {
@@ -153,7 +153,9 @@ fn finish_errors_say_what() {
     };
     check("--samples 0", "samples of a pixel are 1, 4, 9,");
     check("--samples 100", "samples of a pixel are 1, 4, 9,");
-    check("--samples 64 --width 9000", "64 samples for each of 9000 x 180 pixels take");
+    let wide = "render builtin:cube --width 9000 --height 180 --samples 64 -o a.png";
+    let line = diagnostic(dir.path(), wide);
+    assert!(line.contains("64 samples for each of 9000 x 180 pixels take"), "{line}");
     check("--background 2,0,0", "the background must be four numbers from 0 to 1");
     let output = slabsplat(dir.path(), &format!("{SPHERE} --background nonsense -o a.png"));
     assert_eq!(output.status.code(), Some(2));

@@ -1,7 +1,7 @@
 //! JPEG: 8 bits a channel, without opacity, and not exactly what was drawn.
 //!
-//! What a picture says of itself is in comments (marker `COM`, ITU-T T.81, B.2.4.5), of which there may be any number,
-//! each of up to 64 KiB.
+//! What a picture says of itself is in comments (marker `COM`, ITU-T T.81, B.2.4.5), of which there may be
+//! any number, each of up to 64 KiB.
 
 use std::io::{self, BufRead, Read, Write};
 

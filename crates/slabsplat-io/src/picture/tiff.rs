@@ -1,5 +1,5 @@
-//! TIFF: 16 bits a channel, not premultiplied, or the compositor's numbers as they are, 32-bit floats, premultiplied.
-//! Which of the two opacities are is in the tag `ExtraSamples` (TIFF 6.0, section 18).
+//! TIFF: 16 bits a channel, not premultiplied, or the compositor's numbers as they are, 32-bit floats,
+//! premultiplied. Which of the two opacities are is in the tag `ExtraSamples` (TIFF 6.0, section 18).
 
 use std::borrow::Cow;
 use std::io::{self, BufRead, Seek, Write};

@@ -28,7 +28,8 @@ pub enum ValueScale {
     Points,
     /// The volume's values; a window moves them so that the least and the greatest are its ends.
     Values,
-    /// Hounsfield units, which some files store with a constant added; a window moves them as it moves values.
+    /// Hounsfield units, which some files store with a constant added; a window moves them as it moves
+    /// values.
     Hounsfield,
     /// From 0, the least value of the volume, to 1, the largest; or the ends of a window.
     Data,

@@ -291,7 +291,8 @@ fn known() -> String {
 /// How many kinds of files are told of, and how many of each by name.
 const MAX_TOLD: usize = 5;
 
-/// How many files there are of each extension, those that are read first, and the first of each, `2 .png (a.png, b.png)`.
+/// How many files there are of each extension, those that are read first, and the first of each, `2 .png
+/// (a.png, b.png)`.
 fn held_by(files: &[PathBuf]) -> String {
     let mut kinds: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for file in files {

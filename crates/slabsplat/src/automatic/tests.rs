@@ -218,3 +218,29 @@ fn automatic_camera_fits_the_volume() {
         }
     }
 }
+
+/// Which way a head stands is not a matter of what is shown of it.
+#[cfg(feature = "files")]
+#[test]
+fn head_stands_on_its_neck_with_any_transfer_function() {
+    use slabsplat_io::{LoadedVolume, parse_scene};
+
+    let side = 24;
+    // A skull that becomes narrower towards the last slice, cut at both ends.
+    let head = cube(side, |[x, y, z]| {
+        let across = radius([x, y, side / 2], side);
+        let rim = 0.9 - 0.5 * z as f64 / side as f64;
+        let bone = if rim - 0.15 < across { 900.0 } else { 40.0 };
+        1024.0 + if across < rim { bone } else { -1000.0 } + 20.0 * noise([x, y, z])
+    });
+    let up = |keys: &str| {
+        let scene = format!("volume = {{ path = \"a.nrrd\" }}\n[classify]\n{keys}");
+        let file = parse_scene(&scene, "a.toml").unwrap();
+        let loaded = vec![LoadedVolume::computed(head.clone())];
+        let opened = crate::OpenScene::with_volumes(loaded, &file).unwrap();
+        opened.scene.camera.up()
+    };
+    for keys in ["", "preset = \"ct-bone\"", "opacity = [[1100, 0.0], [1300, 0.5]]"] {
+        assert!(up(keys).z < -0.5, "{keys}: {}", up(keys));
+    }
+}
