@@ -163,7 +163,7 @@ impl<'a> Scale<'a> {
     fn ticks(&self, em: f64) -> Vec<(f64, DVec2)> {
         let [from, to] = self.edge.ends.map(|end| end[self.edge.axis] / self.unit.in_world);
         let length = self.line[0].distance(self.line[1]);
-        let n_steps = (length / (4.0 * em)).clamp(1.0, 10.0) as u32;
+        let n_steps = (length / (3.2 * em)).clamp(1.0, 10.0) as u32;
         let at = |tick: f64| {
             let mut point = self.edge.ends[0];
             point[self.edge.axis] = tick * self.unit.in_world;

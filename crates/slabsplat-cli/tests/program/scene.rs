@@ -70,6 +70,9 @@ const FLAGS: &[&str] = &[
     "--projection perspective --fov-y 41",
     "--eye 20,-9,7 --target 3,3,1 --up 0,0.1,1 --view-height 9.1",
     "--background 0.1,0.2,0.3",
+    "--background steelblue:#12345678 --samples 9",
+    "--title a --axes --scale-bar --color-bar --orientation-marker --width 90 --height 80",
+    "--no-annotations --title b",
     "--method every-sample --kernel crawfis-max",
     "--method axis-aligned --mode separate --slab-width 0.7",
     "--method post-classified --opacity-cutoff 0.9 --tolerance 0",
@@ -115,7 +118,8 @@ fn scene_is_written_by_every_flag() {
     let dir = dir.path();
     write_inputs(dir);
     for flags in FLAGS {
-        let args = format!("a.nhdr {flags} --width 14 --height 11");
+        let size = if flags.contains("--width") { "" } else { "--width 14 --height 11" };
+        let args = format!("a.nhdr {flags} {size}");
         let first = picture(dir, &format!("{args} --save-scene x.toml"), "first.exr");
         let saved = fs::read_to_string(dir.join("x.toml")).unwrap();
         assert_eq!(answer(dir, "scene first.exr"), saved, "{flags}: the picture says the same");
