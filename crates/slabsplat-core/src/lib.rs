@@ -20,7 +20,7 @@
 //! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`;
 //! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
 //! `slabs`, `slices`;
-//! `image`; `frame_handle`; `serialized`.
+//! `image`, `image_difference`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
 //!
@@ -72,6 +72,7 @@ mod slices;
 mod view;
 
 mod image;
+mod image_difference;
 
 mod frame_handle;
 
@@ -90,6 +91,7 @@ pub use compositing::{MAX_OPACITY, extinction};
 pub use frame_handle::{Cancelled, FrameHandle};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
+pub use image_difference::ImageDifference;
 pub use interval::{Interval, OutOfRange};
 pub use isosurface::{Isosurface, IsosurfaceError};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
@@ -104,7 +106,7 @@ pub use scene::Scene;
 #[cfg(feature = "serde")]
 pub use serialized::{deserialize_settings, exact_degrees, serialize_settings};
 pub use settings::{RenderSettings, SettingsError};
-pub use settings_table::{Access, Field, Setting, Settings};
+pub use settings_table::{Access, Field, NotAValue, Setting, Settings};
 pub use shading::{BlinnPhong, Phong, Shading};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;
