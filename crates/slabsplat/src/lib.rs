@@ -64,7 +64,7 @@
 //! # Reading order
 //!
 //! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
-//! `transfer`, `scene_file`; `popping`.
+//! `transfer`, `scene_file`; `popping`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -86,6 +86,8 @@ mod scene_file;
 mod transfer;
 
 mod popping;
+
+pub mod paper;
 
 pub use automatic::{Automatic, DataKind};
 pub use backends::{
