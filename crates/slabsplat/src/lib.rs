@@ -32,6 +32,7 @@
 //! - `wgpu`, `ash`: the GPU backend on wgpu, and on raw Vulkan. Neither is needed to build or to run: where
 //!   there is no driver, [`found_backends`] says so, and `auto` takes the CPU.
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
+//! - `annotations`: text and other things drawn onto pictures ([`annotations`]).
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
 //! - `ndarray`: volumes of arrays of the crate `ndarray`.
 //!
@@ -126,6 +127,10 @@ pub use slabsplat_backend::{
 };
 pub use slabsplat_core::*;
 pub use slabsplat_kernel::{KERNEL_NAMES, Kernel, KernelError, MAX_RADIUS, UnknownKernel};
+
+/// Text and other things that are drawn onto pictures.
+#[cfg(feature = "annotations")]
+pub use slabsplat_annotations as annotations;
 
 /// Volume, scene and picture files, and built-in volumes.
 #[cfg(feature = "files")]

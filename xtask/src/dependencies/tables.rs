@@ -59,6 +59,11 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "readers and writers make and take core's types, and never render",
     },
     Layer {
+        name: "slabsplat-annotations",
+        may_use: &["slabsplat-core"],
+        why: "it draws onto a picture that is done, whoever made it of what",
+    },
+    Layer {
         name: "slabsplat-traverse",
         may_use: &["slabsplat-core", "slabsplat-kernel"],
         why: "the order of voxels must not depend on who draws them",
@@ -107,6 +112,7 @@ pub(super) const LAYERS: &[Layer] = &[
         name: "slabsplat",
         may_use: &[
             "slabsplat-core",
+            "slabsplat-annotations",
             "slabsplat-kernel",
             "slabsplat-io",
             "slabsplat-traverse",
@@ -128,6 +134,7 @@ pub(super) const LAYERS: &[Layer] = &[
         name: "slabsplat-tests",
         may_use: &[
             "slabsplat-core",
+            "slabsplat-annotations",
             "slabsplat-kernel",
             "slabsplat-io",
             "slabsplat-traverse",
@@ -229,6 +236,11 @@ pub(super) const EXTERNALS: &[External] = &[
         name: "robust",
         users: Users::Only(&["slabsplat-mesh"]),
         why: "exact predicates are for where edges are; volumes have none",
+    },
+    External {
+        name: "ab_glyph",
+        users: Users::Only(&["slabsplat-annotations"]),
+        why: "whoever wants no text on pictures compiles no font",
     },
     External {
         name: "image",
