@@ -167,7 +167,7 @@ impl Report {
 }
 
 /// The middle number, or the mean of the two in the middle.
-fn median(numbers: &[f64]) -> f64 {
+pub(crate) fn median(numbers: &[f64]) -> f64 {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;

@@ -6,7 +6,7 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`scene`],
-//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`backends`]; [`terminal`],
+//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`reproduce`], [`backends`]; [`terminal`],
 //! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
 //! are written, [`advice`] what helps where a backend does not, and [`environment`] what drivers find.
 
@@ -22,6 +22,7 @@ mod plain;
 mod popping;
 mod presets;
 mod render;
+mod reproduce;
 mod scene;
 mod tf;
 
@@ -60,6 +61,7 @@ enum Command {
     Tf(Box<tf::TfArgs>),
     Presets(presets::PresetsArgs),
     Demo(demo::DemoArgs),
+    Reproduce(reproduce::ReproduceArgs),
     Popping(Box<popping::PoppingArgs>),
     Bench(Box<bench::BenchArgs>),
     Backends(backends::BackendsArgs),
@@ -87,6 +89,7 @@ fn run(command: Command) -> Result<()> {
         Command::Tf(args) => tf::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Popping(args) => popping::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Backends(args) => backends::run(&args),

@@ -8,24 +8,27 @@ use super::{CUBE_IMAGE_SIDE, FACE_PIXELS};
 /// Mean of the left and of the right face of the cube seen at (about) 45°, where `pixel(x, y)` is a
 /// channel of its picture.
 pub fn face_means(pixel: impl Fn(u32, u32) -> f64) -> [f64; 2] {
-    let [width, _] = FACE_PIXELS;
-    let middle = CUBE_IMAGE_SIDE / 2;
-    [middle - width, middle].map(|first| {
-        (first..first + width).map(|x| face_column(&pixel, x)).sum::<f64>() / f64::from(width)
-    })
+    let columns = column_means(pixel);
+    let [width, _] = FACE_PIXELS.map(|pixels| pixels as usize);
+    let middle = columns.len() / 2;
+    [middle - width, middle]
+        .map(|first| columns[first..first + width].iter().sum::<f64>() / width as f64)
 }
 
 /// Column by column means of the right face, without the pixels that its edges brighten or dim.
 pub fn face_profile(pixel: impl Fn(u32, u32) -> f64) -> Vec<f64> {
-    let first = CUBE_IMAGE_SIDE / 2 + 6;
+    let columns = column_means(pixel);
+    let first = columns.len() / 2 + 6;
     // 18 pixels hold two periods of slabs of width 2 and four of width 1.
-    (first..first + 18).map(|x| face_column(&pixel, x)).collect()
+    columns[first..first + 18].to_vec()
 }
 
-fn face_column(pixel: &impl Fn(u32, u32) -> f64, x: u32) -> f64 {
+/// Column by column means of the picture, over the rows that the faces cover.
+pub fn column_means(pixel: impl Fn(u32, u32) -> f64) -> Vec<f64> {
     let [_, height] = FACE_PIXELS;
     let first = (CUBE_IMAGE_SIDE - height) / 2;
-    (first..first + height).map(|y| pixel(x, y)).sum::<f64>() / f64::from(height)
+    let mean = |x| (first..first + height).map(|y| pixel(x, y)).sum::<f64>() / f64::from(height);
+    (0..CUBE_IMAGE_SIDE).map(mean).collect()
 }
 
 /// How striped a profile is: its standard deviation over its mean (figure 7).

@@ -22,7 +22,7 @@ mod faces;
 mod printed;
 pub mod table_1;
 
-pub use faces::{face_means, face_profile, stripes, sum_over_picture};
+pub use faces::{column_means, face_means, face_profile, stripes, sum_over_picture};
 pub use printed::{PRINTED_TIMES, PrintedTimes};
 pub use scenes::{
     CUBE_EXTENT, CUBE_GRID, CUBE_IMAGE_SIDE, CUBE_PIXELS_PER_VOXEL, CubeView, FACE_PIXELS,
