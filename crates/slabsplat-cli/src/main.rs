@@ -6,7 +6,7 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`scene`],
-//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`], [`demo`], [`reproduce`], [`backends`]; [`terminal`],
+//! [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`compare`], [`bench`], [`demo`], [`reproduce`], [`backends`]; [`terminal`],
 //! [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures
 //! are written, [`advice`] what helps where a backend does not, and [`environment`] what drivers find.
 
@@ -15,6 +15,7 @@ mod input;
 
 mod backends;
 mod bench;
+mod compare;
 mod convert;
 mod demo;
 mod info;
@@ -63,6 +64,7 @@ enum Command {
     Demo(demo::DemoArgs),
     Reproduce(reproduce::ReproduceArgs),
     Popping(Box<popping::PoppingArgs>),
+    Compare(Box<compare::CompareArgs>),
     Bench(Box<bench::BenchArgs>),
     Backends(backends::BackendsArgs),
 }
@@ -91,6 +93,7 @@ fn run(command: Command) -> Result<()> {
         Command::Demo(args) => demo::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Popping(args) => popping::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Backends(args) => backends::run(&args),
     }

@@ -65,7 +65,7 @@
 //! # Reading order
 //!
 //! `renderer`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`, `framing`,
-//! `transfer`, `scene_file`; `popping`; [`paper`].
+//! `transfer`, `scene_file`; `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -86,6 +86,7 @@ mod framing;
 mod scene_file;
 mod transfer;
 
+mod comparison;
 mod popping;
 
 pub mod paper;
@@ -95,6 +96,11 @@ pub use backends::{
     BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
     choose_backend_async, found_backends,
 };
+pub use comparison::{
+    MAX_VARIANTS, Variant, Vary, VaryError, difference_picture, gain_for, variants,
+};
+#[cfg(feature = "annotations")]
+pub use comparison::{Pane, Sheet, SheetDesc};
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;

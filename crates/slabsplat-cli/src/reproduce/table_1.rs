@@ -42,7 +42,8 @@ pub(super) fn section(_studio: &mut Studio) -> Result<Section> {
         paragraph(
             "Eq. 3 is printed with base e; the weights of the table, and a sum of 1 over the grid, are those of \
              base 2. In sheet 5 the paper slips: eq. 2 gives 0.2447 + (1 − 0.2447) · 0.446 = 0.5816, it prints \
-             0.592, and carries that on to the end.",
+             0.592, and carries that on to the end. Sheet 4’s colour is 0.0491 by eq. 2 and printed as 0.0483; and \
+             of sheet 3 the true colour, 0.0007 over 0.0278, is ten times what is printed.",
         ),
         paragraph(&format!(
             "Pictures are drawn with a kernel that ends at a radius of 2, which takes a little off the weights: \
