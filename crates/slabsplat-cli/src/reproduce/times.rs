@@ -84,8 +84,8 @@ pub(super) fn section(studio: &mut Studio) -> Result<Section> {
          extinction instead of separate sums, what is occluded is culled, and faint sections are merged. Intake \
          finds the voxels of the next slabs, shades, projects and tosses them, which takes the place of the \
          paper’s sort. Splatted sections are counted once for every tile of the picture that they touch, and \
-         those that saturated pixels hide are not; a section’s pixels, adding up and compositing take time, too, and \
-         axis-aligned splatting has many a whole footprint of more pixels: so time does not follow that count.",
+         not where saturated pixels hide them. Shading and compositing do not grow with them, and a section covers \
+         fewer pixels than a whole footprint: time grows much less than their number.",
     ));
     body.push(paragraph(
         "The paper gives the brain’s voxels as 256 × 256 × 145 and the relevant ones as about 1.2 million or 16 %; \

@@ -3,6 +3,7 @@
 mod backends;
 mod bench;
 mod colors;
+mod compare;
 mod convert;
 mod demo;
 mod errors;
@@ -10,6 +11,7 @@ mod help;
 mod info;
 mod popping;
 mod render;
+mod reproduce;
 mod scene;
 #[cfg(unix)]
 mod signals;

@@ -61,7 +61,7 @@ impl Sheet {
     pub fn new(desc: SheetDesc) -> Result<Self, ImageError> {
         let [width, height] = desc.pane_size;
         let cell_width = width.max(MIN_CELL_WIDTH);
-        let cell_height = height.saturating_mul(2).saturating_add(3 * LINE);
+        let cell_height = height.saturating_mul(2).saturating_add(4 * LINE);
         let n_columns = desc.n_columns.clamp(1, desc.n_panes.max(1));
         let n_rows = desc.n_panes.div_ceil(n_columns);
         let span = |n: usize, each: u32| {
@@ -106,8 +106,10 @@ impl Sheet {
                 }
             }
         }
-        let figures = shortened(&pane.figures, width as f32);
-        write(sheet, &figures, [left, top + 3 * LINE / 2 + 2 * height]);
+        for (idx, line) in wrapped(&pane.figures, width as f32).iter().take(2).enumerate() {
+            let below = 3 * LINE / 2 + 2 * height + idx as u32 * LINE;
+            write(sheet, line, [left, top + below]);
+        }
     }
 }
 
