@@ -67,7 +67,7 @@ pub(super) fn page(sections: &[Section], machine: &str) -> String {
 fn summary(sections: &[Section]) -> String {
     let mut html = String::from(
         "<div class=\"wide\"><table class=\"claims\">\n<thead><tr><th scope=\"col\">where</th>\
-         <th scope=\"col\">the paper</th><th scope=\"col\">here</th><th scope=\"col\">agrees</th></tr></thead>\n\
+         <th scope=\"col\">agrees</th><th scope=\"col\">the paper</th><th scope=\"col\">here</th></tr></thead>\n\
          <tbody>\n",
     );
     for Section { id, title, claims, .. } in sections {
@@ -75,11 +75,11 @@ fn summary(sections: &[Section]) -> String {
         for Claim { paper, found, agrees } in claims {
             let _ = writeln!(
                 html,
-                "<tr><td><a href=\"#{id}\">{}</a></td><td>{}</td>{}<td>{}</td></tr>",
+                "<tr><td><a href=\"#{id}\">{}</a></td><td>{}</td><td>{}</td>{}</tr>",
                 escaped(name),
+                if *agrees { "yes" } else { "no" },
                 escaped(paper),
                 found.html(),
-                if *agrees { "yes" } else { "no" },
             );
         }
     }

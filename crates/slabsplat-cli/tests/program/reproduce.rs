@@ -99,5 +99,9 @@ fn differ_by_a_digit(made: &str, committed: &str) -> bool {
 #[test]
 fn page_numbers_differ_by_a_digit() {
     assert!(differ_by_a_digit("0.934", "0.935") && differ_by_a_digit("1.30", "1.29"));
-    assert!(!differ_by_a_digit("0.934", "0.936") && differ_by_a_digit("305.45", "305.31") && !differ_by_a_digit("word", "work"));
+    assert!(
+        !differ_by_a_digit("0.934", "0.936")
+            && differ_by_a_digit("305.45", "305.31")
+            && !differ_by_a_digit("word", "work")
+    );
 }
