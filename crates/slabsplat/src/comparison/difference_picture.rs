@@ -47,8 +47,8 @@ pub fn gain_for(largest: f64) -> f64 {
 pub(super) fn color(difference: f32) -> [f32; 3] {
     // The gain is rounded, too.
     const END: f32 = 1.0 + 1e-5;
-    let towards =
-        |end: [f32; 3]| end.map(|channel| 1.0 + (channel - 1.0) * difference.abs().min(1.0));
+    let share = difference.abs().min(1.0);
+    let towards = |end: [f32; 3]| end.map(|channel| (1.0 - share) + share * channel);
     match difference {
         d if d.is_nan() => NOT_A_NUMBER,
         d if END < d => BEYOND_MORE,
@@ -89,7 +89,7 @@ mod tests {
         check([0.75, 0.5, 0.5, 0.5], 4.0, MORE);
         check([0.5, 0.5, 0.5, 0.25], 4.0, LESS);
         check([0.625, 0.5, 0.25, 0.5], 4.0, LESS);
-        check([0.5, 0.75, 0.5, 0.5], 2.0, MORE.map(|channel| 1.0 + (channel - 1.0) * 0.5));
+        check([0.5, 0.75, 0.5, 0.5], 2.0, MORE.map(|channel| 0.5 + 0.5 * channel));
         check([0.5, 0.75, 0.5, 0.5], 8.0, BEYOND_MORE);
         check([0.5, 0.25, 0.5, 0.5], 8.0, BEYOND_LESS);
         check([0.75, f32::NAN, 0.25, 0.5], 1.0, NOT_A_NUMBER);
