@@ -47,6 +47,10 @@ pub(crate) struct CompareArgs {
     #[arg(long)]
     popping: bool,
 
+    /// Make the sheet's folder if it is not there
+    #[arg(long)]
+    mkdir: bool,
+
     /// Answer in JSON
     #[arg(long)]
     json: bool,
@@ -82,7 +86,7 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let varied = varied(args)?;
     let all = variants(&varied)?;
     let reference = reference(args, &all)?;
-    let format = args.output.as_deref().map(format_of).transpose()?;
+    let format = args.output.as_deref().map(|path| format_of(path, args.mkdir)).transpose()?;
     if let Some(folder) = &args.panes {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot make the directory {}", folder.display()))?;
@@ -123,11 +127,11 @@ fn reference(args: &CompareArgs, all: &[Variant]) -> Result<usize> {
     })
 }
 
-fn format_of(path: &Path) -> Result<PictureFormat> {
-    check_folder(path, false)?;
+fn format_of(path: &Path, makes_folders: bool) -> Result<PictureFormat> {
     let Some(format) = PictureFormat::of_name(path) else {
         bail!("cannot tell the format of {}: name the picture .exr or .png", path.display());
     };
+    check_folder(path, makes_folders)?;
     Ok(format)
 }
 

@@ -81,8 +81,9 @@ fn compare_mistakes() {
     );
     check("-o sheet.jpg", "name the picture .exr or .png");
     check("-o no/sheet.png", "there is no folder no");
-    let large = "--width 8192 --height 8192 -o sheet.png";
-    check(large, "a sheet of 4 panes needs smaller pictures");
+    let large = "compare builtin:cube --width 8192 --height 8192 --backend cpu -o sheet.png";
+    let error = diagnostic(dir.path(), large);
+    assert!(error.contains("a sheet of 4 panes needs smaller pictures"), "{error}");
     assert!(names_in(dir.path()).is_empty(), "nothing is written");
     assert!(ImageDesc { width: 8192, height: 8192, ..ImageDesc::default() }.checked().is_ok());
     for args in ["--vary slab_width=0", "--vary width=2", "--vary slab_width", "--gain 0"] {
