@@ -1,6 +1,5 @@
 //! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that
-//! uses no tables, the scenes of the paper's figures ([`paper_scenes`]), and scenes at random over
-//! every choice a scene can make ([`random_scene`]); [`render`] draws with every backend, and
+//! uses no tables, and scenes at random over every choice a scene can make ([`random_scene`]); [`render`] draws with every backend, and
 //! [`spy_device`] stands between a backend and its device, on which [`on_devices`] runs tests; [`caller`] is
 //! somebody who has a device of wgpu's already, and [`browser`] has a browser draw.
 //!
@@ -19,7 +18,6 @@ pub mod caller;
 pub mod on_devices;
 pub mod spy_device;
 
-pub mod paper_scenes;
 pub mod random_scene;
 
 use slabsplat_core::RenderSettings;

@@ -2,11 +2,11 @@
 //! before it.
 
 use slabsplat::glam::{DAffine3, DMat3, DVec3};
+use slabsplat::paper::{CubeView, cube};
 use slabsplat::{
     Compositing, Grid, Image, Method, RenderSettings, Renderer, Samples, Scaling, Scene, Volume,
 };
 use slabsplat_seeds::for_each_seed;
-use slabsplat_tests::paper_scenes::{CubeView, cube};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::render::{backends, backends_in_turn, backends_with, open, render};
 

@@ -1,12 +1,12 @@
 //! The figures and tables of the paper as numbers (model §§2–4), out of the reference renderer and out
 //! of every backend.
 //!
-//! `paper_scenes` has their set-up, of which the paper leaves much unsaid.
+//! `slabsplat::paper` has their set-up, of which the paper leaves much unsaid.
 
-use slabsplat_core::{Compositing, Method, Normalization, Scene};
-use slabsplat_tests::paper_scenes::{
-    CubeView, cube, face_means, face_profile, paper_settings, single_voxel,
+use slabsplat::paper::{
+    self, CubeView, cube, face_means, face_profile, single_voxel, stripes, sum_over_picture,
 };
+use slabsplat_core::{Compositing, Method, Normalization, Scene};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::{backends, render};
 
@@ -39,14 +39,11 @@ fn single_voxel_normalization() {
         (Normalization::Product, [1.270, 1.283, 1.286]),
     ] {
         for (slab_width, expected) in [0.5, 1.0, 2.0].into_iter().zip(expected) {
-            let settings = paper_settings().slab_width(slab_width).normalization(normalization);
+            let settings = paper::settings().slab_width(slab_width).normalization(normalization);
             let voxel = single_voxel(settings);
             let [width, height] = [voxel.image.width, voxel.image.height];
             for Picture { by, red } in pictures(&voxel) {
-                let sum: f64 = (0..height)
-                    .flat_map(|y| (0..width).map(move |x| (x, y)))
-                    .map(|(x, y)| red(x, y))
-                    .sum();
+                let sum = sum_over_picture([width, height], red);
                 println!("{by} {normalization} {slab_width}: {sum:.5}, model {expected}");
                 let tolerance = if by == "reference" { 5.1e-4 } else { 5.1e-4 + TABLE_SUM };
                 let difference = (sum - expected).abs();
@@ -57,7 +54,7 @@ fn single_voxel_normalization() {
 }
 
 fn figure(method: Method, angle_degrees: f64, slab_width: f64) -> Vec<Picture> {
-    let settings = paper_settings().method(method).slab_width(slab_width);
+    let settings = paper::settings().method(method).slab_width(slab_width);
     pictures(&cube(&CubeView { angle_degrees, opacity: 1.0, ambient: 0.0, settings }))
 }
 
@@ -94,19 +91,12 @@ fn figure_7_stripes() {
         [0.5, 1.0, 2.0].map(|slab_width| figure(Method::ImageAligned, 45.0, slab_width));
     for ((half, one), two) in half.into_iter().zip(one).zip(two) {
         let by = half.by;
-        let stripes =
-            [half, one, two].map(|picture| relative_deviation(&face_profile(picture.red)));
-        println!("{by}: stripes at w = 0.5, 1, 2: {stripes:.4?}");
-        let [half, one, two] = stripes;
-        assert!(half < 0.01 && one < 0.01, "{by}: {stripes:?}");
-        assert!(5.0 * one.max(half) < two, "{by}: {stripes:?}");
+        let found = [half, one, two].map(|picture| stripes(&face_profile(picture.red)));
+        println!("{by}: stripes at w = 0.5, 1, 2: {found:.4?}");
+        let [half, one, two] = found;
+        assert!(half < 0.01 && one < 0.01, "{by}: {found:?}");
+        assert!(5.0 * one.max(half) < two, "{by}: {found:?}");
     }
-}
-
-fn relative_deviation(profile: &[f64]) -> f64 {
-    let n = profile.len() as f64;
-    let mean = profile.iter().sum::<f64>() / n;
-    (profile.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt() / mean
 }
 
 /// A row of model §3's table of brightness, at w = 0.25, 1 and 2 relative to 0.5.
@@ -160,7 +150,7 @@ impl BrightnessRow {
     /// Brightness of the right face at 45°, in the picture that comes `by`-th.
     fn of(&self, slab_width: f64, by: usize) -> f64 {
         let (compositing, normalization) = (self.compositing, self.normalization);
-        let settings = paper_settings()
+        let settings = paper::settings()
             .slab_width(slab_width)
             .mode(compositing.into())
             .normalization(normalization);

@@ -1,7 +1,7 @@
 //! What the section table and early termination cost in a picture (model §9).
 
+use slabsplat::paper::{self, CubeView, cube};
 use slabsplat::{Lookup, Method, RenderSettings};
-use slabsplat_tests::paper_scenes::{CubeView, cube, paper_settings};
 use slabsplat_tests::reference;
 use slabsplat_tests::render::{backends_in_turn, render};
 
@@ -10,7 +10,7 @@ const FROM_CPU: f32 = 1e-3;
 
 fn largest_difference(sections: u32, lookup: Lookup) -> f64 {
     // So many radial samples that only the offsets count.
-    let settings = paper_settings().sections(sections).lookup(lookup).radial_samples(2048);
+    let settings = paper::settings().sections(sections).lookup(lookup).radial_samples(2048);
     let view = CubeView { angle_degrees: 45.0, opacity: 1.0, ambient: 0.0, settings };
     let scene = cube(&view);
     reference::render(&scene).compare(&render("cpu", &scene)).max

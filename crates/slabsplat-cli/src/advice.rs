@@ -20,9 +20,9 @@ pub(crate) fn picture(
 /// Renders a frame, which nobody finishes.
 ///
 /// # Errors
-/// As [`Renderer::render_as`], with what helps.
-pub(crate) fn render(renderer: &mut Renderer, scene: &Scene, frame: &FrameHandle) -> Result<Frame> {
-    renderer.render_as(scene, frame).map_err(|error| of(error, renderer.caps()))
+/// As [`Renderer::render`], with what helps.
+pub(crate) fn render(renderer: &mut Renderer, scene: &Scene) -> Result<Frame> {
+    renderer.render(scene).map_err(|error| of(error, renderer.caps()))
 }
 
 /// An error of a backend, with what helps, if anything does.

@@ -9,7 +9,7 @@ use crate::{advice, columns, stats, terminal};
 use anyhow::{Result, ensure};
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::{Caps, Frame, FrameHandle, Renderer, Scene};
+use slabsplat::{Caps, Frame, Renderer, Scene};
 use std::time::Instant;
 
 /// Time frames while the camera turns
@@ -61,7 +61,7 @@ fn time_frames(renderer: &mut Renderer, scene: &Scene, n_frames: u16) -> Result<
     let mut time_at = |degrees: f64| -> Result<(Frame, f64)> {
         let turned = scene.clone().camera(scene.camera.orbited(degrees.to_radians()));
         let started = Instant::now();
-        let frame = advice::render(renderer, &turned, &FrameHandle::new())?;
+        let frame = advice::render(renderer, &turned)?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         progress.step();
         Ok((frame, ms))
@@ -167,7 +167,7 @@ impl Report {
 }
 
 /// The middle number, or the mean of the two in the middle.
-fn median(numbers: &[f64]) -> f64 {
+pub(crate) fn median(numbers: &[f64]) -> f64 {
     let mut sorted = numbers.to_vec();
     sorted.sort_by(f64::total_cmp);
     let middle = sorted.len() / 2;

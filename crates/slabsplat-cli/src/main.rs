@@ -6,11 +6,11 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`batch`],
-//! [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`bench`],
-//! [`demo`], [`backends`], [`manual`]; [`filming`] is how films are made; [`terminal`], [`progress`],
-//! [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is how pictures are written,
-//! [`advice`] what helps where a backend does not, [`help`] what stands in help beside the flags, and
-//! [`environment`] what drivers find.
+//! [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`compare`],
+//! [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are made;
+//! [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is
+//! how pictures are written, [`advice`] what helps where a backend does not, [`help`] what stands in help
+//! beside the flags, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -18,6 +18,7 @@ mod input;
 mod backends;
 mod batch;
 mod bench;
+mod compare;
 mod convert;
 mod demo;
 mod film;
@@ -27,6 +28,7 @@ mod plain;
 mod popping;
 mod presets;
 mod render;
+mod reproduce;
 mod scene;
 mod tf;
 mod turntable;
@@ -71,7 +73,9 @@ enum Command {
     Tf(Box<tf::TfArgs>),
     Presets(presets::PresetsArgs),
     Demo(demo::DemoArgs),
+    Reproduce(reproduce::ReproduceArgs),
     Popping(Box<popping::PoppingArgs>),
+    Compare(Box<compare::CompareArgs>),
     Bench(Box<bench::BenchArgs>),
     Backends(backends::BackendsArgs),
     Completions(manual::CompletionsArgs),
@@ -115,7 +119,9 @@ fn run(command: Command) -> Result<()> {
         Command::Tf(args) => tf::run(&args),
         Command::Presets(args) => presets::run(&args),
         Command::Demo(args) => demo::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
         Command::Popping(args) => popping::run(&args),
+        Command::Compare(args) => compare::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Backends(args) => backends::run(&args),
         Command::Completions(args) => manual::print_completions(&args, command_line()),

@@ -1,4 +1,4 @@
-//! Pictures and volumes, written to the end. Each grows under another name and is then given its own; whoever
+//! Pictures, pages and volumes, written to the end. Each grows under another name and is then given its own; whoever
 //! interrupts the program meanwhile waits until that is done, a second at most for most pictures, so that no
 //! half of one is left behind.
 
@@ -32,6 +32,15 @@ pub(crate) fn write_picture(
 pub(crate) fn write_scene(path: &Path, scene: &SceneFile) -> Result<(), IoError> {
     let _not_interrupted = writing();
     io::write_scene(path, scene)
+}
+
+/// Writes a file of text.
+///
+/// # Errors
+/// As [`io::write_whole`].
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), IoError> {
+    let _not_interrupted = writing();
+    io::write_whole(path, text.as_bytes())
 }
 
 /// Writes a volume in the format that the name's extension says, and returns what that has no room for.

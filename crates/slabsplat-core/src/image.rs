@@ -164,44 +164,6 @@ impl Image {
         assert!(x < self.width && y < self.height, "pixel ({x}, {y}) is outside the image");
         self.pixels[y as usize * self.width as usize + x as usize]
     }
-
-    /// The largest difference of any channel from `other`.
-    ///
-    /// # Panics
-    /// If the sizes differ.
-    pub fn max_difference(&self, other: &Self) -> f32 {
-        self.differences(other).fold(0.0, f32::max)
-    }
-
-    /// The mean difference of all channels from `other`.
-    ///
-    /// # Panics
-    /// If the sizes differ.
-    pub fn mean_difference(&self, other: &Self) -> f64 {
-        let sum: f64 = self.differences(other).map(f64::from).sum();
-        sum / (4 * self.pixels.len()) as f64
-    }
-
-    /// The mean second difference of all channels, `|self − 2·before + before_that|`: how far this image is
-    /// from where an even change from `before_that` to `before` leads.
-    ///
-    /// # Panics
-    /// If the sizes differ.
-    pub fn mean_second_difference(&self, before: &Self, before_that: &Self) -> f64 {
-        let sizes = [self, before, before_that].map(|image| (image.width, image.height));
-        assert!(sizes == [sizes[0]; 3], "images of different size cannot be compared");
-        let [a, b, c] = [self, before, before_that].map(|image| image.pixels.as_flattened());
-        let triples = a.iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c].map(|&v| f64::from(v)));
-        let sum: f64 = triples.map(|[a, b, c]| (a - 2.0 * b + c).abs()).sum();
-        sum / (4 * self.pixels.len()) as f64
-    }
-
-    fn differences<'a>(&'a self, other: &'a Self) -> impl Iterator<Item = f32> + 'a {
-        let sizes = [(self.width, self.height), (other.width, other.height)];
-        assert_eq!(sizes[0], sizes[1], "images of different size cannot be compared");
-        let channels = |image: &'a Self| image.pixels.iter().flatten();
-        channels(self).zip(channels(other)).map(|(a, b)| (a - b).abs())
-    }
 }
 
 /// A premultiplied pixel as 8 bits of straight colour and opacity.
@@ -266,19 +228,6 @@ mod tests {
         let rows = [0, 1].map(|y| [0, 1, 2].map(|x| image.pixel(x, y)[0]));
         assert_eq!(rows, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
         assert_eq!(image.pixels()[4], image.pixel(1, 1));
-    }
-
-    #[test]
-    fn image_differences() {
-        let a = Image::filled(2, 1, [1.0; 4]);
-        let mut b = a.clone();
-        b.pixels_mut()[1][2] = 0.5;
-        assert_eq!(a.max_difference(&b), 0.5);
-        assert_eq!(a.mean_difference(&b), 0.0625);
-        assert_eq!(a.mean_second_difference(&b, &a), 0.125, "there and back");
-        let mut c = a.clone();
-        c.pixels_mut()[1][2] = 0.0;
-        assert_eq!(c.mean_second_difference(&b, &a), 0.0, "it falls evenly");
     }
 
     #[test]

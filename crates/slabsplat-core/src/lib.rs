@@ -20,7 +20,7 @@
 //! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`;
 //! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
 //! `slabs`, `slices`;
-//! `image`; `finish`, `ticks`; `frame_handle`; `serialized`.
+//! `image`, `image_difference`; `finish`, `ticks`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
 //!
@@ -73,6 +73,7 @@ mod slices;
 mod view;
 
 mod image;
+mod image_difference;
 
 mod finish;
 mod ticks;
@@ -96,6 +97,7 @@ pub use finish::{Annotations, Finish, FinishError};
 pub use frame_handle::{Cancelled, FrameHandle};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
+pub use image_difference::ImageDifference;
 pub use interval::{Interval, OutOfRange};
 pub use isosurface::{Isosurface, IsosurfaceError};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
@@ -110,7 +112,7 @@ pub use scene::Scene;
 #[cfg(feature = "serde")]
 pub use serialized::{deserialize_settings, exact_degrees, serialize_settings};
 pub use settings::{RenderSettings, SettingsError};
-pub use settings_table::{Access, Field, Setting, Settings};
+pub use settings_table::{Access, Field, NotAValue, Setting, Settings};
 pub use shading::{BlinnPhong, Phong, Shading};
 pub use slabs::{SlabGrid, TooManySlabs};
 pub use slices::SliceOrder;

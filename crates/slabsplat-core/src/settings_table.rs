@@ -3,6 +3,8 @@
 //!
 //! A table is written by `settings!`; `RenderSettings` and `Phong` are the two that there are.
 
+use thiserror::Error;
+
 use crate::{Interval, KernelName, NotAChoice, OutOfRange};
 
 /// A struct whose fields are rows of a table.
@@ -73,6 +75,25 @@ pub struct Access<S, T> {
     pub set: fn(&mut S, T),
 }
 
+/// A text that is no value of its setting.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum NotAValue {
+    /// It is none of the setting's names.
+    #[error("{0}: {1}")]
+    Choice(&'static str, NotAChoice),
+    /// It is not what the setting counts in.
+    #[error("{name} is {expected}, not {text:?}")]
+    Other {
+        /// Which setting.
+        name: &'static str,
+        /// What it is.
+        expected: &'static str,
+        /// What was given.
+        text: String,
+    },
+}
+
 impl<S> Setting<S> {
     fn check_range(&self, settings: &S) -> Result<(), OutOfRange> {
         let (range, value) = match &self.field {
@@ -84,6 +105,37 @@ impl<S> Setting<S> {
         };
         let error = OutOfRange { name: self.name, range, value };
         if range.contains(value) { Ok(()) } else { Err(error) }
+    }
+
+    /// Writes what a flag says; ranges and names of kernels are not checked.
+    ///
+    /// # Errors
+    /// If the text is no value of the setting's type.
+    pub fn read(&self, settings: &mut S, text: &str) -> Result<(), NotAValue> {
+        let other = |expected: &'static str| NotAValue::Other {
+            name: self.name,
+            expected,
+            text: text.to_owned(),
+        };
+        match &self.field {
+            Field::Choice { set, .. } => {
+                set(settings, text).map_err(|error| NotAValue::Choice(self.name, error))?;
+            }
+            Field::Kernel(access) => (access.set)(settings, KernelName::from(text)),
+            Field::Number { access, .. } => {
+                let number = text.parse().map_err(|_| other("a number"))?;
+                (access.set)(settings, number);
+            }
+            Field::Count { access, .. } => {
+                let count = text.parse().map_err(|_| other("a whole number"))?;
+                (access.set)(settings, count);
+            }
+            Field::Switch(access) => {
+                let is_on = text.parse().map_err(|_| other("true or false"))?;
+                (access.set)(settings, is_on);
+            }
+        }
+        Ok(())
     }
 
     /// What the setting is in `settings`, as a flag takes it.
@@ -205,6 +257,28 @@ mod tests {
         assert_eq!(settings, RenderSettings::default().slab_width(0.25).lookup(Lookup::Nearest));
         assert_eq!(row("slab_width").text(&settings), "0.25");
         assert_eq!(row("kernel").text(&settings), "gaussian");
+    }
+
+    #[test]
+    fn settings_rows_read_what_they_write() {
+        check_reading::<RenderSettings>();
+        check_reading::<Phong>();
+        let row = |name: &str| RenderSettings::ROWS.iter().find(|row| row.name == name).unwrap();
+        let error = |name, text| {
+            let error = row(name).read(&mut RenderSettings::default(), text);
+            error.unwrap_err().to_string()
+        };
+        assert_eq!(error("slab_width", "wide"), "slab_width is a number, not \"wide\"");
+        assert_eq!(error("sections", "1.5"), "sections is a whole number, not \"1.5\"");
+        assert!(error("lookup", "far").starts_with("lookup: \"far\" is not a choice here"));
+    }
+
+    fn check_reading<S: Settings + PartialEq + std::fmt::Debug>() {
+        for row in S::ROWS {
+            let mut settings = S::default();
+            row.read(&mut settings, &row.text(&S::default())).unwrap();
+            assert_eq!(settings, S::default(), "{}", row.name);
+        }
     }
 
     /// Help is shown as it stands: one sentence.

@@ -97,7 +97,7 @@ pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{
     PictureFormat, PictureScene, Provenance, exr_bytes, png_bytes, read_picture_scene, write_exr,
-    write_picture, write_png,
+    write_picture, write_png, write_whole,
 };
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{

@@ -67,7 +67,7 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`; `popping`.
+//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`; `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -92,13 +92,21 @@ mod scene_file;
 mod scene_film;
 mod transfer;
 
+mod comparison;
 mod popping;
+
+pub mod paper;
 
 pub use automatic::{Automatic, DataKind};
 pub use backends::{
     BACKEND_NAMES, Choice, FoundBackend, FoundDevice, NoBackend, backend_named, choose_backend,
     choose_backend_async, found_backends,
 };
+pub use comparison::{
+    MAX_VARIANTS, Variant, Vary, VaryError, difference_picture, gain_for, variants,
+};
+#[cfg(feature = "annotations")]
+pub use comparison::{Pane, Sheet, SheetDesc};
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;

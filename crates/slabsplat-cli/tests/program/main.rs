@@ -5,6 +5,7 @@ mod backends;
 mod batch;
 mod bench;
 mod colors;
+mod compare;
 mod convert;
 mod demo;
 mod errors;
@@ -15,6 +16,7 @@ mod manual;
 mod pictures;
 mod popping;
 mod render;
+mod reproduce;
 mod scene;
 #[cfg(unix)]
 mod signals;

@@ -9,6 +9,14 @@ use tempfile::{Builder, NamedTempFile};
 
 use crate::IoError;
 
+/// Writes a file as a whole or not at all: if it fails, whatever stood there before still does.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_whole(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), IoError> {
+    write(path.as_ref(), |writer| writer.write_all(bytes))
+}
+
 /// Lets `write` fill the file at `path`. If it fails, whatever stood there before still does, and
 /// nothing else is left.
 pub(crate) fn write(

@@ -16,6 +16,7 @@ use std::path::Path;
 
 use slabsplat_core::Image;
 
+pub use atomic::write_whole;
 pub use exr::{exr_bytes, write_exr};
 pub use format::PictureFormat;
 pub use png::{png_bytes, write_png};

@@ -1,4 +1,7 @@
 //! The scenes behind the paper's figures and the model's numbers: a binary cube and a single voxel.
+//!
+//! The paper leaves much of its set-up unsaid. What it does not say is decided here, and is what the numbers
+//! of [model §§2–4](crate::model) were taken with.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
@@ -40,8 +43,8 @@ pub const FACE_PIXELS: [u32; 2] = [34, 48];
 /// over the image are sums over these pixels.
 pub const VOXEL_PIXELS_PER_VOXEL: f64 = 65.0 / 9.0;
 
-/// The settings of the paper: its kernel, slabs of one voxel step, `separate`.
-pub fn paper_settings() -> RenderSettings {
+/// The settings of the paper: its kernel, slabs of one voxel step, `separate`, and every section drawn.
+pub fn settings() -> RenderSettings {
     RenderSettings::default()
         .method(Method::ImageAligned)
         .slab_width(1.0)
@@ -84,29 +87,6 @@ pub fn single_voxel(settings: RenderSettings) -> Scene {
     Scene::new(layer, orthographic(&grid, 0.0, 65.0 / VOXEL_PIXELS_PER_VOXEL))
         .image(square_image(65))
         .settings(settings)
-}
-
-/// Mean of the left and of the right face of the cube seen at (about) 45°, where `pixel(x, y)` is a
-/// channel of its picture.
-pub fn face_means(pixel: impl Fn(u32, u32) -> f64) -> [f64; 2] {
-    let [width, _] = FACE_PIXELS;
-    let middle = CUBE_IMAGE_SIDE / 2;
-    [middle - width, middle].map(|first| {
-        (first..first + width).map(|x| face_column(&pixel, x)).sum::<f64>() / f64::from(width)
-    })
-}
-
-/// Column by column means of the right face, without the pixels that its edges brighten or dim.
-pub fn face_profile(pixel: impl Fn(u32, u32) -> f64) -> Vec<f64> {
-    let first = CUBE_IMAGE_SIDE / 2 + 6;
-    // 18 pixels hold two periods of slabs of width 2 and four of width 1.
-    (first..first + 18).map(|x| face_column(&pixel, x)).collect()
-}
-
-fn face_column(pixel: &impl Fn(u32, u32) -> f64, x: u32) -> f64 {
-    let [_, height] = FACE_PIXELS;
-    let first = (CUBE_IMAGE_SIDE - height) / 2;
-    (first..first + height).map(|y| pixel(x, y)).sum::<f64>() / f64::from(height)
 }
 
 /// White, and of opacity 0 at value 0 and `opacity` at 255.
