@@ -1,7 +1,8 @@
 //! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that
-//! uses no tables, and scenes at random over every choice a scene can make ([`random_scene`]); [`render`] draws with every backend, and
-//! [`spy_device`] stands between a backend and its device, on which [`on_devices`] runs tests; [`caller`] is
-//! somebody who has a device of wgpu's already, and [`browser`] has a browser draw.
+//! uses no tables, and scenes at random over every choice a scene can make ([`random_scene`]); [`render`]
+//! draws with every backend, and [`spy_device`] stands between a backend and its device, on which
+//! [`on_devices`] runs tests; [`caller`] is somebody who has a device of wgpu's already, and [`browser`] has
+//! a browser draw.
 //!
 //! Nothing here is fast, and nothing here shares code with the renderer under test beyond the types
 //! of `slabsplat-core`. The tests themselves are in `tests/tests/`.

@@ -16,11 +16,12 @@ use std::time::Instant;
 
 /// Compare pictures of a scene by several methods or settings
 ///
-/// Any setting is varied by --vary, such as --vary slab-width=1,2,4 --vary kernel=gaussian,crawfis-max; without
-/// it all methods are compared. The sheet has every combination, and below each where it differs from the
-/// reference: white is no difference, red more and blue less, of the channel that differs most; what exceeds
-/// the scale is magenta and green. Figures are of premultiplied channels, 0 to 1: the largest and the mean
-/// difference of all four, and the PSNR of red, green and blue as on black. What cannot be drawn says why.
+/// Any setting is varied by --vary, such as --vary slab-width=1,2,4 --vary kernel=gaussian,crawfis-max;
+/// without it all methods are compared. The sheet has every combination, and below each where it differs from
+/// the reference: white is no difference, red more and blue less, of the channel that differs most; what
+/// exceeds the scale is magenta and green. Figures are of premultiplied channels, 0 to 1: the largest and the
+/// mean difference of all four, and the PSNR of red, green and blue as on black. What cannot be drawn says
+/// why.
 #[derive(Args)]
 pub(crate) struct CompareArgs {
     /// The sheet of all pictures: .png or .exr

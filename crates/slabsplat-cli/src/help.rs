@@ -98,6 +98,14 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         ],
     ),
     (
+        "compare",
+        [
+            "slabsplat compare head.nii.gz -o methods.png",
+            "slabsplat compare head.nii.gz --vary slab-width=0.5,1,2,4 --popping -o widths.png",
+        ],
+    ),
+    ("reproduce", ["slabsplat reproduce", "slabsplat reproduce paper --backend cpu"]),
+    (
         "bench",
         [
             "slabsplat bench head.nii.gz",

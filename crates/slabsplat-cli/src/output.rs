@@ -1,6 +1,6 @@
-//! Pictures, pages and volumes, written to the end. Each grows under another name and is then given its own; whoever
-//! interrupts the program meanwhile waits until that is done, a second at most for most pictures, so that no
-//! half of one is left behind.
+//! Pictures, pages and volumes, written to the end. Each grows under another name and is then given its own;
+//! whoever interrupts the program meanwhile waits until that is done, a second at most for most pictures, so
+//! that no half of one is left behind.
 
 use crate::terminal;
 use slabsplat::Image;

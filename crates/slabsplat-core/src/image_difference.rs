@@ -24,8 +24,8 @@ pub struct ImageDifference {
     pub largest: f32,
     /// The mean difference of all four premultiplied channels.
     pub mean: f64,
-    /// The peak signal-to-noise ratio in decibels, `10·log₁₀(1/MSE)`, of red, green and blue as on black: what
-    /// other programs compute from an opaque picture. Infinite if these do not differ.
+    /// The peak signal-to-noise ratio in decibels, `10·log₁₀(1/MSE)`, of red, green and blue as on black:
+    /// what other programs compute from an opaque picture. Infinite if these do not differ.
     pub psnr_db: f64,
 }
 

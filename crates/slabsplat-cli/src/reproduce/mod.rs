@@ -1,8 +1,9 @@
 //! `slabsplat reproduce`: the paper's figures and tables as one page, ours beside what is printed.
 //!
-//! A section of the page is a file: [`table_1`], [`faces`] (figures 2 and 6), [`slab_widths`] (figure 7, of the
-//! same [`cube`]), [`darkening`] (figure 8), [`turning`] (figure 9) and [`times`] (§5). Their scenes and what is read off
-//! pictures are the library's, in `slabsplat::paper`; [`page`], [`html`] and [`plot`] only say how it looks.
+//! A section of the page is a file: [`table_1`], [`faces`] (figures 2 and 6), [`slab_widths`] (figure 7, of
+//! the same [`cube`]), [`darkening`] (figure 8), [`turning`] (figure 9) and [`times`] (§5). Their scenes and
+//! what is read off pictures are the library's, in `slabsplat::paper`; [`page`], [`html`] and [`plot`] only
+//! say how it looks.
 
 mod page;
 
@@ -31,8 +32,9 @@ use std::path::{Path, PathBuf};
 /// Reproduce the paper's figures and tables as one page
 ///
 /// The page has Table 1, figures 2, 6, 7, 8 and views like figure 9, and the times of §5, ours beside the
-/// printed values, with what agrees and what does not. It is one file that needs no other: pictures are within.
-/// All volumes are built in. A page that is there already is made anew; any other file of its name is left alone.
+/// printed values, with what agrees and what does not. It is one file that needs no other: pictures are
+/// within. All volumes are built in. A page that is there already is made anew; any other file of its name is
+/// left alone.
 #[derive(Args)]
 pub(crate) struct ReproduceArgs {
     /// Where the page goes, as index.html; the folder is made if there is none

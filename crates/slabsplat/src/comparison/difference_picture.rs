@@ -30,8 +30,8 @@ pub fn difference_picture(image: &Image, reference: &Image, gain: f64) -> Image 
     picture
 }
 
-/// The gain, one of 1, 2 or 5 times a power of ten or such a fraction, with which the largest difference of some
-/// pictures just stays on the scale; 1 if nothing differs, or infinitely.
+/// The gain, one of 1, 2 or 5 times a power of ten or such a fraction, with which the largest difference of
+/// some pictures just stays on the scale; 1 if nothing differs, or infinitely.
 pub fn gain_for(largest: f64) -> f64 {
     if !(0.0 < largest && largest.is_finite()) {
         return 1.0;

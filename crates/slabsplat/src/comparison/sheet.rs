@@ -1,5 +1,5 @@
-//! One picture of many: each with its label, where it differs from the reference, and figures; below them, what
-//! the colours of differences mean.
+//! One picture of many: each with its label, where it differs from the reference, and figures; below them,
+//! what the colours of differences mean.
 
 use super::difference_picture::color;
 use slabsplat_annotations::{Ink, Label, draw_text, measure_text};

@@ -1,7 +1,7 @@
 //! What is read off a picture of the cube: how bright its faces are, and whether they have stripes.
 //!
-//! A picture is a function of a pixel's column and row that returns a channel, so that whoever has pictures of
-//! another kind reads them alike.
+//! A picture is a function of a pixel's column and row that returns a channel, so that whoever has pictures
+//! of another kind reads them alike.
 
 use super::{CUBE_IMAGE_SIDE, FACE_PIXELS};
 
