@@ -6,10 +6,11 @@ use crate::{advice, columns, output, terminal};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::io::PictureFormat;
+use slabsplat::io::{IoError, PictureFormat};
 use slabsplat::{
-    Image, ImageDifference, Method, Pane, PoppingReport, Renderer, Scene, Sheet, SheetDesc, Sweep,
-    Variant, Vary, difference_picture, gain_for, measure_popping, variants,
+    FrameHandle, Image, ImageDifference, Method, OpenScene, Pane, PoppingReport, Renderer, Scene,
+    Sheet, SheetDesc, Sweep, Variant, Vary, difference_picture, gain_for, measure_popping,
+    variants,
 };
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -24,7 +25,7 @@ use std::time::Instant;
 /// why.
 #[derive(Args)]
 pub(crate) struct CompareArgs {
-    /// The sheet of all pictures: .png or .exr
+    /// The sheet of all pictures, in any format that `render` writes
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -93,15 +94,16 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
             .with_context(|| format!("cannot make the directory {}", folder.display()))?;
     }
     let progress = Progress::start("reading", 0);
-    let (mut renderer, mut scene) = args.scene.renderer(&progress)?;
+    let (mut renderer, mut opened) = args.scene.opened(&progress)?;
     drop(progress);
     if !args.scene.says_gradients() {
         // What was found by gradients cannot be drawn by all that are compared.
-        scene.layers.iter_mut().for_each(|layer| layer.gradient_opacity = None);
+        opened.scene.layers.iter_mut().for_each(|layer| layer.gradient_opacity = None);
     }
-    let sheet = args.output.is_some().then(|| sheet(&scene, &varied, all.len())).transpose()?;
+    let sheet =
+        args.output.is_some().then(|| sheet(&opened.scene, &varied, all.len())).transpose()?;
     let compared =
-        args.scene.in_scene(|| Ok(draw_all(&mut renderer, &scene, all, args.popping)))?;
+        args.scene.in_scene(|| Ok(draw_all(&mut renderer, &opened, all, args.popping)))?;
     let comparison = Comparison::of(compared, reference, args.gain)?;
     if let (Some(path), Some(format), Some(sheet)) = (&args.output, format, sheet) {
         output::write_picture(path, format, &comparison.sheet(&sheet), None)?;
@@ -130,7 +132,7 @@ fn reference(args: &CompareArgs, all: &[Variant]) -> Result<usize> {
 
 fn format_of(path: &Path, makes_folders: bool) -> Result<PictureFormat> {
     let Some(format) = PictureFormat::of_name(path) else {
-        bail!("cannot tell the format of {}: name the picture .exr or .png", path.display());
+        return Err(IoError::UnknownPicture { path: path.to_owned() }.into());
     };
     check_folder(path, makes_folders)?;
     Ok(format)
@@ -152,13 +154,13 @@ fn sheet(scene: &Scene, varied: &[Vary], n_panes: usize) -> Result<Sheet> {
 
 fn draw_all(
     renderer: &mut Renderer,
-    scene: &Scene,
+    opened: &OpenScene,
     all: Vec<Variant>,
     measures_popping: bool,
 ) -> Vec<Compared> {
     let progress = Progress::start("comparing", all.len());
     let compare = |variant: Variant| {
-        let drawn = draw(renderer, scene, &variant, measures_popping);
+        let drawn = draw(renderer, opened, &variant, measures_popping);
         progress.step();
         Compared { variant, drawn: drawn.map_err(|error| terminal::one_line(&error)) }
     };
@@ -168,14 +170,15 @@ fn draw_all(
 /// A frame comes first that does not count: it reads, sorts and makes tables.
 fn draw(
     renderer: &mut Renderer,
-    scene: &Scene,
+    opened: &OpenScene,
     variant: &Variant,
     measures_popping: bool,
 ) -> Result<Drawn> {
-    let scene = variant.applied(scene)?;
+    let scene = variant.applied(&opened.scene)?;
     advice::render(renderer, &scene)?;
+    let frame = FrameHandle::new();
     let started = Instant::now();
-    let image = advice::render(renderer, &scene)?.image;
+    let image = advice::picture(renderer, &scene, opened.acquisition, &frame)?.frame.image;
     let ms = started.elapsed().as_secs_f64() * 1e3;
     let mut popping = None;
     if measures_popping {

@@ -169,8 +169,35 @@ mod tests {
     }
 
     /// What the program gets of a line in a shell.
-    fn words(line: &str) -> impl Iterator<Item = &str> {
-        line.split_once(" > ").map_or(line, |(command, _)| command).split(' ')
+    fn words(line: &str) -> Vec<String> {
+        let words = shlex::split(line).unwrap();
+        let is_the_shells = |word: &String| [">", "<", "|", "#"].contains(&word.as_str());
+        words.into_iter().take_while(|word| !is_the_shells(word)).collect()
+    }
+
+    fn check_line(line: &str) {
+        let parsed = command_line().try_get_matches_from(words(line));
+        assert!(parsed.is_ok(), "{line}: {}", parsed.unwrap_err());
+    }
+
+    /// What people copy from the documents can be typed, too.
+    #[test]
+    fn documents_have_commands_that_parse() {
+        for text in [
+            include_str!("../../../README.md"),
+            include_str!("../README.md"),
+            include_str!("../../../docs/gallery.md"),
+            include_str!("../../../docs/formats.md"),
+            include_str!("../../../docs/guide/src/tour.md"),
+            include_str!("../../../docs/guide/src/pictures.md"),
+            include_str!("../../../docs/guide/src/films.md"),
+            include_str!("../../../docs/guide/src/methods.md"),
+        ] {
+            let listings =
+                text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+            let lines = listings.flat_map(str::lines).filter(|line| line.starts_with("slabsplat "));
+            lines.for_each(check_line);
+        }
     }
 
     /// What is recommended can be typed.
@@ -182,8 +209,7 @@ mod tests {
             let (_, examples) = examples.unwrap_or_else(|| panic!("{name} has no examples"));
             for example in examples {
                 assert!(example.starts_with(&format!("slabsplat {name}")), "{example}");
-                let parsed = command_line().try_get_matches_from(words(example));
-                assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+                check_line(example);
             }
         }
     }

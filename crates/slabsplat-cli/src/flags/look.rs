@@ -122,7 +122,7 @@ impl LookFlags {
 
     /// Whether a flag says what gradients do to opacity.
     pub(super) fn says_gradients(&self) -> bool {
-        self.gradient_opacity.is_some()
+        self.gradient_opacity.is_some() || self.transfer.is_ready_made()
     }
 
     fn transfer_2d(&self) -> Result<Option<TransferFunction2d>> {

@@ -70,6 +70,11 @@ fn colormap_help() -> String {
 }
 
 impl TransferFlags {
+    /// Whether a preset or a file is named, which may have opacities by gradients.
+    pub(super) fn is_ready_made(&self) -> bool {
+        self.preset.is_some() || self.transfer_file.is_some()
+    }
+
     /// Lays the flags over what a file says of layers.
     pub(crate) fn lay_over(&self, layers: &mut [LayerFile]) -> Result<()> {
         let source = self.source()?;

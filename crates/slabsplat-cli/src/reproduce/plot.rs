@@ -27,7 +27,7 @@ pub(super) struct Line {
 
 /// Width and height of the plot, and what labels take of it: left, right, above, below.
 const SIZE: [f64; 2] = [440.0, 270.0];
-const LEFT: f64 = 58.0;
+const LEFT: f64 = 72.0;
 const RIGHT: f64 = 12.0;
 const ABOVE: f64 = 12.0;
 const BELOW: f64 = 44.0;

@@ -79,7 +79,7 @@ fn compare_mistakes() {
         "--vary sections=16,17,18,19,20,21,22,23,24 --vary ambient=0,.1,.2,.3,.4,.5,.6,.7",
         "72 combinations",
     );
-    check("-o sheet.jpg", "name the picture .exr or .png");
+    check("-o sheet.bmp", "sheet.bmp");
     check("-o no/sheet.png", "there is no folder no");
     let large = "compare builtin:cube --width 8192 --height 8192 --backend cpu -o sheet.png";
     let error = diagnostic(dir.path(), large);

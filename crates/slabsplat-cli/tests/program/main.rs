@@ -10,6 +10,7 @@ mod convert;
 mod demo;
 mod errors;
 mod film;
+mod gallery;
 mod help;
 mod info;
 mod manual;
