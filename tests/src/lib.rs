@@ -1,6 +1,6 @@
-//! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that
-//! uses no tables, and scenes at random over every choice a scene can make ([`random_scene`]); [`render`]
-//! draws with every backend, and [`spy_device`] stands between a backend and its device, on which
+//! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that uses no
+//! tables, and scenes at random over every choice a scene can make ([`random_scene`]), judged by [`parity`];
+//! [`render`] draws with every backend, and [`spy_device`] stands between a backend and its device, on which
 //! [`on_devices`] runs tests; [`caller`] is somebody who has a device of wgpu's already, and [`browser`] has
 //! a browser draw.
 //!
@@ -19,6 +19,7 @@ pub mod caller;
 pub mod on_devices;
 pub mod spy_device;
 
+pub mod parity;
 pub mod random_scene;
 
 use slabsplat_core::RenderSettings;

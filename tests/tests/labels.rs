@@ -6,24 +6,17 @@ use fastrand::Rng;
 use slabsplat::glam::DVec3;
 use slabsplat::{Compositing, LabelMap, Method, Region, Renderer, Scaling, Scene, Volume};
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
+use slabsplat_tests::parity::Parity;
 use slabsplat_tests::random_scene::{
     SceneKind, add_gradient_opacity, add_labels, add_transfer_2d, random_layers, random_scene,
 };
-use slabsplat_tests::reference;
-use slabsplat_tests::render::{backends, backends_in_turn, open, render};
-
-/// What a pixel may differ from the reference at most, and on average over a picture.
-const MAX_DIFFERENCE: f64 = 1e-3;
-const MEAN_DIFFERENCE: f64 = 1e-4;
-
-/// What a pixel may differ from that of the CPU backend.
-const FROM_CPU: f32 = 1e-3;
+use slabsplat_tests::render::{backends_in_turn, open, render};
 
 /// Of one layer or several, by every method that has labels; some with opacities by gradients or
 /// two-dimensional transfer functions, too, and some layers with none of these.
 #[test]
 fn parity_of_labels() {
-    let (mut n_scenes, mut max, mut max_from_cpu) = (0, 0.0_f64, 0.0_f32);
+    let mut parity = Parity::default();
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         let has_labels = |kind: &SceneKind| kind.method != Method::PostClassified;
         for kind in SceneKind::share(seed).filter(has_labels).step_by(2) {
@@ -43,27 +36,10 @@ fn parity_of_labels() {
                 add_transfer_2d(&mut rng, &mut scene);
             }
             leave_some_by_value(&mut rng, &mut scene);
-            let (expected, by_cpu) = (reference::render(&scene), render("cpu", &scene));
-            for backend in some_backends(&mut rng) {
-                let image = render(backend, &scene);
-                let (off, from_cpu) = (expected.compare(&image), image.max_difference(&by_cpu));
-                let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
-                assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
-                assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);
-                assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
-                (max, max_from_cpu) = (max.max(off.max), max_from_cpu.max(from_cpu));
-            }
-            n_scenes += 1;
+            parity.check(&mut rng, &kind, &scene);
         }
     });
-    println!("{n_scenes} scenes: at most {max:.1e}, from the CPU {max_from_cpu:.1e}");
-}
-
-/// The CPU, and for every other scene one of the others: a driver that plays a GPU takes its time.
-fn some_backends(rng: &mut Rng) -> impl Iterator<Item = &'static str> {
-    let (cpu, others) = backends().split_first().expect("there is always the CPU");
-    let other = others.get(rng.usize(..2 * others.len().max(1)));
-    [cpu].into_iter().chain(other).copied()
+    println!("{parity}");
 }
 
 /// Takes from layers behind the first what makes their voxels differ beside values.
