@@ -122,17 +122,18 @@ fn newest_replaces_what_has_not_begun() {
 #[test]
 fn cancelled_frames_make_way() {
     let Workshop { thread, begun, orders } = workshop();
-    let mut frames = [1, 2, 3, 4].map(|width| thread.submit(&scene(width)));
+    let [mut first, mut second, dropped, last] =
+        [1, 2, 3, 4].map(|width| thread.submit(&scene(width)));
     assert_eq!(begun.recv(), Ok(1));
-    assert!(frames[0].try_take().unwrap().is_pending());
-    frames[0].cancel();
-    frames[1].handle().clone().cancel();
-    for frame in &mut frames[..2] {
+    assert!(first.try_take().unwrap().is_pending());
+    // The one under way last: with it gone, the thread takes up whatever still waits.
+    drop(dropped);
+    second.handle().clone().cancel();
+    first.cancel();
+    for frame in [&mut first, &mut second] {
         assert_eq!(frame.try_take(), cancelled());
         assert_eq!(frame.try_take(), Err(BackendError::UnknownFrame.into()), "it is gone");
     }
-    let [_, _, dropped, last] = frames;
-    drop(dropped);
     assert_eq!(begun.recv(), Ok(4), "nobody wants the two before it");
     orders.send(Order::Draw).unwrap();
     assert_eq!(width(last.wait()), Ok(4));
