@@ -1,6 +1,6 @@
 //! `slabsplat batch`: a picture of each of many inputs.
 
-use crate::flags::{HowFlags, PictureFlags, SceneFlags, Target, Written};
+use crate::flags::{HowFlags, PictureFlags, SceneFlags, Target, Written, is_same_file};
 use crate::{render, terminal};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -91,8 +91,4 @@ fn targets(inputs: &[PathBuf], folder: &Path, picture: &PictureFlags) -> Result<
         picture.target(path)
     };
     inputs.iter().map(target).collect()
-}
-
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

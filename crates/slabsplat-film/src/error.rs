@@ -74,8 +74,8 @@ pub enum FilmError {
         /// The first thing that differs.
         what: String,
     },
-    /// Something else stands where frames would be.
-    #[error("{} is in the way: it has no frames of slabsplat's", path.display())]
+    /// Something else stands where the film, or its frames, would be.
+    #[error("{} is in the way: it is no film, and has no frames of slabsplat's", path.display())]
     InTheWay {
         /// Where.
         path: PathBuf,
@@ -87,7 +87,7 @@ pub enum FilmError {
         folder: PathBuf,
     },
     /// A frame on disk is damaged.
-    #[error("frame {frame_idx} in {} cannot be read: {what}", folder.display())]
+    #[error("frame {frame_idx} in {} cannot be read: {what}; remove it, and it is made again", folder.display())]
     BadFrame {
         /// Which, from 0 on.
         frame_idx: u32,

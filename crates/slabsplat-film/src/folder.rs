@@ -58,7 +58,9 @@ impl FrameFolder {
     fn begin(&mut self, identity: &str, anew: bool) -> Result<u32, FilmError> {
         let text = self.path.join(IDENTITY);
         let said = fs::read_to_string(&text).map_err(FilmError::write(&text))?;
-        if !anew && !said.is_empty() && said != identity {
+        // A film that failed before its first frame leaves nothing to continue.
+        let has_frames = self.frame_path(0).is_file();
+        if !anew && has_frames && said != identity {
             let what = difference(&said, identity);
             return Err(FilmError::OtherFilm { folder: self.path.clone(), what });
         }
@@ -215,6 +217,17 @@ mod tests {
         let error = open("size = 3\n", false).err().unwrap().to_string();
         assert!(error.contains("differs in size"), "{error}");
         assert_eq!(open("size = 3\n", true).unwrap().1, 0);
+    }
+
+    /// Of a film that failed before its first frame nothing is in the way of the mended one.
+    #[test]
+    fn folder_without_frames_is_any_films() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("a.gif");
+        for identity in ["slab_width = 1e-9\n", "slab_width = 1\n"] {
+            let (_, n_done) = FrameFolder::open(&target, &desc(9), identity, false).unwrap();
+            assert_eq!(n_done, 0);
+        }
     }
 
     #[test]

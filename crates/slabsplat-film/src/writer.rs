@@ -104,7 +104,7 @@ impl FilmWriter {
         format.check_program()?;
         if format == FilmFormat::PngSequence {
             check_sequence(&target)?;
-        } else if target.is_dir() {
+        } else if target.symlink_metadata().is_ok_and(|metadata| !metadata.is_file()) {
             return Err(FilmError::InTheWay { path: target });
         }
         let size = [desc.width, desc.height, desc.n_frames];

@@ -61,6 +61,9 @@ impl FilmFlags {
     /// Where the film goes, and as what. What would fail after the work fails here.
     pub(crate) fn target(&self) -> Result<(&Path, FilmFormat)> {
         let path = &self.output;
+        if path == Path::new("-") {
+            bail!("a film cannot go to standard output: name a file");
+        }
         let Some(format) = self.format.or_else(|| FilmFormat::of_name(path)) else {
             let names = FilmFormat::ALL.iter().map(|format| format!(".{}", format.name()));
             let names = names.collect::<Vec<_>>().join(", ");

@@ -21,7 +21,7 @@ pub(crate) mod values;
 
 pub(crate) use film::FilmFlags;
 pub(crate) use output::{
-    OutputFlags, PictureFlags, Target, Written, check_folder, check_scene_name,
+    OutputFlags, PictureFlags, Target, Written, check_folder, check_scene_name, is_same_file,
 };
 pub(crate) use raw::RawFlags;
 pub(crate) use running::RunningFlags;

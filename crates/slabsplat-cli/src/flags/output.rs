@@ -61,6 +61,10 @@ impl OutputFlags {
     /// What is to be written of `input`, in a run that may answer on standard output, too. What would fail
     /// after the work fails here.
     pub(crate) fn written(&self, input: &Path, answers: bool) -> Result<Written<'_>> {
+        let named = [&self.output, &self.save_scene];
+        if let Some(path) = named.into_iter().flatten().find(|path| is_same_file(path, input)) {
+            bail!("{} is to be drawn, and would be replaced: choose another name", path.display());
+        }
         if let Some(scene) = &self.save_scene {
             check_scene_name(scene)?;
             check_folder(scene, self.picture.mkdir)?;
@@ -182,6 +186,11 @@ impl Target {
     pub(crate) fn name(&self) -> String {
         self.path.as_ref().map_or("standard output".to_owned(), |path| path.display().to_string())
     }
+}
+
+/// Whether two names are of one file, which is there.
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// A scene file is known by its name.

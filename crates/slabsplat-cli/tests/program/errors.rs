@@ -73,6 +73,8 @@ fn errors_say_what_and_where() {
             "render builtin:cube --isosurface 9 --mode average -o a.png",
             "does nothing in the mode average",
         ),
+        ("render a.obj -o a.obj --format png", "a.obj is to be drawn, and would be replaced"),
+        ("render text.toml -o a.png --save-scene text.toml", "text.toml is to be drawn"),
         ("render builtin:cube:many -o a.png", "\"many\""),
         ("render builtin:cube:2000000 -o a.png", "4 to 1024"),
         ("render builtin:cube -o a.gif", "name it .png, .exr, .tif, .jpg or .webp"),

@@ -342,3 +342,19 @@ fn film_frames_are_finished_as_pictures_are() {
         assert!(plain[idx] != fine[idx] && !differs(&fine, 0..90), "{idx}");
     }
 }
+
+/// A film takes the place of a film or of nothing.
+#[cfg(unix)]
+#[test]
+fn film_replaces_no_link_and_no_stream() {
+    let dir = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("elsewhere.gif", dir.path().join("a.gif")).unwrap();
+    for (output, expected) in
+        [("a.gif", "a.gif is in the way"), ("- --format gif", "cannot go to standard output")]
+    {
+        let args = format!("turntable builtin:cube:8 --width 8 --height 8 --frames 2 -o {output}");
+        let line = diagnostic(dir.path(), &args);
+        assert!(line.contains(expected), "{line}");
+    }
+    assert_eq!(names_in(dir.path()), ["a.gif"]);
+}

@@ -2,8 +2,8 @@
 //! renamed.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
 
@@ -30,6 +30,10 @@ fn try_write(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
 ) -> io::Result<()> {
+    let path = &linked(path);
+    if is_special(path) {
+        return write_through(path, write);
+    }
     let mut file = beside(path)?;
     let mut writer = BufWriter::new(file.as_file_mut());
     write(&mut writer)?;
@@ -37,6 +41,35 @@ fn try_write(
     drop(writer);
     file.persist(path).map_err(|e| e.error)?;
     Ok(())
+}
+
+/// Where a path leads, if it is a link; the link itself stays.
+fn linked(path: &Path) -> PathBuf {
+    match (path.canonicalize(), path.read_link()) {
+        (Ok(end), Ok(_)) => end,
+        (Err(_), Ok(target)) => path.parent().unwrap_or(Path::new("")).join(target),
+        (_, Err(_)) => path.to_owned(),
+    }
+}
+
+/// Whether something is there that a file must not take the place of: a device, such as `/dev/null`, or a pipe.
+fn is_special(path: &Path) -> bool {
+    path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+}
+
+/// Fills a file that has no name, as devices and pipes go in one direction only, and sends what it holds.
+fn write_through(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<()>,
+) -> io::Result<()> {
+    let mut file = tempfile::tempfile()?;
+    let mut writer = BufWriter::new(&mut file);
+    write(&mut writer)?;
+    writer.flush()?;
+    drop(writer);
+    file.rewind()?;
+    let mut target = File::options().write(true).open(path)?;
+    io::copy(&mut file, &mut target).map(|_| ())
 }
 
 /// A file in the same folder, since only within one file system is a rename atomic.
@@ -101,6 +134,32 @@ mod tests {
         fs::create_dir(dir.path().join("a.png")).unwrap();
         write(&dir.path().join("a.png"), nothing).unwrap_err();
         assert_eq!(names(dir.path()), ["a.png"]);
+    }
+
+    /// Nothing takes the place of a device, a pipe or a link.
+    #[cfg(unix)]
+    #[test]
+    fn atomic_writes_through_links_and_pipes() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let dir = tempfile::tempdir().unwrap();
+        let [link, target, pipe] = ["link", "target", "pipe"].map(|name| dir.path().join(name));
+        symlink("target", &link).unwrap();
+        for text in ["one", "another"] {
+            // It leads nowhere at first.
+            write_whole(&link, text.as_bytes()).unwrap();
+            assert_eq!(fs::read_to_string(&target).unwrap(), text);
+            assert!(link.symlink_metadata().unwrap().is_symlink());
+        }
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap()
+        });
+        write_whole(&pipe, b"through").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through");
+        assert!(pipe.metadata().unwrap().file_type().is_fifo());
+        assert_eq!(names(dir.path()).len(), 3, "and nothing is left");
     }
 
     #[cfg(unix)]
