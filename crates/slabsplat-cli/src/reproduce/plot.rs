@@ -124,8 +124,8 @@ mod tests {
             |label: &str, y| Line { label: label.to_owned(), points: vec![[0.0, y], [1.0, y]] };
         let html = plot("what", &axis, &axis, &[line("low", 0.0), line("high", 1.0)]);
         assert_eq!(html.matches("<polyline").count(), 2, "{html}");
-        assert!(html.contains("points=\"58.0,226.0 428.0,226.0\""), "{html}");
-        assert!(html.contains("points=\"58.0,12.0 428.0,12.0\""), "{html}");
+        assert!(html.contains("points=\"72.0,226.0 428.0,226.0\""), "{html}");
+        assert!(html.contains("points=\"72.0,12.0 428.0,12.0\""), "{html}");
         assert!(html.contains(">0.5</text>") && html.contains("a &lt; b"), "{html}");
     }
 }

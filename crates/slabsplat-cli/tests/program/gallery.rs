@@ -8,8 +8,8 @@ use std::path::Path;
 
 const GALLERY: &str = include_str!("../../../../docs/gallery.md");
 
-/// What a picture may differ from the one that is kept, in levels of 8 bits, on average: another machine rounds
-/// otherwise, and JPEG spreads that.
+/// What a picture may differ from the one that is kept, in levels of 8 bits, on average: another machine
+/// rounds otherwise, and JPEG spreads that.
 const MAX_MEAN_DIFFERENCE: f64 = 0.5;
 
 #[test]

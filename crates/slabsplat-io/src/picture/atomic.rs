@@ -52,7 +52,8 @@ fn linked(path: &Path) -> PathBuf {
     }
 }
 
-/// Whether something is there that a file must not take the place of: a device, such as `/dev/null`, or a pipe.
+/// Whether something is there that a file must not take the place of: a device, such as `/dev/null`, or a
+/// pipe.
 fn is_special(path: &Path) -> bool {
     path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
