@@ -234,7 +234,8 @@ fn film_of_other_frames_is_not_continued() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.apng");
     let film = FilmWriter::begin(&path, FilmFormat::Apng, desc(false), "scene = 1").unwrap();
-    film.make(|_| Err(Failure::from("stop")), |_| ()).unwrap_err();
+    let first_alone = |idx| if idx == 0 { Ok(frame(idx, 1.0)) } else { Err(Failure::from("stop")) };
+    film.make(first_alone, |_| ()).unwrap_err();
     let other = FilmWriter::begin(&path, FilmFormat::Apng, desc(false), "scene = 2").unwrap_err();
     let frames = dir.path().join("a.apng.frames");
     let expected = format!(
