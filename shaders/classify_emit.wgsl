@@ -1,4 +1,4 @@
-// Classification, second pass: writes the record of every relevant voxel, in memory order. The voxel's place
+// Classification, second pass: writes the record of every relevant voxel, in memory order. The voxel's slot
 // among the records is the number of relevant voxels before it, from the prefix sums of the first pass.
 
 //#include "shared/step.wgsl"
@@ -41,11 +41,11 @@ fn classify_emit(
         return;
     }
     let sum_idx = step.first_block + block;
-    var place = block_sums[sum_idx] + totals[sum_idx / PER_BLOCK] + before;
+    var slot = block_sums[sum_idx] + totals[sum_idx / PER_BLOCK] + before;
     for (var i = 0u; i < PER_THREAD; i++) {
         if (found & (1u << i)) != 0u {
-            put(place, record_of(step.first + start + i));
-            place++;
+            put(slot, record_of(step.first + start + i));
+            slot++;
         }
     }
 }
@@ -59,9 +59,9 @@ fn record_of(voxel_idx: u32) -> Record {
     return Record(normal_at(voxel_idx, bits), voxel_idx, vec4(color_at(bits), weight));
 }
 
-fn put(place: u32, record: Record) {
-    let local = place & ((1u << step.chunk_bits) - 1u);
-    switch place >> step.chunk_bits {
+fn put(slot: u32, record: Record) {
+    let local = slot & ((1u << step.chunk_bits) - 1u);
+    switch slot >> step.chunk_bits {
         case 0u: { records_0[local] = record; }
         case 1u: { records_1[local] = record; }
         case 2u: { records_2[local] = record; }

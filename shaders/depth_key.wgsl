@@ -1,8 +1,8 @@
 // One word of what every-sample sorts by (paper §4: "with respect to their distance from the viewing plane").
 //
 // Whole planes of voxels are equally deep in many views, up to rounding, and the order among them shows. So
-// depths are rounded to steps of 2^-20 unit, and equals are sorted by their place in the picture. That
-// takes more digits than a float has: places are fixed-point numbers of 64 bits, exact in any order of
+// depths are rounded to steps of 2^-20 unit, and equals are sorted by their position in the picture. That
+// takes more digits than a float has: positions are fixed-point numbers of 64 bits, exact in any order of
 // summation, and the list is sorted by one word after the other, the least important first.
 
 //#include "shared/step.wgsl"
@@ -19,7 +19,7 @@ struct DepthParams {
     dims: vec3<u32>,
     // Bits of a fraction of a step.
     fraction_bits: u32,
-    // What makes every place positive, and rounds it: the low word, then the high one.
+    // What makes every position positive, and rounds it: the low word, then the high one.
     bias: vec2<u32>,
     padding: vec2<u32>,
 }
@@ -41,11 +41,11 @@ fn depth_key(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
-    let place = linear_group(group, n_groups) * 256u + thread;
-    if n_counted() <= place {
+    let slot = linear_group(group, n_groups) * 256u + thread;
+    if n_counted() <= slot {
         return;
     }
-    let voxel_idx = voxel_idx_of(order[place]);
+    let voxel_idx = voxel_idx_of(order[slot]);
     let coords = coords_of(voxel_idx, params.dims);
     let axis = step.shift & 3u;
     var sum = params.bias;
@@ -56,7 +56,7 @@ fn depth_key(
     }
     let f = params.fraction_bits;
     let low = (sum.x >> f) | (sum.y << (32u - f));
-    keys[place] = select(low, sum.y >> f, 4u <= step.shift);
+    keys[slot] = select(low, sum.y >> f, 4u <= step.shift);
 }
 
 fn voxel_idx_of(voxel: u32) -> u32 {

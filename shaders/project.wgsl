@@ -33,13 +33,13 @@ fn project(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
-    let place = linear_group(group, n_groups) * 256u + thread;
-    let record_idx = step.first + place;
+    let record_of_pass = linear_group(group, n_groups) * 256u + thread;
+    let record_idx = step.first + record_of_pass;
     let voxel = layers[step.layer].first_voxel + record_idx;
     if record_idx == 0u {
         begin_counts();
     }
-    if step.n_elements <= place {
+    if step.n_elements <= record_of_pass {
         return;
     }
     if counts[step.count_slot] <= record_idx {
@@ -107,7 +107,7 @@ fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
     return vec4(at - half, at + half);
 }
 
-// A section's place and size change monotonically with its slab's depth, so that the first and the last
+// A section's position and size change monotonically with its slab's depth, so that the first and the last
 // section bound all of them.
 fn rect_of(center: vec3<f32>, sheet: u32) -> vec2<u32> {
     if frame.method == METHOD_SECTIONS || frame.method == METHOD_DENSITIES {

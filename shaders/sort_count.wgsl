@@ -10,7 +10,7 @@
 @group(0) @binding(2) var<storage, read_write> digit_counts: array<u32>;
 @group(0) @binding(3) var<storage, read> counts: array<u32>;
 
-var<workgroup> n_of_digit: array<atomic<u32>, N_DIGITS>;
+var<workgroup> n_of_digit: array<atomic<u32>, MAX_DIGITS>;
 
 @compute @workgroup_size(256)
 fn sort_count(
@@ -18,9 +18,7 @@ fn sort_count(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
-    if thread < N_DIGITS {
-        atomicStore(&n_of_digit[thread], 0u);
-    }
+    atomicStore(&n_of_digit[thread], 0u);
     workgroupBarrier();
     let block = linear_group(group, n_groups);
     let end = min((block + 1u) * KEYS_PER_BLOCK, n_counted());
@@ -28,7 +26,7 @@ fn sort_count(
         atomicAdd(&n_of_digit[digit_of(keys[i])], 1u);
     }
     workgroupBarrier();
-    if thread < N_DIGITS && block < step.n_blocks {
+    if thread < n_digits() && block < step.n_blocks {
         digit_counts[thread * step.n_blocks + block] = atomicLoad(&n_of_digit[thread]);
     }
 }

@@ -32,7 +32,7 @@ fn showing(sheet: u32, next: u32, pixel: Pixel) {
     loop {
         var nearest = 0u;
         for (var layer = 1u; layer < n_layers(); layer++) {
-            if passed[layer].place < passed[nearest].place {
+            if passed[layer].position < passed[nearest].position {
                 nearest = layer;
             }
         }

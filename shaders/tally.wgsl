@@ -28,7 +28,7 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
         culled = add(culled, vec2(tile.n_culled, 0u));
         n += vec4<u32>(vec4(
             tile.state != STATE_UNTOUCHED,
-            tile.state == STATE_FULL,
+            tile.state == STATE_SATURATED,
             tile.state == STATE_PAUSED,
             tile.state == STATE_FAULTY,
         ));

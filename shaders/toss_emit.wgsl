@@ -37,29 +37,29 @@ fn toss_emit(
         return;
     }
     let before_block = saturating_sum(block_sums[block], totals[block / PER_BLOCK]);
-    var place = saturating_sum(before_block, before);
+    var slot = saturating_sum(before_block, before);
     for (var i = start; i < end; i++) {
-        place = emit(order[i], place);
+        slot = emit(order[i], slot);
     }
-    if place != saturating_sum(saturating_sum(before_block, before), n) {
+    if slot != saturating_sum(saturating_sum(before_block, before), n) {
         counts[COUNT_FAULTS] = 1u;
     }
 }
 
-// Writes a voxel's tiles from `place` on, and gives the place behind them.
-fn emit(voxel: u32, first_place: u32) -> u32 {
+// Writes a voxel's tiles from `slot` on, and gives the slot behind them.
+fn emit(voxel: u32, first_slot: u32) -> u32 {
     let rect = rects[voxel];
     let size = rect_size(rect);
     let first_tile = (rect.x >> 16u) * frame.n_tiles.x + (rect.x & 0xffffu);
-    var place = first_place;
+    var slot = first_slot;
     for (var y = 0u; y < size.y; y++) {
         for (var x = 0u; x < size.x; x++) {
-            if place < step.n_blocks {
-                tossed_tiles[place] = first_tile + y * frame.n_tiles.x + x;
-                tossed_voxels[place] = voxel;
+            if slot < step.n_blocks {
+                tossed_tiles[slot] = first_tile + y * frame.n_tiles.x + x;
+                tossed_voxels[slot] = voxel;
             }
-            place = saturating_sum(place, 1u);
+            slot = saturating_sum(slot, 1u);
         }
     }
-    return place;
+    return slot;
 }

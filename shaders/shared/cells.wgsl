@@ -13,7 +13,7 @@ struct Cell {
     element: u32,
     start: f32,
     width: f32,
-    // In powers of the place in the cell, 0 to 1.
+    // In powers of the position in the cell, 0 to 1.
     weight: vec4<f32>,
 }
 

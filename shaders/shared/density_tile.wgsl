@@ -75,17 +75,17 @@ var<private> held: array<vec4<f32>, N_HELD>;
 struct Pixel {
     // Its centre.
     at: vec2<f32>,
-    // Its place in the tile with its border, row by row.
+    // Its index in the tile with its border, row by row.
     thread: u32,
     // Whether it is of the image, and not of a border.
     is_shown: bool,
 }
 
-fn render_tile(local: vec2<u32>, thread: u32, place: u32) {
-    if step.n_elements <= place {
+fn render_tile(local: vec2<u32>, thread: u32, tile_of_pass: u32) {
+    if step.n_elements <= tile_of_pass {
         return;
     }
-    let tile = step.first + place;
+    let tile = step.first + tile_of_pass;
     let todo = begin_turn(tile, thread);
     if !is_to_do(todo) {
         return;
@@ -182,8 +182,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
             atomicStore(&is_faulty, 1u);
         }
         if !summed.is_open {
-            cull(begin, todo.end, sheet, pixel.thread);
-            return Reached(begin, sheet, STATE_FULL);
+            return Reached(begin, sheet, STATE_SATURATED);
         }
         if first_shown <= sheet {
             atomicAdd(&n_splatted, n_staged);
@@ -215,7 +214,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
 
 // What a sheet holds of the tile's splats: the same for all pixels.
 struct Summed {
-    // The place of the first splat that still reaches into the sheet.
+    // The slot of the first splat that still reaches into the sheet.
     begin: u32,
     // Splats that do.
     n_alive: u32,
@@ -230,7 +229,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
     // The layer of what is being summed.
     var layer = 0u;
     var sum = vec2(0.0);
-    // The place of the batch.
+    // The slot of the batch.
     var first = begin;
     var is_last = false;
     loop {
@@ -274,14 +273,14 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
     return summed;
 }
 
-// Stages the splat at a place of the list; 1 if the sheet holds it.
-fn stage(place: u32, end: u32, sheet: u32, thread: u32) -> u32 {
+// Stages the splat at a slot of the list; 1 if the sheet holds it.
+fn stage(slot: u32, end: u32, sheet: u32, thread: u32) -> u32 {
     staged[thread].sheet = NO_SHEET;
     staged[thread].rho_squared_max = -1.0;
-    if end <= place {
+    if end <= slot {
         return 0u;
     }
-    let voxel = tossed_voxels[place];
+    let voxel = tossed_voxels[slot];
     let splat = splat_at(voxel);
     var layer = 0u;
     if 1u < MOST_LAYERS {
@@ -319,15 +318,15 @@ fn density_of(layer: u32, sheet: u32, pixel: Pixel) -> vec4<f32> {
     if !pixel.is_shown {
         return vec4(0.0);
     }
-    let place = layer * BATCH + pixel.thread;
-    let here = sums[place];
+    let idx = layer * BATCH + pixel.thread;
+    let here = sums[idx];
     var density = 0.0;
     if 0.0 < here.x {
         density = here.y / here.x;
     }
     let per_pixel = scale_at(layer, middle_of(layer, sheet));
-    let right = difference(here.x, density, sums[place + 1u], sums[place - 1u]);
-    let up = difference(here.x, density, sums[place - SIDE], sums[place + SIDE]);
+    let right = difference(here.x, density, sums[idx + 1u], sums[idx - 1u]);
+    let up = difference(here.x, density, sums[idx - SIDE], sums[idx + SIDE]);
     return vec4(here.x, density, per_pixel * right, per_pixel * up);
 }
 

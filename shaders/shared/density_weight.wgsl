@@ -13,7 +13,7 @@ fn weight_at(i: u32, at: vec2<f32>) -> f32 {
         return 0.0;
     }
     let d = at - staged[i].center;
-    let x = d.x + staged[i].lean * d.y;
+    let x = d.x + staged[i].shear * d.y;
     let rho_squared = staged[i].across * x * x + staged[i].along * d.y * d.y;
     if staged[i].rho_squared_max <= rho_squared {
         return 0.0;

@@ -1,7 +1,7 @@
 // Surfaces on which densities have given values (model §12), of the layer that the pixel has come to.
 //
 //   which surface comes next of those whose value lies between the densities at the two nodes in the middle
-//   the place at which a cubic has it; whether the region holds that
+//   the position at which a cubic has it; whether the region holds that
 //   fade out where the volume ends; slopes there, normal, light
 //
 // A surface takes two elements of `table`: its value and its opacity, then its colour. Values rise.
@@ -16,14 +16,14 @@ struct Passed {
     // Its number in the order in which the ray would pass all of the layer.
     nth: u32,
     // From 0 at the first node to 1 at the second.
-    place: f32,
+    position: f32,
 }
 
-// The place of a surface that there is not.
+// The position of a surface that there is not.
 const BEYOND: f32 = 2.0;
 
 fn is_passed(passed: Passed) -> bool {
-    return passed.place < BEYOND;
+    return passed.position < BEYOND;
 }
 
 // The next surface that the ray passes within the layer's region, from the `nth` on.
@@ -37,9 +37,9 @@ fn passed_from(layer: u32, nth: u32, sheet: u32, pixel: Pixel) -> Passed {
         if (ends.x < value) == (ends.y < value) {
             continue;
         }
-        let place = place_of(value, ends, vec2(slope_along(FIRST), slope_along(SECOND)));
-        if frame.has_regions == 0u || is_held(layer, depth_of_first_node(sheet) + place) {
-            return Passed(number, place);
+        let position = position_of(value, ends, vec2(slope_along(FIRST), slope_along(SECOND)));
+        if frame.has_regions == 0u || is_held(layer, depth_of_first_node(sheet) + position) {
+            return Passed(number, position);
         }
     }
     return Passed(nth, BEYOND);
@@ -55,13 +55,13 @@ fn element_of(layer: u32, nth: u32) -> u32 {
 // Puts a surface behind what the pixel has shown so far.
 fn put_behind(layer: u32, passed: Passed, pixel: Pixel) {
     let element = element_of(layer, passed.nth);
-    let length = mix(sheets[FIRST].x, sheets[SECOND].x, passed.place);
+    let length = mix(sheets[FIRST].x, sheets[SECOND].x, passed.position);
     let opacity = number_at(element).y * counts_at(layer, length);
     var lit = number_at(element + 1u).rgb;
     if layers[layer].is_lit == 1u {
         let start = vec3(node(FIRST).yz, slope_along(FIRST));
         let end = vec3(node(SECOND).yz, slope_along(SECOND));
-        let normal = normal_at(layer, slopes_between(start, end), passed.place, pixel);
+        let normal = normal_at(layer, slopes_between(start, end), passed.position, pixel);
         let light = light_on(layer, normal);
         lit = min(lit * light.diffuse + light.specular, vec3(1.0));
     }
@@ -82,12 +82,12 @@ fn counts_at(layer: u32, length: f32) -> f32 {
 // Steps of Newton's method that converge, or of halving, which would need as many.
 const MOST_STEPS: u32 = 24u;
 
-// How exact places are.
+// How exact positions are.
 const EXACT: f32 = 1e-6;
 
-// The place, from 0 to 1, at which the density passes a value between those of its ends, on a way without
+// The position, from 0 to 1, at which the density passes a value between those of its ends, on a way without
 // turns (Fritsch & Carlson, SIAM J. Numer. Anal. 17(2), 1980).
-fn place_of(value: f32, ends: vec2<f32>, slopes: vec2<f32>) -> f32 {
+fn position_of(value: f32, ends: vec2<f32>, slopes: vec2<f32>) -> f32 {
     let change = ends.y - ends.x;
     let bends = clamp(slopes / change, vec2(0.0), vec2(3.0)) - 1.0;
     let part = clamp((value - ends.x) / change, 0.0, 1.0);

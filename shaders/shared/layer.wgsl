@@ -39,9 +39,9 @@ struct Layer {
     tilt: vec2<f32>,
     // Half the width and height of the ellipse ρ = 1.
     half_extent: vec2<f32>,
-    // ρ² = across·(X + lean·Y)² + along·Y², y running downwards.
+    // ρ² = across·(X + shear·Y)² + along·Y², y running downwards.
     across: f32,
-    lean: f32,
+    shear: f32,
     along: f32,
 
     slab_thickness: f32,

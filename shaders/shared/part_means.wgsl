@@ -13,7 +13,7 @@ struct Mean {
     // Weighted with that.
     color: vec3<f32>,
     // Where on the part that weight lies: 0 at its start, 1 at its end.
-    place: f32,
+    position: f32,
 }
 
 // Integrals over densities: of the weight, times red, green, blue, and times how far a density lies behind
@@ -46,8 +46,8 @@ fn mean_between(layer: u32, start: f32, end: f32) -> Mean {
         return Mean(0.0, vec3(0.0), 0.5);
     }
     let behind_least = clamp(whole.moment / (whole.weight * width), 0.0, 1.0);
-    let place = select(1.0 - behind_least, behind_least, a < b);
-    return Mean(whole.weight / width, whole.color / whole.weight, place);
+    let position = select(1.0 - behind_least, behind_least, a < b);
+    return Mean(whole.weight / width, whole.color / whole.weight, position);
 }
 
 fn integrals_between(layer: u32, a: f32, b: f32) -> Integrals {

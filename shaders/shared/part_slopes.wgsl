@@ -21,7 +21,7 @@ fn slopes_between(start: vec3<f32>, end: vec3<f32>) -> Slopes {
     return Slopes(start, end, 4.0 * evenness * vec3(across, along));
 }
 
-// −∇d/max(|∇d|, faint) at a place of the part, 0 to 1: to the right, upwards and forward.
+// −∇d/max(|∇d|, faint) at a position of the part, 0 to 1: to the right, upwards and forward.
 fn normal_at(layer: u32, slopes: Slopes, t: f32, pixel: Pixel) -> vec3<f32> {
     let slope = mix(slopes.start, slopes.end, t) + t * (1.0 - t) * slopes.bulge;
     // From a sheet to the next, a pixel moves with its ray.

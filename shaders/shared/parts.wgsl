@@ -1,7 +1,7 @@
 // The part of a ray between the two nodes in the middle (model §8), of the layer that the pixel has come to.
 //
 //   mean opacity and colour, and where they lie
-//   at four places of what is seen of it: slopes, normal, light
+//   at four positions of what is seen of it: slopes, normal, light
 //   cut it by the layer's region
 
 //#include "shared/light.wgsl"
@@ -23,7 +23,7 @@ fn sums_of_part(layer: u32, sheet: u32, pixel: Pixel) -> vec4<f32> {
     let weight = length * mean.weight;
     var lit = mean.color;
     if layers[layer].is_lit == 1u {
-        let light = mean_light(layer, mean.place, weight, sheet, pixel);
+        let light = mean_light(layer, mean.position, weight, sheet, pixel);
         lit = min(lit * light.diffuse + light.specular, vec3(1.0));
     }
     let of_colors = select(length, weight, weights_colors(frame.compositing));
@@ -50,20 +50,20 @@ fn part_ends(first: vec4<f32>, second: vec4<f32>) -> Ends {
     );
 }
 
-// The mean of four places of what is seen, weighted with how much light goes through the quarters before
+// The mean of four positions of what is seen, weighted with how much light goes through the quarters before
 // them.
-fn mean_light(layer: u32, place: f32, weight: f32, sheet: u32, pixel: Pixel) -> Light {
+fn mean_light(layer: u32, position: f32, weight: f32, sheet: u32, pixel: Pixel) -> Light {
     let first = vec4(node(FIRST), slope_along(FIRST));
     let second = vec4(node(SECOND), slope_along(SECOND));
     let ends = part_ends(first, second);
     let slopes = slopes_between(ends.start.yzw, ends.end.yzw);
     let q = select(1.0, exp(-0.25 * weight), sums_extinction(frame.compositing));
     // It lies evenly around its middle, as far as the part goes on both sides.
-    let extent = 2.0 * min(place, 1.0 - place);
+    let extent = 2.0 * min(position, 1.0 - position);
     var seen = 1.0 / ((1.0 + q) * (1.0 + q * q));
     var mean = Light(vec3(0.0), vec3(0.0));
     for (var quarter = 0u; quarter < 4u; quarter++) {
-        let t = place + extent * (0.25 * f32(quarter) - 0.375);
+        let t = position + extent * (0.25 * f32(quarter) - 0.375);
         let light = light_on(layer, lit_normal(layer, slopes, t, sheet, pixel));
         mean.diffuse += seen * light.diffuse;
         mean.specular += seen * light.specular;
@@ -72,7 +72,7 @@ fn mean_light(layer: u32, place: f32, weight: f32, sheet: u32, pixel: Pixel) -> 
     return mean;
 }
 
-// The normal at a place of a part, or near a lit face of the region that of the face.
+// The normal at a position of a part, or near a lit face of the region that of the face.
 fn lit_normal(layer: u32, slopes: Slopes, t: f32, sheet: u32, pixel: Pixel) -> vec3<f32> {
     let normal = normal_at(layer, slopes, t, pixel);
     if layers[layer].has_lit_faces == 0u {

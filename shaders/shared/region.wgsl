@@ -19,7 +19,7 @@ fn plane_of(layer: u32, n: u32) -> vec4<f32> {
     return bitcast<vec4<f32>>(table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n]);
 }
 
-// The normal in the world, and the reach of a voxel.
+// The normal in the world, and how far from the plane a voxel may be that it still cuts.
 fn face_of(layer: u32, n: u32) -> vec4<f32> {
     return bitcast<vec4<f32>>(table[layers[layer].first_plane + ELEMENTS_OF_PLANE * n + 1u]);
 }

@@ -18,3 +18,16 @@ fn slabs_of(layer: u32, depth: f32) -> vec2<u32> {
     let last = clamp(i32(far) - frame.first_slab, first, last_slab);
     return vec2(u32(first), u32(last));
 }
+
+// Index units from a voxel at a depth to a slab's faces, along the ray through it.
+fn faces_behind(depth: f32, layer: u32, slab: u32) -> vec2<f32> {
+    let faces = vec2(front_of(layer, slab), front_of(layer, slab + 1u));
+    return (faces - depth) * layers[layer].index_per_depth;
+}
+
+// Whether the kernel of a voxel at a depth reaches into a slab.
+fn is_met(depth: f32, layer: u32, slab: u32) -> bool {
+    let half_depth = layers[layer].half_depth;
+    let faces = vec2(front_of(layer, slab), front_of(layer, slab + 1u));
+    return faces.x < depth + half_depth && depth - half_depth < faces.y;
+}

@@ -10,8 +10,9 @@ struct Step {
     count_slot: u32,
     // Elements are kept in up to four buffers of 2^chunk_bits each.
     chunk_bits: u32,
-    // Sorting: the lowest bit of the digit.
+    // Sorting: the lowest bit of the digit, and how many bits it has.
     shift: u32,
+    digit_bits: u32,
     // Sorting: the number of blocks. Tossing and summing up: how many splats there is room for.
     n_blocks: u32,
     // The first block of the dispatch among those of all dispatches.

@@ -4,7 +4,6 @@
 
 var<workgroup> work: TileWork;
 var<workgroup> n_splatted: atomic<u32>;
-var<workgroup> n_culled: atomic<u32>;
 // Whether any thread's loops ended before they were through.
 var<workgroup> is_faulty: atomic<u32>;
 
@@ -21,7 +20,6 @@ fn begin_turn(tile: u32, thread: u32) -> TileWork {
     if thread == 0u {
         work = tiles[tile];
         atomicStore(&n_splatted, 0u);
-        atomicStore(&n_culled, 0u);
         atomicStore(&is_faulty, 0u);
     }
     return workgroupUniformLoad(&work);
@@ -44,7 +42,8 @@ fn end_turn(tile: u32, thread: u32, todo: TileWork, reached: Reached) {
     workgroupBarrier();
     if thread == 0u && todo.begin < todo.end {
         let n_before = todo.n_splatted + atomicLoad(&n_splatted);
-        let n_behind = atomicLoad(&n_culled);
+        // Those behind a full tile are counted, and not looked at.
+        let n_behind = select(0u, todo.end - reached.begin, reached.state == STATE_SATURATED);
         let state = select(reached.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
         tiles[tile] = TileWork(reached.begin, todo.end, reached.sheet, n_before, n_behind, state);
     }

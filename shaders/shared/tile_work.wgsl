@@ -17,6 +17,6 @@ const STATE_UNTOUCHED: u32 = 0u;
 const STATE_PAUSED: u32 = 1u;
 const STATE_DONE: u32 = 2u;
 // Done before the last sheet, since all pixels were saturated.
-const STATE_FULL: u32 = 3u;
+const STATE_SATURATED: u32 = 3u;
 // The driver cut a loop short.
 const STATE_FAULTY: u32 = 4u;

@@ -131,12 +131,12 @@ fn report(name: &str, frames: &[(Frame, f64)]) {
     let device = median(frames.iter().map(|(frame, _)| total(frame)));
     let whole = median(frames.iter().map(|(_, ms)| *ms));
     let last = &frames[frames.len() - 1].0;
-    let stage_ms = |place: usize| {
-        let ms = frames.iter().filter_map(|(frame, _)| frame.cost.stages.get(place));
+    let stage_ms = |idx: usize| {
+        let ms = frames.iter().filter_map(|(frame, _)| frame.cost.stages.get(idx));
         median(ms.map(|stage| stage.ms))
     };
     let stages: Vec<String> = (last.cost.stages.iter().enumerate())
-        .map(|(place, stage)| format!("{} {:.3}", stage.name, stage_ms(place)))
+        .map(|(idx, stage)| format!("{} {:.3}", stage.name, stage_ms(idx)))
         .collect();
     let stats = &last.stats;
     println!("{name:<28} {device:>9.3} {whole:>9.3}  {}", stages.join(", "));

@@ -151,11 +151,12 @@ pub fn with_host_list(mut scene: Scene) -> Scene {
 /// Never, for volumes of these tests.
 pub fn stretched(volume: &Arc<Volume>, by: f64) -> Arc<Volume> {
     let old = volume.grid();
-    let place = old.world_from_index();
+    let old_world_from_index = old.world_from_index();
     let center = old.center_in_world();
-    let origin = center + by * (place.translation - center);
-    let place = DAffine3::from_mat3_translation(place.matrix3 * by, origin);
-    let grid = Grid::new(old.dims(), place).expect("it can be inverted as before");
+    let origin = center + by * (old_world_from_index.translation - center);
+    let world_from_index =
+        DAffine3::from_mat3_translation(old_world_from_index.matrix3 * by, origin);
+    let grid = Grid::new(old.dims(), world_from_index).expect("it can be inverted as before");
     let volume = Volume::new(grid, volume.samples().clone(), volume.scaling());
     Arc::new(volume.expect("there are as many samples"))
 }

@@ -74,8 +74,8 @@ impl Judge {
     }
 
     fn judge(&mut self, backend: &str, scene: &str, ms: &str, pixels: &[u8]) {
-        let place = BACKENDS.iter().position(|known| *known == backend);
-        let place = place.expect("it was asked for");
+        let idx = BACKENDS.iter().position(|known| *known == backend);
+        let idx = idx.expect("it was asked for");
         let scene: usize = scene.parse().expect("scenes are numbered");
         let (name, expected) = (self.scenes[scene].0, &self.expected[scene]);
         let mut image = Image::filled(expected.width(), expected.height(), [f32::NAN; 4]);
@@ -94,7 +94,7 @@ impl Judge {
         if !is_good {
             self.failures.push(format!("{backend}, {name}: {off} off"));
         }
-        self.differences[place][scene] = Some(off);
+        self.differences[idx][scene] = Some(off);
     }
 
     fn sum_up(self) {

@@ -383,7 +383,7 @@ fn density_layer_of_huge_voxels_is_seen() {
     }
 }
 
-/// Surfaces at one place are in one order all over, whichever layer comes first in the scene.
+/// Surfaces at one position are in one order all over, whichever layer comes first in the scene.
 #[test]
 fn isosurfaces_at_one_depth_do_not_flicker() {
     let grid = Grid::with_spacing([12, 12, 12], [1.0; 3]).expect("no axis is empty");

@@ -51,7 +51,7 @@ fn frames_before_do_not_change_a_bit() {
     });
 }
 
-/// The same voxels at the same places, stored with axes permuted and reversed.
+/// The same voxels at the same positions, stored with axes permuted and reversed.
 #[test]
 fn storage_order_does_not_change_the_picture() {
     for_each_seed(1, |mut rng| {

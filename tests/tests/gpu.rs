@@ -75,10 +75,10 @@ fn as_many_layers_as_there_can_be() {
     let grid = first.volume.grid();
     scene.layers.clear();
     for n in 0..64 {
-        let place = DAffine3::from_translation(
+        let moved = DAffine3::from_translation(
             0.9 * DVec3::new(f64::from(n % 8) - 4.0, f64::from(n / 8) - 4.0, 0.0),
         );
-        let grid = Grid::new(grid.dims(), place * grid.world_from_index()).expect("it was moved");
+        let grid = Grid::new(grid.dims(), moved * grid.world_from_index()).expect("it was moved");
         let volume = Volume::new(grid, first.volume.samples().clone(), Scaling::IDENTITY);
         let mut layer =
             Layer::new(volume.expect("there are as many samples"), first.transfer.clone());
@@ -519,7 +519,7 @@ fn typed_case(rng: &mut fastrand::Rng, number: usize) -> Scene {
     let wide = |rng: &mut fastrand::Rng| {
         let special = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, 1e-300, -3e250];
         match rng.usize(..30) {
-            place if place < special.len() => special[place],
+            idx if idx < special.len() => special[idx],
             _ => 1e5 + rng.f64(),
         }
     };

@@ -33,8 +33,8 @@ fn layer(volume: &Volume, idx: usize, opacity: f64) -> Layer {
     let center = volume.grid().center_in_world();
     let turn = DAffine3::from_rotation_y(0.7 * share);
     let aside = center + DVec3::new(0.6, -0.4, 0.5) * share;
-    let place = DAffine3::from_translation(aside) * turn * DAffine3::from_translation(-center);
-    let grid = Grid::new(volume.grid().dims(), place * volume.grid().world_from_index());
+    let moved = DAffine3::from_translation(aside) * turn * DAffine3::from_translation(-center);
+    let grid = Grid::new(volume.grid().dims(), moved * volume.grid().world_from_index());
     let volume = Volume::new(grid.expect("a turn"), volume.samples().clone(), Scaling::IDENTITY);
     let color = [0.9 - 0.2 * share, 0.2 + 0.2 * share, 0.5 + 0.1 * share];
     let colors = vec![(0.0, color), (1.0, [1.0; 3])];

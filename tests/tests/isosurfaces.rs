@@ -105,7 +105,7 @@ impl Phantom {
         Self { dims, zoom, side, from: [DVec3::Z, DVec3::Y], is_perspective: false }
     }
 
-    /// Unlit surfaces of a density that is a function of the place from the middle, in voxels.
+    /// Unlit surfaces of a density that is a function of the position from the middle, in voxels.
     fn scene(
         &self,
         density: impl Fn(DVec3) -> f64,
@@ -140,7 +140,7 @@ impl Phantom {
 /// Of the eye from the middle of a phantom.
 const DISTANCE: f64 = 120.0;
 
-/// A half-space of places from the middle of a scene's volume.
+/// A half-space of positions from the middle of a scene's volume.
 fn half_space(scene: &Scene, normal: DVec3, distance: f64) -> Region {
     let middle = scene.layers[0].volume.grid().center_in_world();
     let plane = Plane::new(normal, distance + normal.dot(middle)).expect("the normal is not zero");
@@ -160,7 +160,7 @@ fn radius_by_kernel() -> f64 {
     RADIUS - 0.25 / std::f64::consts::LN_2 / RADIUS
 }
 
-/// Places and normals of a ball, lit from the side: a pixel is as bright as its normal points there.
+/// Positions and normals of a ball, lit from the side: a pixel is as bright as its normal points there.
 #[test]
 fn isosurface_of_a_ball_has_its_normals() {
     let phantom = Phantom { from: TILTED, ..Phantom::new([44; 3], 4.0, 150) };
@@ -202,7 +202,7 @@ fn isosurface_of_a_ball_has_its_normals() {
 const TILTED: [DVec3; 2] = [DVec3::new(0.51, 0.34, 0.79), DVec3::new(0.1, 0.9, 0.2)];
 
 /// Where a ray meets a surface: a plane that cuts it off lies nearer.
-fn place_on_middle_ray(scene: &Scene) -> f64 {
+fn position_on_middle_ray(scene: &Scene) -> f64 {
     let [mut behind, mut before] = [-10.0, 10.0];
     for _ in 0..14 {
         let middle = 0.5 * (behind + before);
@@ -222,23 +222,24 @@ fn isosurface_of_a_wall_is_between_sheets() {
     let ramp = |z: f64| 50.0 - 7.0 * z;
     for (is_perspective, value) in [(false, 50.0), (true, 50.0), (false, 10.0), (false, 90.0)] {
         for density in [&ramp as &dyn Fn(f64) -> f64, &edge] {
-            let places = |slab_width: f64| {
-                let place = |step: u32| {
+            let positions = |slab_width: f64| {
+                let position = |step: u32| {
                     let from_voxel = f64::from(step) / 8.0;
                     let phantom = Phantom { is_perspective, ..Phantom::new([9, 9, 25], 4.0, 3) };
                     let settings = exact_settings().slab_width(slab_width);
                     let surface = vec![isosurface(value, 1.0, None)];
                     let scene = phantom.scene(|at| density(at.z - from_voxel), surface, settings);
-                    place_on_middle_ray(&scene) - from_voxel
+                    position_on_middle_ray(&scene) - from_voxel
                 };
-                (0..8).map(place).collect::<Vec<f64>>()
+                (0..8).map(position).collect::<Vec<f64>>()
             };
-            let (places, thin) = (places(1.0), places(0.2));
-            let off = |(place, thin): (&f64, &f64)| (place - thin).abs();
-            let worst = places.iter().zip(&thin).map(off).fold(0.0, f64::max);
-            let ends = thin.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], place| {
-                [place.min(lo), place.max(hi)]
-            });
+            let (positions, thin) = (positions(1.0), positions(0.2));
+            let off = |(position, thin): (&f64, &f64)| (position - thin).abs();
+            let worst = positions.iter().zip(&thin).map(off).fold(0.0, f64::max);
+            let ends =
+                thin.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], position| {
+                    [position.min(lo), position.max(hi)]
+                });
             println!("{value}: {worst:.1e} off thin slabs, those at {ends:?}");
             assert!(worst < 0.01 && ends[1] - ends[0] < 0.06, "{value}: {worst}, {ends:?}");
         }

@@ -125,7 +125,8 @@ fn tolerance_beside_meshes() {
     println!("at most {worst:.2} tolerances");
 }
 
-/// Nor does the order of triangles and of their corners' vertices, but for which corner is the first.
+/// Nor does the order of triangles, lines and points, and of their corners' vertices, but for which corner is
+/// the first.
 #[test]
 fn order_of_meshes_and_triangles_changes_no_bit() {
     for_each_seed(1, |mut rng| {
@@ -139,11 +140,16 @@ fn order_of_meshes_and_triangles_changes_no_bit() {
                 let mesh = &layer.mesh;
                 let mut triangles = mesh.triangles().to_vec();
                 rng.shuffle(&mut triangles);
+                let (mut lines, mut points) = (mesh.lines().to_vec(), mesh.points().to_vec());
+                rng.shuffle(&mut lines);
+                rng.shuffle(&mut points);
                 let n_vertices = mesh.positions().len();
                 let normals = (0..n_vertices).filter_map(|vertex| mesh.vertex_normal(vertex));
                 let parts = MeshParts {
                     positions: mesh.positions().to_vec(),
                     triangles,
+                    lines,
+                    points,
                     normals: normals.collect(),
                     colors: (0..n_vertices).filter_map(|it| mesh.vertex_color(it)).collect(),
                 };
@@ -185,8 +191,8 @@ fn meshes_come_and_go() {
 /// A medium that is the same everywhere in a cube about the world's origin, 24 world units a side, which
 /// takes so much light per world unit.
 fn medium(extinction: f64) -> Layer {
-    let place = DAffine3::from_translation(DVec3::splat(-12.0));
-    let grid = Grid::new([25; 3], place).expect("no step is 0");
+    let world_from_index = DAffine3::from_translation(DVec3::splat(-12.0));
+    let grid = Grid::new([25; 3], world_from_index).expect("no step is 0");
     let samples = Samples::F64(vec![1.0; grid.n_voxels()]);
     let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
     let opacity = -(-extinction).exp_m1();
@@ -259,7 +265,7 @@ fn wall_hides_what_is_behind() {
         assert!(frame.image.pixels().iter().all(|pixel| *pixel == [1.0, 0.0, 0.0, 1.0]));
         assert_eq!(frame.stats.n_splats, 0, "{method}");
         assert_eq!(frame.stats.n_occluded, frame.stats.n_voxels, "{method}");
-        // Half way in, the other half is hidden.
+        // Half way in, the other half is occluded.
         let half = renderer.render(&of(vec![wall(0.0, RED)])).expect("the scene is valid").stats;
         let all = renderer.render(&of(vec![])).expect("the scene is valid").stats;
         assert!(half.n_splats < all.n_splats * 7 / 10, "{method}: {half:?} {all:?}");
@@ -284,9 +290,10 @@ fn edge_is_smooth() {
         let (with, without) = (image(vec![wall.clone()]), image(vec![]));
         for y in 0..40 {
             assert_eq!(with.pixel(8, y), without.pixel(8, y), "{backend}, {mode}");
-            let [edge, hidden, shown] = [with.pixel(9, y), with.pixel(10, y), without.pixel(9, y)];
+            let [edge, occluded, shown] =
+                [with.pixel(9, y), with.pixel(10, y), without.pixel(9, y)];
             for channel in 0..4 {
-                let expected = 0.5 * (hidden[channel] + shown[channel]);
+                let expected = 0.5 * (occluded[channel] + shown[channel]);
                 let off = (edge[channel] - expected).abs();
                 assert!(off < 1e-5, "{backend}, {mode}: {edge:?} {expected}");
             }
@@ -314,8 +321,8 @@ fn meshes_beyond_numbers() {
     for backend in backends_with(Method::ImageAligned) {
         let mut renderer = slabsplat::Renderer::new(open(backend));
         for size in [1e-300, 1e-30, 1e30, 1e150, 1e300, 1e308] {
-            let place = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::splat(size)));
-            let Ok(layer) = wall(0.5, RED).placed(place) else { continue };
+            let world_from_mesh = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::splat(size)));
+            let Ok(layer) = wall(0.5, RED).placed(world_from_mesh) else { continue };
             let settings = RenderSettings::default();
             let beside = scene(vec![medium(0.1)], vec![layer.clone()], settings.clone());
             let beside = renderer.render(&beside).expect("there is a volume");

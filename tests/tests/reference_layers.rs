@@ -18,9 +18,9 @@ const REORDERED_SUM: f64 = 1e-12;
 /// of such steps: what goes through it loses so much per world unit.
 fn medium(step: f64, extinction: f64) -> Layer {
     let steps = DMat3::from_diagonal(DVec3::splat(step));
-    let place = DAffine3::from_mat3_translation(steps, DVec3::splat(-12.0));
+    let world_from_index = DAffine3::from_mat3_translation(steps, DVec3::splat(-12.0));
     let n_voxels = (24.0 / step).round() as usize + 1;
-    let grid = Grid::new([n_voxels; 3], place).expect("no step is 0");
+    let grid = Grid::new([n_voxels; 3], world_from_index).expect("no step is 0");
     let samples = Samples::F64(vec![1.0; grid.n_voxels()]);
     let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
     // Per voxel step.

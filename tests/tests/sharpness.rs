@@ -24,11 +24,11 @@ const ZOOM: f64 = 10.0;
 /// between 90 and 10 % of the most.
 #[derive(Clone, Copy, Debug, Default)]
 struct Edge {
-    place: f64,
+    position: f64,
     width: f64,
 }
 
-/// A volume whose density is a function of the place from the middle, in voxels.
+/// A volume whose density is a function of the position from the middle, in voxels.
 fn phantom(density: impl Fn(DVec3) -> f64) -> Arc<Volume> {
     let grid = Grid::with_spacing([N_VOXELS; 3], [1.0; 3]).expect("the grid is not empty");
     let middle = DVec3::splat(0.5 * (N_VOXELS - 1) as f64);
@@ -65,7 +65,7 @@ fn picture(
     render("cpu", &scene)
 }
 
-/// Opacity at a place in voxels to the right of and above the middle of a picture, between pixels.
+/// Opacity at a position in voxels to the right of and above the middle of a picture, between pixels.
 fn opacity(image: &Image, [right, up]: [f64; 2]) -> f64 {
     let side = f64::from(image.width());
     let [x, y] = [0.5 * side + ZOOM * right - 0.5, 0.5 * side - ZOOM * up - 0.5];
@@ -79,18 +79,19 @@ fn opacity(image: &Image, [right, up]: [f64; 2]) -> f64 {
 /// The outermost edge along a line from the middle, which must end outside.
 fn edge(image: &Image, angle: f64, [from, to]: [f64; 2]) -> Edge {
     let n_steps = ((to - from) * 4.0 * ZOOM) as usize;
-    let place = |step: usize| to + (from - to) * step as f64 / n_steps as f64;
-    let at = |step: usize| opacity(image, [place(step) * angle.cos(), place(step) * angle.sin()]);
+    let position = |step: usize| to + (from - to) * step as f64 / n_steps as f64;
+    let at =
+        |step: usize| opacity(image, [position(step) * angle.cos(), position(step) * angle.sin()]);
     let profile: Vec<f64> = (0..=n_steps).map(at).collect();
     let most = profile.iter().copied().fold(0.0, f64::max);
-    // From outside, the first place at which opacity is so much.
+    // From outside, the first position at which opacity is so much.
     let first = |share: f64| {
         let step = profile.iter().position(|a| share * most <= *a).expect("the most is there");
         let [before, behind] = [step.saturating_sub(1), step].map(|step| profile[step]);
         let t = if before < behind { (share * most - before) / (behind - before) } else { 0.0 };
-        place(step) + (1.0 - t) * (place(0) - place(1))
+        position(step) + (1.0 - t) * (position(0) - position(1))
     };
-    Edge { place: first(0.5), width: first(0.1) - first(0.9) }
+    Edge { position: first(0.5), width: first(0.1) - first(0.9) }
 }
 
 /// The mean edge of a round phantom, seen from two sides.
@@ -102,7 +103,7 @@ fn round_edge(volume: &Arc<Volume>, look: Look, ends: [f64; 2]) -> Edge {
         edges.extend((0..48).map(|idx| edge(&image, angle(idx), ends)));
     }
     let mean = |of: fn(&Edge) -> f64| edges.iter().map(of).sum::<f64>() / edges.len() as f64;
-    Edge { place: mean(|edge| edge.place), width: mean(|edge| edge.width) }
+    Edge { position: mean(|edge| edge.position), width: mean(|edge| edge.width) }
 }
 
 /// The edge of a wall that faces to the right of the picture, seen exactly along.
@@ -133,17 +134,17 @@ fn densities_are_sharp_and_where_they_belong() {
         // Round phantoms end where their density is half of the most. Rays through the wall are some 50
         // voxels long, so that it ends where opacity begins.
         for (edge, truth) in edges.iter_mut().zip([20.5, 19.0, 0.5]) {
-            edge.place -= truth;
+            edge.position -= truth;
         }
         let [ball, shell, wall] =
-            edges.map(|Edge { place, width }| format!("{place:.2}, {width:.2}"));
+            edges.map(|Edge { position, width }| format!("{position:.2}, {width:.2}"));
         println!("| `{kernel}` | `{method}` | {ball} | {shell} | {wall} |");
-        for Edge { place, width } in edges {
+        for Edge { position, width } in edges {
             if method == Method::PostClassified {
-                assert!(place.abs() < 0.1 && width < 0.35, "{kernel}: {edges:?}");
+                assert!(position.abs() < 0.1 && width < 0.35, "{kernel}: {edges:?}");
             } else {
                 // Voxels that are classified first are as soft as their kernels.
-                assert!(0.4 < place && 0.4 < width, "{kernel} {method}: {edges:?}");
+                assert!(0.4 < position && 0.4 < width, "{kernel} {method}: {edges:?}");
             }
         }
     }

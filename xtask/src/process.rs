@@ -18,6 +18,12 @@ pub fn cargo(root: &Path) -> Command {
     command
 }
 
+/// The system's Python.
+#[must_use]
+pub fn python() -> Command {
+    Command::new(if cfg!(windows) { "python" } else { "python3" })
+}
+
 /// Runs the command, and shows it first.
 ///
 /// # Errors

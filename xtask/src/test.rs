@@ -2,7 +2,7 @@
 //!
 //! Cargo fetches what all of them need. Some need system packages beside, a Vulkan driver and valgrind:
 //! [`system`] says what is missing, and installs it if `--install` says so. Once all tests have passed,
-//! instructions are counted.
+//! instructions are counted, those of shaders too.
 //!
 //! Tests at random have fixed seeds. `--seeds` gives them others, as many as one has time for: [`Seeds`].
 
@@ -89,7 +89,11 @@ pub(crate) fn run(Test { installs, seeds, args }: &Test) -> Result<()> {
         test.arg("--workspace");
     }
     run_command(test.args(args))?;
-    if counts { bench::run(&["instructions"]) } else { Ok(()) }
+    if counts {
+        bench::run(&["instructions"])?;
+        bench::run(&["shaders"])?;
+    }
+    Ok(())
 }
 
 /// Whether the caller wants some packages only; what follows `--` is for the tests, not for cargo.

@@ -4,19 +4,37 @@ use slabsplat_core::glam::DVec2;
 use slabsplat_core::{Acquisition, Image, Scene};
 
 use crate::axes::{draw_coordinates, draw_edges};
-use crate::color_bar::draw_color_bar;
-use crate::orientation_marker::draw_orientation_marker;
+use crate::color_bar::draw_color_key;
+use crate::orientation_marker::{draw_orientation_marker, marker_bounds};
+use crate::room::Room;
 use crate::scale_bar::draw_scale_bar;
 use crate::screen::Screen;
 use crate::sheet::{Sheet, Words};
-use crate::text::{lacks, measure_text};
+use crate::text::{lacks, measure_text, text_size};
 
 /// Draws what lies behind all that the scene shows, the edges of the box of its axes, onto what is to be
 /// behind its frame: a background of the picture's size.
 pub fn draw_behind(background: &mut Image, scene: &Scene) {
-    if scene.finish.annotations.axes {
-        let screen = Screen::new(&scene.camera, &scene.image);
-        draw_edges(background, scene, &screen);
+    let room = Room::of(scene);
+    if !room.has_axes {
+        return;
+    }
+    let screen = Screen::new(&scene.camera, &scene.image);
+    let clear = background.clone();
+    draw_edges(background, scene, &screen);
+    if room.has_marker {
+        let em = f64::from(text_size(background.width(), background.height()));
+        restore(background, &clear, marker_bounds(screen.size(), em));
+    }
+}
+
+/// Gives the pixels between two points what they were.
+fn restore(image: &mut Image, before: &Image, [min, max]: [DVec2; 2]) {
+    let width = image.width() as usize;
+    let columns = min.x.max(0.0) as usize..(max.x.ceil() as usize).min(width);
+    let rows = image.pixels_mut().chunks_exact_mut(width).zip(before.pixels().chunks_exact(width));
+    for (row, before) in rows.take(max.y.ceil() as usize).skip(min.y.max(0.0) as usize) {
+        row[columns.clone()].copy_from_slice(&before[columns.clone()]);
     }
 }
 
@@ -32,23 +50,25 @@ pub fn annotate(image: &mut Image, scene: &Scene, acquisition: Acquisition) -> V
     assert_eq!(sizes[0], sizes[1], "the picture has another size than its scene");
     let wanted = &scene.finish.annotations;
     let screen = Screen::new(&scene.camera, &scene.image);
+    let room = Room::of(scene);
     let mut sheet = Sheet::new(image, scene);
-    if let Some(title) = &wanted.title {
+    sheet.notes = room.notes;
+    if let Some(title) = wanted.title.as_ref().filter(|_| room.has_title) {
         draw_title(&mut sheet, title);
     }
-    if wanted.scale_bar {
+    if room.has_scale_bar {
         draw_scale_bar(&mut sheet, &screen, acquisition.is_metric);
     }
-    if wanted.color_bar {
-        draw_color_bar(&mut sheet, scene);
+    if room.has_color_bar {
+        draw_color_key(&mut sheet, scene);
     }
-    if wanted.orientation_marker {
+    if room.has_marker {
         draw_orientation_marker(&mut sheet, &screen, acquisition.orientation);
     }
-    if wanted.axes {
+    if room.has_axes {
         draw_coordinates(&mut sheet, scene, &screen, acquisition);
     }
-    let has_lengths = wanted.scale_bar || wanted.axes;
+    let has_lengths = room.has_scale_bar || room.has_axes;
     if has_lengths && !acquisition.is_metric {
         let what = "the file does not say in which unit lengths are: they are shown without one";
         sheet.notes.push(what.to_owned());
@@ -67,7 +87,9 @@ fn draw_title(sheet: &mut Sheet<'_>, title: &str) {
     let lacking = lacks(title);
     if !lacking.is_empty() {
         let lacking: String = lacking.into_iter().collect();
-        sheet.notes.push(format!("the font of the title has no {lacking}"));
+        sheet
+            .notes
+            .push(format!("the font of the title has no {lacking}: boxes are in their place"));
     }
     let size = sheet.size();
     let room = size.x - 2.0 * sheet.margin();

@@ -25,7 +25,8 @@
 //! # Reading order
 //!
 //! `ink`, `coverage`, `text`, `shapes`; `screen` (where the world is in the picture), `lengths`, `sheet`
-//! (what has room in it); `axes`, `scale_bar`, `color_bar`, `orientation_marker`; `annotate` (all of them).
+//! (what lies on nothing else in it); `axes`, `scale_bar`, `color_key` (what colours mean), `color_bar`,
+//! `orientation_marker`; `room` (what a picture has room for), `annotate` (all of them).
 
 mod coverage;
 mod ink;
@@ -38,11 +39,16 @@ mod sheet;
 
 mod axes;
 mod color_bar;
+mod color_key;
 mod orientation_marker;
 mod scale_bar;
+
+mod room;
 
 mod annotate;
 
 pub use annotate::{annotate, draw_behind};
+pub use axes::axes_box;
 pub use ink::Ink;
+pub use room::{Insets, insets};
 pub use text::{Label, draw_text, lacks, measure_text, text_size};

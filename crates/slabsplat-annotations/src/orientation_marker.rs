@@ -23,8 +23,12 @@ struct Arm {
 const COLORS: [[f32; 3]; 3] = [[0.90, 0.25, 0.25], [0.25, 0.75, 0.30], [0.35, 0.50, 1.00]];
 
 /// How long an arm is, and how far from the middle its letter, in ems.
-const ARM: f64 = 2.1;
-const LETTER: f64 = 2.75;
+const ARM: f64 = 1.65;
+const LETTER: f64 = 2.35;
+
+/// Half the side of its square, and how far that is from the picture's edges.
+const HALF: f64 = LETTER + 0.6;
+const MARGIN: f64 = 0.4;
 
 /// Arms whose end is nearer to the middle than this part of their length, and point away, lie behind the
 /// others.
@@ -57,6 +61,13 @@ impl Arm {
         DVec2::new(self.in_view.x, -self.in_view.y)
     }
 
+    /// Where its letter is, in ems from the middle: beyond its end, however short it is seen, until it points
+    /// at the eye.
+    fn letter(&self) -> DVec2 {
+        let at = self.on_screen();
+        at * (ARM + (LETTER - ARM) / at.length().max(SHORT))
+    }
+
     fn is_behind(&self) -> bool {
         0.0 < self.in_view.z && self.on_screen().length() < SHORT
     }
@@ -69,6 +80,18 @@ impl Arm {
     }
 }
 
+/// Pixels from the edges of the picture that it takes.
+pub(crate) fn marker_side(em: f64) -> f64 {
+    (2.0 * HALF + MARGIN) * em
+}
+
+/// The square that it takes.
+pub(crate) fn marker_bounds(size: DVec2, em: f64) -> [DVec2; 2] {
+    let corner = DVec2::new(MARGIN * em, size.y - MARGIN * em);
+    let side = 2.0 * HALF * em;
+    [corner - DVec2::new(0.0, side), corner + DVec2::new(side, 0.0)]
+}
+
 /// Draws the marker. A perspective view has it as it is at the target.
 pub(crate) fn draw_orientation_marker(
     sheet: &mut Sheet<'_>,
@@ -77,10 +100,8 @@ pub(crate) fn draw_orientation_marker(
 ) {
     let size_pixels = sheet.text_size();
     let em = f64::from(size_pixels);
-    let half = ((LETTER + 0.65) * em).round();
-    let margin = 0.5 * sheet.margin();
-    let middle = DVec2::new(margin + half, sheet.size().y - margin - half);
-    let bounds = [middle - half, middle + half];
+    let bounds @ [min, max] = marker_bounds(sheet.size(), em);
+    let middle = min.midpoint(max);
     if !sheet.is_free(bounds) {
         return sheet.no_room_for("the orientation marker");
     }
@@ -91,7 +112,7 @@ pub(crate) fn draw_orientation_marker(
         let end = middle + arm.on_screen() * (ARM * em);
         draw_lines(sheet.image, &[[middle, end]], pen, arm.ink(ink));
         if !arm.is_behind() {
-            let at = middle + arm.on_screen() * (LETTER * em);
+            let at = middle + arm.letter() * em;
             let at = [at.x as f32, at.y as f32];
             // Letters are in the colour of text: red ones are hard to read before much.
             let label = Label { text: arm.letter, at, anchor: [0.5, 0.5], size_pixels, ink };

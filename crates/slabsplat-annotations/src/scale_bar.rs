@@ -46,6 +46,11 @@ fn room(size: DVec2) -> f64 {
     size.x.min(2.0 * size.y)
 }
 
+/// Pixels from the lower edge of the picture that it takes.
+pub(crate) fn scale_bar_height(em: f64) -> f64 {
+    2.8 * em
+}
+
 /// Draws a bar as long as a round length is at the depth of the camera's target.
 pub(crate) fn draw_scale_bar(sheet: &mut Sheet<'_>, screen: &Screen, is_metric: bool) {
     let Some(bar) = Bar::of(screen, is_metric) else { return };

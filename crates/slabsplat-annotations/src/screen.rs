@@ -63,6 +63,14 @@ impl Screen {
         self.line([point, point]).map(|[point, _]| point)
     }
 
+    /// The axis of the world that comes nearest to the camera's up vector, which stays as it goes around.
+    pub(crate) fn upright_axis(&self) -> usize {
+        let up = self.camera.up().normalize().abs();
+        // Of equal ones z, as that is upwards in most worlds.
+        let is_least = |axis: &usize| up[*axis] + 1e-9 < up.max_element();
+        (0..3).rev().find(|axis| !is_least(axis)).unwrap_or(2)
+    }
+
     fn target_depth(&self) -> f64 {
         self.camera.eye().distance(self.camera.target())
     }

@@ -79,7 +79,7 @@ fn columns_of_row([from, to]: Line, y: f64, reach: f64) -> [f64; 2] {
 }
 
 /// The part of a line within a box (Liang & Barsky 1984), or `None` if there is none or it is not finite.
-fn clipped([from, to]: Line, min: DVec2, max: DVec2) -> Option<Line> {
+pub(crate) fn clipped([from, to]: Line, min: DVec2, max: DVec2) -> Option<Line> {
     if !(from.is_finite() && to.is_finite()) {
         return None;
     }

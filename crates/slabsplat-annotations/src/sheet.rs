@@ -61,10 +61,15 @@ impl<'a> Sheet<'a> {
         min.cmpge(DVec2::ZERO).all() && max.cmple(self.size()).all()
     }
 
-    /// Whether it also lies on nothing that is there.
-    pub(crate) fn is_free(&self, [min, max]: [DVec2; 2]) -> bool {
+    /// Whether it lies on nothing that is there.
+    pub(crate) fn is_apart(&self, [min, max]: [DVec2; 2]) -> bool {
         let is_apart = |[from, to]: &[DVec2; 2]| max.cmple(*from).any() || to.cmple(min).any();
-        self.holds([min, max]) && self.taken.iter().all(is_apart)
+        self.taken.iter().all(is_apart)
+    }
+
+    /// Both.
+    pub(crate) fn is_free(&self, bounds: [DVec2; 2]) -> bool {
+        self.holds(bounds) && self.is_apart(bounds)
     }
 
     /// Takes a box, so that nothing else is drawn there.

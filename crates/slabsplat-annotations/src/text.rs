@@ -30,10 +30,11 @@ pub struct Label<'a> {
 const ASCENT: f32 = 0.93;
 const DESCENT: f32 = 0.24;
 
-/// The size of text that suits a picture of `width` × `height` pixels: a fortieth of its shorter side, and no
-/// less than is legible, 11 pixels.
+/// The size of text that suits a picture of `width` × `height` pixels: a fortieth of its shorter side, but no
+/// less than 11 pixels from 220 pixels on, and in smaller ones 9, which are just legible.
 pub fn text_size(width: u32, height: u32) -> f32 {
-    (width.min(height) as f32 / 40.0).max(11.0)
+    let side = width.min(height) as f32;
+    (side / 40.0).max((side / 20.0).clamp(9.0, 11.0))
 }
 
 /// Width and height of a line of text in pixels, by the size of an em. The height is the same for all texts;
@@ -43,10 +44,17 @@ pub fn measure_text(text: &str, size_pixels: f32) -> [f32; 2] {
     [font.glyphs(text).1, (ASCENT + DESCENT) * size_pixels]
 }
 
-/// The characters of a text that the font lacks: in their place is a box.
+/// The characters of a text that the font lacks, each once: in their place is a box.
 pub fn lacks(text: &str) -> Vec<char> {
     let font = Scaled::new(1.0);
-    text.chars().filter(|c| !c.is_control() && font.0.glyph_id(*c) == GlyphId(0)).collect()
+    let lacks = |c: &char| !c.is_control() && font.0.glyph_id(*c) == GlyphId(0);
+    let mut lacking: Vec<char> = Vec::new();
+    for c in text.chars().filter(lacks) {
+        if !lacking.contains(&c) {
+            lacking.push(c);
+        }
+    }
+    lacking
 }
 
 /// Draws a line of text; what is outside of the picture is cut off.
@@ -197,7 +205,7 @@ mod tests {
     #[test]
     fn text_of_science_is_in_the_font() {
         assert_eq!(lacks("µm Å 10⁻³ ×±° αβγ Ж é ñ ü ß Ł – — … ’ ≤ → −\n"), [] as [char; 0]);
-        assert_eq!(lacks("a漢b"), ['漢']);
+        assert_eq!(lacks("a漢b字漢"), ['漢', '字']);
         assert!(drawn(label("漢")) != Image::filled(120, 60, GRAY), "a box is drawn");
     }
 
@@ -214,6 +222,7 @@ mod tests {
     fn text_size_suits_the_picture() {
         assert_eq!(text_size(240, 240), 11.0);
         assert_eq!(text_size(4000, 4000), 100.0);
-        assert_eq!(text_size(3000, 200), 11.0);
+        assert_eq!(text_size(3000, 200), 10.0);
+        assert_eq!(text_size(60, 60), 9.0);
     }
 }

@@ -115,10 +115,6 @@ fn check_features(instance: &Instance, handle: vk::PhysicalDevice) -> Result<boo
     if newer.timeline_semaphore == vk::FALSE {
         return Err("timeline semaphores");
     }
-    if newer.vulkan_memory_model == vk::FALSE || newer.vulkan_memory_model_device_scope == vk::FALSE
-    {
-        return Err("the Vulkan memory model");
-    }
     Ok(has_robust_access)
 }
 

@@ -179,10 +179,10 @@ impl Commands {
     }
 
     /// Notes the time at which all commands before are finished.
-    pub(crate) fn write_time(&mut self, queries: vk::QueryPool, place: u32) {
+    pub(crate) fn write_time(&mut self, queries: vk::QueryPool, idx: u32) {
         let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-        // SAFETY: the list is being recorded, the pool is long enough, and the place was reset.
-        unsafe { self.context.functions.cmd_write_timestamp(self.handle, stage, queries, place) };
+        // SAFETY: the list is being recorded, the pool is long enough, and the query was reset.
+        unsafe { self.context.functions.cmd_write_timestamp(self.handle, stage, queries, idx) };
     }
 
     pub(crate) fn begin_label(&mut self, label: &str) {

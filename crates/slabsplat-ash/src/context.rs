@@ -3,6 +3,7 @@
 use crate::choose::Candidate;
 use crate::instance::Instance;
 use ash::ext::debug_utils;
+use ash::khr::pipeline_executable_properties;
 use ash::vk;
 use slabsplat_gpu::Unavailable;
 use std::ffi::CString;
@@ -14,12 +15,27 @@ pub(crate) struct Context {
     pub(crate) queue: vk::Queue,
     pub(crate) candidate: Candidate,
     pub(crate) instance: Instance,
+    /// How pipelines are made.
+    pub(crate) pipeline_flags: vk::PipelineCreateFlags,
     labels: Option<debug_utils::Device>,
 }
 
 impl Context {
     pub(crate) fn new(instance: Instance, candidate: Candidate) -> Result<Self, Unavailable> {
-        let functions = create(&instance, &candidate).map_err(|result| {
+        Self::with(instance, candidate, vk::PipelineCreateFlags::empty())
+    }
+
+    /// One whose pipelines tell what was compiled.
+    pub(crate) fn telling(instance: Instance, candidate: Candidate) -> Result<Self, Unavailable> {
+        Self::with(instance, candidate, TELLING)
+    }
+
+    fn with(
+        instance: Instance,
+        candidate: Candidate,
+        pipeline_flags: vk::PipelineCreateFlags,
+    ) -> Result<Self, Unavailable> {
+        let functions = create(&instance, &candidate, pipeline_flags).map_err(|result| {
             let reason = format!("{} could not be opened: {result}", candidate.info.name);
             Unavailable { reason }
         })?;
@@ -27,7 +43,7 @@ impl Context {
         let queue = unsafe { functions.get_device_queue(candidate.queue_family, 0) };
         let labels =
             instance.has_labels.then(|| debug_utils::Device::new(&instance.functions, &functions));
-        Ok(Self { functions, queue, candidate, instance, labels })
+        Ok(Self { functions, queue, candidate, instance, pipeline_flags, labels })
     }
 
     /// Names an object for debuggers, if they are listening.
@@ -73,21 +89,35 @@ impl Drop for Context {
     }
 }
 
-fn create(instance: &Instance, candidate: &Candidate) -> Result<ash::Device, vk::Result> {
+/// What pipelines are made with to tell what was compiled.
+const TELLING: vk::PipelineCreateFlags = vk::PipelineCreateFlags::from_raw(
+    vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR.as_raw()
+        | vk::PipelineCreateFlags::CAPTURE_INTERNAL_REPRESENTATIONS_KHR.as_raw(),
+);
+
+fn create(
+    instance: &Instance,
+    candidate: &Candidate,
+    pipeline_flags: vk::PipelineCreateFlags,
+) -> Result<ash::Device, vk::Result> {
     let queues = [vk::DeviceQueueCreateInfo::default()
         .queue_family_index(candidate.queue_family)
         .queue_priorities(&[1.0])];
     // A shader that reads past a buffer's end would otherwise read what it likes.
     let features =
         vk::PhysicalDeviceFeatures::default().robust_buffer_access(candidate.has_robust_access);
-    let mut newer = vk::PhysicalDeviceVulkan12Features::default()
-        .timeline_semaphore(true)
-        .vulkan_memory_model(true)
-        .vulkan_memory_model_device_scope(true);
-    let info = vk::DeviceCreateInfo::default()
+    let mut newer = vk::PhysicalDeviceVulkan12Features::default().timeline_semaphore(true);
+    let mut tells = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
+        .pipeline_executable_info(true);
+    let extensions = [pipeline_executable_properties::NAME.as_ptr()];
+    let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_features(&features)
         .push_next(&mut newer);
-    // SAFETY: the candidate is this instance's and has the queue and the features, see `choose`.
+    if pipeline_flags.contains(TELLING) {
+        info = info.enabled_extension_names(&extensions).push_next(&mut tells);
+    }
+    // SAFETY: the candidate is this instance's and has the queue and the features, see `choose`. A device
+    // that lacks the extension or its feature is not made: the driver says so.
     unsafe { instance.functions.create_device(candidate.handle, &info, None) }
 }

@@ -20,7 +20,7 @@
 //!
 //! `device`, `submit`, `in_flight`; `recordings`, `timing`; `uploads`, `readback`, `buffers`; `commands`,
 //! `timeline`, `pipelines`, `sets`, `pool`, `memory`; `context`, `choose`, `instance`, `validation`;
-//! `check`, `error`.
+//! `check`, `error`; `compiled`, which runs nothing.
 //!
 //! ```
 //! use slabsplat_gpu::{Device, OpenOptions};
@@ -31,6 +31,7 @@
 //! }
 //! ```
 
+mod compiled;
 mod device;
 mod in_flight;
 mod submit;
@@ -62,6 +63,7 @@ mod error;
 #[cfg(test)]
 mod tests;
 
+pub use compiled::{CompiledShader, compiled};
 pub use device::AshDevice;
 
 use slabsplat_gpu::{DeviceInfo, OpenOptions, Unavailable};

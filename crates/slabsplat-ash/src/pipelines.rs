@@ -157,7 +157,10 @@ fn create_pipeline(
         .stage(vk::ShaderStageFlags::COMPUTE)
         .module(module)
         .name(&entry_point);
-    let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout);
+    let info = vk::ComputePipelineCreateInfo::default()
+        .flags(context.pipeline_flags)
+        .stage(stage)
+        .layout(layout);
     // SAFETY: module and layout come from the same shader and are alive; the device has the features
     // that the module asks for, see `choose`.
     let made = unsafe { context.functions.create_compute_pipelines(cache, &[info], None) };

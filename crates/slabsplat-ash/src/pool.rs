@@ -50,8 +50,8 @@ impl Pool {
         let least = size_class(n_bytes);
         let suits = |buffer: &Buffer| least <= buffer.size && buffer.size / MAX_WASTE <= least;
         let suiting = self.idle.iter().enumerate().filter(|(_, buffer)| suits(buffer));
-        let (place, _) = suiting.min_by_key(|(_, buffer)| buffer.size)?;
-        Some(self.idle.remove(place))
+        let (idx, _) = suiting.min_by_key(|(_, buffer)| buffer.size)?;
+        Some(self.idle.remove(idx))
     }
 
     /// A new buffer.

@@ -65,12 +65,12 @@ impl Recordings {
         let cached = self.all.iter().position(|recording| {
             recording.is_valid && !recording.is_in_flight && recording.is_of(passes)
         });
-        if let Some(place) = cached {
-            return Ok(RecordingIdx(place));
+        if let Some(slot) = cached {
+            return Ok(RecordingIdx(slot));
         }
-        let place = self.free_place()?;
-        self.all[place].record(&self.context, passes, sources)?;
-        Ok(RecordingIdx(place))
+        let slot = self.free_slot()?;
+        self.all[slot].record(&self.context, passes, sources)?;
+        Ok(RecordingIdx(slot))
     }
 
     pub(crate) fn commands(&self, recording: RecordingIdx) -> &Commands {
@@ -117,18 +117,18 @@ impl Recordings {
 
     /// A recording that may be made anew: one of nothing, or a new one, or the one that was not used for
     /// longest.
-    fn free_place(&mut self) -> Result<usize, Fault> {
-        let places = || self.all.iter().enumerate().filter(|(_, one)| !one.is_in_flight);
-        if let Some((place, _)) = places().find(|(_, one)| !one.is_valid) {
-            return Ok(place);
+    fn free_slot(&mut self) -> Result<usize, Fault> {
+        let slots = || self.all.iter().enumerate().filter(|(_, one)| !one.is_in_flight);
+        if let Some((slot, _)) = slots().find(|(_, one)| !one.is_valid) {
+            return Ok(slot);
         }
         if self.all.len() < self.capacity {
             self.all.push(Recording::new(Commands::new(&self.context)?));
             return Ok(self.all.len() - 1);
         }
-        let oldest = places().min_by_key(|(_, one)| one.last_use);
-        let (place, _) = oldest.expect("fewer submissions are in flight than there are recordings");
-        Ok(place)
+        let oldest = slots().min_by_key(|(_, one)| one.last_use);
+        let (slot, _) = oldest.expect("fewer submissions are in flight than there are recordings");
+        Ok(slot)
     }
 }
 
@@ -209,17 +209,17 @@ impl Recording {
             commands.write_time(queries, 0);
         }
         let mut runs = passes.iter().zip(pipelines).zip(&self.sets);
-        for (place_of_end, stage) in (1..).zip(stages(passes)) {
+        for (query_idx, stage) in (1..).zip(stages(passes)) {
             commands.begin_label(stage[0].stage);
-            for (place, ((pass, pipeline), set)) in runs.by_ref().take(stage.len()).enumerate() {
-                if 0 < place || 1 < place_of_end {
+            for (nth, ((pass, pipeline), set)) in runs.by_ref().take(stage.len()).enumerate() {
+                if 0 < nth || 1 < query_idx {
                     commands.barrier(Barrier::BETWEEN_PASSES);
                 }
                 commands.dispatch(pipeline, set, pass.groups);
             }
             commands.end_label();
             if let Some(queries) = queries {
-                commands.write_time(queries, place_of_end);
+                commands.write_time(queries, query_idx);
             }
         }
     }

@@ -34,10 +34,10 @@ impl AshDevice {
         if !pieces.is_empty() {
             self.reserve_staging()?;
         }
-        for (place, piece) in pieces.iter().enumerate() {
+        for (nth, piece) in pieces.iter().enumerate() {
             let launched = self.launch(Batch::default(), piece, PIECE_BYTES);
             if let Err(fault) = launched {
-                return Err(if place == 0 { fault } else { fault.halfway() });
+                return Err(if nth == 0 { fault } else { fault.halfway() });
             }
         }
         let batch = Batch { recording, readback, ..Batch::default() };

@@ -7,6 +7,10 @@ use ash::vk;
 use std::sync::Arc;
 use std::time::Duration;
 
+/// How long a submission is waited for. Drivers that only play a card take minutes for what one does in a
+/// second.
+const MOST_PATIENCE: Duration = Duration::from_secs(600);
+
 /// Gives each submission a number, one more than the last, which the semaphore reaches when the
 /// submission is done.
 pub(crate) struct Timeline {
@@ -91,43 +95,56 @@ impl Timeline {
 
     /// Waits until a submission is done.
     pub(crate) fn wait(&self, number: u64) -> Result<(), Fault> {
-        // Drivers end work that takes too long, and then say that the device is lost.
-        self.wait_ns(number, u64::MAX)
+        // Drivers end work that takes too long, and then say that the device is lost; those that do not
+        // even do that are not waited for until the end of days.
+        if self.is_done_within(number, MOST_PATIENCE)? {
+            return Ok(());
+        }
+        let minutes = MOST_PATIENCE.as_secs() / 60;
+        Err(Fault::Driver(format!("vkWaitSemaphores: no answer within {minutes} minutes")))
     }
 
     /// The same, but no longer than that.
     pub(crate) fn wait_at_most(&self, number: u64, at_most: Duration) -> Result<(), Fault> {
-        self.wait_ns(number, u64::try_from(at_most.as_nanos()).unwrap_or(u64::MAX))
+        self.is_done_within(number, at_most).map(drop)
     }
 
-    fn wait_ns(&self, number: u64, at_most_ns: u64) -> Result<(), Fault> {
-        self.answer("vkWaitSemaphores")?;
+    fn is_done_within(&self, number: u64, at_most: Duration) -> Result<bool, Fault> {
+        if self.answer("vkWaitSemaphores")? == Some(vk::Result::TIMEOUT) {
+            return Ok(false);
+        }
         let semaphores = [self.semaphore];
         let numbers = [number];
+        let at_most_ns = u64::try_from(at_most.as_nanos()).unwrap_or(u64::MAX);
         let info = vk::SemaphoreWaitInfo::default().semaphores(&semaphores).values(&numbers);
         // SAFETY: the semaphore is a timeline, and the number was submitted.
         match unsafe { self.context.functions.wait_semaphores(&info, at_most_ns) } {
-            Ok(()) | Err(vk::Result::TIMEOUT) => Ok(()),
+            Ok(()) => Ok(true),
+            Err(vk::Result::TIMEOUT) => Ok(false),
             Err(error) => Err(during("vkWaitSemaphores")(error)),
         }
     }
 
+    /// What a test wants a function to answer: a failure, or that time was up.
     #[cfg(test)]
-    fn answer(&self, function: &'static str) -> Result<(), Fault> {
+    fn answer(&self, function: &'static str) -> Result<Option<vk::Result>, Fault> {
         let Some(forced) = self.forced.get().filter(|forced| forced.function == function) else {
-            return Ok(());
+            return Ok(None);
         };
         if let Some(n_calls_before) = forced.n_calls_before.checked_sub(1) {
             self.forced.set(Some(ForcedAnswer { n_calls_before, ..forced }));
-            return Ok(());
+            return Ok(None);
         }
         self.forced.set(None);
-        Err(during(function)(forced.result))
+        match forced.result {
+            vk::Result::TIMEOUT => Ok(Some(vk::Result::TIMEOUT)),
+            failure => Err(during(function)(failure)),
+        }
     }
 
     #[cfg(not(test))]
-    fn answer(&self, _function: &'static str) -> Result<(), Fault> {
-        Ok(())
+    fn answer(&self, _function: &'static str) -> Result<Option<vk::Result>, Fault> {
+        Ok(None)
     }
 }
 

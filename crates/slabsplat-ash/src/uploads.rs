@@ -59,8 +59,8 @@ pub(crate) fn record(
     let mut ranges = Vec::new();
     let same_copy =
         |one: &Chunk<'_>, next: &Chunk<'_>| !must_be_ordered && one.buffer == next.buffer;
-    for (place, group) in chunks.chunk_by(same_copy).enumerate() {
-        if must_be_ordered && 0 < place {
+    for (nth, group) in chunks.chunk_by(same_copy).enumerate() {
+        if must_be_ordered && 0 < nth {
             commands.barrier(Barrier::BETWEEN_COPIES);
         }
         ranges.clear();
@@ -75,7 +75,7 @@ pub(crate) fn record(
     }
 }
 
-/// If two chunks go to the same place.
+/// If two chunks go to the same offset.
 fn overlap(chunks: &[Chunk<'_>]) -> bool {
     let mut sorted: Vec<_> = chunks.iter().collect();
     sorted.sort_unstable_by_key(|chunk| (chunk.buffer, chunk.offset));
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn pieces_keep_order_and_places() {
+    fn pieces_keep_order_and_offsets() {
         let bytes: Vec<u8> = (0..40).collect();
         let writes = [write(0, 4, &bytes[..4]), write(1, 0, &[]), write(2, 100, &bytes[4..])];
         let pieces = pieces(&writes, 16);

@@ -110,7 +110,8 @@ pub struct FrameStats {
     pub n_occluded: u64,
     /// Sections or whole footprints that were splatted, once for every tile that they touch.
     pub n_splats: u64,
-    /// Those that were not, since all pixels that they could touch on a tile were saturated.
+    /// Those that were not, since all pixels that they could touch on a tile were saturated. A backend that
+    /// does not look at what is hidden counts all sections of a voxel on a tile as one.
     pub n_culled: u64,
     /// Tiles that any splat touches.
     pub n_tiles: u64,

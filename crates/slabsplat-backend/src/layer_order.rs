@@ -16,10 +16,10 @@ pub(crate) fn in_one_order(layers: &[Layer]) -> Vec<&Layer> {
 
 /// Layers that are equal look the same.
 fn compare(a: &Layer, b: &Layer) -> Ordering {
-    let by_place = || in_numbers(place(a), place(b));
+    let by_position = || in_numbers(position(a), position(b));
     let by_look = || in_numbers(look(a), look(b));
     in_numbers(region(a), region(b))
-        .then_with(by_place)
+        .then_with(by_position)
         .then_with(by_look)
         .then_with(|| by_values(&a.volume, &b.volume))
         .then_with(|| by_labels(a, b))
@@ -69,7 +69,7 @@ fn region(layer: &Layer) -> impl Iterator<Item = f64> {
 }
 
 /// Where its voxels are.
-fn place(layer: &Layer) -> impl Iterator<Item = f64> {
+fn position(layer: &Layer) -> impl Iterator<Item = f64> {
     let grid = layer.volume.grid();
     let dims = grid.dims().map(|n| n as f64);
     dims.into_iter().chain(grid.world_from_index().to_cols_array())

@@ -45,7 +45,7 @@
 //!   them; how many layers, may have a limit. One that draws densities may refuse more than one layer of
 //!   them.
 //! - **Errors.** [`BackendError`] is what a caller can act on. After an error the frame is gone and the
-//!   backend can be used on, unless it is [`BackendError::DeviceLost`]. A wrong picture is never
+//!   backend can still be used, unless it is [`BackendError::DeviceLost`]. A wrong picture is never
 //!   an acceptable answer.
 //! - **Bugs.** Taking a frame that was never submitted is the caller's bug and an error, not a panic. So is
 //!   to submit two by one handle; which of them is then taken is left open.
@@ -68,10 +68,12 @@ mod meshes;
 mod plan;
 mod plan_error;
 mod planner;
+mod polynomial_pair;
 mod scene_checks;
 mod shown_values;
 mod slabs;
 mod tables;
+mod work;
 
 pub mod densities;
 
@@ -86,4 +88,5 @@ pub use plan::{
 };
 pub use plan_error::PlanError;
 pub use planner::Planner;
+pub use polynomial_pair::PolynomialPair;
 pub use slabs::Slabs;

@@ -39,7 +39,7 @@ fn view_of_meshes(scene: &Scene) -> Result<View, PlanError> {
     let bounds = boxes.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
     let [min, max] = bounds.unwrap_or([DVec3::ZERO, DVec3::ONE]);
     let step = DMat3::from_diagonal(DVec3::splat((max - min).length() / UNITS_ACROSS));
-    let place = DAffine3::from_mat3_translation(step, 0.5 * (min + max));
-    let grid = Grid::new([1; 3], place).map_err(|_| PlanError::MeshesTooLarge)?;
+    let world_from_index = DAffine3::from_mat3_translation(step, 0.5 * (min + max));
+    let grid = Grid::new([1; 3], world_from_index).map_err(|_| PlanError::MeshesTooLarge)?;
     Ok(View::new(&grid, &scene.camera, &scene.image)?)
 }

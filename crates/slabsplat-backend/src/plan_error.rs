@@ -46,6 +46,25 @@ pub enum PlanError {
         /// A slab width, as settings have it, at which it meets few enough.
         wide_enough: f64,
     },
+    /// Slabs would make work out of all proportion to voxels and pixels: the steps of a volume are too
+    /// unequal, or those of two layers, or slabs too thin.
+    #[error(
+        "a frame of {n:.1e} {of} takes too long: the volume with spacing {spacing} is cut into too many \
+         slabs, as {cause}; correct the spacing, set slab_width to {wide_enough} or more, or draw \
+         every-sample, which has no slabs"
+    )]
+    TooMuchWork {
+        /// How many.
+        n: f64,
+        /// Of what there are too many.
+        of: &'static str,
+        /// The voxel steps of the volume that has the most part in it, in world units.
+        spacing: String,
+        /// What makes it so much.
+        cause: String,
+        /// A slab width, as settings have it, at which there are few enough of them.
+        wide_enough: f64,
+    },
     /// There is nothing to draw.
     #[error("the scene has no layers and no meshes")]
     NoLayers,

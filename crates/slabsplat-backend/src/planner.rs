@@ -6,6 +6,7 @@ use crate::scene_checks::{check_method, is_of_densities};
 use crate::shown_values::shown_ranges;
 use crate::slabs::{Depths, check_sections};
 use crate::tables::{LayerToSplat, Tables};
+use crate::work::SlabWork;
 use crate::{DensitySplats, FramePlan, LayerPlan, PlanError};
 use slabsplat_core::{
     BlinnPhong, Compositing, Grid, Layer, Light, Method, Mode, RegionInView, Scene, Shading, View,
@@ -73,6 +74,10 @@ impl Planner {
             layers.iter().map(|layer| layer.volume.grid()).try_for_each(|grid| {
                 check_sections(grid, kernel.radius(), width * unit, settings.slab_width)
             })?;
+            let grids = layers.iter().map(|layer| layer.volume.grid());
+            let (slab_width, n_pixels) = (settings.slab_width, scene.image.n_pixels());
+            let radius = kernel.radius();
+            SlabWork { grids, method, radius, slab_width, n_pixels }.check()?;
         }
         let slabs = Depths::slabs(&depths, width * unit)?;
         self.tables.resize_with(n_layers, Tables::default);

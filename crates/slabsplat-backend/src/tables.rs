@@ -4,10 +4,12 @@ use crate::{
     Cached, ColorSplats, DensitySplats, MergedSections, SectionSplats, SeparableDensities, Slabs,
     SmoothSections, Splats,
 };
-use slabsplat_core::{Grid, Lookup, Method, Normalization, RenderSettings, SliceOrder, View};
+use slabsplat_core::{
+    Grid, KernelName, Lookup, Method, Normalization, RenderSettings, SliceOrder, View,
+};
 use slabsplat_kernel::{
-    CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, SectionDesc,
-    SectionTable, SplitLevels, SplitView, TableDesc, TiltedSections,
+    CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, KernelTails,
+    SectionDesc, SectionTable, SplitLevels, SplitView, TableDesc, TiltedSections,
 };
 use std::sync::Arc;
 
@@ -19,6 +21,8 @@ pub(crate) struct Tables {
     whole: Cached<TableKey, Arc<SectionTable>>,
     footprint: Cached<TableKey, Arc<FootprintTable>>,
     cubic: Cached<TableKey, Arc<CubicSectionTable>>,
+    /// By the kernel's name.
+    tails: Cached<KernelName, KernelTails>,
     tilted: Cached<TableKey, Option<Arc<TiltedSections>>>,
 }
 
@@ -97,7 +101,8 @@ impl Tables {
     ) -> Option<MergedSections> {
         let layer_depth = shape.half_depth / unit;
         let view = SplitView { layer_depth, steepest_ray: view.steepest_ray(), is_cut: is_split };
-        let levels = SplitLevels::new(&key.settings, kernel, view);
+        let tails = self.tails.made_of(key.settings.kernel.clone(), |_| KernelTails::of(kernel));
+        let levels = SplitLevels::new(&key.settings, tails, view);
         if levels.are_all_last() {
             return None;
         }

@@ -1,6 +1,7 @@
 //! `slabsplat batch`: a picture of each of many inputs.
 
 use crate::flags::{HowFlags, PictureFlags, SceneFlags, Target, Written, is_same_file};
+use crate::plain::counted;
 use crate::{render, terminal};
 use anyhow::{Result, bail};
 use clap::Args;
@@ -17,7 +18,7 @@ pub(crate) struct BatchArgs {
     inputs: Vec<PathBuf>,
 
     /// The folder for the pictures; each is called as its input is
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
 
     #[command(flatten)]
@@ -55,9 +56,10 @@ pub(crate) fn run(args: BatchArgs) -> Result<()> {
     let n_inputs = args.inputs.len();
     if !failed.is_empty() {
         let names = failed.join(", ");
-        bail!("{} of {n_inputs} inputs could not be drawn: {names}", failed.len());
+        bail!("{} of {} could not be drawn: {names}", failed.len(), counted(n_inputs, "input"));
     }
-    terminal::say(format_args!("{n_inputs} pictures in {}", args.output.display()));
+    let pictures = counted(n_inputs, "picture");
+    terminal::say(format_args!("{pictures} in {}", args.output.display()));
     Ok(())
 }
 
@@ -77,7 +79,11 @@ fn failure(input: &Path, error: &anyhow::Error) -> Value {
 fn targets(inputs: &[PathBuf], folder: &Path, picture: &PictureFlags) -> Result<Vec<Target>> {
     let mut taken = HashMap::new();
     let target = |input: &PathBuf| {
-        let path = folder.join(picture.name_for(input)?);
+        let Some(name) = picture.name_for(input) else {
+            let input = input.display();
+            bail!("{input} gives its picture no name: slabsplat render {input} -o FILE draws it");
+        };
+        let path = folder.join(name);
         if let Some(other) = taken.insert(path.clone(), input.clone()) {
             let [other, input] = [&other, input].map(|input| input.display());
             bail!("{other} and {input} would both be drawn into {}", path.display());

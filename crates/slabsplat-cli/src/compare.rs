@@ -1,16 +1,18 @@
 //! `slabsplat compare`: one scene by several settings, side by side, with differences and figures.
 
 use crate::flags::{SceneFlags, check_folder};
+use crate::plain::counted;
 use crate::progress::Progress;
+use crate::render::nothing_visible;
 use crate::{advice, columns, output, terminal};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::io::{IoError, PictureFormat};
+use slabsplat::io::{IoError, PictureFormat, Provenance, SceneFile};
 use slabsplat::{
-    FrameHandle, Image, ImageDifference, Method, OpenScene, Pane, PoppingReport, Renderer, Scene,
-    Sheet, SheetDesc, Sweep, Variant, Vary, difference_picture, gain_for, measure_popping,
-    variants,
+    FrameHandle, Image, ImageDesc, ImageDifference, Method, OpenScene, Pane, PoppingReport,
+    Renderer, Sheet, SheetDesc, Sweep, Variant, Vary, difference_picture, gain_for,
+    measure_popping, variants,
 };
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -30,7 +32,7 @@ pub(crate) struct CompareArgs {
     output: Option<PathBuf>,
 
     /// Write every picture and difference by itself, too, into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "FOLDER")]
     panes: Option<PathBuf>,
 
     /// A setting and its values; given twice or more, all combinations [default: method, all of them]
@@ -48,6 +50,11 @@ pub(crate) struct CompareArgs {
     /// Measure popping, too: over a turn of 5 degrees about the scene's camera, in steps of half a degree
     #[arg(long)]
     popping: bool,
+
+    /// Leave the scene out of the pictures' metadata: a sheet says which scene it compares, and a picture of
+    /// --panes which one it shows
+    #[arg(long)]
+    no_metadata: bool,
 
     /// Make the sheet's folder if it is not there
     #[arg(long)]
@@ -81,6 +88,8 @@ struct Compared {
 struct Drawn {
     image: Image,
     ms: f64,
+    /// Why nothing is visible, if nothing is.
+    blank: Option<String>,
     popping: Option<PoppingReport>,
 }
 
@@ -91,25 +100,42 @@ pub(crate) fn run(args: &CompareArgs) -> Result<()> {
     let format = args.output.as_deref().map(|path| format_of(path, args.mkdir)).transpose()?;
     if let Some(folder) = &args.panes {
         std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make the directory {}", folder.display()))?;
+            .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     }
     let progress = Progress::start("reading", 0);
-    let (mut renderer, mut opened) = args.scene.opened(&progress)?;
+    let check = |file: &SceneFile| {
+        let sheet = args.output.is_some().then(|| sheet(&file.image, &varied, all.len()));
+        sheet.transpose().map(drop)
+    };
+    let (mut renderer, mut opened) = args.scene.opened(&progress, &check)?;
     drop(progress);
     if !args.scene.says_gradients() {
         // What was found by gradients cannot be drawn by all that are compared.
         opened.scene.layers.iter_mut().for_each(|layer| layer.gradient_opacity = None);
     }
-    let sheet =
-        args.output.is_some().then(|| sheet(&opened.scene, &varied, all.len())).transpose()?;
+    let sheet = args
+        .output
+        .is_some()
+        .then(|| sheet(&opened.scene.image, &varied, all.len()))
+        .transpose()?;
     let compared =
         args.scene.in_scene(|| Ok(draw_all(&mut renderer, &opened, all, args.popping)))?;
     let comparison = Comparison::of(compared, reference, args.gain)?;
+    comparison.warn_of_blanks();
+    renderer.caps().name.clone_into(&mut opened.backend);
+    let writes = args.output.is_some() || args.panes.is_some();
+    let file = (writes && !args.no_metadata).then(|| opened.to_file()).transpose()?;
     if let (Some(path), Some(format), Some(sheet)) = (&args.output, format, sheet) {
-        output::write_picture(path, format, &comparison.sheet(&sheet), None)?;
+        let about = file.as_ref().and_then(|file| provenance(file, path));
+        output::write_picture(path, format, &comparison.sheet(&sheet), about.as_ref())?;
     }
     if let Some(folder) = &args.panes {
-        comparison.write_panes(folder)?;
+        let scene_of = |variant: &Variant| {
+            file.as_ref()
+                .map(|file| Ok(file.at_moment(&variant.applied(&opened.scene)?)?))
+                .transpose()
+        };
+        comparison.write_panes(folder, scene_of)?;
     }
     let text = if args.json { format!("{:#}\n", comparison.json()) } else { comparison.text() };
     terminal::answer(&text)
@@ -138,16 +164,23 @@ fn format_of(path: &Path, makes_folders: bool) -> Result<PictureFormat> {
     Ok(format)
 }
 
+/// What a picture is to say of itself.
+fn provenance(scene: &SceneFile, path: &Path) -> Option<Provenance> {
+    let about = Provenance::of_scene(scene, path);
+    about.map_err(|error| terminal::warn(&format!("{}: {error}", path.display()))).ok()
+}
+
 /// A column for each value of the last setting, if two or more are varied.
-fn sheet(scene: &Scene, varied: &[Vary], n_panes: usize) -> Result<Sheet> {
+fn sheet(image: &ImageDesc, varied: &[Vary], n_panes: usize) -> Result<Sheet> {
     let n_columns = match varied {
         [_, .., last] => last.n_values(),
         _ => n_panes.min(COLUMNS),
     };
-    let pane_size = [scene.image.width, scene.image.height];
+    let pane_size = [image.width, image.height];
     Sheet::new(SheetDesc { n_panes, n_columns, pane_size }).map_err(|error| {
         anyhow!(
-            "{error}: a sheet of {n_panes} panes needs smaller pictures, by --width and --height"
+            "{error}: a sheet of {} needs smaller pictures, by --width and --height",
+            counted(n_panes, "picture")
         )
     })
 }
@@ -178,14 +211,15 @@ fn draw(
     advice::render(renderer, &scene)?;
     let frame = FrameHandle::new();
     let started = Instant::now();
-    let image = advice::picture(renderer, &scene, opened.acquisition, &frame)?.frame.image;
+    let picture = advice::picture(renderer, &scene, opened.acquisition, &frame)?;
     let ms = started.elapsed().as_secs_f64() * 1e3;
+    let blank = picture.is_blank.then(|| nothing_visible(&scene, &picture.frame));
     let mut popping = None;
     if measures_popping {
         let measured = measure_popping(renderer, &scene, scene.settings.method, TURN, || ());
         popping = Some(measured.map_err(|error| advice::of(error, renderer.caps()))?);
     }
-    Ok(Drawn { image, ms, popping })
+    Ok(Drawn { image: picture.frame.image, ms, blank, popping })
 }
 
 /// All that is answered.
@@ -213,6 +247,16 @@ impl Comparison {
         let largest = differences.iter().flatten().map(|d| d.largest).fold(0.0, f32::max);
         let gain = gain.unwrap_or_else(|| gain_for(largest.into()));
         Ok(Self { all, differences, reference, reference_label, gain })
+    }
+
+    /// Empty pictures are all the same, which is not what somebody wants to know.
+    fn warn_of_blanks(&self) {
+        for compared in &self.all {
+            let drawn = compared.drawn.as_ref().ok();
+            if let Some(why) = drawn.and_then(|drawn| drawn.blank.as_ref()) {
+                terminal::warn(&format!("{}: nothing is visible: {why}", compared.variant.label()));
+            }
+        }
     }
 
     fn difference_picture(&self, image: &Image) -> Image {
@@ -245,15 +289,21 @@ impl Comparison {
         sheet.draw(&panes, &scale, 1.0 / self.gain)
     }
 
-    fn write_panes(&self, folder: &Path) -> Result<()> {
+    fn write_panes(
+        &self,
+        folder: &Path,
+        scene_of: impl Fn(&Variant) -> Result<Option<SceneFile>>,
+    ) -> Result<()> {
         for compared in &self.all {
             let Ok(drawn) = &compared.drawn else { continue };
             let name = compared.variant.label().replace(", ", "-").replace(' ', "-");
-            let write = |name: String, image: &Image| {
-                output::write_picture(&folder.join(name), PictureFormat::Png, image, None)
-            };
-            write(format!("{name}.png"), &drawn.image)?;
-            write(format!("{name}-difference.png"), &self.difference_picture(&drawn.image))?;
+            let path = folder.join(format!("{name}.png"));
+            let scene = scene_of(&compared.variant)?;
+            let about = scene.and_then(|scene| provenance(&scene, &path));
+            output::write_picture(&path, PictureFormat::Png, &drawn.image, about.as_ref())?;
+            let path = folder.join(format!("{name}-difference.png"));
+            let difference = self.difference_picture(&drawn.image);
+            output::write_picture(&path, PictureFormat::Png, &difference, None)?;
         }
         Ok(())
     }

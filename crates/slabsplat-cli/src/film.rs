@@ -3,18 +3,21 @@
 use crate::filming::Filming;
 use crate::flags::{FilmFlags, SceneFlags};
 use crate::progress::Progress;
-use anyhow::{Context, Result};
+use crate::turntable::USUAL_SECONDS;
+use anyhow::{Result, bail};
 use clap::Args;
-use slabsplat::film::{Axis, Turn};
-use slabsplat::io::SceneFile;
-use slabsplat::{Camera, Scene};
+use slabsplat::film::{Film, Turn};
+use slabsplat::io::{SceneFile, TurnFile};
+use slabsplat::{Camera, Scene, TurnAxis};
 use std::time::Instant;
 
-/// Film a scene file that has key frames, in [film]
+/// Film a scene file that has key frames or a turn, in [film]
 ///
-/// Flags change the scene, which is how all is at the beginning; key frames say what it becomes. While the
-/// film is made its frames are in a folder FILE.frames: an interrupted run is continued by the same command.
+/// Flags change the scene, which is how all is at the beginning; key frames say what it becomes. A film in
+/// .webp or .apng says what it shows, and can stand for the scene file. While the film is made its frames are
+/// in a folder FILE.frames: an interrupted run is continued by the same command.
 #[derive(Args)]
+#[command(mut_arg("seconds", |arg| arg.help(SECONDS)))]
 pub(crate) struct FilmArgs {
     #[command(flatten)]
     film: FilmFlags,
@@ -23,19 +26,29 @@ pub(crate) struct FilmArgs {
     scene: SceneFlags,
 }
 
+/// Unlike a turntable, key frames say how long they last.
+const SECONDS: &str = "How long the film is, in seconds [default: as the scene file says; else until the last \
+                       key; of a turn 6]";
+
 pub(crate) fn run(args: &FilmArgs) -> Result<()> {
     let started = Instant::now();
-    let (path, format) = args.film.target()?;
-    let progress = Progress::start("reading", 0);
-    let (renderer, mut opened) = args.scene.opened_around(&progress, &views)?;
-    drop(progress);
-    let Some(file) = &mut opened.sources.film else {
-        return args.scene.in_scene(|| Err(anyhow::anyhow!(NO_FILM)));
+    let (path, format) = args.film.target(args.scene.input())?;
+    let check = |file: &SceneFile| {
+        let of_file = file.film.as_ref().and_then(|film| film.frames_per_second);
+        args.film.check(format, file, args.film.rate(of_file)?)
     };
+    let progress = Progress::start("reading", 0);
+    let (renderer, mut opened) = args.scene.opened_around(&progress, &check, &views)?;
+    drop(progress);
+    let Some(file) = &mut opened.sources.film else { return no_film(args) };
     let rate = args.film.rate(file.frames_per_second)?;
+    file.frames_per_second = Some(rate.per_second());
     file.seconds = args.film.seconds(rate).or(file.seconds);
-    let film = args.scene.in_scene(|| opened.film()?.context(NO_FILM))?;
-    let n_frames = args.film.n_frames(rate, film.seconds())?;
+    let seconds_of_turn = file.seconds.unwrap_or(USUAL_SECONDS);
+    let film = args.scene.in_scene(|| Ok(opened.film()?))?;
+    let seconds = film.as_ref().map_or(seconds_of_turn, Film::seconds);
+    let n_frames = args.film.n_frames(rate, seconds)?;
+    let turn = opened.turn(n_frames);
     let filming = Filming {
         flags: &args.film,
         scene_flags: &args.scene,
@@ -45,19 +58,31 @@ pub(crate) fn run(args: &FilmArgs) -> Result<()> {
         renderer,
         opened,
         length: (n_frames, rate),
-        motion: String::new(),
     };
-    let at = |frame_idx| film.seconds_of(frame_idx, n_frames);
-    filming.run(|frame_idx| Ok::<Scene, _>(film.scene_at(at(frame_idx))?))
+    match (turn, film) {
+        (Some(turn), _) => filming.run_turn(turn),
+        (None, Some(film)) => {
+            let at = |frame_idx| film.seconds_of(frame_idx, n_frames);
+            filming.run(|frame_idx| Ok::<Scene, _>(film.scene_at(at(frame_idx))?))
+        }
+        (None, None) => no_film(args),
+    }
 }
 
-const NO_FILM: &str = "it has no [film] with key frames; slabsplat turntable films what has none";
+fn no_film(args: &FilmArgs) -> Result<()> {
+    let what = "it has no [film] with key frames; slabsplat turntable films what has none";
+    args.scene.in_scene(|| bail!(what))
+}
 
 /// Where a camera that is found may be, if keys turn it.
 fn views(file: &SceneFile, camera: &Camera) -> Vec<Camera> {
+    if let Some(turn) = file.film.as_ref().and_then(|film| film.turn) {
+        let TurnFile { axis, degrees, is_rocking, .. } = turn;
+        return Turn { axis, degrees, is_rocking, n_frames: 1 }.views(camera);
+    }
     let keys = file.film.iter().flat_map(|film| &film.keys);
     let azimuths = keys.filter_map(|key| key.azimuth_degrees);
     let [least, largest] = azimuths.fold([0.0_f64; 2], |[min, max], it| [min.min(it), max.max(it)]);
-    let turn = |degrees| Turn { axis: Axis::Up, degrees, is_rocking: false, n_frames: 1 };
+    let turn = |degrees| Turn { axis: TurnAxis::Up, degrees, is_rocking: false, n_frames: 1 };
     [least, largest].into_iter().flat_map(|degrees| turn(degrees).views(camera)).collect()
 }

@@ -1,12 +1,16 @@
 //! The making of a film: frames in order, how far it is, and what is said of it.
 
 use crate::flags::{FilmFlags, SceneFlags};
+use crate::plain::counted;
 use crate::progress::Progress;
+use crate::render::nothing_visible;
 use crate::{advice, columns, output, terminal};
-use anyhow::{Error, Result};
+use anyhow::{Error, Result, anyhow};
 use serde_json::{Value, json};
-use slabsplat::film::{FilmDesc, FilmFormat, FilmReport, FrameRate, Step};
-use slabsplat::io;
+use slabsplat::film::{
+    FilmDesc, FilmError, FilmFormat, FilmFrame, FilmReport, FrameRate, Step, Turn,
+};
+use slabsplat::io::{self, Provenance, SceneFile};
 use slabsplat::{Caps, FrameHandle, OpenScene, Renderer, Scene};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -21,16 +25,22 @@ pub(crate) struct Filming<'a> {
     pub(crate) renderer: Renderer,
     pub(crate) opened: OpenScene,
     pub(crate) length: (u32, FrameRate),
-    /// What tells it from other films of the same scene, in lines of `key = value`.
-    pub(crate) motion: String,
 }
 
 impl Filming<'_> {
     /// Makes the film, of which `scene_at` tells the scene of each frame.
     pub(crate) fn run(mut self, scene_at: impl Fn(u32) -> Result<Scene>) -> Result<()> {
         let desc = self.flags.desc(self.format, &self.opened.scene, self.length)?;
-        let identity = self.identity()?;
+        self.renderer.caps().name.clone_into(&mut self.opened.backend);
+        let file = self.opened.to_file()?;
+        let identity = self.identity(&file)?;
         let film = self.flags.begin(self.path, self.format, desc, &identity)?;
+        let film = match self.format {
+            FilmFormat::WebP | FilmFormat::Apng => {
+                film.metadata(self.flags.metadata(&file, self.path))
+            }
+            _ => film,
+        };
         let mut counter = Counter::start(film.n_done(), desc.n_frames);
         output::say_when_interrupted(Some(format!(
             "interrupted: the same command continues {} with the frames that are there",
@@ -38,6 +48,7 @@ impl Filming<'_> {
         )));
         let acquisition = self.opened.acquisition;
         let mut notes: Vec<String> = Vec::new();
+        let (mut why_blank, mut is_seen) = (None, false);
         let render = |frame_idx| {
             let (scene, watched) = (scene_at(frame_idx)?, FrameHandle::new());
             let picture = advice::picture(&mut self.renderer, &scene, acquisition, &watched)?;
@@ -48,25 +59,48 @@ impl Filming<'_> {
                     notes.push(note);
                 }
             }
-            Ok::<_, Error>(picture.frame.image)
+            match picture.is_blank {
+                true => why_blank = Some(nothing_visible(&scene, &picture.frame)),
+                false => is_seen = true,
+            }
+            let frame = FilmFrame::from(picture.frame.image);
+            if self.format != FilmFormat::PngSequence {
+                return Ok::<_, Error>(frame);
+            }
+            // Each is a picture of its own.
+            let path = self.path.join("frame.png");
+            Ok(frame.metadata(self.flags.metadata(&file.at_moment(&scene)?, &path)))
         };
         let made = film.make(render, |step| counter.step(step));
         output::say_when_interrupted(None);
         drop(counter);
-        let report = self.scene_flags.in_scene(|| made)?;
+        let report = self.scene_flags.in_scene(|| made.map_err(with_way_on))?;
+        if let Some(why) = why_blank.filter(|_| !is_seen && report.n_continued == 0) {
+            terminal::warn(&format!("nothing is visible in any frame: {why}"));
+        }
+        if let Some(path) = self.flags.scene_path() {
+            output::write_scene(path, &file)?;
+        }
         self.tell(&desc, &report)
     }
 
     /// All that decides about its pixels.
-    fn identity(&mut self) -> Result<String> {
-        let caps = self.renderer.caps();
-        caps.name.clone_into(&mut self.opened.backend);
-        let scene = io::scene_text(&self.opened.to_file()?, self.path)?;
-        let (device, motion, program) = (&caps.device, &self.motion, io::Provenance::PROGRAM);
+    fn identity(&self, file: &SceneFile) -> Result<String> {
+        let scene = io::scene_text(file, self.path)?;
+        let (device, program) = (&self.renderer.caps().device, Provenance::PROGRAM);
+        let says_scene = self.flags.says_scene();
+        // It comes first, as it decides where the camera is found.
+        let turn = file.film.as_ref().and_then(|film| film.turn);
         Ok(format!(
             "Frames of a film that is being made; the command that began it continues it.\n\
-             program = {program}\ndevice = {device}\n{motion}{scene}"
+             program = {program}\ndevice = {device}\nmetadata = {says_scene}\nturn = {turn:?}\n{scene}"
         ))
+    }
+
+    /// Films a thing that turns.
+    pub(crate) fn run_turn(self, turn: Turn) -> Result<()> {
+        let base = self.opened.scene.clone();
+        self.run(|frame_idx| Ok::<Scene, _>(turn.scene_at(&base, frame_idx)?))
     }
 
     fn tell(&self, desc: &FilmDesc, report: &FilmReport) -> Result<()> {
@@ -79,16 +113,31 @@ impl Filming<'_> {
             n => format!(", {n} of them from before"),
         };
         terminal::say(format_args!(
-            "{}: {width} x {height} pixels, {} frames{continued}, {:.2} s at {} a second, {}, in {} s",
+            "{}: {width} x {height} pixels, {}{continued}, {:.2} s at {} a second, {}, in {} s",
             self.path.display(),
-            report.n_frames,
+            counted(report.n_frames as usize, "frame"),
             report.seconds,
             desc.rate.per_second(),
             columns::bytes(report.n_bytes),
             self.started.elapsed().as_secs(),
         ));
+        if let Some(path) = self.flags.scene_path() {
+            terminal::say(format_args!("{}: its scene", path.display()));
+        }
         let answer = json_of(self, desc, report, self.renderer.caps());
         if self.flags.json { terminal::answer(&format!("{answer:#}\n")) } else { Ok(()) }
+    }
+}
+
+/// What to do where the disk is full, or ffmpeg fails: nothing that was rendered is lost.
+fn with_way_on(error: Error) -> Error {
+    match error.downcast_ref() {
+        Some(FilmError::Write { .. } | FilmError::Ffmpeg { .. }) => {
+            anyhow!(
+                "{error}; once that is mended, the same command goes on with the frames that are there"
+            )
+        }
+        _ => error,
     }
 }
 
@@ -127,7 +176,8 @@ const BETWEEN_LINES: Duration = Duration::from_secs(10);
 impl Counter {
     fn start(n_before: u32, n_frames: u32) -> Self {
         if 0 < n_before {
-            terminal::say(format_args!("continued: {n_before} of {n_frames} frames are there"));
+            let all = counted(n_frames as usize, "frame");
+            terminal::say(format_args!("continued: {n_before} of {all} done before"));
         }
         let bar = Progress::start("rendering", n_frames as usize);
         bar.begin_at(n_before.into());
@@ -137,6 +187,11 @@ impl Counter {
 
     fn step(&mut self, step: Step) {
         match step {
+            Step::Damaged { what, .. } => {
+                terminal::warn(&format!("{what}; it is drawn again"));
+                self.n_before = self.n_before.saturating_sub(1);
+                self.bar.step_back();
+            }
             Step::Rendered(n_done) => {
                 self.bar.step();
                 if !Progress::is_seen()
@@ -162,7 +217,8 @@ impl Counter {
 fn line(n_done: u32, n_frames: u32, seconds_of_one: f64) -> String {
     let percent = u64::from(n_done) * 100 / u64::from(n_frames);
     let left = duration(seconds_of_one * f64::from(n_frames - n_done));
-    format!("{n_done} of {n_frames} frames, {percent} %, {left} left")
+    let all = counted(n_frames as usize, "frame");
+    format!("{n_done} of {all}, {percent} %, {left} left")
 }
 
 /// Seconds as people say them.

@@ -5,6 +5,7 @@ use crate::flags::RawFlags;
 use crate::{progress, stdin, terminal};
 use anyhow::{Result, anyhow, bail};
 use slabsplat::OpenError;
+use slabsplat::film::FilmFormat;
 use slabsplat::io::{
     self, IoError, LayerFile, LoadedVolume, MemoryNeed, PictureFormat, PictureScene, Provenance,
     SceneFile, VolumeSource,
@@ -23,10 +24,27 @@ pub(crate) fn scene_file(input: &Path) -> Result<SceneFile> {
     if is_picture(input) {
         return of_picture(input);
     }
+    check_no_film(input)?;
     if io::is_mesh_name(input) {
         return Ok(SceneFile::of_mesh(input));
     }
     Ok(SceneFile::of_volume(VolumeSource::File(input.to_owned())))
+}
+
+/// That `input` is no film, which would be taken for a volume.
+fn check_no_film(input: &Path) -> Result<()> {
+    let Some(format) = FilmFormat::of_name(input) else { return Ok(()) };
+    let path = input.display();
+    if format == FilmFormat::PngSequence {
+        bail!(
+            "{path} is a film: name one of its frames, as {path}/frame_00000.png, which says what it shows"
+        );
+    }
+    bail!(
+        "{path} is a film, and {} has no room for what it shows: take the scene file that --save-scene wrote of \
+         it; webp and apng have room",
+        format.name()
+    )
 }
 
 /// Whether `input` names a scene file.
@@ -36,7 +54,7 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 
 /// Whether `input` names a picture. A TIFF is one if it says what it shows, and else a volume.
 pub(crate) fn is_picture(input: &Path) -> bool {
-    PictureFormat::of_name(input).is_some_and(|format| {
+    PictureFormat::of_picture(input).is_some_and(|format| {
         !format.holds_volumes() || matches!(io::read_picture_scene(input), Ok(Some(_)))
     })
 }

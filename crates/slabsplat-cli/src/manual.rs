@@ -27,13 +27,13 @@ pub(crate) fn print_completions(args: &CompletionsArgs, mut command: Command) ->
 #[derive(Args)]
 pub(crate) struct ManualArgs {
     /// The folder for them; it is made if it is not there
-    #[arg(value_name = "DIR")]
-    directory: PathBuf,
+    #[arg(value_name = "FOLDER")]
+    folder: PathBuf,
 }
 
 pub(crate) fn write(args: &ManualArgs, mut command: Command) -> Result<()> {
-    let pages = folder(&args.directory.join("man1"))?;
-    let completions = folder(&args.directory.join("completions"))?;
+    let pages = folder(&args.folder.join("man1"))?;
+    let completions = folder(&args.folder.join("completions"))?;
     for shell in [Shell::Bash, Shell::Elvish, Shell::Fish, Shell::PowerShell, Shell::Zsh] {
         clap_complete::generate_to(shell, &mut command, NAME, &completions)
             .with_context(|| cannot_write(&completions))?;

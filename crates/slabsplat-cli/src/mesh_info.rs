@@ -10,11 +10,13 @@ use slabsplat::io::LoadedMesh;
 pub(crate) struct MeshInfo {
     format: &'static str,
     n_triangles: usize,
+    n_lines: usize,
+    n_points: usize,
     n_dropped: usize,
     n_vertices: usize,
     has_normals: bool,
     has_colors: bool,
-    /// The least and the greatest corner around all triangles, if there are any.
+    /// The least and the greatest corner around all of it, if there is anything.
     bounds: Option<[DVec3; 2]>,
 }
 
@@ -23,6 +25,8 @@ impl MeshInfo {
         Self {
             format: format.name(),
             n_triangles: mesh.triangles().len(),
+            n_lines: mesh.lines().len(),
+            n_points: mesh.points().len(),
             n_dropped: mesh.dropped().n_all(),
             n_vertices: mesh.positions().len(),
             has_normals: mesh.vertex_normal(0).is_some(),
@@ -35,6 +39,8 @@ impl MeshInfo {
         json!({
             "format": self.format,
             "triangles": self.n_triangles,
+            "lines": self.n_lines,
+            "points": self.n_points,
             "left_out": self.n_dropped,
             "vertices": self.n_vertices,
             "normals": self.has_normals,
@@ -53,6 +59,8 @@ impl MeshInfo {
         pairs([
             ("format", self.format.to_owned()),
             ("triangles", self.n_triangles.to_string()),
+            ("lines", self.n_lines.to_string()),
+            ("points", self.n_points.to_string()),
             ("left out", self.n_dropped.to_string()),
             ("vertices", self.n_vertices.to_string()),
             ("normals", yes_or_no(self.has_normals)),

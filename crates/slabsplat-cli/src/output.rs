@@ -70,16 +70,18 @@ fn writing() -> MutexGuard<'static, ()> {
 /// From now on, signals that end the program do so when no picture is being written.
 #[cfg(unix)]
 pub(crate) fn end_between_pictures() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
     use signal_hook::iterator::Signals;
 
     let ignored = ignored_signals();
     let ending =
         [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
     // Without it the program works as well, until somebody interrupts it.
-    let Ok(mut signals) = Signals::new(ending) else { return };
+    // A file that would exceed `ulimit -f` is then an error where it is written, and what there is of it
+    // goes.
+    let Ok(mut signals) = Signals::new(ending.chain([SIGXFSZ])) else { return };
     std::thread::spawn(move || {
-        for signal in signals.forever() {
+        for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
             let _not_interrupted = writing();
             let line = INTERRUPTED.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(line) = line {

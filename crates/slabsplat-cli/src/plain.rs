@@ -16,9 +16,20 @@ pub(crate) fn plain(value: f64) -> String {
     }
 }
 
+/// How many there are: `1 frame`, `2 frames`.
+pub(crate) fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn counted_things() {
+        let said = [0, 1, 2].map(|n| counted(n, "frame"));
+        assert_eq!(said, ["0 frames", "1 frame", "2 frames"]);
+    }
 
     #[test]
     fn plain_numbers() {

@@ -87,6 +87,11 @@ impl Progress {
         frame
     }
 
+    /// A step that was done before is not.
+    pub(crate) fn step_back(&self) {
+        self.bar.dec(1);
+    }
+
     /// One step is done.
     pub(crate) fn step(&self) {
         self.bar.inc(1);

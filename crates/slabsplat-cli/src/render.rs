@@ -1,6 +1,7 @@
 //! `slabsplat render`: one picture.
 
 use crate::flags::{OutputFlags, SceneFlags, Written};
+use crate::plain::counted;
 use crate::progress::Progress;
 use crate::terminal::{self, Loudness};
 use crate::{advice, stats};
@@ -40,8 +41,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
 pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, with_stats: bool) -> Result<Value> {
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
-    let (mut renderer, mut opened) = scene.opened(&progress)?;
-    written.target.format.check(&opened.scene)?;
+    let check = |file: &SceneFile| Ok(written.target.format.check(file)?);
+    let (mut renderer, mut opened) = scene.opened(&progress, &check)?;
     let watched = progress.frame("rendering");
     let picture = scene
         .in_scene(|| advice::picture(&mut renderer, &opened.scene, opened.acquisition, &watched))?;
@@ -84,11 +85,11 @@ impl Done<'_> {
             terminal::say(format_args!("shown as {}", opened.found.join("; and ")));
         }
         terminal::say(format_args!(
-            "{}: {} x {} pixels, {} voxels drawn, {} ms{}",
+            "{}: {} x {} pixels, {} drawn, {} ms{}",
             self.written.target.name(),
             self.frame.image.width(),
             self.frame.image.height(),
-            self.frame.stats.n_voxels,
+            counted(self.frame.stats.n_voxels as usize, "voxel"),
             self.started.elapsed().as_millis(),
             by_which(self.caps),
         ));
@@ -148,7 +149,7 @@ fn by_which(caps: &Caps) -> String {
 }
 
 /// Why a picture is empty, which is seldom what was meant.
-fn nothing_visible(scene: &Scene, frame: &Frame) -> String {
+pub(crate) fn nothing_visible(scene: &Scene, frame: &Frame) -> String {
     let ranges = scene.layers.iter().filter_map(|layer| layer.volume.summary().range);
     let range = ranges.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
     let is_cut = scene.layers.iter().any(|layer| !layer.region.is_everywhere());

@@ -6,8 +6,9 @@ use crate::progress::Progress;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slabsplat::Scene;
-use slabsplat::film::{Axis, Turn};
+use slabsplat::TurnAxis;
+use slabsplat::film::Turn;
+use slabsplat::io::{FilmFile, SceneFile, TurnFile};
 use std::time::Instant;
 
 /// Film a scene or a volume as it turns
@@ -22,7 +23,7 @@ pub(crate) struct TurntableArgs {
 
     /// What it turns about: what is upwards, what is to the right in the picture, or an axis of the world
     #[arg(long, value_parser = axis_parser(), default_value = "up")]
-    axis: Axis,
+    axis: TurnAxis,
 
     /// How far the camera goes to its own right; negative to its left [default: 360, with --rock 60]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
@@ -36,29 +37,31 @@ pub(crate) struct TurntableArgs {
     scene: SceneFlags,
 }
 
-fn axis_parser() -> impl TypedValueParser<Value = Axis> {
-    PossibleValuesParser::new(Axis::NAMES).try_map(|name| name.parse::<Axis>())
+fn axis_parser() -> impl TypedValueParser<Value = TurnAxis> {
+    PossibleValuesParser::new(TurnAxis::NAMES).try_map(|name| name.parse::<TurnAxis>())
 }
 
 /// How long it takes, where nobody says it.
-const USUAL_SECONDS: f64 = 6.0;
-
-/// Most turns of a film.
-const MAX_DEGREES: f64 = 360_000.0;
+pub(crate) const USUAL_SECONDS: f64 = 6.0;
 
 pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
     let started = Instant::now();
-    let (path, format) = args.film.target()?;
+    let (path, format) = args.film.target(args.scene.input())?;
     let rate = args.film.rate(None)?;
     let n_frames = args.film.n_frames(rate, USUAL_SECONDS)?;
     let turn = args.turn(n_frames)?;
+    let check = |file: &SceneFile| args.film.check(format, file, rate);
     let progress = Progress::start("reading", 0);
-    let (renderer, opened) =
-        args.scene.opened_around(&progress, &|_, camera| turn.views(camera))?;
+    let (renderer, mut opened) =
+        args.scene.opened_around(&progress, &check, &|_, camera| turn.views(camera))?;
     drop(progress);
     let Turn { axis, degrees, is_rocking, .. } = turn;
-    let motion = format!("motion = {degrees} degrees about {axis:?}, rocking {is_rocking}\n");
-    let base = opened.scene.clone();
+    opened.sources.film = Some(FilmFile {
+        frames_per_second: Some(rate.per_second()),
+        seconds: Some(f64::from(n_frames) / rate.per_second()),
+        turn: Some(TurnFile::new(axis, degrees, is_rocking)),
+        ..FilmFile::default()
+    });
     let filming = Filming {
         flags: &args.film,
         scene_flags: &args.scene,
@@ -68,16 +71,16 @@ pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
         renderer,
         opened,
         length: (n_frames, rate),
-        motion,
     };
-    filming.run(|frame_idx| Ok::<Scene, _>(turn.scene_at(&base, frame_idx)?))
+    filming.run_turn(turn)
 }
 
 impl TurntableArgs {
     fn turn(&self, n_frames: u32) -> Result<Turn> {
         let degrees = self.degrees.unwrap_or(if self.rock { 60.0 } else { 360.0 });
-        if !(-MAX_DEGREES..=MAX_DEGREES).contains(&degrees) {
-            bail!("--degrees is up to {MAX_DEGREES} either way, and not {degrees}");
+        let max = TurnFile::MAX_DEGREES;
+        if !(-max..=max).contains(&degrees) {
+            bail!("--degrees is up to {max} either way, and not {degrees}");
         }
         Ok(Turn { axis: self.axis, degrees, is_rocking: self.rock, n_frames })
     }

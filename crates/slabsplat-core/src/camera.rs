@@ -117,7 +117,7 @@ impl Camera {
         self.projection
     }
 
-    /// Right, up and forward.
+    /// Right, up and forward: unit vectors in the world, at right angles to each other.
     pub fn axes(&self) -> ViewAxes {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(self.up.normalize()).normalize();

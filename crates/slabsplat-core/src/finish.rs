@@ -59,9 +59,18 @@ pub enum FinishError {
     /// A channel of a gradient's lower end is outside 0 … 1.
     #[error("the background must be four numbers from 0 to 1, not {0:?}")]
     BadBackground([f32; 4]),
-    /// The title is none or too long, or is not a line.
-    #[error("a title is a line of 1 to 200 characters")]
-    BadTitle,
+    /// The title has nothing that is seen.
+    #[error("a title says something: leave it out for none")]
+    EmptyTitle,
+    /// The title has more characters than any picture is wide.
+    #[error("a title has at most {MAX_TITLE_CHARS} characters, and this one has {0}")]
+    LongTitle(usize),
+    /// The title has several lines.
+    #[error("a title is one line, and this one has a line break")]
+    TitleOfLines,
+    /// A character of the title is none that can be drawn.
+    #[error("a title has no control characters, and this one has U+{:04X}", u32::from(*.0))]
+    ControlInTitle(char),
 }
 
 /// Samples in a row of a pixel.
@@ -81,7 +90,7 @@ impl Finish {
     ///
     /// # Errors
     /// If the number of samples is no square or above 64, a colour is outside 0 … 1, or the title is no line
-    /// of 1 to 200 characters.
+    /// of 1 to 200 characters that says something.
     pub fn checked(self) -> Result<Self, FinishError> {
         if !(1..=MAX_SIDE).any(|side| side * side == self.samples) {
             return Err(FinishError::BadSamples(self.samples));
@@ -91,13 +100,7 @@ impl Finish {
         {
             return Err(FinishError::BadBackground(color));
         }
-        let is_line = |title: &String| {
-            (1..=MAX_TITLE_CHARS).contains(&title.chars().count())
-                && !title.chars().any(char::is_control)
-        };
-        if !self.annotations.title.iter().all(is_line) {
-            return Err(FinishError::BadTitle);
-        }
+        self.annotations.title.as_deref().map_or(Ok(()), check_title)?;
         Ok(self)
     }
 
@@ -124,13 +127,33 @@ impl Finish {
     }
 }
 
+fn check_title(title: &str) -> Result<(), FinishError> {
+    let n_chars = title.chars().count();
+    if title.trim().is_empty() {
+        return Err(FinishError::EmptyTitle);
+    }
+    if MAX_TITLE_CHARS < n_chars {
+        return Err(FinishError::LongTitle(n_chars));
+    }
+    if title.contains(['\n', '\r', '\u{2028}', '\u{2029}']) {
+        return Err(FinishError::TitleOfLines);
+    }
+    match title.chars().find(|c| c.is_control()) {
+        Some(control) => Err(FinishError::ControlInTitle(control)),
+        None => Ok(()),
+    }
+}
+
 impl FinishError {
     /// The section of a scene file, and the key in it, that a person should look at.
     pub fn key(&self) -> [&'static str; 2] {
         match self {
             Self::BadSamples(_) | Self::TooManySamples { .. } => ["image", "samples"],
             Self::BadBackground(_) => ["image", "background_below"],
-            Self::BadTitle => ["annotations", "title"],
+            Self::EmptyTitle
+            | Self::LongTitle(_)
+            | Self::TitleOfLines
+            | Self::ControlInTitle(_) => ["annotations", "title"],
         }
     }
 }
@@ -165,8 +188,18 @@ mod tests {
             Finish { annotations, ..Finish::default() }.checked()
         };
         assert!(titled(&"ä".repeat(200)).is_ok());
-        for title in ["", "a\nb", "\u{1b}[2J", &"a".repeat(201)] {
-            assert_eq!(titled(title), Err(FinishError::BadTitle), "{title:?}");
+        for (title, expected) in [
+            ("", "a title says something"),
+            (" \u{a0} ", "a title says something"),
+            ("a\nb", "a title is one line"),
+            ("a\u{2028}b", "a title is one line"),
+            ("\u{1b}[2J", "this one has U+001B"),
+            ("a\tb", "this one has U+0009"),
+            (&*"a".repeat(201), "at most 200 characters, and this one has 201"),
+        ] {
+            let error = titled(title).unwrap_err();
+            assert!(error.to_string().contains(expected), "{title:?}: {error}");
+            assert_eq!(error.key(), ["annotations", "title"]);
         }
     }
 

@@ -1,4 +1,4 @@
-//! The regular grid of a volume and its place in the world. Does not hold samples.
+//! The regular grid of a volume and its position in the world. Does not hold samples.
 
 use glam::{DAffine3, DMat3, DVec3};
 use thiserror::Error;
@@ -43,7 +43,7 @@ pub enum GridError {
 /// Smallest volume of the parallelepiped that the normalised columns may span.
 const MIN_SKEW: f64 = 1e-6;
 
-/// Voxel steps from the world's origin from which on places between voxels are lost to rounding.
+/// Voxel steps from the world's origin from which on positions between voxels are lost to rounding.
 const MAX_STEPS_FROM_ORIGIN: f64 = 1e10;
 
 /// Lengths of a voxel step whose squares and quotients still fit 32-bit floats, with room to spare.
@@ -84,8 +84,8 @@ impl Grid {
     /// As [`Grid::with_spacing`].
     pub fn centered(dims: [usize; 3], spacing: [f64; 3]) -> Result<Self, GridError> {
         let grid = Self::with_spacing(dims, spacing)?;
-        let place = DAffine3 { translation: -grid.center_in_world(), ..grid.world_from_index };
-        Self::new(dims, place)
+        let centered = DAffine3 { translation: -grid.center_in_world(), ..grid.world_from_index };
+        Self::new(dims, centered)
     }
 
     /// Voxels along x, y and z.

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// A surface: all places of one density, of an opacity and a colour.
+/// A surface: all points of one density, of an opacity and a colour.
 ///
 /// ```
 /// use slabsplat_core::Isosurface;

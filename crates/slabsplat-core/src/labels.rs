@@ -285,8 +285,8 @@ mod tests {
     #[test]
     fn label_map_of_the_same_grid() {
         let axes = DMat3::from_cols_array(&[0.3, 0.1, 0.0, -0.1, 0.7, 0.2, 0.05, 0.0, 1.9]);
-        let place = DAffine3::from_mat3_translation(axes, DVec3::new(-120.3, 77.7, 1e4));
-        let grid = Grid::new([3, 4, 5], place).unwrap();
+        let world_from_index = DAffine3::from_mat3_translation(axes, DVec3::new(-120.3, 77.7, 1e4));
+        let grid = Grid::new([3, 4, 5], world_from_index).unwrap();
         let samples: Vec<i16> = (0..60).map(|idx| (idx * 7 % 23) - 5).collect();
         let map = LabelMap::new(&volume(grid, samples.clone()), &grid).unwrap();
         assert_eq!(on(&map), samples.into_iter().map(i64::from).collect::<Vec<_>>());
@@ -298,11 +298,11 @@ mod tests {
     #[test]
     fn label_map_of_another_grid() {
         let labels = volume(Grid::with_spacing([2, 1, 1], [2.0; 3]).unwrap(), vec![8.0_f32, -3.0]);
-        let place = |x| {
+        let world_from_index = |x| {
             DAffine3::from_mat3_translation(DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), x)
         };
         let check = |first: DVec3, expected: [i64; 7]| {
-            let grid = Grid::new([7, 1, 1], place(first)).unwrap();
+            let grid = Grid::new([7, 1, 1], world_from_index(first)).unwrap();
             assert_eq!(on(&LabelMap::new(&labels, &grid).unwrap()), expected, "{first}");
         };
         check(DVec3::X * 4.5, [0, 0, -3, -3, 8, 8, 0]);

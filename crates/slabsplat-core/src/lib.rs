@@ -17,7 +17,8 @@
 //! # Reading order
 //!
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
-//! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `settings`;
+//! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `easing`,
+//! `turn_axis`, `settings`;
 //! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
 //! `slabs`, `slices`;
 //! `image`, `image_difference`; `finish`, `ticks`; `frame_handle`; `serialized`.
@@ -57,6 +58,7 @@ mod easing;
 mod interval;
 mod settings;
 mod settings_table;
+mod turn_axis;
 
 mod mesh;
 
@@ -103,7 +105,7 @@ pub use isosurface::{Isosurface, IsosurfaceError};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
 pub use layer::Layer;
 pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
-pub use mesh::{DroppedTriangles, Mesh, MeshError, MeshParts};
+pub use mesh::{DroppedElements, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
@@ -120,6 +122,7 @@ pub use ticks::{number_text, round_number_to, round_ticks};
 pub use transfer::{CurvePoint, IsoRange, PiecewiseLinear, TransferError, TransferFunction};
 pub use transfer_2d::{Transfer2dError, TransferBox, TransferFunction2d};
 pub use transfer_image::TransferImage;
+pub use turn_axis::TurnAxis;
 pub use view::{View, ViewError, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
 pub use voxel_colors::{ColorSamples, VoxelColors, WrongNumberOfColors};

@@ -1,9 +1,9 @@
-//! A surface of triangles.
+//! A surface of triangles, with lines and points beside it.
 
 use glam::DVec3;
 use thiserror::Error;
 
-/// Triangles over shared vertices, none of which is impossible to draw.
+/// Triangles, lines and points over shared vertices, none of which is impossible to draw.
 ///
 /// ```
 /// use slabsplat_core::glam::DVec3;
@@ -20,7 +20,8 @@ use thiserror::Error;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     parts: MeshParts,
-    dropped: DroppedTriangles,
+    dropped: DroppedElements,
+    bounds: Option<[DVec3; 2]>,
 }
 
 /// What a mesh is made of.
@@ -30,20 +31,25 @@ pub struct MeshParts {
     pub positions: Vec<DVec3>,
     /// The three vertices of each triangle; seen from its front they go round to the left.
     pub triangles: Vec<[u32; 3]>,
+    /// Both ends of each line, which is seen as a tube.
+    pub lines: Vec<[u32; 2]>,
+    /// Those vertices that are seen as balls.
+    pub points: Vec<u32>,
     /// A normal for each vertex, of any length; none at all for flat faces. What is not finite counts as 0.
+    /// They mean nothing to lines and points.
     pub normals: Vec<[f32; 3]>,
     /// Red, green and blue of each vertex, 0 to 1, or none at all. What lies beyond is clamped, NaN to 0.
     pub colors: Vec<[f32; 3]>,
 }
 
-/// How many triangles cannot be drawn, by the first reason that applies.
+/// How many triangles, lines and points cannot be drawn, by the first reason that applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct DroppedTriangles {
+pub struct DroppedElements {
     /// Those with a corner that no vertex is.
     pub n_without_vertices: usize,
     /// Those with a corner that is NaN or infinite.
     pub n_not_finite: usize,
-    /// Those whose corners lie on a line, or on a point.
+    /// Triangles whose corners lie on a line, or on a point.
     pub n_flat: usize,
 }
 
@@ -67,7 +73,7 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// Those triangles that can be drawn.
+    /// Those triangles, lines and points that can be drawn.
     ///
     /// # Errors
     /// If there are normals or colours for other than all vertices.
@@ -82,13 +88,17 @@ impl Mesh {
         for channel in parts.colors.iter_mut().flatten() {
             *channel = if channel.is_nan() { 0.0 } else { channel.clamp(0.0, 1.0) };
         }
-        let mut dropped = DroppedTriangles::default();
+        let mut dropped = DroppedElements::default();
         let positions = &parts.positions;
-        parts.triangles.retain(|triangle| dropped.spares(positions, *triangle));
-        Ok(Self { parts, dropped })
+        parts.triangles.retain(|triangle| dropped.spares_triangle(positions, *triangle));
+        parts.lines.retain(|line| dropped.corners(positions, *line).is_some());
+        parts.points.retain(|point| dropped.corners(positions, [*point]).is_some());
+        let mut mesh = Self { parts, dropped, bounds: None };
+        mesh.bounds = mesh.bounds_in(|corner| corner);
+        Ok(mesh)
     }
 
-    /// Where its vertices are. Those that no triangle has may be anything.
+    /// Where its vertices are. Those that nothing refers to may be anything.
     pub fn positions(&self) -> &[DVec3] {
         &self.parts.positions
     }
@@ -96,6 +106,34 @@ impl Mesh {
     /// The vertices of each triangle: all there, finite, and not on one line.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.parts.triangles
+    }
+
+    /// The ends of each line: all there, and finite. A line may have no length.
+    pub fn lines(&self) -> &[[u32; 2]] {
+        &self.parts.lines
+    }
+
+    /// The vertex of each point: there, and finite.
+    pub fn points(&self) -> &[u32] {
+        &self.parts.points
+    }
+
+    /// The least box around the vertices of all triangles, lines and points; `None` if there are none.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.bounds
+    }
+
+    /// The diagonal of that box, 0 if there is none.
+    pub fn size(&self) -> f64 {
+        self.bounds.map_or(0.0, |[min, max]| (max - min).length())
+    }
+
+    /// The least box somewhere else.
+    pub(crate) fn bounds_in(&self, moved: impl Fn(DVec3) -> DVec3) -> Option<[DVec3; 2]> {
+        let MeshParts { positions, triangles, lines, points, .. } = &self.parts;
+        let vertices = triangles.as_flattened().iter().chain(lines.as_flattened()).chain(points);
+        let corners = vertices.map(|vertex| [moved(positions[*vertex as usize]); 2]);
+        corners.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
     }
 
     /// The corners of a triangle.
@@ -133,8 +171,8 @@ impl Mesh {
         scaled_normal([a, b, c]).normalize_or_zero()
     }
 
-    /// What was not taken of the triangles that were given.
-    pub fn dropped(&self) -> DroppedTriangles {
+    /// What was not taken of the triangles, lines and points that were given.
+    pub fn dropped(&self) -> DroppedElements {
         self.dropped
     }
 
@@ -144,27 +182,37 @@ impl Mesh {
     }
 }
 
-impl DroppedTriangles {
+impl DroppedElements {
     /// How many there are of all kinds.
     pub fn n_all(&self) -> usize {
         self.n_without_vertices + self.n_not_finite + self.n_flat
     }
 
     /// Whether a triangle can be drawn; counts it if not.
-    fn spares(&mut self, positions: &[DVec3], triangle: [u32; 3]) -> bool {
-        let [Some(a), Some(b), Some(c)] =
-            triangle.map(|vertex| positions.get(vertex as usize).copied())
-        else {
-            self.n_without_vertices += 1;
-            return false;
-        };
-        if !(a.is_finite() && b.is_finite() && c.is_finite()) {
-            self.n_not_finite += 1;
-            return false;
-        }
-        let is_flat = scaled_normal([a, b, c]) == DVec3::ZERO;
+    fn spares_triangle(&mut self, positions: &[DVec3], triangle: [u32; 3]) -> bool {
+        let Some(corners) = self.corners(positions, triangle) else { return false };
+        let is_flat = scaled_normal(corners) == DVec3::ZERO;
         self.n_flat += usize::from(is_flat);
         !is_flat
+    }
+
+    /// Where the vertices of something are, if they are anywhere; counts it if not.
+    fn corners<const N: usize>(
+        &mut self,
+        positions: &[DVec3],
+        vertices: [u32; N],
+    ) -> Option<[DVec3; N]> {
+        let corners = vertices.map(|vertex| positions.get(vertex as usize).copied());
+        if corners.contains(&None) {
+            self.n_without_vertices += 1;
+            return None;
+        }
+        let corners = corners.map(Option::unwrap_or_default);
+        if !corners.iter().all(|corner| corner.is_finite()) {
+            self.n_not_finite += 1;
+            return None;
+        }
+        Some(corners)
     }
 }
 
@@ -219,7 +267,7 @@ mod tests {
     #[test]
     fn mesh_drops_what_has_none() {
         let check = |corners: [DVec3; 3], expected: [usize; 2]| {
-            let DroppedTriangles { n_not_finite, n_flat, .. } = triangle(corners).dropped();
+            let DroppedElements { n_not_finite, n_flat, .. } = triangle(corners).dropped();
             assert_eq!([n_not_finite, n_flat], expected, "{corners:?}");
         };
         let [x, y] = [DVec3::X, DVec3::Y];
@@ -232,10 +280,28 @@ mod tests {
     }
 
     #[test]
+    fn mesh_keeps_lines_and_points_that_are_somewhere() {
+        let parts = MeshParts {
+            positions: vec![DVec3::ZERO, DVec3::new(3.0, 4.0, 0.0), DVec3::NAN, DVec3::MAX],
+            lines: vec![[0, 1], [1, 1], [0, 2], [0, 9]],
+            points: vec![1, 2, 9],
+            ..MeshParts::default()
+        };
+        let mesh = Mesh::new(parts).unwrap();
+        assert_eq!((mesh.lines(), mesh.points()), (&[[0, 1], [1, 1]][..], &[1][..]));
+        let DroppedElements { n_without_vertices, n_not_finite, n_flat } = mesh.dropped();
+        assert_eq!([n_without_vertices, n_not_finite, n_flat], [2, 2, 0]);
+        assert_eq!(mesh.size(), 5.0, "of what is used");
+        assert_eq!(Mesh::default().size(), 0.0);
+    }
+
+    #[test]
     fn mesh_takes_normals_and_colors_of_all_vertices_or_none() {
         let parts = MeshParts {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
             triangles: vec![[2, 0, 1]],
+            lines: Vec::new(),
+            points: Vec::new(),
             normals: vec![[0.0, 0.0, 5.0], [f32::NAN; 3], [0.0; 3]],
             colors: vec![[0.5, -1.0, f32::NAN], [2.0, 0.25, 1.0], [0.0; 3]],
         };

@@ -239,14 +239,15 @@ mod tests {
             DVec3::new(0.7, -1.0, 0.0),
             DVec3::new(0.0, 0.4, 3.0),
         );
-        let place = DAffine3::from_mat3_translation(steps, DVec3::new(30.0, -20.0, 10.0));
-        let grid = Grid::new([9, 9, 9], place).unwrap();
+        let world_from_index =
+            DAffine3::from_mat3_translation(steps, DVec3::new(30.0, -20.0, 10.0));
+        let grid = Grid::new([9, 9, 9], world_from_index).unwrap();
         let (min, max) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.5, 5.5, 6.5));
         let region = Region::in_index_box(&grid, [min, max]).unwrap();
         for at in (0..512).map(|n| [n % 8, n / 8 % 8, n / 64]) {
             let at = DVec3::from_array(at.map(f64::from)) + 0.25;
             let expected = at.cmpge(min).all() && at.cmple(max).all();
-            assert_eq!(region.contains(place.transform_point3(at)), expected, "{at}");
+            assert_eq!(region.contains(world_from_index.transform_point3(at)), expected, "{at}");
         }
     }
 }

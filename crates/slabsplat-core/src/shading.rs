@@ -85,16 +85,16 @@ impl BlinnPhong {
             let product = normal.dot(direction);
             if two_sided { product.abs() } else { product.max(0.0) }
         };
-        let (mut scattered, mut mirrored) = (DVec3::splat(ambient), DVec3::ZERO);
+        let (mut diffuse_light, mut specular_light) = (DVec3::splat(ambient), DVec3::ZERO);
         let undirected = zero_gradient * (1.0 - normal.length()).max(0.0);
         for lamp in &self.lamps {
             let n_l = facing(lamp.to_light);
-            scattered += diffuse * (n_l + undirected) * lamp.color;
+            diffuse_light += diffuse * (n_l + undirected) * lamp.color;
             if 0.0 < n_l {
-                mirrored += specular * facing(lamp.halfway).powf(shininess) * lamp.color;
+                specular_light += specular * facing(lamp.halfway).powf(shininess) * lamp.color;
             }
         }
-        (color * scattered + mirrored).clamp(DVec3::ZERO, DVec3::ONE)
+        (color * diffuse_light + specular_light).clamp(DVec3::ZERO, DVec3::ONE)
     }
 }
 

@@ -50,19 +50,19 @@ impl SlabGrid {
         self.n_slabs
     }
 
-    /// Depth of a slab's front face from the centre of what is seen.
+    /// Depth of a slab's front face from the centre of what is seen, in world units.
     #[inline]
     pub fn front(&self, slab_idx: usize) -> f64 {
         (self.first + slab_idx as i64) as f64 * self.thickness
     }
 
-    /// Depths of a slab's faces from the centre of what is seen.
+    /// Depths of a slab's faces from the centre of what is seen, in world units.
     #[inline]
     pub fn faces(&self, slab_idx: usize) -> [f64; 2] {
         [self.front(slab_idx), self.front(slab_idx + 1)]
     }
 
-    /// Depth of a slab's middle from the centre of what is seen.
+    /// Depth of a slab's middle from the centre of what is seen, in world units.
     #[inline]
     pub fn middle(&self, slab_idx: usize) -> f64 {
         self.front(slab_idx) + 0.5 * self.thickness

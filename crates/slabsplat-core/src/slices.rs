@@ -28,7 +28,7 @@ impl SliceOrder {
         Self { axis, is_reversed: cosines[axis] < 0.0, n_slices: grid.dims()[axis] }
     }
 
-    /// The place of a voxel's slice among the sheets, front to back.
+    /// The index of a voxel's slice among the sheets, front to back.
     #[inline]
     pub fn sheet_of(&self, voxel_coords: [usize; 3]) -> usize {
         let slice = voxel_coords[self.axis];

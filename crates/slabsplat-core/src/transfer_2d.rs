@@ -134,7 +134,7 @@ impl TransferFunction2d {
     }
 }
 
-/// Extinctions add up, as those of layers do at one place.
+/// Extinctions add up, as those of layers do at one point.
 fn mixed(boxes: &[TransferBox], value: f64, gradient: f64) -> (f64, [f64; 3]) {
     let mut extinction = 0.0;
     let mut weighted = [0.0; 3];
@@ -282,7 +282,7 @@ mod tests {
         assert_eq!(transfer.opacity(5.0, 8.0), 0.0);
     }
 
-    /// Two layers in one place would add their extinctions.
+    /// Two layers at one point would add their extinctions.
     #[test]
     fn transfer_boxes_are_mixed_where_they_overlap() {
         let red = TransferBox::new([0.0, 2.0], [0.0, 9.0]).unwrap();

@@ -80,8 +80,8 @@ impl TransferImage {
 
     /// Opacity, and the colour of the pixels around, each counted by its opacity.
     pub(crate) fn at(&self, value: f64, gradient: f64) -> (f64, [f64; 3]) {
-        let (x, right) = place(value, self.values, self.width);
-        let (from_below, up) = place(gradient, self.gradients, self.height);
+        let (x, right) = pixel_and_part(value, self.values, self.width);
+        let (from_below, up) = pixel_and_part(gradient, self.gradients, self.height);
         let mut opacity = 0.0;
         let mut weighted = [0.0; 3];
         for (y, of_row) in [(from_below, 1.0 - up), (from_below + 1, up)] {
@@ -145,7 +145,7 @@ impl PartialEq for TransferImage {
 
 /// The pixel whose centre is at or before a number, and how far that lies behind it, 0 … 1, on the way to the
 /// next one; 0 where there is none.
-fn place(number: f64, [first, last]: [f64; 2], n_pixels: usize) -> (usize, f64) {
+fn pixel_and_part(number: f64, [first, last]: [f64; 2], n_pixels: usize) -> (usize, f64) {
     let share = (0.5 * number - 0.5 * first) / (0.5 * last - 0.5 * first);
     let centers = (share * n_pixels as f64 - 0.5).clamp(0.0, (n_pixels - 1) as f64);
     (centers as usize, centers.fract())

@@ -4,9 +4,9 @@
 //!
 //! 1. Find the relevant voxels, if they are not those of the last plan (`slabsplat-traverse`).
 //! 2. Rasterise opaque meshes, if there are any: their samples wait in the tiles until slabs come to them.
-//! 3. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for what saturated parts
-//!    of the image hide: *project* and *shade* their voxels and *toss* them onto square tiles of the image,
-//!    in parallel.
+//! 3. Go through the volume in ranges of depth. *Take in* the bricks of a range, but for those that saturated
+//!    parts of the image occlude: *project* and *shade* their voxels and *toss* them onto square tiles of the
+//!    image, in parallel.
 //! 4. For every tile, in parallel: sort its voxels by slab, and then, slab by slab from the eye, *splat* the
 //!    sections into a sheet of the tile's size and *composite* it.
 //!
@@ -19,7 +19,7 @@
 //! once it is whole, and all else a frame makes anew.
 //!
 //! The inner loops are written once, over vectors of `fearless_simd`, and compiled for every set of
-//! instructions that there may be; which one runs is found out when the backend is made.
+//! instructions that there may be; one of these is chosen when the backend is made.
 //!
 //! # Floors
 //!
@@ -104,8 +104,8 @@ impl Backend for CpuBackend {
     }
 
     fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
-        let place = self.done.iter().position(|(done, _)| done == frame);
-        let (_, drawn) = self.done.swap_remove(place.ok_or(BackendError::UnknownFrame)?);
+        let idx = self.done.iter().position(|(done, _)| done == frame);
+        let (_, drawn) = self.done.swap_remove(idx.ok_or(BackendError::UnknownFrame)?);
         frame.check()?;
         Ok(Poll::Ready(drawn))
     }

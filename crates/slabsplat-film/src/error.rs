@@ -87,7 +87,7 @@ pub enum FilmError {
         folder: PathBuf,
     },
     /// A frame on disk is damaged.
-    #[error("frame {frame_idx} in {} cannot be read: {what}; remove it, and it is made again", folder.display())]
+    #[error("frame {frame_idx} in {} is damaged: {what}", folder.display())]
     BadFrame {
         /// Which, from 0 on.
         frame_idx: u32,

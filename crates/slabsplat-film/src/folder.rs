@@ -2,6 +2,7 @@
 //! they are. What it holds is whole at any moment, so that a run that was interrupted, however hard, can be
 //! continued.
 
+use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError};
 use std::fs::{self, File, TryLockError};
@@ -23,7 +24,7 @@ pub(crate) struct FrameFolder {
 }
 
 impl FrameFolder {
-    /// The folder of the film at `target`, and how many frames from the first one on are there already.
+    /// The folder of the film at `target`, and how many of its frames are there already.
     ///
     /// `anew` has those of any film removed.
     pub(crate) fn open(
@@ -59,8 +60,7 @@ impl FrameFolder {
         let text = self.path.join(IDENTITY);
         let said = fs::read_to_string(&text).map_err(FilmError::write(&text))?;
         // A film that failed before its first frame leaves nothing to continue.
-        let has_frames = self.frame_path(0).is_file();
-        if !anew && has_frames && said != identity {
+        if !anew && said != identity && has_frames(&self.path)? {
             let what = difference(&said, identity);
             return Err(FilmError::OtherFilm { folder: self.path.clone(), what });
         }
@@ -73,15 +73,8 @@ impl FrameFolder {
         if anew {
             remove_files(&self.path, is_frame)?;
         }
-        let mut n_done = 0;
-        while n_done < self.desc.n_frames && self.frame_path(n_done).is_file() {
-            n_done += 1;
-        }
-        // After a loss of power the last ones may be names without content.
-        while 0 < n_done && self.read(n_done - 1).is_err() {
-            n_done -= 1;
-        }
-        Ok(n_done)
+        let is_there = |frame_idx: &u32| self.frame_path(*frame_idx).is_file();
+        Ok((0..self.desc.n_frames).filter(is_there).count() as u32)
     }
 
     fn frame_path(&self, frame_idx: u32) -> PathBuf {
@@ -93,12 +86,17 @@ impl FrameFolder {
         self.path.join(name)
     }
 
-    /// Stores a frame.
-    pub(crate) fn write(&self, frame_idx: u32, frame: &Pixels) -> Result<(), FilmError> {
+    /// Stores a frame, with what its file says of itself.
+    pub(crate) fn write(
+        &self,
+        frame_idx: u32,
+        frame: &Pixels,
+        metadata: &Metadata,
+    ) -> Result<(), FilmError> {
         let part = self.path.join(PART);
         let written = || -> io::Result<()> {
             let mut writer = BufWriter::new(File::create(&part)?);
-            frame.write_png(&mut writer, self.desc.has_opacity)?;
+            frame.write_png(&mut writer, self.desc.has_opacity, metadata)?;
             writer.flush()?;
             drop(writer);
             fs::rename(&part, self.frame_path(frame_idx))
@@ -106,7 +104,13 @@ impl FrameFolder {
         written().map_err(FilmError::write(&self.frame_path(frame_idx)))
     }
 
-    /// A frame that was stored.
+    /// A frame that was stored before, if it was, or what is wrong with its file: after a loss of power it
+    /// may be a name without content.
+    pub(crate) fn stored(&self, frame_idx: u32) -> Option<Result<Pixels, FilmError>> {
+        self.frame_path(frame_idx).is_file().then(|| self.read(frame_idx))
+    }
+
+    /// A frame that is there.
     pub(crate) fn read(&self, frame_idx: u32) -> Result<Pixels, FilmError> {
         let bad = |what: String| FilmError::BadFrame { frame_idx, folder: self.path.clone(), what };
         let file =
@@ -159,6 +163,11 @@ fn remove_files(folder: &Path, is_to_go: impl Fn(&Path) -> bool) -> Result<(), F
     Ok(())
 }
 
+fn has_frames(folder: &Path) -> Result<bool, FilmError> {
+    let mut entries = fs::read_dir(folder).map_err(FilmError::write(folder))?;
+    Ok(entries.any(|entry| entry.is_ok_and(|entry| is_frame(&entry.path()))))
+}
+
 /// That a folder has nothing but frames.
 fn check_empty(path: &Path) -> Result<(), FilmError> {
     let in_the_way = || FilmError::InTheWay { path: path.to_owned() };
@@ -207,12 +216,13 @@ mod tests {
         let (folder, n_done) = open("size = 2\n", false).unwrap();
         assert_eq!(n_done, 0);
         for idx in [0, 1, 3] {
-            folder.write(idx, &frame(idx as u8)).unwrap();
+            folder.write(idx, &frame(idx as u8), &Metadata::default()).unwrap();
         }
         assert!(matches!(open("size = 2\n", false), Err(FilmError::InUse { .. })));
         drop(folder);
         let (folder, n_done) = open("size = 2\n", false).unwrap();
-        assert_eq!((n_done, folder.read(1).unwrap()), (2, frame(1)));
+        assert_eq!((n_done, folder.read(1).unwrap()), (3, frame(1)));
+        assert!(folder.stored(2).is_none());
         drop(folder);
         let error = open("size = 3\n", false).err().unwrap().to_string();
         assert!(error.contains("differs in size"), "{error}");
@@ -231,15 +241,27 @@ mod tests {
     }
 
     #[test]
-    fn folder_does_not_believe_a_damaged_end() {
+    fn folder_does_not_believe_a_damaged_frame() {
         let dir = tempfile::tempdir().unwrap();
         let target = dir.path().join("a.gif");
-        let open = || FrameFolder::open(&target, &desc(9), "x", false).unwrap();
-        let (folder, _) = open();
-        (0..3).for_each(|idx| folder.write(idx, &frame(7)).unwrap());
-        fs::write(folder.frame_path(2), "").unwrap();
+        let (folder, _) = FrameFolder::open(&target, &desc(9), "x", false).unwrap();
+        (0..3).for_each(|idx| folder.write(idx, &frame(7), &Metadata::default()).unwrap());
+        fs::write(folder.frame_path(1), "").unwrap();
+        assert!(matches!(folder.stored(1), Some(Err(FilmError::BadFrame { frame_idx: 1, .. }))));
+        assert_eq!(folder.stored(2).unwrap().unwrap(), frame(7));
+        assert!(folder.stored(3).is_none());
+    }
+
+    /// Frames of another film are not lost because the first of them is.
+    #[test]
+    fn folder_of_another_film_without_its_first_frame() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("a.gif");
+        let (folder, _) = FrameFolder::open(&target, &desc(9), "x", false).unwrap();
+        folder.write(5, &frame(7), &Metadata::default()).unwrap();
         drop(folder);
-        assert_eq!(open().1, 2);
+        let other = FrameFolder::open(&target, &desc(9), "y", false);
+        assert!(matches!(other, Err(FilmError::OtherFilm { .. })));
     }
 
     #[test]

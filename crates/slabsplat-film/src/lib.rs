@@ -23,7 +23,8 @@
 //! ```
 //!
 //! Reading order: `desc` and `format` (how long, how fast, as what), `motion` (scenes at moments), `folder`
-//! (frames on disk), `encode` (a file of them), `writer` (all of it in order), `error`.
+//! (frames on disk), `metadata` (what they say of themselves), `encode` (a file of
+//! them), `writer` (all of it in order), `error`.
 
 mod desc;
 mod format;
@@ -32,6 +33,7 @@ mod motion;
 
 mod encode;
 mod folder;
+mod metadata;
 mod pixels;
 mod writer;
 
@@ -40,5 +42,6 @@ mod error;
 pub use desc::{FilmDesc, FrameRate};
 pub use error::FilmError;
 pub use format::FilmFormat;
-pub use motion::{Axis, Film, Key, LayerKey, MotionError, Turn};
+pub use metadata::{FilmFrame, Metadata};
+pub use motion::{Film, Key, LayerKey, MotionError, Turn};
 pub use writer::{FilmReport, FilmWriter, Step};

@@ -1,5 +1,6 @@
 //! A frame as encoders take it, and as PNG.
 
+use crate::metadata::Metadata;
 use slabsplat_core::Image;
 use std::io::{self, BufRead, Cursor, Seek, Write};
 
@@ -35,8 +36,14 @@ impl Pixels {
         if has_opacity { self.rgba.clone() } else { self.before_black() }
     }
 
-    pub(crate) fn write_png(&self, writer: impl Write, has_opacity: bool) -> io::Result<()> {
-        let mut encoder = png_encoder(writer, self.width, self.height, has_opacity);
+    pub(crate) fn write_png(
+        &self,
+        writer: impl Write,
+        has_opacity: bool,
+        metadata: &Metadata,
+    ) -> io::Result<()> {
+        let size = [self.width, self.height];
+        let mut encoder = png_encoder(writer, size, has_opacity, metadata).map_err(to_io_error)?;
         encoder.set_filter(png::Filter::Adaptive);
         let mut writer = encoder.write_header().map_err(to_io_error)?;
         writer.write_image_data(&self.samples(has_opacity)).map_err(to_io_error)?;
@@ -97,14 +104,17 @@ fn chunk(file: &[u8], name: &[u8; 4]) -> Option<Vec<u8>> {
 
 pub(crate) fn png_encoder<'a, W: Write>(
     writer: W,
-    width: u32,
-    height: u32,
+    [width, height]: [u32; 2],
     has_opacity: bool,
-) -> png::Encoder<'a, W> {
+    metadata: &Metadata,
+) -> Result<png::Encoder<'a, W>, png::EncodingError> {
     let mut encoder = png::Encoder::new(writer, width, height);
     encoder.set_color(if has_opacity { png::ColorType::Rgba } else { png::ColorType::Rgb });
     encoder.set_depth(png::BitDepth::Eight);
-    encoder
+    for (keyword, text) in &metadata.png_texts {
+        encoder.add_itxt_chunk(keyword.clone(), text.clone())?;
+    }
+    Ok(encoder)
 }
 
 pub(crate) fn to_io_error(error: png::EncodingError) -> io::Error {
@@ -130,7 +140,7 @@ mod tests {
         let rgba: Vec<u8> = (0..5 * 3 * 4).map(|n| (n * 37 % 256) as u8).collect();
         let pixels = Pixels { width: 5, height: 3, rgba };
         let mut bytes = Vec::new();
-        pixels.write_png(&mut bytes, true).unwrap();
+        pixels.write_png(&mut bytes, true, &Metadata::default()).unwrap();
         assert_eq!(Pixels::read_png(Cursor::new(&bytes), [5, 3]), Ok(pixels.clone()));
         let error = Pixels::read_png(Cursor::new(&bytes), [3, 5]).unwrap_err();
         assert_eq!(error, "it has 5 x 3 pixels");

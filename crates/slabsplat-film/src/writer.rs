@@ -2,9 +2,9 @@
 
 use crate::encode::{Encoder, encoder};
 use crate::folder::{FrameFolder, check_sequence};
+use crate::metadata::{FilmFrame, Metadata};
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
-use slabsplat_core::Image;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -22,11 +22,12 @@ pub struct FilmWriter {
     desc: FilmDesc,
     folder: FrameFolder,
     n_done: u32,
+    metadata: Metadata,
 }
 
 impl std::fmt::Debug for FilmWriter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { target, format, desc, folder: _, n_done } = self;
+        let Self { target, format, desc, folder: _, n_done, metadata: _ } = self;
         f.debug_struct("FilmWriter")
             .field("target", target)
             .field("format", format)
@@ -37,10 +38,17 @@ impl std::fmt::Debug for FilmWriter {
 }
 
 /// What has been done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Step {
-    /// One more frame is rendered; so many are.
+    /// A frame from before cannot be read, and is rendered again.
+    Damaged {
+        /// Which, from 0 on.
+        frame_idx: u32,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// One more frame is rendered; so many are there.
     Rendered(u32),
     /// All frames are rendered, and the file is being made of those that were not yet taken.
     Ending,
@@ -52,7 +60,7 @@ pub enum Step {
 pub struct FilmReport {
     /// All of its frames.
     pub n_frames: u32,
-    /// Those that were there before.
+    /// Those that were there before and are whole.
     pub n_continued: u32,
     /// How long it is.
     pub seconds: f64,
@@ -110,10 +118,17 @@ impl FilmWriter {
         let size = [desc.width, desc.height, desc.n_frames];
         let about = format!("{identity}\nframes = {size:?}\nopacity = {}\n", desc.has_opacity);
         let (folder, n_done) = FrameFolder::open(&target, &desc, &about, anew)?;
-        Ok(Self { target, format, desc, folder, n_done })
+        Ok(Self { target, format, desc, folder, n_done, metadata: Metadata::default() })
     }
 
-    /// How many frames are there already, from the first one on.
+    /// The same with what the film's file says of itself; MP4, WebM and GIF have no room for it, and in a
+    /// folder of frames each says what it shows.
+    #[must_use]
+    pub fn metadata(self, metadata: Metadata) -> Self {
+        Self { metadata, ..self }
+    }
+
+    /// How many frames are there already.
     pub fn n_done(&self) -> u32 {
         self.n_done
     }
@@ -125,12 +140,12 @@ impl FilmWriter {
     /// # Errors
     /// As `render`; or if a frame has another size, or the film cannot be stored. What is rendered then stays
     /// in the folder of frames.
-    pub fn make<E: From<FilmError>>(
+    pub fn make<E: From<FilmError>, F: Into<FilmFrame>>(
         self,
-        mut render: impl FnMut(u32) -> Result<Image, E>,
+        mut render: impl FnMut(u32) -> Result<F, E>,
         mut tell: impl FnMut(Step),
     ) -> Result<FilmReport, E> {
-        let Self { target, format, desc, folder, n_done } = self;
+        let Self { target, format, desc, folder, n_done, metadata } = self;
         let made = folder.beside("film.part");
         // An ffmpeg of a run that was killed may still be writing what it had, and goes on with a file of no
         // name.
@@ -140,19 +155,34 @@ impl FilmWriter {
             return Err(FilmError::write(&made)(error).into());
         }
         let (sender, receiver) = sync_channel(N_WAITING);
+        let mut n_there = n_done;
+        let mut n_rendered = 0;
         thread::scope(|scope| {
-            let (folder, made) = (&folder, &made);
+            let (folder, made, metadata) = (&folder, &made, &metadata);
             let encoding = scope.spawn(move || {
-                let encoder = encoder(format, &desc, made)?;
-                store(folder, &desc, encoder, n_done, receiver)
+                let encoder = encoder(format, &desc, made, metadata)?;
+                store(folder, &desc, encoder, receiver)
             });
-            for frame_idx in n_done..desc.n_frames {
-                let image = render(frame_idx)?;
+            for frame_idx in 0..desc.n_frames {
+                let stored = folder.stored(frame_idx);
+                if let Some(Err(error)) = &stored {
+                    n_there = n_there.saturating_sub(1);
+                    tell(Step::Damaged { frame_idx, what: error.to_string() });
+                }
+                let next = match stored {
+                    Some(Ok(pixels)) => Next::Stored(pixels),
+                    _ => Next::Rendered(render(frame_idx)?.into()),
+                };
+                let is_new = matches!(next, Next::Rendered(_));
                 // An encoder that does not listen any more says why when it is joined.
-                if sender.send(image).is_err() {
+                if sender.send(next).is_err() {
                     break;
                 }
-                tell(Step::Rendered(frame_idx + 1));
+                if is_new {
+                    n_rendered += 1;
+                    n_there += 1;
+                    tell(Step::Rendered(n_there));
+                }
             }
             drop(sender);
             tell(Step::Ending);
@@ -164,32 +194,37 @@ impl FilmWriter {
         }
         let FilmDesc { n_frames, .. } = desc;
         let n_bytes = n_bytes_of(&target).map_err(FilmError::write(&target))?;
-        Ok(FilmReport { n_frames, n_continued: n_done, seconds: desc.seconds(), n_bytes })
+        Ok(FilmReport {
+            n_frames,
+            n_continued: n_frames - n_rendered,
+            seconds: desc.seconds(),
+            n_bytes,
+        })
     }
 }
 
-/// Stores frames as they come, and gives the encoder all of them, those from before first.
+/// The next frame of the film.
+enum Next {
+    /// It was there before.
+    Stored(Pixels),
+    Rendered(FilmFrame),
+}
+
+/// Stores those frames that are new, and gives the encoder all of them.
 fn store(
     folder: &FrameFolder,
     desc: &FilmDesc,
     mut encoder: Option<Box<dyn Encoder>>,
-    n_done: u32,
-    images: Receiver<Image>,
+    frames: Receiver<Next>,
 ) -> Result<(), FilmError> {
-    if let Some(encoder) = &mut encoder {
-        (0..n_done).try_for_each(|frame_idx| encoder.add(&folder.read(frame_idx)?))?;
-    }
-    let mut n_stored = n_done;
-    for image in images {
-        let found = [image.width(), image.height()];
-        let expected = [desc.width, desc.height];
-        if found != expected {
-            return Err(FilmError::WrongSize { frame_idx: n_stored, found, expected });
-        }
-        let frame = Pixels::of(&image);
-        folder.write(n_stored, &frame)?;
+    let mut n_stored = 0;
+    for next in frames {
+        let pixels = match next {
+            Next::Stored(pixels) => pixels,
+            Next::Rendered(frame) => stored(folder, desc, n_stored, &frame)?,
+        };
         if let Some(encoder) = &mut encoder {
-            encoder.add(&frame)?;
+            encoder.add(&pixels)?;
         }
         n_stored += 1;
     }
@@ -198,6 +233,23 @@ fn store(
         return Ok(());
     }
     encoder.map_or(Ok(()), |encoder| encoder.finish(folder))
+}
+
+/// Stores a frame, whose pixels are returned.
+fn stored(
+    folder: &FrameFolder,
+    desc: &FilmDesc,
+    frame_idx: u32,
+    frame: &FilmFrame,
+) -> Result<Pixels, FilmError> {
+    let found = [frame.image.width(), frame.image.height()];
+    let expected = [desc.width, desc.height];
+    if found != expected {
+        return Err(FilmError::WrongSize { frame_idx, found, expected });
+    }
+    let pixels = Pixels::of(&frame.image);
+    folder.write(frame_idx, &pixels, &frame.metadata)?;
+    Ok(pixels)
 }
 
 fn n_bytes_of(path: &Path) -> std::io::Result<u64> {

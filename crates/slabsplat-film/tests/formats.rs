@@ -1,9 +1,11 @@
 //! Films of every format, read back by other programs' decoders, and continued.
 
-use image::AnimationDecoder;
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
+use image::{AnimationDecoder, ImageDecoder};
 use slabsplat_core::Image;
-use slabsplat_film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate, Step};
+use slabsplat_film::{
+    FilmDesc, FilmError, FilmFormat, FilmFrame, FilmWriter, FrameRate, Metadata, Step,
+};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
@@ -226,6 +228,79 @@ fn film_that_is_continued_has_the_same_bytes() {
         };
         assert!(bytes(&at_once) == bytes(&continued), "{format:?}");
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2, "{format:?}");
+    }
+}
+
+/// Whichever frames are damaged or gone, the film is that of a run that nothing happened to.
+#[test]
+fn film_draws_damaged_frames_again() {
+    for format in [FilmFormat::Gif, FilmFormat::WebP, FilmFormat::Apng, FilmFormat::PngSequence] {
+        let dir = tempfile::tempdir().unwrap();
+        let [whole, mended] =
+            ["a", "b"].map(|name| dir.path().join(format!("{name}.{}", format.name())));
+        make(&whole, format, desc(false));
+        let begin = || FilmWriter::begin(&mended, format, desc(false), "test").unwrap();
+        let five =
+            |idx| if idx < 5 { Ok(frame(idx, 1.0)) } else { Err(Failure::from("power cut")) };
+        begin().make(five, |_| ()).unwrap_err();
+        let frames = dir.path().join(format!("b.{}.frames", format.name()));
+        let path = |idx: u32| frames.join(format!("frame_{idx:05}.png"));
+        fs::write(path(1), "").unwrap();
+        fs::remove_file(path(3)).unwrap();
+        let mut steps = Vec::new();
+        let film = begin();
+        assert_eq!(film.n_done(), 4);
+        let report =
+            film.make(|idx| Ok::<_, FilmError>(frame(idx, 1.0)), |step| steps.push(step)).unwrap();
+        assert_eq!(report.n_continued, 3, "{format:?}");
+        assert!(
+            matches!(&steps[0], Step::Damaged { frame_idx: 1, what } if what.contains("is damaged")),
+            "{steps:?}"
+        );
+        let rendered = [4, 5, 6, 7].map(Step::Rendered);
+        assert_eq!(steps[1..5], rendered, "{format:?}");
+        let bytes = |path: &Path| match format {
+            FilmFormat::PngSequence => fs::read(path.join("frame_00001.png")).unwrap(),
+            _ => fs::read(path).unwrap(),
+        };
+        assert!(bytes(&whole) == bytes(&mended), "{format:?}");
+    }
+}
+
+#[test]
+fn film_says_what_it_is_told_to() {
+    let dir = tempfile::tempdir().unwrap();
+    // Packets of even and odd length.
+    for xmp in ["<x>scene</x>", "<x>scenes</x>"] {
+        let texts = [("slabsplat.scene".to_owned(), "volume = \"ä\"".to_owned())];
+        let metadata = Metadata::new(texts, Some(xmp.to_owned()));
+        for format in [FilmFormat::WebP, FilmFormat::Apng, FilmFormat::PngSequence] {
+            let path = dir.path().join(format!("a.{}", format.name()));
+            let film = FilmWriter::begin_anew(&path, format, desc(false), "test").unwrap();
+            let render = |idx| {
+                let frame = FilmFrame::from(frame(idx, 1.0));
+                Ok::<_, FilmError>(match format {
+                    FilmFormat::PngSequence => frame.metadata(metadata.clone()),
+                    _ => frame,
+                })
+            };
+            film.metadata(metadata.clone()).make(render, |_| ()).unwrap();
+            let (path, frames) = match format {
+                FilmFormat::PngSequence => (path.join("frame_00002.png"), 1),
+                _ => (path.clone(), frames_of(&path, format).len()),
+            };
+            let file = BufReader::new(File::open(&path).unwrap());
+            if format == FilmFormat::WebP {
+                assert_eq!(frames, N_FRAMES as usize);
+                let mut decoder = WebPDecoder::new(file).unwrap();
+                assert_eq!(decoder.xmp_metadata().unwrap().unwrap(), xmp.as_bytes());
+            } else {
+                let reader = png::Decoder::new(file).read_info().unwrap();
+                let [text] = reader.info().utf8_text.as_slice() else { panic!("there is one") };
+                assert_eq!(text.keyword, "slabsplat.scene");
+                assert_eq!(text.get_text().unwrap(), "volume = \"ä\"");
+            }
+        }
     }
 }
 

@@ -11,6 +11,7 @@
 //! place: that one is newer.
 
 use crate::device::LOOK_EVERY;
+use crate::drawn_by::LastFits;
 use crate::frame_memory::FrameMemory;
 use crate::frame_params::SplatLayer;
 use crate::frame_passes::max_rounds;
@@ -39,6 +40,7 @@ pub struct GpuBackend<D> {
     listings: Listings,
     lists: VoxelLists,
     surfaces: LastSurfaces,
+    fits: LastFits,
     frame: FrameMemory,
     /// In the order of submission.
     under_way: VecDeque<UnderWay<D>>,
@@ -72,6 +74,7 @@ impl<D: Device> GpuBackend<D> {
             listings: Listings::default(),
             lists: VoxelLists::new(),
             surfaces: LastSurfaces::default(),
+            fits: LastFits::default(),
             frame: FrameMemory::new(info),
             under_way: VecDeque::new(),
             done: Vec::new(),
@@ -113,7 +116,9 @@ impl<D: Device> GpuBackend<D> {
     fn job_of(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<Job, BackendError> {
         let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
         let (listings, surfaces) = (self.listings.of(plan, frame)?, self.surfaces.of(plan, frame)?);
-        let mut job = Job::new(plan, &layers, listings, surfaces, self.frame.splats.most());
+        let drawn_by = self.fits.of(plan, &layers);
+        let most_voxels = self.frame.splats.most();
+        let mut job = Job::new(plan, (&layers, drawn_by), listings, surfaces, most_voxels);
         job.frame.max_visits = max_visits(self.device.info().kind);
         // A list that was begun and not ended is none, so that this is the last chance to leave all as it is.
         frame.check()?;
@@ -280,7 +285,8 @@ impl<D: Device> GpuBackend<D> {
 /// 23, silently ends all loops of a thread after 65535 turns.
 fn max_visits(kind: DeviceKind) -> u32 {
     match kind {
-        DeviceKind::Software => 1 << 14,
+        // A visit of a sheet that holds next to nothing takes a dozen turns of all loops together.
+        DeviceKind::Software => 1 << 12,
         _ => 1 << 20,
     }
 }

@@ -10,7 +10,7 @@ use crate::sums::{BLOCK, bits_for};
 use crate::voxel_list::VoxelList;
 use crate::{Device, DeviceInfo, Pass, Write};
 use slabsplat_backend::BackendError;
-use slabsplat_shaders::{DEPTH_KEY, PROJECT, SPLAT, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
+use slabsplat_shaders::{DEPTH_KEY, PROJECT, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
 
 /// Rounds of splatting that a list has room for beside all other passes. On a device that is none but a
 /// program, that is 16 million splats a tile.
@@ -146,16 +146,12 @@ impl FrameMemory {
             let [frame, layers, work] = [&self.frame, &self.layers, &self.work].map(Buffer::all);
             let (voxels, tables) = (self.tiles.values(), self.tables.all());
             let mut bindings = vec![frame, layers];
-            let shader = match &job.densities {
-                None => &SPLAT,
-                Some(densities) => {
-                    bindings.push(self.densities.all());
-                    densities.stage.shader
-                }
-            };
+            if job.densities.is_some() {
+                bindings.push(self.densities.all());
+            }
             bindings.extend([voxels, tables, work, pixels.all()]);
             bindings.extend(self.splats.all());
-            passes.push(shader, &bindings, step, n_tiles);
+            passes.push(job.splats_by, &bindings, step, n_tiles);
         }
         let step =
             Step { n_elements: n_tiles, n_blocks: self.max_splats as u32, ..Step::default() };

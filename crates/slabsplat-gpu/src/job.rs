@@ -3,6 +3,7 @@
 
 use crate::densities::DensityJob;
 use crate::depth_params::DepthSort;
+use crate::drawn_by::DrawnBy;
 use crate::frame_params::{SplatLayer, frame_params, slabs_of};
 use crate::layer_params::layer_params;
 use crate::listing::Listing;
@@ -11,6 +12,7 @@ use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
 use crate::surfaces::Surfaces;
 use crate::tables::Table;
 use slabsplat_backend::{ColorSplats, FramePlan, Splats};
+use slabsplat_shaders::Shader;
 use std::sync::Arc;
 
 /// A frame to be made.
@@ -29,6 +31,8 @@ pub(crate) struct Job {
     pub(crate) surfaces: Option<Arc<Surfaces>>,
     /// How the list is sorted, if not by sheets.
     pub(crate) depth_sort: Option<DepthSort>,
+    /// The stage that splats.
+    pub(crate) splats_by: &'static Shader,
 }
 
 /// A layer of a frame.
@@ -42,16 +46,16 @@ pub(crate) struct JobLayer {
 }
 
 impl Job {
-    /// What a plan asks for, whose layers are these, with their voxels listed so, and with these surfaces.
-    /// All voxels together should stay below `most_voxels`, if they can.
+    /// What a plan asks for, whose layers are these, drawn so, with their voxels listed so, and with these
+    /// surfaces. All voxels together should stay below `most_voxels`, if they can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
-        layers: &[SplatLayer<'_, '_>],
+        (layers, drawn_by): (&[SplatLayer<'_, '_>], DrawnBy),
         listings: Vec<Listing>,
         surfaces: Option<Arc<Surfaces>>,
         most_voxels: u64,
     ) -> Self {
-        let tables = layers.iter().map(|(_, splats)| Table::of(splats));
+        let DrawnBy { tables, shader } = drawn_by;
         let job_layer = |(listing, table): (Listing, _)| {
             let max_voxels = listing.max_voxels().max(1);
             JobLayer { listing, table, max_voxels }
@@ -68,7 +72,9 @@ impl Job {
         let densities = DensityJob::new(plan, layers, &job_layers, n_before);
         let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
         let frame = frame_params(plan, layers, row_len);
-        Self { frame, layers: job_layers, params, planes, densities, surfaces, depth_sort }
+        let splats_by = densities.as_ref().map_or(shader, |densities| densities.stage.shader);
+        let layers = job_layers;
+        Self { frame, layers, params, planes, densities, surfaces, depth_sort, splats_by }
     }
 
     /// Elements of the shaders' `table` that section tables take, planes behind those, and what densities are

@@ -65,7 +65,7 @@ fn put_footprint(plan: &LayerPlan<'_>, layer: &mut Layer) {
     layer.index_per_depth = (shape.index_per_depth * unit) as f32;
     layer.is_tilted = flag(shape.is_tilted(plan.radius));
     layer.across = (shape.across * unit * unit) as f32;
-    layer.lean = -shape.lean as f32;
+    layer.shear = -shape.shear as f32;
     layer.along = (shape.along * unit * unit) as f32;
     let [right, up] = shape.tilt.map(|c| (c * unit) as f32);
     layer.tilt = [right, -up];

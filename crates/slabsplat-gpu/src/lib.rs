@@ -42,8 +42,9 @@
 //! `known_volume`; `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`,
 //! `frame_memory` and `tables`, which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below
 //! them; `backend` and `job`; `params`, `frame_params`, `layer_params`, `densities`, `density_elements`,
-//! `regions`, `depth_params`, `classification`, `number`, `samples`, `section_table`, `surfaces` and
-//! `surface_elements`, which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
+//! `regions`, `depth_params`, `classification`, `number`, `samples`, `section_table`, `drawn_by`,
+//! `surfaces` and `surface_elements`, which say a plan in the shaders' terms. The stages themselves are in
+//! `shaders/`.
 
 mod destination;
 mod device;
@@ -52,6 +53,7 @@ mod classification;
 mod densities;
 mod density_elements;
 mod depth_params;
+mod drawn_by;
 mod frame_params;
 mod layer_params;
 mod number;

@@ -1,6 +1,7 @@
-//! Tables as the shaders read them: four values that are interpolated between, in one load.
+//! Tables as the shaders read them: four values that are interpolated between, in one load, or the
+//! coefficients of a row's polynomial.
 
-use slabsplat_kernel::{FootprintTable, SectionTable};
+use slabsplat_kernel::{MAX_COEFFICIENTS, RadialPolynomials, SectionTable};
 
 /// Two neighbours in a row, and the same two in the next row.
 pub(crate) type Quad = [f32; 4];
@@ -13,9 +14,15 @@ pub(crate) fn section_quads(table: &SectionTable) -> Vec<Quad> {
     rows.iter().enumerate().flat_map(|(i, row)| row_quads(row, next(i))).collect()
 }
 
-/// The quads of a whole footprint.
-pub(crate) fn footprint_quads(table: &FootprintTable) -> Vec<Quad> {
-    row_quads(table.row(), table.row()).collect()
+/// Quads of a row of coefficients.
+pub(crate) const QUADS_OF_ROW: u32 = MAX_COEFFICIENTS as u32 / 4;
+
+/// The coefficients of all rows, from the constant on, and those of the last row once more, as it stands
+/// for its own next one.
+pub(crate) fn polynomial_quads(polynomials: &RadialPolynomials) -> Vec<Quad> {
+    let n_rows = polynomials.n_rows();
+    let rows = (0..n_rows).chain([n_rows - 1]).map(|idx| polynomials.row(idx));
+    rows.flat_map(|row| row.as_chunks().0.to_vec()).collect()
 }
 
 fn row_quads<'a>(row: &'a [f32], next: &'a [f32]) -> impl Iterator<Item = Quad> + 'a {

@@ -10,9 +10,9 @@ use slabsplat_shaders::{SCAN_BLOCKS, SCAN_TOTALS, SORT_COUNT, SORT_SCATTER};
 /// Elements that a workgroup sums up or sorts.
 pub(crate) const BLOCK: u32 = 2048;
 
-/// Bits of a digit, and digits that these make.
-const DIGIT_BITS: u32 = 4;
-const N_DIGITS: u64 = 1 << DIGIT_BITS;
+/// Most bits of a digit, and digits that these make: as many as a workgroup has threads.
+const MAX_DIGIT_BITS: u32 = 8;
+const MAX_DIGITS: u64 = 1 << MAX_DIGIT_BITS;
 
 /// Counts, and their prefix sums in place.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ impl Sorter {
             memory.grow(device, buffer, 4 * n_keys)?;
         }
         let n_blocks = u64::from(n_groups(n_keys, BLOCK));
-        self.digits.grow(memory, device, N_DIGITS * n_blocks)
+        self.digits.grow(memory, device, MAX_DIGITS * n_blocks)
     }
 
     pub(crate) fn buffers(&mut self) -> impl Iterator<Item = &mut Buffer> {
@@ -107,12 +107,13 @@ impl Sorter {
         n_bits: u32,
     ) {
         let n_blocks = n_groups(max_keys, BLOCK);
-        for shift in (0..n_bits).step_by(DIGIT_BITS as usize) {
+        for Digit { shift, digit_bits } in digits(n_bits) {
             let n_elements = max_keys as u32;
-            let step = Step { n_elements, count_slot, shift, n_blocks, ..Step::default() };
+            let step =
+                Step { n_elements, count_slot, shift, digit_bits, n_blocks, ..Step::default() };
             let digits = self.digits.elements.all();
             passes.push(&SORT_COUNT, &[self.keys(), digits, counts], step, n_blocks);
-            self.digits.scan(passes, counts, N_DIGITS * u64::from(n_blocks), NO_COUNT);
+            self.digits.scan(passes, counts, u64::from(n_blocks) << digit_bits, NO_COUNT);
             let totals = self.digits.totals.all();
             let (keys, values) = (self.keys(), self.values());
             self.side = 1 - self.side;
@@ -122,7 +123,46 @@ impl Sorter {
     }
 }
 
+/// A part of a key: its lowest bit, and how many it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Digit {
+    shift: u32,
+    digit_bits: u32,
+}
+
+/// The digits of keys of so many bits, the lowest first: as few as there can be, and of one length, give or
+/// take a bit.
+fn digits(n_bits: u32) -> impl Iterator<Item = Digit> {
+    let n_digits = n_bits.div_ceil(MAX_DIGIT_BITS);
+    let begin = move |digit: u32| n_bits * digit / n_digits;
+    (0..n_digits).map(move |digit| Digit {
+        shift: begin(digit),
+        digit_bits: begin(digit + 1) - begin(digit),
+    })
+}
+
 /// Bits that tell `n` numbers apart, from 0 on.
 pub(crate) fn bits_for(n: u32) -> u32 {
     n.saturating_sub(1).checked_ilog2().map_or(0, |highest| highest + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_few_and_cover_keys() {
+        let of = |n_bits| digits(n_bits).map(|digit| digit.digit_bits).collect::<Vec<_>>();
+        assert_eq!(of(0), [0; 0]);
+        assert_eq!((of(1), of(8), of(9)), (vec![1], vec![8], vec![4, 5]));
+        assert_eq!((of(12), of(17), of(32)), (vec![6, 6], vec![5, 6, 6], vec![8; 4]));
+        for n_bits in 0..=32 {
+            let mut covered = 0;
+            for Digit { shift, digit_bits } in digits(n_bits) {
+                assert_eq!(shift, covered, "{n_bits} bits");
+                covered += digit_bits;
+            }
+            assert_eq!(covered, n_bits);
+        }
+    }
 }

@@ -3,11 +3,11 @@
 
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
-use crate::section_table::{Quad, footprint_quads, section_quads};
+use crate::section_table::{QUADS_OF_ROW, Quad, polynomial_quads, section_quads};
 use crate::surfaces::Surfaces;
 use crate::{Device, Slice, Write};
-use slabsplat_backend::{BackendError, ColorSplats, SmoothSections, Splats};
-use slabsplat_kernel::{CubicSectionTable, FootprintTable, SectionTable};
+use slabsplat_backend::{BackendError, DensitySplats, SmoothSections};
+use slabsplat_kernel::{CubicSectionTable, RadialPolynomials, SectionTable};
 use std::sync::Arc;
 
 /// The table of a layer.
@@ -17,30 +17,22 @@ pub(crate) enum Table {
     None,
     Cubics(Arc<CubicSectionTable>),
     Sections(Arc<SectionTable>),
-    Footprint(Arc<FootprintTable>),
+    Polynomials(Arc<RadialPolynomials>),
 }
 
 impl Table {
-    pub(crate) fn of(splats: &Splats) -> Self {
-        match splats {
-            Splats::Colors(ColorSplats::Sections(sections)) => {
-                Self::Sections(sections.table.clone())
-            }
-            Splats::Colors(ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table }) => {
-                Self::Footprint(table.clone())
-            }
-            Splats::Densities(densities) => match &densities.smooth {
-                SmoothSections::Product(_) => Self::None,
-                SmoothSections::Table(table) => Self::Cubics(table.clone()),
-            },
+    pub(crate) fn of_densities(densities: &DensitySplats) -> Self {
+        match &densities.smooth {
+            SmoothSections::Product(_) => Self::None,
+            SmoothSections::Table(table) => Self::Cubics(table.clone()),
         }
     }
 
     /// Whether both are one table, not only alike.
-    fn is(&self, other: &Self) -> bool {
+    pub(crate) fn is(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Sections(a), Self::Sections(b)) => Arc::ptr_eq(a, b),
-            (Self::Footprint(a), Self::Footprint(b)) => Arc::ptr_eq(a, b),
+            (Self::Polynomials(a), Self::Polynomials(b)) => Arc::ptr_eq(a, b),
             (Self::Cubics(a), Self::Cubics(b)) => Arc::ptr_eq(a, b),
             (Self::None, Self::None) => true,
             _ => false,
@@ -50,19 +42,19 @@ impl Table {
     fn quads(&self) -> Vec<Quad> {
         match self {
             Self::Sections(table) => section_quads(table),
-            Self::Footprint(table) => footprint_quads(table),
+            Self::Polynomials(polynomials) => polynomial_quads(polynomials),
             Self::Cubics(table) => table.coefficients().to_vec(),
             Self::None => Vec::new(),
         }
     }
 
-    /// A quad for every two neighbours, or for every cubic.
+    /// A quad for every two neighbours, for every cubic, or for every four coefficients.
     pub(crate) fn row_len(&self) -> u32 {
         match self {
             Self::None => 0,
             Self::Cubics(_) => CubicSectionTable::ROW_LEN as u32,
             Self::Sections(table) => table.row_len() as u32 - 1,
-            Self::Footprint(table) => table.row().len() as u32 - 1,
+            Self::Polynomials(_) => QUADS_OF_ROW,
         }
     }
 
@@ -71,7 +63,7 @@ impl Table {
             Self::None => 0,
             Self::Cubics(table) => table.coefficients().len() as u32,
             Self::Sections(table) => table.n_rows() as u32 * self.row_len(),
-            Self::Footprint(_) => self.row_len(),
+            Self::Polynomials(polynomials) => (polynomials.n_rows() as u32 + 1) * QUADS_OF_ROW,
         }
     }
 }

@@ -54,10 +54,11 @@ impl ContentHash {
         hasher.finish()
     }
 
-    /// Of a mesh's vertices and triangles.
+    /// Of a mesh's vertices, triangles, lines and points.
     pub fn of_mesh(mesh: &Mesh) -> Self {
         let mut hasher = Hasher::of("mesh");
         hasher.counts([mesh.positions().len(), mesh.triangles().len()]);
+        hasher.counts([mesh.lines().len(), mesh.points().len()]);
         for (vertex, position) in mesh.positions().iter().enumerate() {
             hasher.numbers(position.to_array());
             for channels in [mesh.vertex_normal(vertex), mesh.vertex_color(vertex)] {
@@ -66,6 +67,8 @@ impl ContentHash {
             }
         }
         hasher.samples(mesh.triangles().as_flattened());
+        hasher.samples(mesh.lines().as_flattened());
+        hasher.samples(mesh.points());
         hasher.finish()
     }
 }
@@ -188,7 +191,9 @@ mod tests {
         let hash = |parts: MeshParts| ContentHash::of_mesh(&Mesh::new(parts).unwrap());
         let plain = hash(parts.clone());
         assert_eq!(plain, hash(parts.clone()));
-        assert_ne!(plain, hash(MeshParts { colors, ..parts }));
+        assert_ne!(plain, hash(MeshParts { colors, ..parts.clone() }));
+        assert_ne!(plain, hash(MeshParts { lines: vec![[0, 1]], ..parts.clone() }));
+        assert_ne!(plain, hash(MeshParts { points: vec![2], ..parts }));
         let labels = |samples: Vec<u8>| {
             let labels = volume(1.0, samples.into(), 1.0);
             ContentHash::of_labels(&LabelMap::new(&labels, labels.grid()).unwrap())

@@ -63,7 +63,7 @@
 //! # Reading order
 //!
 //! `error`, `printable`, `progress`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`;
-//! `transfer`; `content_hash`; `scene`; `memory`; `picture`.
+//! `transfer`; `content_hash`; `background`; `scene`; `memory`; `picture`.
 
 mod error;
 mod printable;
@@ -82,6 +82,8 @@ mod transfer;
 
 mod content_hash;
 
+mod background;
+
 mod scene;
 
 mod picture;
@@ -90,6 +92,7 @@ mod memory;
 
 pub mod scene_keys;
 
+pub use background::{Background, NotABackground};
 pub use builtin::{BUILTIN_NAMES, builtin_volume};
 pub use content_hash::{ContentHash, NotAHash};
 pub use error::IoError;
@@ -102,8 +105,8 @@ pub use picture::{
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelColors, LabelsFile, LayerFile,
-    MeshFile, RegionDesc, SceneFile, TransferImageFile, Unsaid, VolumeSource, parse_scene,
-    read_scene, scene_text, write_scene,
+    MeshFile, RegionDesc, SceneFile, TransferImageFile, TurnFile, Unsaid, VolumeSource,
+    parse_scene, read_scene, scene_text, write_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;

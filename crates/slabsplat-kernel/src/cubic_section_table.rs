@@ -121,8 +121,8 @@ impl CubicSectionTable {
         at(0) + at(1) + at(2) + at(3) + self.rim * cut_length(faces, half_chord)
     }
 
-    /// The cubics, in powers of the place in a cell: [`Self::ROW_LEN`] for each row. Row `k` is that of the
-    /// depth `(k − 1)/rows_per_index` to which a slab goes into the kernel.
+    /// The cubics, in powers of the position in a cell: [`Self::ROW_LEN`] for each row. Row `k` is that of
+    /// the depth `(k − 1)/rows_per_index` to which a slab goes into the kernel.
     pub fn coefficients(&self) -> &[[f32; 4]] {
         &self.coefficients
     }
@@ -221,7 +221,7 @@ mod tests {
     #[derive(Debug, Default)]
     struct Errors {
         value: [f64; 2],
-        /// Per index unit across the ray, between places that are a pixel of a picture far zoomed in apart.
+        /// Per index unit across the ray, between points that are a pixel of a picture far zoomed in apart.
         slope: [f64; 2],
     }
 

@@ -15,11 +15,11 @@ pub struct FootprintShape {
     pub kappa: f64,
     /// `|d|`: index-space length of a ray over one world unit of depth.
     pub index_per_depth: f64,
-    /// `ρ² = across·(X + lean·Y)² + along·Y²` at `X` to the right and `Y` above the centre. Of a kernel that
+    /// `ρ² = across·(X + shear·Y)² + along·Y²` at `X` to the right and `Y` above the centre. Of a kernel that
     /// is long and thin, `along` as a difference would have no digit left, and might be negative.
     pub across: f64,
     /// See [`across`](Self::across).
-    pub lean: f64,
+    pub shear: f64,
     /// See [`across`](Self::across).
     pub along: f64,
     /// `p·d̂ = tilt[0]·X + tilt[1]·Y`: by how much a slab face is cut later than at the centre.
@@ -48,7 +48,7 @@ impl FootprintShape {
             kappa: grid.unit() * ray.length(),
             index_per_depth: ray.length(),
             across: across_right.length_squared(),
-            lean: across_right.dot(across_up) / across_right.length_squared(),
+            shear: across_right.dot(across_up) / across_right.length_squared(),
             along: across_right.cross(across_up).length_squared() / across_right.length_squared(),
             tilt: [right.dot(along), up.dot(along)],
             half_extent: [extent(axes.right), extent(axes.up)],
@@ -59,7 +59,7 @@ impl FootprintShape {
     /// Whether the axes of footprints are not those of the image. A cubic grid has upright circles, up to
     /// rounding errors.
     pub fn is_sheared(&self) -> bool {
-        1e-9 < self.lean.abs() * (self.across / self.along).sqrt()
+        1e-9 < self.shear.abs() * (self.across / self.along).sqrt()
     }
 
     /// Whether slab faces cut the rays at different offsets within a footprint of `radius`.
@@ -97,12 +97,12 @@ mod tests {
         let shape = FootprintShape::new(&grid, &axes(DVec3::new(3.0, 1.0, 2.0)));
         assert!((shape.kappa - 1.0).abs() < 1e-12);
         assert!((shape.across - 4.0).abs() < 1e-12 && (shape.along - 4.0).abs() < 1e-12);
-        assert!(shape.lean.abs() < 1e-12);
+        assert!(shape.shear.abs() < 1e-12);
         assert!(!shape.is_tilted(2.0));
         assert!((shape.half_depth - 0.5).abs() < 1e-12);
     }
 
-    /// What counts is how far a lean moves the rim of a footprint, in widths of it.
+    /// What counts is how far a shear moves the rim of a footprint, in widths of it.
     #[test]
     fn footprint_shape_of_turned_grid_is_sheared() {
         let is_sheared = |spacing: [f64; 3], roll: f64| {
@@ -155,7 +155,7 @@ mod tests {
             let step = index_from_world * axes.forward;
             let t = -through.dot(step) / step.length_squared();
             let nearest = through + step * t;
-            let u = x + shape.lean * y;
+            let u = x + shape.shear * y;
             let rho_squared = shape.across * u * u + shape.along * y * y;
             assert!((rho_squared - nearest.length_squared()).abs() < 1e-12);
             let offset = shape.tilt[0] * x + shape.tilt[1] * y;

@@ -60,8 +60,8 @@ pub enum KernelError {
     NotNormalized(f64),
 }
 
-/// Radii, and places along one, at which a kernel is looked at.
-const N_PLACES: u32 = 16;
+/// Radii, and points along one, at which a kernel is looked at.
+const N_RADII: u32 = 16;
 
 /// Terms of a sum that stands for an integral. A kernel that ends with a step is off by one of them.
 const N_TERMS: u32 = 1000;
@@ -113,9 +113,9 @@ fn check_radius(kernel: &dyn Kernel) -> Result<(), KernelError> {
 
 fn check_values(kernel: &dyn Kernel) -> Result<(), KernelError> {
     let radius = kernel.radius();
-    for (place, r) in places(2.0 * radius) {
+    for (idx, r) in radii(2.0 * radius) {
         let value = kernel.value(r);
-        let is_good = if 2 * place < N_PLACES { 0.0 <= value } else { value == 0.0 };
+        let is_good = if 2 * idx < N_RADII { 0.0 <= value } else { value == 0.0 };
         if !is_good || !value.is_finite() {
             return Err(KernelError::BadValue { r, value });
         }
@@ -130,7 +130,7 @@ fn check_integrals(kernel: &dyn Kernel) -> Result<(), KernelError> {
     let radius = kernel.radius();
     let along = |rho: f64| move |t: f64| kernel.value(rho.hypot(t));
     let most_off = MOST_OFF * sum([-radius, radius], along(0.0));
-    for (_, rho) in places(radius) {
+    for (_, rho) in radii(radius) {
         let end = half_chord(radius, rho);
         // Ends outside of the ball are no different from ends on it.
         for ends in [[-9.0, 9.0], [-9.0, 0.3 * end], [-0.6 * end, 9.0], [-0.2 * end, 0.7 * end]] {
@@ -146,9 +146,9 @@ fn check_integrals(kernel: &dyn Kernel) -> Result<(), KernelError> {
     Ok(())
 }
 
-/// Numbered places from 0 to `end`.
-fn places(end: f64) -> impl Iterator<Item = (u32, f64)> {
-    (0..=N_PLACES).map(move |place| (place, end * f64::from(place) / f64::from(N_PLACES)))
+/// Numbered radii from 0 to `end`.
+fn radii(end: f64) -> impl Iterator<Item = (u32, f64)> {
+    (0..=N_RADII).map(move |idx| (idx, end * f64::from(idx) / f64::from(N_RADII)))
 }
 
 /// An integral by the midpoint rule, which never asks for a value at an end.
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
     use crate::{CrawfisMax, Gaussian};
 
-    /// Another kernel under another name, made wrong in one place.
+    /// Another kernel under another name, made wrong at one point.
     #[derive(Debug)]
     struct Changed<K> {
         name: &'static str,

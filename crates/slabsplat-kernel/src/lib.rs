@@ -71,5 +71,5 @@ pub use section::SectionDesc;
 pub use section_table::{RowMap, SectionTable, TableDesc, lerp_radial};
 pub use separable_sections::SeparableSections;
 pub use separable_shapes::SeparableShapes;
-pub use split_levels::{SlabSplit, SplitLevels, SplitView};
+pub use split_levels::{KernelTails, SlabSplit, SplitLevels, SplitView};
 pub use tilted_sections::TiltedSections;

@@ -1,9 +1,9 @@
 //! The rows of a table as polynomials of the squared distance, for backends with wide registers.
 //!
-//! A look-up in a [`SectionTable`] needs a square root, and two loads from places that differ for every
+//! A look-up in a [`SectionTable`] needs a square root, and two loads from addresses that differ for every
 //! pixel: the one thing that vector units are bad at. A polynomial in `ρ²` needs neither: `ρ²` is what a
-//! pixel's place gives at once, a handful of multiply-adds do 4, 8 or 16 pixels at a time, and a row blended
-//! from two neighbouring rows is the polynomial with the blended coefficients.
+//! pixel's position gives at once, a handful of multiply-adds do 4, 8 or 16 pixels at a time, and a row
+//! blended from two neighbouring rows is the polynomial with the blended coefficients.
 //!
 //! A truncated kernel ends with a step: what is left of it at `R` counts as far as the ray is inside the ball
 //! and the slab, and that length, the *chord*, has kinks where a slab's face meets the ball, and ends like a
@@ -30,7 +30,7 @@ pub enum Degree {
     High,
 }
 
-/// Places in a disc at which a row is fitted.
+/// Points in a disc at which a row is fitted.
 const N_NODES: usize = 256;
 
 /// A chord with less of its own, squared and summed over the nodes, is none: the slab just touches the ball.
@@ -92,7 +92,7 @@ impl RadialPolynomials {
         Self { rows: (0..rows.len()).map(fit).collect(), errors }
     }
 
-    /// By how much any row is off at most, at any place where it was fitted.
+    /// By how much any row is off at most, at any point where it was fitted.
     pub fn error(&self) -> f64 {
         self.errors.of_weight
     }
@@ -101,6 +101,11 @@ impl RadialPolynomials {
     /// extinction: an opaque voxel hides its own error where its weight is large.
     pub fn pixel_error(&self) -> f64 {
         self.errors.of_pixel
+    }
+
+    /// Number of rows.
+    pub fn n_rows(&self) -> usize {
+        self.rows.len()
     }
 
     /// The coefficients of one row, from the constant on.
@@ -150,7 +155,7 @@ pub(crate) fn polynomial(coefficients: &[f32], x: f32) -> f32 {
     coefficients.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
 }
 
-/// Where a row's disc ends, as a part of `R²`: rows begin at the edge, with a 0 for every place outside of
+/// Where a row's disc ends, as a part of `R²`: rows begin at the edge, with a 0 for every point outside of
 /// it.
 fn disc_of(row: &[f32]) -> f64 {
     let n_samples = row.len() - 2;
@@ -182,7 +187,7 @@ impl Errors {
     }
 }
 
-/// A place at which rows are fitted.
+/// A point at which rows are fitted.
 struct Node {
     y: f64,
     weight: f64,

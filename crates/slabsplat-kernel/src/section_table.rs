@@ -238,7 +238,7 @@ pub(crate) fn sample_row(
     row
 }
 
-/// Values at the same places whose interpolation is right on average, where that of `exact` lies to one
+/// Values at the same points whose interpolation is right on average, where that of `exact` lies to one
 /// side of a curve: a twelfth of the second difference lower. Many kernels overlap in a pixel, so that
 /// errors of one sign would add up, and these cancel.
 fn fitted(exact: &[f64]) -> impl Iterator<Item = f64> + '_ {

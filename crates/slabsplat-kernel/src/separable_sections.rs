@@ -1,9 +1,9 @@
 //! Separable sections: one function of the column times the same one of the row.
 //!
 //! A Gaussian is such a product, and a slab parallel to the image cuts its sections to one shape: they differ
-//! by a factor. Only its end at `R` spoils that, by some thousandths of a footprint's peak. Of a product the
-//! sum over many voxels can be taken along columns and along rows one after the other, which is cheaper by
-//! far; so it is what faint voxels are drawn as.
+//! by a factor. Only its end at `R` spoils that, by some thousandths of a footprint's peak. A sum of
+//! products over many voxels is taken along columns first and along rows then, which is cheaper by far. So
+//! faint voxels are drawn as products.
 //!
 //! The function, the *profile* `g`, is the first singular vector of the whole footprint `F(√(x² + y²))`: no
 //! other product is nearer to it in the mean square (Eckart and Young 1936). It is scaled so that `g(x)·g(y)`
@@ -13,8 +13,8 @@
 use crate::radial_polynomials::polynomial;
 use crate::{MAX_COEFFICIENTS, RadialPolynomials, SectionTable, lerp_radial};
 
-/// Places along a radius at which footprints are compared and integrated.
-const N_PLACES: usize = 20;
+/// Points along a radius at which footprints are compared and integrated.
+const N_POINTS: usize = 20;
 
 /// Rounds of the power iteration; the second singular value is a few hundredths of the first at most.
 const N_ROUNDS: usize = 8;
@@ -46,13 +46,13 @@ impl SeparableSections {
         let radius = f64::from(merged.rows().radius);
         let [section_rows, merged_rows] = [sections, merged].map(SectionTable::all_rows);
         let profile = profile_of(merged_rows[merged_rows.len() - 1], radius);
-        let at_places: Vec<f64> =
-            (0..N_PLACES).map(|place| value(&profile, place_of(place))).collect();
+        let at_points: Vec<f64> =
+            (0..N_POINTS).map(|idx| value(&profile, position_of(idx))).collect();
         let mut error = 0.0_f64;
         let mut mass = |row: &&[f32]| {
             let integral = integral_of(row, radius);
             for (i, j) in pairs() {
-                let product = integral * at_places[i] * at_places[j];
+                let product = integral * at_points[i] * at_points[j];
                 error = error.max((weight(row, i, j) - product).abs());
             }
             integral
@@ -90,10 +90,10 @@ impl SeparableSections {
 
     /// `∫ u²·g(u) du / ∫ g(u) du`, as a part of `R²`.
     pub fn profile_variance(&self) -> f64 {
-        let n = 4 * N_PLACES;
-        let part = |place: usize| (place as f64 + 0.5) / n as f64;
+        let n = 4 * N_POINTS;
+        let part = |idx: usize| (idx as f64 + 0.5) / n as f64;
         let sum = |power: i32| -> f64 {
-            (0..n).map(|place| part(place).powi(power) * self.profile_at(part(place))).sum()
+            (0..n).map(|idx| part(idx).powi(power) * self.profile_at(part(idx))).sum()
         };
         sum(2) / sum(0)
     }
@@ -138,8 +138,8 @@ impl SeparableSections {
         // A whole kernel's first moment is 0, and what its sections have lost of its variance is that of
         // their middles.
         let (mut of_middles, mut sum) = (0.0, 0.0);
-        for place in 0..N_STEPS {
-            let back = (place as f64 + 0.5) * step - self.radius;
+        for idx in 0..N_STEPS {
+            let back = (idx as f64 + 0.5) * step - self.radius;
             let [factor, moment] = self.factor_and_moment([back - width, back]);
             if 0.0 < factor {
                 of_middles += moment * moment / factor;
@@ -152,10 +152,10 @@ impl SeparableSections {
     /// The kernel's variance across slabs, in squared index units.
     fn variance(&self) -> f64 {
         let step = 2.0 * self.radius / N_STEPS as f64;
-        let front = |place: usize| place as f64 * step - self.radius;
-        let part = |place: usize| {
-            let [_, moment] = self.factor_and_moment([front(place), front(place + 1)]);
-            (front(place) + 0.5 * step) * moment
+        let front = |idx: usize| idx as f64 * step - self.radius;
+        let part = |idx: usize| {
+            let [_, moment] = self.factor_and_moment([front(idx), front(idx + 1)]);
+            (front(idx) + 0.5 * step) * moment
         };
         (0..N_STEPS).map(part).sum::<f64>() / f64::from(self.whole)
     }
@@ -172,12 +172,12 @@ impl SeparableSections {
     }
 }
 
-/// The value at a place among others, by the cubic through the four around it.
-fn cubic(values: &[f64], place: f64) -> f64 {
+/// The value at a position among others, by the cubic through the four around it.
+fn cubic(values: &[f64], position: f64) -> f64 {
     let last = values.len() - 1;
-    let place = place.clamp(0.0, last as f64);
-    let step = (place as usize).min(last.saturating_sub(1));
-    let t = place - step as f64;
+    let position = position.clamp(0.0, last as f64);
+    let step = (position as usize).min(last.saturating_sub(1));
+    let t = position - step as f64;
     let at = |idx: usize| values[idx.min(last)];
     let [a, b, c, d] = [at(step.saturating_sub(1)), at(step), at(step + 1), at(step + 2)];
     let slopes = [0.5 * (c - a), 0.5 * (d - b)];
@@ -198,18 +198,18 @@ fn moments_of(masses: &[f64], steps_per_index: f64, radius: f64) -> Vec<f64> {
     (0..masses.len()).map(moment).collect()
 }
 
-/// The middle of one of `N_PLACES` equal parts, as a part of `R`.
-fn place_of(place: usize) -> f64 {
-    (place as f64 + 0.5) / N_PLACES as f64
+/// The middle of one of `N_POINTS` equal parts, as a part of `R`.
+fn position_of(idx: usize) -> f64 {
+    (idx as f64 + 0.5) / N_POINTS as f64
 }
 
 fn pairs() -> impl Iterator<Item = (usize, usize)> {
-    (0..N_PLACES).flat_map(|i| (0..=i).map(move |j| (i, j)))
+    (0..N_POINTS).flat_map(|i| (0..=i).map(move |j| (i, j)))
 }
 
-/// What a row of a table weighs in the `i`-th column and `j`-th row of places.
+/// What a row of a table weighs in the `i`-th column and `j`-th row of points.
 fn weight(row: &[f32], i: usize, j: usize) -> f64 {
-    weight_at(row, place_of(i).powi(2) + place_of(j).powi(2))
+    weight_at(row, position_of(i).powi(2) + position_of(j).powi(2))
 }
 
 /// At a squared distance, a part of `R²`.
@@ -220,26 +220,27 @@ fn weight_at(row: &[f32], distance_squared: f64) -> f64 {
 
 /// `∫∫` of a row over the image, in rings of equal areas.
 fn integral_of(row: &[f32], radius: f64) -> f64 {
-    let n = 4 * N_PLACES;
+    let n = 4 * N_POINTS;
     let ring = |ring: usize| weight_at(row, (ring as f64 + 0.5) / n as f64);
     std::f64::consts::PI * radius * radius / n as f64 * (0..n).map(ring).sum::<f64>()
 }
 
 /// The first singular vector of a footprint, as a polynomial.
 fn profile_of(footprint: &[f32], radius: f64) -> [f32; MAX_COEFFICIENTS] {
-    let mut vector = [1.0; N_PLACES];
-    let along = |vector: &[f64; N_PLACES], squared: f64| -> f64 {
-        let places = vector.iter().enumerate();
-        places.map(|(j, v)| v * weight_at(footprint, squared + place_of(j).powi(2))).sum()
+    let mut vector = [1.0; N_POINTS];
+    let along = |vector: &[f64; N_POINTS], squared: f64| -> f64 {
+        let points = vector.iter().enumerate();
+        points.map(|(j, v)| v * weight_at(footprint, squared + position_of(j).powi(2))).sum()
     };
-    let integral = |values: &[f64]| 2.0 * radius / N_PLACES as f64 * values.iter().sum::<f64>();
+    let integral = |values: &[f64]| 2.0 * radius / N_POINTS as f64 * values.iter().sum::<f64>();
     for _ in 0..N_ROUNDS {
-        let next = std::array::from_fn(|i| along(&vector, place_of(i).powi(2)));
+        let next = std::array::from_fn(|i| along(&vector, position_of(i).powi(2)));
         let scale = 1.0 / integral(&next);
         vector = next.map(|value| value * scale);
     }
-    let at_places: Vec<f64> = (0..N_PLACES).map(|i| along(&vector, place_of(i).powi(2))).collect();
-    let scale = 1.0 / integral(&at_places);
+    let at_points: Vec<f64> =
+        (0..N_POINTS).map(|i| along(&vector, position_of(i).powi(2))).collect();
+    let scale = 1.0 / integral(&at_points);
     let sample = |sample: usize| {
         let half_chord = sample.min(N_SAMPLES) as f64 / N_SAMPLES as f64;
         (scale * along(&vector, 1.0 - half_chord * half_chord)) as f32
@@ -274,7 +275,7 @@ mod tests {
         (SeparableSections::new(&sections, &table(4.0)), sections)
     }
 
-    /// `error` holds at places where nothing was compared, and separable sections keep what sections hold.
+    /// `error` holds at points where nothing was compared, and separable sections keep what sections hold.
     #[test]
     fn separable_is_nearly_the_section() {
         for &name in KERNEL_NAMES {
@@ -312,8 +313,8 @@ mod tests {
         for &name in KERNEL_NAMES {
             let (separable, table) = separable(name, 1.0);
             let n = 2000;
-            let places = (0..n).map(|place| 2.0 * (f64::from(place) + 0.5) / f64::from(n) - 1.0);
-            let sum: f64 = places.map(|part| separable.profile_at(part)).sum();
+            let positions = (0..n).map(|idx| 2.0 * (f64::from(idx) + 0.5) / f64::from(n) - 1.0);
+            let sum: f64 = positions.map(|part| separable.profile_at(part)).sum();
             let area = sum * 2.0 * f64::from(table.rows().radius) / f64::from(n);
             assert!((area - 1.0).abs() < 1e-3, "{name}: {area}");
             assert_eq!([-1.0, 1.0, 1.5].map(|part| separable.profile_at(part)), [0.0; 3]);

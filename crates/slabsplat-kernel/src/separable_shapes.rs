@@ -37,9 +37,9 @@ pub struct SeparableShapes {
 /// How many times as far off sections may be for having the shape of whole footprints.
 const AS_GOOD: f64 = 1.1;
 
-/// Slabs for which sections are compared, and places along each axis of the image.
+/// Slabs for which sections are compared, and points along each axis of the image.
 const N_SLABS: usize = 9;
-const N_PLACES: usize = 11;
+const N_POINTS: usize = 11;
 
 impl SeparableShapes {
     /// Those of sections by slabs of `width` world units, of which `table` is the exact one.
@@ -92,14 +92,14 @@ impl SeparableShapes {
     ) -> f64 {
         let radius = sections.radius();
         let thickness = 2.0 * radius * shape.half_depth + width;
-        let place = |place: usize| 2.0 * (place as f64 + 0.5) / N_PLACES as f64 - 1.0;
+        let position = |idx: usize| 2.0 * (idx as f64 + 0.5) / N_POINTS as f64 - 1.0;
         let mut worst = 0.0_f64;
         for slab in 0..N_SLABS {
             let back = thickness * ((slab as f64 + 0.5) / N_SLABS as f64 - 0.5) + 0.5 * width;
             let faces = [back - width, back];
-            for (i, j) in (0..N_PLACES).flat_map(|i| (0..N_PLACES).map(move |j| (i, j))) {
+            for (i, j) in (0..N_POINTS).flat_map(|i| (0..N_POINTS).map(move |j| (i, j))) {
                 let [w, h] = shape.half_extent.map(|half| radius * half);
-                let p = DVec2::new(w * place(i), h * place(j));
+                let p = DVec2::new(w * position(i), h * position(j));
                 let exact = exact_weight(table, shape, radius, p, faces);
                 worst = worst.max((exact - self.weight(sections, p, faces)).abs());
             }
@@ -116,8 +116,8 @@ impl SeparableShapes {
             return 0.0;
         }
         let p = p - DVec2::from_array(self.drift) * (moment / factor);
-        let FootprintShape { across, lean, along, .. } = self.cut;
-        let u = across.sqrt() * (p.x + lean * p.y) / sections.radius();
+        let FootprintShape { across, shear, along, .. } = self.cut;
+        let u = across.sqrt() * (p.x + shear * p.y) / sections.radius();
         let v = along.sqrt() * p.y / sections.radius();
         self.cut_gain * factor * sections.profile_at(u) * sections.profile_at(v)
     }
@@ -148,9 +148,9 @@ struct FormAndTilt {
 
 impl FormAndTilt {
     fn of(shape: &FootprintShape) -> Self {
-        let FootprintShape { across, lean, along, tilt, .. } = *shape;
-        let mixed = across * lean;
-        let form = DMat2::from_cols_array(&[across, mixed, mixed, along + mixed * lean]);
+        let FootprintShape { across, shear, along, tilt, .. } = *shape;
+        let mixed = across * shear;
+        let form = DMat2::from_cols_array(&[across, mixed, mixed, along + mixed * shear]);
         Self { form, tilt: tilt.into() }
     }
 }
@@ -161,7 +161,7 @@ fn with_form(shape: FootprintShape, form: DMat2) -> FootprintShape {
     let inverse = form.inverse();
     FootprintShape {
         across: a,
-        lean: b / a,
+        shear: b / a,
         along: d - b * b / a,
         half_extent: [inverse.x_axis.x, inverse.y_axis.y].map(f64::sqrt),
         ..shape

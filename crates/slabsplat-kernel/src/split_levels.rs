@@ -31,6 +31,11 @@ pub struct SplitLevels {
     first_splits: Vec<u8>,
 }
 
+/// How much of a kernel lies beyond a face at each level but the last, in any view. It takes some 16,000
+/// values of the kernel, so that it is worth being cached.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KernelTails([f64; N_LEVELS - 1]);
+
 /// How slabs split a voxel's kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabSplit {
@@ -69,6 +74,14 @@ const TRAILING_BITS: u32 = 19;
 /// The leading bits of positive numbers.
 const N_LEADING: usize = 1 << (31 - TRAILING_BITS);
 
+impl KernelTails {
+    /// Those of a kernel.
+    pub fn of(kernel: &dyn Kernel) -> Self {
+        let beyond = |level| fraction_beyond(kernel, kernel.radius() * share_of_half_depth(level));
+        Self(std::array::from_fn(beyond))
+    }
+}
+
 impl SplitLevels {
     /// By how many slabs at most a whole voxel goes before the one that holds its centre: from the last slab
     /// of the thickest one to that behind its middle.
@@ -79,13 +92,11 @@ impl SplitLevels {
 
     /// The split levels that `settings.tolerance` allows. Where the picture depends on the slab width by
     /// definition, or no slabs split anything, every voxel has the last.
-    pub fn new(settings: &RenderSettings, kernel: &dyn Kernel, view: SplitView) -> Self {
+    pub fn new(settings: &RenderSettings, tails: &KernelTails, view: SplitView) -> Self {
         let budget = ErrorBudget::new(settings);
         // The ray's slope counts as extinction: where it is too steep, this level is for none.
         let at_level = |level: usize| {
-            let distance = kernel.radius() * share_of_half_depth(level);
-            let allowed =
-                budget.per_face() / (view.layer_depth * fraction_beyond(kernel, distance));
+            let allowed = budget.per_face() / (view.layer_depth * tails.0[level]);
             let is_too_steep = budget.per_face() <= 0.0 || allowed < view.steepest_ray;
             if is_too_steep { f32::NEG_INFINITY } else { allowed as f32 }
         };
@@ -99,16 +110,25 @@ impl SplitLevels {
             let allowed = (budget.per_thick_slab() / layers) as f32;
             if is_allowed { allowed } else { f32::NEG_INFINITY }
         };
-        let max_extinctions = std::array::from_fn(|split| match split.checked_sub(MAX_DOUBLINGS) {
+        Self::up_to(std::array::from_fn(|split| match split.checked_sub(MAX_DOUBLINGS) {
             None => in_thick(MAX_DOUBLINGS - split),
             Some(level) if level < N_LEVELS - 1 => at_level(level),
             Some(_) => f32::INFINITY,
-        });
+        }))
+    }
+
+    fn up_to(max_extinctions: [f32; N_SPLITS]) -> Self {
+        let mut split = 0;
         let first_split = |leading: usize| {
+            // They rise with their leading bits, as positive numbers do.
             let least = f32::from_bits((leading as u32) << TRAILING_BITS);
-            max_extinctions.iter().take_while(|max| **max < least).count() as u8
+            while max_extinctions[split] < least {
+                split += 1;
+            }
+            split as u8
         };
-        Self { max_extinctions, first_splits: (0..N_LEADING).map(first_split).collect() }
+        let first_splits = (0..N_LEADING).map(first_split).collect();
+        Self { max_extinctions, first_splits }
     }
 
     /// How slabs split a voxel of extinction `mu`.
@@ -171,7 +191,7 @@ mod tests {
 
     fn levels(tolerance: f64, view: SplitView) -> SplitLevels {
         let settings = RenderSettings::default().tolerance(tolerance);
-        SplitLevels::new(&settings, &Gaussian, view)
+        SplitLevels::new(&settings, &KernelTails::of(&Gaussian), view)
     }
 
     /// The same as a sum of the kernel's line integrals over rings about its axis.
@@ -289,7 +309,7 @@ mod tests {
     #[test]
     fn levels_are_the_last_where_slab_width_is_seen() {
         let exact = |settings: RenderSettings| {
-            let levels = SplitLevels::new(&settings, &Gaussian, UPRIGHT);
+            let levels = SplitLevels::new(&settings, &KernelTails::of(&Gaussian), UPRIGHT);
             assert!(levels.are_all_last(), "{settings:?}");
             for mu in [0.0, 13.8] {
                 let all = SlabSplit { share_of_half_depth: 1.0, n_slabs: 1.0 };

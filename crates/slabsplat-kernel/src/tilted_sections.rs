@@ -24,7 +24,7 @@ pub struct TiltedSections {
     radius: f32,
 }
 
-/// Coefficients of `g`. Normals are made of its slope, and it is off at the same places in all sections: with
+/// Coefficients of `g`. Normals are made of its slope, and it is off at the same points in all sections: with
 /// nine coefficients a normal zoomed in on is off by a thousandth.
 const N_ACROSS: usize = 11;
 
@@ -34,8 +34,8 @@ const N_ALONG: usize = 9;
 /// A kernel whose sections are further from a product than this part of its footprint's peak is none.
 const MOST_OFF: f64 = 1e-4;
 
-/// Places along a radius at which products are compared with sections.
-const N_PLACES: usize = 8;
+/// Points along a radius at which products are compared with sections.
+const N_POINTS: usize = 8;
 
 impl TiltedSections {
     /// Those of a kernel seen with `kappa` index units of ray to a `unit` of depth; `None` if it is no
@@ -51,13 +51,14 @@ impl TiltedSections {
             along: RadialPolynomials::smooth(along),
             radius: radius as f32,
         };
-        let place = |place: usize| radius * place as f64 / N_PLACES as f64;
+        let position = |idx: usize| radius * idx as f64 / N_POINTS as f64;
         let is_off = |rho: f64, s: f64| {
             let exact = kernel.line_integral(rho, 0.0, s) / kappa;
             let off = exact - f64::from(sections.weight(rho as f32, [0.0, s as f32]));
             MOST_OFF * kernel.footprint(0.0) / kappa < off.abs()
         };
-        let pairs = (0..N_PLACES).flat_map(|i| (0..=N_PLACES).map(move |j| (place(i), place(j))));
+        let pairs =
+            (0..N_POINTS).flat_map(|i| (0..=N_POINTS).map(move |j| (position(i), position(j))));
         pairs.into_iter().all(|(rho, s)| !is_off(rho, s)).then_some(sections)
     }
 

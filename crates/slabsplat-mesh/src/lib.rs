@@ -3,9 +3,10 @@
 //!
 //! ```text
 //! for each vertex, in parallel: where it is in the view and in the image            (vertices.rs)
-//! for each triangle, in parallel: cut it off at the near depth (clip.rs), toss it onto tiles
+//! for each triangle, line and point, in parallel: cut it off at the near depth (clip.rs), toss it onto tiles
 //! for each tile, in parallel:                                                       (tile.rs)
 //!     for each triangle there: for each sample that it covers (coverage.rs): keep the nearest
+//!     for each line and point there: likewise for each sample whose ray meets it (tube.rs)
 //!     colour and light of what is kept                                              (surface.rs)
 //! ```
 //!
@@ -18,7 +19,8 @@
 //!
 //! What a hit is to a picture, and what becomes of volumes before and behind it, is not decided here.
 //!
-//! Reading order: `samples`; `vertices`, `clip`; `coverage`; `surface`; `tile`, `rasterizer`; `seen`.
+//! Reading order: `samples`; `vertices`, `clip`; `coverage`; `surface`, `tube`; `elements`, `tile`,
+//! `rasterizer`; `seen`.
 
 mod samples;
 
@@ -28,7 +30,9 @@ mod vertices;
 mod coverage;
 
 mod surface;
+mod tube;
 
+mod elements;
 mod rasterizer;
 mod seen;
 mod tile;

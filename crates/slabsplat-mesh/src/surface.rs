@@ -11,7 +11,7 @@ pub(crate) struct Surface<'a> {
     /// Its number in the mesh.
     pub(crate) triangle: usize,
     pub(crate) vertices: [&'a Vertex; 3],
-    pub(crate) world_from_normal: &'a DMat3,
+    pub(crate) world_from_normal: DMat3,
 }
 
 impl Surface<'_> {
@@ -42,7 +42,7 @@ impl Surface<'_> {
         if mesh.normals(self.triangle).is_some() {
             return mean(shares, self.vertices.map(|vertex| vertex.normal)).normalize_or_zero();
         }
-        (*self.world_from_normal * mesh.face_normal(self.triangle)).normalize_or_zero()
+        (self.world_from_normal * mesh.face_normal(self.triangle)).normalize_or_zero()
     }
 
     /// How much its corners count where a ray meets it (Möller & Trumbore, "Fast, Minimum Storage

@@ -1,6 +1,7 @@
 //! Whole frames: no cracks, no order, and what no picture holds.
 
 use super::*;
+use crate::tube::Shape;
 use slabsplat_backend::{MeshPlan, MeshesPlan};
 use slabsplat_core::glam::{DMat3, DQuat, DVec3};
 use slabsplat_core::{
@@ -137,6 +138,49 @@ fn order_decides_nothing() {
         assert_eq!(one, hits(&[b, a], true).1);
         assert!(!one.is_empty() && one.iter().all(|hit| hit.color == [expected; 3]), "{expected}");
     }
+}
+
+/// Tiles, rows and rectangles lose no hit of a line or a point: every sample asks every one, and finds as
+/// much, also of those that pass by the eye or go far beyond the picture.
+#[test]
+fn tubes_are_found_wherever_they_are() {
+    for_each_seed(12, |mut rng| {
+        let is_perspective = rng.bool();
+        let view = view(is_perspective);
+        let extent = [1.0, 3.0, 30.0][rng.usize(..3)];
+        let point = |rng: &mut fastrand::Rng| {
+            DVec3::from_array([0; 3].map(|_| extent * (2.0 * rng.f64() - 1.0)))
+        };
+        let positions: Vec<DVec3> = (0..8).map(|_| point(&mut rng)).collect();
+        let (lines, points) = (vec![[0, 1], [1, 2], [3, 4], [5, 5]], vec![6, 7]);
+        let parts = MeshParts { positions, lines, points, ..MeshParts::default() };
+        let layer = MeshLayer::new(Mesh::new(parts).unwrap());
+        let layer = layer.line_width(0.02 + 2.0 * rng.f64()).point_size(0.02 + 2.0 * rng.f64());
+        let mesh = &layer.mesh;
+        let lines = mesh.lines().iter().map(|ends| (*ends, layer.line_radius()));
+        let points = mesh.points().iter().map(|point| ([*point; 2], layer.point_radius()));
+        let to_view = view.axes();
+        let in_view = |vertex: u32| {
+            let from_origin = mesh.positions()[vertex as usize] - view.origin_in_world();
+            let axes = [to_view.right, to_view.up, to_view.forward];
+            DVec3::from_array(axes.map(|axis| axis.dot(from_origin)))
+        };
+        let shapes: Vec<Shape> = lines
+            .chain(points)
+            .map(|(ends, radius)| Shape { ends: ends.map(in_view), radius })
+            .collect();
+        let is_hit = |at: [f64; 2]| {
+            let ray = view.ray(at);
+            let mut depths = shapes.iter().filter_map(|shape| shape.met_by(&ray)).flatten();
+            depths.any(|depth| view.near_depth() <= depth)
+        };
+        let (counts, _) = hits(std::slice::from_ref(&layer), is_perspective);
+        for (idx, n_hits) in counts.into_iter().enumerate() {
+            let corner = [idx as u32 % SIDE, idx as u32 / SIDE].map(f64::from);
+            let at = |sample: &&[f64; 2]| is_hit([corner[0] + sample[0], corner[1] + sample[1]]);
+            assert_eq!(n_hits, samples::SAMPLES.iter().filter(at).count(), "{idx}: {layer:?}");
+        }
+    });
 }
 
 /// A triangle that is there for both sides, in other colours, is one: rounding does not mix them.

@@ -2,12 +2,15 @@
 
 use crate::clip::{Polygon, bounds_of, is_behind_near};
 use crate::coverage::Coverage;
-use crate::rasterizer::Frame;
+use crate::elements::{Element, Frame};
 use crate::samples::{N_SAMPLES, SAMPLES, SampleSet};
+use crate::surface::Surface;
+use crate::tube::Tube;
 use crate::vertices::Corner;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{RegionInView, ViewRay};
 use slabsplat_traverse::PixelRect;
+use std::ops::Range;
 
 /// Where the ray of a sample ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,18 +29,18 @@ pub(crate) struct TileHits {
     n_columns: usize,
     /// Of each sample, pixel by pixel, row by row.
     nearest: Vec<Nearest>,
-    /// The triangle whose colour was found last, and that, if it has one alone.
+    /// The element whose colour was found last, and that, if it has one alone.
     last: Option<(u32, [f32; 3])>,
 }
 
-/// What a sample hits first: a depth, and a triangle.
+/// What a sample hits first: a depth, and what is there.
 #[derive(Clone, Copy, Debug)]
 struct Nearest {
     depth: f64,
-    triangle: u32,
+    element: u32,
 }
 
-const NOTHING: Nearest = Nearest { depth: f64::INFINITY, triangle: 0 };
+const NOTHING: Nearest = Nearest { depth: f64::INFINITY, element: 0 };
 
 impl TileHits {
     /// Makes it that of some pixels, of which nothing is hit.
@@ -49,24 +52,30 @@ impl TileHits {
         self.last = None;
     }
 
-    /// Adds what is hit of a triangle.
-    pub(crate) fn add(&mut self, frame: &Frame<'_>, triangle: u32) {
-        let surface = frame.surface(triangle);
+    /// Adds what is hit of an element.
+    pub(crate) fn add(&mut self, frame: &Frame<'_>, element: u32) {
+        match frame.element(element) {
+            Element::Triangle(surface) => self.add_triangle(frame, element, &surface),
+            Element::Tube(tube) => self.add_tube(frame, element, &tube),
+        }
+    }
+
+    fn add_triangle(&mut self, frame: &Frame<'_>, element: u32, surface: &Surface<'_>) {
         let corners = surface.vertices.map(|vertex| vertex.corner);
         let region = surface.of_mesh.region.as_ref();
         let view = &frame.plan.view;
         if is_behind_near(&corners, view) {
-            return self.add_piece(frame, (triangle, region), &corners);
+            return self.add_piece(frame, (element, region), &corners);
         }
         for piece in Polygon::behind_near(corners, view).triangles() {
-            self.add_piece(frame, (triangle, region), &piece);
+            self.add_piece(frame, (element, region), &piece);
         }
     }
 
     fn add_piece(
         &mut self,
         frame: &Frame<'_>,
-        (triangle, region): (u32, Option<&RegionInView>),
+        (element, region): (u32, Option<&RegionInView>),
         corners: &[Corner; 3],
     ) {
         let Some(bounds) = bounds_of(corners) else { return };
@@ -84,29 +93,68 @@ impl TileHits {
             };
             let first = (row * self.n_columns + column) * N_SAMPLES;
             coverage.samples(pixel.map(f64::from), samples, |sample, depth| {
-                let is_there = || {
-                    region.is_none_or(|region| {
-                        holds(region, point(&ray(frame, pixel, sample), depth))
-                    })
-                };
+                let ray = || ray(frame, pixel, sample);
+                let is_there = || region.is_none_or(|region| holds(region, point(&ray(), depth)));
                 let nearest = &mut self.nearest[first + sample];
                 if depth <= nearest.depth && is_there() {
-                    let ray = || ray(frame, pixel, sample);
-                    nearest.replace(Nearest { depth, triangle }, frame, ray);
+                    nearest.replace(Nearest { depth, element }, frame, ray);
                 }
             });
         }
     }
 
+    fn add_tube(&mut self, frame: &Frame<'_>, element: u32, tube: &Tube<'_>) {
+        let view = &frame.plan.view;
+        let Some(bounds) = tube.shape.bounds(view) else { return };
+        let band = tube.shape.band(view);
+        let [columns, rows] = self.pixels_within(bounds);
+        for row in rows {
+            let top = f64::from(self.top + row as u32);
+            let Some([first, last]) =
+                band.map_or(Some([bounds[0][0], bounds[1][0]]), |it| it.in_row(top))
+            else {
+                continue;
+            };
+            let narrowed = self.columns_within([first, last]);
+            for column in narrowed.start.max(columns.start)..narrowed.end.min(columns.end) {
+                self.add_tube_to_pixel(frame, (element, tube, bounds), [column, row]);
+            }
+        }
+    }
+
+    fn add_tube_to_pixel(
+        &mut self,
+        frame: &Frame<'_>,
+        (element, tube, bounds): (u32, &Tube<'_>, [[f64; 2]; 2]),
+        [column, row]: [usize; 2],
+    ) {
+        let pixel = [self.left + column as u32, self.top + row as u32];
+        let near = frame.plan.view.near_depth();
+        let region = tube.of_mesh.region.as_ref();
+        let first = (row * self.n_columns + column) * N_SAMPLES;
+        for sample in SampleSet::within(bounds, pixel.map(f64::from)).iter() {
+            let ray = ray(frame, pixel, sample);
+            let Some(depths) = tube.shape.met_by(&ray) else { continue };
+            let is_there = |depth: &f64| {
+                let is_in_region = |region| holds(region, point(&ray, *depth));
+                near <= *depth && region.is_none_or(is_in_region)
+            };
+            let Some(depth) = depths.into_iter().find(is_there) else { continue };
+            let nearest = &mut self.nearest[first + sample];
+            if depth <= nearest.depth {
+                nearest.replace(Nearest { depth, element }, frame, || ray);
+            }
+        }
+    }
+
     /// The columns and the rows whose samples may lie within bounds, from the first.
-    fn pixels_within(&self, bounds: [[f64; 2]; 2]) -> [std::ops::Range<usize>; 2] {
+    fn pixels_within(&self, [min, max]: [[f64; 2]; 2]) -> [Range<usize>; 2] {
         let n_rows = self.nearest.len() / N_SAMPLES / self.n_columns.max(1);
-        let range = |axis: usize, first: u32, n: usize| {
-            let [min, max] = bounds.map(|corner| corner[axis] - f64::from(first));
-            // Casts saturate.
-            (min.max(0.0) as usize).min(n)..((max + 1.0).max(0.0) as usize).min(n)
-        };
-        [range(0, self.left, self.n_columns), range(1, self.top, n_rows)]
+        [self.columns_within([min[0], max[0]]), range_within([min[1], max[1]], self.top, n_rows)]
+    }
+
+    fn columns_within(&self, ends: [f64; 2]) -> Range<usize> {
+        range_within(ends, self.left, self.n_columns)
     }
 
     /// Calls `take` with each pixel that is hit, from the first column and row, and its hits, nearest first.
@@ -122,11 +170,11 @@ impl TileHits {
                     continue;
                 }
                 let color = match last {
-                    Some((triangle, color)) if *triangle == nearest.triangle => *color,
+                    Some((element, color)) if *element == nearest.element => *color,
                     _ => {
-                        let surface = frame.surface(nearest.triangle);
-                        let color = surface.color(&ray(frame, pixel, sample));
-                        *last = surface.is_even().then_some((nearest.triangle, color));
+                        let color = nearest.color(frame, &ray(frame, pixel, sample));
+                        let is_even = frame.element(nearest.element).is_even();
+                        *last = is_even.then_some((nearest.element, color));
                         color
                     }
                 };
@@ -151,11 +199,22 @@ impl Nearest {
     /// Takes another hit that is not behind it: one before it, or at the same depth that of the lesser
     /// colour.
     fn replace(&mut self, other: Self, frame: &Frame<'_>, ray: impl Fn() -> ViewRay) {
-        let color = |hit: &Self| frame.surface(hit.triangle).color(&ray());
+        let color = |hit: &Self| hit.color(frame, &ray());
         if other.depth < self.depth || color(&other) < color(self) {
             *self = other;
         }
     }
+
+    fn color(&self, frame: &Frame<'_>, ray: &ViewRay) -> [f32; 3] {
+        frame.element(self.element).color(ray, self.depth, &frame.plan.view)
+    }
+}
+
+/// The pixels along an axis, from the first of so many, whose samples may lie between two places.
+fn range_within([min, max]: [f64; 2], first: u32, n: usize) -> Range<usize> {
+    let [min, max] = [min, max].map(|place| place - f64::from(first));
+    // Casts saturate.
+    (min.max(0.0) as usize).min(n)..((max + 1.0).max(0.0) as usize).min(n)
 }
 
 fn ray(frame: &Frame<'_>, pixel: [u32; 2], sample: usize) -> ViewRay {

@@ -58,7 +58,7 @@ fn bindings(module: &Module) -> Result<Vec<Binding>> {
         found.push((at.binding, Binding { name, kind }));
     }
     found.sort_by_key(|(number, _)| *number);
-    let is_dense = found.iter().enumerate().all(|(place, (number, _))| place == *number as usize);
+    let is_dense = found.iter().enumerate().all(|(idx, (number, _))| idx == *number as usize);
     ensure!(is_dense, "bindings are numbered from 0 without gaps");
     Ok(found.into_iter().map(|(_, binding)| binding).collect())
 }

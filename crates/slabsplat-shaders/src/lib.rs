@@ -10,10 +10,10 @@
 //! buffers, one bind group, no subgroups, no 16-bit floats, and no atomics but on `u32`.
 //!
 //! ```
-//! use slabsplat_shaders::{BindingKind, SPLAT};
+//! use slabsplat_shaders::{BindingKind, SPLAT_SECTIONS};
 //!
-//! assert_eq!(SPLAT.bindings[0].name, "frame");
-//! assert_eq!(SPLAT.bindings[0].kind, BindingKind::Uniform);
+//! assert_eq!(SPLAT_SECTIONS.bindings[0].name, "frame");
+//! assert_eq!(SPLAT_SECTIONS.bindings[0].kind, BindingKind::Uniform);
 //! ```
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
@@ -132,6 +132,22 @@ mod tests {
         let mut by_name = HashMap::new();
         for layout in STRUCTS {
             assert!(by_name.insert(layout.name, layout).is_none(), "{} twice", layout.name);
+        }
+    }
+
+    /// Whoever runs them need not ask a device for more.
+    #[test]
+    fn shaders_need_no_more_than_compute() {
+        const CAPABILITY: u32 = 17;
+        const SHADER: u32 = 1;
+        for shader in ALL {
+            let mut rest = &shader.spirv[5..];
+            while let [first, operands @ ..] = rest {
+                let [opcode, n_words] = [first & 0xffff, first >> 16];
+                let is_more = opcode == CAPABILITY && operands[0] != SHADER;
+                assert!(!is_more, "{}: capability {}", shader.name, operands[0]);
+                rest = &rest[n_words as usize..];
+            }
         }
     }
 

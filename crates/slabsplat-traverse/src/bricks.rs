@@ -15,9 +15,9 @@ pub(crate) const N_ROWS: usize = BRICK_SIDE * BRICK_SIDE;
 /// A brick that holds relevant voxels: which one it is, and where in the list its voxels are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Brick {
-    /// The brick's number: its place among all bricks of the volume, x fastest.
+    /// The brick's number: its index among all bricks of the volume, x fastest.
     pub brick_idx: u32,
-    /// Its first voxel's place in the list.
+    /// Its first voxel's index in the list.
     pub first: u32,
     /// How many relevant voxels it holds, 1 … 512.
     pub n_voxels: u16,
@@ -31,7 +31,7 @@ pub struct BrickGrid {
 }
 
 impl Brick {
-    /// The places of its voxels in the list.
+    /// The indices of its voxels in the list.
     #[inline]
     pub fn voxels(&self) -> std::ops::Range<usize> {
         let first = self.first as usize;
@@ -84,7 +84,7 @@ impl BrickGrid {
         std::array::from_fn(|axis| origin[axis] + offset[axis])
     }
 
-    /// The places in memory of voxels of a brick, x fastest.
+    /// The indices in memory of voxels of a brick, x fastest.
     #[inline(always)]
     pub fn voxel_indices<'a>(
         &self,
@@ -99,7 +99,7 @@ impl BrickGrid {
         })
     }
 
-    /// The voxel's place in memory, x fastest.
+    /// The voxel's index in memory, x fastest.
     #[inline]
     pub fn voxel_idx(&self, coords: [usize; 3]) -> usize {
         (coords[2] * self.dims[1] + coords[1]) * self.dims[0] + coords[0]
@@ -121,7 +121,7 @@ mod tests {
                 let [n_x, n_y, n_z] = bricks.size_at(origin);
                 let brick = Brick { brick_idx, first: 0, n_voxels: 0 };
                 let mut records: Vec<VoxelRecord> =
-                    (0..512).map(|place| VoxelRecord { place, normal: [0; 3] }).collect();
+                    (0..512).map(|slot| VoxelRecord { slot, normal: [0; 3] }).collect();
                 records.retain(|record| {
                     let [x, y, z] = record.coords_in_brick();
                     x < n_x && y < n_y && z < n_z

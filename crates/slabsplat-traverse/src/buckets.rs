@@ -21,7 +21,7 @@ impl<T> Default for Buckets<T> {
 }
 
 impl<T: Copy + Default> Buckets<T> {
-    /// So many items may be read from any place on that holds one: behind the last one there are others, of
+    /// So many items may be read from any slot on that holds one: behind the last one there are others, of
     /// no meaning.
     pub const N_AT_ONCE: usize = 8;
 
@@ -61,9 +61,9 @@ impl<T: Copy + Default> Buckets<T> {
         for run in runs {
             for entry in run {
                 let next = &mut starts[bucket_of(entry) + 1];
-                let place = *next as usize;
+                let slot = *next as usize;
                 *next += 1;
-                items[place] = item_of(entry);
+                items[slot] = item_of(entry);
             }
         }
     }
@@ -84,7 +84,7 @@ impl<T> Buckets<T> {
     /// Where the items of some buckets, one behind the other, lie in [`items`](Self::items); none before the
     /// first sort.
     #[inline]
-    pub fn places(&self, buckets: Range<usize>) -> Range<usize> {
+    pub fn slots(&self, buckets: Range<usize>) -> Range<usize> {
         let [start, end] = [buckets.start, buckets.end]
             .map(|bucket| self.starts.get(bucket).map_or(0, |&s| s as usize));
         start..end.max(start)
@@ -104,7 +104,7 @@ impl<T> Buckets<T> {
     /// The items of some buckets, one behind the other.
     #[inline]
     pub fn items_of(&self, buckets: Range<usize>) -> &[T] {
-        &self.items[self.places(buckets)]
+        &self.items[self.slots(buckets)]
     }
 
     /// All items, by bucket, and behind them some of no meaning.
@@ -159,7 +159,7 @@ mod tests {
                         expected.sort_by_key(|entry| entry.0);
                         let expected: Vec<u32> = expected.iter().map(|entry| entry.1).collect();
                         assert_eq!(sorted.items_of(first..end), expected, "{first}..{end}");
-                        let readable = sorted.places(first..end).end + Buckets::<u32>::N_AT_ONCE;
+                        let readable = sorted.slots(first..end).end + Buckets::<u32>::N_AT_ONCE;
                         assert!(readable <= sorted.items().len());
                         let held =
                             || entries.iter().map(|e| e.0).filter(|b| (first..end).contains(b));

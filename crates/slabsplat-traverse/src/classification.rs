@@ -26,7 +26,7 @@ pub struct Classification {
     labels: Option<ByLabel>,
 }
 
-/// The place of the layer's transfer function.
+/// The index of the layer's transfer function.
 const OF_LAYER: usize = 0;
 
 /// Transfer functions of labels that get a table.

@@ -3,7 +3,7 @@
 //!
 //! Whole planes of voxels are equally deep in many views, up to rounding, and the order among them shows.
 //! So depths are rounded to a grid that is coarser than the rounding errors, and equals are sorted
-//! by their place in the picture: the result does not depend on how voxels are stored.
+//! by their position in the picture: the result does not depend on how voxels are stored.
 
 use crate::RelevantList;
 use crate::in_pieces::{resize_for_frame, sort_for_frame};
@@ -17,7 +17,7 @@ const STEPS_PER_UNIT: f64 = (1 << 20) as f64;
 /// used again.
 #[derive(Clone, Debug, Default)]
 pub struct DepthOrder {
-    /// Depth, up and right in steps of the rounding grid, and the place in the list; sorted.
+    /// Depth, up and right in steps of the rounding grid, and the index in the list; sorted.
     keys: Vec<([i64; 3], u32)>,
 }
 
@@ -40,10 +40,10 @@ impl DepthOrder {
             if frame.is_cancelled() {
                 return;
             }
-            for ((key, &record), place) in keys.iter_mut().zip(records).zip(brick.first..) {
+            for ((key, &record), idx) in keys.iter_mut().zip(records).zip(brick.first..) {
                 let in_index = list.voxel_coords(brick, record).map(|c| c as f64);
                 let at = view_from_index.transform(DVec3::from_array(in_index));
-                *key = ([at.z, at.y, at.x].map(|c| (c * steps_per_world).round() as i64), place);
+                *key = ([at.z, at.y, at.x].map(|c| (c * steps_per_world).round() as i64), idx);
             }
         });
         sort_for_frame(&mut self.keys, frame);
@@ -60,9 +60,9 @@ impl DepthOrder {
         self.keys.is_empty()
     }
 
-    /// The place in the list of the `nth` voxel from the front.
+    /// The index in the list of the `nth` voxel from the front.
     #[inline]
-    pub fn place(&self, nth: usize) -> usize {
+    pub fn idx_of(&self, nth: usize) -> usize {
         self.keys[nth].1 as usize
     }
 
@@ -92,7 +92,7 @@ mod tests {
         list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }], None);
         let mut order = DepthOrder::default();
         order.update(&grid, &view, &list, &FrameHandle::new()).unwrap();
-        [order.place(0), order.place(1)]
+        [order.idx_of(0), order.idx_of(1)]
     }
 
     /// Steps of depth are parts of a `unit`, whatever its length.
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn depth_order_breaks_ties_by_place() {
+    fn depth_order_breaks_ties_by_position() {
         let grid = Grid::with_spacing([2, 2, 2], [1.0; 3]).unwrap();
         let target = grid.center_in_world();
         // 45°: voxels 1 and 4 (and 3 and 6) are equally deep but for rounding.
@@ -124,8 +124,8 @@ mod tests {
         list.update(&volume, &BrickRanges::new(&volume), &[IsoRange { lo: 1.0, hi: 1.0 }], None);
         let mut order = DepthOrder::default();
         order.update(&grid, &view, &list, &FrameHandle::new()).unwrap();
-        let places: Vec<usize> = (0..order.len()).map(|nth| order.place(nth)).collect();
-        assert_eq!(places, [5, 7, 4, 1, 6, 3, 0, 2]);
+        let idxs: Vec<usize> = (0..order.len()).map(|nth| order.idx_of(nth)).collect();
+        assert_eq!(idxs, [5, 7, 4, 1, 6, 3, 0, 2]);
         assert!(DepthOrder::default().is_empty() && !order.is_empty());
         assert!((8 * 4 * size_of::<i64>()..512).contains(&order.resident_bytes()));
     }

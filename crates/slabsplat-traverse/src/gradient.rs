@@ -262,7 +262,7 @@ mod tests {
                 Normals::<_, f64>::new(volume, s).of_row(row_at)
             });
             let normal = row.map(|component| component[x % BRICK_SIDE]);
-            DVec3::from(VoxelRecord { place: 0, normal }.normal_in_world().map(f64::from))
+            DVec3::from(VoxelRecord { slot: 0, normal }.normal_in_world().map(f64::from))
         };
         (0..grid.n_voxels()).map(normal).collect()
     }

@@ -52,8 +52,8 @@ pub(crate) fn sort_for_frame<T: Ord + Copy + Send>(items: &mut [T], frame: &Fram
 /// The middle of some items from all over; not the least, as none is equal to it.
 fn pivot<T: Ord + Copy>(items: &[T]) -> T {
     // Evenly spread ones might all be of one row of voxels, by its length.
-    let place = |idx: usize| idx.wrapping_mul(0x9e37_79b9) % items.len();
-    let mut some: [T; N_TRIED] = std::array::from_fn(|idx| items[place(idx)]);
+    let spread = |idx: usize| idx.wrapping_mul(0x9e37_79b9) % items.len();
+    let mut some: [T; N_TRIED] = std::array::from_fn(|idx| items[spread(idx)]);
     some.sort_unstable();
     some[N_TRIED / 2]
 }

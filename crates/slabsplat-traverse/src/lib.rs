@@ -8,7 +8,7 @@
 //! - `visible_labels`, `gradient_length`, `voxel_rules`: what decides beside its value whether a voxel is
 //!   visible;
 //! - `membership`, `gradient`: which voxels of a brick are relevant, and their normals;
-//! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, kept up to date by
+//! - `relevant_list`, `relevant_update`: `L_r`, the voxels whose opacity is above 0, updated by
 //!   difference;
 //! - `classification`: samples to colour and opacity, once a transfer function;
 //! - `blinn_phong`, `shade`: Blinn–Phong, once a voxel and frame;

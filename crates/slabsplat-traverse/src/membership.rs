@@ -123,17 +123,17 @@ impl BrickMask {
     pub(crate) fn of_records(records: &[VoxelRecord]) -> Self {
         let mut rows = [0; N_ROWS];
         for record in records {
-            let place = usize::from(record.place);
-            rows[place / BRICK_SIDE] |= 1 << (place % BRICK_SIDE);
+            let slot = usize::from(record.slot);
+            rows[slot / BRICK_SIDE] |= 1 << (slot % BRICK_SIDE);
         }
         Self { rows }
     }
 
-    /// Whether the voxel at that place is among them.
+    /// Whether the voxel in that slot is among them.
     #[inline]
-    pub(crate) fn has(&self, place: u16) -> bool {
-        let place = usize::from(place);
-        self.rows[place / BRICK_SIDE % N_ROWS] >> (place % BRICK_SIDE) & 1 == 1
+    pub(crate) fn has(&self, slot: u16) -> bool {
+        let slot = usize::from(slot);
+        self.rows[slot / BRICK_SIDE % N_ROWS] >> (slot % BRICK_SIDE) & 1 == 1
     }
 
     pub(crate) fn count(&self) -> usize {
@@ -157,10 +157,10 @@ mod tests {
 
     #[test]
     fn brick_mask_has_the_places_of_records() {
-        let places = [0, 1, 9, 63, 64, 510, 511];
-        let records = places.map(|place| VoxelRecord { place, ..VoxelRecord::default() });
+        let slots = [0, 1, 9, 63, 64, 510, 511];
+        let records = slots.map(|slot| VoxelRecord { slot, ..VoxelRecord::default() });
         let mask = BrickMask::of_records(&records);
-        assert!((0..512).filter(|&place| mask.has(place)).eq(places));
+        assert!((0..512).filter(|&slot| mask.has(slot)).eq(slots));
         assert_eq!((mask.count(), BrickMask::ALL.count()), (7, 512));
     }
 }

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! 1. A voxel takes three vector additions instead of a matrix.
-//! 2. Small numbers are added to each other first, so that a voxel is off by the rounding of its place alone,
-//!    however far the grid's corner is from its centre.
+//! 2. Small numbers are added to each other first, so that a voxel is off by the rounding of its position
+//!    alone, however far the grid's corner is from its centre.
 
 use crate::bricks::N_ROWS;
 use crate::{BRICK_SIDE, Brick, BrickGrid, RelevantList, VoxelRecord};
@@ -73,9 +73,9 @@ impl BrickView {
         let rounded = origin.as_vec3();
         let lost = (origin - rounded.as_dvec3()).as_vec3();
         for (point, record) in points.iter_mut().zip(records) {
-            let place = usize::from(record.place);
-            let row = self.rows[place / BRICK_SIDE % N_ROWS];
-            *point = (rounded + (row + self.steps_along_x[place % BRICK_SIDE] + lost)).to_array();
+            let slot = usize::from(record.slot);
+            let row = self.rows[slot / BRICK_SIDE % N_ROWS];
+            *point = (rounded + (row + self.steps_along_x[slot % BRICK_SIDE] + lost)).to_array();
         }
     }
 

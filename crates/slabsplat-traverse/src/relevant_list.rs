@@ -71,7 +71,7 @@ impl RelevantList {
         self.grid.voxel_coords(brick, record)
     }
 
-    /// The place in memory of a voxel of one of the [`bricks`](Self::bricks), x fastest.
+    /// The index in memory of a voxel of one of the [`bricks`](Self::bricks), x fastest.
     #[inline]
     pub fn voxel_idx(&self, brick: &Brick, record: VoxelRecord) -> usize {
         self.grid.voxel_idx(self.grid.voxel_coords(brick, record))
@@ -228,7 +228,7 @@ mod tests {
                 for brick in list.bricks() {
                     let voxels = list.voxels_of(brick);
                     assert!(!voxels.is_empty());
-                    assert!(voxels.windows(2).all(|v| v[0].place < v[1].place));
+                    assert!(voxels.windows(2).all(|v| v[0].slot < v[1].slot));
                 }
                 assert_eq!(list.bricks().last().map_or(0, |b| b.voxels().end), list.len());
             }

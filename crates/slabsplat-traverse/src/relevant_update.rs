@@ -11,7 +11,7 @@
 //! at all for a new list. There is never a second list, and hardly a number beside the records.
 //!
 //! Threads take chunks of bricks. Between dropping and adding a chunk's voxels lie at the end of the
-//! place that the chunk will fill, so that filling from the front never overtakes them.
+//! slots that the chunk will fill, so that filling from the front never overtakes them.
 
 use crate::bricks::N_ROWS;
 use crate::gradient::{Normals, Real, RowNormals, is_narrow};
@@ -78,7 +78,7 @@ struct Chunk {
     /// Its bricks in the old list.
     old_bricks: Range<usize>,
     n_old: usize,
-    /// Bricks that will have voxels, and how many of these are there. Places count from the chunk's first.
+    /// Bricks that will have voxels, and how many of these are there. Indices count from the chunk's first.
     bricks: Vec<(Brick, u16)>,
     n_kept: usize,
     n_new: usize,
@@ -138,8 +138,8 @@ impl<T: Ordered> Step<'_, T> {
     }
 
     fn count_chunk(&self, brick_idxs: Range<u32>, records: &[VoxelRecord]) -> Chunk {
-        let place = |idx| self.old_bricks.partition_point(|brick| brick.brick_idx < idx);
-        let old_bricks = place(brick_idxs.start)..place(brick_idxs.end);
+        let first_from = |idx| self.old_bricks.partition_point(|brick| brick.brick_idx < idx);
+        let old_bricks = first_from(brick_idxs.start)..first_from(brick_idxs.end);
         let mut old = self.old_bricks[old_bricks.clone()].iter().peekable();
         let n_old = voxels_of(&self.old_bricks[old_bricks.clone()]).len();
         let mut chunk = Chunk { old_bricks, n_old, bricks: Vec::new(), n_kept: 0, n_new: 0 };
@@ -151,7 +151,7 @@ impl<T: Ordered> Step<'_, T> {
             let old = old.map_or(&[][..], |brick| &records[brick.voxels()]);
             if self.is_touched(brick_idx) {
                 let mask = self.mask(brick_idx);
-                let n_kept = old.iter().filter(|record| mask.has(record.place)).count();
+                let n_kept = old.iter().filter(|record| mask.has(record.slot)).count();
                 chunk.push(brick_idx, mask.count(), n_kept);
             } else {
                 chunk.push(brick_idx, old.len(), old.len());
@@ -189,7 +189,7 @@ impl<T: Ordered> Step<'_, T> {
             for _ in 0..brick.n_voxels {
                 let record = records[next];
                 records[n_kept] = record;
-                n_kept += usize::from(mask.has(record.place));
+                n_kept += usize::from(mask.has(record.slot));
                 next += 1;
             }
         }
@@ -256,7 +256,7 @@ fn met(ranges: &[IsoRange], within: IsoRange) -> Range<usize> {
     start..ranges.partition_point(|range| range.lo <= within.hi).max(start)
 }
 
-/// The places of the voxels of a run of bricks.
+/// The indices of the voxels of a run of bricks.
 fn voxels_of(bricks: &[Brick]) -> Range<usize> {
     match (bricks.first(), bricks.last()) {
         (Some(first), Some(last)) => first.voxels().start..last.voxels().end,
@@ -279,7 +279,7 @@ fn split<'a, 'r>(
     parts
 }
 
-/// Moves each chunk's voxels to the end of the place that the chunk will fill.
+/// Moves each chunk's voxels to the end of the slots that the chunk will fill.
 fn make_room(
     chunks: &[Chunk],
     records: &mut Vec<VoxelRecord>,
@@ -333,7 +333,7 @@ fn add_in_brick<T: Ordered, F: Real>(
                 records[next_kept - 1]
             } else {
                 let normal = [row_normals[0][x], row_normals[1][x], row_normals[2][x]];
-                VoxelRecord { place: (row * BRICK_SIDE + x) as u16, normal }
+                VoxelRecord { slot: (row * BRICK_SIDE + x) as u16, normal }
             };
             n_written += 1;
             left &= left - 1;

@@ -75,7 +75,7 @@ impl<'a> VoxelLighting<'a> {
         }
     }
 
-    /// Puts the colours of voxels in the place of those of transfer functions.
+    /// Replaces the colours of transfer functions by those of voxels.
     fn take_own_colors(
         &self,
         own: &VoxelColors,

@@ -383,13 +383,13 @@ mod tests {
                 let TileRect { min, max } = tiles.tiles_of(&pixel);
                 for tile in 0..tiles.n_tiles() {
                     let origin = tiles.origin(tile);
-                    let place = [tile % tiles.n_x, tile / tiles.n_x];
+                    let position = [tile % tiles.n_x, tile / tiles.n_x];
                     let holds = |axis: usize| {
                         let at = [x, y][axis] as usize;
                         (origin[axis]..origin[axis] + side).contains(&at)
                     };
                     let is_in = |axis: usize| {
-                        (usize::from(min[axis])..=usize::from(max[axis])).contains(&place[axis])
+                        (usize::from(min[axis])..=usize::from(max[axis])).contains(&position[axis])
                     };
                     let expected = holds(0) && holds(1);
                     assert_eq!(is_in(0) && is_in(1), expected, "{side} {border} {x} {y} {tile}");

@@ -7,8 +7,8 @@ use crate::BRICK_SIDE;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct VoxelRecord {
-    /// The voxel's place in its brick, x fastest: three bits each of x, y and z.
-    pub place: u16,
+    /// The voxel's slot in its brick, x fastest: three bits each of x, y and z.
+    pub slot: u16,
     /// `−∇v/|∇v|` in world space, times [`NORMAL_STEPS`]; zero where the gradient is zero.
     pub normal: [i16; 3],
 }
@@ -22,8 +22,8 @@ impl VoxelRecord {
     /// The voxel's coordinates from its brick's first voxel, 0 … 7 each.
     #[inline]
     pub fn coords_in_brick(self) -> [usize; 3] {
-        let place = usize::from(self.place);
-        [place % BRICK_SIDE, place / BRICK_SIDE % BRICK_SIDE, place / (BRICK_SIDE * BRICK_SIDE)]
+        let slot = usize::from(self.slot);
+        [slot % BRICK_SIDE, slot / BRICK_SIDE % BRICK_SIDE, slot / (BRICK_SIDE * BRICK_SIDE)]
     }
 
     /// The same with another normal, x, y and z in world space, of length 1 or 0.
@@ -51,15 +51,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn voxel_record_knows_its_place() {
-        let record = VoxelRecord { place: 0o731, ..VoxelRecord::default() };
+    fn voxel_record_knows_its_slot() {
+        let record = VoxelRecord { slot: 0o731, ..VoxelRecord::default() };
         assert_eq!(record.coords_in_brick(), [1, 3, 7]);
     }
 
     #[test]
     fn voxel_record_normal_has_length_1() {
         let check = |normal: [i16; 3], length: f32| {
-            let record = VoxelRecord { place: 0, normal };
+            let record = VoxelRecord { slot: 0, normal };
             let [x, y, z] = record.normal_in_world();
             assert!(((x * x + y * y + z * z).sqrt() - length).abs() < 1e-6, "{normal:?}");
         };

@@ -119,7 +119,7 @@ impl<'a, T: Ordered> VisibleVoxels<'a, T> {
     }
 
     /// Those of `bits` that are visible, a bit each for up to eight voxels of a row, the first of which has
-    /// these coordinates and that place in memory.
+    /// these coordinates and that index in memory.
     #[inline]
     pub(crate) fn among(
         &self,

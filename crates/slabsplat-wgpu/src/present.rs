@@ -76,10 +76,10 @@ impl WgpuDevice {
         self.presenter.params = Some(id);
         let written = &mut self.presenter.written;
         written.resize(written.len().max(params.len()), Params::default());
-        for (place, (old, new)) in written.iter_mut().zip(params).enumerate() {
+        for (idx, (old, new)) in written.iter_mut().zip(params).enumerate() {
             if *old != new {
                 let (buffer, bytes) = (self.buffers.get(id), new.map(u32::to_ne_bytes));
-                let offset = STRIDE * place as u64;
+                let offset = STRIDE * idx as u64;
                 let write = || self.gpu.queue.write_buffer(buffer, offset, bytes.as_flattened());
                 self.gpu.noting(write);
                 *old = new;

@@ -183,7 +183,7 @@ impl TextureTarget {
         Ok(())
     }
 
-    /// The same as a place that a [`GpuBackend`](slabsplat_gpu::GpuBackend) leaves pictures in.
+    /// The same as a destination that a [`GpuBackend`](slabsplat_gpu::GpuBackend) leaves pictures in.
     pub fn destination(&self) -> Arc<dyn Destination<WgpuDevice>> {
         self.0.clone()
     }

@@ -41,10 +41,10 @@ fn sections() -> Vec<Image> {
     let brightest = desc.weight(0.0, -0.5 * width);
     let panel = |gray: &dyn Fn(f64) -> f64| {
         let mut image = Image::filled(n_pixels, n_pixels, [0.0; 4]);
-        let place = |pixel: usize| (pixel as f64 + 0.5) / f64::from(n_pixels) * 2.0 - 1.0;
+        let position = |pixel: usize| (pixel as f64 + 0.5) / f64::from(n_pixels) * 2.0 - 1.0;
         for (idx, pixel) in image.pixels_mut().iter_mut().enumerate() {
             let (x, y) = (idx % n_pixels as usize, idx / n_pixels as usize);
-            let gray = gray(radius * place(x).hypot(place(y))) as f32;
+            let gray = gray(radius * position(x).hypot(position(y))) as f32;
             *pixel = [gray, gray, gray, 1.0];
         }
         image

@@ -59,8 +59,8 @@ impl Backend for Points {
     }
 
     fn poll_image(&mut self, frame: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
-        let place = self.done.iter().position(|(done, _)| done == frame);
-        let (frame, picture) = self.done.swap_remove(place.ok_or(BackendError::UnknownFrame)?);
+        let idx = self.done.iter().position(|(done, _)| done == frame);
+        let (frame, picture) = self.done.swap_remove(idx.ok_or(BackendError::UnknownFrame)?);
         frame.check()?;
         Ok(Poll::Ready(picture))
     }

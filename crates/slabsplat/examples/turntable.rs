@@ -4,7 +4,8 @@
 //! The file is `.gif`, `.webp`, `.apng` or `.png-sequence`, or with ffmpeg `.mp4` or `.webm`. Run again after
 //! it was interrupted, it continues.
 
-use slabsplat::film::{Axis, FilmDesc, FilmFormat, FilmReport, FilmWriter, FrameRate, Step, Turn};
+use slabsplat::TurnAxis;
+use slabsplat::film::{FilmDesc, FilmFormat, FilmReport, FilmWriter, FrameRate, Step, Turn};
 use slabsplat::{Automatic, ImageDesc, RenderSettings, Renderer, io};
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -24,7 +25,7 @@ pub(crate) fn turn(path: &Path) -> Result<FilmReport, Box<dyn Error>> {
     let image = ImageDesc { width: 256, height: 256, background: [0.05, 0.05, 0.07, 1.0] };
     let volume = io::builtin_volume("neuron", None)?;
     let scene = Automatic::new(volume).scene(image, RenderSettings::default());
-    let turn = Turn { axis: Axis::Up, degrees: 360.0, is_rocking: false, n_frames: N_FRAMES };
+    let turn = Turn { axis: TurnAxis::Up, degrees: 360.0, is_rocking: false, n_frames: N_FRAMES };
     let mut renderer = Renderer::open("auto", |note| eprintln!("{note}"))?;
 
     let desc = FilmDesc::new(image.width, image.height, N_FRAMES, FrameRate::new(20.0)?)?;

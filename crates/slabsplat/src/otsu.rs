@@ -4,7 +4,7 @@
 /// Counts, parted into two sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Split {
-    /// The last place of the lower side.
+    /// The last index of the lower side.
     pub(crate) last: usize,
     /// The variance between the sides, times the square of how many there are.
     pub(crate) between: f64,
@@ -14,22 +14,21 @@ pub(crate) struct Split {
 /// makes many of them equal. Of fewer than two counts that are not 0 the variance is 0.
 pub(crate) fn split(counts: &[u64]) -> Split {
     let n_splits = counts.len().saturating_sub(1);
-    let moments =
-        || counts.iter().enumerate().map(|(place, &n)| (n as f64, place as f64 * n as f64));
+    let moments = || counts.iter().enumerate().map(|(idx, &n)| (n as f64, idx as f64 * n as f64));
     let (total, total_moment) =
         moments().fold((0.0, 0.0), |(n, m), (n_here, m_here)| (n + n_here, m + m_here));
     let (mut below, mut moment_below) = (0.0, 0.0);
     let (mut best, mut first, mut last) = (0.0, 0, 0);
-    for (place, (n, moment)) in moments().enumerate().take(n_splits) {
+    for (idx, (n, moment)) in moments().enumerate().take(n_splits) {
         below += n;
         moment_below += moment;
         let above = total - below;
         let apart = moment_below / below - (total_moment - moment_below) / above;
         let between = below * above * apart * apart;
         if best < between {
-            (best, first, last) = (between, place, place);
+            (best, first, last) = (between, idx, idx);
         } else if best == between {
-            last = place;
+            last = idx;
         }
     }
     Split { last: usize::midpoint(first, last), between: best }
@@ -43,9 +42,9 @@ mod tests {
     #[test]
     fn split_is_otsus() {
         let counts = [5, 9, 4, 0, 1, 0, 7, 8, 2_u64];
-        let mean = |places: std::ops::Range<usize>| -> (f64, f64) {
-            let n: u64 = counts[places.clone()].iter().sum();
-            let sum: f64 = places.map(|place| place as f64 * counts[place] as f64).sum();
+        let mean = |idxs: std::ops::Range<usize>| -> (f64, f64) {
+            let n: u64 = counts[idxs.clone()].iter().sum();
+            let sum: f64 = idxs.map(|idx| idx as f64 * counts[idx] as f64).sum();
             (n as f64, sum / n as f64)
         };
         let between = |last: usize| {

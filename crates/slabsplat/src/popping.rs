@@ -23,7 +23,7 @@ pub struct Sweep {
     pub step_degrees: f64,
 }
 
-/// The sweep has no steps.
+/// Why there are no frames to be measured, or too many.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum SweepError {

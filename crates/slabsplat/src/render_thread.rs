@@ -130,7 +130,7 @@ impl RenderThread {
         self.shared.add(scene, frame, Turn::Queued)
     }
 
-    /// Asks for a frame in the place of any that was asked for by this very method and has not begun: that
+    /// Asks for a frame instead of any that was asked for by this very method and has not begun: that
     /// one is cancelled. So a program that asks for a frame whenever its user moves the mouse never falls
     /// behind by more than the frame that is under way, which is drawn to its end unless somebody cancels it.
     pub fn submit_newest(&self, scene: &Scene) -> PendingFrame {

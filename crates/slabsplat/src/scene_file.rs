@@ -165,7 +165,7 @@ impl OpenScene {
     /// leaves them out.
     ///
     /// A camera that is all found stays filled by what is visible when it is aimed from elsewhere; of one
-    /// that `file` gives size and place stay.
+    /// that `file` gives size and position stay.
     ///
     /// # Errors
     /// If the camera makes no sense.
@@ -200,6 +200,7 @@ impl OpenScene {
             given.complete(&placeholder())?
         } else {
             let framing = Framing::new(layers, meshes, settings.mode, self.facing);
+            let framing = with_room_for_annotations(framing, &self.scene);
             let mut projection = usual_projection(given.is_perspective());
             if let (Projection::Perspective { fov_y_radians }, Some(degrees)) =
                 (&mut projection, given.fov_y)
@@ -209,7 +210,10 @@ impl OpenScene {
             let found = framing.camera(None, Fit::Visible, projection, image)?;
             let is_found = given.eye.or(given.target).is_none() && given.view_height.is_none();
             let found = given.complete(&found)?;
-            let aim = if is_found { self.with_room_for_annotations(aim) } else { *aim };
+            let has_axes = cfg!(feature = "annotations") && self.scene.finish.annotations.axes;
+            // Axes are around all of the volume.
+            let fit = aim.fit.or((is_found && has_axes).then_some(Fit::Volume));
+            let aim = aim.fit(fit);
             match views.filter(|_| is_found || aim.fit.is_some()) {
                 Some(views) => framing.aimed_around(&found, &aim, views, image)?,
                 None => framing.aimed(&found, &aim, is_found, image)?,
@@ -246,42 +250,26 @@ fn fit_looks(
     Ok(all_warnings)
 }
 
-impl OpenScene {
-    /// The same aim, but that annotations have room beside what is seen. The box of axes is around all of the
-    /// volume, and coordinates stand around that; a colour bar is at the right.
-    #[cfg(feature = "annotations")]
-    fn with_room_for_annotations(&self, aim: &Aim) -> Aim {
-        let Scene { image, finish, .. } = &self.scene;
-        let [width, height] = [image.width, image.height];
-        let em = f64::from(slabsplat_annotations::text_size(width, height));
-        let (mut aim, sides) = (*aim, [width, height].map(f64::from));
-        if finish.annotations.axes {
-            aim.fit = aim.fit.or(Some(Fit::Volume));
-            aim.zoom *= (1.0 - AXES_EMS * em / sides[0].min(sides[1])).max(0.4);
-        }
-        if finish.annotations.color_bar {
-            // A wide picture has room beside what is seen anyway.
-            let share = (COLOR_BAR_EMS * em - 0.5 * (sides[0] - sides[1]).max(0.0)) / sides[0];
-            let share = share.clamp(0.0, 0.4);
-            aim.zoom *= 1.0 - share;
-            aim.pan[0] -= 0.5 * share;
-        }
-        aim
-    }
-
-    #[cfg(not(feature = "annotations"))]
-    fn with_room_for_annotations(&self, aim: &Aim) -> Aim {
-        *aim
+/// What pictures of a scene are to hold: beside what annotations take of them, and with the box of axes if
+/// that is drawn.
+#[cfg(feature = "annotations")]
+fn with_room_for_annotations(framing: Framing, scene: &Scene) -> Framing {
+    let insets = slabsplat_annotations::insets(scene);
+    let [width, height] = [scene.image.width, scene.image.height].map(f64::from);
+    let beside = [insets.left, insets.right].map(|pixels| pixels / width);
+    let below = [insets.bottom, insets.top].map(|pixels| pixels / height);
+    let framing = framing.within(crate::framing::Window::without(beside, below));
+    let ends = slabsplat_annotations::axes_box(scene).filter(|_| scene.finish.annotations.axes);
+    match ends {
+        Some(ends) => framing.and_box(ends),
+        None => framing,
     }
 }
 
-/// Ems of a picture's shorter side that coordinates take on both sides of a box.
-#[cfg(feature = "annotations")]
-const AXES_EMS: f64 = 8.0;
-
-/// Ems of a picture's width that a colour bar takes.
-#[cfg(feature = "annotations")]
-const COLOR_BAR_EMS: f64 = 5.0;
+#[cfg(not(feature = "annotations"))]
+fn with_room_for_annotations(framing: Framing, _: &Scene) -> Framing {
+    framing
+}
 
 /// Whether nothing of a camera is left to be found.
 fn is_whole(camera: &CameraDesc) -> bool {

@@ -2,12 +2,12 @@
 
 use crate::{OpenError, OpenScene};
 use slabsplat_core::Camera;
-use slabsplat_film::{Film, Key, LayerKey};
-use slabsplat_io::{KeyFile, KeyLayerFile};
+use slabsplat_film::{Film, Key, LayerKey, Turn};
+use slabsplat_io::{FilmFile, KeyFile, KeyLayerFile, TurnFile};
 
 impl OpenScene {
     /// The film of the scene, as it is now, with the key frames of its file, which are in
-    /// [`sources`](Self::sources); `None` if that has none.
+    /// [`sources`](Self::sources); `None` if that has no key frames.
     ///
     /// ```
     /// use slabsplat::{OpenScene, io};
@@ -31,7 +31,8 @@ impl OpenScene {
     /// # Errors
     /// If keys make no film, or what one says of a camera or a region makes none.
     pub fn film(&self) -> Result<Option<Film>, OpenError> {
-        let Some(file) = &self.sources.film else { return Ok(None) };
+        let has_keys = |file: &&FilmFile| !file.keys.is_empty();
+        let Some(file) = self.sources.film.as_ref().filter(has_keys) else { return Ok(None) };
         let mut keys = Vec::with_capacity(file.keys.len());
         let mut camera = self.scene.camera;
         for key in &file.keys {
@@ -41,6 +42,12 @@ impl OpenScene {
         let last = keys.last().map_or(0.0, |key: &Key| key.at_secs);
         let seconds = file.seconds.unwrap_or(last);
         Ok(Some(Film::new(&self.scene, &keys, seconds, file.easing, file.is_loop)?))
+    }
+
+    /// The turn of the scene, in so many frames, if its file has one instead of key frames.
+    pub fn turn(&self, n_frames: u32) -> Option<Turn> {
+        let TurnFile { axis, degrees, is_rocking, .. } = self.sources.film.as_ref()?.turn?;
+        Some(Turn { axis, degrees, is_rocking, n_frames })
     }
 
     /// A key, whose camera has what it leaves out from `camera`, and is that from now on.
@@ -64,6 +71,7 @@ impl OpenScene {
         Ok(LayerKey {
             layer_idx: layer.layer_idx,
             transfer: layer.look.as_ref().and_then(|look| look.transfer.clone()),
+            isosurfaces: layer.isosurfaces.clone(),
             region: layer.region.as_ref().map(|region| region.on(grid)).transpose()?,
             opacity_scale: layer.opacity_scale,
         })
@@ -73,6 +81,7 @@ impl OpenScene {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat_core::TurnAxis;
     use slabsplat_core::glam::DVec3;
     use slabsplat_io::{parse_scene, scene_text};
 
@@ -125,6 +134,60 @@ mod tests {
         assert!(at(2.0).layers[1].region.contains([-1.0, 0.0, 0.0]));
         assert!(!at(2.0).layers[1].region.contains([1.0, 0.0, 0.0]));
         assert_eq!(at(4.5).settings.slab_width, 2.0);
+    }
+
+    #[test]
+    fn scene_film_may_be_a_turn() {
+        let text =
+            |film: &str| format!("volume = {{ generate = \"cube\", size = 8 }}\n[film]\n{film}");
+        let open = |film: &str| {
+            let file = parse_scene(&text(film), "turn.toml").map_err(|error| error.to_string())?;
+            Ok::<_, String>(OpenScene::open(&file).unwrap())
+        };
+        let opened =
+            open("seconds = 2\nturn = { axis = \"x\", degrees = -90, rock = true }").unwrap();
+        let turn = opened.turn(5).unwrap();
+        assert_eq!(
+            (turn.axis, turn.degrees, turn.is_rocking, turn.n_frames),
+            (TurnAxis::X, -90.0, true, 5)
+        );
+        assert!(opened.film().unwrap().is_none(), "it has no key frames");
+        let saved = opened.to_file().unwrap();
+        let read = parse_scene(&scene_text(&saved, "turn.toml").unwrap(), "turn.toml").unwrap();
+        assert_eq!(read, saved);
+        let short = open("turn = { degrees = 360 }").unwrap().turn(1).unwrap();
+        assert_eq!((short.axis, short.is_rocking), (TurnAxis::Up, false));
+        assert!(open("seconds = 3").unwrap().turn(1).is_none());
+        for (film, what) in [
+            ("turn = { degrees = 9 }\nloop = true", "a film is made by turn or by keys"),
+            ("turn = { degrees = 9 }\nkeys = [{ at = 1 }]", "a film is made by turn or by keys"),
+            ("turn = { degrees = 1e9 }", "degrees of a turn are up to 360000 either way"),
+            ("turn = { degrees = nan }", "degrees of a turn are up to 360000 either way"),
+            ("turn = { axis = \"down\", degrees = 9 }", "use one of up, right, x, y, z"),
+        ] {
+            let error = open(film).err().unwrap();
+            assert!(error.contains(what), "{error}");
+        }
+    }
+
+    #[test]
+    fn scene_film_changes_isosurfaces() {
+        let text = r#"
+            volume = { generate = "cube", size = 8 }
+            classify = { preset = "gray", isosurfaces = [{ value = 50, opacity = 0.5 }] }
+            render = { mode = "isosurfaces", method = "post-classified" }
+            [[film.keys]]
+            at = 2
+            classify = { isosurfaces = [{ value = 150, opacity = 1 }] }
+        "#;
+        let opened = OpenScene::open(&parse_scene(text, "iso.toml").unwrap()).unwrap();
+        let film = opened.film().unwrap().unwrap();
+        let half = film.scene_at(1.0).unwrap().layers[0].clone();
+        assert_eq!((half.isosurfaces[0].value(), half.isosurfaces[0].opacity()), (100.0, 0.75));
+        assert_eq!(half.transfer, opened.scene.layers[0].transfer);
+        let saved = opened.to_file().unwrap();
+        let read = parse_scene(&scene_text(&saved, "iso.toml").unwrap(), "iso.toml").unwrap();
+        assert_eq!(read, saved);
     }
 
     #[test]

@@ -204,16 +204,16 @@ impl TextureRenderer {
     /// # Errors
     /// If the frame failed or was cancelled, or is none of this renderer's.
     pub fn poll(&mut self, frame: &FrameHandle) -> Result<Poll<Drawn>, RenderError> {
-        let place = self.place_of(frame)?;
-        let taken = match (&mut self.under_way[place].on_cpu, &mut self.drawing) {
+        let idx = self.idx_of(frame)?;
+        let taken = match (&mut self.under_way[idx].on_cpu, &mut self.drawing) {
             (Some(on_cpu), _) => on_cpu.try_take(),
             (None, Drawing::Gpu(backend)) => backend.poll_image(frame).map_err(RenderError::from),
             (None, Drawing::Cpu(_)) => Err(BackendError::UnknownFrame.into()),
         };
         match taken {
             Ok(Poll::Pending) => Ok(Poll::Pending),
-            Ok(Poll::Ready(taken)) => self.finish(place, taken).map(Poll::Ready),
-            Err(error) => self.fail(place, error).map(|()| Poll::Pending),
+            Ok(Poll::Ready(taken)) => self.finish(idx, taken).map(Poll::Ready),
+            Err(error) => self.fail(idx, error).map(|()| Poll::Pending),
         }
     }
 
@@ -223,8 +223,8 @@ impl TextureRenderer {
     /// If the frame failed or was cancelled, or is none of this renderer's.
     pub fn wait(&mut self, frame: &FrameHandle) -> Result<Drawn, RenderError> {
         loop {
-            let place = self.place_of(frame)?;
-            let taken = match (&mut self.under_way[place].on_cpu, &mut self.drawing) {
+            let idx = self.idx_of(frame)?;
+            let taken = match (&mut self.under_way[idx].on_cpu, &mut self.drawing) {
                 (Some(on_cpu), _) => on_cpu.wait(),
                 (None, Drawing::Gpu(backend)) => {
                     backend.wait_image(frame).map_err(RenderError::from)
@@ -232,8 +232,8 @@ impl TextureRenderer {
                 (None, Drawing::Cpu(_)) => Err(BackendError::UnknownFrame.into()),
             };
             match taken {
-                Ok(taken) => return self.finish(place, taken),
-                Err(error) => self.fail(place, error)?,
+                Ok(taken) => return self.finish(idx, taken),
+                Err(error) => self.fail(idx, error)?,
             }
         }
     }
@@ -247,14 +247,14 @@ impl TextureRenderer {
         self.wait(&frame)
     }
 
-    fn place_of(&self, frame: &FrameHandle) -> Result<usize, BackendError> {
-        let place = self.under_way.iter().position(|under_way| under_way.frame == *frame);
-        place.ok_or(BackendError::UnknownFrame)
+    fn idx_of(&self, frame: &FrameHandle) -> Result<usize, BackendError> {
+        let idx = self.under_way.iter().position(|under_way| under_way.frame == *frame);
+        idx.ok_or(BackendError::UnknownFrame)
     }
 
     /// A frame is done, and one of the CPU's gets to its texture.
-    fn finish(&mut self, place: usize, done: Frame) -> Result<Drawn, RenderError> {
-        let UnderWay { target, on_cpu, .. } = self.under_way.remove(place);
+    fn finish(&mut self, idx: usize, done: Frame) -> Result<Drawn, RenderError> {
+        let UnderWay { target, on_cpu, .. } = self.under_way.remove(idx);
         if on_cpu.is_some() {
             let size = [done.image.width(), done.image.height()];
             target.write(&self.queue, size, done.image.pixels())?;
@@ -263,7 +263,7 @@ impl TextureRenderer {
     }
 
     /// A frame has failed; it may have begun again elsewhere.
-    fn fail(&mut self, place: usize, error: RenderError) -> Result<(), RenderError> {
+    fn fail(&mut self, idx: usize, error: RenderError) -> Result<(), RenderError> {
         if let RenderError::Backend(of_device) = &error
             && self.falls_back(of_device)
         {
@@ -271,7 +271,7 @@ impl TextureRenderer {
         }
         // A frame that nobody may wait for is still there to be polled.
         if error != RenderError::Backend(BackendError::CannotWait) {
-            self.under_way.remove(place);
+            self.under_way.remove(idx);
         }
         Err(error)
     }

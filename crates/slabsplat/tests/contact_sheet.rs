@@ -93,9 +93,9 @@ fn filled(image: &Image) -> f64 {
     let is_seen = |x: u32, y: u32| 0.08 < image.pixel(x, y)[3];
     let columns = (0..width).filter(|&x| (0..height).any(|y| is_seen(x, y)));
     let rows = (0..height).filter(|&y| (0..width).any(|x| is_seen(x, y)));
-    let span = |places: &mut dyn Iterator<Item = u32>| {
-        let places: Vec<u32> = places.collect();
-        places.last().map_or(0, |last| last + 1 - places[0])
+    let span = |columns: &mut dyn Iterator<Item = u32>| {
+        let columns: Vec<u32> = columns.collect();
+        columns.last().map_or(0, |last| last + 1 - columns[0])
     };
     f64::from(span(&mut { columns }).max(span(&mut { rows }))) / f64::from(width)
 }

@@ -14,7 +14,7 @@ pub(super) struct InSheet {
     pub(super) slopes: [f64; 2],
 }
 
-/// A place on a ray.
+/// A point on a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) density: f64,
@@ -65,10 +65,10 @@ impl Between {
         }
     }
 
-    /// The slopes at a place from 0 to 1.
-    pub(super) fn slopes(&self, place: f64) -> DVec3 {
+    /// The slopes at a position from 0 to 1.
+    pub(super) fn slopes(&self, position: f64) -> DVec3 {
         let [start, end] = self.ends;
-        start.slopes.lerp(end.slopes, place) + 4.0 * place * (1.0 - place) * self.bulge
+        start.slopes.lerp(end.slopes, position) + 4.0 * position * (1.0 - position) * self.bulge
     }
 }
 

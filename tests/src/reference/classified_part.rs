@@ -13,7 +13,7 @@ pub(super) struct Part {
     /// Of the colour, weighted with that.
     pub(super) color: [f64; 3],
     /// Where on the part that weight lies in the mean: 0 at its start, 1 at its end.
-    pub(super) place: f64,
+    pub(super) position: f64,
 }
 
 /// The part from density `start` to `end`; `None` if nothing of it is visible.
@@ -24,27 +24,30 @@ pub(super) fn part(
 ) -> Option<Part> {
     let (rule, pieces) = (GaussLegendre::new(N_NODES), pieces(transfer, [start, end]));
     let mean_of = |term: &dyn Fn(f64, [f64; 3]) -> f64| -> f64 {
-        let at = |place: f64| {
-            let density = start + (end - start) * place;
-            weight(compositing, transfer.opacity(density)) * term(place, transfer.color(density))
+        let at = |position: f64| {
+            let density = start + (end - start) * position;
+            weight(compositing, transfer.opacity(density)) * term(position, transfer.color(density))
         };
         pieces.iter().map(|&[from, to]| rule.integrate(from, to, at)).sum()
     };
     let weight = mean_of(&|_, _| 1.0);
     let color = [0, 1, 2].map(|channel| mean_of(&|_, color| color[channel]) / weight);
-    let place = mean_of(&|place, _| place) / weight;
-    (0.0 < weight).then_some(Part { weight, color, place })
+    let position = mean_of(&|position, _| position) / weight;
+    (0.0 < weight).then_some(Part { weight, color, position })
 }
 
 /// Nodes of a piece on which the transfer function has no point.
 const N_NODES: usize = 24;
 
-/// The pieces between the points of the transfer function, as places on the part.
+/// The pieces between the points of the transfer function, as positions on the part.
 fn pieces(transfer: &TransferFunction, [start, end]: [f64; 2]) -> Vec<[f64; 2]> {
-    let place = |density: f64| (density - start) / (end - start);
-    let mut places: Vec<f64> =
-        transfer.positions().map(place).filter(|place| 0.0 < *place && *place < 1.0).collect();
-    places.extend([0.0, 1.0]);
-    places.sort_by(f64::total_cmp);
-    places.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+    let position = |density: f64| (density - start) / (end - start);
+    let mut positions: Vec<f64> = transfer
+        .positions()
+        .map(position)
+        .filter(|position| 0.0 < *position && *position < 1.0)
+        .collect();
+    positions.extend([0.0, 1.0]);
+    positions.sort_by(f64::total_cmp);
+    positions.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }

@@ -234,18 +234,18 @@ impl<'a> Frame<'a> {
         let [front, back] = self.between_middles(first);
         let isosurfaces = &layer.layer.isosurfaces;
         let moved = moved.value * (layer.ends[1] - layer.ends[0]);
-        let shown = |Crossing { place, surface }: Crossing| {
-            let lerp = |from: f64, to: f64| from + place * (to - from);
+        let shown = |Crossing { position, surface }: Crossing| {
+            let lerp = |from: f64, to: f64| from + position * (to - from);
             if !region.holds(lerp(front, back)) {
                 return None;
             }
             let surface = isosurfaces[surface];
             let color = surface.color();
             let color = color.unwrap_or_else(|| layer.layer.transfer.color(surface.value()));
-            let color = layer.lit(color, &[(layer.normal(at, between.slopes(place)), 1.0)]);
+            let color = layer.lit(color, &[(layer.normal(at, between.slopes(position)), 1.0)]);
             let there_is = (4.0 * lerp(lengths[0], lengths[1]) / layer.width - 1.5).clamp(0.0, 1.0);
             let opacity = there_is * surface.opacity();
-            Some((place, Premultiplied { color: color.map(|c| opacity * c), opacity }))
+            Some((position, Premultiplied { color: color.map(|c| opacity * c), opacity }))
         };
         crossings(isosurfaces, &between, layer.ends, moved).into_iter().filter_map(shown).collect()
     }

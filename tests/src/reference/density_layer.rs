@@ -14,7 +14,7 @@ use slabsplat_core::{Compositing, Isosurface, Layer, Light, Mode, Normalization,
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
 
-/// Places of a part at which it is lit, counted from its middle.
+/// Positions of a part at which it is lit, counted from its middle.
 const LIT_AT: [f64; 4] = [-0.375, -0.125, 0.125, 0.375];
 
 /// A layer as the camera sees it.
@@ -182,16 +182,16 @@ impl<'a> DensityLayer<'a> {
         let densities = between.ends.map(|end| end.density);
         let part = part(transfer, self.compositing, densities)?;
         // What is seen lies evenly around its mean, as far as the part goes on both sides.
-        let seen = 2.0 * part.place.min(1.0 - part.place);
+        let seen = 2.0 * part.position.min(1.0 - part.position);
         // What goes through the quarters before counts, where what a sheet sums hides any of itself.
         let through = match self.compositing {
             Compositing::Extinction => (-0.25 * between.length * part.weight).exp(),
             Compositing::Separate | Compositing::Associated => 1.0,
         };
         let quarters = [0, 1, 2, 3].map(|quarter| {
-            let place = part.place + seen * LIT_AT[quarter];
-            let normal = self.normal(at, between.slopes(place));
-            let in_world = self.view.ray_in_world(at, front + place * (back - front));
+            let position = part.position + seen * LIT_AT[quarter];
+            let normal = self.normal(at, between.slopes(position));
+            let in_world = self.view.ray_in_world(at, front + position * (back - front));
             let normal = normal_by_faces(region, self.unit, in_world, normal);
             (normal, through.powi(quarter as i32))
         });

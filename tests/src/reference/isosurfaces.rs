@@ -6,7 +6,7 @@ use slabsplat_core::Isosurface;
 /// Where a ray passes a surface: from 0 at the first node to 1 at the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Crossing {
-    pub(super) place: f64,
+    pub(super) position: f64,
     /// Which of the surfaces.
     pub(super) surface: usize,
 }
@@ -29,16 +29,16 @@ pub(super) fn crossings(
         let value = isosurface.value() - PLATEAU * (ends[1] - ends[0]) + moved;
         if (start < value) != (end < value) {
             let part = (value - start) / (end - start);
-            let place = place_of(part, slopes.map(|slope| slope / (end - start)));
-            crossings.push(Crossing { place, surface });
+            let position = position_of(part, slopes.map(|slope| slope / (end - start)));
+            crossings.push(Crossing { position, surface });
         }
     }
-    crossings.sort_by(|a, b| a.place.total_cmp(&b.place));
+    crossings.sort_by(|a, b| a.position.total_cmp(&b.position));
     crossings
 }
 
 /// Where a cubic with those slopes at its ends, as far as they let it rise, has risen by a part of 1.
-fn place_of(part: f64, slopes: [f64; 2]) -> f64 {
+fn position_of(part: f64, slopes: [f64; 2]) -> f64 {
     let [a, b] = slopes.map(|slope| slope.clamp(0.0, 3.0));
     let risen = |t: f64| {
         // Hermite's basis: the value at the end, and the slopes at both ends.
@@ -60,8 +60,8 @@ mod tests {
     #[test]
     fn isosurfaces_of_a_straight_way_and_of_curves() {
         let check = |part: f64, slopes: [f64; 2], expected: f64| {
-            let place = place_of(part, slopes);
-            assert!((place - expected).abs() < 1e-12, "{part} {slopes:?}: {place}");
+            let position = position_of(part, slopes);
+            assert!((position - expected).abs() < 1e-12, "{part} {slopes:?}: {position}");
         };
         check(0.3, [1.0, 1.0], 0.3);
         // A parabola, t².

@@ -1,8 +1,10 @@
-//! What the rays of a pixel's samples hit of opaque meshes (model §14): every triangle is asked.
+//! What the rays of a pixel's samples hit of opaque meshes (model §14): every triangle, line and point is
+//! asked.
 
 use super::region::splitting;
 use super::shaded_by_normals;
 use super::sheet::Premultiplied;
+use super::tube::{Tube, tubes};
 use super::view::View;
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{Compositing, Light, MeshLayer, Region, Scene, Shading};
@@ -22,9 +24,10 @@ const SAMPLES: [[f64; 2]; 8] = {
 /// Depths are one that differ by rounding alone, as those of a triangle that is there twice, for both sides.
 const ONE_DEPTH: f64 = 1e-10;
 
-/// All triangles of a scene.
+/// All triangles, lines and points of a scene.
 pub(super) struct Surfaces<'a> {
     triangles: Vec<Triangle<'a>>,
+    tubes: Vec<Tube<'a>>,
     near_depth: f64,
 }
 
@@ -52,12 +55,13 @@ impl<'a> Surfaces<'a> {
         let unit = units.reduce(f64::min).unwrap_or_else(|| unit_of_meshes(&scene.meshes));
         let triangles =
             scene.meshes.iter().flat_map(|layer| triangles(layer, &scene.lights)).collect();
-        Self { triangles, near_depth: view.near_depth(unit) }
+        let tubes = scene.meshes.iter().flat_map(|layer| tubes(layer, &scene.lights)).collect();
+        Self { triangles, tubes, near_depth: view.near_depth(unit) }
     }
 
     /// The hits of a pixel's samples; of a scene without meshes that of a single ray, which hits nothing.
     pub(super) fn hits(&self, view: &View, at: [i64; 2]) -> Vec<Option<Hit>> {
-        if self.triangles.is_empty() {
+        if self.triangles.is_empty() && self.tubes.is_empty() {
             return vec![None];
         }
         let corner = at.map(|pixel| pixel as f64);
@@ -75,7 +79,15 @@ impl<'a> Surfaces<'a> {
             let color = || triangle.color([1.0 - u - v, u, v], view.axes.forward);
             is_there.then(|| Hit { depth, color: color() })
         };
-        let hits: Vec<Hit> = self.triangles.iter().filter_map(hit).collect();
+        let hit_of_tube = |tube: &Tube<'_>| {
+            let is_there = |depth: &f64| {
+                self.near_depth <= *depth && tube.region.contains(start + *depth * step)
+            };
+            let depth = tube.met_by(start, step).into_iter().find(is_there)?;
+            Some(Hit { depth, color: tube.color(start + depth * step, &view.axes) })
+        };
+        let of_tubes = self.tubes.iter().filter_map(hit_of_tube);
+        let hits: Vec<Hit> = self.triangles.iter().filter_map(hit).chain(of_tubes).collect();
         let nearest = hits.iter().map(|hit| hit.depth).fold(f64::INFINITY, f64::min);
         let at_one_depth = |hit: &Hit| hit.depth - nearest <= ONE_DEPTH * nearest.abs().max(1.0);
         let in_order =
@@ -281,9 +293,9 @@ mod tests {
     #[test]
     fn mesh_samples_are_a_rook_each() {
         for axis in 0..2 {
-            let mut places = SAMPLES.map(|sample| sample[axis]);
-            places.sort_by(f64::total_cmp);
-            assert_eq!(places, std::array::from_fn(|i| (2 * i + 1) as f64 / 16.0));
+            let mut positions = SAMPLES.map(|sample| sample[axis]);
+            positions.sort_by(f64::total_cmp);
+            assert_eq!(positions, std::array::from_fn(|i| (2 * i + 1) as f64 / 16.0));
         }
     }
 

@@ -34,6 +34,7 @@ mod region;
 mod row;
 mod slabs;
 mod statistic;
+mod tube;
 
 pub use gradient::{gradient_in_world, gradient_length};
 pub use hierarchy::Hierarchy;

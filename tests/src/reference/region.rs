@@ -70,7 +70,7 @@ pub(super) fn splitting(mode: Mode) -> Compositing {
     }
 }
 
-/// What becomes of a normal, not longer than 1, at a place in the world where lit faces of a region are near:
+/// What becomes of a normal, not longer than 1, at a point in the world where lit faces of a region are near:
 /// that of the face up to three quarters of a `unit` behind it, and a `unit` further itself.
 pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVec3) -> DVec3 {
     if !region.is_lit() || region.planes().is_empty() {

@@ -20,7 +20,7 @@ pub struct SheetSums {
 pub struct Premultiplied {
     /// Red, green and blue times the opacity.
     pub color: [f64; 3],
-    /// How much of what lies behind is hidden.
+    /// How much of what lies behind is occluded.
     pub opacity: f64,
 }
 

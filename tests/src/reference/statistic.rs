@@ -48,7 +48,7 @@ pub(super) fn of_sheets(
 }
 
 /// What layers show together, each by the density that stands for all of it: what goes through all of them is
-/// hidden by none, and colours count by extinction.
+/// occluded by none, and colours count by extinction.
 pub(super) fn joined(layers: impl Iterator<Item = Premultiplied>) -> Premultiplied {
     let (mut through, mut extinction, mut color) = (1.0, 0.0, [0.0; 3]);
     for layer in layers.filter(|layer| 0.0 < layer.opacity) {

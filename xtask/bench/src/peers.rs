@@ -101,22 +101,22 @@ impl Arena {
     fn measure(&self, scene: &Path) -> Result<String> {
         let mut ms = vec![Vec::new(); self.peers.len() + OURS.len()];
         for pair in 0..self.options.n_pairs {
-            for place in turns(pair, self.peers.len()) {
-                let (name, median_ms) = self.run(place, scene)?;
+            for nth in turns(pair, self.peers.len()) {
+                let (name, median_ms) = self.run(nth, scene)?;
                 eprintln!("bench: pair {}: {name}: {median_ms:.1} ms", pair + 1);
-                ms[place].push(median_ms);
+                ms[nth].push(median_ms);
             }
         }
         let names: Vec<&str> = self.peers.iter().map(|peer| peer.name).collect();
         Ok(table(&names, &ms))
     }
 
-    /// The median of the contender at `place`, peers first.
-    fn run(&self, place: usize, scene: &Path) -> Result<(&'static str, f64)> {
-        if let Some(peer) = self.peers.get(place) {
+    /// The median of the `nth` contender, peers first.
+    fn run(&self, nth: usize, scene: &Path) -> Result<(&'static str, f64)> {
+        if let Some(peer) = self.peers.get(nth) {
             return Ok((peer.name, self.run_peer(peer, scene)?));
         }
-        let ours = &OURS[place - self.peers.len()];
+        let ours = &OURS[nth - self.peers.len()];
         let run = Run {
             input: scene.into(),
             flags: ours.flags.iter().map(ToString::to_string).collect(),

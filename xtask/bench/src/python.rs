@@ -1,12 +1,11 @@
-//! A Python with VTK: one that is named, one in the home directory, or one that is made. And Python without
-//! it.
+//! A Python with VTK: one that is named, one in the home directory, or one that is made.
 
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
-use xtask::process::{output, run};
+use xtask::process::{output, python, run};
 
 const VARIABLE: &str = "SLABSPLAT_PEERS_PYTHON";
 
@@ -29,11 +28,6 @@ pub(super) fn with_vtk(target: &Path) -> Result<PathBuf> {
     }
 }
 
-/// The system's Python.
-pub(super) fn command() -> Command {
-    Command::new(if cfg!(windows) { "python" } else { "python3" })
-}
-
 fn python_of(environment: &Path) -> PathBuf {
     environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" })
 }
@@ -43,7 +37,7 @@ fn has_vtk(python: &Path) -> bool {
 }
 
 fn make(environment: &Path) -> Result<PathBuf> {
-    run(command().args(["-m", "venv"]).arg(environment))?;
+    run(python().args(["-m", "venv"]).arg(environment))?;
     let python = python_of(environment);
     run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "vtk"]))?;
     ensure!(has_vtk(&python), "what was installed into {} is not found", environment.display());

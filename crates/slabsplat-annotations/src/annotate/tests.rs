@@ -7,6 +7,7 @@ use slabsplat_core::{
 };
 
 use super::*;
+use crate::room::{Insets, insets};
 
 const CLEAR: [f32; 4] = [0.0; 4];
 
@@ -122,5 +123,71 @@ fn title_is_made_to_fit() {
     assert!(is_drawn && notes == ["all of the title has no room in a picture of 200 x 100 pixels"]);
     let (is_drawn, notes) = notes_of("brain", [200, 6]);
     assert!(!is_drawn && notes == ["the title has no room in a picture of 200 x 6 pixels"]);
-    assert_eq!(notes_of("漢", [200, 100]).1, ["the font of the title has no 漢"]);
+    assert_eq!(
+        notes_of("漢", [200, 100]).1,
+        ["the font of the title has no 漢: boxes are in their place"]
+    );
+}
+
+/// What is left out of small pictures is told of, and of all pictures a good part is left for the scene.
+#[test]
+fn annotations_leave_room_for_what_is_seen() {
+    let mut kept_before = [false; 5];
+    for side in (10..400).chain((400..=4000).step_by(50)) {
+        let scene = scene([side, side], ORTHOGRAPHIC);
+        let room = Room::of(&scene);
+        let Room { has_title, has_scale_bar, has_color_bar, has_marker, has_axes, notes } = room;
+        let kept = [has_title, has_scale_bar, has_color_bar, has_marker, has_axes];
+        let n_kept = kept.iter().filter(|has_room| **has_room).count();
+        assert_eq!(n_kept + notes.len(), 5, "{side}: {notes:?}");
+        // What comes to have room may take that of what is worth less, and of nothing else.
+        assert!(kept_before <= kept, "{side}: {kept:?}");
+        kept_before = kept;
+        let Insets { left, right, top, bottom } = insets(&scene);
+        let left_over = f64::from(side) * 0.4 - 1e-9;
+        assert!(left_over <= f64::from(side) - left - right, "{side}");
+        assert!(left_over <= f64::from(side) - top - bottom, "{side}");
+        match side {
+            10..25 => assert_eq!(n_kept, 0, "{side}"),
+            // One takes height and the other width; nothing else has room beside or below what is left.
+            60 => assert_eq!(kept, [true, false, true, false, false], "{notes:?}"),
+            300.. => assert_eq!(n_kept, 5, "{side}: {notes:?}"),
+            _ => {}
+        }
+    }
+}
+
+/// The edges of the box do not run through the marker.
+#[test]
+fn marker_lies_on_no_edge() {
+    let mut scene = scene([300, 300], Projection::Orthographic { view_height: 70.0 });
+    let em = f64::from(text_size(300, 300));
+    let [min, max] = marker_bounds(DVec2::splat(300.0), em);
+    let n_drawn = |scene: &Scene| {
+        let mut behind = Image::filled(300, 300, CLEAR);
+        draw_behind(&mut behind, scene);
+        let columns = || min.x.ceil() as u32..max.x as u32;
+        let pixels =
+            (min.y.ceil() as u32..max.y as u32).flat_map(|y| columns().map(move |x| (x, y)));
+        pixels.filter(|(x, y)| behind.pixel(*x, *y) != CLEAR).count()
+    };
+    let target = scene.camera.target();
+    for turn in 0..24 {
+        let away = DVec3::new((f64::from(turn) * 0.26).cos(), (f64::from(turn) * 0.26).sin(), 0.4);
+        scene.camera =
+            Camera::new(target + away * 100.0, target, DVec3::Z, scene.camera.projection())
+                .unwrap();
+        scene.finish.annotations.orientation_marker = true;
+        assert_eq!(n_drawn(&scene), 0, "{turn}");
+    }
+    let without = (0..24).map(|turn| {
+        let away = DVec3::new((f64::from(turn) * 0.26).cos(), (f64::from(turn) * 0.26).sin(), 0.4);
+        let mut scene = scene.clone();
+        scene.camera =
+            Camera::new(target + away * 100.0, target, DVec3::Z, scene.camera.projection())
+                .unwrap();
+        scene.finish.annotations.orientation_marker = false;
+        n_drawn(&scene)
+    });
+    assert!(0 < without.sum::<usize>(), "there would be edges");
 }

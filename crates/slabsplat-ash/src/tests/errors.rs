@@ -2,12 +2,14 @@
 
 use super::scan::{Scan, assert_sums};
 use super::*;
+use crate::error::Fault;
 use crate::memory::BufferDesc;
 use crate::submit::PIECE_BYTES;
 use crate::timeline::ForcedAnswer;
 use ash::vk;
 use slabsplat_gpu::DeviceError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
 
 #[test]
 fn memory_runs_out_for_too_large_a_buffer() {
@@ -146,4 +148,21 @@ fn validation_is_heard() {
     let _ = memory.buffer(BufferDesc { label: "empty", size: 0, usage, location });
     let heard = HEARD.lock().unwrap();
     assert!(heard.iter().any(|text| text.contains("VUID-VkBufferCreateInfo-size")), "{heard:?}");
+}
+
+/// A driver that never answers is not waited for without end.
+#[test]
+fn silent_driver_is_given_up() {
+    on_device(|device| {
+        let work = device.submit(&Work::default()).unwrap();
+        let number = device.timeline.last();
+        force(device, "vkWaitSemaphores", 0, vk::Result::TIMEOUT);
+        assert_eq!(device.timeline.wait_at_most(number, Duration::ZERO), Ok(()), "it only looks");
+        force(device, "vkWaitSemaphores", 0, vk::Result::TIMEOUT);
+        let given_up = device.timeline.wait(number);
+        let expected = "vkWaitSemaphores: no answer within 10 minutes".to_owned();
+        assert_eq!(given_up, Err(Fault::Driver(expected)));
+        assert_eq!(device.timeline.wait(number), Ok(()));
+        wait(device, work);
+    });
 }

@@ -4,6 +4,7 @@ mod errors;
 mod lifetimes;
 mod order;
 mod scan;
+mod sort;
 
 use crate::device::AshDevice;
 use slabsplat_gpu::{

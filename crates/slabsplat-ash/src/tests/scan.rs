@@ -17,7 +17,7 @@ pub(super) struct Scan {
     pub(super) elements: Slice,
     totals: Slice,
     counts: Slice,
-    /// In two places: the parameters of each pass.
+    /// Twice: the parameters of each pass.
     steps: BufferId,
     step_words: [Vec<u32>; 2],
     step_offset: u64,

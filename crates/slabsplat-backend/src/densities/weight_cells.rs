@@ -10,7 +10,7 @@ pub struct WeightCell {
     pub start: f64,
     /// How far it goes.
     pub width: f64,
-    /// The weight, in powers of the place in the cell, 0 to 1.
+    /// The weight, in powers of the position in the cell, 0 to 1.
     pub weight: [f64; 4],
     /// Red, green and blue: at the start, and how much more at the end.
     pub color: [[f64; 2]; 3],
@@ -24,7 +24,7 @@ const N_POWERS: usize = 5;
 
 impl WeightCell {
     /// The integrals from its start on: of the weight, and of that times red, green, blue and the density.
-    /// By powers of the place in the cell, from the first on; three numbers fill each up to eight.
+    /// By powers of the position in the cell, from the first on; three numbers fill each up to eight.
     pub fn integrals(&self) -> [[f64; 8]; N_POWERS] {
         let [red, green, blue] = self.color;
         let factors: [[f64; 2]; N_FUNCTIONS] =

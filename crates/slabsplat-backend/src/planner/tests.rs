@@ -7,7 +7,7 @@ use slabsplat_core::{
     Camera, Grid, ImageDesc, Isosurface, KernelName, Lookup, Normalization, Projection,
     RenderSettings, Scaling, TransferFunction, Volume,
 };
-use slabsplat_kernel::{SectionTable, SplitLevels, SplitView};
+use slabsplat_kernel::{KernelTails, SectionTable, SplitLevels, SplitView};
 use std::sync::Arc;
 
 fn volume() -> Arc<Volume> {
@@ -81,7 +81,7 @@ fn planner_merges_sections_of_slabs_as_wide_as_the_kernel() {
         let merged = sections.merged.as_ref().expect("faint voxels are whole");
         let kernel = Kernels::default().named("gaussian").unwrap();
         let split_view = SplitView { layer_depth, steepest_ray: 0.0, is_cut: false };
-        let levels = SplitLevels::new(&scene.settings, &*kernel, split_view);
+        let levels = SplitLevels::new(&scene.settings, &KernelTails::of(&*kernel), split_view);
         assert_eq!(merged.levels, levels, "{spacing:?}");
         let radius = kernel.radius() as f32;
         let [whole, half] = [-radius, 0.0].map(|front| merged.table.sample(0.5, front, radius));
@@ -161,6 +161,32 @@ fn planner_bounds_sections_of_a_kernel() {
     let densities = settings.method(Method::PostClassified).slab_width(6.25);
     assert!(refused(&densities, DVec3::X).is_some());
     assert_eq!(refused(&densities.slab_width(12.5), DVec3::X), None);
+}
+
+/// A few thousand needles that took minutes. What has no slabs draws them, and so do wider slabs.
+#[test]
+fn planner_bounds_work_of_a_frame() {
+    let drawn = |settings: RenderSettings| {
+        let grid = Grid::with_spacing([16, 16, 30], [1.0, 1.0, 1600.0]).unwrap();
+        let volume = Volume::new(grid, vec![1_u8; 7680].into(), Scaling::IDENTITY).unwrap();
+        Planner::default().plan(&scene_of(volume, settings)).map(|_| ())
+    };
+    let refused = |settings: RenderSettings| drawn(settings).unwrap_err().to_string();
+    let settings = RenderSettings::default();
+    assert_eq!(
+        refused(settings.clone()),
+        "a frame of 4.9e7 sections of kernels takes too long: the volume with spacing 1 x 1 x 1600 is cut \
+         into too many slabs, as its longest voxel step is 1600 times its shortest; correct the spacing, set \
+         slab_width to 1.47 or more, or draw every-sample, which has no slabs"
+    );
+    assert_eq!(drawn(settings.clone().slab_width(1.47)), Ok(()));
+    for method in [Method::EverySample, Method::AxisAligned] {
+        assert_eq!(drawn(settings.clone().method(method)), Ok(()), "{method}");
+    }
+    for mode in [Mode::Maximum, Mode::Minimum, Mode::Average] {
+        let refused = refused(settings.clone().mode(mode).slab_width(2.0));
+        assert!(refused.contains("takes too long"), "{mode}: {refused}");
+    }
 }
 
 /// What decides about a surface is its own value; of two that are one, neither would be in front.

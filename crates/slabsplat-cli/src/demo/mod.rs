@@ -18,30 +18,30 @@ use std::time::Instant;
 #[derive(Args)]
 pub(crate) struct DemoArgs {
     /// Where the pictures go; it is made if there is none
-    #[arg(value_name = "DIR", default_value = "slabsplat-demo")]
-    directory: PathBuf,
+    #[arg(value_name = "FOLDER", default_value = "slabsplat-demo")]
+    folder: PathBuf,
 }
 
 pub(crate) fn run(args: &DemoArgs) -> Result<()> {
-    let directory = &args.directory;
-    std::fs::create_dir_all(directory)
-        .with_context(|| format!("cannot make the directory {}", directory.display()))?;
+    let folder = &args.folder;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let mut renderer = Renderer::open("auto", terminal::warn)?;
     let side = shots::SIDE_PIXELS;
     terminal::answer(&format!(
         "Pictures of {side} x {side} pixels in {}, by {}:\n\n",
-        directory.display(),
+        folder.display(),
         stats::executor(renderer.caps()),
     ))?;
     terminal::answer("picture                             voxels drawn      ms\n")?;
     for shot in SHOTS {
-        draw(shot, directory, &mut renderer)?;
+        draw(shot, folder, &mut renderer)?;
     }
     measure(&mut renderer)
 }
 
 /// One volume by all methods. The voxels are sorted once.
-fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
+fn draw(shot: &Shot, folder: &Path, renderer: &mut Renderer) -> Result<()> {
     let progress = Progress::start("rendering", 0);
     let volume = Arc::new(io::builtin_volume(shot.volume, None)?);
     let name = shot.volume.to_owned();
@@ -54,7 +54,7 @@ fn draw(shot: &Shot, directory: &Path, renderer: &mut Renderer) -> Result<()> {
         let Frame { image, stats, .. } = renderer.render(&scene)?;
         let ms = started.elapsed().as_millis();
         let name = format!("{}-{}.png", shot.volume, scene.settings.method);
-        let path = directory.join(&name);
+        let path = folder.join(&name);
         let mut source = file.completed(&scene)?;
         renderer.caps().name.clone_into(&mut source.backend);
         let provenance = Provenance::of_scene(&source, &path)?;

@@ -19,7 +19,7 @@ pub(super) struct AnnotationFlags {
     #[arg(long)]
     scale_bar: bool,
 
-    /// The colours of the first layer's visible values
+    /// The colours of the first layer's visible values, or a legend of its labels
     #[arg(long)]
     color_bar: bool,
 

@@ -1,11 +1,11 @@
 //! Flags of `[camera]` and `[image]`, and cameras as people say them.
 
-use super::values::{self, Background};
+use super::values;
 use anyhow::{Result, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::glam::DVec3;
-use slabsplat::io::SceneFile;
+use slabsplat::io::{Background, SceneFile};
 use slabsplat::{Aim, Fit, ProjectionKind, Viewpoint};
 
 #[derive(Args)]
@@ -83,7 +83,7 @@ pub(super) struct CameraFlags {
     /// Colour behind the volume: a name of CSS, #rgb, #rrggbb, #rrggbbaa, or R,G,B or R,G,B,A from 0 to 1
     /// each, opaque without A; two of them are the upper and the lower end of a gradient
     #[arg(
-        long, value_name = "COLOR[:COLOR]", value_parser = values::background,
+        long, value_name = "COLOR[:COLOR]", value_parser = str::parse::<Background>,
         allow_hyphen_values = true
     )]
     background: Option<Background>,

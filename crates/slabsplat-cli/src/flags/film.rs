@@ -1,12 +1,13 @@
 //! Flags of what a film is written as, and how long it is.
 
-use super::output::check_folder;
+use super::output::{check_folder, check_scene_name, is_same_file};
 use crate::terminal;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::Scene;
-use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate};
+use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate, Metadata};
+use slabsplat::io::{Provenance, SceneFile};
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -25,7 +26,7 @@ pub(crate) struct FilmFlags {
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     fps: Option<f64>,
 
-    /// How long the film is, in seconds [default: 6, or as the scene file says]
+    /// How long the film is, in seconds [default: 6]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     seconds: Option<f64>,
 
@@ -36,6 +37,15 @@ pub(crate) struct FilmFlags {
     /// Begin anew, whatever frames of an interrupted run are there
     #[arg(long)]
     restart: bool,
+
+    /// Write what is filmed as a scene file, too, of which `film` makes the film again
+    #[arg(long, value_name = "FILE.toml")]
+    save_scene: Option<PathBuf>,
+
+    /// Leave the scene out of the film's metadata. A .webp, an .apng and each frame of a .png-sequence say
+    /// what they show; .mp4, .webm and .gif do not
+    #[arg(long)]
+    no_metadata: bool,
 
     /// Make folders that are to be written to and are not there
     #[arg(long)]
@@ -59,8 +69,15 @@ const USUAL_FPS: f64 = 25.0;
 
 impl FilmFlags {
     /// Where the film goes, and as what. What would fail after the work fails here.
-    pub(crate) fn target(&self) -> Result<(&Path, FilmFormat)> {
+    pub(crate) fn target(&self, input: &Path) -> Result<(&Path, FilmFormat)> {
         let path = &self.output;
+        if let Some(path) = [Some(path), self.save_scene.as_ref()]
+            .into_iter()
+            .flatten()
+            .find(|path| is_same_file(path, input))
+        {
+            bail!("{} is to be filmed, and would be replaced: choose another name", path.display());
+        }
         if path == Path::new("-") {
             bail!("a film cannot go to standard output: name a file");
         }
@@ -72,6 +89,10 @@ impl FilmFlags {
         format.check_program()?;
         if format != FilmFormat::PngSequence || !path.is_dir() {
             check_folder(path, self.mkdir)?;
+        }
+        if let Some(scene) = &self.save_scene {
+            check_scene_name(scene)?;
+            check_folder(scene, self.mkdir)?;
         }
         Ok((path, format))
     }
@@ -94,6 +115,16 @@ impl FilmFlags {
         self.seconds.or_else(|| Some(f64::from(self.frames?) / rate.per_second()))
     }
 
+    /// That the format has room for frames of a scene, which are that fast.
+    pub(crate) fn check(
+        &self,
+        format: FilmFormat,
+        file: &SceneFile,
+        rate: FrameRate,
+    ) -> Result<()> {
+        Ok(format.check(&FilmDesc::new(file.image.width, file.image.height, 1, rate)?)?)
+    }
+
     /// What its frames are, of which the caller is told if they are not as they might be.
     pub(crate) fn desc(
         &self,
@@ -107,7 +138,6 @@ impl FilmFlags {
         let desc = FilmDesc::new(image.width, image.height, n_frames, rate)?
             .has_opacity(lets_through && format.has_opacity())
             .n_threads(rayon::current_num_threads());
-        format.check(&desc)?;
         let name = format.name();
         if lets_through && !format.has_opacity() {
             terminal::warn(&format!(
@@ -120,6 +150,32 @@ impl FilmFlags {
             terminal::warn(&format!("{name} has even sides, and so {width} x {height} pixels"));
         }
         Ok(desc)
+    }
+
+    /// The scene file that is to be written beside the film.
+    pub(crate) fn scene_path(&self) -> Option<&Path> {
+        self.save_scene.as_deref()
+    }
+
+    /// Whether films and frames say what they show, where they can.
+    pub(crate) fn says_scene(&self) -> bool {
+        !self.no_metadata
+    }
+
+    /// What a film, or one of its frames, is to say of itself under that name.
+    pub(crate) fn metadata(&self, scene: &SceneFile, path: &Path) -> Metadata {
+        if !self.says_scene() {
+            return Metadata::default();
+        }
+        match Provenance::of_scene(scene, path) {
+            Ok(provenance) => Metadata::new(provenance.png_texts(), Some(provenance.xmp())),
+            Err(error) => {
+                terminal::warn(&format!(
+                    "the film does not say what it shows: {error}; --save-scene FILE.toml does"
+                ));
+                Metadata::default()
+            }
+        }
     }
 
     /// Begins the film or continues it.

@@ -5,7 +5,7 @@ use super::transfer::TransferFlags;
 use super::values::{self, OpacityPoints};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use slabsplat::io::{LoadedVolume, SceneFile, TransferImageFile};
+use slabsplat::io::{LoadedVolume, MeshFile, SceneFile, TransferImageFile};
 use slabsplat::{
     Isosurface, Mode, Phong, PiecewiseLinear, Shading, TransferBox, TransferFunction2d,
 };
@@ -62,6 +62,14 @@ pub(super) struct LookFlags {
     )]
     isosurfaces: Vec<Isosurface>,
 
+    /// How thick the lines of meshes are, in world units; by default 1/400 of a mesh's size
+    #[arg(long, value_name = "WIDTH", value_parser = values::width, allow_hyphen_values = true)]
+    line_width: Option<f64>,
+
+    /// The diameter of the points of meshes, in world units; by default 1/100 of a mesh's size
+    #[arg(long, value_name = "SIZE", value_parser = values::width, allow_hyphen_values = true)]
+    point_size: Option<f64>,
+
     /// What light does to a voxel
     #[arg(long, value_name = "MODEL")]
     shading: Option<Model>,
@@ -106,6 +114,20 @@ impl LookFlags {
         }
         for mesh in &mut file.meshes {
             mesh.shading = self.shading_over(mesh.shading)?;
+        }
+        Ok(())
+    }
+
+    /// Makes the lines and points of all meshes as thick as flags say.
+    pub(super) fn thicken(&self, meshes: &mut [MeshFile]) -> Result<()> {
+        let flags = [("line-width", self.line_width), ("point-size", self.point_size)];
+        let given = flags.into_iter().find(|(_, width)| width.is_some());
+        if let (Some((name, _)), []) = (given, &*meshes) {
+            bail!("--{name} does nothing without a mesh: add --mesh FILE");
+        }
+        for mesh in meshes {
+            mesh.line_width = self.line_width.or(mesh.line_width);
+            mesh.point_size = self.point_size.or(mesh.point_size);
         }
         Ok(())
     }

@@ -30,7 +30,7 @@ pub(crate) use transfer::TransferFlags;
 use crate::input;
 use crate::progress::Progress;
 use crate::terminal;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use slabsplat::io::{MeshFile, SceneFile};
 use slabsplat::{Aim, Camera, NoBackend, OpenError, OpenScene, Renderer, Scene};
@@ -57,7 +57,7 @@ pub(crate) struct HowFlags {
     #[arg(long = "layer", value_name = "FILE")]
     layers: Vec<PathBuf>,
 
-    /// An opaque mesh in the same picture: .ply, .stl or .obj; may be given several times
+    /// An opaque mesh in the same picture, or lines or points: .ply, .stl or .obj; may be given several times
     #[arg(long = "mesh", value_name = "FILE")]
     meshes: Vec<PathBuf>,
 
@@ -86,6 +86,9 @@ pub(crate) struct HowFlags {
     settings: settings::SettingsFlags,
 }
 
+/// What must be so before anything is read.
+type Check<'a> = &'a dyn Fn(&SceneFile) -> Result<()>;
+
 /// What finds the camera of a scene that is open.
 type Frame<'a> = &'a dyn Fn(&mut OpenScene, &SceneFile, &Aim) -> Result<(), OpenError>;
 
@@ -105,11 +108,12 @@ impl SceneFlags {
 
     /// Reads what is named, and lays the flags over it.
     pub(crate) fn open(&self) -> Result<OpenScene> {
-        self.open_framed(&|opened, file, aim| opened.frame(file, aim))
+        self.open_framed(&|_| Ok(()), &|opened, file, aim| opened.frame(file, aim))
     }
 
-    fn open_framed(&self, frame: Frame<'_>) -> Result<OpenScene> {
+    fn open_framed(&self, check: Check<'_>, frame: Frame<'_>) -> Result<OpenScene> {
         let mut file = self.file()?;
+        check(&file)?;
         let aim = self.how.camera.aim()?;
         let n_own = file.layers.len();
         self.in_scene(|| {
@@ -119,6 +123,7 @@ impl SceneFlags {
                 file.meshes.extend(other.meshes);
             }
             file.meshes.extend(self.how.meshes.iter().map(MeshFile::new));
+            self.how.look.thicken(&mut file.meshes)?;
             let loaded = input::load(&mut file, &self.how.raw)?;
             loaded[..n_own].iter().try_for_each(|volume| self.how.look.check_against(volume))?;
             let mut opened = OpenScene::unframed(loaded, &file)?;
@@ -129,13 +134,19 @@ impl SceneFlags {
 
     /// Reads what is named, and makes it ready to be rendered.
     pub(crate) fn renderer(&self, progress: &Progress) -> Result<(Renderer, Scene)> {
-        let (renderer, opened) = self.opened(progress)?;
+        let (renderer, opened) = self.opened(progress, &|_| Ok(()))?;
         Ok((renderer, opened.scene))
     }
 
-    /// The same with where the scene came from.
-    pub(crate) fn opened(&self, progress: &Progress) -> Result<(Renderer, OpenScene)> {
-        self.ready(progress, self.open()?)
+    /// The same with where the scene came from. What cannot be made of it fails by `check`, before volumes
+    /// are read.
+    pub(crate) fn opened(
+        &self,
+        progress: &Progress,
+        check: Check<'_>,
+    ) -> Result<(Renderer, OpenScene)> {
+        let frame: Frame<'_> = &|opened, file, aim| opened.frame(file, aim);
+        self.ready(progress, self.open_framed(check, frame)?)
     }
 
     /// The same with a camera that holds what is seen by others, too, which go around with the one that is
@@ -143,9 +154,10 @@ impl SceneFlags {
     pub(crate) fn opened_around(
         &self,
         progress: &Progress,
+        check: Check<'_>,
         views: &dyn Fn(&SceneFile, &Camera) -> Vec<Camera>,
     ) -> Result<(Renderer, OpenScene)> {
-        let opened = self.open_framed(&|opened, file, aim| {
+        let opened = self.open_framed(check, &|opened, file, aim| {
             opened.frame_around(file, aim, &|camera| views(file, camera))
         })?;
         self.ready(progress, opened)
@@ -169,6 +181,9 @@ impl SceneFlags {
                     "{picture} was drawn by {backend}, which is not here: pixels may differ"
                 ));
                 Ok(Renderer::open("auto", terminal::warn)?)
+            }
+            Err(error @ NoBackend::Unavailable { .. }) => {
+                bail!("{error}; --backend auto draws by what there is")
             }
             opened => Ok(opened?),
         }

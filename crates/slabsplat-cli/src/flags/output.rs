@@ -5,6 +5,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use slabsplat::Image;
+use slabsplat::film::FilmFormat;
 use slabsplat::io::{self, PictureFormat, Provenance, SceneFile};
 use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
@@ -79,7 +80,9 @@ impl OutputFlags {
 
     /// The picture's name if nobody says it: then it replaces nothing but a picture that slabsplat made.
     fn unsaid_name(&self, input: &Path) -> Result<PathBuf> {
-        let path = self.picture.name_for(input)?;
+        let Some(path) = self.picture.name_for(input) else {
+            bail!("{} gives the picture no name: name it by -o", input.display());
+        };
         let is_ours = || io::read_picture_scene(&path).is_ok_and(|scene| scene.is_some());
         if path == input || path.exists() && !is_ours() {
             bail!("{} is there already: name the picture by -o", path.display());
@@ -92,6 +95,7 @@ impl PictureFlags {
     /// The picture of that name.
     pub(crate) fn target(&self, path: PathBuf) -> Result<Target> {
         let Some(format) = self.format.or_else(|| PictureFormat::of_name(&path)) else {
+            check_no_film(&path)?;
             return Err(io::IoError::UnknownPicture { path }.into());
         };
         check_folder(&path, self.mkdir)?;
@@ -112,8 +116,8 @@ impl PictureFlags {
         self.format.unwrap_or(PictureFormat::Png)
     }
 
-    /// What a picture of `input` is called, without a folder.
-    pub(crate) fn name_for(&self, input: &Path) -> Result<PathBuf> {
+    /// What a picture of `input` is called, without a folder, if that says it.
+    pub(crate) fn name_for(&self, input: &Path) -> Option<PathBuf> {
         let name = match input.to_str().and_then(|input| input.strip_prefix("builtin:")) {
             Some(builtin) => builtin.split(':').next().unwrap_or_default().into(),
             None => input.file_name().unwrap_or_default().to_string_lossy(),
@@ -121,12 +125,12 @@ impl PictureFlags {
         let plain = name.strip_suffix(".gz").unwrap_or(&name);
         let stem = Path::new(plain).file_stem().unwrap_or_default();
         if stem.is_empty() || stem == "-" {
-            bail!("{} gives the picture no name: name it by -o", input.display());
+            return None;
         }
         let mut name = stem.to_owned();
         name.push(".");
         name.push(self.format_or_usual().extensions()[0]);
-        Ok(name.into())
+        Some(name.into())
     }
 
     /// What the picture is to say of itself.
@@ -188,6 +192,18 @@ impl Target {
     }
 }
 
+/// That a name is not a film's.
+fn check_no_film(path: &Path) -> Result<()> {
+    if FilmFormat::of_name(path).is_none() {
+        return Ok(());
+    }
+    let path = path.display();
+    bail!(
+        "{path} is the name of a film, which `turntable` and `film` make: for a picture, name it {}",
+        PictureFormat::endings()
+    )
+}
+
 /// Whether two names are of one file, which is there.
 pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
@@ -204,7 +220,7 @@ pub(crate) fn check_scene_name(path: &Path) -> Result<()> {
 /// That a file can be written there, as far as can be told.
 pub(crate) fn check_folder(path: &Path, makes_folders: bool) -> Result<()> {
     if path.is_dir() {
-        bail!("cannot write {}: it is a directory", path.display());
+        bail!("cannot write {}: it is a folder", path.display());
     }
     let Some(folder) = path.parent().filter(|folder| *folder != Path::new("")) else {
         return Ok(());
@@ -212,7 +228,7 @@ pub(crate) fn check_folder(path: &Path, makes_folders: bool) -> Result<()> {
     match std::fs::metadata(folder) {
         Ok(metadata) if metadata.is_dir() => Ok(()),
         Ok(_) => {
-            bail!("cannot write {}: {} is not a directory", path.display(), folder.display())
+            bail!("cannot write {}: {} is no folder", path.display(), folder.display())
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             if !makes_folders {
@@ -225,7 +241,8 @@ pub(crate) fn check_folder(path: &Path, makes_folders: bool) -> Result<()> {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))
         }
-        Err(error) => Err(error)
-            .with_context(|| format!("cannot write to the directory {}", folder.display())),
+        Err(error) => {
+            Err(error).with_context(|| format!("cannot write to the folder {}", folder.display()))
+        }
     }
 }

@@ -50,6 +50,12 @@ pub(crate) fn spacing(text: &str) -> Result<DVec3, String> {
     Err("a spacing is three positive numbers".to_owned())
 }
 
+/// How thick something is, in world units.
+pub(crate) fn width(text: &str) -> Result<f64, String> {
+    let width = text.parse().ok().filter(|width| 0.0 < *width && *width < f64::INFINITY);
+    width.ok_or_else(|| "a width is a number above 0, in world units".to_owned())
+}
+
 /// Three counts, `X,Y,Z`.
 pub(crate) fn dims(text: &str) -> Result<Dims, String> {
     let parts = split::<3>(text)?;
@@ -63,45 +69,6 @@ pub(crate) fn dims(text: &str) -> Result<Dims, String> {
 /// Voxels along each axis. A type of its own, because clap takes bare arrays for lists of flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Dims(pub(crate) [usize; 3]);
-
-/// A colour, or two of them parted by a colon.
-pub(crate) fn background(text: &str) -> Result<Background, String> {
-    match text.split_once(':') {
-        None => Ok(Background { above: straight_color(text)?, below: None }),
-        Some((above, below)) => {
-            let (above, below) = (straight_color(above)?, straight_color(below)?);
-            Ok(Background { above, below: Some(below) })
-        }
-    }
-}
-
-/// Straight red, green, blue and opacity, and those of a gradient's lower end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Background {
-    pub(crate) above: [f32; 4],
-    pub(crate) below: Option<[f32; 4]>,
-}
-
-/// A name of CSS, `#rgb`, `#rrggbb` and with opacity `#rgba`, `#rrggbbaa`; `R,G,B` or `R,G,B,A`, 0 to 1;
-/// opaque if opacity is left out.
-fn straight_color(text: &str) -> Result<[f32; 4], String> {
-    let text = text.trim();
-    let is_name = text.starts_with(|c: char| c == '#' || c.is_ascii_alphabetic());
-    if !is_name {
-        let channels = match text.matches(',').count() {
-            2 => numbers(text).map(|[r, g, b]: [f64; 3]| [r, g, b, 1.0])?,
-            _ => numbers(text)?,
-        };
-        return Ok(channels.map(|channel| channel as f32));
-    }
-    // The parser also takes hexadecimal digits without their sign: a misspelt name is not to be one of these.
-    let is_hex = text.chars().all(|c| c.is_ascii_hexdigit());
-    let color = csscolorparser::parse(text).ok().filter(|_| !is_hex);
-    let unknown = || {
-        format!("{text:?} is no colour: name one of CSS, as steelblue, or give #rrggbb or R,G,B")
-    };
-    Ok(color.ok_or_else(unknown)?.to_array())
-}
 
 /// `VALUE:OPACITY,VALUE:OPACITY,..`; semicolons part the points too.
 pub(crate) fn opacity(text: &str) -> Result<OpacityPoints, String> {
@@ -230,33 +197,6 @@ mod tests {
         assert_eq!(light("0,-2,0:1,0.5,0"), Ok(below.color([1.0, 0.5, 0.0])));
         assert_eq!(light("headlight"), Ok(Light::default()));
         assert_eq!(sample_type("int16"), Ok(SampleType::I16));
-    }
-
-    #[test]
-    fn values_colors() {
-        let check = |text: &str, above: [f32; 4], below: Option<[f32; 4]>| {
-            assert_eq!(background(text), Ok(Background { above, below }), "{text}");
-        };
-        check("0,0.5,1", [0.0, 0.5, 1.0, 1.0], None);
-        check("0,0.5,1,0", [0.0, 0.5, 1.0, 0.0], None);
-        check("White", [1.0; 4], None);
-        check("transparent", [0.0; 4], None);
-        check("#f00", [1.0, 0.0, 0.0, 1.0], None);
-        check("#00ff0000", [0.0, 1.0, 0.0, 0.0], None);
-        check("#336699", [0.2, 0.4, 0.6, 1.0], None);
-        check("white:#000", [1.0; 4], Some([0.0, 0.0, 0.0, 1.0]));
-        check("0,0,0:0,0,1,0.5", [0.0, 0.0, 0.0, 1.0], Some([0.0, 0.0, 1.0, 0.5]));
-        for (text, expected) in [
-            ("nonsense", "\"nonsense\" is no colour: name one of CSS"),
-            ("bad", "\"bad\" is no colour"),
-            ("#ggg", "\"#ggg\" is no colour"),
-            ("white:", "expected 4 numbers"),
-            ("white:wite", "\"wite\" is no colour"),
-            ("1,1", "expected 4 numbers parted by commas, found 2"),
-        ] {
-            let error = background(text).unwrap_err();
-            assert!(error.contains(expected), "{error} should contain {expected}");
-        }
     }
 
     #[test]

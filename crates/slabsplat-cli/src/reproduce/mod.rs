@@ -38,8 +38,8 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 pub(crate) struct ReproduceArgs {
     /// Where the page goes, as index.html; the folder is made if there is none
-    #[arg(value_name = "DIR", default_value = "reproduce")]
-    directory: PathBuf,
+    #[arg(value_name = "FOLDER", default_value = "reproduce")]
+    folder: PathBuf,
 
     /// What executes the frames; the CPU has all of the paper's methods
     #[arg(long, value_name = "NAME", default_value = "cpu")]
@@ -59,10 +59,10 @@ const SECTIONS: [MakeSection; 6] = [
 ];
 
 pub(crate) fn run(args: &ReproduceArgs) -> Result<()> {
-    let path = args.directory.join("index.html");
+    let path = args.folder.join("index.html");
     check_page(&path)?;
-    std::fs::create_dir_all(&args.directory)
-        .with_context(|| format!("cannot make the directory {}", args.directory.display()))?;
+    std::fs::create_dir_all(&args.folder)
+        .with_context(|| format!("cannot make the folder {}", args.folder.display()))?;
     let mut studio = Studio { renderer: Renderer::open(&args.backend, terminal::warn)? };
     let progress = Progress::start("reproducing", SECTIONS.len());
     let sections = SECTIONS.iter().map(|section| {

@@ -22,7 +22,8 @@ fn n_different(a: &RgbaImage, b: &RgbaImage) -> usize {
 #[test]
 fn annotations_are_drawn() {
     let dir = tempfile::tempdir().unwrap();
-    let camera = "--view front --projection orthographic";
+    // One that is found leaves room for them.
+    let camera = "--eye 0,90,0 --target 0,0,0 --up 0,0,1 --view-height 40";
     let plain = picture(dir.path(), camera);
     for (flag, [x, y, width, height]) in [
         ("--title Ball", [60, 0, 120, 40]),
@@ -70,7 +71,7 @@ fn annotations_that_are_not_drawn_are_told() {
         warnings.map(|warning| warning.as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
     let small = warnings(&format!("builtin:sphere:12 --width 16 --height 16 {ALL}"));
-    for what in ["the scale bar", "the colour bar", "the orientation marker", "written on axes"] {
+    for what in ["the scale bar", "the colour bar", "the orientation marker", "the box of axes"] {
         assert!(small.iter().any(|line| line.contains(what)), "{what}: {small:?}");
     }
     let nameless = warnings("builtin:sphere:12 --scale-bar");
@@ -78,7 +79,8 @@ fn annotations_that_are_not_drawn_are_told() {
     let title = dir.path().join("a.toml");
     std::fs::write(title, "[volume]\ngenerate = \"cube\"\n[annotations]\ntitle = \"漢\"\n")
         .unwrap();
-    assert_eq!(warnings("a.toml"), ["the font of the title has no 漢"]);
+    let expected = "the font of the title has no 漢: boxes are in their place";
+    assert_eq!(warnings("a.toml"), [expected]);
 }
 
 #[test]
@@ -156,7 +158,11 @@ fn finish_errors_say_what() {
     let wide = "render builtin:cube --width 9000 --height 180 --samples 64 -o a.png";
     let line = diagnostic(dir.path(), wide);
     assert!(line.contains("64 samples for each of 9000 x 180 pixels take"), "{line}");
-    check("--background 2,0,0", "the background must be four numbers from 0 to 1");
+    check("--title=", "a title says something");
+    let output = slabsplat(dir.path(), &format!("{SPHERE} --background 2,0,0 -o a.png"));
+    assert_eq!(output.status.code(), Some(2));
+    let stderr = text(&output.stderr);
+    assert!(stderr.contains("red, green, blue and opacity are from 0 to 1"), "{stderr}");
     let output = slabsplat(dir.path(), &format!("{SPHERE} --background nonsense -o a.png"));
     assert_eq!(output.status.code(), Some(2));
     let stderr = text(&output.stderr);

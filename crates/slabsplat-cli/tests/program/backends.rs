@@ -61,6 +61,7 @@ fn backends_without_a_driver() {
         assert_eq!(output.status.code(), Some(1), "{stderr}");
         let expected = format!("error: the backend \"{name}\" is not available: ");
         assert!(stderr.starts_with(&expected) && stderr.lines().count() == 1, "{stderr}");
+        assert!(stderr.contains("; --backend auto draws by what there is"), "{stderr}");
     }
     assert!(run("render builtin:cube:9 -o auto.png --backend auto").status.success());
     assert_eq!(names_in(dir.path()), ["auto.png"]);

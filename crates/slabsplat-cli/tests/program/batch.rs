@@ -72,7 +72,7 @@ fn batch_refuses_to_lose_pictures() {
         ),
         ("batch a/cube.png -o a", "a/cube.png is to be drawn, and would be replaced"),
         ("batch builtin:cube -o b", "no folder b; --mkdir makes it"),
-        ("batch - -o a", "- gives the picture no name"),
+        ("batch - -o a", "- gives its picture no name: slabsplat render - -o FILE draws it"),
     ] {
         let line = diagnostic(dir.path(), args);
         assert!(line.contains(expected), "{line}");

@@ -34,6 +34,37 @@ fn compare_figures_are_those_of_the_pictures() {
     assert!((0.3..=1.001).contains(&(gain * largest)), "the scale is filled: {gain}, {largest}");
 }
 
+/// A sheet says which scene it compares, and each picture by itself what it shows.
+#[test]
+fn compare_pictures_are_made_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let vary = "--vary slab-width=1,2 --json";
+    let first = json(dir.path(), &format!("compare {SMALL} -o a.png --panes here {vary}"));
+    let again = json(dir.path(), &format!("compare a.png -o b.png {vary}"));
+    let largest = |report: &serde_json::Value| report["compared"][1]["largest"].clone();
+    assert_eq!(largest(&first), largest(&again));
+    let pixels = |name: &str| image::open(dir.path().join(name)).unwrap().into_rgba8();
+    assert!(pixels("a.png") == pixels("b.png"));
+    answer(dir.path(), "render here/slab_width-2.png -o again.png");
+    assert!(pixels("here/slab_width-2.png") == pixels("again.png"));
+    answer(dir.path(), &format!("compare {SMALL} -o c.png --no-metadata {vary}"));
+    let error = diagnostic(dir.path(), "scene c.png");
+    assert!(error.contains("a picture that does not say what it shows"), "{error}");
+}
+
+/// Empty pictures are equal, and that is not all that is said of them.
+#[test]
+fn compare_of_nothing_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = format!("compare {SMALL} --vary slab-width=1,2 --opacity 0:0");
+    let stderr = text(&slabsplat(dir.path(), &args).stderr);
+    for width in [1, 2] {
+        let expected =
+            format!("warning: slab_width {width}: nothing is visible: the opacity of all values");
+        assert!(stderr.contains(&expected), "{stderr}");
+    }
+}
+
 #[test]
 fn compare_sheet_of_methods() {
     let dir = tempfile::tempdir().unwrap();
@@ -83,7 +114,7 @@ fn compare_mistakes() {
     check("-o no/sheet.png", "there is no folder no");
     let large = "compare builtin:cube --width 8192 --height 8192 --backend cpu -o sheet.png";
     let error = diagnostic(dir.path(), large);
-    assert!(error.contains("a sheet of 4 panes needs smaller pictures"), "{error}");
+    assert!(error.contains("a sheet of 4 pictures needs smaller pictures"), "{error}");
     assert!(names_in(dir.path()).is_empty(), "nothing is written");
     assert!(ImageDesc { width: 8192, height: 8192, ..ImageDesc::default() }.checked().is_ok());
     for args in ["--vary slab_width=0", "--vary width=2", "--vary slab_width", "--gain 0"] {

@@ -129,6 +129,41 @@ fn film_without_ffmpeg_says_what_works() {
     assert_eq!(names_in(dir.path()), [""; 0]);
 }
 
+/// What ffmpeg says is told whether or not anything can be written beside the film, as on a full disk.
+#[cfg(unix)]
+#[test]
+fn film_tells_what_ffmpeg_says() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let ffmpeg = dir.path().join("bin/ffmpeg");
+    fs::create_dir(dir.path().join("bin")).unwrap();
+    let script = "#!/bin/sh\n[ $1 = -version ] && exit\nrm -f a.mp4.frames/*.log\n\
+                  echo 'a.mp4: No space left on device' >&2\nexit 1\n";
+    fs::write(&ffmpeg, script).unwrap();
+    fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
+    let path = std::env::var("PATH").unwrap();
+    let path = format!("{}:{path}", dir.path().join("bin").display());
+    let output =
+        program(dir.path(), &format!("{CUBE} -o a.mp4")).env("PATH", path).output().unwrap();
+    let expected = "error: ffmpeg cannot make the film: a.mp4: No space left on device; once that is mended, \
+                    the same command goes on with the frames that are there\n";
+    assert_eq!((text(&output.stderr).as_str(), output.status.code()), (expected, Some(1)));
+}
+
+#[test]
+fn film_draws_a_damaged_frame_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let args = "turntable builtin:neuron -o a.gif --width 90 --height 90 --backend cpu --frames 40";
+    killed(dir.path(), args, "a.gif", 5);
+    fs::write(dir.path().join("a.gif.frames/frame_00002.png"), "x").unwrap();
+    let output = slabsplat(dir.path(), args);
+    let stderr = text(&output.stderr);
+    let expected = "warning: frame 2 in a.gif.frames is damaged: ";
+    assert!(output.status.success() && stderr.contains(expected), "{stderr}");
+    assert!(stderr.contains("; it is drawn again\n"), "{stderr}");
+    assert_eq!(frames_of(&dir.path().join("a.gif")).len(), 40);
+}
+
 /// Kills the program once it has stored some frames.
 fn killed(directory: &Path, args: &str, name: &str, n_frames: usize) {
     let mut child =
@@ -177,7 +212,7 @@ fn film_is_not_continued_by_another() {
     let args = "turntable builtin:neuron -o a.gif --width 90 --height 90 --backend cpu --frames";
     killed(dir.path(), &format!("{args} 40"), "a.gif", 3);
     for (other, what) in
-        [("41", "frames"), ("40 --rock", "motion"), ("40 --slab-width 2", "slab_width")]
+        [("41", "seconds"), ("40 --rock", "turn"), ("40 --slab-width 2", "slab_width")]
     {
         let error = diagnostic(dir.path(), &format!("{args} {other}"));
         let expected = format!(
@@ -249,6 +284,94 @@ fn film_of_key_frames() {
     assert!(differences.max() < Some(40), "colours of a palette");
 }
 
+/// A film of each format that has room for it is made again of what it says, to the last byte; what has none
+/// has a scene file.
+#[test]
+fn film_is_made_again_of_what_it_says() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = |args: &str| {
+        let output = slabsplat(dir.path(), args);
+        assert!(output.status.success(), "{args}: {}", text(&output.stderr));
+    };
+    let bytes = |name: &str| fs::read(dir.path().join(name)).unwrap();
+    fs::write(dir.path().join("keys.toml"), KEYS).unwrap();
+    let turn = "--axis right --degrees 100 --rock --frames 6 --fps 7.3 --light 1,2,3";
+    for (what, film) in [("key", "film keys.toml".to_owned()), ("turn", format!("{CUBE} {turn}"))] {
+        for ending in ["webp", "apng", "gif"] {
+            let [first, again] = [1, 2].map(|n| format!("{what}{n}.{ending}"));
+            run(&format!("{film} -o {first} --save-scene {what}.toml"));
+            let source = if ending == "gif" { format!("{what}.toml") } else { first.clone() };
+            run(&format!("film {source} -o {again}"));
+            assert!(bytes(&first) == bytes(&again), "{first}");
+        }
+        run(&format!("{film} -o {what}.png-sequence"));
+        // Every frame is a picture like any other.
+        let frame = format!("{what}.png-sequence/frame_00004.png");
+        run(&format!("render {frame} -o {what}.png"));
+        let [a, b] = [frame, format!("{what}.png")]
+            .map(|name| image::open(dir.path().join(name)).unwrap().into_rgba8());
+        assert!(a == b, "{what}");
+    }
+    run(&format!("{CUBE} -o silent.webp --frames 2 --no-metadata"));
+    let check = |args: &str, expected: &str| {
+        let error = diagnostic(dir.path(), args);
+        assert!(error.contains(expected), "{error}");
+    };
+    check("scene silent.webp", "with --no-metadata");
+    check(
+        "scene key1.gif",
+        "gif has no room for what it shows: take the scene file that --save-scene wrote",
+    );
+    check("info turn.png-sequence", "name one of its frames, as turn.png-sequence/frame_00000.png");
+    check("film turn1.apng -o turn1.apng", "is to be filmed, and would be replaced");
+    check(
+        "render builtin:cube:8 -o a.webm",
+        "a.webm is the name of a film, which `turntable` and `film` make",
+    );
+}
+
+#[test]
+fn film_moves_isosurfaces() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = r#"
+        volume = { generate = "sphere", size = 24 }
+        image = { width = 40, height = 40, background = [0.0, 0.0, 0.0, 1.0] }
+        classify = { preset = "gray", isosurfaces = [{ value = 250, color = [1, 1, 1] }] }
+        render = { mode = "isosurfaces" }
+        [film]
+        fps = 4
+        [[film.keys]]
+        at = 1
+        classify = { isosurfaces = [{ value = 20, color = [1, 1, 1] }] }
+    "#;
+    fs::write(dir.path().join("a.toml"), scene).unwrap();
+    let made = json(dir.path(), "film a.toml -o a.gif --json");
+    assert_eq!(made["frames"], 4);
+    let frames = frames_of(&dir.path().join("a.gif"));
+    let sizes = frames.iter().map(|frame| frame.pixels().filter(|pixel| 20 < pixel.0[1]).count());
+    let sizes: Vec<usize> = sizes.collect();
+    assert!(sizes.windows(2).all(|pair| pair[0] < pair[1]), "the surface grows: {sizes:?}");
+    fs::write(
+        dir.path().join("b.toml"),
+        scene.replace("[{ value = 20, color = [1, 1, 1] }]", "[{ value = 1 }, { value = 2 }]"),
+    )
+    .unwrap();
+    let error = diagnostic(dir.path(), "film b.toml -o b.gif");
+    assert!(
+        error.contains("keys change the isosurfaces of layer 0: the scene and each"),
+        "{error}"
+    );
+}
+
+#[test]
+fn film_where_nothing_is_visible_says_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = slabsplat(dir.path(), &format!("{CUBE} -o a.gif --frames 1 --opacity 0:0"));
+    let stderr = text(&output.stderr);
+    assert!(stderr.contains("warning: nothing is visible in any frame: "), "{stderr}");
+    assert!(stderr.contains("40 x 30 pixels, 1 frame, "), "{stderr}");
+}
+
 #[test]
 fn film_says_what_is_wrong() {
     let dir = tempfile::tempdir().unwrap();
@@ -277,7 +400,7 @@ fn film_says_what_is_wrong() {
     );
     check("turntable builtin:cube:8 -o a.gif --fps 60", "gif shows at most 50 frames a second");
     check(
-        "turntable builtin:cube:8 -o a.webp --width 20000 --height 1",
+        "turntable absent.nii -o a.webp --width 20000 --height 1",
         "webp has frames of up to 16384 pixels a side, and not 20000 x 1",
     );
     check(
@@ -289,12 +412,26 @@ fn film_says_what_is_wrong() {
         "film a.toml -o a.gif",
         "a.toml: it has no [film] with key frames; slabsplat turntable films what has none",
     );
+    let no_keys = "volume = { generate = \"cube\", size = 8 }\n[film]\nseconds = 3\n";
+    fs::write(dir.path().join("a.toml"), no_keys).unwrap();
+    check(
+        "film a.toml -o a.gif",
+        "a.toml: it has no [film] with key frames; slabsplat turntable films what has none",
+    );
+    let help = text(&slabsplat(dir.path(), "film -h").stdout)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
+    assert!(
+        help.contains("[default: as the scene file says; else until the last key; of a turn 6]"),
+        "{help}"
+    );
     let keys = "volume = { generate = \"cube\", size = 8 }\n[[film.keys]]\nat = 1\n[[film.keys]]\nat = 1\n";
     fs::write(dir.path().join("b.toml"), keys).unwrap();
     let error = diagnostic(dir.path(), "film b.toml -o a.gif");
     assert!(error.contains("b.toml:5: key 1 of the film: at is 1"), "{error}");
     fs::create_dir(dir.path().join("c.gif")).unwrap();
-    check("turntable builtin:cube:8 -o c.gif", "cannot write c.gif: it is a directory");
+    check("turntable builtin:cube:8 -o c.gif", "cannot write c.gif: it is a folder");
     assert_eq!(names_in(dir.path()), ["a.toml", "b.toml", "c.gif"]);
 }
 
@@ -323,7 +460,9 @@ fn film_before_nothing_says_what_becomes_of_opacity() {
 #[test]
 fn film_frames_are_finished_as_pictures_are() {
     let dir = tempfile::tempdir().unwrap();
-    let cube = "turntable builtin:cube:8 --frames 3 --width 90 --height 90 --backend cpu";
+    // A camera that is found would make room for the title.
+    let cube = "turntable builtin:cube:8 --frames 3 --width 90 --height 90 --backend cpu \
+                --eye 20,-30,20 --target 0,0,0 --up 0,0,1 --view-height 16";
     for (name, flags) in [("plain", ""), ("titled", "--title Cube"), ("fine", "--samples 4")] {
         let made = slabsplat(dir.path(), &format!("{cube} -o {name}.gif {flags}"));
         assert!(made.status.success(), "{}", text(&made.stderr));

@@ -34,6 +34,14 @@ fn gallery_is_drawn_by_its_commands() {
     }
 }
 
+#[test]
+fn gallery_shows_every_preset() {
+    for name in slabsplat::io::PRESET_NAMES {
+        assert!(GALLERY.contains(&format!("![{name}](images/gallery/{name}.jpg)")), "{name}");
+        assert!(GALLERY.contains(&format!(" -o {name}.jpg --preset {name} ")), "{name}");
+    }
+}
+
 /// The lines of the listings that call the program.
 fn commands(document: &str) -> impl Iterator<Item = &str> {
     let listings = document.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());

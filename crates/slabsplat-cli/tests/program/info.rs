@@ -85,6 +85,8 @@ fn info_of_a_mesh() {
     let expected = value!({
         "format": "OBJ",
         "triangles": 1,
+        "lines": 0,
+        "points": 0,
         "left_out": 1,
         "vertices": 3,
         "normals": false,

@@ -94,6 +94,14 @@ fn picture_formats_say_what_they_lack() {
     let line =
         diagnostic(dir.path(), &format!("{} -o a.jpg", CUBE.replace("0.6", "0.6:#00000000")));
     assert!(line.contains("JPEG has no transparency"), "{line}");
+    // Before anything is read: the volume is not even there.
+    let absent = "render absent.nii --background transparent -o a.jpg";
+    let line = diagnostic(dir.path(), absent);
+    assert!(line.contains("JPEG has no transparency"), "{line}");
+    let line = diagnostic(dir.path(), "render absent.nii --width 20000 --height 9 -o a.webp");
+    assert!(line.contains("sides of a WebP are at most 16384 pixels"), "{line}");
+    let line = diagnostic(dir.path(), "render absent.nii -o a.jpg");
+    assert!(line.contains("absent.nii"), "a background that is found is opaque: {line}");
     let wide = CUBE.replace("--width 40", "--width 20000");
     let line = diagnostic(dir.path(), &format!("{wide} -o a.webp"));
     assert!(line.contains("sides of a WebP are at most 16384 pixels"), "{line}");

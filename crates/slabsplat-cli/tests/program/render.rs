@@ -38,7 +38,7 @@ fn render_tells_what_it_did() {
     let output = slabsplat(dir.path(), &args);
     let line = text(&output.stderr);
     let (found, line) = line.split_once('\n').unwrap();
-    assert_eq!(found, "shown as labels: 1 of them, each in its own colour");
+    assert_eq!(found, "shown as labels: one, in a colour of its own");
     assert!(line.starts_with("cube.png: 24 x 16 pixels, 4096 voxels drawn, "), "{line}");
     assert!(line.ends_with(" ms\n") && line.lines().count() == 1, "{line}");
     assert!(output.stdout.is_empty());
@@ -362,6 +362,44 @@ fn render_mesh_beside_a_volume_and_alone() {
     // The camera finds it.
     let output = slabsplat(dir.path(), "render a.obj --width 8 --height 8 -o found.png");
     assert!(!text(&output.stderr).contains("nothing is visible"), "{}", text(&output.stderr));
+}
+
+/// Lines and points alone, as thick as flags and files say, and the camera finds them.
+#[test]
+fn render_lines_and_points() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("a.obj"), "v -9 0 0\nv 9 0 0\nv 0 9 0\nl 1 2 3\np 3\n").unwrap();
+    std::fs::write(dir.path().join("b.obj"), "v 1 2 3\nv 4 5 nan\n").unwrap();
+    let of = |args: &str| bytes_of(dir.path(), &format!("{args} --width 16 --height 16 -o a.exr"));
+    let mut pictures = ["", "--line-width 2", "--point-size 4", "--line-width 2 --point-size 4"]
+        .map(|flags| of(&format!("a.obj {flags}")))
+        .to_vec();
+    let scene = "[mesh]\npath = \"a.obj\"\n";
+    std::fs::write(dir.path().join("plain.toml"), scene).unwrap();
+    std::fs::write(dir.path().join("a.toml"), format!("{scene}line_width = 2\n")).unwrap();
+    assert!(of("a.toml") == of("plain.toml --line-width 2"));
+    assert!(
+        of("a.toml --line-width 1") == of("plain.toml --line-width 1"),
+        "flags come before files"
+    );
+    pictures.sort();
+    pictures.dedup();
+    assert_eq!(pictures.len(), 4);
+    let output = slabsplat(dir.path(), "render b.obj --width 8 --height 8 -o b.png");
+    let stderr = text(&output.stderr);
+    assert!(
+        stderr.contains("1 of 2 points are left out: 1 have a corner that is not finite"),
+        "{stderr}"
+    );
+    assert!(output.status.success() && !stderr.contains("nothing is visible"), "{stderr}");
+    for (args, expected) in [
+        ("builtin:cube --line-width 2", "--line-width does nothing without a mesh"),
+        ("a.obj --point-size 0", "a width is a number above 0"),
+        ("a.obj --point-size nan", "a width is a number above 0"),
+    ] {
+        let stderr = text(&slabsplat(dir.path(), &format!("render {args} -o a.png")).stderr);
+        assert!(stderr.contains(expected), "{stderr}");
+    }
 }
 
 /// A side turns the picture, and fills it again; turns alone of a scene file keep its size.

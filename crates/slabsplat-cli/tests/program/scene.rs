@@ -30,7 +30,7 @@ fn write_inputs(directory: &Path) {
         .expect("there is room for files");
     fs::write(directory.join("l.ctbl"), "1 a 255 0 0 255\n2 b 0 255 0 51\n9 c 0 0 255 255\n")
         .expect("there is room for files");
-    fs::write(directory.join("m.obj"), "v 0 0 0\nv 5 0 0\nv 0 5 3\nf 1 2 3\n")
+    fs::write(directory.join("m.obj"), "v 0 0 0\nv 5 0 0\nv 0 5 3\nf 1 2 3\nl 1 3\np 2\n")
         .expect("there is room for files");
     let map = r#"[{"Points": [0, 0, 0.5, 0, 200, 1, 0.5, 0], "RGBPoints": [0, 0, 0, 1, 200, 1, 0.1, 0.3]}]"#;
     fs::write(directory.join("map.json"), map).expect("there is room for files");
@@ -79,6 +79,7 @@ const FLAGS: &[&str] = &[
     "--mode maximum",
     "--normalization product --base-slab-width 0.4 --sections 64 --radial-samples 64 --lookup nearest",
     "--layer builtin:cube:8 --mesh m.obj",
+    "--mesh m.obj --line-width 0.3 --point-size 2",
 ];
 
 /// The same of a volume whose voxels have colours.

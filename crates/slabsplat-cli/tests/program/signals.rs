@@ -46,6 +46,20 @@ fn is_ignored(signal: i32) -> bool {
     ignored.is_some_and(|bits| bits >> (signal - 1) & 1 == 1)
 }
 
+/// A file that may not become so large is an error, and what there was of it is gone.
+#[test]
+fn limit_of_files_leaves_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let program = env!("CARGO_BIN_EXE_slabsplat");
+    let args = "render builtin:cube:8 -o a.exr --width 300 --height 300 --backend cpu";
+    let mut command = Command::new("sh");
+    command.arg("-c").arg(format!("ulimit -f 8; exec {program} {args}"));
+    let output = command.current_dir(dir.path()).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("error: cannot write a.exr: File too large"), "{stderr}");
+    assert_eq!((output.status.code(), names_in(dir.path())), (Some(1), Vec::new()));
+}
+
 #[test]
 fn signal_while_writing_leaves_a_whole_picture() {
     for signal in [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !is_ignored(*signal)) {

@@ -28,9 +28,9 @@ pub(crate) struct Raster {
 /// The footprint in pixels, at one depth; y runs downwards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PixelShape {
-    /// `2·(ρ/R)² = across·(X + lean·Y)² + along·Y²`, 0 at the centre and 2 at the kernel's edge.
+    /// `2·(ρ/R)² = across·(X + shear·Y)² + along·Y²`, 0 at the centre and 2 at the kernel's edge.
     pub(crate) across: f32,
-    pub(crate) lean: f32,
+    pub(crate) shear: f32,
     pub(crate) along: f32,
     /// By how many index units a slab face is cut later, per pixel.
     pub(crate) tilt: [f32; 2],
@@ -70,13 +70,13 @@ impl Raster {
         let scale = self.view.pixels_per_world(depth);
         let stretch = self.view.stretch(scale);
         let pixels = scale * stretch;
-        let FootprintShape { across, lean, along, .. } = *shape;
+        let FootprintShape { across, shear, along, .. } = *shape;
         let [right, up] = shape.tilt.map(|c| (c / pixels) as f32);
         let radius_in_pixels = f64::from(self.radius) * pixels;
         let form = 2.0 / (radius_in_pixels * radius_in_pixels);
         PixelShape {
             across: (form * across) as f32,
-            lean: -lean as f32,
+            shear: -shear as f32,
             along: (form * along) as f32,
             tilt: [right, -up],
             half_extent: shape.half_extent.map(|c| (c * pixels) as f32),

@@ -7,8 +7,8 @@
 //!         for every 4 of them that the box meets: sheet += weight·colour, 4 pixels at once
 //! ```
 //!
-//! 1. Nothing in it depends on a pixel's place but the weights, so that processors guess every branch within
-//!    a footprint.
+//! 1. Nothing in it depends on a pixel's position but the weights, so that processors guess every branch
+//!    within a footprint.
 //! 2. Columns are the outer loop, so that a vector of them is prepared once for all rows.
 //! 3. Four pixels of a sheet are a cache line, which is loaded and stored as a whole (pixels/quad.rs).
 //! 4. Which footprint lies where is prepared before, for eight at a time (sections/batch.rs), or each would

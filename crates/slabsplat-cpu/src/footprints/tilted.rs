@@ -2,13 +2,13 @@
 //! of pixels.
 //!
 //! ```text
-//! x      = across·(dx + lean·dy)² + along·dy² − 1              (2·(ρ/R)² − 1, at most 1)
+//! x      = across·(dx + shear·dy)² + along·dy² − 1              (2·(ρ/R)² − 1, at most 1)
 //! end    = R·√((1 − x)/2)                                      where the ray leaves the ball
 //! A(s)   = s·p(2·(s/R)² − 1),  s = face + tilt·(dx, dy), clamped to ±end
 //! weight = g(x)·(A(back) − A(front))
 //! ```
 //!
-//! Outside of the ball both faces are clamped to one place, and the weight is 0.
+//! Outside of the ball both faces are clamped to one depth, and the weight is 0.
 
 use super::raster::PixelShape;
 use super::weights::{CENTERS, Lanes, Weigh, eleven, nine};
@@ -35,7 +35,7 @@ impl<S: Simd> Weigh<S> for Tilted<'_> {
     #[inline(always)]
     fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
         let one = V::splat(simd, 1.0);
-        let u = columns + shape.lean * dy;
+        let u = columns + shape.shear * dy;
         let from_row = V::splat(simd, shape.along * dy * dy - 1.0);
         let x = (u * shape.across).mul_add(u, from_row).min(one);
         let end = ((one - x) * (0.5 * self.radius * self.radius)).sqrt();

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! once for some columns:   dx = column − centre; if the ellipse is upright, across·dx²
-//! once a row of them:      x = across·(dx + lean·dy)² + along·dy² − 1       (x is 2·(ρ/R)² − 1)
+//! once a row of them:      x = across·(dx + shear·dy)² + along·dy² − 1       (x is 2·(ρ/R)² − 1)
 //!                          weight = p(x) where x < edge of the section's disc, else 0
 //! p(x) = c₀ + c₁·x + … + c₇·x⁷  [ + c₈·x⁸ + c₉·x⁹ + c₁₀·x¹⁰ + c₁₁·chord ]
 //! ```
 //!
-//! 1. `x` is what a pixel's place gives at once: there is no root, and no load that depends on the pixel.
+//! 1. `x` is what a pixel's position gives at once: there is no root, and no load that depends on the pixel.
 //! 2. Of an upright ellipse the columns' part is squared once for all rows.
 //! 3. Powers go up by pairs and fours (Estrin), so that multiply-adds need not wait for each other.
 //! 4. What the bracket holds is skipped for voxels so faint that eight coefficients do.
@@ -71,7 +71,7 @@ impl<S: Simd, const N: usize, const SHEARED: bool> Weigh<S> for Polynomial<'_, N
     fn row<V: Lanes<S>>(&self, simd: S, shape: &PixelShape, columns: V, dy: f32) -> V {
         let from_row = shape.along * dy * dy - 1.0;
         let x = if SHEARED {
-            let u = columns + shape.lean * dy;
+            let u = columns + shape.shear * dy;
             (u * shape.across).mul_add(u, V::splat(simd, from_row))
         } else {
             columns + from_row
@@ -187,7 +187,7 @@ pub(crate) struct ByTable<'a> {
 impl WeighPixel for ByTable<'_> {
     #[inline(always)]
     fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {
-        let u = dx + shape.lean * dy;
+        let u = dx + shape.shear * dy;
         let x = shape.across * u * u + shape.along * dy * dy - 1.0;
         if self.edge <= x {
             return 0.0;
@@ -213,7 +213,7 @@ impl WeighPixel for ByCubicTable<'_> {
     /// Out of line: it is called for a pixel at a time, and is no part of a loop over vectors.
     #[inline(never)]
     fn at(&self, shape: &PixelShape, dx: f32, dy: f32) -> f32 {
-        let u = dx + shape.lean * dy;
+        let u = dx + shape.shear * dy;
         let form = 0.5 * (shape.across * u * u + shape.along * dy * dy);
         if 1.0 <= form {
             return 0.0;

@@ -43,7 +43,7 @@ pub(crate) fn render(
     watch.done("shade")?;
     order.update(stage.layer.volume.grid(), &stage.layer.view, stage.list, stage.frame)?;
     watch.done("sort")?;
-    let voxel = |splat: usize| &voxels[order.place(splat)];
+    let voxel = |splat: usize| &voxels[order.idx_of(splat)];
     whole_voxels::toss(stage, &tiles.grid, order.len(), |s| voxel(s).point, splats)?;
     watch.done("toss")?;
     let polynomials = polynomials.of(table);
@@ -65,8 +65,8 @@ fn render_voxels<'a, S: Simd>(
     tile: &mut Tile,
     sheet: &mut Sheet,
 ) {
-    for (place, voxel) in voxels.enumerate() {
-        if place % LOOK_EVERY == 0 {
+    for (nth, voxel) in voxels.enumerate() {
+        if nth % LOOK_EVERY == 0 {
             if stage.frame.is_cancelled() {
                 return;
             }

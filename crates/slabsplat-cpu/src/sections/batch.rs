@@ -5,7 +5,7 @@
 //! for eight voxels at once:
 //!     where the slab's faces cut each; whether it is drawn here
 //!     the disc in which a slab cuts a ball: ρ_max² = R² − (distance to the nearer face)²
-//!     the section's place in its table, in rows
+//!     the section's position in its table, in rows
 //!     the pixels that the disc may touch on the tile
 //! ```
 //!

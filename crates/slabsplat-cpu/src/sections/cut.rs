@@ -82,25 +82,25 @@ impl SlabCut<'_> {
         let back = (f32x8::splat(simd, back) - voxels.depth) * index_per_depth;
         let [firsts, n_more] = Span::parts(simd, voxels.spans);
         let may_merge = !n_more.simd_eq(u32x8::splat(simd, Span::ALL));
-        let place = u32x8::splat(simd, self.slab as u32) - firsts;
-        let is_first = may_merge & place.simd_eq(u32x8::splat(simd, 0));
-        let is_last = may_merge & place.simd_eq(n_more);
+        let nth = u32x8::splat(simd, self.slab as u32) - firsts;
+        let is_first = may_merge & nth.simd_eq(u32x8::splat(simd, 0));
+        let is_last = may_merge & nth.simd_eq(n_more);
         let far = f32x8::splat(simd, 2.0 * self.sections.half_depth_in_index);
         Cuts {
             faces: [is_first.select(-far, front), is_last.select(far, back)],
             is_merged: is_first | is_last,
-            // A place before the first wraps around.
-            is_drawn: !may_merge | place.simd_le(n_more),
+            // A slab before the first wraps around.
+            is_drawn: !may_merge | nth.simd_le(n_more),
         }
     }
 }
 
-/// The places of the bits that are set.
+/// The indices of the bits that are set.
 #[inline(always)]
 pub(crate) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
-        let place = mask.trailing_zeros() as usize;
+        let idx = mask.trailing_zeros() as usize;
         mask &= mask.checked_sub(1)?;
-        Some(place)
+        Some(idx)
     })
 }

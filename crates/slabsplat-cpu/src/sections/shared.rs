@@ -1,8 +1,8 @@
 //! What all sections of a frame share.
 
-use crate::footprints::polynomials::PolynomialPair;
 use crate::footprints::raster::Raster;
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use slabsplat_backend::PolynomialPair;
 use slabsplat_core::{Compositing, Lookup};
 use slabsplat_kernel::{CubicSectionTable, SectionTable, TiltedSections, chord_units_per_index};
 

@@ -118,15 +118,15 @@ impl SlabCut<'_> {
     }
 }
 
-/// The coefficients at a place between two rows.
+/// The coefficients at a position between two rows.
 #[inline(always)]
 fn blended<S: Simd>(
     simd: S,
     polynomials: &RadialPolynomials,
-    place: f32,
+    position: f32,
 ) -> [f32; MAX_COEFFICIENTS] {
-    let row = place as i32;
-    let t = place - row as f32;
+    let row = position as i32;
+    let t = position - row as f32;
     let [near, far] = polynomials.around(row as usize);
     let mut coefficients = [0.0; MAX_COEFFICIENTS];
     for first in [0, 4, 8] {

@@ -115,7 +115,7 @@ impl AsSeparable<'_> {
     }
 
     /// Adds the sections of voxels in a slab to the coefficients, or those in slabs that follow each other
-    /// and cut sections of one shape with their middles at one place.
+    /// and cut sections of one shape with their middles at one position.
     #[inline(always)]
     pub(crate) fn add_sections<S: Simd, const N_SLABS: usize>(
         self,

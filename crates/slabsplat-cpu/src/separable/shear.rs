@@ -1,7 +1,7 @@
 //! Separable footprints whose axes are not those of the image, in sheared columns.
 //!
-//! `g(√across·(X + lean·Y))·g(√along·Y)` is no product of a column and a row of pixels, but it is one of a
-//! column of `u = X + lean·Y` and a row. So coefficients have columns of `u`, one to a pixel, or two where
+//! `g(√across·(X + shear·Y))·g(√along·Y)` is no product of a column and a row of pixels, but it is one of a
+//! column of `u = X + shear·Y` and a row. So coefficients have columns of `u`, one to a pixel, or two where
 //! footprints are small, and a row of pixels reads those that it crosses, which lie at one fraction of a
 //! column for the whole row:
 //!
@@ -29,7 +29,7 @@ use fearless_simd::{Simd, f32x4, f32x8, f32x16, prelude::*};
 pub(super) const VARIANCE: f32 = 1.0 / 3.0;
 
 /// Footprints may be sheared by no more pixels a row.
-pub(super) const MOST_LEAN: f32 = 1.0;
+pub(super) const MOST_SHEAR: f32 = 1.0;
 
 /// Columns to a pixel, at most.
 pub(super) const MOST_PER_PIXEL: usize = 2;
@@ -41,7 +41,7 @@ pub(super) const WIDTH: usize = MOST_PER_PIXEL * (2 * BLOCKS_ACROSS + 2);
 /// Sheared columns on one tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Columns {
-    lean: f64,
+    shear: f64,
     per_pixel: usize,
     /// Where the first column lies that there is room for, in columns from the tile's left side at its upper
     /// edge. Columns of all tiles lie alike, and so do the splines between them.
@@ -65,20 +65,20 @@ type Row = [[f32; WIDTH * QUAD]; N_CHANNELS];
 const N_CHANNELS: usize = 4;
 
 impl Columns {
-    pub(super) fn of(lean: f32, per_pixel: usize, tile: &Tile) -> Self {
-        let lean = f64::from(lean);
+    pub(super) fn of(shear: f32, per_pixel: usize, tile: &Tile) -> Self {
+        let shear = f64::from(shear);
         let [x, y] = tile.origin.map(|pixel| pixel as f64);
         let half = 0.5 * TILE_SIDE as f64;
-        let least = per_pixel as f64 * (x + lean * (y + half) - half * lean.abs());
+        let least = per_pixel as f64 * (x + shear * (y + half) - half * shear.abs());
         // A spline has two columns before a pixel.
-        let left = per_pixel as f64 * (x + lean * y) - (least.floor() - 2.0);
-        Self { lean, per_pixel, left }
+        let left = per_pixel as f64 * (x + shear * y) - (least.floor() - 2.0);
+        Self { shear, per_pixel, left }
     }
 
-    /// `u`, in columns, of places in pixels from the tile's upper left corner.
+    /// `u`, in columns, of points in pixels from the tile's upper left corner.
     #[inline(always)]
     pub(super) fn of_pixels<S: Simd>(&self, simd: S, [x, y]: [f32x8<S>; 2]) -> f32x8<S> {
-        let in_pixels = y.mul_add(f32x8::splat(simd, self.lean as f32), x);
+        let in_pixels = y.mul_add(f32x8::splat(simd, self.shear as f32), x);
         let left = f32x8::splat(simd, self.left as f32);
         in_pixels.mul_add(f32x8::splat(simd, self.per_pixel as f32), left)
     }
@@ -87,10 +87,10 @@ impl Columns {
         let per_pixel = self.per_pixel as f64;
         // Columns lie in the middle of their parts of a pixel, as pixels lie in the middle of themselves.
         let first_column = 0.5 * (per_pixel - 1.0);
-        let place = self.left + per_pixel * self.lean * (row as f64 + 0.5) + first_column;
-        // A spline has a column before the place that it is for.
-        let before = place.floor() as usize - 1;
-        let t = place.fract() as f32;
+        let position = self.left + per_pixel * self.shear * (row as f64 + 0.5) + first_column;
+        // A spline has a column before the position that it is for.
+        let before = position.floor() as usize - 1;
+        let t = position.fract() as f32;
         let (t2, t3, rest) = (t * t, t * t * t, 1.0 - t);
         let first = rest * rest * rest / 6.0;
         let second = (4.0 - 6.0 * t2 + 3.0 * t3) / 6.0;
@@ -140,10 +140,10 @@ impl Columns {
             rows_from_coefficients(simd, spline, rows, quads, &mut rows_of_u);
             for (row, line) in lines.iter().enumerate() {
                 for column in bits(columns) {
-                    let place = line.first + per_block * column;
+                    let first = line.first + per_block * column;
                     let sum = match self.per_pixel {
-                        1 => line.sum(simd, &rows_of_u[row], place),
-                        _ => line.sum_of_every_other(simd, &rows_of_u[row], place),
+                        1 => line.sum(simd, &rows_of_u[row], first),
+                        _ => line.sum_of_every_other(simd, &rows_of_u[row], first),
                     };
                     let pixels = &mut sums[first_row + row][column].0;
                     (f32x16::from_slice(simd, pixels) + sum).store_slice(pixels);
@@ -181,18 +181,18 @@ fn rows_from_coefficients<S: Simd>(
 }
 
 impl Line {
-    /// Four pixels of which the first one's columns begin at `place`.
+    /// Four pixels of which the first one's columns begin at `first`.
     #[inline(always)]
-    fn sum<S: Simd>(&self, simd: S, [a, b, c, d]: &Row, place: usize) -> f32x16<S> {
-        let [a, b]: [f32x4<S>; 2] = [self.blend(simd, a, place), self.blend(simd, b, place)];
-        in_quad([a, b, self.blend(simd, c, place), self.blend(simd, d, place)])
+    fn sum<S: Simd>(&self, simd: S, [a, b, c, d]: &Row, first: usize) -> f32x16<S> {
+        let [a, b]: [f32x4<S>; 2] = [self.blend(simd, a, first), self.blend(simd, b, first)];
+        in_quad([a, b, self.blend(simd, c, first), self.blend(simd, d, first)])
     }
 
     /// The same of two columns each.
     #[inline(always)]
-    fn sum_of_every_other<S: Simd>(&self, simd: S, [a, b, c, d]: &Row, place: usize) -> f32x16<S> {
-        let [a, b] = [self.blend(simd, a, place), self.blend(simd, b, place)];
-        let [c, d] = [self.blend(simd, c, place), self.blend(simd, d, place)];
+    fn sum_of_every_other<S: Simd>(&self, simd: S, [a, b, c, d]: &Row, first: usize) -> f32x16<S> {
+        let [a, b] = [self.blend(simd, a, first), self.blend(simd, b, first)];
+        let [c, d] = [self.blend(simd, c, first), self.blend(simd, d, first)];
         in_quad([
             every_other(simd, a),
             every_other(simd, b),
@@ -201,17 +201,17 @@ impl Line {
         ])
     }
 
-    /// What lies at this fraction of a column between columns, from `place` on.
+    /// What lies at this fraction of a column between columns, from `first` on.
     #[inline(always)]
     fn blend<S: Simd, V: Lanes<S>>(
         &self,
         simd: S,
         columns: &[f32; WIDTH * QUAD],
-        place: usize,
+        first: usize,
     ) -> V {
         let mut sum = V::splat(simd, 0.0);
         for (idx, tap) in self.taps.into_iter().enumerate() {
-            let columns = V::from_slice(simd, &columns[place + idx..][..V::LEN]);
+            let columns = V::from_slice(simd, &columns[first + idx..][..V::LEN]);
             sum = columns.mul_add(V::splat(simd, tap), sum);
         }
         sum

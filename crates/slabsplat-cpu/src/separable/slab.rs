@@ -48,7 +48,7 @@ impl SeparableSlab {
         let radius = (2.0 / shape.across).sqrt();
         let per_pixel = if radius < LEAST_COLUMNS { shear::MOST_PER_PIXEL } else { 1 };
         let radius = radius * per_pixel as f32;
-        if radius < LEAST_COLUMNS || shear::MOST_LEAN < shape.lean.abs() {
+        if radius < LEAST_COLUMNS || shear::MOST_SHEAR < shape.shear.abs() {
             return None;
         }
         let variance = sections.profile_variance() as f32 * radius * radius;
@@ -63,7 +63,7 @@ impl SeparableSlab {
     /// Where their columns lie on a tile, if they are sheared.
     #[inline(always)]
     pub(super) fn columns(&self, tile: &Tile) -> Option<shear::Columns> {
-        self.sheared_columns.map(|per_pixel| shear::Columns::of(self.shape.lean, per_pixel, tile))
+        self.sheared_columns.map(|per_pixel| shear::Columns::of(self.shape.shear, per_pixel, tile))
     }
 
     /// Quads of coefficients that a tile has.
@@ -186,10 +186,10 @@ mod tests {
                 let is_sheared = rng.bool();
                 let least = if is_sheared { 0.5 * LEAST_COLUMNS } else { 1.13 };
                 let [width, height] = [0; 2].map(|_| least + 40.0 * rng.f32() * rng.f32());
-                let lean = if is_sheared { 2.0 * rng.f32() - 1.0 } else { 0.0 };
+                let shear = if is_sheared { 2.0 * rng.f32() - 1.0 } else { 0.0 };
                 let shape = PixelShape {
                     across: 2.0 / (width * width),
-                    lean,
+                    shear,
                     along: 2.0 / (height * height),
                     half_extent: [width, height].map(|half| half / sections.radius() as f32),
                     gain: 1.0,
@@ -209,7 +209,7 @@ mod tests {
                     for column in 0..TILE_SIDE {
                         let [x, y] = [column, row].map(|pixel| pixel as f32 + 0.5);
                         let [x, y] = [x - center[0], y - center[1]];
-                        let across = sections.profile_at(f64::from((x + lean * y) / width));
+                        let across = sections.profile_at(f64::from((x + shear * y) / width));
                         let along = sections.profile_at(f64::from(y / height));
                         let peak = sections.profile_at(0.0).powi(2);
                         let sums = quads[column / QUAD].pixel(column % QUAD);

@@ -8,7 +8,7 @@ use std::ops::Range;
 pub(crate) const N_AT_ONCE: usize = Buckets::<u32>::N_AT_ONCE;
 
 /// Voxels sorted by class and sheet; equals keep their order. The voxels themselves are sorted, not their
-/// places: they are then read front to back, once for every sheet that they meet.
+/// slots: they are then read front to back, once for every sheet that they meet.
 #[derive(Debug)]
 pub(crate) struct BySheet<V> {
     /// The sheets to which any voxel goes first.
@@ -83,8 +83,8 @@ impl<V> BySheet<V> {
         let bucket = |sheet: usize| {
             class * n_sheets + sheet.saturating_sub(self.with_buckets.start).min(n_sheets)
         };
-        let places = self.buckets.places(bucket(sheets.start)..bucket(sheets.end));
-        Run { voxels: self.buckets.items(), start: places.start, len: places.len() }
+        let slots = self.buckets.slots(bucket(sheets.start)..bucket(sheets.end));
+        Run { voxels: self.buckets.items(), start: slots.start, len: slots.len() }
     }
 }
 

@@ -3,6 +3,7 @@
 
 use super::Encoder;
 use crate::folder::FrameFolder;
+use crate::metadata::Metadata;
 use crate::pixels::{Pixels, png_encoder, to_io_error};
 use crate::{FilmDesc, FilmError, FrameRate};
 use std::fs::File;
@@ -16,12 +17,18 @@ pub(super) struct ApngEncoder {
 }
 
 impl ApngEncoder {
-    pub(super) fn new(desc: &FilmDesc, path: &Path) -> Result<Self, FilmError> {
+    pub(super) fn new(
+        desc: &FilmDesc,
+        path: &Path,
+        metadata: &Metadata,
+    ) -> Result<Self, FilmError> {
         let file = File::create(path).map_err(FilmError::write(path))?;
         let FilmDesc { width, height, n_frames, rate, has_opacity, .. } = *desc;
-        let mut encoder = png_encoder(BufWriter::new(file), width, height, has_opacity);
-        encoder.set_filter(png::Filter::Adaptive);
         let wrong = |error| FilmError::write(path)(to_io_error(error));
+        let file = BufWriter::new(file);
+        let encoder = png_encoder(file, [width, height], has_opacity, metadata);
+        let mut encoder = encoder.map_err(wrong)?;
+        encoder.set_filter(png::Filter::Adaptive);
         encoder.set_animated(n_frames, 0).map_err(wrong)?;
         let [delay, of] = delay(rate);
         encoder.set_frame_delay(delay, of).map_err(wrong)?;

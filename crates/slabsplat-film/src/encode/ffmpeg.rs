@@ -6,16 +6,17 @@ use super::Encoder;
 use crate::folder::FrameFolder;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
-use std::fs::File;
-use std::io::{self, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread::{self, JoinHandle};
 
 pub(super) struct Ffmpeg {
     child: Child,
     /// `None` once all frames were sent.
     stdin: Option<ChildStdin>,
-    log: PathBuf,
+    /// What it says, up to its end.
+    said: Option<JoinHandle<Vec<u8>>>,
 }
 
 /// That there is an ffmpeg, for what needs one.
@@ -38,21 +39,20 @@ fn of_start(format: FilmFormat, error: &io::Error) -> FilmError {
 
 impl Ffmpeg {
     pub(super) fn new(format: FilmFormat, desc: &FilmDesc, path: &Path) -> Result<Self, FilmError> {
-        let log = path.with_extension("log");
-        let messages = File::create(&log).map_err(FilmError::write(&log))?;
         let mut command = Command::new("ffmpeg");
         command
             .args(arguments(format, desc))
             .arg(path)
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
-            .stderr(messages);
+            .stderr(Stdio::piped());
         // An interrupt from the terminal is the program's to handle; ffmpeg ends when no more frames come.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn().map_err(|error| of_start(format, &error))?;
         let stdin = child.stdin.take();
-        Ok(Self { child, stdin, log })
+        let said = child.stderr.take().map(|stderr| thread::spawn(|| beginning(stderr)));
+        Ok(Self { child, stdin, said })
     }
 
     /// What it says of its failure, or the error that was seen of it.
@@ -60,12 +60,28 @@ impl Ffmpeg {
         self.stdin = None;
         // It ends, as there are no more frames.
         let _ = self.child.wait();
-        let log = std::fs::read(&self.log).unwrap_or_default();
-        let log = String::from_utf8_lossy(&log);
-        let lines = log.lines().map(str::trim).filter(|line| !line.is_empty()).take(2);
-        let said = lines.collect::<Vec<_>>().join("; ");
+        let said = self.said.take().and_then(|said| said.join().ok()).unwrap_or_default();
+        let said = first_lines(&String::from_utf8_lossy(&said));
         FilmError::Ffmpeg { what: if said.is_empty() { error.to_owned() } else { said } }
     }
+}
+
+/// How much of what ffmpeg says is kept.
+const MAX_SAID: u64 = 1 << 16;
+
+/// The beginning of what comes; the rest is read, so that nobody waits for it to be.
+fn beginning(mut messages: impl Read) -> Vec<u8> {
+    let mut kept = Vec::new();
+    // What cannot be read was not said.
+    let _ = messages.by_ref().take(MAX_SAID).read_to_end(&mut kept);
+    let _ = io::copy(&mut messages, &mut io::sink());
+    kept
+}
+
+/// The first two lines that are not empty; the others only follow from them.
+fn first_lines(said: &str) -> String {
+    let lines = said.lines().map(str::trim).filter(|line| !line.is_empty()).take(2);
+    lines.collect::<Vec<_>>().join("; ")
 }
 
 /// All but the name of the file.
@@ -212,5 +228,13 @@ mod tests {
         assert_eq!(padded(rgb[..6].to_vec(), 2, 1), [0, 1, 2, 3, 4, 5].repeat(2));
         assert_eq!(padded(rgb[..3].to_vec(), 1, 1), [0, 1, 2].repeat(4));
         assert_eq!(padded(vec![7; 12], 2, 2), [7; 12]);
+    }
+
+    #[test]
+    fn ffmpeg_messages_are_bounded() {
+        let said = [b"no space\n".repeat(20_000), b"end".to_vec()].concat();
+        let kept = beginning(said.as_slice());
+        assert_eq!(kept.len() as u64, MAX_SAID);
+        assert_eq!(first_lines("\n  a \n\nb\nc"), "a; b");
     }
 }

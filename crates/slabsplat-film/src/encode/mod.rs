@@ -7,6 +7,7 @@ mod palette;
 mod webp;
 
 use crate::folder::FrameFolder;
+use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
 use std::io;
@@ -23,16 +24,18 @@ pub(crate) trait Encoder: Send {
     fn finish(self: Box<Self>, frames: &FrameFolder) -> Result<(), FilmError>;
 }
 
-/// The encoder of a format, which writes to `path`. A folder of frames has none.
+/// The encoder of a format, which writes to `path`; `metadata` is left out where it has no room. A
+/// folder of frames has none.
 pub(crate) fn encoder(
     format: FilmFormat,
     desc: &FilmDesc,
     path: &Path,
+    metadata: &Metadata,
 ) -> Result<Option<Box<dyn Encoder>>, FilmError> {
     Ok(Some(match format {
         FilmFormat::PngSequence => return Ok(None),
-        FilmFormat::Apng => Box::new(apng::ApngEncoder::new(desc, path)?),
-        FilmFormat::WebP => Box::new(webp::WebPEncoder::new(desc, path)?),
+        FilmFormat::Apng => Box::new(apng::ApngEncoder::new(desc, path, metadata)?),
+        FilmFormat::WebP => Box::new(webp::WebPEncoder::new(desc, path, metadata)?),
         FilmFormat::Gif => Box::new(gif::GifEncoder::new(desc, path)),
         FilmFormat::Mp4 | FilmFormat::WebM => Box::new(ffmpeg::Ffmpeg::new(format, desc, path)?),
     }))

@@ -3,6 +3,7 @@
 
 use super::Encoder;
 use crate::folder::FrameFolder;
+use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FrameRate};
 use std::fs::File;
@@ -15,18 +16,24 @@ pub(super) struct WebPEncoder {
     has_opacity: bool,
     n_frames: u32,
     n_bytes: u64,
+    xmp: Option<String>,
     path: PathBuf,
 }
 
-/// Flags of `VP8X`: there are frames; something may shine through them.
+/// Flags of `VP8X`: there are frames; there is XMP; something may shine through them.
 const IS_ANIMATED: u8 = 0x02;
+const HAS_XMP: u8 = 0x04;
 const HAS_OPACITY: u8 = 0x10;
 
 /// Flag of `ANMF`: a frame replaces what was there, instead of lying over it.
 const REPLACES: u8 = 0x02;
 
 impl WebPEncoder {
-    pub(super) fn new(desc: &FilmDesc, path: &Path) -> Result<Self, FilmError> {
+    pub(super) fn new(
+        desc: &FilmDesc,
+        path: &Path,
+        metadata: &Metadata,
+    ) -> Result<Self, FilmError> {
         let file = File::create(path).map_err(FilmError::write(path))?;
         let FilmDesc { width, height, rate, has_opacity, .. } = *desc;
         let mut encoder = Self {
@@ -35,6 +42,7 @@ impl WebPEncoder {
             has_opacity,
             n_frames: 0,
             n_bytes: 0,
+            xmp: metadata.xmp.clone(),
             path: path.to_owned(),
         };
         encoder.begin(width, height).map_err(FilmError::write(path))?;
@@ -44,7 +52,9 @@ impl WebPEncoder {
     fn begin(&mut self, width: u32, height: u32) -> io::Result<()> {
         // How many bytes there are is known at the end.
         self.write(b"RIFF\0\0\0\0WEBP")?;
-        let flags = IS_ANIMATED | if self.has_opacity { HAS_OPACITY } else { 0 };
+        let flags = [(self.has_opacity, HAS_OPACITY), (self.xmp.is_some(), HAS_XMP)];
+        let flags = flags.into_iter().filter(|(is_set, _)| *is_set);
+        let flags = flags.fold(IS_ANIMATED, |flags, (_, flag)| flags | flag);
         let mut about = vec![flags, 0, 0, 0];
         about.extend([width, height].iter().flat_map(|side| three_bytes(side - 1)));
         self.write(&header(b"VP8X", about.len())?)?;
@@ -72,6 +82,12 @@ impl WebPEncoder {
     }
 
     fn end(&mut self) -> io::Result<()> {
+        if let Some(xmp) = self.xmp.take() {
+            self.write(&header(b"XMP ", xmp.len())?)?;
+            self.write(xmp.as_bytes())?;
+            // Chunks begin at even places.
+            self.write(&[0][..xmp.len() % 2])?;
+        }
         let n_bytes = u32::try_from(self.n_bytes - 8)
             .map_err(|_| io::Error::other("a WebP has up to 4 GiB: take apng or png-sequence"))?;
         self.file.seek(SeekFrom::Start(4))?;

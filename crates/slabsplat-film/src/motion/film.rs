@@ -1,12 +1,13 @@
 //! A film: a scene, and key frames of what changes.
 
 use super::camera::CameraPath;
+use super::isosurfaces::IsosurfacePath;
 use super::region::RegionPath;
 use super::track::Track;
 use super::transfer::TransferPath;
 use slabsplat_core::{
-    Camera, CameraError, Easing, LabelError, LabelStyle, Labels, Layer, LightError, Mode, Region,
-    RegionError, Scene, TransferError, TransferFunction,
+    Camera, CameraError, Easing, Isosurface, IsosurfaceError, LabelError, LabelStyle, Labels,
+    Layer, LightError, Region, RegionError, Scene, TransferError, TransferFunction,
 };
 use thiserror::Error;
 
@@ -37,6 +38,9 @@ pub struct LayerKey {
     pub transfer: Option<TransferFunction>,
     /// Where it is seen.
     pub region: Option<Region>,
+    /// The densities at which it has surfaces: as many as in the scene, each with a colour in all keys or in
+    /// none.
+    pub isosurfaces: Option<Vec<Isosurface>>,
     /// What its opacities are multiplied with, at least 0: with 0 it is not there.
     pub opacity_scale: Option<f64>,
 }
@@ -74,6 +78,7 @@ pub struct Film {
 #[derive(Clone, Debug, Default)]
 struct LayerPath {
     transfer: Option<TransferPath>,
+    isosurfaces: Option<IsosurfacePath>,
     region: Option<RegionPath>,
     opacity_scale: Option<Numbers>,
 }
@@ -103,7 +108,9 @@ pub enum MotionError {
         seconds: f64,
     },
     /// The film has no length.
-    #[error("a film lasts a positive number of seconds, and not {0}")]
+    #[error(
+        "a film lasts a positive number of seconds, and not {0}: its last key, or `seconds`, says how long"
+    )]
     NoLength(f64),
     /// A number is out of its range.
     #[error("{what} of key {key_idx} is {value}, and must be {range}")]
@@ -137,6 +144,15 @@ pub enum MotionError {
         /// What shows it.
         by: &'static str,
     },
+    /// Nothing lies between a surface and none.
+    #[error(
+        "keys change the isosurfaces of layer {layer_idx}: the scene and each of these keys need as many, each with \
+         a colour in all of them or in none; one of opacity 0 is not seen"
+    )]
+    OtherIsosurfaces {
+        /// Which layer.
+        layer_idx: usize,
+    },
     /// Nothing lies between parallel rays and rays from an eye.
     #[error("the cameras of a film are all orthographic, or all perspective")]
     TwoProjections,
@@ -155,6 +171,9 @@ pub enum MotionError {
     /// Or for a region.
     #[error(transparent)]
     Region(#[from] RegionError),
+    /// Or for an isosurface.
+    #[error(transparent)]
+    Isosurface(#[from] IsosurfaceError),
     /// Or for labels.
     #[error(transparent)]
     Labels(#[from] LabelError),
@@ -243,6 +262,7 @@ impl LayerPath {
     fn new(spans: &Spans<'_>, layer: &Layer, layer_idx: usize) -> Result<Self, MotionError> {
         let of_key = |key: &Key| key.layers.iter().find(|it| it.layer_idx == layer_idx).cloned();
         let transfer = spans.of(&layer.transfer, |key| of_key(key)?.transfer);
+        let isosurfaces = spans.of(&layer.isosurfaces, |key| of_key(key)?.isosurfaces);
         let region = spans.of(&layer.region, |key| of_key(key)?.region);
         let opacity_scale = spans.of(&1.0, |key| of_key(key)?.opacity_scale);
         let what =
@@ -254,6 +274,9 @@ impl LayerPath {
         }
         Ok(Self {
             transfer: transfer.map(|(track, keys)| TransferPath::new(track, &keys)),
+            isosurfaces: isosurfaces
+                .map(|(track, keys)| IsosurfacePath::new(track, keys, layer_idx))
+                .transpose()?,
             region: region
                 .map(|(track, keys)| RegionPath::new(track, keys, layer.volume.grid()))
                 .transpose()?,
@@ -265,11 +288,16 @@ impl LayerPath {
         if let Some(path) = &self.transfer {
             layer.transfer = path.at(seconds)?;
         }
+        if let Some(path) = &self.isosurfaces {
+            layer.isosurfaces = path.at(seconds)?;
+        }
         if let Some(path) = &self.region {
             layer.region = path.at(seconds)?;
         }
         if let Some(scale) = self.opacity_scale.as_ref().map(|numbers| numbers.at(seconds)) {
             layer.transfer = scaled(&layer.transfer, scale);
+            let surfaces = layer.isosurfaces.iter().map(|surface| scaled_surface(surface, scale));
+            layer.isosurfaces = surfaces.collect::<Result<_, _>>()?;
             layer.labels =
                 layer.labels.take().map(|labels| scaled_labels(&labels, scale)).transpose()?;
         }
@@ -280,6 +308,10 @@ impl LayerPath {
 fn scaled(transfer: &TransferFunction, scale: f64) -> TransferFunction {
     let opacity = transfer.opacity_points().multiplied(scale);
     TransferFunction::of_curves(opacity, transfer.color_points().clone())
+}
+
+fn scaled_surface(surface: &Isosurface, scale: f64) -> Result<Isosurface, IsosurfaceError> {
+    Isosurface::new(surface.value(), (surface.opacity() * scale).min(1.0), surface.color())
 }
 
 /// Styles with a transfer function of their own are scaled as the layer's is.
@@ -340,10 +372,6 @@ fn check(scene: &Scene, keys: &[Key], seconds: f64) -> Result<(), MotionError> {
             let (layer_idx, n_layers) = (layer.layer_idx, scene.layers.len());
             if n_layers <= layer_idx {
                 return Err(MotionError::NoLayer { key_idx, layer_idx, n_layers });
-            }
-            if layer.opacity_scale.is_some() && scene.settings.mode == Mode::Isosurfaces {
-                let (what, by) = ("opacity", "isosurfaces");
-                return Err(MotionError::NotByValue { layer_idx, what, by });
             }
         }
     }
@@ -429,11 +457,35 @@ mod tests {
     }
 
     #[test]
+    fn film_changes_isosurfaces() {
+        let mut scene = scene();
+        let surfaces = |value, opacity| vec![Isosurface::new(value, opacity, None).unwrap()];
+        scene.layers[0].isosurfaces = surfaces(2.0, 0.5);
+        let moved = LayerKey { isosurfaces: Some(surfaces(6.0, 1.0)), ..LayerKey::default() };
+        let faded = LayerKey { opacity_scale: Some(0.0), ..LayerKey::default() };
+        let keys =
+            [Key { layers: vec![moved], ..key(2.0) }, Key { layers: vec![faded], ..key(4.0) }];
+        let film = Film::new(&scene, &keys, 4.0, Easing::Linear, false).unwrap();
+        let at = |seconds| film.scene_at(seconds).unwrap().layers[0].isosurfaces.clone();
+        assert_eq!(at(0.0), surfaces(2.0, 0.5));
+        assert_eq!(at(1.0), surfaces(4.0, 0.75 * 0.75));
+        assert_eq!(at(4.0), surfaces(6.0, 0.0));
+        let none = LayerKey { isosurfaces: Some(Vec::new()), ..LayerKey::default() };
+        let keys = [Key { layers: vec![none], ..key(2.0) }];
+        let error = Film::new(&scene, &keys, 4.0, Easing::Linear, false).unwrap_err();
+        assert_eq!(error, MotionError::OtherIsosurfaces { layer_idx: 0 });
+    }
+
+    #[test]
     fn film_says_what_is_wrong() {
         let check = |keys: &[Key], seconds: f64, expected: &str| {
             assert_eq!(film(keys, seconds, false).unwrap_err().to_string(), expected);
         };
-        check(&[], 0.0, "a film lasts a positive number of seconds, and not 0");
+        check(
+            &[],
+            0.0,
+            "a film lasts a positive number of seconds, and not 0: its last key, or `seconds`, says how long",
+        );
         check(
             &[key(1.0), key(1.0)],
             2.0,

@@ -2,32 +2,15 @@
 //! still.
 
 use super::MotionError;
-use slabsplat_core::glam::{DQuat, DVec3};
-use slabsplat_core::{Camera, Light, LightSource, NotAChoice, Scene, ViewAxes};
+use slabsplat_core::glam::DQuat;
+use slabsplat_core::{Camera, Light, LightSource, Scene, TurnAxis};
 use std::f64::consts::TAU;
-use std::str::FromStr;
-
-/// What a camera goes around, through what it looks at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Axis {
-    /// The camera's up vector.
-    #[default]
-    Up,
-    /// What is to the right in the picture.
-    Right,
-    /// The world's first axis.
-    X,
-    /// The world's second axis.
-    Y,
-    /// The world's third axis.
-    Z,
-}
 
 /// A camera that goes around in equal steps, or to and fro.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// Around what.
-    pub axis: Axis,
+    pub axis: TurnAxis,
     /// From the first frame to the last, or if it rocks, from one side to the other; negative the other way
     /// round.
     pub degrees: f64,
@@ -40,36 +23,6 @@ pub struct Turn {
 /// Degrees between two views. What stands 24 times as far out as it is wide is cut off by 1 % between them,
 /// and pictures are filled to 95 %.
 const VIEW_STEP_DEGREES: f64 = 7.5;
-
-impl Axis {
-    /// The name of every choice.
-    pub const NAMES: &[&'static str] = &["up", "right", "x", "y", "z"];
-
-    const ALL: [Self; 5] = [Self::Up, Self::Right, Self::X, Self::Y, Self::Z];
-
-    /// The axis in the world, of length 1.
-    fn direction(self, camera: &Camera) -> DVec3 {
-        let ViewAxes { right, .. } = camera.axes();
-        match self {
-            Self::Up => camera.up().normalize(),
-            Self::Right => right,
-            Self::X => DVec3::X,
-            Self::Y => DVec3::Y,
-            Self::Z => DVec3::Z,
-        }
-    }
-}
-
-impl FromStr for Axis {
-    type Err = NotAChoice;
-
-    fn from_str(name: &str) -> Result<Self, NotAChoice> {
-        let named = Self::NAMES.iter().zip(Self::ALL).find(|(its, _)| **its == name);
-        named
-            .map(|(_, axis)| axis)
-            .ok_or_else(|| NotAChoice { word: name.to_owned(), choices: Self::NAMES })
-    }
-}
 
 impl Turn {
     /// How far the camera has gone in a frame, in degrees.
@@ -144,10 +97,11 @@ fn turned(camera: &Camera, rotation: DQuat) -> Result<Camera, MotionError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::Projection;
+    use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{Projection, ViewAxes};
 
     fn turn(degrees: f64, is_rocking: bool, n_frames: u32) -> Turn {
-        Turn { axis: Axis::Up, degrees, is_rocking, n_frames }
+        Turn { axis: TurnAxis::Up, degrees, is_rocking, n_frames }
     }
 
     fn camera() -> Camera {
@@ -180,7 +134,7 @@ mod tests {
             ];
             assert!(by_turn.eye().abs_diff_eq(orbited.eye(), 1e-12), "{idx}");
         }
-        let over = Turn { axis: Axis::Right, ..turn };
+        let over = Turn { axis: TurnAxis::Right, ..turn };
         let eye = over.camera_at(&camera(), 4).unwrap();
         assert!(eye.eye().abs_diff_eq(DVec3::new(-1.0, 13.0, 1.0), 1e-12), "{}", eye.eye());
         assert!(eye.up().z < 0.0, "it stands on its head there");
@@ -211,14 +165,6 @@ mod tests {
         near(angles(turn(60.0, false, 5)), [0.0, 60.0]);
         near(angles(turn(-60.0, false, 5)), [-60.0, 0.0]);
         assert_eq!(turn(36_000.0, false, 9).views(&camera()).len(), 49);
-    }
-
-    #[test]
-    fn turn_axis_by_name() {
-        for (name, axis) in Axis::NAMES.iter().zip(Axis::ALL) {
-            assert_eq!(name.parse(), Ok(axis));
-        }
-        assert!("down".parse::<Axis>().is_err());
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Reading meshes: PLY, STL, OBJ. What cannot be drawn of one is left out, and a warning says how much.
+//! Reading meshes, with lines and points: PLY, STL, OBJ. What cannot be drawn of one is left out, and a
+//! warning says how much.
 //!
 //! The readers are our own: triangles that refer to nothing, or to NaN, must not cost the rest of the file,
 //! and no count of a header is believed before its bytes are there.
@@ -13,7 +14,7 @@ mod stl;
 
 use std::path::Path;
 
-use slabsplat_core::{DroppedTriangles, Mesh, MeshParts};
+use slabsplat_core::{DroppedElements, Mesh, MeshParts};
 
 use crate::IoError;
 use crate::printable::shown_path;
@@ -97,18 +98,21 @@ pub(crate) fn read_from(store: Store<'_>, path: &Path) -> Result<LoadedMesh, IoE
         MeshFormat::Obj => obj::read(&bytes),
     };
     let parts = parts.map_err(|what| IoError::malformed(path, what))?;
-    let n_triangles = parts.triangles.len();
+    let given = [parts.triangles.len(), parts.lines.len(), parts.points.len()];
     let mesh = Mesh::new(parts).expect("a reader makes as many normals and colours as vertices");
-    let warnings = warning(path, n_triangles, mesh.dropped()).into_iter().collect();
+    let warnings = warning(path, given, mesh.dropped()).into_iter().collect();
     Ok(LoadedMesh { mesh, format, warnings })
 }
 
-fn warning(path: &Path, n_triangles: usize, dropped: DroppedTriangles) -> Option<String> {
+/// Of how many triangles, lines and points were given.
+fn warning(path: &Path, given: [usize; 3], dropped: DroppedElements) -> Option<String> {
     let path = shown_path(path);
-    if n_triangles == 0 {
-        return Some(format!("{path}: there are no triangles"));
+    let kinds = given.into_iter().zip(["triangles", "lines", "points"]).filter(|(n, _)| 0 < *n);
+    let kinds: Vec<String> = kinds.map(|(n, what)| format!("{n} {what}")).collect();
+    if kinds.is_empty() {
+        return Some(format!("{path}: there are no triangles, no lines and no points"));
     }
-    let DroppedTriangles { n_without_vertices, n_not_finite, n_flat } = dropped;
+    let DroppedElements { n_without_vertices, n_not_finite, n_flat } = dropped;
     let reasons = [
         (n_without_vertices, "refer to vertices that are not there"),
         (n_not_finite, "have a corner that is not finite"),
@@ -118,8 +122,19 @@ fn warning(path: &Path, n_triangles: usize, dropped: DroppedTriangles) -> Option
     let reasons: Vec<String> = reasons.map(|(n, what)| format!("{n} {what}")).collect();
     let n_all = dropped.n_all();
     (0 < n_all).then(|| {
-        format!("{path}: {n_all} of {n_triangles} triangles are left out: {}", reasons.join(", "))
+        let (kinds, reasons) = (enumerated(&kinds), reasons.join(", "));
+        format!("{path}: {n_all} of {kinds} are left out: {reasons}")
     })
+}
+
+/// As in prose.
+fn enumerated(things: &[String]) -> String {
+    match things {
+        [others @ .., before, last] if !others.is_empty() => {
+            format!("{}, {before} and {last}", others.join(", "))
+        }
+        _ => things.join(" and "),
+    }
 }
 
 /// Adds the triangles of a polygon: those with its first corner and two that follow each other. One with
@@ -131,6 +146,22 @@ fn add_polygon(parts: &mut MeshParts, corners: &[u32]) {
         }
         [first, ..] => parts.triangles.push([*first; 3]),
         [] => parts.triangles.push([NO_VERTEX; 3]),
+    }
+}
+
+/// Adds the lines between points that follow each other. One with a single end counts as a line that cannot
+/// be drawn.
+fn add_polyline(parts: &mut MeshParts, vertices: &[u32]) {
+    match vertices {
+        [] | [_] => parts.lines.push([NO_VERTEX; 2]),
+        _ => parts.lines.extend(vertices.windows(2).map(|pair| [pair[0], pair[1]])),
+    }
+}
+
+/// Makes a point of every vertex of a file that has nothing but these: a point cloud.
+fn take_as_points(parts: &mut MeshParts) {
+    if parts.triangles.is_empty() && parts.lines.is_empty() && parts.points.is_empty() {
+        parts.points = (0..parts.positions.len() as u32).collect();
     }
 }
 

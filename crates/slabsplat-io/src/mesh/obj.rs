@@ -1,4 +1,5 @@
-//! OBJ: vertices, normals and polygons, one a line. Materials, textures, lines and curves are ignored.
+//! OBJ: vertices, normals, polygons, lines and points, one a line. Materials, textures and curves are
+//! ignored.
 
 use std::collections::HashMap;
 
@@ -6,7 +7,7 @@ use slabsplat_core::glam::DVec3;
 use slabsplat_core::{MeshLayer, MeshParts};
 
 use super::numbers::{number, numbers, quoted, words};
-use super::{NO_VERTEX, add_polygon, next_vertex};
+use super::{NO_VERTEX, add_polygon, add_polyline, next_vertex, take_as_points};
 
 /// A file that is being read.
 #[derive(Default)]
@@ -36,7 +37,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshParts, String> {
     for (line_idx, line) in lines().enumerate() {
         reader.read_line(line).map_err(|what| format!("line {}: {what}", line_idx + 1))?;
     }
-    let mut parts = reader.parts;
+    let mut parts = reader.into_parts();
     if !parts.colors.is_empty() {
         parts.colors.resize(parts.positions.len(), default_color());
     }
@@ -53,6 +54,16 @@ impl Reader {
                 Ok(())
             }
             Some(b"f") => self.add_face(words),
+            Some(b"l") => {
+                let vertices = self.vertices_of(words)?;
+                add_polyline(&mut self.parts, &vertices);
+                Ok(())
+            }
+            Some(b"p") => {
+                let vertices = self.vertices_of(words)?;
+                self.parts.points.extend(vertices);
+                Ok(())
+            }
             _ => Ok(()),
         }
     }
@@ -81,6 +92,26 @@ impl Reader {
         let vertices = vertices.collect::<Result<Vec<u32>, _>>()?;
         add_polygon(&mut self.parts, &vertices);
         Ok(())
+    }
+
+    /// Those of a line or of points, which have no normals.
+    fn vertices_of<'a>(
+        &mut self,
+        words: impl Iterator<Item = &'a [u8]>,
+    ) -> Result<Vec<u32>, String> {
+        let corners = words.map(|word| self.corner(word)).collect::<Result<Vec<_>, _>>()?;
+        corners.into_iter().map(|corner| self.vertex(corner, [0.0; 3])).collect()
+    }
+
+    /// All that was read; of a file that has nothing but positions these.
+    fn into_parts(self) -> MeshParts {
+        let mut parts = self.parts;
+        if parts.positions.is_empty() {
+            (parts.positions, parts.colors) = (self.positions, self.colors);
+            parts.normals.clear();
+            take_as_points(&mut parts);
+        }
+        parts
     }
 
     /// `position`, `position/texture`, `position//normal` or `position/texture/normal`.

@@ -1,11 +1,12 @@
-//! PLY: elements of named properties, of which vertices and faces are taken and all others passed over.
+//! PLY: elements of named properties, of which vertices, faces and edges are taken and all others passed
+//! over.
 
 use slabsplat_core::MeshParts;
 use slabsplat_core::glam::DVec3;
 
 use super::numbers::number;
 use super::ply_header::{Element, Encoding, Header, Property, Scalar};
-use super::{NO_VERTEX, add_polygon, next_vertex};
+use super::{NO_VERTEX, add_polygon, add_polyline, next_vertex, take_as_points};
 
 /// Of an element, in a message.
 const MAX_NAME_CHARS: usize = 40;
@@ -42,6 +43,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshParts, String> {
             let read = match element.name {
                 b"vertex" => read_vertex(&mut numbers, element, &mut parts),
                 b"face" => read_face(&mut numbers, element, &mut parts),
+                b"edge" => read_edge(&mut numbers, element, &mut parts),
                 _ => element.properties.iter().try_for_each(|it| numbers.property(it, |_| {})),
             };
             let name: String =
@@ -49,6 +51,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<MeshParts, String> {
             read.map_err(|what| format!("{name} {idx} of {}: {what}", element.n))?;
         }
     }
+    take_as_points(&mut parts);
     Ok(parts)
 }
 
@@ -91,13 +94,34 @@ fn read_face(
         let is_ours = matches!(property.name, b"vertex_indices" | b"vertex_index");
         numbers.property(property, |number| {
             if is_ours && property.count.is_some() {
-                let is_index = (0.0..f64::from(NO_VERTEX)).contains(&number);
-                corners.push(if is_index { number as u32 } else { NO_VERTEX });
+                corners.push(vertex_numbered(number));
             }
         })?;
     }
     add_polygon(parts, &corners);
     Ok(())
+}
+
+fn read_edge(
+    numbers: &mut Numbers<'_>,
+    element: &Element<'_>,
+    parts: &mut MeshParts,
+) -> Result<(), String> {
+    let mut ends = [NO_VERTEX; 2];
+    for property in &element.properties {
+        let end = [&b"vertex1"[..], b"vertex2"].iter().position(|name| property.name == *name);
+        numbers.property(property, |number| {
+            if let Some(end) = end.filter(|_| property.count.is_none()) {
+                ends[end] = vertex_numbered(number);
+            }
+        })?;
+    }
+    add_polyline(parts, &ends);
+    Ok(())
+}
+
+fn vertex_numbered(number: f64) -> u32 {
+    if (0.0..f64::from(NO_VERTEX)).contains(&number) { number as u32 } else { NO_VERTEX }
 }
 
 impl Role {

@@ -37,7 +37,7 @@ fn read_binary(bytes: &[u8]) -> Result<MeshParts, String> {
     let n = n_triangles(bytes).ok_or("not an STL file: it is shorter than a header")?;
     let triangles = bytes[HEADER_BYTES..].chunks_exact(TRIANGLE_BYTES).take(n);
     if triangles.len() < n {
-        return Err(format!("cut off: there should be {n} triangles, and are {}", triangles.len()));
+        return Err(format!("cut off: it has {} of {n} triangles", triangles.len()));
     }
     let mut parts = MeshParts::default();
     for triangle in triangles {

@@ -33,9 +33,9 @@ const CORNERS: [[f64; 3]; 3] = [[0.0, 0.0, 0.5], [1.0, 0.0, 0.0], [0.0, 2.0, -3.
 const PLY: &str = "ply\r\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty float x\n\
     property float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n\
     property float nx\nproperty float ny\nproperty float nz\nelement face 2\n\
-    property list uchar int vertex_indices\nproperty float quality\nelement edge 1\nproperty int a\nend_header\n\
+    property list uchar int vertex_indices\nproperty float quality\nelement edge 2\nproperty int vertex1\nproperty int vertex2\nend_header\n\
     0 0 0.5 255 0 51 0 0 1\n1 0 0 0 255 0 0 2 0\n0 2 -3 0 0 255 1 0 0\n-1 2 0 0 0 0 0 0 1\n\
-    4 0 1 2 3 0.5\n3 0 1 7 1\n9\n";
+    4 0 1 2 3 0.5\n3 0 1 7 1\n2 0\n1 -1\n";
 
 /// The same in binary.
 fn binary_ply(is_big_endian: bool) -> Vec<u8> {
@@ -58,7 +58,7 @@ fn binary_ply(is_big_endian: bool) -> Vec<u8> {
             push(match words.len() {
                 9 if (3..6).contains(&idx) => byte(word),
                 9 => float(word),
-                1 => int(word),
+                2 => int(word),
                 _ if idx == 0 => byte(word),
                 _ if idx + 1 == words.len() => float(word),
                 _ => int(word),
@@ -79,7 +79,9 @@ fn ply_of_every_encoding() {
         assert_eq!(mesh.colors(0), Some([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
         assert_eq!(mesh.normals(0), Some([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]));
         let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
-        let expected = "1 of 3 triangles are left out: 1 refer to vertices that are not there";
+        assert_eq!((mesh.lines(), mesh.points()), (&[[2, 0]][..], &[][..]));
+        let expected =
+            "2 of 3 triangles and 2 lines are left out: 2 refer to vertices that are not there";
         assert!(warning.ends_with(expected), "{warning}");
     }
 }
@@ -91,7 +93,7 @@ fn ply_faults() {
         let what = fault("a.ply", &bytes);
         assert!(what.contains(expected), "{what}");
     };
-    check("\n9\n", "", "edge 0 of 1: the file ends before it");
+    check("\n1 -1\n", "", "edge 1 of 2: the file ends before it");
     check("vertex 4", "vertex 400000000000", "vertex 5 of 400000000000: the file ends before it");
     check("vertex 4", "vertex -4", "\"-4\" is not a number of elements");
     check("4 0 1 2 3", "-4 0 1 2 3", "face 0 of 2: a list cannot have -4 numbers");
@@ -165,8 +167,11 @@ fn stl_faults() {
     check(b"", "shorter than a header");
     let mut binary = binary_stl();
     binary[0] = b'x';
-    check(&binary[..200], "cut off: there should be 3 triangles, and are 2");
-    check(&[&[0; 80], u32::MAX.to_le_bytes().as_slice(), &[0; 99]].concat(), "and are 1");
+    check(&binary[..200], "cut off: it has 2 of 3 triangles");
+    check(
+        &[&[0; 80], u32::MAX.to_le_bytes().as_slice(), &[0; 99]].concat(),
+        "cut off: it has 1 of 4294967295 triangles",
+    );
     check(
         text.replacen("vertex 0 2 -3\n", "", 1).as_bytes(),
         "line 7: a facet has 3 vertices, not 2",
@@ -178,7 +183,7 @@ fn stl_faults() {
 }
 
 const OBJ: &str = "# by hand\nmtllib no.mtl\no thing\nv 0 0 0.5\nv 1 0 0 1.0\nv 0 2 -3 0.25 1 0\nv -1 2 0\n\
-    vt 0 0\nvn 0 0 2\nusemtl none\ns off\nf 1//1 2/1/1 -2//-1 4//1\nf 1 2 3\nf 1 2 9\nf 1 2\nl 1 2\n";
+    vt 0 0\nvn 0 0 2\nusemtl none\ns off\nf 1//1 2/1/1 -2//-1 4//1\nf 1 2 3\nf 1 2 9\nf 1 2\nl 1 2/1 -1\nl 3 8\nl 4\np 2 4 -9\n";
 
 #[test]
 fn obj_of_polygons() {
@@ -194,7 +199,13 @@ fn obj_of_polygons() {
     }
     assert_eq!(mesh.colors(0), Some([[0.8; 3], [0.8; 3], [0.25, 1.0, 0.0]]));
     let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
-    assert!(warning.contains("2 of 5 triangles"), "{warning}");
+    let expected = "5 of 5 triangles, 4 lines and 3 points are left out: 4 refer";
+    assert!(warning.contains(expected), "{warning}");
+    let at = |vertex: u32| mesh.positions()[vertex as usize].to_array();
+    let ends: Vec<[[f64; 3]; 2]> = mesh.lines().iter().map(|line| line.map(at)).collect();
+    let [a, b, d] = [CORNERS[0], CORNERS[1], [-1.0, 2.0, 0.0]];
+    assert_eq!(ends, [[a, b], [b, d]]);
+    assert_eq!(mesh.points().iter().map(|point| at(*point)).collect::<Vec<_>>(), [b, d]);
     let plain = mesh_of_lines("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/3\nf 3 2 1\n");
     assert_eq!(plain.triangles(), [[0, 1, 2], [2, 1, 0]]);
     assert_eq!((plain.normals(0), plain.colors(0)), (None, None));
@@ -216,13 +227,42 @@ fn obj_faults() {
     check("f 1 2 3", "f 1 2 c", "line 13: \"c\" is not the number of a vertex");
     let far = "f 1 2 9223372036854775807\nf -9223372036854775808 1 2\n";
     let loaded = read("a.obj", OBJ.replacen("f 1 2 9\n", far, 1).as_bytes()).unwrap();
-    assert_eq!(loaded.mesh.dropped().n_without_vertices, 2);
+    assert_eq!(loaded.mesh.dropped().n_without_vertices, 5, "with those of OBJ");
 }
 
 #[test]
-fn mesh_without_triangles_is_told() {
-    let loaded = read("a.obj", b"v 1 2 3\n").unwrap();
-    assert!(loaded.warnings[0].ends_with("there are no triangles"), "{:?}", loaded.warnings);
+fn mesh_of_nothing_is_told() {
+    for (name, bytes) in [
+        ("a.obj", &b"# nothing\n"[..]),
+        ("a.ply", b"ply\nformat ascii 1.0\nend_header\n"),
+        ("a.stl", b"solid\nendsolid\n"),
+    ] {
+        let loaded = read(name, bytes).unwrap();
+        let expected = "there are no triangles, no lines and no points";
+        assert!(loaded.warnings[0].ends_with(expected), "{:?}", loaded.warnings);
+    }
+}
+
+/// Of files that have nothing but vertices every vertex is a point, but for those that are nowhere.
+#[test]
+fn vertices_alone_are_a_point_cloud() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+        property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n";
+    let data = "1 2 3 255 0 0\nnan 0 0 0 0 0\n4 5 6 0 0 255\n";
+    let faces = "element face 0\nproperty list uchar int vertex_indices\n";
+    let plain = format!("{header}end_header\n{data}");
+    let with_faces = format!("{header}{faces}end_header\n{data}");
+    let obj = "v 1 2 3 1 0 0\nvn 0 0 1\nv nan 0 0\nv 4 5 6 0 0 1\n".to_owned();
+    for (name, text) in [("a.ply", plain), ("a.ply", with_faces), ("a.obj", obj)] {
+        let loaded = read(name, text.as_bytes()).unwrap();
+        let mesh = loaded.mesh;
+        assert_eq!((mesh.points(), mesh.lines().len()), (&[0, 2][..], 0), "{text}");
+        assert_eq!(mesh.positions()[2], DVec3::new(4.0, 5.0, 6.0));
+        assert_eq!(mesh.vertex_color(2), Some([0.0, 0.0, 1.0]));
+        let [warning] = &loaded.warnings[..] else { panic!("{:?}", loaded.warnings) };
+        let expected = "1 of 3 points are left out: 1 have a corner that is not finite";
+        assert!(warning.ends_with(expected), "{warning}");
+    }
 }
 
 #[test]

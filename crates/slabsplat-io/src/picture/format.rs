@@ -3,13 +3,13 @@
 use std::io::{BufReader, Cursor, Seek, Write};
 use std::path::Path;
 
-use slabsplat_core::{Image, Scene};
+use slabsplat_core::Image;
 
 #[cfg(feature = "webp")]
 use super::webp;
 use super::{Provenance, atomic, exr, jpeg, png, tiff};
-use crate::IoError;
 use crate::store::Store;
+use crate::{IoError, SceneFile};
 
 /// How a picture is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -97,16 +97,23 @@ impl PictureFormat {
         Self::ALL.iter().find(is_its).copied()
     }
 
+    /// The format by which a file of that name is read as a picture: an animated PNG is one, too.
+    pub fn of_picture(path: impl AsRef<Path>) -> Option<Self> {
+        let is_apng = |extension: &std::ffi::OsStr| extension.eq_ignore_ascii_case("apng");
+        let is_png = path.as_ref().extension().is_some_and(is_apng);
+        if is_png { Some(Self::Png) } else { Self::of_name(path) }
+    }
+
     /// Whether files of the format may be volumes as well as pictures.
     pub fn holds_volumes(self) -> bool {
         matches!(self, Self::Tiff | Self::TiffFloat)
     }
 
-    /// That it can hold a scene's picture, as far as can be told before there is one.
+    /// That it can hold a scene's picture, as far as can be told before anything of it is read.
     ///
     /// # Errors
     /// If the background shines through and the format has no transparency, or a side is too long for it.
-    pub fn check(self, scene: &Scene) -> Result<(), IoError> {
+    pub fn check(self, scene: &SceneFile) -> Result<(), IoError> {
         let what = match self {
             Self::Jpeg if is_transparent(scene) => NO_TRANSPARENCY.to_owned(),
             #[cfg(feature = "webp")]
@@ -186,8 +193,9 @@ impl PictureFormat {
     }
 }
 
-/// Whether anything shines through a scene's background.
-fn is_transparent(scene: &Scene) -> bool {
-    let opacities = [0.0, 1.0].map(|part| scene.background_at(part)[3]);
-    opacities.into_iter().any(|opacity| opacity < 1.0)
+/// Whether anything shines through a scene's background. One that is found is opaque.
+fn is_transparent(scene: &SceneFile) -> bool {
+    let above = scene.image.background;
+    let below = scene.finish.background_below.unwrap_or(above);
+    !scene.unsaid.background && above[3].min(below[3]) < 1.0
 }

@@ -41,7 +41,7 @@ pub(super) fn encode(writer: impl Write, image: &Image, provenance: &Provenance)
     let mut info = Info::with_size(image.width(), image.height());
     info.color_type = ColorType::Rgba;
     info.bit_depth = BitDepth::Eight;
-    info.utf8_text.extend(texts(provenance));
+    info.utf8_text.extend(texts(provenance).map(|(keyword, text)| chunk(keyword, text)));
     let mut encoder = Encoder::with_info(writer, info).map_err(to_io_error)?;
     encoder.set_filter(Filter::Adaptive);
     let mut writer = encoder.write_header().map_err(to_io_error)?;
@@ -49,14 +49,17 @@ pub(super) fn encode(writer: impl Write, image: &Image, provenance: &Provenance)
     writer.finish().map_err(to_io_error)
 }
 
-fn texts(provenance: &Provenance) -> impl Iterator<Item = ITXtChunk> {
+/// Keywords and texts.
+pub(super) fn texts(provenance: &Provenance) -> impl Iterator<Item = (&'static str, &str)> {
     let Provenance { program, scene } = provenance;
-    let text = |keyword, text: &Option<String>| Some(ITXtChunk::new(keyword, text.clone()?));
-    let scene = text(SCENE, scene).map(|mut chunk| {
-        chunk.compressed = true;
-        chunk
-    });
-    [text(SOFTWARE, program), scene].into_iter().flatten()
+    let texts = [(SOFTWARE, program), (SCENE, scene)];
+    texts.into_iter().filter_map(|(keyword, text)| Some((keyword, text.as_deref()?)))
+}
+
+fn chunk(keyword: &str, text: &str) -> ITXtChunk {
+    let mut chunk = ITXtChunk::new(keyword, text);
+    chunk.compressed = keyword == SCENE;
+    chunk
 }
 
 fn to_io_error(error: EncodingError) -> io::Error {

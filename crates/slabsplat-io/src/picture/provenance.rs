@@ -6,7 +6,9 @@
 
 use std::path::Path;
 
-use super::PictureFormat;
+#[cfg(feature = "webp")]
+use super::webp;
+use super::{PictureFormat, png};
 use crate::printable::printable;
 use crate::scene::text_of;
 use crate::store::Store;
@@ -64,6 +66,18 @@ impl Provenance {
         }
         Ok(Self { program: Some(Self::PROGRAM.to_owned()), scene: Some(text) })
     }
+
+    /// The same as keywords and texts of a PNG, for who writes animated ones.
+    pub fn png_texts(&self) -> Vec<(String, String)> {
+        let texts = png::texts(self);
+        texts.map(|(keyword, text)| (keyword.to_owned(), text.to_owned())).collect()
+    }
+
+    /// The same as a packet of XMP, for who writes animated WebPs.
+    #[cfg(feature = "webp")]
+    pub fn xmp(&self) -> String {
+        webp::packet(self)
+    }
 }
 
 /// The scene that a picture shows, by what its file says, or `None` if that says nothing of it. Nothing in it
@@ -90,7 +104,7 @@ impl FilesInMemory<'_> {
 }
 
 fn read_from(store: Store<'_>, path: &Path) -> Result<Option<PictureScene>, IoError> {
-    let format = PictureFormat::of_name(path)
+    let format = PictureFormat::of_picture(path)
         .ok_or_else(|| IoError::UnknownPicture { path: path.to_owned() })?;
     let Provenance { program, scene } = format.read_provenance(store, path)?;
     let Some(text) = scene else { return Ok(None) };

@@ -33,7 +33,7 @@ pub(super) fn encode(writer: impl Write, image: &Image, provenance: &Provenance)
     })
 }
 
-fn packet(provenance: &Provenance) -> String {
+pub(super) fn packet(provenance: &Provenance) -> String {
     let element = |name: &str, text: &Option<String>| match text {
         Some(text) => format!("<{name}>{}</{name}>", escaped(text)),
         None => String::new(),

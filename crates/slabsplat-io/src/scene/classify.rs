@@ -103,6 +103,20 @@ impl ClassifySection {
         Ok(())
     }
 
+    /// Whether it says how values look, or would.
+    pub(super) fn says_values(&self) -> bool {
+        let ways = [
+            self.opacity.is_some(),
+            self.color.is_some(),
+            self.preset.is_some(),
+            self.file.is_some(),
+            self.boxes.is_some(),
+            self.image.is_some(),
+            self.gradient_opacity.is_some(),
+        ];
+        ways.contains(&true) || self.fit_key().is_some()
+    }
+
     /// The first key that fits a function of the value to a volume.
     fn fit_key(&self) -> Option<&'static str> {
         let keys = [

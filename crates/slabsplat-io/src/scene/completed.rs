@@ -42,17 +42,34 @@ impl SceneFile {
     /// # Panics
     /// If there are not as many layers and meshes in both.
     pub fn completed(&self, scene: &Scene) -> Result<Self, IoError> {
+        self.completed_by(scene, Hashes::OfScene)
+    }
+
+    /// Of a scene file that is [`completed`](Self::completed), that of the same volumes, labels and meshes at
+    /// a moment of its film; what is in them is not looked at.
+    ///
+    /// # Errors
+    /// As [`completed`](Self::completed).
+    ///
+    /// # Panics
+    /// If there are not as many layers and meshes in both.
+    pub fn at_moment(&self, scene: &Scene) -> Result<Self, IoError> {
+        Ok(Self { film: None, ..self.completed_by(scene, Hashes::Known)? })
+    }
+
+    fn completed_by(&self, scene: &Scene, hashes: Hashes) -> Result<Self, IoError> {
         let n_both = |n: usize, of_scene: usize| {
             assert_eq!(n, of_scene, "a scene has as many layers and meshes as its file");
         };
         n_both(self.layers.len(), scene.layers.len());
         n_both(self.meshes.len(), scene.meshes.len());
         let layers = self.layers.iter().zip(&scene.layers);
-        let layers = layers.enumerate().map(|(idx, (file, layer))| file.completed(layer, idx));
+        let layers =
+            layers.enumerate().map(|(idx, (file, layer))| file.completed(layer, idx, hashes));
         let meshes = self.meshes.iter().zip(&scene.meshes);
         Ok(Self {
             layers: layers.collect::<Result<_, _>>()?,
-            meshes: meshes.map(|(file, mesh)| file.completed(mesh)).collect(),
+            meshes: meshes.map(|(file, mesh)| file.completed(mesh, hashes)).collect(),
             camera: CameraDesc::of(&scene.camera),
             lights: scene.lights.clone(),
             image: scene.image,
@@ -62,6 +79,23 @@ impl SceneFile {
             backend: self.backend.clone(),
             unsaid: Unsaid::default(),
         })
+    }
+}
+
+/// Where hashes come from.
+#[derive(Clone, Copy)]
+enum Hashes {
+    OfScene,
+    /// They are in the file already.
+    Known,
+}
+
+impl Hashes {
+    fn of(self, known: Option<ContentHash>, of_scene: impl FnOnce() -> ContentHash) -> ContentHash {
+        match self {
+            Self::OfScene => of_scene(),
+            Self::Known => known.unwrap_or_else(of_scene),
+        }
     }
 }
 
@@ -75,15 +109,18 @@ impl LayerFile {
         is_other.then(|| format!("{} {what}: {DIFFERS}", shown_path(&path)))
     }
 
-    fn completed(&self, layer: &Layer, layer_idx: usize) -> Result<Self, IoError> {
+    fn completed(&self, layer: &Layer, layer_idx: usize, hashes: Hashes) -> Result<Self, IoError> {
         let labels = match (&self.labels, &layer.labels) {
             (_, None) => None,
-            (Some(file), Some(labels)) => Some(file.completed(labels)),
+            (Some(file), Some(labels)) => Some(file.completed(labels, hashes)),
             (None, Some(_)) => return Err(IoError::LabelsWithoutFile { layer_idx }),
         };
         let is_of_file = self.transfer_2d == layer.transfer_2d;
         Ok(Self {
-            hash: Some(ContentHash::of_volume(&layer.volume, layer.colors.as_ref())),
+            hash: Some(
+                hashes
+                    .of(self.hash, || ContentHash::of_volume(&layer.volume, layer.colors.as_ref())),
+            ),
             transfer: Some(layer.transfer.clone()),
             fit: TransferFit::default(),
             transfer_2d: layer.transfer_2d.clone(),
@@ -102,10 +139,10 @@ impl LayerFile {
 }
 
 impl LabelsFile {
-    fn completed(&self, labels: &Labels) -> Self {
+    fn completed(&self, labels: &Labels, hashes: Hashes) -> Self {
         Self {
             path: self.path.clone(),
-            hash: Some(ContentHash::of_labels(labels.map())),
+            hash: Some(hashes.of(self.hash, || ContentHash::of_labels(labels.map()))),
             colors: Some(LabelColors::None),
             styles: labels.styles().clone(),
             only: None,
@@ -114,10 +151,12 @@ impl LabelsFile {
 }
 
 impl MeshFile {
-    fn completed(&self, mesh: &MeshLayer) -> Self {
+    fn completed(&self, mesh: &MeshLayer, hashes: Hashes) -> Self {
         Self {
-            hash: Some(ContentHash::of_mesh(&mesh.mesh)),
+            hash: Some(hashes.of(self.hash, || ContentHash::of_mesh(&mesh.mesh))),
             color: mesh.color,
+            line_width: mesh.line_width,
+            point_size: mesh.point_size,
             world_from_mesh: mesh.world_from_mesh(),
             shading: mesh.shading,
             region: match self.region.in_world() {

@@ -10,7 +10,7 @@ use slabsplat_core::{
 
 use super::film::FilmSection;
 use super::settings_section::SettingsSection;
-use crate::ContentHash;
+use crate::{Background, ContentHash};
 
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -92,6 +92,8 @@ pub(super) struct MeshSection {
     /// Of the mesh that the scene was made of.
     pub(super) hash: Option<ContentHash>,
     pub(super) color: Option<[f64; 3]>,
+    pub(super) line_width: Option<f64>,
+    pub(super) point_size: Option<f64>,
     /// What takes the file's coordinates to the world, by rows.
     pub(super) affine: Option<[[f64; 4]; 3]>,
 }
@@ -194,8 +196,8 @@ pub(super) struct CameraSection {
 pub(super) struct ImageSection {
     pub(super) width: u32,
     pub(super) height: u32,
-    pub(super) background: [f32; 4],
-    /// What it goes over to at the lower edge.
-    pub(super) background_below: Option<[f32; 4]>,
+    pub(super) background: Background,
+    /// What it goes over to at the lower edge, if `background` does not say it.
+    pub(super) background_below: Option<Background>,
     pub(super) samples: u32,
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use slabsplat_core::{Easing, TransferFunction};
+use slabsplat_core::{Easing, Isosurface, TransferFunction, TurnAxis};
 
 use super::diagnostic::Diagnostic;
 use super::document::{CameraSection, ClassifySection, RegionSection};
@@ -23,6 +23,33 @@ pub struct FilmFile {
     pub easing: Easing,
     /// The key frames, in order.
     pub keys: Vec<KeyFile>,
+    /// How it turns before camera and lights, instead of key frames.
+    pub turn: Option<TurnFile>,
+}
+
+/// A film of a thing that turns.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+#[non_exhaustive]
+pub struct TurnFile {
+    /// About what.
+    #[serde(default)]
+    pub axis: TurnAxis,
+    /// How far; to and fro, from one side to the other.
+    pub degrees: f64,
+    /// Whether it goes to and fro.
+    #[serde(default, rename = "rock")]
+    pub is_rocking: bool,
+}
+
+impl TurnFile {
+    /// Most turns of a film.
+    pub const MAX_DEGREES: f64 = 360_000.0;
+
+    /// A turn about that axis.
+    pub fn new(axis: TurnAxis, degrees: f64, is_rocking: bool) -> Self {
+        Self { axis, degrees, is_rocking }
+    }
 }
 
 /// How things are at a moment; all that is left out goes on.
@@ -49,6 +76,8 @@ pub struct KeyLayerFile {
     pub layer_idx: usize,
     /// Which values are visible, and in which colour.
     pub look: Option<KeyLook>,
+    /// The densities at which it has surfaces.
+    pub isosurfaces: Option<Vec<Isosurface>>,
     /// Where it is seen.
     pub region: Option<RegionDesc>,
     /// What its opacities are multiplied with.
@@ -72,6 +101,7 @@ pub(super) struct FilmSection {
     #[serde(default, rename = "loop")]
     is_loop: bool,
     easing: Option<Easing>,
+    turn: Option<TurnFile>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     keys: Vec<KeySection>,
 }
@@ -133,11 +163,18 @@ impl FilmFile {
 
 impl FilmSection {
     pub(super) fn into_file(self, listed: &[Listed]) -> Result<FilmFile, Diagnostic> {
-        let Self { fps, seconds, is_loop, easing, keys } = self;
+        let Self { fps, seconds, is_loop, easing, turn, keys } = self;
         for (key, value) in [("fps", fps), ("seconds", seconds)] {
             if let Some(value) = value.filter(|value| !value.is_normal() || *value < 0.0) {
                 let what = format!("{key} must be a positive number, not {value}");
                 return Err(Diagnostic::at("film", key, what));
+            }
+        }
+        if let Some(turn) = &turn {
+            check_turn(turn)?;
+            if is_loop || easing.is_some() || !keys.is_empty() {
+                let what = "a film is made by turn or by keys, loop and easing: leave one out";
+                return Err(Diagnostic::at("film", "turn", what));
             }
         }
         let mut before = f64::NEG_INFINITY;
@@ -153,7 +190,7 @@ impl FilmSection {
             files.push(key.into_file(listed).map_err(|error| error.in_key(idx))?);
         }
         let easing = easing.unwrap_or_default();
-        Ok(FilmFile { frames_per_second: fps, seconds, is_loop, easing, keys: files })
+        Ok(FilmFile { frames_per_second: fps, seconds, is_loop, easing, keys: files, turn })
     }
 
     pub(super) fn of(film: &FilmFile) -> Self {
@@ -161,10 +198,20 @@ impl FilmSection {
             fps: film.frames_per_second,
             seconds: film.seconds,
             is_loop: film.is_loop,
-            easing: Some(film.easing),
+            easing: film.turn.is_none().then_some(film.easing),
+            turn: film.turn,
             keys: film.keys.iter().map(KeySection::of).collect(),
         }
     }
+}
+
+fn check_turn(turn: &TurnFile) -> Result<(), Diagnostic> {
+    let max = TurnFile::MAX_DEGREES;
+    if (-max..=max).contains(&turn.degrees) {
+        return Ok(());
+    }
+    let what = format!("degrees of a turn are up to {max} either way, and not {}", turn.degrees);
+    Err(Diagnostic::at("film", "turn", what))
 }
 
 impl KeySection {
@@ -243,9 +290,12 @@ impl KeyLayerSection {
                 ));
             }
         };
-        let look = classify.map(ClassifySection::into_look).transpose()?;
+        let (look, isosurfaces) = match classify {
+            Some(section) => section.into_changes()?,
+            None => (None, None),
+        };
         let region = region.map(RegionSection::into_desc).transpose()?;
-        Ok(Some(KeyLayerFile { layer_idx, look, region, opacity_scale }))
+        Ok(Some(KeyLayerFile { layer_idx, look, isosurfaces, region, opacity_scale }))
     }
 
     fn of(layer: &KeyLayerFile) -> Self {
@@ -253,7 +303,7 @@ impl KeyLayerSection {
         Self {
             layer: LayerName::Number(layer.layer_idx),
             opacity_scale: layer.opacity_scale,
-            classify: transfer.map(ClassifySection::of_values),
+            classify: ClassifySection::of_changes(transfer, layer.isosurfaces.as_deref()),
             region: layer
                 .region
                 .as_ref()
@@ -279,19 +329,38 @@ impl LayerName {
 }
 
 impl ClassifySection {
-    /// What a key may have: whatever says how values look.
+    /// What a key may have: whatever says how values look, and isosurfaces.
+    fn into_changes(mut self) -> Result<(Option<KeyLook>, Option<Vec<Isosurface>>), Diagnostic> {
+        let isosurfaces = std::mem::take(&mut self.isosurfaces);
+        let isosurfaces = (!isosurfaces.is_empty()).then_some(isosurfaces);
+        let look = match isosurfaces.is_some() && !self.says_values() {
+            true => None,
+            false => Some(self.into_look()?),
+        };
+        Ok((look, isosurfaces))
+    }
+
+    /// `None` if nothing changes.
+    fn of_changes(
+        transfer: Option<&TransferFunction>,
+        isosurfaces: Option<&[Isosurface]>,
+    ) -> Option<Self> {
+        let of_values = transfer.map(Self::of_values);
+        let Some(isosurfaces) = isosurfaces else { return of_values };
+        Some(Self { isosurfaces: isosurfaces.to_vec(), ..of_values.unwrap_or_default() })
+    }
+
     fn into_look(self) -> Result<KeyLook, Diagnostic> {
         let others = [
             ("file", self.file.is_some()),
             ("boxes", self.boxes.is_some()),
             ("image", self.image.is_some()),
             ("gradient_opacity", self.gradient_opacity.is_some()),
-            ("isosurfaces", !self.isosurfaces.is_empty()),
         ];
         if let Some((key, _)) = others.into_iter().find(|(_, is_there)| *is_there) {
             let what = format!(
                 "{key} does not change in a film: of [classify] a key takes opacity, color, preset, colormap, \
-                 window, percentile, opacity_scale and unit_distance"
+                 window, percentile, opacity_scale, unit_distance and isosurfaces"
             );
             return Err(Diagnostic::at("classify", key, what));
         }

@@ -24,6 +24,10 @@ pub struct MeshFile {
     pub hash: Option<ContentHash>,
     /// Red, green and blue, 0 to 1, of all of it.
     pub color: Option<[f64; 3]>,
+    /// How thick lines are, in world units.
+    pub line_width: Option<f64>,
+    /// The diameter of points, in world units.
+    pub point_size: Option<f64>,
     /// What takes the file's coordinates to the world.
     pub world_from_mesh: DAffine3,
     /// What light does to it.
@@ -40,6 +44,8 @@ impl MeshFile {
             path: path.into(),
             hash: None,
             color: None,
+            line_width: None,
+            point_size: None,
             world_from_mesh: DAffine3::IDENTITY,
             shading: Shading::Phong(Phong::default()),
             region: RegionDesc::default(),
@@ -57,7 +63,8 @@ impl MeshFile {
         let layer = MeshLayer::new(loaded.mesh).shading(self.shading).region(region);
         let layer = layer.placed(self.world_from_mesh);
         let layer = layer.map_err(|error| in_file(error.to_string()))?;
-        let layer = self.color.map_or(layer.clone(), |color| layer.color(color));
+        let mut layer = self.color.map_or(layer.clone(), |color| layer.color(color));
+        (layer.line_width, layer.point_size) = (self.line_width, self.point_size);
         let mut warnings = loaded.warnings;
         if self.hash.is_some_and(|hash| hash != ContentHash::of_mesh(&layer.mesh)) {
             let path = shown_path(&self.path);
@@ -95,11 +102,20 @@ impl LayerSection {
             path: folder.join(path),
             hash: mesh.hash,
             color: mesh.checked_color()?,
+            line_width: checked_width("line_width", mesh.line_width)?,
+            point_size: checked_width("point_size", mesh.point_size)?,
             world_from_mesh: mesh.place()?,
             shading: self.shading.unwrap_or_default().into_shading()?,
             region,
         })
     }
+}
+
+fn checked_width(key: &'static str, width: Option<f64>) -> Result<Option<f64>, Diagnostic> {
+    if width.is_none_or(|width| 0.0 < width && width.is_finite()) {
+        return Ok(width);
+    }
+    Err(Diagnostic::at("mesh", key, format!("{key} must be above 0, in world units")))
 }
 
 impl MeshSection {

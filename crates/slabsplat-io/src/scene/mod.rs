@@ -36,7 +36,7 @@ use slabsplat_core::{
 };
 
 pub use camera::CameraDesc;
-pub use film::{FilmFile, KeyFile, KeyLayerFile, KeyLook};
+pub use film::{FilmFile, KeyFile, KeyLayerFile, KeyLook, TurnFile};
 pub use labels::{LabelColors, LabelsFile};
 pub use mesh::MeshFile;
 pub use region::RegionDesc;

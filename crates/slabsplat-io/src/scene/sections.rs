@@ -20,7 +20,7 @@ use super::document::{
 use super::paths::in_folder;
 use super::settings_section::SettingsSection;
 use super::{LabelColors, LabelsFile, RegionDesc, VolumeSource};
-use crate::{Endian, RawDesc, VolumeOptions};
+use crate::{Background, Endian, RawDesc, VolumeOptions};
 
 impl VolumeSection {
     pub(super) fn checked_spacing(&self) -> Result<Option<[f64; 3]>, Diagnostic> {
@@ -192,8 +192,8 @@ impl ImageSection {
         Self {
             width: image.width,
             height: image.height,
-            background: image.background,
-            background_below: finish.background_below,
+            background: alone(image.background),
+            background_below: finish.background_below.map(alone),
             samples: finish.samples,
         }
     }
@@ -204,7 +204,8 @@ impl ImageSection {
         annotations: Annotations,
     ) -> Result<(ImageDesc, Finish), Diagnostic> {
         let Self { width, height, background, background_below, samples } = self;
-        let image = ImageDesc { width, height, background }.checked();
+        let background_below = lower_end(background, background_below)?;
+        let image = ImageDesc { width, height, background: background.above }.checked();
         let image =
             image.map_err(|error| Diagnostic::at("image", error.field(), error.to_string()))?;
         let finish = Finish { samples, background_below, annotations }.checked();
@@ -215,6 +216,24 @@ impl ImageSection {
         })?;
         Ok((image, finish))
     }
+}
+
+fn alone(above: [f32; 4]) -> Background {
+    Background { above, below: None }
+}
+
+/// A gradient's lower end, which is said once: with the upper one or by itself.
+fn lower_end(
+    background: Background,
+    below: Option<Background>,
+) -> Result<Option<[f32; 4]>, Diagnostic> {
+    let what = match (background.below, below) {
+        (of_both, None) => return Ok(of_both),
+        (None, Some(Background { above, below: None })) => return Ok(Some(above)),
+        (Some(_), Some(_)) => "background is a gradient already: leave one of its lower ends out",
+        (None, Some(_)) => "background_below is one colour, and background the other",
+    };
+    Err(Diagnostic::at("image", "background_below", what))
 }
 
 impl SettingsSection<RenderSettings> {

@@ -112,6 +112,8 @@ impl LayerSection {
                 path: Some(mesh.path.clone()),
                 hash: mesh.hash,
                 color: mesh.color,
+                line_width: mesh.line_width,
+                point_size: mesh.point_size,
                 affine: rows_of(mesh.world_from_mesh),
             }),
             shading: Some(of_shading(mesh.shading)),

@@ -1,5 +1,5 @@
-//! Formats of volumes that are not read: how they are known, and what converts them. A stranger with such a
-//! file is told a program, and not only a list of what else there is.
+//! Formats of volumes and meshes that are not read: how they are known, and what converts them. A stranger
+//! with such a file is told a program, and not only a list of what else there is.
 
 use std::path::Path;
 
@@ -114,6 +114,30 @@ const FORMATS: &[Foreign] = &[
         remedy: "it is raw: --dims, --type float32 and --header-bytes 16 read a frame of it",
     },
     Foreign {
+        name: "MRtrix's TCK",
+        magic: &[(0, b"mrtrix tracks")],
+        extensions: &["tck"],
+        remedy: "`tckconvert IN OUT.ply` makes tubes of it",
+    },
+    Foreign {
+        name: "TrackVis's TRK",
+        magic: &[(0, b"TRACK\0")],
+        extensions: &["trk"],
+        remedy: "`nib-trk2tck IN` (nibabel) makes a .tck, and MRtrix's `tckconvert` a .ply of that",
+    },
+    Foreign {
+        name: "GIfTI, a surface",
+        magic: &[],
+        extensions: &["gii"],
+        remedy: "`mris_convert IN OUT.stl` (FreeSurfer) converts it",
+    },
+    Foreign {
+        name: "a mesh",
+        magic: &[(0, b"glTF"), (0, b"OFF\n")],
+        extensions: &["gltf", "glb", "off", "3mf", "dae", "fbx"],
+        remedy: "ParaView, MeshLab or Blender saves it as .ply, .stl or .obj",
+    },
+    Foreign {
         name: "JPEG 2000",
         magic: &[(0, b"\0\0\0\x0cjP  \r\n"), (0, b"\xff\x4f\xff\x51")],
         extensions: &["jp2", "j2k", "jpx"],
@@ -185,6 +209,8 @@ mod tests {
             ),
             ("a.dat", b"ZISRAWFILE\0\0", "Zeiss's CZI"),
             ("a.hdr", b"ENVI\nsamples = 5\n", "--header-bytes"),
+            ("a.dat", b"mrtrix tracks\n", "`tckconvert"),
+            ("a.dat", b"glTF\x02\0\0\0", "a mesh, which is not read: ParaView"),
             ("a.vdb", b" BDV\0\0", "OpenVDB"),
             ("a.tif", b"\x89PNG\r\n\x1a\n", "name the folder"),
             ("a.nrrd", b"\x28\xb5\x2f\xfd\0", "unpack it"),

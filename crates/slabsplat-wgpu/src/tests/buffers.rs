@@ -27,7 +27,7 @@ fn buffer_takes_more_than_a_piece() {
         let n_bytes = 3 * PIECE_BYTES + 4096;
         let bytes: Vec<u8> = (0..n_bytes as u32 / 4).flat_map(u32::to_le_bytes).collect();
         let buffer = device.create_buffer("large", 8 + n_bytes as u64).unwrap();
-        // The last of two writes to a place is the one that counts, whatever their pieces.
+        // The last of two writes to an offset is the one that counts, whatever their pieces.
         let writes = vec![
             Write { buffer, offset: 0, bytes: vec![9; 8 + PIECE_BYTES].into() },
             Write { buffer, offset: 8, bytes: bytes.as_slice().into() },

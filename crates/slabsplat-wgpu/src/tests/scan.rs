@@ -90,8 +90,8 @@ fn check(values: &[u32], done: &Done, has_timestamps: bool) {
     let reads: Vec<Vec<u32>> = done.reads.iter().map(|b| bytemuck::pod_collect_to_vec(b)).collect();
     let [elements, totals, counts] = &reads[..] else { panic!("{} reads", reads.len()) };
     let mut sum = 0_u32;
-    for (place, value) in values.iter().enumerate() {
-        assert_eq!(elements[place].wrapping_add(totals[place / BLOCK]), sum, "sum {place}");
+    for (idx, value) in values.iter().enumerate() {
+        assert_eq!(elements[idx].wrapping_add(totals[idx / BLOCK]), sum, "sum {idx}");
         sum = sum.wrapping_add(*value);
     }
     assert_eq!(counts[..], [sum], "the sum of all");

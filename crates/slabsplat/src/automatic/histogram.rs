@@ -179,13 +179,13 @@ impl Histogram {
     }
 }
 
-/// The first place up to which half of `n` are.
+/// The first index up to which half of `n` are.
 fn median(counts: impl Iterator<Item = u64>, n: u64) -> usize {
     let mut n_before = 0;
-    for (place, count) in counts.enumerate() {
+    for (idx, count) in counts.enumerate() {
         n_before += count;
         if n <= 2 * n_before {
-            return place;
+            return idx;
         }
     }
     0

@@ -9,7 +9,7 @@ const HUE_STEP: f64 = 0.618_033_988_749_895;
 /// The first label's hue, in turns from red: a calm blue, which is all that is seen of a mask.
 const FIRST_HUE: f64 = 0.58;
 
-/// Saturation and value, by turns, so that neighbours on the circle differ in more than the hue.
+/// Saturation and value, alternately, so that neighbours on the circle differ in more than the hue.
 const TONES: [[f64; 2]; 3] = [[0.55, 0.95], [0.75, 0.85], [0.40, 1.0]];
 
 /// Of what belongs to something.
@@ -32,7 +32,10 @@ pub(super) fn curves(labels: &[f64]) -> Curves {
             color.push((at, look.1));
         }
     }
-    let what = format!("{n_named} of them, each in its own colour");
+    let what = match n_named {
+        1 => "one, in a colour of its own".to_owned(),
+        n => format!("{n} of them, each in its own colour"),
+    };
     Curves { opacity, color, gradient_opacity: None, what }
 }
 

@@ -1,6 +1,6 @@
 //! What a volume of each kind looks like: opacity, colours, and what is behind it.
 //!
-//! All tables are of a place on the volume's own scale and what is there, so that a reader sees what comes
+//! All tables are of a position on the volume's own scale and what is there, so that a reader sees what comes
 //! out.
 
 #[cfg(feature = "files")]

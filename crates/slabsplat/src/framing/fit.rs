@@ -5,8 +5,41 @@ use slabsplat_core::{Camera, CameraError, ImageDesc, Projection};
 
 use super::silhouette::{Axes, Seen};
 
-/// The share of a picture's side that what is seen fills.
+/// The part of a picture that what is seen fills: how far from the picture's middle to the left, the right,
+/// the lower and the upper edge it may reach, in parts of half of the picture's width and height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Window {
+    x: [f64; 2],
+    y: [f64; 2],
+}
+
+/// The share of a picture's side that what is seen fills if nothing else is to be there.
 const FILLED: f64 = 0.95;
+
+/// The least share that is left of it by what is beside a thing that turns.
+const LEAST: f64 = 0.4;
+
+impl Default for Window {
+    fn default() -> Self {
+        Self { x: [FILLED; 2], y: [FILLED; 2] }
+    }
+}
+
+impl Window {
+    /// That of a picture at whose edges something else takes parts of its width, at the left and the right,
+    /// and of its height, at the bottom and the top.
+    #[cfg(feature = "annotations")]
+    pub(crate) fn without(x: [f64; 2], y: [f64; 2]) -> Self {
+        let reach = |parts: [f64; 2]| parts.map(|part| FILLED - 2.0 * part);
+        Self { x: reach(x), y: reach(y) }
+    }
+
+    /// The largest with the picture's middle in its own, but no smaller than what is worth looking at: then
+    /// it is not all within this one.
+    fn about_middle(self) -> [f64; 2] {
+        [self.x, self.y].map(|[a, b]| a.min(b).max(LEAST))
+    }
+}
 
 /// How far an orthographic camera is from the middle, in sizes of what is seen: nothing is before it, also
 /// when it turns.
@@ -14,7 +47,7 @@ const DISTANCE: f64 = 3.0;
 
 /// A camera looking along `to_eye` backwards, that has all of `seen` in its picture.
 ///
-/// An orthographic one fits the box around it. In a perspective view each of the four sides of the picture is
+/// An orthographic one fits the box around it. In a perspective view each of the four sides of the window is
 /// a plane through the eye; the eye is as near as all four allow.
 ///
 /// # Errors
@@ -24,7 +57,7 @@ pub(super) fn fitting(
     [right, up, forward]: [DVec3; 3],
     world_up: DVec3,
     projection: Projection,
-    image: &ImageDesc,
+    (image, window): (&ImageDesc, Window),
 ) -> Result<Camera, CameraError> {
     let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let [min, max] = seen.iter().fold(nothing, |[min, max], seen| {
@@ -36,31 +69,38 @@ pub(super) fn fitting(
     let in_world = |v: DVec3| right * v.x + up * v.y + forward * v.z;
     let (eye, target, projection) = match projection {
         Projection::Orthographic { .. } => {
-            let view_height = size.y.max(size.x / aspect) / FILLED;
-            let eye = middle - DVec3::Z * (DISTANCE * size.length());
-            (eye, middle, Projection::Orthographic { view_height })
+            let sum = |[a, b]: [f64; 2]| a + b;
+            let view_height = 2.0 * (size.y / sum(window.y)).max(size.x / aspect / sum(window.x));
+            // The middle of the window is not that of the picture.
+            let shift = |[a, b]: [f64; 2]| 0.25 * (b - a) * view_height;
+            let target = middle - DVec3::new(shift(window.x) * aspect, shift(window.y), 0.0);
+            let eye = target - DVec3::Z * (DISTANCE * size.length());
+            (eye, target, Projection::Orthographic { view_height })
         }
         Projection::Perspective { fov_y_radians } => {
-            let slope = FILLED * (0.5 * fov_y_radians).tan();
-            let (x, z_by_x) = between_planes(seen, 0, slope * aspect);
-            let (y, z_by_y) = between_planes(seen, 1, slope);
-            let eye = DVec3::new(x, y, z_by_x.min(z_by_y));
-            (eye, DVec3::new(x, y, middle.z.max(eye.z + 0.5 * size.z)), projection)
+            let slope = (0.5 * fov_y_radians).tan();
+            let x = Planes::around(seen, 0, window.x.map(|part| part * slope * aspect));
+            let y = Planes::around(seen, 1, window.y.map(|part| part * slope));
+            let z = x.depth().min(y.depth());
+            let eye = DVec3::new(x.between_at(z), y.between_at(z), z);
+            (eye, DVec3::new(eye.x, eye.y, middle.z.max(eye.z + 0.5 * size.z)), projection)
         }
     };
     Camera::new(in_world(eye), in_world(target), world_up, projection)
 }
 
 /// The camera moved so that the pictures of all `views`, which turn with it about its target, hold what each
-/// of them sees. It looks in the same direction, at the middle of it all.
+/// of them sees. It looks in the same direction, at the middle of it all, which is in the middle of the
+/// picture.
 ///
 /// # Errors
 /// If numbers do not suffice.
 pub(super) fn around(
     camera: &Camera,
     views: &[(Axes, Vec<Seen>)],
-    image: &ImageDesc,
+    (image, window): (&ImageDesc, Window),
 ) -> Result<Camera, CameraError> {
+    let [wide, high] = window.about_middle();
     let target = middle_of(camera, views);
     let aspect = f64::from(image.width) / f64::from(image.height);
     let forward = camera.axes().forward;
@@ -76,17 +116,17 @@ pub(super) fn around(
         Projection::Orthographic { .. } => {
             let height = |at: DVec3, reach: DVec3| {
                 let half = at.abs() + reach;
-                2.0 * half.y.max(half.x / aspect) / FILLED
+                2.0 * (half.y / high).max(half.x / aspect / wide)
             };
             let view_height = of_all(&height);
             let size = of_all(&|at, reach| 2.0 * (at.abs() + reach).length());
             (DISTANCE * size, Projection::Orthographic { view_height })
         }
         projection @ Projection::Perspective { fov_y_radians } => {
-            let slope = FILLED * (0.5 * fov_y_radians).tan();
+            let slope = (0.5 * fov_y_radians).tan();
             let distance = |at: DVec3, reach: DVec3| {
                 let half = at.abs() + reach;
-                half.y.max(half.x / aspect) / slope - (at.z - reach.z)
+                (half.y / high).max(half.x / aspect / wide) / slope - (at.z - reach.z)
             };
             (of_all(&distance), projection)
         }
@@ -110,15 +150,34 @@ fn middle_of(camera: &Camera, views: &[(Axes, Vec<Seen>)]) -> DVec3 {
     along(own, min.midpoint(max))
 }
 
-/// Where an eye is along an axis of the picture, and at which depth, whose two planes of that slope touch all
-/// that is seen.
-fn between_planes(seen: &[Seen], axis: usize, slope: f64) -> (f64, f64) {
-    let offset = |sign: f64| {
-        let of = |seen: &Seen| {
-            sign * seen.middle[axis] + seen.reach[axis] - slope * (seen.middle.z - seen.reach.z)
+/// Two planes through an eye, along an axis of the picture, between which all that is seen lies.
+struct Planes {
+    /// How far the eye is at least to the lesser and to the greater side where its depth is 0; by as much as
+    /// its slope more for each unit that it is deeper.
+    least: [f64; 2],
+    slopes: [f64; 2],
+}
+
+impl Planes {
+    /// Those of slopes towards the lesser and the greater side.
+    fn around(seen: &[Seen], axis: usize, [lesser, greater]: [f64; 2]) -> Self {
+        let offset = |sign: f64, slope: f64| {
+            let of = |seen: &Seen| {
+                sign * seen.middle[axis] + seen.reach[axis] - slope * (seen.middle.z - seen.reach.z)
+            };
+            seen.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
         };
-        seen.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
-    };
-    let [above, below] = [offset(1.0), offset(-1.0)];
-    (0.5 * (above - below), -0.5 * (above + below) / slope)
+        Self { least: [offset(-1.0, lesser), offset(1.0, greater)], slopes: [lesser, greater] }
+    }
+
+    /// The depth of the nearest eye.
+    fn depth(&self) -> f64 {
+        -(self.least[0] + self.least[1]) / (self.slopes[0] + self.slopes[1])
+    }
+
+    /// Where an eye of that depth is in the middle of where it may be.
+    fn between_at(&self, depth: f64) -> f64 {
+        let [lesser, greater] = [0, 1].map(|side| self.least[side] + self.slopes[side] * depth);
+        0.5 * (greater - lesser)
+    }
 }

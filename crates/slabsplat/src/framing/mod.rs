@@ -18,6 +18,7 @@ use slabsplat_core::{
 
 pub use aim::{Aim, AimError};
 pub use facing::Facing;
+pub(crate) use fit::Window;
 use visible::Cells;
 
 /// Vertical field of view of a perspective camera that nobody described.
@@ -29,6 +30,7 @@ pub struct Framing {
     facing: Facing,
     visible: Vec<Cells>,
     whole: Vec<Cells>,
+    window: Window,
 }
 
 impl Framing {
@@ -50,7 +52,20 @@ impl Framing {
             _ => facing,
         };
         let whole = layers.iter().map(Cells::of_grid).chain(of_boxes()).collect();
-        Self { facing, visible, whole }
+        Self { facing, visible, whole, window: Window::default() }
+    }
+
+    /// The same in a part of the picture, which leaves room for something else at its edges.
+    #[cfg(feature = "annotations")]
+    pub(crate) fn within(self, window: Window) -> Self {
+        Self { window, ..self }
+    }
+
+    /// The same with a box around the volumes, which is part of them where they are to be seen whole.
+    #[cfg(feature = "annotations")]
+    pub(crate) fn and_box(mut self, ends: [DVec3; 2]) -> Self {
+        self.whole.push(Cells::of_box(ends));
+        self
     }
 
     /// Which way it stands.
@@ -85,7 +100,7 @@ impl Framing {
         image: &ImageDesc,
     ) -> Result<Camera, CameraError> {
         let (axes, seen) = self.seen(camera, fit);
-        fit::fitting(&seen, axes, camera.up(), camera.projection(), image)
+        fit::fitting(&seen, axes, camera.up(), camera.projection(), (image, self.window))
     }
 
     /// What is to fill the picture of a camera, along its axes.
@@ -145,7 +160,7 @@ impl Framing {
             .into_iter()
             .chain(views.collect::<Vec<_>>());
         let views: Vec<(Axes, Vec<Seen>)> = views.collect();
-        let camera = fit::around(&camera, &views, image)?;
+        let camera = fit::around(&camera, &views, (image, self.window))?;
         aim.moved(&camera, f64::from(image.width) / f64::from(image.height))
     }
 

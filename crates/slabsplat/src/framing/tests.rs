@@ -256,3 +256,75 @@ fn framing_around_holds_all_angles() {
         assert!(camera.target().distance(centre) < 2.0, "{} and not {centre}", camera.target());
     }
 }
+
+/// However a grid stands, and however wide the view: the box of axes is in the picture, beside what else is
+/// drawn on it; and so it stays when the camera goes around.
+#[cfg(all(feature = "annotations", feature = "film"))]
+#[test]
+fn framing_of_axes_leaves_room_for_annotations() {
+    use crate::OpenScene;
+    use slabsplat_core::TurnAxis;
+    use slabsplat_film::Turn;
+    use slabsplat_io::{LoadedVolume, parse_scene};
+
+    slabsplat_seeds::for_each_seed(60, |mut rng| {
+        let mut vector = || DVec3::from([0; 3].map(|_| rng.f64() - 0.5));
+        let sides = vector() * 2.0;
+        let shears =
+            DMat3::from_cols(DVec3::X + vector(), DVec3::Y + vector(), DVec3::Z + vector());
+        let steps = shears * DMat3::from_diagonal(sides + 0.05 * sides.signum());
+        let world_from_index = DAffine3::from_mat3_translation(steps, vector() * 50.0);
+        let Ok(grid) = Grid::new([12, 9, 15], world_from_index) else { return };
+        let (width, height) = (rng.u32(200..900), rng.u32(200..900));
+        let camera = match rng.u32(0..3) {
+            0 => "projection = \"orthographic\"".to_owned(),
+            1 => "projection = \"perspective\"".to_owned(),
+            _ => format!("projection = \"perspective\"\nfov_y = {}", 20.0 + 100.0 * rng.f64()),
+        };
+        let scene = format!(
+            "volume = {{ generate = \"cube\" }}\n[camera]\n{camera}\n[image]\nwidth = {width}\n\
+             height = {height}\n[annotations]\naxes = true\ntitle = \"A\"\nscale_bar = {}\n\
+             color_bar = {}\norientation_marker = {}\n",
+            rng.bool(),
+            rng.bool(),
+            rng.bool(),
+        );
+        let file = parse_scene(&scene, "scene").unwrap();
+        let volume = std::sync::Arc::new(Volume::from_fn(grid, |[x, y, z]| (x + y + z) as u8 * 7));
+        let loaded = || vec![LoadedVolume::computed(volume.clone())];
+        let check = |opened: &OpenScene, camera: &Camera, insets: slabsplat_annotations::Insets| {
+            let [min, max] = slabsplat_annotations::axes_box(&opened.scene).unwrap();
+            for corner in 0..8_u8 {
+                let end = |axis: usize| if corner >> axis & 1 == 1 { max[axis] } else { min[axis] };
+                let corner = DVec3::new(end(0), end(1), end(2));
+                let [x, y] = seen(&grid, camera, &opened.scene.image, corner);
+                let [x, y] =
+                    [(0.5 + 0.5 * x) * f64::from(width), (0.5 - 0.5 * y) * f64::from(height)];
+                let slack = 1e-6;
+                let is_beside = insets.left - slack < x
+                    && x < f64::from(width) - insets.right + slack
+                    && insets.top - slack < y
+                    && y < f64::from(height) - insets.bottom + slack;
+                assert!(
+                    is_beside,
+                    "{corner} at {x}, {y} of {width} x {height}: {insets:?}\n{scene}"
+                );
+            }
+        };
+        let opened = OpenScene::with_volumes(loaded(), &file).unwrap();
+        check(&opened, &opened.scene.camera, slabsplat_annotations::insets(&opened.scene));
+        let turn = Turn { axis: TurnAxis::Up, degrees: 360.0, is_rocking: false, n_frames: 12 };
+        let mut around = OpenScene::unframed(loaded(), &file).unwrap();
+        around.frame_around(&file, &Aim::default(), &|camera| turn.views(camera)).unwrap();
+        // What stands in the middle has no more than a part of room at either side.
+        let mut insets = slabsplat_annotations::insets(&around.scene);
+        insets.left = insets.left.min(0.27 * f64::from(width));
+        insets.right = insets.right.min(0.27 * f64::from(width));
+        insets.bottom = insets.bottom.min(0.27 * f64::from(height));
+        insets.top = insets.top.min(0.27 * f64::from(height));
+        for frame_idx in 0..12 {
+            let camera = turn.scene_at(&around.scene, frame_idx).unwrap().camera;
+            check(&around, &camera, insets);
+        }
+    });
+}

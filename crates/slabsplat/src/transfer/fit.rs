@@ -27,7 +27,7 @@ pub(crate) fn fitted(
 ) -> Result<Fitted, FitError> {
     let fit = &layer.fit;
     let window = fit.stretch.map(|stretch| window_of(stretch, volume)).transpose()?.flatten();
-    let mut warnings = complaints(fit, window, volume);
+    let mut warnings = preset_warnings(fit, window, volume);
     let water = match fit.scale {
         ValueScale::Hounsfield if !warnings.is_empty() => water().filter(|&water| water != 0.0),
         _ => None,
@@ -185,7 +185,7 @@ fn no_room(to: [f64; 2]) -> impl Fn(TransferError) -> FitError {
 }
 
 /// What does not suit. Who gives a window knows the values.
-fn complaints(fit: &TransferFit, window: Option<[f64; 2]>, volume: &Volume) -> Vec<String> {
+fn preset_warnings(fit: &TransferFit, window: Option<[f64; 2]>, volume: &Volume) -> Vec<String> {
     let (Some(name), None, Some(range)) = (&fit.preset, window, volume.summary().range) else {
         return Vec::new();
     };

@@ -31,14 +31,14 @@ pub(crate) fn dicom() -> Seeds {
     ]
 }
 
-/// One slice of a folder: the small file with a place and a number of its own, and half of its pixels.
-fn slice(number: &str, place: &str) -> Vec<u8> {
+/// One slice of a folder: the small file with a position and a number of its own, and half of its pixels.
+fn slice(number: &str, position: &str) -> Vec<u8> {
     let mut bytes = small_dicom("1.2.840.10008.1.2.1");
     bytes.truncate(bytes.len() - N_PIXEL_BYTES);
     let frames = [0x28, 0, 8, 0, b'L', b'O', 2, 0, b'2', b' '];
     let at = find(&bytes, &frames);
     bytes[at + 8] = b'1';
-    for (tag, value) in [([0x20, 0x13], number), ([0x20, 0x32], place)] {
+    for (tag, value) in [([0x20, 0x13], number), ([0x20, 0x32], position)] {
         bytes.extend(tag.map(u16::to_le_bytes).concat());
         bytes.extend(b"LO");
         bytes.extend((value.len() as u16).next_multiple_of(2).to_le_bytes());

@@ -85,7 +85,8 @@ fn named(name_idx: u8, text: &str) -> Vec<u8> {
 fn pictures() -> Seeds {
     let mut provenance = Provenance::default();
     (provenance.program, provenance.scene) = (Some("a program".into()), Some(SCENE.into()));
-    let picture = Image::filled(2, 1, [0.5; 4]);
+    // JPEG has no transparency.
+    let picture = Image::filled(2, 1, [0.5, 0.4, 0.3, 1.0]);
     let bytes = PictureFormat::ALL.iter().map(|it| it.bytes(&picture, Some(&provenance)));
     bytes.map(|bytes| bytes.expect("it has pixels")).collect()
 }

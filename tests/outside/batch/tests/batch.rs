@@ -28,6 +28,6 @@ fn goes_on_past_a_broken_scene() {
 
     let png = fs::read(ball.with_extension("png")).unwrap();
     assert!(png.starts_with(b"\x89PNG"), "a picture");
-    // Width and height, big-endian, stand at a fixed place in every PNG.
+    // Width and height, big-endian, stand at a fixed offset in every PNG.
     assert_eq!(&png[16..24], [0, 0, 0, 32, 0, 0, 0, 24]);
 }

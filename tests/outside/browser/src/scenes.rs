@@ -78,7 +78,7 @@ fn with_isosurfaces(mut scene: Scene) -> Result<Scene, Box<dyn Error>> {
     Ok(in_mode(scene, Mode::Isosurfaces))
 }
 
-/// A second volume in the same place, of which half is cut off.
+/// A second volume at the same position, of which half is cut off.
 fn with_layer(mut scene: Scene, volume: &Arc<Volume>) -> Result<Scene, Box<dyn Error>> {
     let grid = *scene.layers[0].volume.grid();
     let placed = Volume::clone(volume).with_grid(grid)?;

@@ -5,7 +5,7 @@ use std::fs;
 
 use anyhow::{Result, ensure};
 
-/// What a relevant voxel takes at most, in bytes: the volume around it, its record, colour, place and bucket.
+/// What a relevant voxel takes at most, in bytes: the volume around it, its record, colour, slot and bucket.
 const BYTES_PER_RELEVANT: u64 = 120;
 
 /// An error if so many relevant voxels are not likely to fit. Where nothing is known of memory, they are

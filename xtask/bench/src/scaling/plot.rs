@@ -72,17 +72,17 @@ fn draw_on(area: &Area<'_>, sweep: &Sweep, curves: &[&Curve]) -> Drawn {
         .y_desc("median of a frame")
         .draw()?;
     let ideal = ideal(sweep, curves, &chart.y_range());
-    let dashed = DashedLineSeries::new(places(&ideal), 5, 4, IDEAL.stroke_width(1));
+    let dashed = DashedLineSeries::new(coordinates(&ideal), 5, 4, IDEAL.stroke_width(1));
     chart.draw_series(dashed)?;
     for (curve, &color) in curves.iter().zip(COLORS.iter().cycle()) {
-        chart.draw_series(LineSeries::new(places(curve), color.stroke_width(2)))?;
-        chart.draw_series(places(curve).map(|place| Circle::new(place, 3.5, color.filled())))?;
+        chart.draw_series(LineSeries::new(coordinates(curve), color.stroke_width(2)))?;
+        chart.draw_series(coordinates(curve).map(|at| Circle::new(at, 3.5, color.filled())))?;
     }
     let colored = curves.iter().copied().zip(COLORS.iter().cycle());
     draw_names(area, &chart, colored.chain([(&ideal, &IDEAL)]))
 }
 
-fn places(curve: &Curve) -> impl Iterator<Item = (f64, f64)> + Clone {
+fn coordinates(curve: &Curve) -> impl Iterator<Item = (f64, f64)> + Clone {
     curve.points.iter().map(|point| (point.x, point.ms))
 }
 
@@ -139,7 +139,7 @@ fn apart(ys: &[i32]) -> Vec<i32> {
     ys
 }
 
-/// From the first to the last place, and beyond by a factor.
+/// From the first to the last point, and beyond by a factor.
 fn wide(ticks: &[f64], factor: f64) -> Range<f64> {
     let first = ticks.first().copied().unwrap_or(1.0);
     let last = ticks.last().copied().unwrap_or(1.0);

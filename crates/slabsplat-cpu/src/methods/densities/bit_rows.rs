@@ -23,7 +23,7 @@ pub(super) struct BitRows {
 const BITS: usize = u64::BITS as usize;
 
 impl BitRows {
-    /// Those of which `is_meant`, given their places in memory; any, if the frame is cancelled.
+    /// Those of which `is_meant`, given their indices in memory; any, if the frame is cancelled.
     pub(super) fn of(
         dims: [usize; 3],
         frame: &FrameHandle,
@@ -134,7 +134,7 @@ mod tests {
                     Row { x: first..=first + rng.i64(0..90) as isize, y, z }
                 };
                 let mut steps: Vec<Row> = (0..5).map(row).collect();
-                // Of one extent and another place.
+                // Of one extent and another position.
                 steps.extend([Row { y: 1, ..steps[4].clone() }]);
                 let spread = BitRows::of(dims, &frame, |idx| is_set[idx]).spread(&steps, &frame);
                 for idx in 0..n_voxels {
@@ -142,8 +142,8 @@ mod tests {
                         [idx % dims[0], idx / dims[0] % dims[1], idx / dims[0] / dims[1]];
                     let leads_to_one = |steps: &Row| {
                         steps.x.clone().any(|step| {
-                            let at = |axis: usize, place: usize, step: isize| {
-                                place.checked_add_signed(step).filter(|place| *place < dims[axis])
+                            let at = |axis: usize, idx: usize, step: isize| {
+                                idx.checked_add_signed(step).filter(|idx| *idx < dims[axis])
                             };
                             let [Some(x), Some(y), Some(z)] =
                                 [at(0, x, step), at(1, y, steps.y), at(2, z, steps.z)]

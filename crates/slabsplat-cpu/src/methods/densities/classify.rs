@@ -159,7 +159,7 @@ impl<'a> LayerClassifier<'a> {
         for group in groups_in(blocks) {
             let open = group.open(tile);
             if open != 0 {
-                let parts = self.parts(simd, &sheets, group.place(), open, &pixels);
+                let parts = self.parts(simd, &sheets, group.position(), open, &pixels);
                 if let Some(parts) = parts {
                     let lies = Lies { first_pixel: group.first_pixel(tile), ends };
                     group.write(&self.shader.sums(simd, &parts, lies), parts.seen, sums);

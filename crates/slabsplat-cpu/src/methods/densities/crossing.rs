@@ -20,7 +20,7 @@ pub(super) struct Way {
 /// Steps of Newton's method that converge, or of halving, which would need as many.
 const MOST_STEPS: usize = 24;
 
-/// How exact places are.
+/// How exact positions are.
 const EXACT: f64 = 1e-6;
 
 impl Way {
@@ -32,30 +32,30 @@ impl Way {
         Self { start, change, bends }
     }
 
-    /// The place, from 0 to 1, at which it passes a value between its ends.
-    pub(super) fn place_of(&self, value: f32) -> f32 {
+    /// The position, from 0 to 1, at which it passes a value between its ends.
+    pub(super) fn position_of(&self, value: f32) -> f32 {
         let part = ((f64::from(value) - self.start) / self.change).clamp(0.0, 1.0);
         let [mut least, mut most] = [0.0, 1.0];
-        let mut place = part;
+        let mut position = part;
         for _ in 0..MOST_STEPS {
-            let [risen, slope] = self.risen(place);
+            let [risen, slope] = self.risen(position);
             if risen < part {
-                least = place;
+                least = position;
             } else {
-                most = place;
+                most = position;
             }
-            let next = place + (part - risen) / slope;
+            let next = position + (part - risen) / slope;
             let next = if least < next && next < most { next } else { 0.5 * (least + most) };
-            let step = (next - place).abs();
-            place = next;
+            let step = (next - position).abs();
+            position = next;
             if step < EXACT {
                 break;
             }
         }
-        place as f32
+        position as f32
     }
 
-    /// The part of its change that lies before a place, and the slope of that.
+    /// The part of its change that lies before a position, and the slope of that.
     fn risen(&self, t: f64) -> [f64; 2] {
         let ([p, q], left) = (self.bends, 1.0 - t);
         [
@@ -82,10 +82,10 @@ mod tests {
                 let [risen, slope] = way.risen(t);
                 assert!(-1e-12 <= slope, "{way:?} falls at {t}");
                 let value = (way.start + risen * way.change) as f32;
-                let place = way.place_of(value);
-                let back = way.start + way.risen(place.into())[0] * way.change;
+                let position = way.position_of(value);
+                let back = way.start + way.risen(position.into())[0] * way.change;
                 // A way is at most three times as steep as it is long.
-                assert!((back - f64::from(value)).abs() < 8e-6, "{way:?} at {t}: {place}");
+                assert!((back - f64::from(value)).abs() < 8e-6, "{way:?} at {t}: {position}");
             }
         });
     }
@@ -97,8 +97,8 @@ mod tests {
             let slope = |t: f64| ((way(t + 1e-4) - way(t - 1e-4)) / 2e-4) as f32;
             let ends = [0.0, 1.0].map(|t| way(t) as f32);
             for t in [0.1, 0.5, 0.8] {
-                let place = Way::new(ends, [slope(0.0), slope(1.0)]).place_of(way(t) as f32);
-                assert!((f64::from(place) - t).abs() < 1e-5, "{t}: {place}");
+                let position = Way::new(ends, [slope(0.0), slope(1.0)]).position_of(way(t) as f32);
+                assert!((f64::from(position) - t).abs() < 1e-5, "{t}: {position}");
             }
         }
     }
@@ -110,8 +110,11 @@ mod tests {
         for ends in [[0.0, least], [1.0, 1.0 + f32::EPSILON], [-1.0, 1.0], [0.5, -0.5]] {
             for slope in [0.0, least, -1e30, 1e30, f32::INFINITY] {
                 for value in ends {
-                    let place = Way::new(ends, [slope; 2]).place_of(value);
-                    assert!((0.0..=1.0).contains(&place), "{ends:?} {slope} {value}: {place}");
+                    let position = Way::new(ends, [slope; 2]).position_of(value);
+                    assert!(
+                        (0.0..=1.0).contains(&position),
+                        "{ends:?} {slope} {value}: {position}"
+                    );
                 }
             }
         }

@@ -78,14 +78,14 @@ impl ParallelRays {
     fn settle_tile(&self, limits: &Limits, tile: &mut Tile) {
         for [column, row] in tile.open.iter() {
             let rows = row * BLOCK_SIDE..(row + 1) * BLOCK_SIDE;
-            let places = rows.flat_map(|row| (0..QUAD).map(move |pixel| (row, pixel)));
-            let is_settled = places.clone().all(|(row, pixel)| {
+            let positions = rows.flat_map(|row| (0..QUAD).map(move |pixel| (row, pixel)));
+            let is_settled = positions.clone().all(|(row, pixel)| {
                 let [_, length, _, opacity] = tile.pixels[row][column].pixel(pixel);
                 let at = [tile.origin[0] + column * QUAD + pixel, tile.origin[1] + row];
                 let is_outside = 1.0 <= opacity;
                 is_outside || length == 0.0 || self.is_more_than_grazed(at, length)
             });
-            for (row, pixel) in places {
+            for (row, pixel) in positions {
                 let quad = &mut tile.pixels[row][column];
                 let [weighted, length, _, opacity] = quad.pixel(pixel);
                 let counting = if 0.0 < length { 1.0 } else { 0.0 };
@@ -102,7 +102,7 @@ impl ParallelRays {
 
     /// Whether any sheet counts in full on the ray of a pixel, if they hold so much of it together.
     fn is_more_than_grazed(&self, pixel: [usize; 2], length: f32) -> bool {
-        let center = pixel.map(|place| place as f64 + 0.5);
+        let center = pixel.map(|idx| idx as f64 + 0.5);
         ROUNDING * FULL_PART * self.length(center) <= f64::from(length)
     }
 }

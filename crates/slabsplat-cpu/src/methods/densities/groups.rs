@@ -39,7 +39,7 @@ pub(super) fn groups_in(blocks: Blocks) -> impl Iterator<Item = Group> {
 impl Group {
     /// Where it is on its tile: its row, and its first column.
     #[inline(always)]
-    pub(super) fn place(&self) -> [usize; 2] {
+    pub(super) fn position(&self) -> [usize; 2] {
         [self.row, self.column]
     }
 

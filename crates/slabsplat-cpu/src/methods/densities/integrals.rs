@@ -10,8 +10,8 @@
 //! ```
 //!
 //! In the cells into which the transfer function is cut the weight is nearly a cubic; colours and the
-//! density are linear there, so that all integrals are of one and the same weight, and colours and places are
-//! true means. They are in 64 bits, as differences are taken.
+//! density are linear there, so that all integrals are of one and the same weight, and colours and positions
+//! are true means. They are in 64 bits, as differences are taken.
 
 use super::sheets::Eight;
 use crate::sections::cut::bits;
@@ -29,7 +29,7 @@ const N_POWERS: usize = 6;
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct Cell {
-    /// The integrals up to its start, and from there, in powers of the place in the cell, 0 to 1.
+    /// The integrals up to its start, and from there, in powers of the position in the cell, 0 to 1.
     powers: [Lanes; N_POWERS],
     start: f64,
     per_width: f64,
@@ -65,7 +65,7 @@ struct Mean {
     /// Of the colour, weighted with that.
     color: [f32; 3],
     /// Where on the part that weight lies in the mean: 0 at its start, 1 at its end.
-    place: f32,
+    position: f32,
 }
 
 /// The same of eight parts: weights and colours of 0 where nothing shows.
@@ -73,7 +73,7 @@ struct Mean {
 pub(super) struct Means {
     pub(super) weights: Eight,
     pub(super) colors: [Eight; 3],
-    pub(super) places: Eight,
+    pub(super) positions: Eight,
 }
 
 /// Parts of the densities that have a first cell each.
@@ -130,7 +130,7 @@ impl Integrals {
                     let mean = self.mean(simd, [starts[lane], ends[lane]]);
                     let Some(mean) = mean else { continue };
                     means.weights[lane] = mean.weight;
-                    means.places[lane] = mean.place;
+                    means.positions[lane] = mean.position;
                     for (colors, color) in means.colors.iter_mut().zip(mean.color) {
                         colors[lane] = color;
                     }
@@ -158,15 +158,15 @@ impl Integrals {
         Some(Mean {
             weight: weight as f32,
             color: [1, 2, 3].map(|channel| (sums[channel] * per_sum) as f32),
-            place: ((sums[4] * per_sum - a) * per_width).clamp(0.0, 1.0) as f32,
+            position: ((sums[4] * per_sum - a) * per_width).clamp(0.0, 1.0) as f32,
         })
     }
 
     /// The integrals up to a density.
     #[inline(always)]
     fn up_to<S: Simd>(&self, simd: S, density: f64) -> f64x8<S> {
-        let place = (density + END) * (N_STARTS as f64 / (2.0 * END));
-        let mut idx = self.starts[(place as usize).min(N_STARTS)] as usize;
+        let start = (density + END) * (N_STARTS as f64 / (2.0 * END));
+        let mut idx = self.starts[(start as usize).min(N_STARTS)] as usize;
         while idx + 1 < self.cells.len() && self.cells[idx + 1].start <= density {
             idx += 1;
         }
@@ -211,7 +211,7 @@ impl Plateaus {
         Some(Mean {
             weight: self.compositing.weight(opacity) as f32,
             color: self.transfer.color(value).map(|channel| channel as f32),
-            place: 0.5,
+            position: 0.5,
         })
     }
 }
@@ -222,7 +222,7 @@ mod tests {
     use fearless_simd::{Level, dispatch};
     use slabsplat_seeds::for_each_seed;
 
-    /// Against a sum over many places of the part.
+    /// Against a sum over many points of the part.
     #[test]
     fn integrals_are_means_over_parts() {
         let level = Level::new();
@@ -258,22 +258,22 @@ mod tests {
     fn check(mean: &Mean, ends: [f32; 2], at: impl Fn(f64) -> (f64, [f64; 3])) {
         const N: usize = 4000;
         let [start, end] = ends.map(f64::from);
-        let (mut sum, mut red, mut place) = (0.0, 0.0, 0.0);
+        let (mut sum, mut red, mut position) = (0.0, 0.0, 0.0);
         for idx in 0..N {
             let t = (idx as f64 + 0.5) / N as f64;
             let (weight, color) = at(start + t * (end - start));
             sum += weight / N as f64;
             red += weight * color[0] / N as f64;
-            place += weight * t / N as f64;
+            position += weight * t / N as f64;
         }
-        // A step lies between two places of the sum.
+        // A step lies between two points of the sum.
         let bound = 3.0 / N as f64;
         assert!((sum - f64::from(mean.weight)).abs() < bound, "{mean:?} {sum} {ends:?}");
         if 0.01 < sum && 1e-4 < (end - start).abs() {
-            let [red, place] = [red, place].map(|moment| moment / sum);
-            let off =
-                (red - f64::from(mean.color[0])).abs() + (place - f64::from(mean.place)).abs();
-            assert!(off < 0.02 / sum.min(1.0), "{mean:?} {red} {place} {ends:?}");
+            let [red, position] = [red, position].map(|moment| moment / sum);
+            let off = (red - f64::from(mean.color[0])).abs()
+                + (position - f64::from(mean.position)).abs();
+            assert!(off < 0.02 / sum.min(1.0), "{mean:?} {red} {position} {ends:?}");
         }
     }
 }

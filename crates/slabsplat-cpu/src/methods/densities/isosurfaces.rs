@@ -3,8 +3,8 @@
 //! ```text
 //! for each part between two nodes, of eight pixels at once:
 //!     for each value that lies between the densities at both, in the order in which the ray passes them:
-//!         the place at which a cubic has it                            (crossing.rs)
-//!         fade out where the volume ends; look whether the region holds the place
+//!         the position at which a cubic has it                         (crossing.rs)
+//!         fade out where the volume ends; look whether the region holds the position
 //!         slopes there, normal, light                                  (normals.rs)
 //! ```
 
@@ -95,7 +95,7 @@ struct Passing<'a> {
 /// Where eight rays pass a surface each.
 #[derive(Default)]
 struct Crossings {
-    places: Eight,
+    positions: Eight,
     /// 0 where none is passed.
     opacities: Eight,
     colors: [Eight; 3],
@@ -165,7 +165,7 @@ impl<'a> Isosurfaces<'a> {
             if passing == 0 {
                 continue;
             }
-            let slopes = rays.slopes(simd, &sheets, group.place(), &pixels, Ends::Nodes);
+            let slopes = rays.slopes(simd, &sheets, group.position(), &pixels, Ends::Nodes);
             let parts = Passing {
                 densities: densities.map(Into::into),
                 along: slopes[2].ends.map(Into::into),
@@ -196,12 +196,12 @@ impl<'a> Isosurfaces<'a> {
     #[inline(never)]
     fn add<S: Simd>(&self, simd: S, parts: &Passing<'_>, passed: &mut Vec<Passed>) {
         for nth in 0..self.surfaces.len() {
-            let Crossings { places, opacities, mut colors } =
+            let Crossings { positions, opacities, mut colors } =
                 parts.crossings(&self.surfaces, nth, &self.fading);
             if opacities == [0.0; LANES] {
                 continue;
             }
-            let lights = self.lights_at(simd, parts, &places);
+            let lights = self.lights_at(simd, parts, &positions);
             for (colors, Light8 { diffuse, specular }) in colors.iter_mut().zip(&lights) {
                 for (color, light) in colors.iter_mut().zip(diffuse.iter().zip(specular)) {
                     let lit = *color * light.0 + light.1;
@@ -210,20 +210,20 @@ impl<'a> Isosurfaces<'a> {
             }
             let Passing { group, passing, .. } = *parts;
             let n_before = passed.len();
-            passed.push(Passed { group, n_before, passing, places, opacities, colors });
+            passed.push(Passed { group, n_before, passing, positions, opacities, colors });
         }
     }
 
-    /// The light at a place of each of eight parts, for each channel of their colours.
+    /// The light at a position of each of eight parts, for each channel of their colours.
     #[inline(always)]
-    fn lights_at<S: Simd>(&self, simd: S, parts: &Passing<'_>, places: &Eight) -> [Light8; 3] {
+    fn lights_at<S: Simd>(&self, simd: S, parts: &Passing<'_>, positions: &Eight) -> [Light8; 3] {
         let Some(light) = &self.light else {
             return [Light8 { diffuse: [1.0; LANES], specular: [0.0; LANES] }; 3];
         };
         simd.vectorize(
             #[inline(always)]
             || {
-                let normals = self.normals.of(&parts.slopes.at(places), &parts.slants);
+                let normals = self.normals.of(&parts.slopes.at(positions), &parts.slants);
                 if light.is_white() {
                     let [of_all] = light.of_normals(&normals);
                     return [of_all; 3];
@@ -263,11 +263,11 @@ impl Passing<'_> {
                 continue;
             }
             let along = self.along.map(|slopes| slopes[lane]);
-            let place = Way::new([start, end], along).place_of(surface.value);
-            if self.region_holds(lane, place) {
-                crossings.places[lane] = place;
+            let position = Way::new([start, end], along).position_of(surface.value);
+            if self.region_holds(lane, position) {
+                crossings.positions[lane] = position;
                 crossings.opacities[lane] =
-                    surface.opacity * fading.counts(self.length(lane, place));
+                    surface.opacity * fading.counts(self.length(lane, position));
                 for (colors, channel) in crossings.colors.iter_mut().zip(surface.color) {
                     colors[lane] = channel;
                 }
@@ -276,15 +276,15 @@ impl Passing<'_> {
         crossings
     }
 
-    /// How much sheets hold at a place.
-    fn length(&self, lane: usize, place: f32) -> f32 {
+    /// How much sheets hold at a position.
+    fn length(&self, lane: usize, position: f32) -> f32 {
         let [first, last] = self.lengths.map(|lengths| lengths[lane]);
-        first + place * (last - first)
+        first + position * (last - first)
     }
 
-    fn region_holds(&self, lane: usize, place: f32) -> bool {
+    fn region_holds(&self, lane: usize, position: f32) -> bool {
         let [front, back] = self.depths;
-        let depth = front + place * (back - front);
+        let depth = front + position * (back - front);
         self.region
             .is_none_or(|region| region.holds(self.group.row, self.group.column + lane, depth))
     }

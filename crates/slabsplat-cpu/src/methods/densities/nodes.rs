@@ -173,14 +173,14 @@ impl<S: Simd> Rays8<S> {
         &self,
         simd: S,
         sheets: &[&DensitySheet; N_SHEETS],
-        place: [usize; 2],
+        position: [usize; 2],
         pixels: &[f32; N_SHEETS],
         ends: Ends,
     ) -> [OnPart<S>; 3] {
         simd.vectorize(
             #[inline(always)]
             || {
-                let [right, up] = self.across(simd, sheets, place, pixels, ends);
+                let [right, up] = self.across(simd, sheets, position, pixels, ends);
                 [right, up, self.along(simd, ends)]
             },
         )

@@ -41,14 +41,14 @@ impl Slopes {
         of_parts
     }
 
-    /// Those at a place of each part, 0 to 1.
+    /// Those at a position of each part, 0 to 1.
     #[inline(always)]
-    pub(super) fn at(&self, places: &Eight) -> [Eight; 3] {
+    pub(super) fn at(&self, positions: &Eight) -> [Eight; 3] {
         let mut slopes = [[0.0; LANES]; 3];
         for (axis, slopes) in slopes.iter_mut().enumerate() {
             let (starts, changes) = (&self.starts[axis], &self.changes[axis]);
             for lane in 0..LANES {
-                let t = places[lane];
+                let t = positions[lane];
                 let curve = t * (1.0 - t) * self.bulges[axis][lane];
                 slopes[lane] = starts[lane] + t * changes[lane] + curve;
             }

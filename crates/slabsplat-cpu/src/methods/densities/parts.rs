@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! mean opacity and colour of each, and where they lie (integrals.rs)
-//! at four places of what is seen of each: slopes, normal, light
+//! at four positions of what is seen of each: slopes, normal, light
 //! sums = length · opacity · lit colour, which a sheet sums elsewhere
 //! ```
 //!
-//! One place is not enough: where the density is largest, in the middle of a thin wall, normals turn round
+//! One position is not enough: where the density is largest, in the middle of a thin wall, normals turn round
 //! within a part, and it would be as dark as if it were seen from the side.
 
 use super::super::lit_faces::LitFaces;
@@ -39,7 +39,7 @@ pub(super) struct Lies {
 }
 
 impl Seen {
-    /// What lies in the mean at those places.
+    /// What lies in the mean at those positions.
     #[inline(always)]
     fn of<S: Simd>(parts: &Parts<S>, middles: &Eight, slants: [Eight; 2], lies: Lies) -> Self {
         let mut shares = [0.0; LANES];
@@ -50,19 +50,19 @@ impl Seen {
         Self { slopes: Slopes::of(&parts.slopes), middles: *middles, shares, slants, lies }
     }
 
-    /// Where on each part, from 0 to 1, a place of what is seen is, counted from its middle.
+    /// Where on each part, from 0 to 1, a position of what is seen is, counted from its middle.
     #[inline(always)]
-    fn places(&self, at: f32) -> Eight {
-        let mut places = [0.0; LANES];
+    fn positions(&self, at: f32) -> Eight {
+        let mut positions = [0.0; LANES];
         let seen = self.middles.iter().zip(&self.shares);
-        for (place, (middle, share)) in places.iter_mut().zip(seen) {
-            *place = middle + share * at;
+        for (position, (middle, share)) in positions.iter_mut().zip(seen) {
+            *position = middle + share * at;
         }
-        places
+        positions
     }
 }
 
-/// Places of a part at which it is lit, counted from its middle: the middles of quarters.
+/// Positions of a part at which it is lit, counted from its middle: the middles of quarters.
 const LIT_AT: [f32; 4] = [-0.375, -0.125, 0.125, 0.375];
 
 /// What parts are classified and lit by.
@@ -101,7 +101,7 @@ impl PartShader<'_> {
             sums[3][lane] = lengths[lane] * means.weights[lane];
         }
         let through = self.through_quarters(&sums[3]);
-        let lights = self.lights_on(simd, parts, &means.places, &through, lies);
+        let lights = self.lights_on(simd, parts, &means.positions, &through, lies);
         let of_colors = if self.compositing.weights_colors() { sums[3] } else { lengths };
         for ((sums, colors), light) in sums.iter_mut().zip(&means.colors).zip(&lights) {
             let [diffuse, specular] = light;
@@ -120,31 +120,31 @@ impl PartShader<'_> {
         &self,
         simd: S,
         parts: &Parts<S>,
-        places: &Eight,
+        positions: &Eight,
         through: &Eight,
         lies: Lies,
     ) -> [[Eight; 2]; 3] {
         match &self.light {
             None => [[[1.0; LANES], [0.0; LANES]]; 3],
             Some(light) if light.is_white() => {
-                [self.light_on::<S, 1>(simd, light, parts, places, through, lies)[0]; 3]
+                [self.light_on::<S, 1>(simd, light, parts, positions, through, lies)[0]; 3]
             }
-            Some(light) => self.light_on::<S, 3>(simd, light, parts, places, through, lies),
+            Some(light) => self.light_on::<S, 3>(simd, light, parts, positions, through, lies),
         }
     }
 
-    /// The mean of four places, weighted with how much light goes through the quarters before them.
+    /// The mean of four positions, weighted with how much light goes through the quarters before them.
     #[inline(always)]
     fn light_on<S: Simd, const N: usize>(
         &self,
         simd: S,
         light: &BlinnPhong8,
         parts: &Parts<S>,
-        places: &Eight,
+        positions: &Eight,
         through: &Eight,
         lies: Lies,
     ) -> [[Eight; 2]; N] {
-        let seen = Seen::of(parts, places, self.normals.slants(lies.first_pixel), lies);
+        let seen = Seen::of(parts, positions, self.normals.slants(lies.first_pixel), lies);
         let mut channels = [[[0.0; LANES]; 2]; N];
         let mut weights = [0.0; LANES];
         for lane in 0..LANES {
@@ -183,7 +183,7 @@ impl PartShader<'_> {
         through
     }
 
-    /// The light at one place of eight parts. A function of its own: four of them in one take long to
+    /// The light at one position of eight parts. A function of its own: four of them in one take long to
     /// compile.
     #[inline(never)]
     fn light_at<S: Simd, const N: usize>(
@@ -196,29 +196,29 @@ impl PartShader<'_> {
         simd.vectorize(
             #[inline(always)]
             || {
-                let places = seen.places(at);
-                let mut normals = self.normals.of(&seen.slopes.at(&places), &seen.slants);
+                let positions = seen.positions(at);
+                let mut normals = self.normals.of(&seen.slopes.at(&positions), &seen.slants);
                 if let Some(faces) = &self.faces {
-                    self.put_faces(faces, seen.lies, &places, &mut normals);
+                    self.put_faces(faces, seen.lies, &positions, &mut normals);
                 }
                 light.of_normals(&normals)
             },
         )
     }
 
-    /// Puts the normals of lit faces in the place of those near them.
+    /// Replaces the normals near lit faces by those of the faces.
     #[inline(never)]
     fn put_faces(
         &self,
         faces: &LitFaces<'_>,
         Lies { first_pixel: [x, y], ends: [front, back] }: Lies,
-        places: &Eight,
+        positions: &Eight,
         normals: &mut [Eight; 3],
     ) {
         for lane in 0..LANES {
             let pixel = [x + lane, y].map(|p| p as f64 - self.border as f64 + 0.5);
             let ray = self.view.ray(pixel);
-            let depth = front + places[lane] * (back - front);
+            let depth = front + positions[lane] * (back - front);
             let normal = normals.each_mut().map(|components| &mut components[lane]);
             if let Some(face) = faces.at(ray.start + ray.step * f64::from(depth)) {
                 let lit_by = face.instead_of(normal.each_ref().map(|component| **component));

@@ -14,7 +14,7 @@ pub(super) struct Passed {
     /// Which of the rays pass any surface of the layer, a bit each.
     pub(super) passing: u64,
     /// From 0 at the first sheet to 1 at the second.
-    pub(super) places: Eight,
+    pub(super) positions: Eight,
     /// 0 where none is passed.
     pub(super) opacities: Eight,
     /// Lit.
@@ -25,11 +25,11 @@ pub(super) struct Passed {
 /// group by group; of `several` layers that is to be made.
 pub(super) fn write(passed: &mut [Passed], are_of_several: bool, sheet: &mut Sheet) {
     if are_of_several {
-        passed.sort_unstable_by_key(|it| (it.group.place(), it.n_before));
+        passed.sort_unstable_by_key(|it| (it.group.position(), it.n_before));
     }
-    for of_group in passed.chunk_by_mut(|a, b| a.group.place() == b.group.place()) {
+    for of_group in passed.chunk_by_mut(|a, b| a.group.position() == b.group.position()) {
         if are_of_several {
-            sort_by_place(of_group);
+            sort_by_position(of_group);
         }
         let seen = of_group.iter().fold(0, |seen, it| seen | it.passing);
         of_group[0].group.write(&sums(of_group), seen, sheet);
@@ -51,12 +51,12 @@ fn sums(in_order: &[Passed]) -> [Eight; 4] {
     sums
 }
 
-/// Sorts what each ray passes; what is at one place keeps its order.
-fn sort_by_place(passed: &mut [Passed]) {
+/// Sorts what each ray passes; what is at one position keeps its order.
+fn sort_by_position(passed: &mut [Passed]) {
     for (end, lane) in (1..passed.len()).flat_map(|end| (0..LANES).map(move |lane| (end, lane))) {
         for idx in (1..=end).rev() {
             let [before, here] = &mut passed[idx - 1..=idx] else { break };
-            if before.places[lane] <= here.places[lane] {
+            if before.positions[lane] <= here.positions[lane] {
                 break;
             }
             before.swap(here, lane);
@@ -66,7 +66,7 @@ fn sort_by_place(passed: &mut [Passed]) {
 
 impl Passed {
     fn swap(&mut self, other: &mut Self, lane: usize) {
-        mem::swap(&mut self.places[lane], &mut other.places[lane]);
+        mem::swap(&mut self.positions[lane], &mut other.positions[lane]);
         mem::swap(&mut self.opacities[lane], &mut other.opacities[lane]);
         for (channel, others) in self.colors.iter_mut().zip(&mut other.colors) {
             mem::swap(&mut channel[lane], &mut others[lane]);

@@ -7,10 +7,10 @@ use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{Grid, SlabGrid};
 use std::ops::RangeInclusive;
 
-/// The steps between voxels of which the one makes something show at a place, and the other adds to a density
+/// The steps between voxels of which the one makes something show at a point, and the other adds to a density
 /// there or to one of those that its gradient is taken from.
 ///
-/// The way from one to the other leads from a voxel to a place within its kernel, along the slab, to the
+/// The way from one to the other leads from a voxel to a point within its kernel, along the slab, to the
 /// next pixel and some sheets on, and to a voxel within whose kernel that is: through two balls of index
 /// space, and along three lines of the world. What depends on the view is bounded for all directions, so
 /// that turning the camera leaves the selection as it is.
@@ -30,7 +30,7 @@ pub(super) struct Row {
     pub(super) z: isize,
 }
 
-/// Kernels are tossed by rounded places; a hundredth is far more than the rounding.
+/// Kernels are tossed by rounded positions; a hundredth is far more than the rounding.
 const ROUNDING: f64 = 0.01;
 
 /// From a sheet that makes something show between the two behind it, to the second one behind these, which
@@ -100,14 +100,14 @@ impl Reach {
         if MOST_ROWS < n_rows {
             return Vec::new();
         }
-        let places = (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y)));
+        let rows = (-z_end..=z_end).flat_map(|z| (-y_end..=y_end).map(move |y| (z, y)));
         let row = |(z, y)| {
             // Of next to flat voxels, the ellipsoid may be as long as one likes, and the grid is not.
             let x = steps_along_x(&self.form, y, z)?;
             let x = -x_end.min(-*x.start())..=x_end.min(*x.end());
             (!x.is_empty()).then_some(Row { x, y, z })
         };
-        let mut rows: Vec<Row> = places.filter_map(row).collect();
+        let mut rows: Vec<Row> = rows.filter_map(row).collect();
         rows.sort_by_key(|row| (*row.x.start(), *row.x.end()));
         rows
     }

@@ -31,7 +31,7 @@ impl Saturation {
         let beyond = at(up * f64::INFINITY);
         let looks_alike =
             |value: f64| at(value).iter().zip(beyond).all(|(a, b)| (a - b).abs() <= INVISIBLE);
-        // Just behind a point there may be a step. On a line between two that is alike at two places, all is.
+        // Just behind a point there may be a step. On a line between two that is alike at two points, all is.
         let behind = |point: f64| if up < 0.0 { point.next_up() } else { point.next_down() };
         let is_flat = |pair: &&[f64]| {
             looks_alike(pair[0])

@@ -3,8 +3,8 @@
 //! A sheet's density is a mean of values, so it lies between the least and the largest of those that have a
 //! part in it, and what is shown of several sheets not further outside than a part of their distance. Values
 //! are coded by eight bits, rounded to the side on which more shows. If what may come of the voxels that
-//! share a place with a voxel, or a place that a density or a gradient there is taken from, lies in no
-//! visible range, then nothing shows in any of these places, with or without that voxel, and it is left out.
+//! share a point with a voxel, or a point that a density or a gradient there is taken from, lies in no
+//! visible range, then nothing shows in any of these points, with or without that voxel, and it is left out.
 //! An exact picture is the same but for rounding, as a mean of values at the end of a visible range may come
 //! to lie within it. By default it differs by what separable footprints and outer sheets have beyond what
 //! `reach.rs` counts: less than can be seen.
@@ -29,7 +29,7 @@ pub(super) struct Selection {
     pub(super) n_voxels: usize,
 }
 
-/// A brick's voxels: a bit each, by place.
+/// A brick's voxels: a bit each, by slot.
 type Mask = [u64; BRICK_SIDE];
 
 /// How far outside of densities those at nodes may lie, and between these, as a part of their distance (model
@@ -88,8 +88,8 @@ impl Selection {
         })
     }
 
-    /// The places of a brick's voxels, rising.
-    pub(super) fn places_of(&self, brick: &Brick) -> impl Iterator<Item = u16> + '_ {
+    /// The slots of a brick's voxels, rising.
+    pub(super) fn slots_of(&self, brick: &Brick) -> impl Iterator<Item = u16> + '_ {
         let words = self.masks[brick.first as usize].iter().enumerate();
         words.flat_map(|(word, &bits)| {
             let first = (word * u64::BITS as usize) as u16;
@@ -146,8 +146,8 @@ impl Coder {
         if self.ends[1] <= value {
             return LAST;
         }
-        let place = (0.5 * value - self.half_least) / self.half_extent;
-        FIRST + 1 + (place * N_BETWEEN).clamp(0.0, N_BETWEEN - 1.0) as u8
+        let between = (0.5 * value - self.half_least) / self.half_extent;
+        FIRST + 1 + (between * N_BETWEEN).clamp(0.0, N_BETWEEN - 1.0) as u8
     }
 
     /// Half of what a code's values are at least, and of what they are at most. Between the ends a code's
@@ -256,7 +256,7 @@ impl<'a> Codes<'a> {
         BitRows::of(self.dims, self.frame, is_meant)
     }
 
-    /// The voxels of a brick of which `is_meant`, given their places in memory and their codes.
+    /// The voxels of a brick of which `is_meant`, given their indices in memory and their codes.
     fn mask(
         &self,
         grid: &BrickGrid,
@@ -374,9 +374,9 @@ mod tests {
                 let bricks = BrickGrid::new(&grid);
                 let mut selected = vec![false; grid.n_voxels()];
                 for brick in &selection.bricks {
-                    assert_eq!(selection.places_of(brick).count(), brick.n_voxels.into());
-                    for place in selection.places_of(brick) {
-                        let record = VoxelRecord { place, normal: [0; 3] };
+                    assert_eq!(selection.slots_of(brick).count(), brick.n_voxels.into());
+                    for slot in selection.slots_of(brick) {
+                        let record = VoxelRecord { slot, normal: [0; 3] };
                         selected[bricks.voxel_idx(bricks.voxel_coords(brick, record))] = true;
                     }
                 }

@@ -32,11 +32,11 @@ pub(super) struct OneByOne<'a> {
     pub(super) statistic: Statistic,
 }
 
-/// A layer, and its place among how many.
+/// A layer, and its index among how many.
 #[derive(Clone, Copy)]
 struct Turn<'a> {
     layer: &'a LayerToDraw<'a>,
-    place: (usize, usize),
+    nth: (usize, usize),
 }
 
 type SlabBuffers = slabs::Buffers<Rings, Scratch>;
@@ -56,7 +56,7 @@ impl OneByOne<'_> {
         }
         let mut n_occluded = 0;
         for (idx, layer) in layers.iter().enumerate() {
-            let turn = Turn { layer, place: (idx, layers.len()) };
+            let turn = Turn { layer, nth: (idx, layers.len()) };
             let [least, largest] = layer.limits.values;
             let up_from = match self.statistic {
                 Statistic::Maximum => Some((1.0, least)),
@@ -83,7 +83,7 @@ impl OneByOne<'_> {
     /// The largest densities, if `up` is 1; the least, if it is −1.
     fn find_extremes(
         self,
-        Turn { layer, place }: Turn<'_>,
+        Turn { layer, nth }: Turn<'_>,
         (up, worst): (f32, f32),
         tiles: &mut Tiles,
         slabs: &mut SlabBuffers,
@@ -98,13 +98,13 @@ impl OneByOne<'_> {
             per_full_length: layer.per_full_length(),
         };
         let in_slabs = layer.in_slabs(self.plan, self.level);
-        render_one(in_slabs, place, &extremes, tiles, slabs, watch)
+        render_one(in_slabs, nth, &extremes, tiles, slabs, watch)
     }
 
     /// By whole footprints, and by sheets where these are not enough.
     fn take_means(
         self,
-        Turn { layer, place }: Turn<'_>,
+        Turn { layer, nth }: Turn<'_>,
         tiles: &mut Tiles,
         slabs: &mut SlabBuffers,
         watch: &mut Stopwatch<'_>,
@@ -112,13 +112,13 @@ impl OneByOne<'_> {
         let grid = &layer.splats.slabs.grid;
         let mut n_occluded = None;
         if let Some(in_slabs) = layer.whole_in_slabs(self.plan, self.level) {
-            n_occluded = Some(render_one(in_slabs, place, &WholeMeans, tiles, slabs, watch)?);
+            n_occluded = Some(render_one(in_slabs, nth, &WholeMeans, tiles, slabs, watch)?);
             ParallelRays::new(layer.layer, grid).settle(&layer.limits, tiles);
         }
         let (limits, per_full_length) = (layer.limits, layer.per_full_length());
         let means = Means { slabs: grid, limits, per_full_length };
         let in_slabs = layer.in_slabs(self.plan, self.level);
-        let n_not_needed = render_one(in_slabs, place, &means, tiles, slabs, watch)?;
+        let n_not_needed = render_one(in_slabs, nth, &means, tiles, slabs, watch)?;
         Ok(n_occluded.unwrap_or(n_not_needed))
     }
 }

@@ -51,7 +51,7 @@ impl Voxels for Selected<'_> {
     ) -> &'a [VoxelRecord] {
         room.clear();
         room.extend(
-            self.selection.places_of(brick).map(|place| VoxelRecord { place, normal: [0; 3] }),
+            self.selection.slots_of(brick).map(|slot| VoxelRecord { slot, normal: [0; 3] }),
         );
         room
     }

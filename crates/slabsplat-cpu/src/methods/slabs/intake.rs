@@ -61,7 +61,7 @@ pub(super) struct Scratch {
 }
 
 impl Intake {
-    /// Takes in the voxels of `bricks`, whose second numbers are their places in the list.
+    /// Takes in the voxels of `bricks`, whose second numbers are their indices in the list.
     pub(super) fn take(
         &mut self,
         stage: &Stage<'_>,
@@ -86,8 +86,8 @@ impl Intake {
             scratch.clear();
             let mut n_occluded = 0;
             dispatch!(stage.level, simd => {
-                for &(_, place) in bricks {
-                    let brick = &stage.voxels.bricks()[place as usize];
+                for &(_, idx) in bricks {
+                    let brick = &stage.voxels.bricks()[idx as usize];
                     n_occluded += scratch.take_brick(simd, stage, setup, tiles, occlusion, brick);
                 }
             });

@@ -80,7 +80,7 @@ struct OfAll<R, S> {
 #[derive(Debug, Default)]
 struct OfLayer {
     prepared: Prepared,
-    /// The range in which each brick is taken in, and its place in the list; sorted.
+    /// The range in which each brick is taken in, and its index in the list; sorted.
     bricks: Vec<(u32, u32)>,
     intake: Intake,
 }

@@ -162,7 +162,7 @@ impl<'a> Setup<'a> {
     }
 
     /// How the sections of two slabs that follow each other are drawn by separable footprints at once, if
-    /// they are: wherever a slab is, they have one shape, and their middles one place.
+    /// they are: wherever a slab is, they have one shape, and their middles one position.
     #[inline(always)]
     pub(super) fn pair_as_separable(&self, first: usize) -> Option<AsSeparable<'_>> {
         let is_drawn = self.slabs.first_drawn <= first && first + 1 < self.slabs.grid.n_slabs();

@@ -76,7 +76,7 @@ impl<'a> SlabView<'a> {
         all.reduce(union)
     }
 
-    /// The pixels that a voxel's sections may touch. Their place and size change monotonically with their
+    /// The pixels that a voxel's sections may touch. Their position and size change monotonically with their
     /// slabs' depth, so that the first and the last one bound all of them.
     #[inline(always)]
     pub(super) fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {

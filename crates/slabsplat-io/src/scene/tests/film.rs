@@ -70,7 +70,7 @@ fn film_diagnostics_name_key_and_line() {
         CUBE,
         "[[film.keys]]\nat = 1\n[film.keys.classify]\nboxes = []\n",
         "5: key 0 of the film: boxes does not change in a film: of [classify] a key takes opacity, color, preset, \
-         colormap, window, percentile, opacity_scale and unit_distance",
+         colormap, window, percentile, opacity_scale, unit_distance and isosurfaces",
     );
     check(
         TWO,

@@ -129,6 +129,10 @@ fn scene_meshes_say_what_is_wrong() {
     check("path = \"implant.stl\"", "", ":8: [mesh] needs a path");
     check("0.75, 0.5]", "0.75, 5]", ":10: color must be");
     check("[0, 0, 1, 3]]", "[0, 0, 0, 3]]", ":11: a mesh cannot be placed");
+    for (key, bad) in [("line_width", "0"), ("line_width", "inf"), ("point_size", "-1")] {
+        let with_key = format!("{key} = {bad}\n[layers.shading]");
+        check("[layers.shading]", &with_key, &format!(":12: {key} must be above 0"));
+    }
     check("[layers.region]", "[layers.region]\nindex = true", ":15: a mesh has no voxels");
     let classify = "[layers.classify]\npreset = \"ct-bone\"\n[layers.shading]";
     check("[layers.shading]", classify, ":12: a layer with a mesh has no [classify]");

@@ -275,8 +275,31 @@ fn scene_finish() {
     check("[image]\nsamples = 100\n", ":5: samples of a pixel are 1, 4, 9,");
     check("[image]\nwidth = 32768\nsamples = 4\n", ":6: 4 samples for each of 32768 x");
     check("[image]\nbackground_below = [2, 0, 0, 1]\n", ":5: the background must be");
-    check("[annotations]\ntitle = \"\"\n", ":5: a title is a line");
+    let gradient = "[image]\nbackground = \"white:navy\"\n";
+    check(
+        &format!("{gradient}background_below = \"red\"\n"),
+        ":6: background is a gradient already",
+    );
+    check("[image]\nbackground_below = \"red:navy\"\n", ":5: background_below is one colour");
+    check("[annotations]\ntitle = \"\"\n", ":5: a title says something");
+    check("[annotations]\ntitle = \"a\\nb\"\n", ":5: a title is one line");
     check("[annotations]\naxes = 1\n", ":5: ");
+}
+
+/// A scene file says colours as the flag `--background` does.
+#[test]
+fn scene_background_by_name() {
+    let check = |lines: &str, above: [f32; 4], below: Option<[f32; 4]>| {
+        let scene = read(&format!("{SMALL}[image]\n{lines}")).unwrap();
+        assert_eq!((scene.image.background, scene.finish.background_below), (above, below));
+    };
+    let blue = [0.0, 0.0, 1.0, 1.0];
+    check("background = \"blue\"\n", blue, None);
+    check("background = \"#0000ff80\"\n", [0.0, 0.0, 1.0, 128.0 / 255.0], None);
+    check("background = [0, 0, 1]\n", blue, None);
+    check("background = \"0,0,1:white\"\n", blue, Some([1.0; 4]));
+    check("background = \"white\"\nbackground_below = \"#00f\"\n", [1.0; 4], Some(blue));
+    check("background_below = [0, 0, 1]\n", [0.0; 4], Some(blue));
 }
 
 #[test]
@@ -301,7 +324,13 @@ fn scene_bad_values_name_their_line() {
         ":5: slab_width: invalid type: string \"wide\", expected a number",
     );
     check("[image]\nwidth = 0", ":5: an image of 0 x 512");
-    check("[image]\nbackground = [0, 0, 0]", ":5: background: invalid length 3");
+    check(
+        "[image]\nbackground = [0, 0]",
+        ":5: background: invalid length 2, expected 3 or 4 numbers",
+    );
+    check("[image]\nbackground = \"wite\"", ":5: \"wite\" is no colour: name one of CSS");
+    check("[image]\nbackground = \"2,0,0\"", ":5: red, green, blue and opacity are from 0 to 1");
+    check("[image]\nbackground = 1", ":5: background: invalid type: integer");
     check("[image]\nbackground = [0, 0, 0, 2]", ":5: the background");
     check("[shading]\nambient = -1", ":5: ambient");
     check("[shading]\nmodel = \"toon\"", ":5: \"toon\" is not a choice");

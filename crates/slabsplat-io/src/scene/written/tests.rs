@@ -5,14 +5,15 @@ use std::fs;
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{
     Annotations, Camera, Easing, Finish, Grid, Isosurface, LabelMap, Labels, Layer, Light, Mesh,
-    MeshLayer, Plane, Projection, Region, SampleType, Scaling, Scene, TransferBox, Volume,
+    MeshLayer, Plane, Projection, Region, SampleType, Scaling, Scene, TransferBox, TurnAxis,
+    Volume,
 };
 
 use super::*;
 use crate::transfer::TransferFit;
 use crate::{
-    ContentHash, FilmFile, KeyFile, KeyLayerFile, KeyLook, TransferImageFile, VolumeOptions,
-    parse_scene,
+    ContentHash, FilmFile, KeyFile, KeyLayerFile, KeyLook, TransferImageFile, TurnFile,
+    VolumeOptions, parse_scene,
 };
 
 /// Writes a scene, and reads it back as the same.
@@ -88,6 +89,8 @@ fn full_mesh() -> MeshFile {
         name: Some("implant".to_owned()),
         hash: "xxh3:0123456789abcdef0123456789abcdef".parse().ok(),
         color: Some([0.1, 0.2, 0.3]),
+        line_width: Some(0.1 + 0.2),
+        point_size: Some(1e9),
         world_from_mesh: DAffine3::from_mat3_translation(turned, DVec3::new(0.1, 2.0, 3.0)),
         shading: Shading::None,
         ..MeshFile::new("implant.stl")
@@ -153,6 +156,7 @@ fn written_film_has_all_keys() {
     let full = KeyLayerFile {
         layer_idx: 1,
         look: Some(look.clone()),
+        isosurfaces: Some(full_layer().isosurfaces),
         region: Some(full_layer().region),
         opacity_scale: Some(1.0 / 3.0),
     };
@@ -174,6 +178,7 @@ fn written_film_has_all_keys() {
         is_loop: true,
         easing: Easing::EaseInOut,
         keys: vec![first, second],
+        turn: None,
     });
     check(&scene);
     let film = scene.film.as_mut().unwrap();
@@ -181,6 +186,9 @@ fn written_film_has_all_keys() {
     film.keys[0].layers[1].look = Some(KeyLook { fit, ..look });
     let error = scene_text(&scene, "x.toml").unwrap_err().to_string();
     assert!(error.contains("it leaves open what is found"), "{error}");
+    let turn = TurnFile::new(TurnAxis::Right, -1.0 / 3.0, true);
+    scene.film = Some(FilmFile { turn: Some(turn), seconds: Some(0.1), ..FilmFile::default() });
+    check(&scene);
 }
 
 #[test]

@@ -87,6 +87,9 @@ impl About {
     }
 }
 
+const OF_A_PALETTE: &str = "its pixels are numbers of a palette's colours, which cannot be read: `gdcmconv \
+                            --apply-lut IN OUT` makes colours of them";
+
 impl Colors {
     /// By the file's word for them (PS3.3 §C.7.6.3.1.2), which depends on how they are packed (PS3.5 §8.2).
     fn of(photometric: &str, n_channels: usize, packing: Packing) -> Result<Self, String> {
@@ -95,6 +98,7 @@ impl Colors {
             // What unpacks JPEG 2000 undoes the latter two.
             (3, "RGB", _) | (3, "YBR_RCT" | "YBR_ICT", Packing::Jpeg2000) => Ok(Self::Rgb),
             (3, "YBR_FULL", _) | (3, "YBR_FULL_422", Packing::Jpeg) => Ok(Self::Ybr),
+            (1, "PALETTE COLOR", _) => Err(OF_A_PALETTE.to_owned()),
             _ => {
                 let shown: String = photometric.chars().take(32).collect();
                 let what = format!("pixels of {n_channels} values, {shown:?}, cannot be read");

@@ -90,10 +90,10 @@ impl Found {
         let mut scan = Scan::of(input.store, input.path)?;
         let mut warnings = Vec::new();
         if 0 < scan.n_others {
-            warnings.push(format!("{} files that hold no slices were passed over", scan.n_others));
+            warnings.push(format!("files that hold no slices were passed over: {}", scan.n_others));
         }
         if let Some((n, error)) = &scan.refused {
-            warnings.push(format!("{n} files that cannot be read were passed over: {error}"));
+            warnings.push(format!("files that cannot be read were passed over: {n}; {error}"));
         }
         let largest = (0..scan.series.len()).rev().max_by_key(|&idx| scan.series[idx].n_pixels());
         let choice = Choice {

@@ -303,7 +303,7 @@ fn dicom_series_are_chosen() {
     assert_eq!(loaded.choices.series.names, expected);
     assert_eq!(loaded.choices.series.chosen, 1);
     let expected =
-        ["1 files that hold no slices were passed over", "there are 2 series: series 1 was taken"];
+        ["files that hold no slices were passed over: 1", "there are 2 series: series 1 was taken"];
     assert_eq!(loaded.warnings, expected);
     let first = read_with(&files, &VolumeOptions::default().series(0)).unwrap();
     assert_eq!(first.volume.grid().dims(), [2, 2, 2]);
@@ -468,7 +468,7 @@ fn dicom_that_is_not_read_says_why() {
     check(&[(tags::BITS_ALLOCATED, Short(1))], "pixels of 1 bits");
     check(&[(tags::HIGH_BIT, Short(16))], "do not fit into pixels of 16");
     check(&[(tags::BITS_STORED, Short(0))], "do not fit");
-    check(&[(tags::PHOTOMETRIC, text("PALETTE COLOR"))], "PALETTE COLOR");
+    check(&[(tags::PHOTOMETRIC, text("PALETTE COLOR"))], "`gdcmconv --apply-lut IN OUT`");
     check(&[(tags::PHOTOMETRIC, text("MO\n\u{1b}"))], "\"MO\\n");
     check(&[(tags::ROWS, Short(3))], "needs 12 bytes of data, has 8");
     check(&[(tags::ROWS, Short(0))], "empty");

@@ -99,7 +99,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let mut warnings =
         vec!["images do not say how large voxels are: 1 x 1 x 1 was assumed".to_owned()];
     if 0 < n_others {
-        warnings.push(format!("{n_others} files that are none of the images were passed over"));
+        warnings.push(format!("files that are none of the images were passed over: {n_others}"));
     }
     let samples = buffer.finish(&mut warnings);
     let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use slabsplat_core::SampleType;
 use tiff::decoder::{Decoder, DecodingSampleType, Limits};
-use tiff::tags::Tag;
+use tiff::tags::{PhotometricInterpretation, Tag};
 use tiff::{ColorType, TiffError, TiffUnsupportedError};
 
 use super::super::colors::{Meaning, Values, unmultiply};
@@ -339,6 +339,14 @@ fn to_io_error(path: &Path, error: TiffError) -> IoError {
                 "pages packed by {} cannot be read: `tiffcp -c zip` packs them by Deflate",
                 packing(method.to_u16())
             );
+            IoError::unsupported(path, what)
+        }
+        TiffError::UnsupportedError(TiffUnsupportedError::InterpretationWithBits(
+            PhotometricInterpretation::RGBPalette,
+            _,
+        )) => {
+            let what = "pixels are numbers of a palette's colours, which cannot be read: ImageJ's Image > \
+                        Type > RGB Color makes colours of them";
             IoError::unsupported(path, what)
         }
         TiffError::UnsupportedError(error) => IoError::unsupported(path, error.to_string()),

@@ -336,3 +336,17 @@ fn tiff_of_ome_with_a_companion() {
     std::fs::remove_file(path("c.companion.ome")).unwrap();
     assert!(parted.read("b.tif").unwrap_err().contains("c.companion.ome"));
 }
+
+/// The photometric interpretation of gray pixels, made that of a palette.
+#[test]
+fn tiff_of_a_palette_names_what_converts_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.tif");
+    PLAIN.write::<Gray8>(&path, &[vec![0; 6]]);
+    let mut bytes = std::fs::read(&path).unwrap();
+    let gray = [6, 1, 3, 0, 1, 0, 0, 0, 1, 0];
+    let at = bytes.windows(gray.len()).position(|tag| tag == gray).expect("the page has the tag");
+    bytes[at + 8] = 3;
+    let error = read_from_both(&[("a.tif", &bytes)]).unwrap_err();
+    assert!(error.contains("a palette's colours") && error.contains("ImageJ"), "{error}");
+}

@@ -121,7 +121,11 @@ impl Header {
                 other => {
                     let other: String = other.unwrap_or_default().chars().take(40).collect();
                     let other = printable(&other);
-                    let what = format!("{other} is no image: save it as STRUCTURED_POINTS");
+                    let remedy = match other.as_str() {
+                        "POLYDATA" => "ParaView saves it as a mesh, .ply",
+                        _ => "save it as STRUCTURED_POINTS",
+                    };
+                    let what = format!("{other} is no image: {remedy}");
                     Err(IoError::unsupported(lines.input.path, what))
                 }
             },

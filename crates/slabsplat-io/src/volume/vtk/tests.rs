@@ -258,6 +258,8 @@ fn vtk_errors_are_plain() {
     check("a.vti", other.as_bytes(), "cannot be samples");
     let grid = b"<VTKFile type=\"UnstructuredGrid\">";
     check("a.vti", grid, "UnstructuredGrid is no image");
+    let surface = b"<VTKFile type=\"PolyData\">";
+    check("a.vtp", surface, "PolyData is no image: ParaView saves it as a mesh");
     check("a.vti", b"<VTKFile type=\"Un\nGrid\">", "is no image");
     check("a.vti", b"<?xml version=\"1.0\"?><!DOCTYPE VTKFile []><VTKFile>", "document type");
     check("a.vti", b"garbage", "not a VTK images file");
@@ -273,7 +275,7 @@ fn vtk_errors_are_plain() {
     check(
         "a.vtk",
         text.replace("STRUCTURED_POINTS", "POLYDATA").as_bytes(),
-        "POLYDATA is no image",
+        "POLYDATA is no image: ParaView saves it as a mesh",
     );
     check("a.vtk", text.replace("POINT_DATA 12", "POINT_DATA 13").as_bytes(), "data of 13 points");
     check("a.vtk", text.as_bytes(), "no arrays");

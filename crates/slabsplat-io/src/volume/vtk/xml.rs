@@ -188,7 +188,11 @@ impl Header {
             other => {
                 let other =
                     printable(&other.unwrap_or("nothing").chars().take(40).collect::<String>());
-                return Err(format!("VTK's {other} is no image: resample it to ImageData"));
+                let remedy = match other.as_str() {
+                    "PolyData" => "ParaView saves it as a mesh, .ply",
+                    _ => "resample it to ImageData",
+                };
+                return Err(format!("VTK's {other} is no image: {remedy}"));
             }
         }
         if tag.get("byte_order") == Some("BigEndian") {

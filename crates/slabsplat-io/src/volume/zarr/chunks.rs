@@ -37,7 +37,32 @@ struct Reading<'a> {
     image: &'a Image,
     meter: &'a ReadMeter,
     samples: PlacedSamples,
+    /// Of the volume.
+    n_bytes: u64,
     n_found: usize,
+}
+
+/// Where the chunks of a shard are.
+struct InShard<'a> {
+    chunks: &'a Chunks,
+    /// Where the shard begins in the array.
+    start: &'a [usize],
+    /// How many chunks it has along each axis.
+    n_each: Vec<usize>,
+    /// Where each chunk is in the shard, and how long.
+    index: Vec<[u64; 2]>,
+}
+
+impl InShard<'_> {
+    /// Where a chunk begins in the array.
+    fn first_of(&self, at: usize) -> Vec<usize> {
+        first_of(at, self.start, &self.n_each, &self.chunks.shape)
+    }
+
+    /// Where a chunk is in the shard, and how long, if it is there.
+    fn place_of(&self, at: usize) -> Option<[u64; 2]> {
+        Some(self.index[at]).filter(|place| *place != [NONE; 2])
+    }
 }
 
 /// Of the chunks that are unpacked at once, beside a volume of so many bytes.
@@ -83,8 +108,8 @@ pub(super) fn read(
         source: io::ErrorKind::OutOfMemory.into(),
     })?;
     let meter = input.meter((all.len().unwrap_or(0) as u64).saturating_mul(chunk_bytes(image)));
-    let mut reading = Reading { tree, image, meter: &meter, samples, n_found: 0 };
-    reading.read_all(&all.collect::<Vec<_>>(), n_bytes)?;
+    let mut reading = Reading { tree, image, meter: &meter, samples, n_bytes, n_found: 0 };
+    reading.read_all(&all.collect::<Vec<_>>())?;
     if reading.n_found == 0 {
         warnings.push("no chunk of the array is there: all voxels have its fill value".to_owned());
     }
@@ -123,14 +148,14 @@ fn key(image: &Image, index: &[usize]) -> String {
     if image.key.is_empty() { name } else { format!("{}/{name}", image.key) }
 }
 
-impl Reading<'_> {
-    /// The chunks of all files, of a volume of so many bytes.
-    fn read_all(&mut self, indices: &[Vec<usize>], n_bytes: u64) -> Result<(), IoError> {
+impl<'a> Reading<'a> {
+    /// The chunks of all files.
+    fn read_all(&mut self, indices: &[Vec<usize>]) -> Result<(), IoError> {
         let (tree, image) = (self.tree, self.image);
         let chunks = &image.array.chunks;
         let n_workers = parallel::n_workers(indices.len());
-        let n_at_once = (n_workers as u64).saturating_mul(chunk_bytes(image));
-        if chunks.shard.is_some() || n_workers == 1 || n_bytes / MAX_SHARE < n_at_once {
+        let has_room = self.has_room_for(n_workers, chunk_bytes(image));
+        if chunks.shard.is_some() || n_workers == 1 || !has_room {
             return indices.iter().try_for_each(|index| self.read_file(index));
         }
         let unpack = |(): &mut (), index: &Vec<usize>| {
@@ -170,36 +195,72 @@ impl Reading<'_> {
         self.n_found += 1;
         let done = match &chunks.shard {
             None => self.read_chunk(part, chunks, &start),
-            Some(shard) => self.read_shard(part, shard, &start),
+            Some(shard) => self.read_shard(part, shard, (&key, &start)),
         };
         done.map_err(|failure| failed(self.tree, &key, failure))
     }
 
     fn read_shard(
         &mut self,
-        mut part: Part<'_>,
+        mut part: Part<'a>,
         shard: &Shard,
-        start: &[usize],
+        (key, start): (&str, &[usize]),
     ) -> Result<(), ReadFailure> {
-        let index =
-            read_index(&mut part, shard, &self.image.array.chunks).map_err(ReadFailure::Io)?;
-        let inner = &shard.chunks.shape;
-        let outer = &self.image.array.chunks.shape;
-        let n_each: Vec<usize> =
-            outer.iter().zip(inner).map(|(outer, inner)| outer / inner).collect();
-        for (at, &[offset, n_bytes]) in index.iter().enumerate() {
-            let first = first_of(at, start, &n_each, inner);
-            if self.axes_of(&first, inner).is_none() {
-                continue;
-            }
-            if offset == NONE && n_bytes == NONE {
-                self.fill(&first, inner);
-                continue;
-            }
-            part.go_to(offset).map_err(ReadFailure::Io)?;
-            self.read_chunk((&mut part).take(n_bytes), &shard.chunks, &first)?;
+        let outer = &self.image.array.chunks;
+        let index = read_index(&mut part, shard, outer).map_err(ReadFailure::Io)?;
+        let chunks = &shard.chunks;
+        let n_each = outer.shape.iter().zip(&chunks.shape).map(|(outer, inner)| outer / inner);
+        let places = InShard { chunks, start, n_each: n_each.collect(), index };
+        let is_kept = |at: &usize| self.axes_of(&places.first_of(*at), &chunks.shape).is_some();
+        let kept = (0..places.index.len()).filter(is_kept).collect::<Vec<usize>>();
+        let mut readers = self.readers(part, key, shard, kept.len());
+        if let [part] = readers.as_mut_slice() {
+            return kept.iter().try_for_each(|&at| self.read_inner(part, &places, at));
         }
-        Ok(())
+        let image = self.image;
+        let unpack = |part: &mut Part<'_>, &at: &usize| {
+            let Some([offset, n_bytes]) = places.place_of(at) else { return Ok(None) };
+            part.go_to(offset).map_err(ReadFailure::Io)?;
+            unpacked_chunk(image, chunks, part.take(n_bytes)).map(Some)
+        };
+        parallel::in_order(&mut readers, &kept, unpack, |&at, unpacked| {
+            let first = places.first_of(at);
+            match unpacked {
+                None => self.fill(&first, &chunks.shape),
+                Some(bytes) => self.place(&mut bytes.as_slice(), chunks, &first)?,
+            }
+            Ok(())
+        })
+    }
+
+    /// A chunk of a shard, straight to where its samples belong.
+    fn read_inner(
+        &mut self,
+        part: &mut Part<'_>,
+        places: &InShard<'_>,
+        at: usize,
+    ) -> Result<(), ReadFailure> {
+        let first = places.first_of(at);
+        let Some([offset, n_bytes]) = places.place_of(at) else {
+            self.fill(&first, &places.chunks.shape);
+            return Ok(());
+        };
+        part.go_to(offset).map_err(ReadFailure::Io)?;
+        self.read_chunk(part.take(n_bytes), places.chunks, &first)
+    }
+
+    /// The shard, opened for each worker, if there is room for so many chunks beside the volume.
+    fn readers(&self, part: Part<'a>, key: &str, shard: &Shard, n_chunks: usize) -> Vec<Part<'a>> {
+        let n_workers = parallel::n_workers(n_chunks);
+        let has_room = self.has_room_for(n_workers, unpacked_bytes(self.image, &shard.chunks));
+        let n_more = if has_room && part.is_file() { n_workers - 1 } else { 0 };
+        let more = (0..n_more).map_while(|_| self.tree.part(key).ok().flatten());
+        std::iter::once(part).chain(more).collect()
+    }
+
+    /// Whether so many chunks in memory are few beside the volume.
+    fn has_room_for(&self, n_workers: usize, chunk_bytes: u64) -> bool {
+        (n_workers as u64).saturating_mul(chunk_bytes) <= self.n_bytes / MAX_SHARE
     }
 
     fn read_chunk(

@@ -228,6 +228,40 @@ fn zarr_3_in_shards() {
     }
 }
 
+/// A shard of so many chunks that they are unpacked on all threads, each of one voxel. At most one is broken.
+fn shard_of_voxels(broken: Option<[usize; 3]>) -> Files {
+    let codecs = format!(
+        "[{{\"name\": \"sharding_indexed\", \"configuration\": {{\"chunk_shape\": [1, 1, 1], \"codecs\": \
+         [{BYTES}, {{\"name\": \"gzip\"}}], \"index_codecs\": [{BYTES}]}}}}]"
+    );
+    let (mut index, mut data) = (Vec::new(), Vec::new());
+    for at in 0..96 {
+        let voxel = [at % 6, at / 6 % 4, at / 24];
+        let mut packed = gzip(&value(voxel).to_le_bytes());
+        if broken == Some(voxel) {
+            packed[0] = 0;
+        }
+        let words = [data.len() as u64, packed.len() as u64];
+        index.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+        data.extend(packed);
+    }
+    data.extend(index);
+    files_v3(&v3(&codecs, "[4, 4, 6]"), [("s0/c/0/0/0".to_owned(), data)])
+}
+
+#[test]
+fn zarr_3_in_shards_of_many_chunks() {
+    let loaded = read(&shard_of_voxels(None), &VolumeOptions::default()).unwrap();
+    let Samples::U16(samples) = loaded.volume.samples() else { panic!("not uint16") };
+    for (at, &sample) in samples.iter().enumerate() {
+        assert_eq!(sample, value([at % 5, at / 5 % 3, at / 15]), "{at}");
+    }
+    let error = read(&shard_of_voxels(Some([1, 2, 3])), &VolumeOptions::default()).unwrap_err();
+    assert!(error.contains("s0/c/0/0/0") && error.contains("cannot be unpacked"), "{error}");
+    // What the volume has no part in is not looked at.
+    assert!(read(&shard_of_voxels(Some([5, 3, 3])), &VolumeOptions::default()).is_ok());
+}
+
 #[test]
 fn zarr_fills_what_is_not_there() {
     let meta = v2("<u2", "C", "null", "/");

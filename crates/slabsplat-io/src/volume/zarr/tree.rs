@@ -153,6 +153,11 @@ impl Part<'_> {
         }
     }
 
+    /// Whether it is read where it lies, so that to open it again takes no memory.
+    pub(super) fn is_file(&self) -> bool {
+        matches!(self, Self::File { .. })
+    }
+
     /// Goes to a byte.
     pub(super) fn go_to(&mut self, to: u64) -> io::Result<()> {
         match self {
