@@ -14,6 +14,7 @@ mod options;
 mod peers;
 mod program;
 mod python;
+mod recorded;
 mod scaling;
 mod shaders;
 mod table;
@@ -68,8 +69,8 @@ enum Task {
     Criterion(Processor, Vec<OsString>),
     Peers(peers::Options),
     Scaling(scaling::Options),
-    Instructions(instructions::Task),
-    Shaders(shaders::Task),
+    Instructions(recorded::Task),
+    Shaders(recorded::Task),
     Data,
     Help,
 }
@@ -98,8 +99,8 @@ fn parse(mut args: Vec<OsString>) -> Result<Task, String> {
         "gpu" => Task::Criterion(Processor::Gpu, rest()),
         "peers" => Task::Peers(peers::parse(&rest())?),
         "scaling" => Task::Scaling(scaling::parse(&rest())?),
-        "instructions" => Task::Instructions(instructions::parse(&rest())?),
-        "shaders" => Task::Shaders(shaders::parse(&rest())?),
+        "instructions" => Task::Instructions(recorded::parse::<instructions::Record>(&rest())?),
+        "shaders" => Task::Shaders(recorded::parse::<shaders::Record>(&rest())?),
         "data" if rest().is_empty() => Task::Data,
         "data" => return Err("`data` takes no arguments".to_owned()),
         "help" | "--help" | "-h" => Task::Help,
@@ -132,9 +133,9 @@ mod tests {
     fn parse_options() {
         let options = peers::Options { n_frames: 3, n_pairs: 7 };
         assert_eq!(parsed(&["peers", "--frames", "3", "--pairs", "7"]), Ok(Task::Peers(options)));
-        let record = Task::Instructions(instructions::Task::Record);
+        let record = Task::Instructions(recorded::Task::Record);
         assert_eq!(parsed(&["instructions", "--record"]), Ok(record));
-        assert_eq!(parsed(&["shaders"]), Ok(Task::Shaders(shaders::Task::Compare)));
+        assert_eq!(parsed(&["shaders"]), Ok(Task::Shaders(recorded::Task::Compare)));
         assert_eq!(parsed(&["data"]), Ok(Task::Data));
         assert_eq!(parsed(&["--help"]), Ok(Task::Help));
         let wrong = [

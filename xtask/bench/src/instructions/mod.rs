@@ -2,8 +2,7 @@
 //!
 //! Times on a machine that does other things say little about a tenth more or less; instructions are the same
 //! from run to run. `tests/tests/instructions.rs` renders small frames on one thread, [`valgrind`] counts
-//! what each takes, and [`record`] holds what they took when somebody last looked. More than that, by more
-//! than 5 %, is a failure.
+//! what each takes, and [`record`] holds what they took when somebody last looked.
 //!
 //! valgrind knows no AVX-512, so what is counted is what a machine with AVX2 would do.
 //! Counts depend on the compiler too: a new one is a reason to record again, and the failure says so.
@@ -11,54 +10,30 @@
 mod record;
 mod valgrind;
 
-use std::ffi::OsString;
-
 use anyhow::{Result, ensure};
 
+use super::recorded::{Record as _, Task, has_grown};
 use super::table::{markdown, thousands};
-use record::{Counts, Record};
+use record::Counts;
+pub(crate) use record::Record;
 use xtask::workspace;
-
-/// What is to be done with the counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Task {
-    Compare,
-    Record,
-}
-
-/// Growth from which the guard speaks: a few instructions a splat, which a stopwatch would not see.
-const TOLERANCE: f64 = 0.05;
-
-pub(super) fn parse(args: &[OsString]) -> Result<Task, String> {
-    match args {
-        [] => Ok(Task::Compare),
-        [flag] if flag == "--record" => Ok(Task::Record),
-        [other, ..] => {
-            Err(format!("`bench instructions` takes only --record, found `{}`", other.display()))
-        }
-    }
-}
 
 pub(super) fn run(task: Task) -> Result<()> {
     match task {
-        Task::Record => {
-            let record = Record::now(valgrind::count(workspace::root())?)?;
-            record::write(workspace::root(), &record)
-        }
+        Task::Record => Record::now(valgrind::count(workspace::root())?)?.write(),
         Task::Compare => compare(),
     }
 }
 
 /// An error if a frame takes more than is recorded.
 fn compare() -> Result<()> {
-    let root = workspace::root();
-    let recorded = record::read(root)?;
+    let recorded = Record::read()?;
     let (was, machine) = (&recorded.machine, record::machine());
     if *was != machine {
         eprintln!("instructions are not compared: they were recorded on {was}, this is {machine}");
         return Ok(());
     }
-    let now = Record::now(valgrind::count(root)?)?;
+    let now = Record::now(valgrind::count(workspace::root())?)?;
     println!("{}", report(&recorded.counts, &now.counts));
     let findings = findings(&recorded.counts, &now.counts);
     ensure!(
@@ -81,7 +56,7 @@ fn new_compiler(was: &str, now: &str) -> String {
 fn findings(recorded: &Counts, now: &Counts) -> Vec<String> {
     let grown = now.iter().filter_map(|(name, &count)| match recorded.get(name) {
         None => Some(format!("{name} is not recorded")),
-        Some(&was) if (1.0 + TOLERANCE) * (was as f64) < count as f64 => {
+        Some(&was) if has_grown(was, count) => {
             let [count_text, was_text] = [count, was].map(thousands);
             let change = change(was, count);
             Some(format!("{name} takes {count_text} instructions, {change} on {was_text}"))

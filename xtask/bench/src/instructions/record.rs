@@ -2,24 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::env::consts::{ARCH, OS};
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::{Deserialize, Serialize};
 
+use super::super::recorded;
 use xtask::process::output;
 
 /// Instructions by the name of the frame.
 pub(super) type Counts = BTreeMap<String, u64>;
 
-const HEADER: &str = "# Written by `cargo xtask bench instructions --record`: what the frames of \
-    tests/tests/instructions.rs take.\n";
-
 /// Counts, and what they depend on.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-pub(super) struct Record {
+pub(crate) struct Record {
     /// Counts on another have nothing to do with these.
     pub(super) machine: String,
     pub(super) rustc: String,
@@ -33,10 +29,11 @@ impl Record {
         let rustc = output(Command::new(rustc).arg("--version"))?.trim().to_owned();
         Ok(Self { machine: machine(), rustc, counts })
     }
+}
 
-    fn text(&self) -> Result<String> {
-        Ok(HEADER.to_owned() + &toml::to_string(self)?)
-    }
+impl recorded::Record for Record {
+    const KIND: &'static str = "instructions";
+    const SUBJECT: &'static str = "what the frames of tests/tests/instructions.rs take";
 }
 
 /// As much of a machine as makes programs take other paths. valgrind hides what is newer than AVX2.
@@ -54,29 +51,10 @@ fn has_avx2() -> bool {
     false
 }
 
-pub(super) fn read(root: &Path) -> Result<Record> {
-    let path = path(root);
-    let text =
-        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    toml::from_str(&text).with_context(|| path.display().to_string())
-}
-
-pub(super) fn write(root: &Path, record: &Record) -> Result<()> {
-    let path = path(root);
-    let text = record.text()?;
-    fs::write(&path, &text).with_context(|| format!("cannot write {}", path.display()))?;
-    println!("{text}");
-    Ok(())
-}
-
-fn path(root: &Path) -> PathBuf {
-    root.join("tests").join("instructions.toml")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xtask::workspace;
+    use recorded::Record as _;
 
     #[test]
     fn record_there_and_back() {
@@ -91,9 +69,7 @@ mod tests {
 
     #[test]
     fn record_of_this_repository() {
-        let record = read(workspace::root()).unwrap();
+        let record = Record::read().unwrap();
         assert!(!record.counts.is_empty() && !record.machine.is_empty(), "{record:?}");
-        let text = fs::read_to_string(path(workspace::root())).unwrap();
-        assert_eq!(record.text().unwrap(), text, "writing it again changes nothing");
     }
 }

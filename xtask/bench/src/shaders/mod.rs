@@ -3,51 +3,30 @@
 //! Mesa's driver for AMD compiles for a GPU that is not there ([`compiler`]), and says what registers a
 //! shader takes and prints its code, in which [`assembly`] finds loops. These are no times; but an
 //! instruction of the innermost loop is one for every pixel of every splat, and registers limit how many
-//! threads hide each other's waiting. [`record`] holds what they were when somebody last looked. More than
-//! that, by more than 5 %, is a failure, where the same driver is installed.
+//! threads hide each other's waiting. [`record`] holds what they were when somebody last looked, and more is a
+//! failure where the same driver is installed.
 
 mod assembly;
 mod compiler;
 mod record;
 
-use std::ffi::OsString;
-
 use anyhow::{Result, ensure};
 
+use super::recorded::{Record as _, Task, has_grown};
 use super::table::{markdown, thousands};
-use record::{Counts, Record};
+use record::Counts;
+pub(crate) use record::Record;
 use xtask::workspace;
 
-/// What is to be done with the counts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Task {
-    Compare,
-    Record,
-}
-
-/// Growth from which the guard speaks.
-const TOLERANCE: f64 = 0.05;
-
-pub(super) fn parse(args: &[OsString]) -> Result<Task, String> {
-    match args {
-        [] => Ok(Task::Compare),
-        [flag] if flag == "--record" => Ok(Task::Record),
-        [other, ..] => {
-            Err(format!("`bench shaders` takes only --record, found `{}`", other.display()))
-        }
-    }
-}
-
 pub(super) fn run(task: Task) -> Result<()> {
-    let root = workspace::root();
     let Some(driver) = compiler::driver() else {
         eprintln!("shaders are not compiled: Mesa's Vulkan driver for AMD is not installed");
         return Ok(());
     };
-    let now = compiler::count(root, &driver)?;
+    let now = compiler::count(workspace::root(), &driver)?;
     match task {
-        Task::Record => record::write(root, &now),
-        Task::Compare => compare(&record::read(root)?, &now),
+        Task::Record => now.write(),
+        Task::Compare => compare(&Record::read()?, &now),
     }
 }
 
@@ -79,8 +58,7 @@ fn findings(recorded: &Record, now: &Record) -> Vec<String> {
 
 fn grown(name: &str, was: &Counts, now: &Counts) -> Vec<String> {
     let of = |what: &str, was: u64, now: u64| {
-        let has_grown = (1.0 + TOLERANCE) * (was as f64) < now as f64;
-        has_grown.then(|| format!("{name} takes {now} {what}, recorded are {was}"))
+        has_grown(was, now).then(|| format!("{name} takes {now} {what}, recorded are {was}"))
     };
     [
         of("instructions", was.instructions, now.instructions),

@@ -1,18 +1,14 @@
 //! What the shaders took when somebody last looked: `tests/shaders.toml`.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 
-const HEADER: &str = "# Written by `cargo xtask bench shaders --record`: what a driver's compiler \
-    makes of shaders/.\n";
+use super::super::recorded;
 
 /// Counts, and who compiled.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-pub(super) struct Record {
+pub(crate) struct Record {
     /// The GPU, the driver and its version. Counts of another have nothing to do with these.
     pub(super) device: String,
     pub(super) shaders: BTreeMap<String, Counts>,
@@ -20,7 +16,7 @@ pub(super) struct Record {
 
 /// What the compiler made of a shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub(super) struct Counts {
+pub(crate) struct Counts {
     /// Instructions of the longest innermost loop that reads workgroup memory.
     pub(super) innermost_loop: u64,
     pub(super) instructions: u64,
@@ -31,39 +27,19 @@ pub(super) struct Counts {
     pub(super) subgroups: u64,
 }
 
-pub(super) fn read(root: &Path) -> Result<Record> {
-    let path = path(root);
-    let text =
-        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    toml::from_str(&text).with_context(|| path.display().to_string())
-}
-
-pub(super) fn write(root: &Path, record: &Record) -> Result<()> {
-    let path = path(root);
-    let text = text(record)?;
-    fs::write(&path, &text).with_context(|| format!("cannot write {}", path.display()))?;
-    println!("{text}");
-    Ok(())
-}
-
-fn text(record: &Record) -> Result<String> {
-    Ok(HEADER.to_owned() + &toml::to_string(record)?)
-}
-
-fn path(root: &Path) -> PathBuf {
-    root.join("tests").join("shaders.toml")
+impl recorded::Record for Record {
+    const KIND: &'static str = "shaders";
+    const SUBJECT: &'static str = "what a driver's compiler makes of shaders/";
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use xtask::workspace;
+    use recorded::Record as _;
 
     #[test]
     fn record_of_this_repository() {
-        let record = read(workspace::root()).unwrap();
+        let record = Record::read().unwrap();
         assert!(!record.shaders.is_empty(), "{record:?}");
-        let written = fs::read_to_string(path(workspace::root())).unwrap();
-        assert_eq!(text(&record).unwrap(), written, "writing it again changes nothing");
     }
 }
