@@ -1,10 +1,10 @@
 // Everything about a frame that all layers share. Pixels count from the image's upper left corner.
 
-const MAX_LAMPS: u32 = 16u;
+const MAX_LIGHTS: u32 = 16u;
 
 // A light and a viewer, both infinitely far away (model §6): directions towards the light and half way between
 // both, and the light's colour.
-struct Lamp {
+struct LightInView {
     to_light: vec4<f32>,
     halfway: vec4<f32>,
     color: vec4<f32>,
@@ -45,11 +45,11 @@ struct Frame {
     ray_step: f32,
     // Splats after which a tile pauses, so that no dispatch takes too long.
     max_visits: u32,
-    n_lamps: u32,
+    n_lights: u32,
 
     // Straight colour and opacity.
     background: vec4<f32>,
-    lamps: array<Lamp, MAX_LAMPS>,
+    lights: array<LightInView, MAX_LIGHTS>,
 }
 
 const METHOD_SECTIONS: u32 = 0u;

@@ -12,13 +12,13 @@ struct Light {
 fn light_on(layer: u32, normal: vec3<f32>) -> Light {
     var light = Light(vec3(layers[layer].ambient), vec3(0.0));
     let undirected = layers[layer].zero_gradient * max(1.0 - length(normal), 0.0);
-    for (var i = 0u; i < frame.n_lamps; i++) {
-        let n_l = facing(layer, normal, frame.lamps[i].to_light.xyz);
-        light.diffuse += layers[layer].diffuse * (n_l + undirected) * frame.lamps[i].color.rgb;
+    for (var i = 0u; i < frame.n_lights; i++) {
+        let n_l = facing(layer, normal, frame.lights[i].to_light.xyz);
+        light.diffuse += layers[layer].diffuse * (n_l + undirected) * frame.lights[i].color.rgb;
         if 0.0 < n_l {
-            let n_h = facing(layer, normal, frame.lamps[i].halfway.xyz);
+            let n_h = facing(layer, normal, frame.lights[i].halfway.xyz);
             let highlight = layers[layer].specular * power(n_h, layers[layer].shininess);
-            light.specular += highlight * frame.lamps[i].color.rgb;
+            light.specular += highlight * frame.lights[i].color.rgb;
         }
     }
     return light;

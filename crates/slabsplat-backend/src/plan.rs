@@ -185,12 +185,10 @@ pub enum ShownDensities {
 
 impl From<Mode> for ShownDensities {
     fn from(mode: Mode) -> Self {
-        match mode {
-            Mode::Separate | Mode::Associated | Mode::Extinction => Self::Composited,
-            Mode::Maximum => Self::Statistic(Statistic::Maximum),
-            Mode::Minimum => Self::Statistic(Statistic::Minimum),
-            Mode::Average => Self::Statistic(Statistic::Average),
-            Mode::Isosurfaces => Self::Isosurfaces,
+        match (mode.compositing(), mode.statistic()) {
+            (Some(_), _) => Self::Composited,
+            (None, Some(statistic)) => Self::Statistic(statistic),
+            (None, None) => Self::Isosurfaces,
         }
     }
 }

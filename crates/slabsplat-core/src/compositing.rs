@@ -50,6 +50,17 @@ impl Compositing {
         }
     }
 
+    /// What composites the sums of several layers of densities, each of what it alone would show
+    /// ([model §10](crate::model)): where colours are summed as they are, each layer's are weighted first, so
+    /// that one that shows little adds little.
+    #[inline]
+    pub fn of_joined_densities(self) -> Self {
+        match self {
+            Self::Separate | Self::Associated => Self::Associated,
+            Self::Extinction => Self::Extinction,
+        }
+    }
+
     /// The premultiplied colour and opacity of a sheet's sums of colour and weight (eqs. 2, 4–7). A weight of
     /// 0 or less, which only the `paper` normalisation can give, counts as nothing.
     ///
@@ -104,6 +115,9 @@ mod tests {
             assert_eq!(compositing.weights_colors(), compositing != Compositing::Separate);
             let weight = if sums_extinction { 4.0_f64.ln() } else { 0.75 };
             assert!((compositing.weight(0.75) - weight).abs() < 1e-12, "{compositing}");
+            let joined = compositing.of_joined_densities();
+            assert!(joined.weights_colors(), "{compositing}: a faint layer would show as much");
+            assert_eq!(joined.sums_extinction(), sums_extinction, "{compositing}");
         }
     }
 

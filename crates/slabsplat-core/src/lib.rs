@@ -104,7 +104,7 @@ pub use interval::{Interval, OutOfRange};
 pub use isosurface::{Isosurface, IsosurfaceError};
 pub use labels::{LabelError, LabelMap, LabelStyle, Labels};
 pub use layer::Layer;
-pub use light::{Lamp, Light, LightDirection, LightError, LightSource};
+pub use light::{Light, LightDirection, LightError, LightInView, LightSource};
 pub use mesh::{DroppedElements, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
 pub use region::{Plane, Region, RegionError};

@@ -119,7 +119,7 @@ impl Light {
 
 /// A light as a viewer sees it who is infinitely far away, too. Directions are in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lamp {
+pub struct LightInView {
     /// `l`, the direction towards the light.
     pub to_light: DVec3,
     /// `h = (l + v)/|l + v|`, half way between light and viewer; zero if the light shines straight at the
@@ -129,7 +129,7 @@ pub struct Lamp {
     pub color: DVec3,
 }
 
-impl Lamp {
+impl LightInView {
     /// For a viewer who looks along `forward`, of length 1.
     pub fn new(light: Light, forward: DVec3) -> Self {
         let (to_light, halfway) = match light.source {
@@ -157,7 +157,7 @@ mod tests {
     fn light_direction_has_length_one() {
         for length in [1e-300, 0.2, 5.0, 1e300] {
             let light = Light::towards(DVec3::X * length).unwrap();
-            assert_eq!(Lamp::new(light, DVec3::Z).to_light, DVec3::X, "{length}");
+            assert_eq!(LightInView::new(light, DVec3::Z).to_light, DVec3::X, "{length}");
         }
         for bad in [DVec3::ZERO, DVec3::NAN, DVec3::INFINITY] {
             assert!(Light::towards(bad).is_err(), "{bad}");
@@ -165,10 +165,11 @@ mod tests {
     }
 
     #[test]
-    fn lamp_halfway_to_the_viewer() {
-        let headlight = Lamp::new(Light::default(), DVec3::Z);
+    fn light_halfway_to_the_viewer() {
+        let headlight = LightInView::new(Light::default(), DVec3::Z);
         assert_eq!((headlight.to_light, headlight.halfway), (DVec3::NEG_Z, DVec3::NEG_Z));
-        let towards = |direction, forward| Lamp::new(Light::towards(direction).unwrap(), forward);
+        let towards =
+            |direction, forward| LightInView::new(Light::towards(direction).unwrap(), forward);
         assert_eq!(towards(DVec3::X, DVec3::NEG_X).halfway, DVec3::X);
         assert_eq!(towards(DVec3::Z, DVec3::Z).halfway, DVec3::ZERO);
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::settings_table::{Settings, settings};
-use crate::{Interval, Lamp, Light, OutOfRange};
+use crate::{Interval, Light, LightInView, OutOfRange};
 
 /// How a voxel's colour is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +67,16 @@ pub struct BlinnPhong {
     /// The coefficients.
     pub phong: Phong,
     /// The lights.
-    pub lamps: Vec<Lamp>,
+    pub lights: Vec<LightInView>,
 }
 
 impl BlinnPhong {
     /// For a viewer who looks along `forward`, of length 1.
     pub fn new(phong: Phong, lights: &[Light], forward: DVec3) -> Self {
-        Self { phong, lamps: lights.iter().map(|&light| Lamp::new(light, forward)).collect() }
+        Self {
+            phong,
+            lights: lights.iter().map(|&light| LightInView::new(light, forward)).collect(),
+        }
     }
 
     /// What `color` becomes on a surface with that normal, which is no longer than 1: what it lacks of that
@@ -87,11 +90,11 @@ impl BlinnPhong {
         };
         let (mut diffuse_light, mut specular_light) = (DVec3::splat(ambient), DVec3::ZERO);
         let undirected = zero_gradient * (1.0 - normal.length()).max(0.0);
-        for lamp in &self.lamps {
-            let n_l = facing(lamp.to_light);
-            diffuse_light += diffuse * (n_l + undirected) * lamp.color;
+        for light in &self.lights {
+            let n_l = facing(light.to_light);
+            diffuse_light += diffuse * (n_l + undirected) * light.color;
             if 0.0 < n_l {
-                specular_light += specular * facing(lamp.halfway).powf(shininess) * lamp.color;
+                specular_light += specular * facing(light.halfway).powf(shininess) * light.color;
             }
         }
         (color * diffuse_light + specular_light).clamp(DVec3::ZERO, DVec3::ONE)

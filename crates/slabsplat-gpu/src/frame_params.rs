@@ -2,7 +2,7 @@
 //! once.
 
 use crate::classification::compositing_code;
-use crate::params::{Frame, Lamp, TILE_SIDE, flag};
+use crate::params::{Frame, LightInView, TILE_SIDE, flag};
 use crate::regions::ray_per_pixel;
 use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Slabs, Splats};
 use slabsplat_core::Lookup;
@@ -32,7 +32,7 @@ pub(crate) fn frame_params(
     };
     put_kernel(layers, &mut frame);
     put_sheets(layers, &mut frame);
-    put_lamps(layers, &mut frame);
+    put_lights(layers, &mut frame);
     frame
 }
 
@@ -88,19 +88,19 @@ fn put_sheets(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
 }
 
 /// All layers that are lit at all have the same lights. Normals of densities are those of view space.
-fn put_lamps(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
+fn put_lights(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
     let is_lit = |(layer, _): &&SplatLayer<'_, '_>| layer.light.is_some();
     let Some((layer, splats)) = layers.iter().find(is_lit) else { return };
-    let Some(light) = &layer.light else { return };
+    let Some(phong) = &layer.light else { return };
     let four = |v: DVec3| v.extend(0.0).as_vec4().to_array();
-    for (lamp, of_plan) in frame.lamps.iter_mut().zip(&light.lamps) {
+    for (light, of_plan) in frame.lights.iter_mut().zip(&phong.lights) {
         let seen = match splats {
             Splats::Colors(_) => *of_plan,
             Splats::Densities(_) => of_plan.seen_along(layer.view.axes()),
         };
         let [to_light, halfway, color] = [seen.to_light, seen.halfway, seen.color].map(four);
-        *lamp = Lamp { to_light, halfway, color };
-        frame.n_lamps += 1;
+        *light = LightInView { to_light, halfway, color };
+        frame.n_lights += 1;
     }
 }
 

@@ -34,24 +34,24 @@ pub(crate) struct Frame {
     pub(crate) ray_start: f32,
     pub(crate) ray_step: f32,
     pub(crate) max_visits: u32,
-    pub(crate) n_lamps: u32,
+    pub(crate) n_lights: u32,
     pub(crate) background: [f32; 4],
-    pub(crate) lamps: [Lamp; Light::MAX_LIGHTS],
+    pub(crate) lights: [LightInView; Light::MAX_LIGHTS],
 }
 
 impl Frame {
-    /// What shaders look at: the rest are lamps that there are not.
+    /// What shaders look at: the rest are lights that there are not.
     pub(crate) fn bytes_in_use(&self) -> &[u8] {
-        let n_unused = self.lamps.len() - self.n_lamps as usize;
+        let n_unused = self.lights.len() - self.n_lights as usize;
         let bytes = bytemuck::bytes_of(self);
-        &bytes[..bytes.len() - n_unused * size_of::<Lamp>()]
+        &bytes[..bytes.len() - n_unused * size_of::<LightInView>()]
     }
 }
 
 /// A light, likewise.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Lamp {
+pub(crate) struct LightInView {
     pub(crate) to_light: [f32; 4],
     pub(crate) halfway: [f32; 4],
     pub(crate) color: [f32; 4],
@@ -271,11 +271,11 @@ mod tests {
             ray_start,
             ray_step,
             max_visits,
-            n_lamps,
+            n_lights,
             background,
-            lamps,
+            lights,
         });
-        check!(Lamp { to_light, halfway, color });
+        check!(LightInView { to_light, halfway, color });
         check!(Layer {
             right,
             up,

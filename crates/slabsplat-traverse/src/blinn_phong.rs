@@ -2,7 +2,7 @@
 
 use crate::{NORMAL_STEPS, VoxelRecord};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{BlinnPhong, Lamp, Light, Phong, ViewAxes};
+use slabsplat_core::{BlinnPhong, Light, LightInView, Phong, ViewAxes};
 
 /// [`BlinnPhong`], rounded for eight normals at a time.
 ///
@@ -23,14 +23,15 @@ pub struct BlinnPhong8 {
     /// Products from which there are highlights.
     least_facing: f32,
     two_sided: bool,
-    lamps: [Lamp8; Light::MAX_LIGHTS],
-    n_lamps: usize,
-    /// Diffuse light of all lamps on what has no gradient, times red, green and blue.
+    lights: [DirectedLight; Light::MAX_LIGHTS],
+    n_lights: usize,
+    /// Diffuse light of all lights on what has no gradient, times red, green and blue.
     undirected: [f32; 3],
 }
 
+/// A light, times what a surface reflects of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Lamp8 {
+struct DirectedLight {
     to_light: [f32; 3],
     halfway: [f32; 3],
     /// The coefficients, times the light's red, green and blue.
@@ -65,25 +66,25 @@ const LEAST_HIGHLIGHT: f64 = 1e-9;
 impl BlinnPhong8 {
     /// The same light.
     pub fn new(light: &BlinnPhong) -> Self {
-        Self::of(&light.phong, light.lamps.iter().copied())
+        Self::of(&light.phong, light.lights.iter().copied())
     }
 
     /// The same light by other directions: to the right, upwards and forward.
     pub fn seen_along(light: &BlinnPhong, axes: &ViewAxes) -> Self {
-        Self::of(&light.phong, light.lamps.iter().map(|lamp| lamp.seen_along(axes)))
+        Self::of(&light.phong, light.lights.iter().map(|light| light.seen_along(axes)))
     }
 
-    fn of(phong: &Phong, lamps: impl ExactSizeIterator<Item = Lamp>) -> Self {
-        let n_lamps = lamps.len().min(Light::MAX_LIGHTS);
+    fn of(phong: &Phong, lights: impl ExactSizeIterator<Item = LightInView>) -> Self {
+        let n_lights = lights.len().min(Light::MAX_LIGHTS);
         let shininess = phong.shininess;
         // The planner lets no more lights through.
-        let mut lamps8 = [Lamp8::default(); Light::MAX_LIGHTS];
-        for (lamp8, lamp) in lamps8.iter_mut().zip(lamps) {
-            *lamp8 = Lamp8::new(phong, &lamp);
+        let mut directed = [DirectedLight::default(); Light::MAX_LIGHTS];
+        for (directed, light) in directed.iter_mut().zip(lights) {
+            *directed = DirectedLight::new(phong, &light);
         }
         let mut undirected = [0.0; 3];
-        for lamp in &lamps8[..n_lamps] {
-            undirected.iter_mut().zip(lamp.diffuse).for_each(|(sum, diffuse)| *sum += diffuse);
+        for light in &directed[..n_lights] {
+            undirected.iter_mut().zip(light.diffuse).for_each(|(sum, diffuse)| *sum += diffuse);
         }
         let undirected = undirected.map(|sum| phong.zero_gradient as f32 * sum);
         let is_whole = shininess.fract() == 0.0 && shininess <= MAX_WHOLE_POWER;
@@ -100,21 +101,21 @@ impl BlinnPhong8 {
                 0.0
             },
             two_sided: phong.two_sided,
-            lamps: lamps8,
-            n_lamps,
+            lights: directed,
+            n_lights,
             undirected,
         }
     }
 
     #[inline]
-    fn lamps(&self) -> &[Lamp8] {
-        &self.lamps[..self.n_lamps]
+    fn lights(&self) -> &[DirectedLight] {
+        &self.lights[..self.n_lights]
     }
 
     /// Whether all light is white, so that one channel stands for all three.
     pub fn is_white(&self) -> bool {
         let is_gray = |[r, g, b]: [f32; 3]| r == g && g == b;
-        self.lamps().iter().all(|lamp| is_gray(lamp.diffuse) && is_gray(lamp.specular))
+        self.lights().iter().all(|light| is_gray(light.diffuse) && is_gray(light.specular))
     }
 
     /// The light on eight voxels, in the first channels. Their normals are of length 1 or 0.
@@ -154,28 +155,29 @@ impl BlinnPhong8 {
         undirected: &[f32; 8],
     ) -> [Light8; N] {
         let mut channels = [Light8 { diffuse: [self.ambient; 8], specular: [0.0; 8] }; N];
-        for (light, of_all) in channels.iter_mut().zip(self.undirected) {
-            for (diffuse, undirected) in light.diffuse.iter_mut().zip(undirected) {
+        for (channel, of_all) in channels.iter_mut().zip(self.undirected) {
+            for (diffuse, undirected) in channel.diffuse.iter_mut().zip(undirected) {
                 *diffuse += of_all * undirected;
             }
         }
-        for lamp in self.lamps() {
-            let n_l = self.facing(normals, to_length_1, lamp.to_light);
+        for light in self.lights() {
+            let n_l = self.facing(normals, to_length_1, light.to_light);
             // From the viewer both are one direction: the usual light, in half the products.
-            let mut n_h = if lamp.halfway == lamp.to_light {
+            let mut n_h = if light.halfway == light.to_light {
                 n_l
             } else {
-                self.facing(normals, to_length_1, lamp.halfway)
+                self.facing(normals, to_length_1, light.halfway)
             };
             for n_h in &mut n_h {
                 *n_h = if self.least_facing <= *n_h { *n_h } else { 0.0 };
             }
             let highlights = self.shininess.of(&n_h);
-            for (idx, light) in channels.iter_mut().enumerate() {
-                let (diffuse, specular) = (lamp.diffuse[idx], lamp.specular[idx]);
+            for (idx, channel) in channels.iter_mut().enumerate() {
+                let (diffuse, specular) = (light.diffuse[idx], light.specular[idx]);
                 for x in 0..8 {
-                    light.diffuse[x] += diffuse * n_l[x];
-                    light.specular[x] += if 0.0 < n_l[x] { specular * highlights[x] } else { 0.0 };
+                    channel.diffuse[x] += diffuse * n_l[x];
+                    channel.specular[x] +=
+                        if 0.0 < n_l[x] { specular * highlights[x] } else { 0.0 };
                 }
             }
         }
@@ -203,13 +205,13 @@ impl BlinnPhong8 {
     }
 }
 
-impl Lamp8 {
-    fn new(phong: &Phong, lamp: &Lamp) -> Self {
-        let color = lamp.color;
+impl DirectedLight {
+    fn new(phong: &Phong, light: &LightInView) -> Self {
+        let color = light.color;
         let rounded = |v: DVec3| v.as_vec3().to_array();
         Self {
-            to_light: rounded(lamp.to_light),
-            halfway: rounded(lamp.halfway),
+            to_light: rounded(light.to_light),
+            halfway: rounded(light.halfway),
             diffuse: rounded(phong.diffuse * color),
             specular: rounded(phong.specular * color),
         }

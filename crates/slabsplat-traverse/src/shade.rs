@@ -185,7 +185,7 @@ mod tests {
     use crate::{BrickRanges, RelevantList};
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        BlinnPhong, Compositing, Grid, Lamp, Light, Phong, Scaling, TransferFunction,
+        BlinnPhong, Compositing, Grid, Light, LightInView, Phong, Scaling, TransferFunction,
     };
     use slabsplat_seeds::for_each_seed;
 
@@ -216,7 +216,7 @@ mod tests {
     }
 
     /// model §6 word by word, in 64 bits, for a normal of length 1 or 0.
-    fn naive_phong(phong: &Phong, lamps: &[Lamp], color: DVec3, normal: DVec3) -> DVec3 {
+    fn naive_phong(phong: &Phong, lights: &[LightInView], color: DVec3, normal: DVec3) -> DVec3 {
         let product = |direction: DVec3| {
             let product = normal.dot(direction);
             if phong.two_sided { product.abs() } else { product.max(0.0) }
@@ -224,12 +224,12 @@ mod tests {
         let mut lit = color * phong.ambient;
         if normal == DVec3::ZERO {
             let facing_all =
-                lamps.iter().map(|lamp| color * phong.diffuse * lamp.color).sum::<DVec3>();
+                lights.iter().map(|light| color * phong.diffuse * light.color).sum::<DVec3>();
             lit += phong.zero_gradient * facing_all;
         }
-        for lamp in lamps.iter().filter(|lamp| 0.0 < product(lamp.to_light)) {
-            lit += color * phong.diffuse * lamp.color * product(lamp.to_light);
-            lit += phong.specular * lamp.color * product(lamp.halfway).powf(phong.shininess);
+        for light in lights.iter().filter(|light| 0.0 < product(light.to_light)) {
+            lit += color * phong.diffuse * light.color * product(light.to_light);
+            lit += phong.specular * light.color * product(light.halfway).powf(phong.shininess);
         }
         lit.clamp(DVec3::ZERO, DVec3::ONE)
     }
@@ -296,7 +296,7 @@ mod tests {
                         let value = volume.value(list.voxel_idx(brick, record));
                         let color = DVec3::from(transfer.color(value));
                         let normal = DVec3::from(record.normal.map(f64::from)).normalize_or_zero();
-                        let lit = naive_phong(&phong, &light.lamps, color, normal);
+                        let lit = naive_phong(&phong, &light.lights, color, normal);
                         let opacity = transfer.opacity(value);
                         let expected = match compositing {
                             Compositing::Separate => lit.extend(opacity),

@@ -5,7 +5,8 @@ use super::between_sheets::{Between, InSheet};
 use super::density_layer::{ClassifiedPart, DensityLayer, Sums};
 use super::isosurfaces::{Crossing, crossings};
 use super::mesh::{Surfaces, mean_of_samples, share_before};
-use super::region::{PLACE_OF_A_PLANE, RegionOnRay, splitting};
+use super::region::{PLACE_OF_A_PLANE, RegionOnRay};
+use super::sheet::splitting;
 use super::slabs::Slabs;
 use super::statistic::{self, OneForAll};
 use super::view::View;
@@ -190,14 +191,10 @@ impl<'a> Frame<'a> {
         let mut pixel = Premultiplied::default();
         for PartOfRay { ends, shown } in parts {
             let before = depth.map_or(1.0, |depth| share_before(self.compositing, *ends, depth));
-            let mut sums = SheetSums::new(joining(self.compositing));
+            let mut sums = SheetSums::of_parts(self.compositing);
             for (ClassifiedPart { length, weight, color }, share) in shown {
                 let length = before * share * length;
-                let color = match self.compositing {
-                    Compositing::Separate => color.map(|channel| (length * channel).min(1.0)),
-                    Compositing::Associated | Compositing::Extinction => *color,
-                };
-                sums.add_weighted(length, *weight, color);
+                sums.add_part(self.compositing, length, *weight, *color);
             }
             pixel.lay_over(sums.finish());
         }
@@ -289,12 +286,4 @@ fn fronts(layers: &[DensityLayer<'_>], sheets: &Slabs) -> Vec<f64> {
 /// A sheet and the next in the middle of six.
 fn around(sheets: &[InSheet], first: usize) -> &[InSheet; 6] {
     sheets[first - 2..].first_chunk().expect("there are three sheets behind it")
-}
-
-/// How parts of several layers are joined (model §10): in `separate`, what each layer alone would be.
-fn joining(compositing: Compositing) -> Compositing {
-    match compositing {
-        Compositing::Separate | Compositing::Associated => Compositing::Associated,
-        Compositing::Extinction => Compositing::Extinction,
-    }
 }

@@ -4,6 +4,7 @@
 use super::between_sheets::{Between, InSheet};
 use super::classified_part::part;
 use super::region::normal_by_faces;
+use super::sheet::through_a_quarter;
 use super::slabs::Slabs;
 use super::view::View;
 use super::{Cut, Hierarchy, Kernel, KernelInView, shaded_by_normals};
@@ -183,11 +184,8 @@ impl<'a> DensityLayer<'a> {
         let part = part(transfer, self.compositing, densities)?;
         // What is seen lies evenly around its mean, as far as the part goes on both sides.
         let seen = 2.0 * part.position.min(1.0 - part.position);
-        // What goes through the quarters before counts, where what a sheet sums hides any of itself.
-        let through = match self.compositing {
-            Compositing::Extinction => (-0.25 * between.length * part.weight).exp(),
-            Compositing::Separate | Compositing::Associated => 1.0,
-        };
+        // What goes through the quarters before counts.
+        let through = through_a_quarter(self.compositing, between.length, part.weight);
         let quarters = [0, 1, 2, 3].map(|quarter| {
             let position = part.position + seen * LIT_AT[quarter];
             let normal = self.normal(at, between.slopes(position));

@@ -1,7 +1,7 @@
 //! What is drawn in which sheet, by each of the three methods (model §4).
 
 use super::region::normal_by_faces;
-use super::sheet::MAX_OPACITY;
+use super::sheet::weight;
 use super::slabs::{Slabs, SplatsBySlab};
 use super::view::View;
 use super::{
@@ -64,7 +64,7 @@ const DEPTH_STEP: f64 = 1.0 / (1 << 20) as f64;
 impl Voxel {
     /// `μ`.
     pub(super) fn extinction(&self) -> f64 {
-        -(1.0 - self.opacity.min(MAX_OPACITY)).ln()
+        weight(Compositing::Extinction, self.opacity)
     }
 }
 

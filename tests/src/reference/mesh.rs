@@ -1,9 +1,8 @@
 //! What the rays of a pixel's samples hit of opaque meshes (model §14): every triangle, line and point is
 //! asked.
 
-use super::region::splitting;
 use super::shaded_by_normals;
-use super::sheet::Premultiplied;
+use super::sheet::{Premultiplied, share_of_slab, splitting};
 use super::tube::{Tube, tubes};
 use super::view::View;
 use slabsplat_core::glam::{DMat3, DVec3};
@@ -157,13 +156,8 @@ fn unit_of_meshes(meshes: &[MeshLayer]) -> f64 {
 }
 
 /// What part of a slab lies before a depth.
-pub(super) fn share_before(compositing: Compositing, [front, back]: [f64; 2], depth: f64) -> f64 {
-    match compositing {
-        Compositing::Extinction => ((depth - front) / (back - front)).clamp(0.0, 1.0),
-        Compositing::Separate | Compositing::Associated => {
-            f64::from(u8::from(0.5 * (front + back) < depth))
-        }
-    }
+pub(super) fn share_before(compositing: Compositing, faces: [f64; 2], depth: f64) -> f64 {
+    share_of_slab(compositing, faces, [f64::NEG_INFINITY, depth])
 }
 
 /// The mean of what samples show: what `before` returns of a depth, or of all of it, and then the surface or

@@ -3,6 +3,7 @@
 use super::density;
 use super::frame::Frame;
 use super::mesh;
+use super::sheet::{share_of_slab, splitting};
 use super::view::View;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Method, Mode, Region, Scene};
@@ -46,27 +47,10 @@ impl RegionOnRay {
         (start <= depth && depth < end) != self.is_inverted
     }
 
-    /// The share of a slab: of all of it in `extinction`, else all or nothing by its middle.
-    pub(super) fn share(&self, compositing: Compositing, [front, back]: [f64; 2]) -> f64 {
-        let [start, end] = self.ends;
-        let in_convex_set = match compositing {
-            Compositing::Extinction => (back.min(end) - front.max(start)).max(0.0) / (back - front),
-            Compositing::Separate | Compositing::Associated => {
-                let middle = 0.5 * (front + back);
-                f64::from(u8::from(start <= middle && middle < end))
-            }
-        };
+    /// The share of a slab between two faces.
+    pub(super) fn share(&self, compositing: Compositing, faces: [f64; 2]) -> f64 {
+        let in_convex_set = share_of_slab(compositing, faces, self.ends);
         if self.is_inverted { 1.0 - in_convex_set } else { in_convex_set }
-    }
-}
-
-/// The model by which a mode splits slabs: a mean has shares of them, the largest and the least density do
-/// not.
-pub(super) fn splitting(mode: Mode) -> Compositing {
-    match mode {
-        Mode::Separate => Compositing::Separate,
-        Mode::Associated | Mode::Maximum | Mode::Minimum => Compositing::Associated,
-        Mode::Extinction | Mode::Average | Mode::Isosurfaces => Compositing::Extinction,
     }
 }
 

@@ -32,7 +32,7 @@ pub fn shaded_by_normals(
         for (light, &(normal, weight)) in
             lights.iter().flat_map(|l| normals.iter().map(move |n| (l, n)))
         {
-            let (of_diffuse, of_specular) = lamp_terms(phong, light, normal, forward);
+            let (of_diffuse, of_specular) = light_terms(phong, light, normal, forward);
             diffuse += weight / weights * light.color[channel] * of_diffuse;
             specular += weight / weights * light.color[channel] * of_specular;
         }
@@ -41,7 +41,7 @@ pub fn shaded_by_normals(
 }
 
 /// `k_d·(n·l + k_0·(1 − |n|))` and `k_s·(n·h)^s`.
-fn lamp_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f64, f64) {
+fn light_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (f64, f64) {
     let to_viewer = -forward;
     let to_light = match light.source {
         LightSource::Headlight => to_viewer,
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn shade_lamp_from_the_side_and_behind() {
+    fn shade_light_from_the_side_and_behind() {
         let side = [towards(DVec3::X)];
         let half = 0.5_f64.sqrt().powi(3) * 0.2;
         check_lit(phong(), &side, DVec3::NEG_X, [0.5 * 0.7 + half, half, half]);

@@ -1,9 +1,10 @@
 //! How a sheet's sums become premultiplied colour, and how sheets are composited (model §3).
+//! All that depends on the compositing model is here.
 
-use slabsplat_core::Compositing;
+use slabsplat_core::{Compositing, Mode};
 
 /// Greatest opacity of a voxel in `extinction`, which would be infinite at 1.
-pub(super) const MAX_OPACITY: f64 = 1.0 - 1e-6;
+const MAX_OPACITY: f64 = 1.0 - 1e-6;
 
 /// What one pixel of a sheet has summed up.
 #[derive(Clone, Copy, Debug)]
@@ -32,10 +33,54 @@ pub(super) fn weight(compositing: Compositing, opacity: f64) -> f64 {
     }
 }
 
+/// The model by which a mode splits slabs: a mean has shares of them, the largest and the least density do
+/// not.
+pub(super) fn splitting(mode: Mode) -> Compositing {
+    match mode {
+        Mode::Separate => Compositing::Separate,
+        Mode::Associated | Mode::Maximum | Mode::Minimum => Compositing::Associated,
+        Mode::Extinction | Mode::Average | Mode::Isosurfaces => Compositing::Extinction,
+    }
+}
+
+/// The share of a slab that lies between two depths: of all of it in `extinction`, else all or nothing by its
+/// middle.
+pub(super) fn share_of_slab(
+    compositing: Compositing,
+    [front, back]: [f64; 2],
+    [start, end]: [f64; 2],
+) -> f64 {
+    match compositing {
+        Compositing::Extinction => (back.min(end) - front.max(start)).max(0.0) / (back - front),
+        Compositing::Separate | Compositing::Associated => {
+            let middle = 0.5 * (front + back);
+            f64::from(u8::from(start <= middle && middle < end))
+        }
+    }
+}
+
+/// What goes through a quarter of a part between sheets (model §8), where what a sheet sums hides any of
+/// itself.
+pub(super) fn through_a_quarter(compositing: Compositing, length: f64, weight: f64) -> f64 {
+    match compositing {
+        Compositing::Extinction => (-0.25 * length * weight).exp(),
+        Compositing::Separate | Compositing::Associated => 1.0,
+    }
+}
+
 impl SheetSums {
     /// An empty sheet.
     pub fn new(compositing: Compositing) -> Self {
         Self { compositing, opacity: 0.0, color: [0.0; 3] }
+    }
+
+    /// An empty sum of parts of several layers of densities (model §10): in `separate`, of what each layer alone
+    /// would show.
+    pub fn of_parts(compositing: Compositing) -> Self {
+        match compositing {
+            Compositing::Separate | Compositing::Associated => Self::new(Compositing::Associated),
+            Compositing::Extinction => Self::new(Compositing::Extinction),
+        }
     }
 
     /// Adds a voxel's section weight `section`, times its opacity and its shaded colour.
@@ -53,6 +98,21 @@ impl SheetSums {
         for (sum, channel) in self.color.iter_mut().zip(color) {
             *sum += section * color_factor * channel;
         }
+    }
+
+    /// Adds what a layer of densities shows, to a sum that is [`of_parts`](Self::of_parts).
+    pub fn add_part(
+        &mut self,
+        compositing: Compositing,
+        length: f64,
+        weight: f64,
+        color: [f64; 3],
+    ) {
+        let color = match compositing {
+            Compositing::Separate => color.map(|channel| (length * channel).min(1.0)),
+            Compositing::Associated | Compositing::Extinction => color,
+        };
+        self.add_weighted(length, weight, color);
     }
 
     /// Adds a share of what another layer has summed up in the same sheet.

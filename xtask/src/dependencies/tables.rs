@@ -234,7 +234,7 @@ pub(super) const EXTERNALS: &[External] = &[
     External {
         name: "pollster",
         users: Users::Only(&["slabsplat-wgpu"]),
-        why: "only wgpu hands out futures, and they end where they come from",
+        why: "only wgpu returns futures, and they end where they come from",
     },
     External { name: "ash", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },
     External { name: "gpu-allocator", users: Users::Only(&["slabsplat-ash"]), why: UNSAFE },

@@ -126,7 +126,7 @@ const VALID: &str = "the presets are valid, as a test has seen";
 
 impl Suited {
     /// What is wrong with a volume whose values go from `lo` to `hi`, if anything; `name` is the preset's.
-    pub fn complaint(self, name: &str, [lo, hi]: [f64; 2]) -> Option<String> {
+    pub fn warning(self, name: &str, [lo, hi]: [f64; 2]) -> Option<String> {
         // Fat is −190 to −30, and no body lacks it; bone and contrast agents are above 150.
         let is_hounsfield = lo <= -30.0 && 150.0 <= hi;
         // Air in CT.
@@ -207,13 +207,13 @@ mod tests {
     #[test]
     fn preset_says_what_does_not_suit() {
         let check = |suited: Suited, range, expected: Option<&str>| {
-            let complaint = suited.complaint("it", range);
-            match (&complaint, expected) {
+            let warning = suited.warning("it", range);
+            match (&warning, expected) {
                 (None, None) => {}
-                (Some(complaint), Some(expected)) => {
-                    assert!(complaint.contains(expected), "{complaint}");
+                (Some(warning), Some(expected)) => {
+                    assert!(warning.contains(expected), "{warning}");
                 }
-                _ => panic!("{suited:?} of {range:?}: {complaint:?}"),
+                _ => panic!("{suited:?} of {range:?}: {warning:?}"),
             }
         };
         check(Suited::Hounsfield, [-1024.0, 3071.0], None);

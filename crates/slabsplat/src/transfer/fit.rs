@@ -190,7 +190,7 @@ fn preset_warnings(fit: &TransferFit, window: Option<[f64; 2]>, volume: &Volume)
         return Vec::new();
     };
     let preset = preset(name).ok();
-    preset.and_then(|preset| preset.suited.complaint(name, range)).into_iter().collect()
+    preset.and_then(|preset| preset.suited.warning(name, range)).into_iter().collect()
 }
 
 #[cfg(test)]

@@ -73,7 +73,7 @@ impl Classifier<'_> {
             let Some(ring) = rings.of(idx) else { continue };
             layer.add_parts(simd, (last, ring), of_layer, tile, regions.of(idx));
             if are_several {
-                if self.compositing == Compositing::Separate {
+                if !self.compositing.weights_colors() {
                     weight_colors(of_layer);
                 }
                 joined.take_from(of_layer);
@@ -87,12 +87,8 @@ impl Classifier<'_> {
 
     /// What the sums of parts are composited by (model §10).
     fn joining(&self) -> Compositing {
-        match self.compositing {
-            Compositing::Separate if 1 < self.layers.len() => Compositing::Associated,
-            Compositing::Separate | Compositing::Associated | Compositing::Extinction => {
-                self.compositing
-            }
-        }
+        let are_several = 1 < self.layers.len();
+        if are_several { self.compositing.of_joined_densities() } else { self.compositing }
     }
 }
 
