@@ -55,11 +55,11 @@ fn color(text: &str) -> Result<[f32; 4], NotABackground> {
     let text = text.trim();
     let unknown = || NotABackground::NotAColor(text.to_owned());
     if text.starts_with(|c: char| c == '#' || c.is_ascii_alphabetic()) {
-        // The parser also takes hexadecimal digits without their sign, and functions: a misspelt name is not
-        // to be one of these.
-        let is_misspelt = text.chars().all(|c| c.is_ascii_hexdigit()) || text.contains('(');
-        let color = csscolorparser::parse(text).ok().filter(|_| !is_misspelt);
-        return Ok(color.ok_or_else(unknown)?.to_array());
+        // The parser also takes functions, of colours that are not whole numbers of 255.
+        let is_function = text.contains('(');
+        let color = color::parse_color(text).ok().filter(|_| !is_function).ok_or_else(unknown)?;
+        let channels = color.to_alpha_color::<color::Srgb>().to_rgba8().to_u8_array();
+        return Ok(channels.map(|channel| f32::from(channel) / 255.0));
     }
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|part| part.trim().parse()).collect();
     let color = of_channels(&numbers.map_err(|_| unknown())?).ok_or_else(unknown)?;

@@ -263,7 +263,7 @@ pub(super) const EXTERNALS: &[External] = &[
         users: Users::Only(&["slabsplat-io", "slabsplat-film"]),
         why: CODECS,
     },
-    External { name: "csscolorparser", users: Users::Only(&["slabsplat-io"]), why: CODECS },
+    External { name: "color", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "jpeg-decoder", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "rust-j2k", users: Users::Only(&["slabsplat-io"]), why: CODECS },
     External { name: "hdf5-pure", users: Users::Only(&["slabsplat-io"]), why: CODECS },

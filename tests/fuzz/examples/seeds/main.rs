@@ -5,7 +5,6 @@ mod arrays;
 mod images;
 
 // What the tests of slabsplat-io spoil is spoilt here as well.
-#[expect(dead_code, reason = "they spoil more")]
 #[path = "../../../../crates/slabsplat-io/tests/small_files/mod.rs"]
 mod small_files;
 
