@@ -143,24 +143,4 @@ impl BrickMask {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn row_mask_has_a_bit_a_voxel() {
-        let row = [9_u8, 1, 5, 200, 5, 0, 77, 6];
-        let ranges = [[5, 9], [77, 255]];
-        assert_eq!(row_mask(&row, &ranges), 0b1101_1101);
-        assert_eq!(short_row_mask(&row[..4], &ranges), 0b1101);
-        assert_eq!(row_mask(&[f32::NAN; 8], &[[f32::NEG_INFINITY, f32::INFINITY]]), 0);
-    }
-
-    #[test]
-    fn brick_mask_has_the_places_of_records() {
-        let slots = [0, 1, 9, 63, 64, 510, 511];
-        let records = slots.map(|slot| VoxelRecord { slot, ..VoxelRecord::default() });
-        let mask = BrickMask::of_records(&records);
-        assert!((0..512).filter(|&slot| mask.has(slot)).eq(slots));
-        assert_eq!((mask.count(), BrickMask::ALL.count()), (7, 512));
-    }
-}
+mod tests;

@@ -1,13 +1,19 @@
-//! Normals by the definition (model §6), a voxel at a time in 64 bits: what `gradient` is tested against.
+//! Gradients and normals by the definition (model §6), a voxel at a time in 64 bits: what `gradient` and
+//! `membership` are tested against.
 
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Sample, Volume, with_samples};
 
-/// `−∇v/|∇v|` in world space, or zero.
-pub(crate) fn naive_normal(volume: &Volume, voxel_idx: usize) -> DVec3 {
+/// `∇v` in world space.
+pub(crate) fn naive_gradient(volume: &Volume, voxel_idx: usize) -> DVec3 {
     let coords = volume.grid().voxel_coords(voxel_idx);
     let in_index = DVec3::from([0, 1, 2].map(|axis| difference(volume, coords, axis)));
-    let in_world = volume.grid().index_from_world().matrix3.transpose() * in_index;
+    volume.grid().index_from_world().matrix3.transpose() * in_index
+}
+
+/// `−∇v/|∇v|` in world space, or zero.
+pub(crate) fn naive_normal(volume: &Volume, voxel_idx: usize) -> DVec3 {
+    let in_world = naive_gradient(volume, voxel_idx);
     // Scaled before the length is taken: squares of tiny differences would underflow.
     let largest = in_world.abs().max_element();
     let normal = -(in_world / largest).normalize_or_zero();

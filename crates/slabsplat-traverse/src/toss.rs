@@ -377,6 +377,7 @@ mod tests {
         for (side, border) in [(32, 1), (32, 0), (7, 3), (1, 0), (5, 1)] {
             let size = [70, 9];
             let tiles = TileGrid::new(size, side, border);
+            assert_eq!(tiles.border(), border);
             let end = size.map(|n| n + 2 * border as u32);
             for (x, y) in (0..end[0]).flat_map(|x| (0..end[1]).map(move |y| (x, y))) {
                 let pixel = PixelRect { min: [x, y], end: [x + 1, y + 1] };

@@ -31,3 +31,18 @@ impl<W: Default> Workspaces<W> {
         self.0.iter().map(locked).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn workspaces_are_one_a_thread_and_sum_up() {
+        let mut workspaces = Workspaces::<usize>::default();
+        let n_threads = workspaces.for_all_threads().0.len();
+        assert_eq!(n_threads, rayon::current_num_threads());
+        *workspaces.of_this_thread() = 7;
+        assert_eq!(workspaces.sum_of(|&held| held), 7);
+        assert_eq!(workspaces.sum_of(|_| 2), 2 * n_threads);
+    }
+}

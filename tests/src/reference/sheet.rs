@@ -74,8 +74,8 @@ impl SheetSums {
         Self { compositing, opacity: 0.0, color: [0.0; 3] }
     }
 
-    /// An empty sum of parts of several layers of densities (model §10): in `separate`, of what each layer alone
-    /// would show.
+    /// An empty sum of parts of several layers of densities (model §10): in `separate`, of what each layer
+    /// alone would show.
     pub fn of_parts(compositing: Compositing) -> Self {
         match compositing {
             Compositing::Separate | Compositing::Associated => Self::new(Compositing::Associated),

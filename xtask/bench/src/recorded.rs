@@ -1,5 +1,5 @@
-//! Counts that are the same from run to run, and what they were when somebody last looked: a file of `tests/`.
-//! A guard compares both; more than was recorded, by more than [`TOLERANCE`], is a failure.
+//! Counts that are the same from run to run, and what they were when somebody last looked: a file of
+//! `tests/`. A guard compares both; more than was recorded, by more than [`TOLERANCE`], is a failure.
 
 use std::ffi::OsString;
 use std::fs;

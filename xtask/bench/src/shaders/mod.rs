@@ -3,8 +3,8 @@
 //! Mesa's driver for AMD compiles for a GPU that is not there ([`compiler`]), and says what registers a
 //! shader takes and prints its code, in which [`assembly`] finds loops. These are no times; but an
 //! instruction of the innermost loop is one for every pixel of every splat, and registers limit how many
-//! threads hide each other's waiting. [`record`] holds what they were when somebody last looked, and more is a
-//! failure where the same driver is installed.
+//! threads hide each other's waiting. [`record`] holds what they were when somebody last looked, and more is
+//! a failure where the same driver is installed.
 
 mod assembly;
 mod compiler;
