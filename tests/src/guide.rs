@@ -19,4 +19,5 @@ chapters! {
     own_kernel = "own-kernel.md",
     own_backend = "own-backend.md",
     performance = "performance.md",
+    api = "api.md",
 }
