@@ -50,8 +50,8 @@ pub enum PlanError {
     /// unequal, or those of two layers, or slabs too thin.
     #[error(
         "a frame of {n:.1e} {of} takes too long: the volume with spacing {spacing} is cut into too many \
-         slabs, as {cause}; correct the spacing, set slab_width to {wide_enough} or more, or draw \
-         every-sample, which has no slabs"
+         slabs, as {cause}; {}",
+        what_helps(*wide_enough, *is_drawn_by_every_sample)
     )]
     TooMuchWork {
         /// How many.
@@ -64,6 +64,8 @@ pub enum PlanError {
         cause: String,
         /// A slab width, as settings have it, at which there are few enough of them.
         wide_enough: f64,
+        /// Whether [`Method::EverySample`], which has no slabs, draws the scene as it is.
+        is_drawn_by_every_sample: bool,
     },
     /// There is nothing to draw.
     #[error("the scene has no layers and no meshes")]
@@ -135,4 +137,16 @@ pub enum PlanError {
     /// Of two surfaces that are one, neither is in front.
     #[error("there are two isosurfaces of the value {0}: leave one out")]
     IsosurfaceTwice(f64),
+}
+
+/// What makes less work of a scene, as far as it can be done to this one.
+fn what_helps(wide_enough: f64, is_drawn_by_every_sample: bool) -> String {
+    if is_drawn_by_every_sample {
+        format!(
+            "correct the spacing, set slab_width to {wide_enough} or more, or draw every-sample, which has \
+             no slabs"
+        )
+    } else {
+        format!("correct the spacing, or set slab_width to {wide_enough} or more")
+    }
 }

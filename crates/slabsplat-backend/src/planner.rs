@@ -42,7 +42,7 @@ impl Planner {
         scene.image.checked()?;
         Light::check_all(&scene.lights)?;
         let n_layers = scene.layers.len();
-        check_method(scene)?;
+        check_method(scene, settings.method)?;
         // Both methods with slabs have the same densities.
         let method =
             if is_of_densities(settings.mode) { Method::PostClassified } else { settings.method };
@@ -77,7 +77,11 @@ impl Planner {
             let grids = layers.iter().map(|layer| layer.volume.grid());
             let (slab_width, n_pixels) = (settings.slab_width, scene.image.n_pixels());
             let radius = kernel.radius();
-            SlabWork { grids, method, radius, slab_width, n_pixels }.check()?;
+            // Of densities it would show another picture.
+            let is_drawn_by_every_sample =
+                method == Method::ImageAligned && check_method(scene, Method::EverySample).is_ok();
+            SlabWork { grids, method, radius, slab_width, n_pixels, is_drawn_by_every_sample }
+                .check()?;
         }
         let slabs = Depths::slabs(&depths, width * unit)?;
         self.tables.resize_with(n_layers, Tables::default);

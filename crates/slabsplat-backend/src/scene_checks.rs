@@ -1,21 +1,21 @@
 //! Which methods and modes draw which scenes.
 
 use crate::PlanError;
-use slabsplat_core::{Isosurface, Layer, Method, Mode, RenderSettings, Scene, VoxelColors};
+use slabsplat_core::{Isosurface, Layer, Method, Mode, Scene, VoxelColors};
 
 /// Whether a mode shows densities, whatever the method.
 pub(crate) fn is_of_densities(mode: Mode) -> bool {
     mode.compositing().is_none()
 }
 
-/// Whether the method can draw such a scene.
-pub(crate) fn check_method(scene: &Scene) -> Result<(), PlanError> {
-    let RenderSettings { method, mode, .. } = scene.settings;
+/// Whether the method, be it that of the scene or another, can draw such a scene.
+pub(crate) fn check_method(scene: &Scene, method: Method) -> Result<(), PlanError> {
+    let mode = scene.settings.mode;
     let has_slabs = match method {
         Method::ImageAligned | Method::PostClassified => true,
         Method::AxisAligned | Method::EverySample => false,
     };
-    check_voxels(scene)?;
+    check_voxels(scene, method)?;
     if !scene.meshes.is_empty() {
         if !has_slabs {
             return Err(PlanError::NoMeshes { what: format!("the method {method}") });
@@ -41,8 +41,8 @@ pub(crate) fn check_method(scene: &Scene) -> Result<(), PlanError> {
 }
 
 /// Whether the method can tell voxels, where these have labels or opacities of their own.
-fn check_voxels(scene: &Scene) -> Result<(), PlanError> {
-    let RenderSettings { method, mode, .. } = scene.settings;
+fn check_voxels(scene: &Scene, method: Method) -> Result<(), PlanError> {
+    let mode = scene.settings.mode;
     let densities = match method {
         _ if is_of_densities(mode) => Some(format!("the mode {mode}")),
         Method::PostClassified => Some(format!("the method {method}")),

@@ -21,6 +21,8 @@ pub(crate) struct SlabWork<G> {
     pub(crate) slab_width: f64,
     /// Of the picture.
     pub(crate) n_pixels: usize,
+    /// Whether [`Method::EverySample`] shows the same scene, for what the error says.
+    pub(crate) is_drawn_by_every_sample: bool,
 }
 
 /// Any number of voxels may have kernels up to so many slabs deep, which of image-aligned slabs is steps 64
@@ -89,6 +91,7 @@ impl<'a, G: Iterator<Item = &'a Grid> + Clone> SlabWork<G> {
             spacing: format!("{x} x {y} x {z}"),
             cause: grid.map_or_else(String::new, |grid| self.cause(grid)),
             wide_enough: rounded_up(self.slab_width * excess),
+            is_drawn_by_every_sample: self.is_drawn_by_every_sample,
         }
     }
 
@@ -161,7 +164,15 @@ mod tests {
 
     fn error(grids: &[Grid], method: Method, slab_width: f64, side: usize) -> Option<PlanError> {
         let n_pixels = side * side;
-        SlabWork { grids: grids.iter(), method, radius: 2.0, slab_width, n_pixels }.check().err()
+        let work = SlabWork {
+            grids: grids.iter(),
+            method,
+            radius: 2.0,
+            slab_width,
+            n_pixels,
+            is_drawn_by_every_sample: false,
+        };
+        work.check().err()
     }
 
     const METHODS: [Method; 2] = [Method::ImageAligned, Method::PostClassified];

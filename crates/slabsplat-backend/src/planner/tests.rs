@@ -4,8 +4,8 @@ use super::*;
 use crate::{ColorSplats, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Grid, ImageDesc, Isosurface, KernelName, Lookup, Normalization, Projection,
-    RenderSettings, Scaling, TransferFunction, Volume,
+    Camera, Grid, ImageDesc, Isosurface, KernelName, Lookup, Normalization, Plane, Projection,
+    Region, RenderSettings, Scaling, TransferFunction, Volume,
 };
 use slabsplat_kernel::{KernelTails, SectionTable, SplitLevels, SplitView};
 use std::sync::Arc;
@@ -186,6 +186,42 @@ fn planner_bounds_work_of_a_frame() {
     for mode in [Mode::Maximum, Mode::Minimum, Mode::Average] {
         let refused = refused(settings.clone().mode(mode).slab_width(2.0));
         assert!(refused.contains("takes too long"), "{mode}: {refused}");
+    }
+}
+
+/// What every-sample does not draw, or would draw as another picture, is not sent there.
+#[test]
+fn planner_bounds_work_and_names_only_what_helps() {
+    let needles = || {
+        let grid = Grid::with_spacing([16, 16, 30], [1.0, 1.0, 1600.0]).unwrap();
+        Volume::new(grid, vec![1_u8; 7680].into(), Scaling::IDENTITY).unwrap()
+    };
+    let refused = |scene: &Scene| {
+        let error = Planner::default().plan(scene).unwrap_err().to_string();
+        assert!(error.contains("takes too long"), "{error}");
+        let (_, hint) = error.split_once("; ").unwrap();
+        hint.to_owned()
+    };
+    let settings = RenderSettings::default();
+    let alone = scene_of(needles(), settings.clone());
+    assert!(refused(&alone).ends_with("or draw every-sample, which has no slabs"));
+    let mut two = alone.clone();
+    two.layers.push(two.layers[0].clone());
+    let mut cut = alone.clone();
+    cut.layers[0].region = Region::new(vec![Plane::new(DVec3::X, 0.0).unwrap()]);
+    // Sheets of densities are half a slab thick, and a kernel has its own bound.
+    let wide = settings.slab_width(2.0);
+    let densities = wide.clone().method(Method::PostClassified);
+    let maximum = wide.mode(Mode::Maximum);
+    let [densities, maximum] = [densities, maximum].map(|it| scene_of(needles(), it));
+    for other in [two, cut, densities, maximum] {
+        let hint = refused(&other);
+        assert!(hint.starts_with("correct the spacing, or set slab_width to "), "{hint}");
+        assert!(!hint.contains("every-sample"), "{hint}");
+        let mut drawn = other.clone();
+        drawn.settings.method = Method::EverySample;
+        let draws = Planner::default().plan(&drawn).is_ok();
+        assert_eq!(draws, other.settings.method == Method::PostClassified, "{hint}");
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::stream::plain_extension;
 use crate::IoError;
+use crate::store::Store;
 
 /// A format that is known, and not read.
 #[derive(Debug)]
@@ -28,7 +29,7 @@ const FORMATS: &[Foreign] = &[
         name: "FreeSurfer's MGH",
         magic: &[],
         extensions: &["mgz", "mgh"],
-        remedy: "`mri_convert IN OUT.nii.gz`, or nibabel, converts it",
+        remedy: "`mri_convert IN OUT.nii.gz` (FreeSurfer), or `mrconvert IN OUT.nii.gz` (MRtrix), converts it",
     },
     Foreign {
         name: "Nikon's ND2",
@@ -37,7 +38,7 @@ const FORMATS: &[Foreign] = &[
         remedy: BIO_FORMATS,
     },
     Foreign {
-        name: "Zeiss's CZI",
+        name: "Zeiss's CZI, LSM or ZVI",
         magic: &[(0, b"ZISRAWFILE")],
         extensions: &["czi", "lsm", "zvi"],
         remedy: BIO_FORMATS,
@@ -53,7 +54,7 @@ const FORMATS: &[Foreign] = &[
     },
     Foreign {
         name: "NetCDF as it was before HDF5, maybe MINC",
-        magic: &[(0, b"CDF\x01"), (0, b"CDF\x02")],
+        magic: &[(0, b"CDF\x01"), (0, b"CDF\x02"), (0, b"CDF\x05")],
         extensions: &["mnc"],
         remedy: "`nccopy -k nc4 IN OUT.nc` makes it HDF5, and `mnc2nii IN OUT.nii` a NIfTI of a MINC",
     },
@@ -75,25 +76,32 @@ const FORMATS: &[Foreign] = &[
         extensions: &["par"],
         remedy: "`dcm2niix`, or nibabel's `parrec2nii`, converts it",
     },
-    Foreign { name: "GIPL", magic: &[], extensions: &["gipl"], remedy: "ITK-SNAP converts it" },
+    Foreign {
+        name: "GIPL",
+        magic: &[],
+        extensions: &["gipl"],
+        remedy: "`c3d IN -o OUT.nii.gz` (ITK-SNAP's Convert3D) converts it",
+    },
     Foreign {
         name: "ENVI's header",
         magic: &[(0, b"ENVI\n"), (0, b"ENVI\r")],
         extensions: &[],
         remedy: "its samples are raw: name the file without .hdr, with --dims, --type and --header-bytes as \
-                 the header says them, or convert it by `gdal_translate`",
+                 the header says them; if its interleave is not bsq, make it so by `gdal_translate -of ENVI \
+                 -co INTERLEAVE=BSQ IN OUT`",
     },
     Foreign {
         name: "AmiraMesh",
         magic: &[(0, b"# AmiraMesh"), (0, b"# Avizo"), (0, b"# HyperMesh")],
         extensions: &["am", "amiramesh"],
-        remedy: "Amira and Avizo save NRRD or TIFF; 3D Slicer with SlicerMorph opens it",
+        remedy: "Amira and Avizo save TIFF, and `bfconvert IN OUT.ome.tif` (Bio-Formats) makes an OME-TIFF of it",
     },
     Foreign {
         name: "OpenVDB",
         magic: &[(0, b" BDV")],
         extensions: &["vdb"],
-        remedy: "a dense array is read: in Python, `openvdb`'s `copyToArray`, then `numpy.save`",
+        remedy: "a dense array is read: in Python, `openvdb`'s `copyToArray`, then `numpy.save` of its `.T`, as \
+                 x comes first in it",
     },
     Foreign {
         name: "VTK's SLC",
@@ -169,6 +177,24 @@ const FORMATS: &[Foreign] = &[
     },
 ];
 
+/// Folders, of which those below need not say what they are.
+const N5: Foreign = Foreign {
+    name: "N5",
+    magic: &[],
+    extensions: &["n5"],
+    remedy: "in Python with zarr 2, `numpy.save(\"OUT.npy\", zarr.open(zarr.N5FSStore(\"IN\"))[\"ARRAY\"])` \
+             saves an array of it, and Fiji opens it, and saves TIFF",
+};
+
+/// What tells of a group or an array of N5.
+const N5_ATTRIBUTES: &str = "attributes.json";
+
+/// The format of a folder that is none of those that are read.
+pub(super) fn of_folder(store: Store<'_>, folder: &Path) -> Option<&'static Foreign> {
+    let is_named = N5.extensions.contains(&plain_extension(folder).as_str());
+    (is_named || store.has(&folder.join(N5_ATTRIBUTES))).then_some(&N5)
+}
+
 /// The format whose content begins like this.
 pub(super) fn of_content(start: &[u8]) -> Option<&'static Foreign> {
     let is_there = |&(at, bytes): &(usize, &[u8])| start.get(at..at + bytes.len()) == Some(bytes);
@@ -218,6 +244,28 @@ mod tests {
             let message = refused(name, bytes);
             assert!(message.contains(expected), "{message}");
         }
+    }
+
+    /// Of N5 the root has a version, an array its size, and a group may have nothing.
+    #[test]
+    fn foreign_folders_are_named_with_what_converts_them() {
+        let refused = |folder: &str, files: &[&str]| {
+            let files = FilesInMemory::from_iter(files.iter().map(|&file| (file, &b"{}"[..])));
+            files.read_volume(folder).map(|loaded| loaded.format).unwrap_err().to_string()
+        };
+        for (folder, files) in [
+            ("a", &["a/attributes.json", "a/s0/0/0/0"][..]),
+            ("a/s0", &["a/s0/attributes.json", "a/s0/0/0/0"]),
+            ("a.n5", &["a.n5/s0/attributes.json", "a.n5/s0/0/0/0"]),
+        ] {
+            let message = refused(folder, files);
+            let expected = format!("{folder}: this is N5, which is not read: in Python");
+            assert!(message.starts_with(&expected), "{message}");
+        }
+        let other = refused("a", &["a/b.json", "a/s0/0"]);
+        assert!(!other.contains("N5"), "{other}");
+        let zarr = refused("a", &["a/.zgroup", "a/attributes.json"]);
+        assert!(!zarr.contains("N5"), "{zarr}");
     }
 
     /// A table that names an extension which is read would be wrong sooner or later.

@@ -271,12 +271,14 @@ fn find_reader(store: Store<'_>, path: &Path) -> Result<(&'static dyn Reader, Pa
 
 fn find_folder(store: Store<'_>, folder: &Path) -> Result<(&'static dyn Reader, PathBuf), IoError> {
     let files = store.files_in(folder)?;
-    match READERS.iter().find(|reader| reader.is_folder(store, folder, &files)) {
-        Some(reader) => Ok((*reader, folder.to_owned())),
-        None if files.is_empty() => {
+    let reader = READERS.iter().find(|reader| reader.is_folder(store, folder, &files));
+    match reader.ok_or_else(|| foreign::of_folder(store, folder)) {
+        Ok(reader) => Ok((*reader, folder.to_owned())),
+        Err(Some(foreign)) => Err(foreign.error(folder)),
+        Err(None) if files.is_empty() => {
             Err(IoError::malformed(folder, "the folder itself holds no files that can be read"))
         }
-        None => {
+        Err(None) => {
             let held = held_by(&files);
             Err(IoError::UnknownFolder { path: folder.to_owned(), held })
         }
