@@ -22,6 +22,9 @@ const EVEN: f64 = 0.05;
 /// From this share of a step on it is said that they are not quite.
 const WORTH_A_WORD: f64 = 0.01;
 
+/// Distances of slices that are up to so many times others are of the same part of a scan.
+const SAME_PART: f64 = 1.25;
+
 /// Made slices are at most so many times those that are there.
 const MAX_GROWTH: usize = 4;
 
@@ -229,18 +232,21 @@ impl Line {
         let n = self.heights.len();
         let mut gaps: Vec<f64> = self.heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
         gaps.sort_by(f64::total_cmp);
+        let most = (MAX_GROWTH * n) as f64;
+        let n_steps = (self.height() / finest_usual(&gaps)).round().clamp(1.0, most);
+        let step = self.height() / n_steps;
         let usual = gaps[gaps.len() / 2];
         let missing = |gap: &f64| (gap / usual).round().max(1.0) - 1.0;
         let n_missing: f64 = gaps.iter().map(missing).sum();
-        let most = (MAX_GROWTH * n) as f64;
-        let n_steps = (self.height() / usual).round().clamp(1.0, most);
-        let step = self.height() / n_steps;
+        let missing = match n_missing {
+            0.0 => String::new(),
+            n => format!(", and {n} seem to be missing"),
+        };
+        let [nearest, farthest] = [gaps[0], gaps[gaps.len() - 1]];
+        let n_slices = n_steps + 1.0;
         warnings.push(format!(
-            "slices are {:.3} to {:.3} mm apart, and {n_missing} seem to be missing: the volume was \
-             resampled to {} slices {step:.3} mm apart",
-            gaps[0],
-            gaps[gaps.len() - 1],
-            n_steps + 1.0
+            "slices are {nearest:.3} to {farthest:.3} mm apart{missing}: the volume was resampled to \
+             {n_slices} slices {step:.3} mm apart"
         ));
         (0..=n_steps as usize).map(|idx| self.slice_at(idx as f64 * step, step)).collect()
     }
@@ -273,5 +279,35 @@ impl Line {
                  followed"
             ));
         }
+    }
+}
+
+/// The usual distance, given all of them in order; where a scan is finer in one part than in others, that of
+/// the finest part, so that no slice is lost there.
+fn finest_usual(gaps: &[f64]) -> f64 {
+    // A tenth, since two slices at nearly one place are no part.
+    let fine = gaps[gaps.len() / 10];
+    let n_fine = gaps.partition_point(|gap| *gap <= SAME_PART * fine);
+    gaps[n_fine / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stack_is_as_fine_as_its_finest_part() {
+        let check = |gaps: &[f64], expected: f64| {
+            let mut gaps = gaps.to_vec();
+            gaps.sort_by(f64::total_cmp);
+            assert_eq!(finest_usual(&gaps), expected, "{gaps:?}");
+        };
+        check(&[2.0, 2.0, 4.0], 2.0);
+        check(&[1.0, 1.0, 1.0, 5.0, 5.0, 5.0, 5.0], 1.0);
+        check(&[5.0, 5.0, 5.0, 5.0, 1.0, 1.0, 1.0], 1.0);
+        // One slice that is missing of many whose places were rounded, and one that was scanned twice.
+        let rounded = [1.98, 1.99, 2.0, 2.0, 2.01, 2.02, 2.0, 2.0, 2.0, 1.99, 2.01];
+        check(&[&rounded[..], &[4.0]].concat(), 2.0);
+        check(&[&rounded[..], &[0.1]].concat(), 2.0);
     }
 }

@@ -287,6 +287,20 @@ fn dicom_missing_slices_are_made() {
     assert_eq!(far.volume.grid().dims(), [2, 2, 17], "no more than four times as many");
 }
 
+/// A scan that is finer in its lower half: not one of its slices is lost.
+#[test]
+fn dicom_finer_parts_stay_fine() {
+    let heights = [0.0, 1.0, 2.0, 3.0, 7.0, 11.0, 15.0, 19.0];
+    let files = heights.map(|z| file(EXPLICIT, &slice(z, [0, 10 * z as u16, 0, 0])));
+    let loaded = read(&files).unwrap();
+    assert_eq!(loaded.volume.grid().dims(), [2, 2, 20]);
+    let seconds: Vec<u16> = samples(&loaded).into_iter().skip(1).step_by(4).collect();
+    assert_eq!(seconds, std::array::from_fn::<u16, 20, _>(|z| 10 * z as u16));
+    let expected =
+        "slices are 1.000 to 4.000 mm apart: the volume was resampled to 20 slices 1.000 mm apart";
+    assert_eq!(loaded.warnings, [expected]);
+}
+
 #[test]
 fn dicom_series_are_chosen() {
     let other = [0.0, 3.0].map(|z| {
