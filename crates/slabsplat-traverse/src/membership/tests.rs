@@ -1,3 +1,5 @@
+//! Rows of bits, and which voxels rules leave visible, against the definition a voxel at a time.
+
 use super::*;
 use crate::naive_normals::naive_gradient;
 use slabsplat_core::{
