@@ -78,8 +78,9 @@ impl Planner {
             let (slab_width, n_pixels) = (settings.slab_width, scene.image.n_pixels());
             let radius = kernel.radius();
             // Of densities it would show another picture.
-            let is_drawn_by_every_sample =
-                method == Method::ImageAligned && check_method(scene, Method::EverySample).is_ok();
+            let is_drawn_by_every_sample = &|| {
+                method == Method::ImageAligned && check_method(scene, Method::EverySample).is_ok()
+            };
             SlabWork { grids, method, radius, slab_width, n_pixels, is_drawn_by_every_sample }
                 .check()?;
         }

@@ -10,7 +10,7 @@ use slabsplat_core::{Grid, Method};
 use crate::{DensitySplats, PlanError};
 
 /// The slabs of a frame, and what they cut.
-pub(crate) struct SlabWork<G> {
+pub(crate) struct SlabWork<'a, G> {
     /// Of all layers.
     pub(crate) grids: G,
     /// [`Method::ImageAligned`] or [`Method::PostClassified`].
@@ -21,8 +21,8 @@ pub(crate) struct SlabWork<G> {
     pub(crate) slab_width: f64,
     /// Of the picture.
     pub(crate) n_pixels: usize,
-    /// Whether [`Method::EverySample`] shows the same scene, for what the error says.
-    pub(crate) is_drawn_by_every_sample: bool,
+    /// Whether [`Method::EverySample`] shows the same scene. Only the error asks.
+    pub(crate) is_drawn_by_every_sample: &'a dyn Fn() -> bool,
 }
 
 /// Any number of voxels may have kernels up to so many slabs deep, which of image-aligned slabs is steps 64
@@ -46,7 +46,7 @@ const MAX_SHEET_PIXELS: f64 = 8_589_934_592.0;
 /// that are needed for each.
 const DENSITIES_PER_COLOR: f64 = 8.0;
 
-impl<'a, G: Iterator<Item = &'a Grid> + Clone> SlabWork<G> {
+impl<'a, G: Iterator<Item = &'a Grid> + Clone> SlabWork<'_, G> {
     /// # Errors
     /// If slabs make more work than that; the error says which width makes little enough.
     pub(crate) fn check(&self) -> Result<(), PlanError> {
@@ -91,7 +91,7 @@ impl<'a, G: Iterator<Item = &'a Grid> + Clone> SlabWork<G> {
             spacing: format!("{x} x {y} x {z}"),
             cause: grid.map_or_else(String::new, |grid| self.cause(grid)),
             wide_enough: rounded_up(self.slab_width * excess),
-            is_drawn_by_every_sample: self.is_drawn_by_every_sample,
+            is_drawn_by_every_sample: (self.is_drawn_by_every_sample)(),
         }
     }
 
@@ -170,7 +170,7 @@ mod tests {
             radius: 2.0,
             slab_width,
             n_pixels,
-            is_drawn_by_every_sample: false,
+            is_drawn_by_every_sample: &|| false,
         };
         work.check().err()
     }
