@@ -22,8 +22,8 @@
 //! - **Portability.** Pixels of two backends differ by at most 10⁻³ in every channel, if tables are no
 //!   coarser than by default (a row of fewer samples is a polynomial to one and a chain of lines to another),
 //!   and beyond that by no more than the plan leaves open: what its opacity cut-off leaves of 1, and the
-//!   tolerance of its permission to merge sections, [`MergedSections`], which one may use and the other
-//!   not. By default that is 0.05 in the worst of volumes, and in scans 2 of 255 at single pixels.
+//!   tolerance of its permissions to merge sections, [`MergedSections`], and to draw cells of voxels,
+//!   [`LayerPlan::coarser`], which one may use and the other not. By default that is 0.05 in the worst of volumes, and in scans 2 of 255 at single pixels.
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never
@@ -57,7 +57,7 @@
 //! # Reading order
 //!
 //! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
-//! `meshes`, `planner`; `densities`; `contract`, `conformance`.
+//! `meshes`, `seen_layer`, `planner`; `densities`; `contract`, `conformance`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
@@ -70,6 +70,7 @@ mod plan_error;
 mod planner;
 mod polynomial_pair;
 mod scene_checks;
+mod seen_layer;
 mod shown_values;
 mod slabs;
 mod tables;

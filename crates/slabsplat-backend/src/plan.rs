@@ -2,7 +2,7 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
+    BlinnPhong, Compositing, Grid, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
     PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction, TransferFunction2d,
     View, Volume, VoxelColors,
 };
@@ -68,6 +68,13 @@ pub struct LayerPlan<'a> {
     pub light: Option<BlinnPhong>,
     /// Where they are seen, if not everywhere: only for [`ColorSplats::Sections`] and [`Splats::Densities`].
     pub region: Option<RegionInView>,
+    /// What is splatted: voxels, or from level 1 on cells that each hold `2^level` of them along every axis
+    /// ([model §16](slabsplat_core::model)).
+    pub level: u32,
+    /// Where these are.
+    pub grid: Grid,
+    /// The same by cells, which a backend may draw instead: a permission, as is [`MergedSections`].
+    pub coarser: Option<Box<LayerPlan<'a>>>,
     /// View space and pixels. Depths count from the centre of all layers, lengths in voxel steps of this one.
     pub view: View,
     /// The kernel's radius in index space.

@@ -3,15 +3,17 @@
 use crate::layer_order::in_one_order;
 use crate::meshes;
 use crate::scene_checks::{check_method, is_of_densities};
+use crate::seen_layer::{SeenGrid, SeenLayer};
 use crate::shown_values::shown_ranges;
 use crate::slabs::{Depths, check_sections};
 use crate::tables::{LayerToSplat, Tables};
 use crate::work::SlabWork;
 use crate::{DensitySplats, FramePlan, LayerPlan, PlanError};
 use slabsplat_core::{
-    BlinnPhong, Compositing, Grid, Layer, Light, Method, Mode, RegionInView, Scene, Shading, View,
+    BlinnPhong, Compositing, Layer, Light, Method, Mode, RegionInView, RenderSettings, Scene,
+    Shading, SlabGrid,
 };
-use slabsplat_kernel::{FootprintShape, Kernel, KernelError, Kernels};
+use slabsplat_kernel::{DetailLevels, ErrorBudget, Kernel, KernelError, Kernels};
 use std::sync::Arc;
 
 /// Makes frame plans. Tables cost a millisecond or more, and seldom change from one frame to the next, so the
@@ -20,7 +22,14 @@ use std::sync::Arc;
 pub struct Planner {
     kernels: Kernels,
     /// Of the layers of the last frame, in its order.
-    tables: Vec<Tables>,
+    tables: Vec<TablesOfLayer>,
+}
+
+/// Those of a layer by its voxels, and by cells of them.
+#[derive(Debug, Default)]
+struct TablesOfLayer {
+    of_voxels: Tables,
+    of_cells: Tables,
 }
 
 impl Planner {
@@ -48,9 +57,14 @@ impl Planner {
             if is_of_densities(settings.mode) { Method::PostClassified } else { settings.method };
         let kernel = self.kernels.named(&settings.kernel.0)?;
         let layers = in_one_order(&scene.layers);
-        let seen = layers.iter().map(|layer| SeenLayer::new(layer, &layers, scene));
+        // What densities may be off is off in each layer by itself (model §10).
+        let n_sharing = if method == Method::PostClassified { 1 } else { n_layers };
+        let levels = DetailLevels::new(&*kernel, ErrorBudget::new(&settings).among(n_sharing));
+        let seen = layers
+            .iter()
+            .map(|layer| SeenLayer::new(layer, &layers, scene, kernel.radius(), &levels));
         let seen = collected(n_layers, seen)?;
-        let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.view));
+        let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.voxels.view));
         let meshes = meshes::in_view(scene, views)?;
         let frame = FramePlan {
             layers: Vec::new(),
@@ -62,14 +76,12 @@ impl Planner {
         let Some(unit) = least_unit(&layers) else {
             return frame.meshes.is_some().then_some(frame).ok_or(PlanError::NoLayers);
         };
-        let has_meshes = frame.meshes.is_some();
         let width = match method {
             Method::ImageAligned => settings.slab_width,
             Method::PostClassified => settings.slab_width / DensitySplats::SHEETS_PER_SLAB,
             // They have no slabs.
             Method::AxisAligned | Method::EverySample => 1.0,
         };
-        let depths = seen.iter().map(|layer| layer.depths(kernel.radius())).collect::<Vec<_>>();
         if has_slabs(method) {
             layers.iter().map(|layer| layer.volume.grid()).try_for_each(|grid| {
                 check_sections(grid, kernel.radius(), width * unit, settings.slab_width)
@@ -84,54 +96,96 @@ impl Planner {
             SlabWork { grids, method, radius, slab_width, n_pixels, is_drawn_by_every_sample }
                 .check()?;
         }
-        let slabs = Depths::slabs(&depths, width * unit)?;
-        self.tables.resize_with(n_layers, Tables::default);
-        let parts = seen.into_iter().zip(&depths).zip(&mut self.tables);
-        let parts = parts.filter(|((seen, _), _)| shows(seen.layer, settings.mode));
-        // What densities may be off is off in each layer by itself (model §10).
-        let share_of_tolerance =
-            if method == Method::PostClassified { 1.0 } else { n_layers as f64 };
-        let plan = |((seen, depths), tables): ((SeenLayer<'a>, &Depths), &mut Tables)| {
-            let SeenLayer { layer, view, shape } = seen;
-            let grid = layer.volume.grid();
-            // The same slabs, in voxel steps of this layer.
-            let scale = unit / grid.unit();
-            let settings = settings
-                .clone()
-                .method(method)
-                .slab_width(scale * width)
-                .base_slab_width(scale * settings.base_slab_width)
-                .tolerance(settings.tolerance / share_of_tolerance);
-            settings.check_hierarchy(shape.kappa)?;
-            let slabs = depths.in_slabs(&slabs, &view);
-            let (view, shape, kernel) = (&view, &shape, &*kernel);
-            let is_cut = !layer.region.is_everywhere();
-            let is_split = is_cut || has_meshes;
-            let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split };
-            Ok(LayerPlan {
-                volume: &layer.volume,
-                relevant: shown_ranges(layer, scene.settings.mode.into()),
-                transfer: &layer.transfer,
-                transfer_2d: layer.transfer_2d.as_ref(),
-                gradient_opacity: layer.gradient_opacity.as_ref(),
-                colors: layer.colors.as_ref(),
-                labels: layer.labels.as_ref(),
-                isosurfaces: &layer.isosurfaces,
-                light: match layer.shading {
-                    Shading::None => None,
-                    Shading::Phong(phong) => {
-                        Some(BlinnPhong::new(phong, &scene.lights, view.axes().forward))
-                    }
-                },
-                region: is_cut.then(|| RegionInView::new(&layer.region, view)),
-                splats: tables.splats(to_splat),
-                radius: kernel.radius(),
-                half_depth: depths.half_depth,
-                view: *view,
-                shape: *shape,
-            })
+        let slabs = Depths::slabs(seen.iter().flat_map(SeenLayer::depths), width * unit)?;
+        let to_plan = FrameToPlan {
+            scene,
+            kernel: &*kernel,
+            settings: settings.tolerance(scene.settings.tolerance / n_sharing as f64),
+            method,
+            unit,
+            width,
+            slabs,
+            has_meshes: frame.meshes.is_some(),
         };
-        Ok(FramePlan { layers: collected(n_layers, parts.map(plan))?, ..frame })
+        self.tables.resize_with(n_layers, TablesOfLayer::default);
+        let parts = seen.into_iter().zip(&mut self.tables);
+        let parts = parts.filter(|(seen, _)| shows(seen.layer, scene.settings.mode));
+        let plans = parts.map(|(seen, tables)| to_plan.layer(&seen, tables));
+        Ok(FramePlan { layers: collected(n_layers, plans)?, ..frame })
+    }
+}
+
+/// What the plans of all layers of a frame share.
+struct FrameToPlan<'a> {
+    scene: &'a Scene,
+    kernel: &'a dyn Kernel,
+    /// With the tolerance that a layer has of it.
+    settings: RenderSettings,
+    method: Method,
+    /// The shortest voxel step of any layer, and the width of what sheets are of, in such.
+    unit: f64,
+    width: f64,
+    slabs: SlabGrid,
+    has_meshes: bool,
+}
+
+impl FrameToPlan<'_> {
+    fn layer<'a>(
+        &self,
+        seen: &SeenLayer<'a>,
+        TablesOfLayer { of_voxels, of_cells }: &mut TablesOfLayer,
+    ) -> Result<LayerPlan<'a>, PlanError> {
+        let mut planned = |seen_cells| self.level(seen.layer, seen_cells, of_cells, None);
+        let coarser = seen.cells.as_ref().map(&mut planned).transpose()?;
+        self.level(seen.layer, &seen.voxels, of_voxels, coarser.map(Box::new))
+    }
+
+    fn level<'a>(
+        &self,
+        layer: &'a Layer,
+        SeenGrid { level, grid, view, shape, depths }: &SeenGrid,
+        tables: &mut Tables,
+        coarser: Option<Box<LayerPlan<'a>>>,
+    ) -> Result<LayerPlan<'a>, PlanError> {
+        // The same slabs, in steps of this grid.
+        let scale = self.unit / grid.unit();
+        let settings = self
+            .settings
+            .clone()
+            .method(self.method)
+            .slab_width(scale * self.width)
+            .base_slab_width(scale * self.settings.base_slab_width);
+        settings.check_hierarchy(shape.kappa)?;
+        let slabs = depths.in_slabs(&self.slabs, view);
+        let is_cut = !layer.region.is_everywhere();
+        let is_split = is_cut || self.has_meshes;
+        let kernel = self.kernel;
+        let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split };
+        Ok(LayerPlan {
+            volume: &layer.volume,
+            relevant: shown_ranges(layer, self.scene.settings.mode.into()),
+            transfer: &layer.transfer,
+            transfer_2d: layer.transfer_2d.as_ref(),
+            gradient_opacity: layer.gradient_opacity.as_ref(),
+            colors: layer.colors.as_ref(),
+            labels: layer.labels.as_ref(),
+            isosurfaces: &layer.isosurfaces,
+            light: match layer.shading {
+                Shading::None => None,
+                Shading::Phong(phong) => {
+                    Some(BlinnPhong::new(phong, &self.scene.lights, view.axes().forward))
+                }
+            },
+            region: is_cut.then(|| RegionInView::new(&layer.region, view)),
+            level: *level,
+            grid: *grid,
+            coarser,
+            splats: tables.splats(to_splat),
+            radius: kernel.radius(),
+            half_depth: depths.half_depth,
+            view: *view,
+            shape: *shape,
+        })
     }
 }
 
@@ -145,32 +199,6 @@ fn collected<T>(
         collected.push(item?);
     }
     Ok(collected)
-}
-
-/// A layer as the camera sees it.
-struct SeenLayer<'a> {
-    layer: &'a Layer,
-    view: View,
-    shape: FootprintShape,
-}
-
-impl<'a> SeenLayer<'a> {
-    fn new(layer: &'a Layer, all: &[&Layer], scene: &Scene) -> Result<Self, PlanError> {
-        if let Shading::Phong(phong) = layer.shading {
-            phong.checked()?;
-        }
-        let grid = layer.volume.grid();
-        let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));
-        let view = View::about(center, grid, &scene.camera, &scene.image)?;
-        let shape = FootprintShape::new(grid, view.axes());
-        Ok(Self { layer, view, shape })
-    }
-
-    fn depths(&self, radius: f64) -> Depths {
-        let grid = self.layer.volume.grid();
-        let of_voxels = self.view.from_index(grid).depth_range(grid);
-        Depths { of_voxels, half_depth: radius * self.shape.half_depth }
-    }
 }
 
 /// Whether kernels are cut into sections, of which there may be too many.

@@ -29,10 +29,13 @@ pub(crate) struct Depths {
 }
 
 impl Depths {
-    /// The slabs of that thickness, in world units, that all kernels of these layers meet.
-    pub(crate) fn slabs(layers: &[Self], thickness: f64) -> Result<SlabGrid, TooManySlabs> {
+    /// The slabs of that thickness, in world units, that all kernels of these depths meet.
+    pub(crate) fn slabs<'a>(
+        all: impl Iterator<Item = &'a Self>,
+        thickness: f64,
+    ) -> Result<SlabGrid, TooManySlabs> {
         let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
-        for Self { of_voxels: [near, far], half_depth } in layers {
+        for Self { of_voxels: [near, far], half_depth } in all {
             ends = [ends[0].min(near - half_depth), ends[1].max(far + half_depth)];
         }
         SlabGrid::covering(ends, thickness)
@@ -101,7 +104,7 @@ mod tests {
     fn slabs_of(grid: &Grid, view: &View, half_depth: f64, width: f64) -> Slabs {
         let of_voxels = view.from_index(grid).depth_range(grid);
         let depths = Depths { of_voxels, half_depth };
-        let slabs = Depths::slabs(std::slice::from_ref(&depths), width * grid.unit()).unwrap();
+        let slabs = Depths::slabs([&depths].into_iter(), width * grid.unit()).unwrap();
         depths.in_slabs(&slabs, view)
     }
 

@@ -1,6 +1,6 @@
 //! The regular grid of a volume and its position in the world. Does not hold samples.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use thiserror::Error;
 
 /// A grid of `nx × ny × nz` voxels, placed in the world by an affine map that may rotate, scale,
@@ -86,6 +86,23 @@ impl Grid {
         let grid = Self::with_spacing(dims, spacing)?;
         let centered = DAffine3 { translation: -grid.center_in_world(), ..grid.world_from_index };
         Self::new(dims, centered)
+    }
+
+    /// The grid of cells that each hold `2^level` voxels along every axis, those at the ends perhaps fewer: a
+    /// cell is where the middle of so many voxels is ([model §16](crate::model)).
+    ///
+    /// # Errors
+    /// As [`Grid::new`], if its steps are too long.
+    pub fn of_cells(&self, level: u32) -> Result<Self, GridError> {
+        let side = 1_usize << level;
+        let middle = DVec3::splat(0.5 * (side as f64 - 1.0));
+        let voxel_from_cell = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(side as f64),
+            DQuat::IDENTITY,
+            middle,
+        );
+        let dims = self.dims.map(|n| n.div_ceil(side));
+        Self::new(dims, self.world_from_index * voxel_from_cell)
     }
 
     /// Voxels along x, y and z.
@@ -190,6 +207,26 @@ fn is_invertible(m: DMat3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn grid_cells_are_in_the_middle_of_their_voxels() {
+        let columns = [DVec3::new(1.0, 0.2, 0.0), DVec3::new(-0.3, 2.0, 0.0), DVec3::Z];
+        let [x, y, z] = columns;
+        let placed = DAffine3::from_mat3_translation(DMat3::from_cols(x, y, z), DVec3::ONE);
+        let grid = Grid::new([8, 9, 5], placed).unwrap();
+        for level in [1, 2, 3] {
+            let cells = grid.of_cells(level).unwrap();
+            let side = 1 << level;
+            assert_eq!(cells.dims(), [8, 9, 5].map(|n: usize| n.div_ceil(side)));
+            let last = DVec3::splat(f64::from(side as u32 - 1));
+            let at = |voxel| grid.world_from_index().transform_point3(voxel);
+            let middle = at(DVec3::ZERO).midpoint(at(last));
+            let first = cells.world_from_index().transform_point3(DVec3::ZERO);
+            assert!(first.distance(middle) < 1e-12, "{level}: {first} {middle}");
+            let wide = cells.spacing().map(|step| step / side as f64);
+            assert!(wide.iter().zip(grid.spacing()).all(|(a, b)| (a - b).abs() < 1e-12));
+        }
+    }
 
     #[test]
     fn grid_index_round_trip() {

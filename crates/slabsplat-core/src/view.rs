@@ -16,8 +16,18 @@ pub struct View {
     center: DVec3,
     center_depth: f64,
     unit: f64,
+    cells: Option<Cells>,
     projection: Projection,
     image_size: [u32; 2],
+}
+
+/// How footprints of cells differ from those of voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Cells {
+    /// Voxels along a side.
+    side: f64,
+    /// What a cell adds to the variance of its voxels' footprints, over that of its own kernel.
+    spread: f64,
 }
 
 /// Why there is no view.
@@ -34,6 +44,10 @@ pub struct ViewError {
 /// How large voxel steps may be seen, of whatever axis: squares of these fit 32-bit floats, and a picture
 /// within a millionth of a voxel has one colour.
 const STEP_PIXELS: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
+
+/// No footprint of cells is narrower. A layer that would need it is not drawn by cells; but a slab may be a
+/// little nearer to the eye than any voxel.
+const LEAST_STRETCH_OF_CELLS: f64 = 0.5;
 
 impl View {
     /// The view of `grid` through `camera` on an image.
@@ -61,6 +75,7 @@ impl View {
             center,
             center_depth: (center - camera.eye()).dot(axes.forward),
             unit: grid.unit(),
+            cells: None,
             projection: camera.projection(),
             image_size: [image.width, image.height],
         };
@@ -176,7 +191,20 @@ impl View {
     /// By how much footprints are widened where a pixel covers more than a voxel step
     /// ([model §5](crate::model)).
     pub fn stretch(&self, pixels_per_world: f64) -> f64 {
-        (1.0 / (pixels_per_world * self.unit)).max(1.0)
+        let of_voxels = (1.0 / (pixels_per_world * self.unit)).max(1.0);
+        self.cells.map_or(of_voxels, |Cells { side, spread }| {
+            ((of_voxels / side).powi(2) - spread).max(LEAST_STRETCH_OF_CELLS.powi(2)).sqrt()
+        })
+    }
+
+    /// The same view of cells, each of `2^level` voxels along every axis, by kernels whose variance along an
+    /// axis is that, in cells. Their footprints are stretched so that a cell's is as wide as those of its
+    /// voxels together ([model §16](crate::model)).
+    #[must_use]
+    pub fn of_cells(self, level: u32, kernel_variance: f64) -> Self {
+        let side = f64::from(1_u32 << level);
+        let spread = (1.0 - 1.0 / (side * side)) / (12.0 * kernel_variance);
+        Self { cells: Some(Cells { side, spread }), ..self }
     }
 }
 

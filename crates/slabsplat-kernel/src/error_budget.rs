@@ -3,6 +3,7 @@
 //! | spent by | at most | where | why so much |
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
+//! | levels of detail (model §16) | the tolerance, for the most opaque voxel | `detail_levels.rs` | a pixel sees a whole cell of them, whose colours seldom differ so much |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
 //! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
@@ -56,6 +57,12 @@ impl ErrorBudget {
         Self { tolerance: settings.tolerance }
     }
 
+    /// What each of so many layers may spend, where all spend it of the same pixels.
+    #[must_use]
+    pub fn among(self, n_layers: usize) -> Self {
+        Self { tolerance: self.tolerance / n_layers.max(1) as f64 }
+    }
+
     /// Extinction that a layer of voxels may have merged across a face.
     pub fn per_face(self) -> f64 {
         self.tolerance / LAYERS_PER_FACE
@@ -63,6 +70,11 @@ impl ErrorBudget {
 
     /// Extinction of all layers, from a face to the middle of the slab, that may be drawn whole in that slab.
     pub fn per_thick_slab(self) -> f64 {
+        self.tolerance
+    }
+
+    /// What share of a pixel cells may add or take, as they lie otherwise in depth than their voxels.
+    pub fn cells(self) -> f64 {
         self.tolerance
     }
 
@@ -92,8 +104,9 @@ mod tests {
         let settings = RenderSettings::default().tolerance(0.04);
         let budget = ErrorBudget::new(&settings);
         assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
-        assert_eq!(budget.separable(), 0.005);
+        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.04));
         assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
+        assert_eq!(budget.among(2).per_thick_slab(), 0.02);
         let separate = settings.clone().mode(Mode::Separate);
         assert_eq!(ErrorBudget::of_densities(&separate), budget, "they are means");
         for settings in [

@@ -56,6 +56,18 @@ impl FootprintShape {
         }
     }
 
+    /// The same of kernels that are thinner in depth by a factor: nothing changes in the image plane, but that
+    /// there is as much less of them.
+    #[must_use]
+    pub fn thinner(self, factor: f64) -> Self {
+        Self {
+            kappa: self.kappa * factor,
+            index_per_depth: self.index_per_depth * factor,
+            half_depth: self.half_depth / factor,
+            ..self
+        }
+    }
+
     /// Whether the axes of footprints are not those of the image. A cubic grid has upright circles, up to
     /// rounding errors.
     pub fn is_sheared(&self) -> bool {
@@ -100,6 +112,36 @@ mod tests {
         assert!(shape.shear.abs() < 1e-12);
         assert!(!shape.is_tilted(2.0));
         assert!((shape.half_depth - 0.5).abs() < 1e-12);
+    }
+
+    /// As if the grid's steps along the ray were as much shorter.
+    #[test]
+    fn footprint_shape_of_thinner_kernels() {
+        let axes = axes(DVec3::new(2.0, -1.0, 3.0));
+        let thin = FootprintShape::new(&sheared(), &axes).thinner(4.0);
+        let world_from_index = sheared().world_from_index().matrix3;
+        let along_ray = |v: DVec3| axes.forward * axes.forward.dot(v);
+        let squeezed = |v: DVec3| v - 0.75 * along_ray(v);
+        let columns = [0, 1, 2].map(|axis| squeezed(world_from_index.col(axis)));
+        let squeezed = DMat3::from_cols(columns[0], columns[1], columns[2]);
+        let grid = Grid::new([5; 3], DAffine3::from_mat3(squeezed)).unwrap();
+        let expected = FootprintShape::new(&grid, &axes);
+        let units = grid.unit() / sheared().unit();
+        let pairs = [
+            (thin.kappa * units, expected.kappa),
+            (thin.index_per_depth, expected.index_per_depth),
+            (thin.across, expected.across),
+            (thin.shear, expected.shear),
+            (thin.along, expected.along),
+            (thin.tilt[0], expected.tilt[0]),
+            (thin.tilt[1], expected.tilt[1]),
+            (thin.half_extent[0], expected.half_extent[0]),
+            (thin.half_extent[1], expected.half_extent[1]),
+            (thin.half_depth, expected.half_depth),
+        ];
+        for (actual, expected) in pairs {
+            assert!((actual - expected).abs() < 1e-12, "{pairs:?}");
+        }
     }
 
     /// What counts is how far a shear moves the rim of a footprint, in widths of it.

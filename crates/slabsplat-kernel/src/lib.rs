@@ -11,7 +11,8 @@
 //!
 //! # Reading order
 //!
-//! `kernel`, `gaussian`, `crawfis_max`, `kernels`; `section`, `hierarchy`; `error_budget`, `split_levels`;
+//! `kernel`, `gaussian`, `crawfis_max`, `kernels`; `section`, `hierarchy`; `error_budget`, `split_levels`,
+//! `detail_levels`;
 //! `section_table`, `cubic_section_table`, `footprint_table`, `radial_polynomials`, `separable_sections`,
 //! `separable_shapes`, `tilted_sections`; `footprint_shape`.
 //!
@@ -45,6 +46,7 @@ mod kernels;
 mod hierarchy;
 mod section;
 
+mod detail_levels;
 mod error_budget;
 mod split_levels;
 
@@ -60,6 +62,7 @@ mod footprint_shape;
 
 pub use crawfis_max::CrawfisMax;
 pub use cubic_section_table::CubicSectionTable;
+pub use detail_levels::{DetailLevels, DetailView};
 pub use error_budget::ErrorBudget;
 pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;

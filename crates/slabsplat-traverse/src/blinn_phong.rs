@@ -107,7 +107,7 @@ impl BlinnPhong8 {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn lights(&self) -> &[DirectedLight] {
         &self.lights[..self.n_lights]
     }
@@ -119,7 +119,7 @@ impl BlinnPhong8 {
     }
 
     /// The light on eight voxels, in the first channels. Their normals are of length 1 or 0.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn on<const N: usize>(&self, records: &[VoxelRecord; 8]) -> [Light8; N] {
         let mut normals = [[0.0; 8]; 3];
         for (x, record) in records.iter().enumerate() {
@@ -128,9 +128,12 @@ impl BlinnPhong8 {
             }
         }
         let squares = squared_lengths(&normals);
-        let undirected = squares.map(|square| if square == 0.0 { 1.0 } else { 0.0 });
-        // As in [`VoxelRecord::normal_in_world`].
-        let to_length_1 = squares.map(|square| 1.5 - 0.5 * square);
+        let (mut undirected, mut to_length_1) = ([0.0; 8], [0.0; 8]);
+        for x in 0..8 {
+            undirected[x] = if squares[x] == 0.0 { 1.0 } else { 0.0 };
+            // As in [`VoxelRecord::normal_in_world`].
+            to_length_1[x] = 1.5 - 0.5 * squares[x];
+        }
         self.light(&normals, &to_length_1, &undirected)
     }
 
@@ -185,7 +188,7 @@ impl BlinnPhong8 {
     }
 
     /// Products of normals and a direction, 0 … 1.
-    #[inline]
+    #[inline(always)]
     fn facing(
         &self,
         [x, y, z]: &[[f32; 8]; 3],
@@ -228,7 +231,7 @@ fn squared_lengths([x, y, z]: &[[f32; 8]; 3]) -> [f32; 8] {
 }
 
 impl Power {
-    #[inline]
+    #[inline(always)]
     fn of(self, bases: &[f32; 8]) -> [f32; 8] {
         let mut left = match self {
             Self::Whole(exponent) => exponent,
@@ -249,7 +252,7 @@ impl Power {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn multiply(numbers: &mut [f32; 8], by: &[f32; 8]) {
     for (number, by) in numbers.iter_mut().zip(by) {
         *number *= by;

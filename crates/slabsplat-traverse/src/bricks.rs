@@ -61,13 +61,26 @@ impl BrickGrid {
         self.n_along.iter().product()
     }
 
-    /// The coordinates of a brick's first voxel, the one nearest to voxel `(0, 0, 0)`.
+    /// Where a brick is among bricks along x, y and z.
     #[inline]
-    pub fn origin(&self, brick_idx: u32) -> [usize; 3] {
+    pub fn coords(&self, brick_idx: u32) -> [usize; 3] {
         // 32-bit divisions: a number of a brick fits, and they take a third of the time.
         let [n_x, n_y] = [self.n_along[0] as u32, self.n_along[1] as u32];
         let row = brick_idx / n_x;
-        [brick_idx % n_x, row % n_y, row / n_y].map(|coord| coord as usize * BRICK_SIDE)
+        [brick_idx % n_x, row % n_y, row / n_y].map(|coord| coord as usize)
+    }
+
+    /// The number of the brick that is there.
+    #[inline]
+    pub fn brick_idx(&self, [x, y, z]: [usize; 3]) -> u32 {
+        let [n_x, n_y, _] = self.n_along;
+        ((z * n_y + y) * n_x + x) as u32
+    }
+
+    /// The coordinates of a brick's first voxel, the one nearest to voxel `(0, 0, 0)`.
+    #[inline]
+    pub fn origin(&self, brick_idx: u32) -> [usize; 3] {
+        self.coords(brick_idx).map(|coord| coord * BRICK_SIDE)
     }
 
     /// Voxels along each side of the brick that begins at `origin`: 8, or what is left at the end of an
@@ -118,6 +131,7 @@ mod tests {
             let mut n_seen = vec![0; grid.n_voxels()];
             for brick_idx in 0..bricks.n_bricks() as u32 {
                 let origin = bricks.origin(brick_idx);
+                assert_eq!(bricks.brick_idx(bricks.coords(brick_idx)), brick_idx);
                 let [n_x, n_y, n_z] = bricks.size_at(origin);
                 let brick = Brick { brick_idx, first: 0, n_voxels: 0 };
                 let mut records: Vec<VoxelRecord> =

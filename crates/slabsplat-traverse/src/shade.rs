@@ -46,19 +46,27 @@ impl<'a> VoxelLighting<'a> {
     /// for `extinction`. There are as many `records` as `colors`.
     pub fn shade_brick(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         self.classify_brick(brick, records, colors);
+        self.light_brick(records, colors);
+    }
+
+    /// What is left of [`shade_brick`](Self::shade_brick) after
+    /// [`classify_brick`](Self::classify_brick). All that it does is inlined, for whatever vectors the caller
+    /// is compiled for.
+    #[inline(always)]
+    pub fn light_brick(&self, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         let is_weighted = self.classification.compositing().weights_colors();
         match (self.light, is_weighted) {
-            (Some(light), true) if light.is_white() => {
-                light_up::<1>(light, records, colors, |weight| weight);
-            }
+            (Some(light), true) if light.is_white() => light_up::<1, true>(light, records, colors),
             (Some(light), false) if light.is_white() => {
-                light_up::<1>(light, records, colors, |_| 1.0);
+                light_up::<1, false>(light, records, colors)
             }
-            (Some(light), true) => light_up::<3>(light, records, colors, |weight| weight),
-            (Some(light), false) => light_up::<3>(light, records, colors, |_| 1.0),
+            (Some(light), true) => light_up::<3, true>(light, records, colors),
+            (Some(light), false) => light_up::<3, false>(light, records, colors),
             (None, true) => {
                 for [r, g, b, weight] in colors {
-                    [r, g, b].into_iter().for_each(|channel| *channel *= *weight);
+                    *r *= *weight;
+                    *g *= *weight;
+                    *b *= *weight;
                 }
             }
             (None, false) => {}
@@ -139,35 +147,30 @@ impl<'a> VoxelLighting<'a> {
     }
 }
 
-/// Lights classified `colors` with one or three channels of light, and weights them by what `factor_of` makes
-/// of their weights.
-#[inline]
-fn light_up<const N: usize>(
+/// Lights classified `colors` with one or three channels of light, and multiplies them with their weights, if
+/// they are weighted.
+#[inline(always)]
+fn light_up<const N: usize, const IS_WEIGHTED: bool>(
     blinn_phong: &BlinnPhong8,
     records: &[VoxelRecord],
     colors: &mut [[f32; 4]],
-    factor_of: impl Fn(f32) -> f32,
 ) {
     let (eights, rest) = records.as_chunks();
     let (color_eights, color_rest) = colors.as_chunks_mut::<8>();
     for (records, colors) in eights.iter().zip(color_eights) {
-        lay_on::<N>(&blinn_phong.on(records), colors, &factor_of);
+        lay_on::<N, IS_WEIGHTED>(&blinn_phong.on(records), colors);
     }
     let mut last = [VoxelRecord::default(); 8];
     last[..rest.len()].copy_from_slice(rest);
-    lay_on::<N>(&blinn_phong.on(&last), color_rest, &factor_of);
+    lay_on::<N, IS_WEIGHTED>(&blinn_phong.on(&last), color_rest);
 }
 
 /// Lays light on up to eight colours.
-#[inline]
-fn lay_on<const N: usize>(
-    lights: &[Light8; N],
-    colors: &mut [[f32; 4]],
-    factor_of: impl Fn(f32) -> f32,
-) {
+#[inline(always)]
+fn lay_on<const N: usize, const IS_WEIGHTED: bool>(lights: &[Light8; N], colors: &mut [[f32; 4]]) {
     for (x, color) in colors.iter_mut().enumerate() {
         let weight = color[3];
-        let factor = factor_of(weight);
+        let factor = if IS_WEIGHTED { weight } else { 1.0 };
         // The weight goes along, so that the four are one vector, and is put back.
         for (idx, channel) in color.iter_mut().enumerate() {
             let light = &lights[idx.min(N - 1)];

@@ -1,5 +1,6 @@
 //! What is drawn in which sheet, by each of the three methods (model §4).
 
+use super::cells::{self, Stretch};
 use super::region::normal_by_faces;
 use super::sheet::weight;
 use super::slabs::{Slabs, SplatsBySlab};
@@ -24,8 +25,9 @@ pub(super) struct Frame {
 
 /// A layer as the camera sees it.
 pub(super) struct LayerInView {
-    grid: Grid,
+    pub(super) grid: Grid,
     pub(super) unit: f64,
+    pub(super) stretch: Stretch,
     pub(super) kernel: KernelInView,
     pub(super) voxels: Vec<Voxel>,
     pub(super) region: Region,
@@ -35,7 +37,7 @@ pub(super) struct LayerInView {
 
 /// A voxel whose opacity is above 0.
 pub(super) struct Voxel {
-    coords: [usize; 3],
+    pub(super) coords: [usize; 3],
     pub(super) center_in_view: DVec3,
     pub(super) opacity: f64,
     pub(super) color: [f64; 3],
@@ -80,6 +82,9 @@ impl Frame {
         let sheets = match settings.method {
             Method::ImageAligned if merge::applies(settings, tolerance) => {
                 let tolerance = tolerance / layers.len() as f64;
+                let of_scene = layers.into_iter().zip(&scene.layers);
+                let drawn = |(layer, of)| cells::within(layer, of, &view, tolerance);
+                layers = of_scene.map(drawn).collect();
                 let merged = |layer: &_| merge::merged_splats(layer, &slabs, &view, tolerance);
                 slabs.sheets(&view, &layers, merged)
             }
@@ -114,6 +119,7 @@ impl LayerInView {
         Self {
             grid,
             unit: grid.unit(),
+            stretch: Stretch::of_voxels(grid.unit()),
             kernel: KernelInView::new(kernel, hierarchy, &grid, &view.axes),
             voxels: visible_voxels(layer, &scene.lights, view),
             region: layer.region.clone(),

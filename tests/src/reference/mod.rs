@@ -8,7 +8,7 @@
 //!
 //! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `slabs` (§10) and `region` (§11); `frame` (§4) and `row` put
-//! them together; `merge` (§7) is what a tolerance changes; `between_sheets`, `classified_part`,
+//! them together; `merge` (§7) and `cells` (§16) are what a tolerance changes; `between_sheets`, `classified_part`,
 //! `density_layer` and `density` (§8) are the method `post-classified`, `statistic` and `isosurfaces` the
 //! modes of §12; `mesh` (§14) ends rays at opaque surfaces.
 
@@ -22,6 +22,7 @@ mod sheet;
 mod view;
 
 mod between_sheets;
+mod cells;
 mod classified_part;
 mod density;
 mod density_layer;
@@ -62,7 +63,7 @@ pub fn render(scene: &Scene) -> ReferenceImage {
     picture(&frame::Frame::new(scene, 0.0), scene)
 }
 
-/// The same, with sections merged as far as `settings.tolerance` allows (model §7).
+/// The same by cells, and with sections merged, as far as `settings.tolerance` allows (model §§7, 16).
 ///
 /// # Panics
 /// As [`render`].

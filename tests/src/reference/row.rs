@@ -62,7 +62,7 @@ fn splats<'a>(frame: &'a Frame, sheet: &Sheet, y: u32) -> Vec<Vec<Splat<'a>>> {
             let voxel = &layer.voxels[voxel_idx];
             let own_depth = voxel.center_in_view.z;
             let plane_depth = sheet.faces.map_or(own_depth, |[front, back]| 0.5 * (front + back));
-            let stretch = (frame.view.pixel_size(plane_depth) / layer.unit).max(1.0);
+            let stretch = layer.stretch.at(&frame.view, plane_depth);
             let offset_up = frame.view.row_in_view(y, plane_depth) - voxel.center_in_view.y;
             Splat { voxel, cut, plane_depth, stretch, offset_up }
         };

@@ -57,6 +57,16 @@ impl KernelInView {
         }
     }
 
+    /// The same on cells of voxels, by kernels that are thinner in depth by a factor.
+    pub(super) fn on_cells(&self, cells: &Grid, axes: &ViewAxes, thinner: f64) -> Self {
+        let on_cells = Self::new(self.kernel, self.hierarchy, cells, axes);
+        Self {
+            forward_in_index: on_cells.forward_in_index * thinner,
+            depth_reach: on_cells.depth_reach / thinner,
+            ..on_cells
+        }
+    }
+
     /// The kernel in index space.
     pub(super) fn kernel(&self) -> Kernel {
         self.kernel

@@ -67,7 +67,7 @@ impl Slabs {
         for (layer_idx, layer) in layers.iter().enumerate() {
             for (slab, splats) in splats(layer) {
                 let faces = [slab, slab + 1].map(|face| self.face(face));
-                if view.draws_slab(faces, layer.unit) {
+                if view.draws_slab(faces, layer.stretch.unit()) {
                     let empty =
                         || Sheet { splats: vec![Vec::new(); layers.len()], faces: Some(faces) };
                     by_slab.entry(slab).or_insert_with(empty).splats[layer_idx] = splats;

@@ -2,15 +2,17 @@
 //! the eye, and composited.
 
 use super::Stage;
+use super::cells::Cells;
 use super::lit_faces::LitFaces;
 use super::slabs::{self, SectionsInSlabs, Sheets, SlabOnTile, SlabSums, Voxels};
+use crate::footprints::raster::Raster;
 use crate::pixels::blocks::Blocks;
 use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use fearless_simd::Simd;
-use slabsplat_backend::{ColorSplats, FramePlan, Splats};
+use fearless_simd::{Level, Simd, dispatch};
+use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Cancelled, Compositing, SlabGrid};
 use slabsplat_traverse::{Brick, BrickBounds, BrickView, RelevantList, VoxelLighting, VoxelRecord};
@@ -27,9 +29,10 @@ pub(crate) fn render(
     buffers: &mut Buffers,
     watch: &mut Stopwatch<'_>,
 ) -> Result<u64, Cancelled> {
-    let voxels: Vec<Shaded<'_>> = stages.iter().map(Shaded::new).collect();
-    let layers = stages.iter().zip(&voxels).filter_map(|(stage, voxels)| {
-        let Stage { plan, layer, frame, level, raster, bricks, .. } = stage;
+    let drawn: Vec<Drawn<'_>> = stages.iter().map(Drawn::new).collect();
+    let layers = stages.iter().zip(&drawn).filter_map(|(stage, drawn)| {
+        let Stage { plan, frame, level, .. } = stage;
+        let (layer, raster, bricks, voxels) = drawn.parts();
         let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats else { return None };
         let stage = slabs::Stage { plan, layer, frame, level: *level, raster, bricks, voxels };
         Some((stage, SectionsInSlabs::of_colors(splats)))
@@ -49,18 +52,53 @@ impl Buffers {
     }
 }
 
+/// What is drawn of a layer.
+enum Drawn<'a> {
+    Voxels { stage: &'a Stage<'a>, voxels: Shaded<'a> },
+    Cells { layer: &'a LayerPlan<'a>, raster: Raster, bricks: BrickView, cells: Cells<Shaded<'a>> },
+}
+
+impl<'a> Drawn<'a> {
+    fn new(stage: &'a Stage<'a>) -> Self {
+        let voxels = Shaded::new(stage);
+        let Some(layer) = &stage.layer.coarser else { return Self::Voxels { stage, voxels } };
+        Self::Cells {
+            layer,
+            raster: Raster::new(layer, 0),
+            bricks: BrickView::new(&layer.grid, &layer.view),
+            cells: Cells::new(voxels, &stage.layer.grid, &layer.grid, layer.level),
+        }
+    }
+
+    fn parts(&self) -> (&LayerPlan<'a>, &Raster, &BrickView, &dyn Voxels) {
+        match self {
+            Self::Voxels { stage, voxels } => (stage.layer, &stage.raster, &stage.bricks, voxels),
+            Self::Cells { layer, raster, bricks, cells } => (layer, raster, bricks, cells),
+        }
+    }
+}
+
 /// Relevant voxels, classified and shaded.
 struct Shaded<'a> {
     list: &'a RelevantList,
     lighting: &'a VoxelLighting<'a>,
     bricks: &'a BrickView,
     faces: Option<LitFaces<'a>>,
+    level: Level,
 }
 
 impl<'a> Shaded<'a> {
     fn new(stage: &'a Stage<'_>) -> Self {
-        let Stage { list, lighting, bricks, layer, .. } = stage;
-        Self { list, lighting, bricks, faces: LitFaces::of(layer) }
+        let Stage { list, lighting, bricks, layer, level, .. } = stage;
+        Self { list, lighting, bricks, faces: LitFaces::of(layer), level: *level }
+    }
+
+    fn shade(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
+        self.lighting.classify_brick(brick, records, colors);
+        dispatch!(self.level, simd => simd.vectorize(
+            #[inline(always)]
+            || self.lighting.light_brick(records, colors),
+        ));
     }
 
     /// Shades voxels of a brick near lit faces, with normals of those.
@@ -82,7 +120,7 @@ impl<'a> Shaded<'a> {
                     *record = record.with_normal(faces.instead_of(normal, face).to_array());
                 }
             }
-            self.lighting.shade_brick(brick, own, colors);
+            self.shade(brick, own, colors);
         }
     }
 }
@@ -107,7 +145,7 @@ impl Voxels for Shaded<'_> {
             Some(faces) if faces.may_be_in(center, half_extents) => {
                 self.color_by_faces(faces, brick, records, colors);
             }
-            _ => self.lighting.shade_brick(brick, records, colors),
+            _ => self.shade(brick, records, colors),
         }
     }
 }

@@ -137,13 +137,13 @@ impl Scratch {
     ) -> u64 {
         let in_view = stage.bricks.bounds(brick);
         if setup.beyond.as_ref().is_some_and(|beyond| beyond.hides(&in_view)) {
-            return brick.n_voxels.into();
+            return stage.voxels.n_voxels(brick);
         }
         let bounds = setup.slabs.bounds_of_brick(&in_view);
         let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
         let visibility = pixels.map_or(Visibility::None, |pixels| occlusion.visibility(&pixels));
         if visibility == Visibility::None {
-            return brick.n_voxels.into();
+            return stage.voxels.n_voxels(brick);
         }
         let mut listed = std::mem::take(&mut self.listed);
         let records = stage.voxels.records_of(brick, &mut listed);

@@ -25,6 +25,11 @@ pub(in crate::methods) trait Voxels: Sync {
     /// The bricks that hold any, in memory order.
     fn bricks(&self) -> &[Brick];
 
+    /// How many relevant voxels are drawn by one of them.
+    fn n_voxels(&self, brick: &Brick) -> u64 {
+        brick.n_voxels.into()
+    }
+
     /// The voxels of one of the bricks, in memory order; `room` may hold them.
     fn records_of<'a>(&'a self, brick: &Brick, room: &'a mut Vec<VoxelRecord>)
     -> &'a [VoxelRecord];
