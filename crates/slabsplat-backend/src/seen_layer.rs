@@ -60,7 +60,7 @@ impl SeenGrid {
 
     /// Cells of that level, if it is one.
     fn coarser(&self, level: u32, levels: &DetailLevels, radius: f64) -> Option<Self> {
-        // No grid has steps so long that a picture needs them, but for those that cannot be longer.
+        // No cells where their steps would be longer than a grid can have.
         let grid = (level != 0).then(|| self.grid.of_cells(level).ok()).flatten()?;
         let view = self.view.of_cells(level, levels.kernel_variance());
         Some(Self::new(level, grid, view, radius))
@@ -73,6 +73,7 @@ impl SeenGrid {
             stretch: self.view.stretch(scale),
             layer_depth: self.shape.half_depth / self.grid.unit(),
             extinction: most_extinction(layer),
+            least_dim: self.grid.dims().into_iter().fold(usize::MAX, usize::min),
         }
     }
 }

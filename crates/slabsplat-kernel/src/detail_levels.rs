@@ -4,7 +4,7 @@
 //! v          = ∫ x² h / ∫ h                 variance of the kernel along an axis
 //! stretch²   = s²/4ˡ − (1 − 4⁻ˡ)/(12 v)     of cells, where that of voxels is s: as wide together
 //! depth      √((4ˡ − 1) / 12) / 2            what a cell is before or behind its voxels, in voxel steps
-//! level      = the largest l with stretch ≥ 0.95 and depth · λ · μ ≤ tolerance
+//! level      = the largest l with stretch ≥ 0.95, depth · λ · μ ≤ tolerance, and 8 cells along every axis
 //! ```
 //!
 //! In the image plane nothing is lost: where a pixel covers some voxels their footprints are as wide as that
@@ -34,10 +34,16 @@ pub struct DetailView {
     pub layer_depth: f64,
     /// `μ` of the most opaque voxel.
     pub extinction: f64,
+    /// Voxels along the shortest axis of the grid.
+    pub least_dim: usize,
 }
 
 /// The coarsest level: a brick of cells has 64³ voxels.
 const MAX_LEVEL: u32 = 3;
+
+/// Cells along every axis, at least. Those at the ends of a grid may hold fewer voxels than their place has room
+/// for, which of a small volume is a large part.
+const LEAST_CELLS: usize = 8;
 
 /// The narrowest footprints that cells may have, against those of voxels on a grid of their own. At 0.95 the
 /// sum of all is uneven by twice as much as it is at 1: 3·10⁻³, if these are Gaussians.
@@ -62,7 +68,9 @@ impl DetailLevels {
         let is_allowed = |level: &u32| self.is_wide_enough(*level, view.stretch);
         let is_faint =
             |level: &u32| depth(*level) * view.layer_depth * view.extinction <= self.budget.cells();
-        (1..=MAX_LEVEL).take_while(is_allowed).take_while(is_faint).last().unwrap_or(0)
+        let has_cells = |level: &u32| LEAST_CELLS << level <= view.least_dim;
+        let levels = (1..=MAX_LEVEL).take_while(has_cells).take_while(is_allowed);
+        levels.take_while(is_faint).last().unwrap_or(0)
     }
 
     fn is_wide_enough(&self, level: u32, stretch: f64) -> bool {
@@ -124,15 +132,21 @@ mod tests {
     #[test]
     fn detail_levels_need_pixels_larger_than_voxels() {
         let levels = levels("gaussian", 0.05);
-        let at =
-            |stretch| levels.coarsest(DetailView { stretch, layer_depth: 1.0, extinction: 1e-6 });
+        let at = |stretch| {
+            levels.coarsest(DetailView {
+                stretch,
+                layer_depth: 1.0,
+                extinction: 1e-6,
+                least_dim: 99,
+            })
+        };
         assert_eq!([1.0, 2.0, 2.15, 4.1, 4.4, 8.3, 9.0, 1e9].map(at), [0, 0, 1, 1, 2, 2, 3, 3]);
     }
 
     #[test]
     fn detail_levels_are_for_what_is_faint() {
         let with = |layer_depth, extinction, tolerance| {
-            let view = DetailView { stretch: 100.0, layer_depth, extinction };
+            let view = DetailView { stretch: 100.0, layer_depth, extinction, least_dim: 99 };
             levels("gaussian", tolerance).coarsest(view)
         };
         assert_eq!([0.04, 0.08, 0.19, 0.21].map(|mu| with(1.0, mu, 0.05)), [3, 2, 1, 0]);
@@ -142,7 +156,17 @@ mod tests {
         let separate = RenderSettings::default().mode(Mode::Separate);
         let kernel = kernel_named("gaussian").unwrap();
         let levels = DetailLevels::new(&*kernel, ErrorBudget::new(&separate));
-        let view = DetailView { stretch: 100.0, layer_depth: 1.0, extinction: 1e-9 };
+        let view = DetailView { stretch: 100.0, layer_depth: 1.0, extinction: 1e-9, least_dim: 99 };
         assert_eq!(levels.coarsest(view), 0, "colours that are no sums");
+    }
+
+    #[test]
+    fn detail_levels_are_for_volumes_of_some_cells() {
+        let of = |least_dim| {
+            let levels = levels("gaussian", 0.05);
+            let [stretch, layer_depth, extinction] = [100.0, 1.0, 1e-9];
+            levels.coarsest(DetailView { stretch, layer_depth, extinction, least_dim })
+        };
+        assert_eq!([1, 15, 16, 31, 32, 63, 64, 9999].map(of), [0, 0, 1, 1, 2, 2, 3, 3]);
     }
 }

@@ -54,7 +54,10 @@ pub(super) fn within(layer: LayerInView, of: &Layer, view: &View, tolerance: f64
     let is_allowed = |level: &u32| {
         let cells = layer.stretch.of_cells(*level, kernel);
         let depth = ((4_f64.powi(*level as i32) - 1.0) / 48.0).sqrt();
-        0.95 <= cells.at(view, nearest) && depth * layer_depth * most_extinction(of) <= tolerance
+        let has_eight = grid.dims().iter().all(|&n| 8 << level <= n);
+        has_eight
+            && 0.95 <= cells.at(view, nearest)
+            && depth * layer_depth * most_extinction(of) <= tolerance
     };
     match LEVELS.take_while(is_allowed).last() {
         Some(level) => drawn_by(layer, &grid, level, view),
