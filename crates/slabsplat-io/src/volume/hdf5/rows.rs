@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Read};
 use hdf5_pure::Dataset;
 
 use super::super::placed::Source;
-use crate::printable::shown;
+use super::refusals::as_io_error;
 
 /// Bytes that are unpacked at once, unless one layer of chunks or one row has more.
 const WINDOW_BYTES: u64 = 8 << 20;
@@ -40,7 +40,7 @@ impl Rows {
     fn fill(&mut self) -> io::Result<()> {
         let n_rows = self.n_at_once.min(self.n_rows - self.next_row);
         let bytes = self.dataset.read_raw_rows(self.next_row, n_rows);
-        let bytes = bytes.map_err(|error| io::Error::other(shown(&error.to_string())))?;
+        let bytes = bytes.map_err(|error| as_io_error(&self.dataset, &error))?;
         self.next_row += n_rows;
         self.window = Cursor::new(bytes);
         Ok(())
