@@ -189,6 +189,17 @@ const N5: Foreign = Foreign {
 /// What tells of a group or an array of N5.
 const N5_ATTRIBUTES: &str = "attributes.json";
 
+/// A key of descriptions of raw files, and none of N5.
+const DIMS: &[u8] = b"\"dims\"";
+
+/// The N5 that a file is part of, and its folder, if it begins like this.
+pub(super) fn of_part<'p>(path: &'p Path, start: &[u8]) -> Option<(&'static Foreign, &'p Path)> {
+    // Somebody may have described a raw file by that name.
+    let has_dims = start.windows(DIMS.len()).any(|bytes| bytes == DIMS);
+    let is_part = path.file_name().is_some_and(|name| name == N5_ATTRIBUTES) && !has_dims;
+    is_part.then(|| (&N5, path.parent().unwrap_or(Path::new(""))))
+}
+
 /// The format of a folder that is none of those that are read.
 pub(super) fn of_folder(store: Store<'_>, folder: &Path) -> Option<&'static Foreign> {
     let is_named = N5.extensions.contains(&plain_extension(folder).as_str());
@@ -262,10 +273,22 @@ mod tests {
             let expected = format!("{folder}: this is N5, which is not read: in Python");
             assert!(message.starts_with(&expected), "{message}");
         }
+        for (file, folder) in [("a/s0/attributes.json", "a/s0"), ("attributes.json", ".")] {
+            let message = refused(file, &[file]);
+            assert!(message.starts_with(&format!("{folder}: this is N5, which")), "{message}");
+        }
         let other = refused("a", &["a/b.json", "a/s0/0"]);
         assert!(!other.contains("N5"), "{other}");
         let zarr = refused("a", &["a/.zgroup", "a/attributes.json"]);
         assert!(!zarr.contains("N5"), "{zarr}");
+    }
+
+    #[test]
+    fn foreign_is_no_description_of_a_raw_file() {
+        let description = br#"{ "dims": [1, 1, 2], "type": "uint8", "file": "a.bin" }"#;
+        let files = [("a/attributes.json", &description[..]), ("a/a.bin", &[1, 2])];
+        let loaded = FilesInMemory::from_iter(files).read_volume("a/attributes.json").unwrap();
+        assert_eq!(loaded.volume.grid().dims(), [1, 1, 2]);
     }
 
     /// A table that names an extension which is read would be wrong sooner or later.

@@ -261,6 +261,9 @@ fn find_reader(store: Store<'_>, path: &Path) -> Result<(&'static dyn Reader, Pa
     {
         return Ok((*reader, path.to_owned()));
     }
+    if let Some((foreign, folder)) = foreign::of_part(path, &start) {
+        return Err(foreign.error(folder));
+    }
     let is_it =
         |reader: &&&dyn Reader| reader.is_named(store, path) && !reader.is_other(store, path);
     let foreign = foreign::of_content(&start);

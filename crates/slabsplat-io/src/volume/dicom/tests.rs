@@ -325,6 +325,20 @@ fn dicom_series_are_chosen() {
     assert!(error.starts_with("in: there is no series 2: there is 0 to 1 (0 CT 2"), "{error}");
 }
 
+/// What lists the files of a folder is named for them.
+#[test]
+fn dicom_folders_are_named_by_what_lists_them() {
+    let slices = ct(&[0.0, 1.0]);
+    let list = file(EXPLICIT, &slice(0.0, [1; 4])[..3]);
+    let files = [("in/DICOMDIR", &list), ("in/a/1", &slices[0]), ("in/a/2", &slices[1])];
+    let files = FilesInMemory::from_iter(files.map(|(name, bytes)| (name, bytes.as_slice())));
+    for path in ["in/DICOMDIR", "in"] {
+        let loaded = files.read_volume(path).unwrap();
+        assert_eq!(loaded.volume.grid().dims(), [2, 2, 2], "{path}");
+        assert_eq!(loaded.warnings, [""; 0], "{path}");
+    }
+}
+
 #[test]
 fn dicom_times_and_echoes_are_chosen() {
     let at = |z: f64, echo: &str, time: &str, value: u16| {
