@@ -5,8 +5,9 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use super::super::stream::MAX_GZIP_RATIO;
-use super::dataset::{Header, PixelElement, Syntax, is_begun_by};
 use super::frame::{About, Frame, Layout, frames};
+use super::header::{Header, PixelElement};
+use super::syntax::{Syntax, is_begun_by};
 use crate::IoError;
 use crate::printable::printable;
 use crate::store::Store;
