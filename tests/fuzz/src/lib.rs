@@ -1,5 +1,5 @@
-//! What the fuzz targets of slabsplat share: an input becomes files in memory, and these are read in every way
-//! that the file offers. Beside the readers, texts that are drawn and folders of films are fuzzed.
+//! What the fuzz targets of slabsplat share: an input becomes files in memory, and these are read in every
+//! way that the file offers. Beside the readers, texts that are drawn and folders of films are fuzzed.
 //!
 //! `cargo xtask fuzz` runs all targets, `cargo xtask fuzz dicom 3600` one of them for an hour. It needs
 //! `cargo install cargo-fuzz --locked` and a nightly toolchain. Inputs begin with small valid files, which

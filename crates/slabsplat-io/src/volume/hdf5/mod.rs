@@ -6,8 +6,8 @@
 //! `hdf5-reader` brings ten crates and maps files by unsafe code; `hdf5-metno` binds the C library, which
 //! needs a C compiler and has been broken by crafted files again and again.
 //!
-//! Reading order: `arrays` (which data set, and what its numbers are), `rows` (its bytes), `refusals` (what is
-//! not read, and what to do then).
+//! Reading order: `arrays` (which data set, and what its numbers are), `rows` (its bytes), `refusals` (what
+//! is not read, and what to do then).
 
 #[cfg(feature = "hdf5")]
 mod arrays;
