@@ -20,7 +20,7 @@ pub struct Label<'a> {
     /// Which point of the text is there, in parts of its width and height: `[0.0, 0.0]` is its upper left
     /// corner, `[0.5, 1.0]` the middle of its lower edge.
     pub anchor: [f32; 2],
-    /// Pixels of an em; a capital letter is 0.73 of it high.
+    /// Pixels of an em; a capital letter is 0.73 of it high. Text is drawn from above 0 to 2048.
     pub size_pixels: f32,
     /// In which colours.
     pub ink: Ink,
@@ -57,10 +57,14 @@ pub fn lacks(text: &str) -> Vec<char> {
     lacking
 }
 
+/// Twice that of the largest title of the largest picture. A letter takes memory for all of its pixels, also
+/// for those outside of the picture.
+const MAX_SIZE_PIXELS: f32 = 2048.0;
+
 /// Draws a line of text; what is outside of the picture is cut off.
 pub fn draw_text(image: &mut Image, label: &Label<'_>) {
     let Label { text, at, anchor, size_pixels, ink } = *label;
-    if !(0.0 < size_pixels && size_pixels.is_finite()) {
+    if !(0.0 < size_pixels && size_pixels <= MAX_SIZE_PIXELS) {
         return;
     }
     let font = Scaled::new(size_pixels);
@@ -193,7 +197,8 @@ mod tests {
         for at in [[-500.0, 30.0], [60.0, 1e30], [f32::NAN; 2], [f32::INFINITY; 2]] {
             assert!(drawn(Label { at, ..label("abc") }) == Image::filled(120, 60, GRAY), "{at:?}");
         }
-        for size_pixels in [0.0, -4.0, f32::NAN, f32::INFINITY] {
+        // A letter of 10¹⁰ pixels a side has more than can be counted.
+        for size_pixels in [0.0, -4.0, 1e5, 1e10, f32::MAX, f32::NAN, f32::INFINITY] {
             let image = drawn(Label { size_pixels, ..label("abc") });
             assert!(image == Image::filled(120, 60, GRAY), "{size_pixels}");
         }

@@ -23,7 +23,7 @@ fn cpu_conforms_on_one_thread() {
 }
 
 /// The sets of instructions that this machine has, but for the scalar one.
-fn levels() -> Vec<(&'static str, Level)> {
+pub(crate) fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();
     #[cfg(target_arch = "x86_64")]

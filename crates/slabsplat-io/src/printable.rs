@@ -7,8 +7,11 @@ pub(crate) fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
-/// The path likewise.
+/// The path likewise; an empty one is that of the working directory.
 pub(crate) fn shown_path(path: &Path) -> String {
+    if path.as_os_str().is_empty() {
+        return ".".to_owned();
+    }
     printable(&path.to_string_lossy())
 }
 
@@ -36,6 +39,7 @@ mod tests {
     #[test]
     fn printable_has_no_controls() {
         assert_eq!(printable("a b\n\u{1b}[1mc"), "a b\u{fffd}\u{fffd}[1mc");
+        assert_eq!(shown_path(Path::new("")), ".");
         assert_eq!(shown_path(Path::new("in/a\u{1b}.raw")), "in/a\u{fffd}.raw");
     }
 

@@ -28,6 +28,8 @@ pub struct FootprintShape {
     pub half_extent: [f64; 2],
     /// Half the ellipsoid's thickness along the viewing direction.
     pub half_depth: f64,
+    /// `X` and `Y` of the ellipsoid's farthest point. Its nearest is as far on the other side.
+    pub farthest: [f64; 2],
 }
 
 /// Offsets that differ by less than this over a footprint read the same section.
@@ -43,7 +45,8 @@ impl FootprintShape {
         let across = |p: DVec3| p - along * p.dot(along);
         let (across_right, across_up) = (across(right), across(up));
         let index_from_view = grid.world_from_index().matrix3.transpose();
-        let extent = |axis: DVec3| (index_from_view * axis).length();
+        let [wide, high, deep] =
+            [axes.right, axes.up, axes.forward].map(|axis| index_from_view * axis);
         Self {
             kappa: grid.unit() * ray.length(),
             index_per_depth: ray.length(),
@@ -51,8 +54,9 @@ impl FootprintShape {
             shear: across_right.dot(across_up) / across_right.length_squared(),
             along: across_right.cross(across_up).length_squared() / across_right.length_squared(),
             tilt: [right.dot(along), up.dot(along)],
-            half_extent: [extent(axes.right), extent(axes.up)],
-            half_depth: extent(axes.forward),
+            half_extent: [wide.length(), high.length()],
+            half_depth: deep.length(),
+            farthest: [wide, high].map(|axis| axis.dot(deep) / deep.length()),
         }
     }
 
@@ -210,7 +214,7 @@ mod tests {
     fn footprint_shape_bounds_the_ellipsoid() {
         let (grid, axes) = (sheared(), axes(DVec3::new(2.0, -1.0, 3.0)));
         let shape = FootprintShape::new(&grid, &axes);
-        let mut largest = DVec3::ZERO;
+        let (mut largest, mut farthest) = (DVec3::ZERO, DVec3::ZERO);
         for i in 0..200 {
             for j in 0..400 {
                 let (polar, azimuth) = (f64::from(i) / 200.0, f64::from(j) / 400.0);
@@ -224,6 +228,9 @@ mod tests {
                 let at = grid.world_from_index().matrix3 * on_ball;
                 let in_view = DVec3::new(at.dot(axes.right), at.dot(axes.up), at.dot(axes.forward));
                 largest = largest.max(in_view.abs());
+                if farthest.z < in_view.z {
+                    farthest = in_view;
+                }
             }
         }
         let [half_width, half_height] = shape.half_extent;
@@ -231,5 +238,9 @@ mod tests {
         assert!(
             (bounds - largest).max_element() < 2e-3 && -1e-12 < (bounds - largest).min_element()
         );
+        // Where depth is largest it hardly changes from one of these points to the next.
+        let [x, y] = shape.farthest;
+        assert!((farthest.x - x).abs() < 0.03 && (farthest.y - y).abs() < 0.03, "{farthest}");
+        assert!(0.1 < x.hypot(y), "the farthest point is not in the middle");
     }
 }

@@ -1,5 +1,5 @@
-//! What the fuzz targets of slabsplat's readers share: an input becomes files in memory, and these are read
-//! in every way that the file offers.
+//! What the fuzz targets of slabsplat share: an input becomes files in memory, and these are read in every
+//! way that the file offers. Beside the readers, texts that are drawn and folders of films are fuzzed.
 //!
 //! `cargo xtask fuzz` runs all targets, `cargo xtask fuzz dicom 3600` one of them for an hour. It needs
 //! `cargo install cargo-fuzz --locked` and a nightly toolchain. Inputs begin with small valid files, which
@@ -7,9 +7,29 @@
 //!
 //! An input that crashes a reader, holds it for ten seconds or makes it take a gigabyte is left in the folder
 //! `artifacts` beside this crate's manifest. `cargo fuzz tmin` makes it small; what is mended gets a test in
-//! `crates/slabsplat-io/tests/hostile_files.rs` that has the input's bytes.
+//! `crates/slabsplat-io/tests/hostile_files.rs`, or in the crate that it breaks, that has the input's bytes.
 
 use slabsplat_io::{FilesInMemory, IoError, Part, VolumeListing, VolumeOptions};
+
+/// A film that is continued from whatever its folder has.
+#[derive(Clone, Copy, Debug)]
+pub struct SmallFilm {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// How many.
+    pub n_frames: u32,
+    /// What tells it from others.
+    pub identity: &'static str,
+}
+
+/// The film that folders are fuzzed of.
+pub const FILM: SmallFilm = SmallFilm { width: 3, height: 2, n_frames: 3, identity: "scene = a" };
+
+/// The files of its folder that an input has, in this order.
+pub const FILM_FILES: &[&str] =
+    &["film.txt", "frame_00000.png", "frame_00001.png", "film.part", "frame.part"];
 
 /// What parts the files of an input.
 pub const BETWEEN: &[u8] = b"\n-8<-\n";

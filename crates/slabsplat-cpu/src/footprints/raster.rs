@@ -36,6 +36,10 @@ pub(crate) struct PixelShape {
     pub(crate) tilt: [f32; 2],
     /// Half the width and height of the ellipse `ρ = 1`.
     pub(crate) half_extent: [f32; 2],
+    /// Where its farthest point is, from the centre.
+    pub(crate) farthest: [f32; 2],
+    /// Half the width and height of what a plane through the centre, parallel to slabs, has of it.
+    pub(crate) half_across: [f32; 2],
     /// Pixels per world unit.
     pub(crate) scale: f32,
     /// What weights are multiplied with: 1, or less if the footprint is stretched.
@@ -70,16 +74,23 @@ impl Raster {
         let scale = self.view.pixels_per_world(depth);
         let stretch = self.view.stretch(scale);
         let pixels = scale * stretch;
-        let FootprintShape { across, shear, along, .. } = *shape;
+        let FootprintShape { across, shear, along, half_extent, farthest, .. } = *shape;
         let [right, up] = shape.tilt.map(|c| (c / pixels) as f32);
         let radius_in_pixels = f64::from(self.radius) * pixels;
         let form = 2.0 / (radius_in_pixels * radius_in_pixels);
+        let half_across = [0, 1].map(|axis| {
+            let [extent, farthest] = [half_extent[axis], farthest[axis]];
+            ((extent - farthest) * (extent + farthest)).max(0.0).sqrt()
+        });
+        let [far_right, far_up] = farthest.map(|c| (c * pixels) as f32);
         PixelShape {
             across: (form * across) as f32,
             shear: -shear as f32,
             along: (form * along) as f32,
             tilt: [right, -up],
-            half_extent: shape.half_extent.map(|c| (c * pixels) as f32),
+            half_extent: half_extent.map(|c| (c * pixels) as f32),
+            farthest: [far_right, -far_up],
+            half_across: half_across.map(|c| (c * pixels) as f32),
             scale: scale as f32,
             gain: (1.0 / (stretch * stretch)) as f32,
         }

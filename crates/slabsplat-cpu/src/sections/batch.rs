@@ -4,7 +4,8 @@
 //! ```text
 //! for eight voxels at once:
 //!     where the slab's faces cut each; whether it is drawn here
-//!     the disc in which a slab cuts a ball: ρ_max² = R² − (distance to the nearer face)²
+//!     the disc in which a slab cuts a ball: ρ_max² = R² − (distance to the nearer face)²; at a slant the
+//!     band that a slab has of an ellipse (band.rs)
 //!     the section's position in its table, in rows
 //!     the pixels that the disc may touch on the tile
 //! ```
@@ -12,8 +13,10 @@
 //! It takes a square root and a chain of other steps. Side by side they cost little, and the inner loop finds
 //! everything ready.
 
+use super::band::Bands;
 use super::cut::{Components, Cuts, SlabCut, Voxels};
-use super::shared::Kind;
+use super::shared::{Kind, Sections};
+use crate::footprints::raster::PixelShape;
 use crate::pixels::rectangle::{MARGIN, PixelBox, pixel};
 use crate::pixels::tile::Tile;
 use crate::voxels::by_sheet::N_AT_ONCE;
@@ -51,12 +54,23 @@ impl SlabCut<'_> {
         let voxels = Components::of(simd, run.at_once(first));
         let n_left = (run.len - first).min(N_AT_ONCE);
         let mut batch = SectionBatch { drawn: u64::MAX >> (64 - n_left), ..SectionBatch::EMPTY };
-        let rho_max = if kind == Kind::Whole {
-            f32x8::splat(simd, self.sections.raster.radius)
+        let centers = self.centers_of(simd, &voxels, tile);
+        let Sections { raster, half_depth_in_index, .. } = self.sections;
+        if kind == Kind::Whole {
+            let radius = f32x8::splat(simd, raster.radius);
+            batch.place_discs(simd, &self.shape, radius, centers);
         } else {
-            batch.cut(simd, self, &self.cuts_of(simd, &voxels))
-        };
-        batch.place(simd, self, rho_max, self.centers_of(simd, &voxels, tile));
+            let cuts = self.cuts_of(simd, &voxels);
+            let rho_max = batch.cut(simd, self, &cuts);
+            if raster.is_tilted {
+                let bands = Bands::of(simd, cuts.faces, *half_depth_in_index, raster.radius);
+                batch.place(simd, centers, |axis, center| {
+                    bands.ends(simd, &self.shape, axis).map(|end| center + end)
+                });
+            } else {
+                batch.place_discs(simd, &self.shape, rho_max, centers);
+            }
+        }
         batch
     }
 }
@@ -86,7 +100,7 @@ impl SectionBatch {
         back.store_slice(&mut self.faces[1]);
         let radius = sections.raster.radius;
         if sections.raster.is_tilted {
-            // Somewhere in the footprint it is cut in its middle.
+            // Somewhere in the footprint it is cut in its middle: its pixels are those of a band.
             return f32x8::splat(simd, radius);
         }
         let disc_squared = f32x8::splat(simd, radius * radius) - nearest * nearest;
@@ -99,17 +113,30 @@ impl SectionBatch {
 
     /// Notes the pixels that discs around `centers` may touch.
     #[inline(always)]
-    fn place<S: Simd>(
+    fn place_discs<S: Simd>(
         &mut self,
         simd: S,
-        slab: &SlabCut<'_>,
+        shape: &PixelShape,
         rho_max: f32x8<S>,
         centers: [f32x8<S>; 2],
     ) {
+        self.place(simd, centers, |axis, center| {
+            let half =
+                rho_max * f32x8::splat(simd, shape.half_extent[axis]) + f32x8::splat(simd, MARGIN);
+            [center - half, center + half]
+        });
+    }
+
+    /// Notes the pixels between the ends that sections have along each axis.
+    #[inline(always)]
+    fn place<S: Simd>(
+        &mut self,
+        simd: S,
+        centers: [f32x8<S>; 2],
+        ends_of: impl Fn(usize, f32x8<S>) -> [f32x8<S>; 2],
+    ) {
         for (axis, center) in centers.into_iter().enumerate() {
-            let half = rho_max * f32x8::splat(simd, slab.shape.half_extent[axis])
-                + f32x8::splat(simd, MARGIN);
-            let (first, end) = (pixel(simd, center - half), pixel(simd, center + half));
+            let [first, end] = ends_of(axis, center).map(|at| pixel(simd, at));
             self.drawn &= first.simd_lt(end).to_bitmask();
             first.store_slice(&mut self.pixels[axis]);
             end.store_slice(&mut self.pixels[axis + 2]);

@@ -115,9 +115,7 @@ pub(super) trait Reader: Sync {
     /// # Errors
     /// If there is none, or the file should have begun as others of its name do.
     fn header_of(&self, _store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
-        let name = self.listed().split(" (").next().unwrap_or_default();
-        let what = format!("not a {name} file, or cut off: it does not begin as one");
-        Err(IoError::malformed(path, what))
+        Err(not_begun(self.listed(), path))
     }
 
     /// Whether a folder is a volume of the format; `files` are those directly in it.
@@ -140,6 +138,13 @@ pub(super) trait Reader: Sync {
 
     /// What would be read, as far as headers say it.
     fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError>;
+}
+
+/// That a file does not begin as those of its name do; `listed` is [`Reader::listed`].
+pub(super) fn not_begun(listed: &str, path: &Path) -> IoError {
+    let name = listed.split(" (").next().unwrap_or_default();
+    let what = format!("not a {name} file, or cut off: it does not begin as one");
+    IoError::malformed(path, what)
 }
 
 /// No system has longer paths.
@@ -255,6 +260,9 @@ fn find_reader(store: Store<'_>, path: &Path) -> Result<(&'static dyn Reader, Pa
         READERS.iter().find(|reader| reader.is_begun_by(&start) && !reader.is_other(store, path))
     {
         return Ok((*reader, path.to_owned()));
+    }
+    if let Some((foreign, folder)) = foreign::of_part(path, &start) {
+        return Err(foreign.error(folder));
     }
     let is_it =
         |reader: &&&dyn Reader| reader.is_named(store, path) && !reader.is_other(store, path);

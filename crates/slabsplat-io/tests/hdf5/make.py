@@ -46,6 +46,37 @@ def newer():
         file.create_dataset("five", data=five, chunks=(1, 1, 2, 4, 5), compression="gzip")
 
 
+def kinds():
+    """What fewer programs write, behind a block of 1024 bytes; the last five are not read."""
+    with h5py.File("kinds.h5", "w", userblock_size=1024) as file:
+        chunks = dict(chunks=(2, 3, 4))
+        values = VALUES.astype("<i2")
+        file.create_dataset("scaled", data=values, scaleoffset=0, **chunks)
+        file.create_dataset("scaled_floats", data=VALUES.astype(">f4"), scaleoffset=2, **chunks)
+        file.create_dataset("lzf", data=values, compression="lzf", shuffle=True, fletcher32=True, **chunks)
+        unpacked = file.create_dataset("unpacked", SHAPE, "<i2", chunks=SHAPE, compression="gzip")
+        unpacked.id.write_direct_chunk((0, 0, 0), values.tobytes(), filter_mask=1)
+        shrunk = file.create_dataset("shrunk", data=numpy.zeros((5, 5, 9), "<i2"), maxshape=(None,) * 3, **chunks)
+        shrunk.resize(SHAPE)
+        shrunk[...] = values
+        file.create_dataset("sized", data=values).attrs["element_size_um"] = [3, 2, 1]
+        file.create_dataset("szip", data=values, compression="szip", chunks=(2, 4, 4))
+        n_bit = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        n_bit.set_chunk((2, 3, 4))
+        n_bit.set_filter(h5py.h5z.FILTER_NBIT, 0)
+        h5py.h5d.create(file.id, b"n_bit", h5py.h5t.STD_I16LE, h5py.h5s.create_simple(SHAPE), n_bit).write(
+            h5py.h5s.ALL, h5py.h5s.ALL, values
+        )
+        layout = h5py.VirtualLayout(SHAPE, "<i2")
+        layout[:] = h5py.VirtualSource(file["sized"])
+        file.create_virtual_dataset("virtual", layout)
+        file.create_dataset("external", SHAPE, "<i2", external=[("/none", 0, h5py.h5f.UNLIMITED)])
+        file["link"] = h5py.SoftLink("/sized")
+    with h5py.File("newest.h5", "w", libver="latest") as file:
+        file.create_dataset("packed", data=values, **PACKED)
+        file["plain"] = values
+
+
 def others():
     with netCDF4.Dataset("a.nc", "w", format="NETCDF4") as file:
         for name, size in zip("zyx", SHAPE):
@@ -60,8 +91,9 @@ def others():
 
 classic()
 newer()
+kinds()
 others()
-for name in ["classic.h5", "newer.h5", "a.nc", "a.mat"]:
+for name in ["classic.h5", "newer.h5", "kinds.h5", "newest.h5", "a.nc", "a.mat"]:
     path = pathlib.Path(name)
     pathlib.Path(f"{name}.gz").write_bytes(gzip.compress(path.read_bytes(), mtime=0))
     path.unlink()

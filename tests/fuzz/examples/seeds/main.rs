@@ -2,6 +2,7 @@
 //! are small valid files of every way of packing, made here, but for those that tests have of other programs.
 
 mod arrays;
+mod drawn;
 mod images;
 
 // What the tests of slabsplat-io spoil is spoilt here as well.
@@ -35,7 +36,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn all() -> anyhow::Result<[(&'static str, Seeds); 17]> {
+fn all() -> anyhow::Result<[(&'static str, Seeds); 19]> {
     Ok([
         ("nrrd", nrrd()),
         ("nifti", nifti()),
@@ -54,6 +55,8 @@ fn all() -> anyhow::Result<[(&'static str, Seeds); 17]> {
         ("mesh", mesh()),
         ("transfer", vec![named(0, COLOR_MAP), named(1, VOLUME_PROPERTY)]),
         ("picture", pictures()),
+        ("annotations", drawn::annotations()),
+        ("film", drawn::films()?),
     ])
 }
 

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use slabsplat_core::glam::DVec3;
 
-use super::dataset::{Dataset, Header, Packing};
+use super::dataset::Dataset;
+use super::header::Header;
+use super::syntax::Packing;
 use super::tags::{self, Tag};
 use crate::IoError;
 

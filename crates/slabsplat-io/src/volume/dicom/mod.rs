@@ -7,21 +7,26 @@
 //! with the rescale as a scaling, unless slices have different ones; padding is a value as others are. Not
 //! read: HTJ2K, single bits, palettes and other colours than RGB and YBR.
 //!
-//! Reading order: `dataset` and `tags` (elements), `frame` (what a file says of each slice), `scan` (which
-//! files belong together), `stack` (where slices are), `pixels` and `ybr` (their values); `unpack` with
-//! `rle`, `jpeg`, `jpeg_ls` and `jpeg_2000` (bytes of frames), which share `segments` and `coded`.
+//! Reading order: `tags`, `dataset`, `elements`, `syntax` and `header` (what is before pixels), `frame` (what a
+//! file says of each slice), `scan` (which files belong together), `line` and `stack` (where slices are),
+//! `pixels` and `ybr` (their values); `unpack` with `rle`, `jpeg`, `jpeg_ls` and `jpeg_2000` (bytes of
+//! frames), which share `segments` and `coded`.
 
 mod coded;
 mod dataset;
+mod elements;
 mod frame;
+mod header;
 mod jpeg;
 mod jpeg_2000;
 mod jpeg_ls;
+mod line;
 mod pixels;
 mod rle;
 mod scan;
 mod segments;
 mod stack;
+mod syntax;
 mod tags;
 mod unpack;
 mod ybr;
@@ -53,7 +58,7 @@ impl Reader for Dicom {
     }
 
     fn is_begun_by(&self, start: &[u8]) -> bool {
-        dataset::is_begun_by(start)
+        syntax::is_begun_by(start)
     }
 
     fn is_folder(&self, store: Store<'_>, folder: &Path, _files: &[PathBuf]) -> bool {

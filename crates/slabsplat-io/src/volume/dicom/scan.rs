@@ -5,8 +5,9 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use super::super::stream::MAX_GZIP_RATIO;
-use super::dataset::{Header, PixelElement, Syntax, is_begun_by};
 use super::frame::{About, Frame, Layout, frames};
+use super::header::{Header, PixelElement};
+use super::syntax::{Syntax, is_begun_by};
 use crate::IoError;
 use crate::printable::printable;
 use crate::store::Store;
@@ -58,6 +59,11 @@ fn starts_as_dicom(store: Store<'_>, file: &Path) -> bool {
     super::super::stream::first_bytes(store, file).is_ok_and(|start| is_begun_by(&start))
 }
 
+/// Whether the file lists those of its folder, which all such files are named for (PS3.10 §8.6).
+fn is_directory(file: &Path) -> bool {
+    file.file_name().is_some_and(|name| name == "DICOMDIR")
+}
+
 /// All files below a folder, as far as they can be listed.
 fn walk(store: Store<'_>, folder: &Path, depth: usize, all: &mut Vec<PathBuf>) {
     let Ok((files, folders)) = store.entries_in(folder) else { return };
@@ -68,9 +74,10 @@ fn walk(store: Store<'_>, folder: &Path, depth: usize, all: &mut Vec<PathBuf>) {
 }
 
 impl Scan {
-    /// Of all files below a folder, or of one file.
+    /// Of all files below a folder, also by the file that lists them, or of one file.
     pub(super) fn of(store: Store<'_>, path: &Path) -> Result<Self, IoError> {
         let mut scan = Self::default();
+        let path = if is_directory(path) { path.parent().unwrap_or(Path::new("")) } else { path };
         if !store.is_folder(path) {
             scan.take_file(store, path)?;
             scan.finish(path)?;
@@ -78,7 +85,7 @@ impl Scan {
         }
         let mut files = Vec::new();
         walk(store, path, 0, &mut files);
-        for file in &files {
+        for file in files.iter().filter(|file| !is_directory(file)) {
             if !starts_as_dicom(store, file) {
                 scan.n_others += 1;
             } else if let Err(error) = scan.take_file(store, file) {
@@ -156,8 +163,7 @@ impl Scan {
         if let Some((_, error)) = self.refused.take() {
             return Err(error);
         }
-        let what = "there are no images in it: if it is a DICOMDIR, name its folder";
-        Err(IoError::malformed(path, what))
+        Err(IoError::malformed(path, "there are no images in it"))
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::dataset::Packing;
 use super::frame::Layout;
 use super::pixels::{MAX_RATIO, too_short};
+use super::syntax::Packing;
 use super::{jpeg, jpeg_2000, jpeg_ls, rle};
 use crate::IoError;
 

@@ -15,9 +15,10 @@ use super::super::placed::{Metered, PlacedSamples};
 use super::super::stored::StoredType;
 use super::super::stream::MAX_GZIP_RATIO;
 use super::super::{Endian, LoadedVolume, VolumeFormat};
+use super::refusals::{broken, refused};
 use super::rows::Rows;
 use crate::IoError;
-use crate::printable::{printable, shown};
+use crate::printable::printable;
 use crate::store::StoredFile;
 
 /// Groups in groups; Imaris has four.
@@ -88,7 +89,7 @@ impl Array {
         }
         let failed = |failure| match failure {
             ReadFailure::TooShort(found) => input.too_short(needed, found),
-            ReadFailure::Io(error) => IoError::malformed(path, shown(&error.to_string())),
+            ReadFailure::Io(error) => refused(path, &error),
         };
         let n_samples = grid.n_voxels().saturating_mul(self.axes.choices.n_read());
         let samples = PlacedSamples::new(self.stored, self.endian, n_samples);
@@ -106,11 +107,7 @@ impl Array {
     /// Millimetres from voxel to voxel.
     fn spacing(&self, warnings: &mut Vec<String>) -> [f64; 3] {
         let sizes = self.dataset.attrs().ok().and_then(|mut attrs| attrs.remove(ELEMENT_SIZE));
-        let sizes = match sizes {
-            Some(AttrValue::F64Array(sizes)) => sizes,
-            Some(AttrValue::F32Array(sizes)) => sizes.into_iter().map(f64::from).collect(),
-            _ => Vec::new(),
-        };
+        let sizes = sizes.map(numbers_of).unwrap_or_default();
         if let &[z, y, x] = sizes.as_slice() {
             let spacing = [x, y, z].map(|micrometres| micrometres * 1e-3);
             if spacing.iter().all(|step| step.is_normal() && 0.0 < *step) {
@@ -130,8 +127,20 @@ fn open_file(file: StoredFile<'_>) -> Result<File, hdf5_pure::Error> {
     }
 }
 
-fn broken(input: &Input<'_>, error: &hdf5_pure::Error) -> IoError {
-    IoError::malformed(input.path, shown(&format!("not a sound HDF5 file: {error}")))
+/// An attribute's numbers, however they are written; none if it has others.
+fn numbers_of(value: AttrValue) -> Vec<f64> {
+    match value {
+        AttrValue::F64Array(numbers) => numbers,
+        AttrValue::F32Array(numbers) => numbers.into_iter().map(f64::from).collect(),
+        AttrValue::I64Array(numbers) => numbers.into_iter().map(|number| number as f64).collect(),
+        AttrValue::U64Array(numbers) => numbers.into_iter().map(|number| number as f64).collect(),
+        AttrValue::I32Array(numbers) => numbers.into_iter().map(f64::from).collect(),
+        AttrValue::U32Array(numbers) => numbers.into_iter().map(f64::from).collect(),
+        AttrValue::I16Array(numbers) => numbers.into_iter().map(f64::from).collect(),
+        AttrValue::U16Array(numbers) => numbers.into_iter().map(f64::from).collect(),
+        AttrValue::U8Array(numbers) => numbers.into_iter().map(f64::from).collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// The data set that is asked for, by path or by number; else the first that has the axes of a volume.

@@ -6,22 +6,32 @@
 //! `hdf5-reader` brings ten crates and maps files by unsafe code; `hdf5-metno` binds the C library, which
 //! needs a C compiler and has been broken by crafted files again and again.
 //!
-//! Reading order: `arrays` (which data set, and what its numbers are), `rows` (its bytes).
+//! Reading order: `arrays` (which data set, and what its numbers are), `rows` (its bytes), `refusals` (what
+//! is not read, and what to do then).
 
 #[cfg(feature = "hdf5")]
 mod arrays;
 #[cfg(feature = "hdf5")]
+mod refusals;
+#[cfg(feature = "hdf5")]
 mod rows;
 
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
 use super::LoadedVolume;
-use super::formats::{Input, Reader, VolumeListing};
+use super::formats::{Input, Reader, VolumeListing, not_begun};
 use crate::IoError;
+use crate::store::{Store, StoredFile};
 
 /// What a file begins with, or what is behind a block of another program's.
-const MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
+const MAGIC: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// The block that MATLAB puts in front.
+/// The least block in front, which MATLAB has; others are twice as long, or twice that, and so on.
 const USER_BLOCK_BYTES: usize = 512;
+
+/// No program puts more in front.
+const MAX_USER_BLOCK_BYTES: usize = 1 << 30;
 
 /// The format.
 pub(super) struct Hdf5;
@@ -37,7 +47,13 @@ impl Reader for Hdf5 {
 
     fn is_begun_by(&self, start: &[u8]) -> bool {
         let behind = start.get(USER_BLOCK_BYTES..).unwrap_or_default();
-        start.starts_with(MAGIC) || behind.starts_with(MAGIC)
+        start.starts_with(&MAGIC) || behind.starts_with(&MAGIC)
+    }
+
+    /// Of a file with a longer block in front, which the name alone says.
+    fn header_of(&self, store: Store<'_>, path: &Path) -> Result<PathBuf, IoError> {
+        let has_block = has_user_block(store.open(path)?).map_err(IoError::read(path))?;
+        has_block.then(|| path.to_owned()).ok_or_else(|| not_begun(self.listed(), path))
     }
 
     fn names_arrays(&self) -> bool {
@@ -63,6 +79,21 @@ impl Reader for Hdf5 {
     fn list(&self, input: &Input<'_>) -> Result<VolumeListing, IoError> {
         Err(not_built(input))
     }
+}
+
+fn has_user_block(mut file: StoredFile<'_>) -> io::Result<bool> {
+    let n_bytes = file.n_bytes()?;
+    let mut block_bytes = USER_BLOCK_BYTES;
+    while block_bytes <= MAX_USER_BLOCK_BYTES && (block_bytes + MAGIC.len()) as u64 <= n_bytes {
+        let mut start = [0; MAGIC.len()];
+        file.seek(SeekFrom::Start(block_bytes as u64))?;
+        file.read_exact(&mut start)?;
+        if start == MAGIC {
+            return Ok(true);
+        }
+        block_bytes *= 2;
+    }
+    Ok(false)
 }
 
 #[cfg(not(feature = "hdf5"))]

@@ -12,7 +12,7 @@ use crate::IoError;
 use crate::store::{Store, StoredFile};
 
 /// Files that only a Zarr has.
-pub(super) const MARKS: &[&str] = &["zarr.json", ".zattrs", ".zgroup", ".zarray"];
+pub(super) const MARKS: &[&str] = &["zarr.json", ".zattrs", ".zgroup", ".zarray", ".zmetadata"];
 
 /// No metadata that anybody writes are longer.
 const MAX_JSON_BYTES: u64 = 16 << 20;
