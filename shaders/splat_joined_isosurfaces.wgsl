@@ -8,7 +8,7 @@
 //#include "shared/density_tile.wgsl"
 //#include "shared/isosurfaces.wgsl"
 
-const N_HELD: u32 = 1u;
+const MOST_HELD: u32 = 1u;
 
 @compute @workgroup_size(10, 10)
 fn splat_joined_isosurfaces(
@@ -18,6 +18,10 @@ fn splat_joined_isosurfaces(
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
     render_tile(local.xy, thread, linear_group(group, n_groups));
+}
+
+fn n_held() -> u32 {
+    return 1u;
 }
 
 fn showing(sheet: u32, next: u32, pixel: Pixel) {

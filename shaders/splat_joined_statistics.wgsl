@@ -6,7 +6,7 @@
 //#include "shared/statistic.wgsl"
 
 // No layer hides another, so that each has found something of its own.
-const N_HELD: u32 = MOST_LAYERS;
+const MOST_HELD: u32 = MOST_LAYERS;
 
 @compute @workgroup_size(10, 10)
 fn splat_joined_statistics(
@@ -16,6 +16,10 @@ fn splat_joined_statistics(
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
     render_tile(local.xy, thread, linear_group(group, n_groups));
+}
+
+fn n_held() -> u32 {
+    return n_layers();
 }
 
 fn showing(sheet: u32, next: u32, pixel: Pixel) {

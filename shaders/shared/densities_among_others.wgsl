@@ -1,13 +1,13 @@
 // Densities of several layers, and of any beside meshes.
 //
 // The last six sheets of every layer are a ring in a thread's own memory, from which those of the layer that
-// is about to be shown are taken to registers. These rings take 10 KB of a workgroup for each layer, and sums
-// 0.8 KB of the 16 that every device has for workgroups, half of which is for staged splats: hence there are
-// at most so many layers.
+// is about to be shown are taken to registers. Drivers reserve that memory for all threads that a device can
+// run at a time, 1.5 KB each for so many layers as there may be: hence there are at most so many. What goes
+// through the caches are the rings of the layers that there are, 10 KB of a workgroup each.
 
 //#include "shared/surfaces.wgsl"
 
-const MOST_LAYERS: u32 = 4u;
+const MOST_LAYERS: u32 = 16u;
 
 // Of each layer, the last sheet at `last_slot`.
 var<private> rings: array<array<vec4<f32>, N_SHEETS>, MOST_LAYERS>;

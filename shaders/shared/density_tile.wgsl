@@ -18,8 +18,8 @@
 // Whoever includes this
 // - includes `density_alone.wgsl` or `densities_among_others.wgsl`, which say how many layers there may be, retain
 //   their sheets, and know where rays end,
-// - declares `N_HELD`, how many elements a pixel holds of what it has found so far; they are `held`, 0 at first,
-//   and the last channel of the first is the pixel's opacity, or 0,
+// - declares `MOST_HELD` and `n_held`, how many elements a pixel holds of what it has found so far, and can at
+//   most; they are `held`, 0 at first, and the last channel of the first is the pixel's opacity, or 0,
 // - shows what lies between sheets: `showing` puts it behind a pixel, and `shown` makes of what the pixel holds its
 //   premultiplied colour and opacity.
 
@@ -56,11 +56,10 @@
 
 const SIDE: u32 = TILE_SIDE + 2u;
 const BATCH: u32 = 100u;
-const N_SUMS: u32 = MOST_LAYERS * BATCH;
 
-// Layer by layer, of each pixel of the tile and its border: how much of the ray, and that times the values.
-var<workgroup> sums: array<vec2<f32>, N_SUMS>;
-// The same of this thread's pixel, while they are summed.
+// Of a layer, for each pixel of the tile and its border: how much of the ray, and that times the values.
+var<workgroup> sums: array<vec2<f32>, BATCH>;
+// The same of all layers for this thread's pixel, while they are summed.
 var<private> sums_of_layers: array<vec2<f32>, MOST_LAYERS>;
 // Splats that this thread staged for the sheet, and whether it added all that were staged. They are not in
 // `Summed`: a struct of which one member may differ between threads decides no barrier in a browser.
@@ -69,7 +68,7 @@ var<private> is_whole: bool;
 // Where the pixel's ray is in the convex set of each layer's region.
 var<private> intervals: array<vec2<f32>, MOST_LAYERS>;
 // What the pixel has found so far.
-var<private> held: array<vec4<f32>, N_HELD>;
+var<private> held: array<vec4<f32>, MOST_HELD>;
 
 // A pixel, as far as it is the same for all sheets.
 struct Pixel {
@@ -120,13 +119,13 @@ fn render_tile(local: vec2<u32>, thread: u32, tile_of_pass: u32) {
 }
 
 fn continue_pixel(pixel_idx: u32) {
-    for (var i = 0u; i < N_HELD; i++) {
+    for (var i = 0u; i < n_held(); i++) {
         held[i] = pixels[i * n_pixels() + pixel_idx];
     }
 }
 
 fn pause_pixel(pixel_idx: u32) {
-    for (var i = 0u; i < N_HELD; i++) {
+    for (var i = 0u; i < n_held(); i++) {
         pixels[i * n_pixels() + pixel_idx] = held[i];
     }
 }
@@ -294,16 +293,18 @@ fn stage(slot: u32, end: u32, sheet: u32, thread: u32) -> u32 {
     return stage_section(splat, layer, sheet, thread);
 }
 
-// Puts what was summed with the five sheets before.
+// Puts what was summed with the five sheets before. Layers take turns at the sums that neighbours see: those
+// of all together would not fit into the memory of a workgroup.
 fn push_densities(sheet: u32, pixel: Pixel) {
     for (var layer = 0u; layer < n_layers(); layer++) {
         let own = sums_of_layers[layer];
         let limits = densities[layer].values * own.x;
         let limited = vec2(own.x, clamp(own.y, limits.x, limits.y));
-        sums[layer * BATCH + pixel.thread] = select(vec2(0.0), limited, 0.0 < own.x);
-    }
-    workgroupBarrier();
-    for (var layer = 0u; layer < n_layers(); layer++) {
+        if 0u < layer {
+            workgroupBarrier();
+        }
+        sums[pixel.thread] = select(vec2(0.0), limited, 0.0 < own.x);
+        workgroupBarrier();
         push_sheet(layer, density_of(layer, sheet, pixel));
     }
 }
@@ -318,7 +319,7 @@ fn density_of(layer: u32, sheet: u32, pixel: Pixel) -> vec4<f32> {
     if !pixel.is_shown {
         return vec4(0.0);
     }
-    let idx = layer * BATCH + pixel.thread;
+    let idx = pixel.thread;
     let here = sums[idx];
     var density = 0.0;
     if 0.0 < here.x {

@@ -19,7 +19,8 @@ const PARITY: f32 = 1e-3;
 const MODES: [Mode; 5] =
     [Mode::Extinction, Mode::Separate, Mode::Maximum, Mode::Average, Mode::Isosurfaces];
 
-/// The same waves so often, each turned, moved and coloured otherwise, and as faint as that.
+/// The same waves so often, each turned otherwise, moved and coloured in one of four ways, and as faint as
+/// that.
 fn layered(n_layers: usize, side: usize, opacity: f64, width: u32, mode: Mode) -> Scene {
     let volume = volume([side; 3]);
     let mut scene = scene(&volume, width, Method::PostClassified);
@@ -29,9 +30,9 @@ fn layered(n_layers: usize, side: usize, opacity: f64, width: u32, mode: Mode) -
 }
 
 fn layer(volume: &Volume, idx: usize, opacity: f64) -> Layer {
-    let share = idx as f64;
+    let share = (idx % 4) as f64;
     let center = volume.grid().center_in_world();
-    let turn = DAffine3::from_rotation_y(0.7 * share);
+    let turn = DAffine3::from_rotation_y(0.7 * idx as f64);
     let aside = center + DVec3::new(0.6, -0.4, 0.5) * share;
     let moved = DAffine3::from_translation(aside) * turn * DAffine3::from_translation(-center);
     let grid = Grid::new(volume.grid().dims(), moved * volume.grid().world_from_index());
@@ -53,9 +54,14 @@ fn by_cpu(scene: &Scene) -> Image {
 #[test]
 fn as_many_density_layers_as_there_can_be() {
     let _alone = alone();
-    let of = |n_layers| MODES.map(|mode| layered(n_layers, 9, 0.4, 24, mode));
-    let scenes: Vec<(Scene, Image)> =
-        [4, 1].into_iter().flat_map(of).map(|scene| (scene.clone(), by_cpu(&scene))).collect();
+    let of = |(n_layers, side, opacity, width)| {
+        MODES.map(|mode| layered(n_layers, side, opacity, width, mode))
+    };
+    let scenes: Vec<(Scene, Image)> = [(16, 4, 0.2, 8), (6, 6, 0.3, 16), (1, 9, 0.4, 24)]
+        .into_iter()
+        .flat_map(of)
+        .map(|scene| (scene.clone(), by_cpu(&scene)))
+        .collect();
     on_devices(as_it_is, |name, backend, _| {
         for (scene, expected) in &scenes {
             let image = render(backend, scene).expect("a small frame fits").image;
@@ -75,10 +81,10 @@ fn as_many_density_layers_as_there_can_be() {
 #[test]
 fn too_many_density_layers_are_an_error() {
     let _alone = alone();
-    let scene = layered(5, 3, 0.4, 8, Mode::Extinction);
+    let scene = layered(17, 3, 0.4, 8, Mode::Extinction);
     on_devices(as_it_is, |name, backend, orders| {
         let error = render(backend, &scene).expect_err("they are too many").to_string();
-        assert!(error.contains("densities of 4 layers at a time, not of 5"), "{name}: {error}");
+        assert!(error.contains("densities of 16 layers at a time, not of 17"), "{name}: {error}");
         assert_eq!(locked(orders).n_submitted, 0, "{name}");
     });
 }
@@ -101,8 +107,8 @@ fn density_layers_in_tiles_that_pause() {
     }
 }
 
-/// The bits are those of a picture in one piece. By one density of each layer a band is a quarter as high, as
-/// its pixels hold as much more.
+/// The bits are those of a picture in one piece. By one density of each of three layers a band is a third as
+/// high, as its pixels hold as much more.
 #[test]
 fn density_layers_on_pictures_in_bands() {
     let _alone = alone();

@@ -4,7 +4,7 @@ use crate::density_elements::{self, ELEMENTS_OF_CELL, ELEMENTS_OF_SURFACE, Eleme
 use crate::frame_params::SplatLayer;
 use crate::job::JobLayer;
 use crate::known_volume::KnownVolume;
-use crate::params::{Densities, MOST_DENSITY_LAYERS, flag};
+use crate::params::{Densities, flag};
 use slabsplat_backend::densities::{FAINT_GRADIENT, ValueScale};
 use slabsplat_backend::{
     DensitySplats, FramePlan, LayerPlan, ShownDensities, SmoothSections, Splats,
@@ -42,7 +42,6 @@ impl DensityJob {
         job_layers: &[JobLayer],
         n_before: u32,
     ) -> Option<Self> {
-        let is_alone = layers.len() == 1 && plan.meshes.is_none();
         let (mut params, mut shown) = (Vec::new(), Vec::new());
         let mut stage = None;
         for ((layer, splats), job_layer) in layers.iter().zip(job_layers) {
@@ -52,7 +51,7 @@ impl DensityJob {
             let (of_layer, elements) = of_layer(plan, layer, splats, known);
             params.push(Densities { first_shown, ..of_layer });
             shown.extend(elements);
-            stage = Some(DensityStage::of(splats.shown, is_alone));
+            stage = Some(DensityStage::of(splats.shown, layers.len(), plan.meshes.is_some()));
         }
         stage.map(|stage| Self { params, shown, stage })
     }
@@ -60,7 +59,8 @@ impl DensityJob {
 
 impl DensityStage {
     /// A layer that is alone, without meshes, has stages of its own, which take fewer registers.
-    fn of(shown: ShownDensities, is_alone: bool) -> Self {
+    fn of(shown: ShownDensities, n_layers: usize, has_meshes: bool) -> Self {
+        let is_alone = n_layers == 1 && !has_meshes;
         let shader = match (shown, is_alone) {
             (ShownDensities::Composited, true) => &SPLAT_PARTS,
             (ShownDensities::Composited, false) => &SPLAT_JOINED_PARTS,
@@ -70,10 +70,8 @@ impl DensityStage {
             (ShownDensities::Isosurfaces, false) => &SPLAT_JOINED_ISOSURFACES,
         };
         let n_held = match shown {
-            ShownDensities::Statistic(_) if !is_alone => MOST_DENSITY_LAYERS as u64,
-            ShownDensities::Statistic(_)
-            | ShownDensities::Composited
-            | ShownDensities::Isosurfaces => 1,
+            ShownDensities::Statistic(_) => n_layers as u64,
+            ShownDensities::Composited | ShownDensities::Isosurfaces => 1,
         };
         Self { shader, n_held }
     }

@@ -209,7 +209,7 @@ pub(crate) const COUNTS_BYTES: u64 = 4 * (COUNT_OF_LISTS + MAX_LAYERS) as u64;
 pub(crate) const MAX_LAYERS: u32 = 64;
 
 /// `shaders/shared/densities_among_others.wgsl`: layers of densities that a frame can have.
-pub(crate) const MOST_DENSITY_LAYERS: usize = 4;
+pub(crate) const MOST_DENSITY_LAYERS: usize = 16;
 
 pub(crate) const RECORD_BYTES: u64 = size_of::<Record>() as u64;
 /// Bytes of `shaders/shared/splat.wgsl`.

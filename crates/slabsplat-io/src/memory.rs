@@ -8,8 +8,9 @@ use std::path::Path;
 
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
+use crate::builtin::builtin_bytes;
 use crate::printable::shown_path;
-use crate::{IoError, LayerFile, VolumeOptions, VolumeSource, list_volume};
+use crate::{IoError, LayerFile, RawDesc, VolumeOptions, VolumeSource, list_volume};
 
 /// Memory that something takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,8 +40,13 @@ impl MemoryNeed {
 
 impl LayerFile {
     fn need_of_volume(&self) -> Option<MemoryNeed> {
-        let VolumeSource::File(path) = &self.volume else { return None };
-        MemoryNeed::of_file(path, &self.options)
+        match (&self.volume, &self.raw) {
+            (VolumeSource::Builtin { name, size }, _) => {
+                Some(MemoryNeed { what: name.clone(), bytes: builtin_bytes(name, *size)? })
+            }
+            (VolumeSource::File(path), Some(raw)) => MemoryNeed::of_raw(path, raw),
+            (VolumeSource::File(path), None) => MemoryNeed::of_file(path, &self.options),
+        }
     }
 
     fn need_of_labels(&self) -> Option<MemoryNeed> {
@@ -53,6 +59,12 @@ impl MemoryNeed {
     fn of_file(path: &Path, options: &VolumeOptions) -> Option<Self> {
         let bytes = list_volume(path, options).ok()?.bytes();
         Some(Self { what: shown_path(path), bytes })
+    }
+
+    /// Of a file that is as long as its description says; no other is read.
+    fn of_raw(path: &Path, raw: &RawDesc) -> Option<Self> {
+        let bytes = std::fs::metadata(path).ok()?.len().checked_sub(raw.header_bytes)?;
+        (bytes == raw.bytes()).then(|| Self { what: shown_path(path), bytes })
     }
 }
 
@@ -116,6 +128,8 @@ pub(crate) fn in_units(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Endian;
+    use slabsplat_core::SampleType;
 
     #[test]
     fn memory_errors_say_what_each_needs() {
@@ -151,8 +165,29 @@ mod tests {
         check("b.nrrd", &nrrd("4000000000 4000000000 4000000000"), &[u64::MAX]);
         check("a.json", r#"{"dims": [2, 3, 4], "type": "float64"}"#, &[192]);
         check("broken.json", "{}", &[]);
-        let builtin = VolumeSource::Builtin { name: "cube".to_owned(), size: None };
-        assert!(MemoryNeed::of_layers(&[LayerFile::of_volume(builtin)]).is_empty());
+    }
+
+    #[test]
+    fn memory_needs_without_headers() {
+        let bytes_of = |layer: LayerFile| {
+            MemoryNeed::of_layers(&[layer]).iter().map(|need| need.bytes).collect::<Vec<_>>()
+        };
+        let builtin = |name: &str, size| {
+            bytes_of(LayerFile::of_volume(VolumeSource::Builtin { name: name.to_owned(), size }))
+        };
+        assert_eq!(builtin("cube", None), [28 * 28 * 28]);
+        assert_eq!(builtin("marschner-lobb", Some(1024)), [4 << 30]);
+        assert_eq!([builtin("cube", Some(1025)), builtin("teapot", None)], [[0; 0]; 2]);
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.raw");
+        std::fs::write(&path, [0; 50]).unwrap();
+        let mut layer = LayerFile::of_volume(VolumeSource::File(path));
+        for (dims, expected) in [([2, 3, 4], vec![48]), ([2, 3, 5], vec![])] {
+            let sample_type = SampleType::U16;
+            let (endian, spacing, header_bytes) = (Endian::Little, [1.0; 3], 2);
+            layer.raw = Some(RawDesc { dims, sample_type, endian, spacing, header_bytes });
+            assert_eq!(bytes_of(layer.clone()), expected);
+        }
     }
 
     #[test]

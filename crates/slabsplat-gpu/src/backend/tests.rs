@@ -68,8 +68,8 @@ fn what_shaders_lack_is_refused() {
     };
     let densities = RenderSettings::default().method(Method::PostClassified);
     assert_eq!(
-        refused(&scene.clone().settings(densities).layers(vec![layer.clone(); 5])),
-        "Fake 3000 cannot make this frame: its shaders draw densities of 4 layers at a time, not of 5"
+        refused(&scene.clone().settings(densities).layers(vec![layer.clone(); 17])),
+        "Fake 3000 cannot make this frame: its shaders draw densities of 16 layers at a time, not of 17"
     );
     assert_eq!(
         refused(&scene.layers(vec![layer; 65])),

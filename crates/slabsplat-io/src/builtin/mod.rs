@@ -10,7 +10,7 @@ mod shepp_logan;
 mod sphere;
 
 use slabsplat_core::glam::{DAffine3, DVec3};
-use slabsplat_core::{Grid, Samples, Scaling, Volume};
+use slabsplat_core::{Grid, SampleType, Samples, Scaling, Volume};
 
 use crate::IoError;
 
@@ -26,6 +26,7 @@ const MAX_SIZE: usize = 1024;
 /// How a built-in volume is made: its usual size, and its samples at any size.
 struct Builtin {
     default_size: usize,
+    sample_type: SampleType,
     samples: fn(usize) -> Samples,
 }
 
@@ -42,26 +43,39 @@ struct Builtin {
 /// # Errors
 /// If there is no such volume, or `size` is not within 4 … 1024.
 pub fn builtin_volume(name: &str, size: Option<usize>) -> Result<Volume, IoError> {
-    let builtin = find(name).ok_or_else(|| IoError::UnknownBuiltin { name: name.to_owned() })?;
-    let size = size.unwrap_or(builtin.default_size);
-    if !(MIN_SIZE..=MAX_SIZE).contains(&size) {
-        return Err(IoError::BadBuiltinSize { size, min: MIN_SIZE, max: MAX_SIZE });
-    }
+    let (builtin, size) = find(name, size)?;
     let samples = (builtin.samples)(size);
     Ok(Volume::new(centered_grid(size), samples, Scaling::IDENTITY)
         .expect("a built-in volume has a sample for each voxel"))
 }
 
-fn find(name: &str) -> Option<Builtin> {
-    let (default_size, samples): (usize, fn(usize) -> Samples) = match name {
-        "cube" => (28, cube::samples),
-        "sphere" => (64, sphere::samples),
-        "marschner-lobb" => (41, marschner_lobb::samples),
-        "shepp-logan" => (96, shepp_logan::samples),
-        "neuron" => (128, neuron::samples),
+/// Bytes of the samples of such a volume, if it can be made.
+pub(crate) fn builtin_bytes(name: &str, size: Option<usize>) -> Option<u64> {
+    let (builtin, size) = find(name, size).ok()?;
+    Some(builtin.sample_type.size_bytes() as u64 * (size as u64).pow(3))
+}
+
+/// How a volume is made, and of what size.
+fn find(name: &str, size: Option<usize>) -> Result<(Builtin, usize), IoError> {
+    let builtin = named(name).ok_or_else(|| IoError::UnknownBuiltin { name: name.to_owned() })?;
+    let size = size.unwrap_or(builtin.default_size);
+    if !(MIN_SIZE..=MAX_SIZE).contains(&size) {
+        return Err(IoError::BadBuiltinSize { size, min: MIN_SIZE, max: MAX_SIZE });
+    }
+    Ok((builtin, size))
+}
+
+fn named(name: &str) -> Option<Builtin> {
+    use SampleType::{F32, U8};
+    let (default_size, sample_type, samples): (usize, _, fn(usize) -> Samples) = match name {
+        "cube" => (28, U8, cube::samples),
+        "sphere" => (64, U8, sphere::samples),
+        "marschner-lobb" => (41, F32, marschner_lobb::samples),
+        "shepp-logan" => (96, U8, shepp_logan::samples),
+        "neuron" => (128, U8, neuron::samples),
         _ => return None,
     };
-    Some(Builtin { default_size, samples })
+    Some(Builtin { default_size, sample_type, samples })
 }
 
 fn centered_grid(size: usize) -> Grid {
@@ -96,7 +110,6 @@ fn smoothstep(t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::SampleType;
 
     #[test]
     fn builtin_names_are_all_made() {
@@ -123,6 +136,8 @@ mod tests {
             let volume = builtin_volume(name, None).unwrap();
             assert_eq!(volume.grid().dims(), [side; 3], "{name}");
             assert_eq!(volume.sample_type(), sample_type, "{name}");
+            let n_bytes = (side.pow(3) * sample_type.size_bytes()) as u64;
+            assert_eq!(builtin_bytes(name, None), Some(n_bytes), "{name}");
             assert_eq!(builtin_volume(name, Some(9)).unwrap().grid().dims(), [9; 3], "{name}");
         }
     }

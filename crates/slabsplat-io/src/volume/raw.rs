@@ -26,6 +26,14 @@ pub struct RawDesc {
     pub header_bytes: u64,
 }
 
+impl RawDesc {
+    /// What its samples take, in the file and in memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        let n_voxels = self.dims.iter().fold(1, |n: u64, &len| n.saturating_mul(len as u64));
+        n_voxels.saturating_mul(self.sample_type.size_bytes() as u64)
+    }
+}
+
 /// Reads a file that is nothing but samples, `desc.header_bytes` from its start to its very end.
 ///
 /// # Errors
@@ -58,7 +66,7 @@ pub(super) fn read_samples(
     let n_voxels = desc.dims.iter().fold(1, |n: usize, len| n.saturating_mul(*len));
     let sample_bytes = desc.sample_type.size_bytes();
     let mut stream = DataStream::open(store, path, desc.header_bytes)?;
-    let needed = (n_voxels as u64).saturating_mul(sample_bytes as u64);
+    let needed = desc.bytes();
     let found = stream.n_left_at_most();
     if needed != found {
         let what = format!("needs {needed} bytes of data, has {found}: {}", what_fits(desc, found));
