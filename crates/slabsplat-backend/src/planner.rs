@@ -9,7 +9,8 @@ use crate::tables::{LayerToSplat, Tables};
 use crate::work::SlabWork;
 use crate::{DensitySplats, FramePlan, LayerPlan, PlanError};
 use slabsplat_core::{
-    BlinnPhong, Compositing, Grid, Layer, Light, Method, Mode, RegionInView, Scene, Shading, View,
+    BlinnPhong, Compositing, FrameHandle, Grid, Layer, Light, Method, Mode, RegionInView, Scene,
+    Shading, View,
 };
 use slabsplat_kernel::{FootprintShape, Kernel, KernelError, Kernels};
 use std::sync::Arc;
@@ -38,6 +39,18 @@ impl Planner {
     /// If the scene has neither layers nor meshes, the settings name no kernel, or their numbers cannot be
     /// used with these layers.
     pub fn plan<'a>(&mut self, scene: &'a Scene) -> Result<FramePlan<'a>, PlanError> {
+        self.plan_for_frame(scene, &FrameHandle::new())
+    }
+
+    /// The same for a frame: with some settings tables take seconds.
+    ///
+    /// # Errors
+    /// If that is cancelled, too ([`PlanError::Cancelled`]).
+    pub fn plan_for_frame<'a>(
+        &mut self,
+        scene: &'a Scene,
+        frame: &FrameHandle,
+    ) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
         Light::check_all(&scene.lights)?;
@@ -52,17 +65,17 @@ impl Planner {
         let seen = collected(n_layers, seen)?;
         let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.view));
         let meshes = meshes::in_view(scene, views)?;
-        let frame = FramePlan {
+        let without_layers = FramePlan {
             layers: Vec::new(),
             meshes,
             image: scene.image,
             compositing: scene.settings.mode.compositing().unwrap_or(Compositing::Extinction),
             opacity_cutoff: scene.settings.opacity_cutoff as f32,
         };
+        let has_meshes = without_layers.meshes.is_some();
         let Some(unit) = least_unit(&layers) else {
-            return frame.meshes.is_some().then_some(frame).ok_or(PlanError::NoLayers);
+            return has_meshes.then_some(without_layers).ok_or(PlanError::NoLayers);
         };
-        let has_meshes = frame.meshes.is_some();
         let width = match method {
             Method::ImageAligned => settings.slab_width,
             Method::PostClassified => settings.slab_width / DensitySplats::SHEETS_PER_SLAB,
@@ -107,7 +120,8 @@ impl Planner {
             let (view, shape, kernel) = (&view, &shape, &*kernel);
             let is_cut = !layer.region.is_everywhere();
             let is_split = is_cut || has_meshes;
-            let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split };
+            let to_splat =
+                LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split, frame };
             Ok(LayerPlan {
                 volume: &layer.volume,
                 relevant: shown_ranges(layer, scene.settings.mode.into()),
@@ -124,14 +138,14 @@ impl Planner {
                     }
                 },
                 region: is_cut.then(|| RegionInView::new(&layer.region, view)),
-                splats: tables.splats(to_splat),
+                splats: tables.splats(to_splat)?,
                 radius: kernel.radius(),
                 half_depth: depths.half_depth,
                 view: *view,
                 shape: *shape,
             })
         };
-        Ok(FramePlan { layers: collected(n_layers, parts.map(plan))?, ..frame })
+        Ok(FramePlan { layers: collected(n_layers, parts.map(plan))?, ..without_layers })
     }
 }
 
