@@ -61,7 +61,7 @@ fn next_frame_has_the_bits_of_a_fresh_renderer() {
 #[test]
 fn first_frame_stops_while_tables_are_made() {
     let volume = io::builtin_volume("sphere", Some(12)).expect("the name is listed");
-    let image = ImageDesc { width: 24, height: 24, ..ImageDesc::default() };
+    let image = ImageDesc::new(24, 24);
     let normalized =
         RenderSettings::default().normalization(Normalization::Product).slab_width(4.0);
     let post_classified = RenderSettings::default().method(Method::PostClassified);
@@ -221,8 +221,7 @@ fn any_scene(rng: &mut Rng, backend: &str) -> Scene {
 fn builtin(rng: &mut Rng, method: Method) -> Scene {
     let name = ["neuron", "marschner-lobb", "shepp-logan"][rng.usize(..3)];
     let volume = io::builtin_volume(name, Some(48)).expect("the name is listed");
-    let image =
-        ImageDesc { width: rng.u32(8..200), height: rng.u32(8..200), ..ImageDesc::default() };
+    let image = ImageDesc::new(rng.u32(8..200), rng.u32(8..200));
     let mut scene = Automatic::new(volume).scene(image, RenderSettings::default().method(method));
     scene.camera = scene.camera.orbited(6.0 * rng.f64());
     scene

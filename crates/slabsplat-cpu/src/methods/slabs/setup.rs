@@ -62,7 +62,7 @@ pub(in crate::methods) struct SectionsInSlabs<'a> {
 impl<'a> SectionsInSlabs<'a> {
     /// Of voxels that are shaded.
     pub(in crate::methods) fn of_colors(splats: &'a SectionSplats) -> Self {
-        let SectionSplats { slabs, table, tilted, merged } = splats;
+        let SectionSplats { slabs, table, tilted, merged, .. } = splats;
         Self {
             slabs,
             table,
