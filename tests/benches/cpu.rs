@@ -36,7 +36,7 @@ fn builtins(c: &mut Criterion) {
     group.sample_size(10);
     for &name in io::BUILTIN_NAMES {
         let volume = io::builtin_volume(name, None).expect("the name is listed");
-        let image = ImageDesc { width: BUILTIN_SIDE, height: BUILTIN_SIDE, ..ImageDesc::default() };
+        let image = ImageDesc::new(BUILTIN_SIDE, BUILTIN_SIDE);
         let scene = Automatic::new(volume).scene(image, RenderSettings::default());
         turning(&mut group, name, &scene);
         first(&mut group, name, &scene);

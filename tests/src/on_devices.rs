@@ -40,7 +40,7 @@ pub fn scene(volume: &Arc<Volume>, width: u32, method: Method) -> Scene {
     let eye = target + DVec3::new(3.0, 2.0, -2.5) * size;
     let camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
     Scene::new(Layer::new(volume.clone(), transfer(0.3)), camera)
-        .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
+        .image(ImageDesc::new(width, width * 3 / 4).background([0.1, 0.2, 0.3, 0.4]))
         .settings(exact_settings().method(method).mode(Mode::Extinction))
 }
 

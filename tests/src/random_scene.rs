@@ -106,11 +106,11 @@ fn normalizations_of(method: Method) -> &'static [Normalization] {
 pub fn random_scene(rng: &mut Rng, kind: &SceneKind) -> Scene {
     let grid = grid::random_grid(rng, kind.grid);
     let (volume, value_range) = volume::random_volume(rng, grid);
-    let image = ImageDesc {
-        width: rng.u32(20..=32),
-        height: rng.u32(20..=32),
-        background: if rng.bool() { [0.0; 4] } else { [0; 4].map(|_| rng.f32()) },
-    };
+    let image = ImageDesc::new(rng.u32(20..=32), rng.u32(20..=32)).background(if rng.bool() {
+        [0.0; 4]
+    } else {
+        [0; 4].map(|_| rng.f32())
+    });
     let layer = random_layer(rng, kind.method, volume, value_range);
     let camera = camera::random_camera(rng, &grid, kind.projection, image.height);
     let settings = exact_settings()

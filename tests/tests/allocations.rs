@@ -24,7 +24,7 @@ fn allocations_of_a_warm_frame() {
     let volume = io::builtin_volume("marschner-lobb", Some(48)).expect("there are waves");
     let automatic = Automatic::new(volume);
     let [width, height] = SIZE;
-    let image = ImageDesc { width, height, background: [0.0; 4] };
+    let image = ImageDesc::new(width, height);
     let by_method = |method: &Method| RenderSettings::default().method(*method);
     let surfaces = RenderSettings::default().mode(Mode::Isosurfaces);
     let without_meshes = Method::ALL.iter().map(by_method).chain([surfaces]);

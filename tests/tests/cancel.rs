@@ -2,7 +2,8 @@
 //! of a fresh one, and a frame that was not cancelled in time is as good as any.
 
 use fastrand::Rng;
-use slabsplat::{Automatic, io};
+use slabsplat::kernel::Gaussian;
+use slabsplat::{Automatic, Kernel, KernelName, Normalization, io};
 use slabsplat::{
     FrameHandle, Image, ImageDesc, Isosurface, Method, Mode, RenderError, RenderSettings,
     RenderThread, Renderer, Scene,
@@ -13,6 +14,8 @@ use slabsplat_tests::random_scene::{
 };
 use slabsplat_tests::render::{backends, open, render};
 use std::hint::spin_loop;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -51,6 +54,84 @@ fn next_frame_has_the_bits_of_a_fresh_renderer() {
     });
     println!("{n_cancelled} frames cancelled, {n_drawn} drawn before they were");
     assert!(0 < n_cancelled, "{n_drawn} frames were drawn");
+}
+
+/// Tables are made of a kernel, and this one cancels the frame while they are: nothing that is made after
+/// that is made of it, and the next frame begins anew.
+#[test]
+fn first_frame_stops_while_tables_are_made() {
+    let volume = io::builtin_volume("sphere", Some(12)).expect("the name is listed");
+    let image = ImageDesc::new(24, 24);
+    let normalized =
+        RenderSettings::default().normalization(Normalization::Product).slab_width(4.0);
+    let post_classified = RenderSettings::default().method(Method::PostClassified);
+    for settings in [RenderSettings::default(), normalized, post_classified] {
+        let mut scene = Automatic::new(volume.clone()).scene(image, settings);
+        scene.settings.kernel = KernelName("cancelling".into());
+        let kernel = Arc::new(Cancelling::default());
+        let mut renderer = Renderer::new(open("cpu"));
+        renderer.add_kernel(kernel.clone()).expect("it is a kernel");
+        kernel.cancel_at(usize::MAX, &FrameHandle::new());
+        let expected = renderer.render(&scene).expect("nobody cancels").image;
+        let n_in_all = kernel.n_integrals();
+        for at_integral in [1, n_in_all / 3, n_in_all - 1] {
+            let mut renderer = Renderer::new(open("cpu"));
+            renderer.add_kernel(kernel.clone()).expect("it is a kernel");
+            let frame = FrameHandle::new();
+            kernel.cancel_at(at_integral, &frame);
+            let error = renderer.render_as(&scene, &frame).expect_err("it is cancelled");
+            assert!(error.is_cancelled(), "{error}");
+            let n_more = kernel.n_integrals() - at_integral;
+            assert!(n_more <= MOST_INTEGRALS_AT_ONCE, "{n_more} after {at_integral} of {n_in_all}");
+            let image = renderer.render(&scene).expect("nobody cancels").image;
+            assert!(image == expected, "after {at_integral} of {n_in_all}");
+        }
+    }
+}
+
+/// Integrals that a frame may go on with: a row of cubics, or what it takes to look whether a kernel is a
+/// product. Tables have tens of thousands.
+const MOST_INTEGRALS_AT_ONCE: usize = 1500;
+
+/// A Gaussian that cancels a frame when it is asked for its so-manieth integral since it was told to.
+#[derive(Debug, Default)]
+struct Cancelling {
+    n_integrals: AtomicUsize,
+    cancels: Mutex<Option<(usize, FrameHandle)>>,
+}
+
+impl Cancelling {
+    fn n_integrals(&self) -> usize {
+        self.n_integrals.load(Ordering::Relaxed)
+    }
+
+    fn cancel_at(&self, at_integral: usize, frame: &FrameHandle) {
+        self.n_integrals.store(0, Ordering::Relaxed);
+        *self.cancels.lock().expect("nothing panics") = Some((at_integral, frame.clone()));
+    }
+}
+
+impl Kernel for Cancelling {
+    fn name(&self) -> &str {
+        "cancelling"
+    }
+
+    fn radius(&self) -> f64 {
+        Gaussian.radius()
+    }
+
+    fn value(&self, r: f64) -> f64 {
+        Gaussian.value(r)
+    }
+
+    fn line_integral(&self, rho: f64, a: f64, b: f64) -> f64 {
+        let nth = self.n_integrals.fetch_add(1, Ordering::Relaxed);
+        let mut cancels = self.cancels.lock().expect("nothing panics");
+        if let Some((_, frame)) = cancels.take_if(|(at_integral, _)| *at_integral <= nth) {
+            frame.cancel();
+        }
+        Gaussian.line_integral(rho, a, b)
+    }
 }
 
 /// Frames that follow each other on a thread: those that somebody waits for are the right ones.
@@ -140,8 +221,7 @@ fn any_scene(rng: &mut Rng, backend: &str) -> Scene {
 fn builtin(rng: &mut Rng, method: Method) -> Scene {
     let name = ["neuron", "marschner-lobb", "shepp-logan"][rng.usize(..3)];
     let volume = io::builtin_volume(name, Some(48)).expect("the name is listed");
-    let image =
-        ImageDesc { width: rng.u32(8..200), height: rng.u32(8..200), ..ImageDesc::default() };
+    let image = ImageDesc::new(rng.u32(8..200), rng.u32(8..200));
     let mut scene = Automatic::new(volume).scene(image, RenderSettings::default().method(method));
     scene.camera = scene.camera.orbited(6.0 * rng.f64());
     scene

@@ -91,7 +91,7 @@ fn two_voxels() -> Scene {
     let target = DVec3::new(3.0, 0.0, 0.0);
     let camera = Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection);
     let layer = Layer::new(volume, transfer).shading(Shading::None).colors(colors);
-    let image = ImageDesc { width: 20, height: 10, ..ImageDesc::default() };
+    let image = ImageDesc::new(20, 10);
     Scene::new(layer, camera.expect("a camera")).image(image)
 }
 

@@ -335,7 +335,7 @@ fn scene(layers: Vec<Layer>, mode: Mode) -> Scene {
     let settings = exact_settings().method(Method::PostClassified).mode(mode).slab_width(2.0);
     Scene::new(layers[0].clone(), camera)
         .layers(layers)
-        .image(ImageDesc { width: 8, height: 8, background: [0.0; 4] })
+        .image(ImageDesc::new(8, 8))
         .settings(settings)
 }
 

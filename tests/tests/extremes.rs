@@ -102,7 +102,7 @@ fn scene(rng: &mut Rng, volume: &Arc<Volume>, eye: DVec3, projection: Projection
         vec![(0.0, [0.0]), (1.0, [[0.02, 0.5, 1.0][rng.usize(..3)]])],
         vec![(0.0, [1.0, 0.5, 0.2]), (1.0, [0.1, 0.9, 1.0])],
     );
-    let image = ImageDesc { width: rng.u32(1..=20), height: rng.u32(1..=20), background: [0.0; 4] };
+    let image = ImageDesc::new(rng.u32(1..=20), rng.u32(1..=20));
     let settings = RenderSettings::default()
         .method(method)
         .kernel(KernelName(KERNEL_NAMES[rng.usize(..KERNEL_NAMES.len())].into()))

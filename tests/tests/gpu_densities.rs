@@ -160,6 +160,6 @@ fn scene(samples: Samples, scaling: Scaling) -> Scene {
     let eye = target + DVec3::new(9.0, 6.0, -7.0);
     let camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
     Scene::new(layer, camera)
-        .image(ImageDesc { width: 30, height: 22, background: [0.0; 4] })
+        .image(ImageDesc::new(30, 22))
         .settings(exact_settings().method(Method::PostClassified))
 }

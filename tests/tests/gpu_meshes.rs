@@ -28,7 +28,7 @@ fn scene(side: usize, opacity: f64, size: f64, width: u32) -> Scene {
     let camera = Camera::new(eye, center, DVec3::Y, projection).expect("up is not forward");
     Scene::new(Layer::new(volume, transfer), camera)
         .meshes(vec![MeshLayer::new(double_pyramid(center, 0.5 * size * side as f64))])
-        .image(ImageDesc { width, height: width * 3 / 4, background: [0.1, 0.2, 0.3, 0.4] })
+        .image(ImageDesc::new(width, width * 3 / 4).background([0.1, 0.2, 0.3, 0.4]))
         .settings(exact_settings().mode(Mode::Extinction))
 }
 

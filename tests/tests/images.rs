@@ -84,7 +84,7 @@ fn scene(
     let camera = Camera::new(DVec3::from(eye), DVec3::ZERO, DVec3::Z, projection)
         .expect("the eye is off the z axis");
     Scene::new(Layer::new(volume, transfer), camera)
-        .image(ImageDesc { width: SIDE, height: SIDE, background: [0.0, 0.0, 0.0, 1.0] })
+        .image(ImageDesc::new(SIDE, SIDE).background([0.0, 0.0, 0.0, 1.0]))
         .settings(exact_settings())
 }
 

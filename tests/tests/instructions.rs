@@ -162,7 +162,7 @@ fn scene(workload: &Workload, volume: Volume) -> Scene {
         .expect("the eye is off the axis");
     let (width, height) = (workload.image_side, workload.image_side);
     Scene::new(Layer::new(volume, transfer(workload.opacity, 90.0)), camera)
-        .image(ImageDesc { width, height, background: [0.0; 4] })
+        .image(ImageDesc::new(width, height))
         .settings(RenderSettings::default().method(workload.method))
 }
 

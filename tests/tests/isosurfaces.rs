@@ -132,7 +132,7 @@ impl Phantom {
             .shading(Shading::None)
             .isosurfaces(isosurfaces);
         Scene::new(layer, camera.expect("it looks somewhere"))
-            .image(ImageDesc { width: self.side, height: self.side, background: [0.0; 4] })
+            .image(ImageDesc::new(self.side, self.side))
             .settings(settings.mode(Mode::Isosurfaces))
     }
 }

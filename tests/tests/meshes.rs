@@ -217,7 +217,7 @@ fn scene(layers: Vec<Layer>, meshes: Vec<MeshLayer>, settings: RenderSettings) -
     let camera = Camera::new(40.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, projection);
     Scene::of_meshes(meshes, camera.expect("up is not forward"))
         .layers(layers)
-        .image(ImageDesc { width: 40, height: 40, background: [1.0; 4] })
+        .image(ImageDesc::new(40, 40).background([1.0; 4]))
         .settings(settings)
 }
 

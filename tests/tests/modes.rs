@@ -104,7 +104,7 @@ fn scene(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64, settings: RenderSe
     let camera = Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
         .expect("up is not forward");
     Scene::new(Layer::new(volume, transfer), camera)
-        .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] })
+        .image(ImageDesc::new(40, 40))
         .settings(settings)
 }
 

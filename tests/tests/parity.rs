@@ -95,6 +95,6 @@ fn needles(ratio: f64, method: Method) -> Scene {
     let camera = Camera::new(eye, target, DVec3::Y, projection);
     let layer = Layer::new(volume, transfer).shading(Shading::None);
     Scene::new(layer, camera.expect("the eye is off the y axis"))
-        .image(ImageDesc { width: 24, height: 24, background: [0.0; 4] })
+        .image(ImageDesc::new(24, 24))
         .settings(settings)
 }

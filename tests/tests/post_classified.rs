@@ -130,9 +130,7 @@ fn scene(volume: &Arc<Volume>, opacity: Vec<(f64, [f64; 1])>, settings: RenderSe
     let camera = Camera::new(target + 50.0 * DVec3::Z, target, DVec3::Y, projection)
         .expect("up is not forward");
     let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
-    Scene::new(layer, camera)
-        .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] })
-        .settings(settings)
+    Scene::new(layer, camera).image(ImageDesc::new(40, 40)).settings(settings)
 }
 
 fn volume(dims: [usize; 3], value: impl Fn([usize; 3]) -> f64) -> Arc<Volume> {

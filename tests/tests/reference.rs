@@ -15,9 +15,7 @@ fn scene(volume: &Arc<Volume>, camera: Camera, settings: RenderSettings) -> Scen
         TransferFunction::new(vec![(0.0, [0.0]), (1.0, [0.6])], vec![(0.0, [0.2, 0.4, 0.8])])
             .expect("the points rise");
     let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
-    Scene::new(layer, camera)
-        .image(ImageDesc { width: 21, height: 21, background: [0.0; 4] })
-        .settings(settings)
+    Scene::new(layer, camera).image(ImageDesc::new(21, 21)).settings(settings)
 }
 
 fn orthographic(target: DVec3, view_height: f64) -> Camera {

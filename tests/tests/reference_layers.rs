@@ -34,7 +34,7 @@ fn scene(layers: Vec<Layer>, projection: Projection, settings: RenderSettings) -
     let camera = Camera::new(40.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, projection);
     Scene::new(layers[0].clone(), camera.expect("up is not forward"))
         .layers(layers)
-        .image(ImageDesc { width: 3, height: 3, background: [0.0; 4] })
+        .image(ImageDesc::new(3, 3))
         .settings(settings)
 }
 

@@ -60,7 +60,7 @@ fn picture(
     let settings = RenderSettings::default().method(method).kernel(KernelName(kernel.into()));
     let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
     let scene = Scene::new(layer, camera.expect("it looks somewhere"))
-        .image(ImageDesc { width: side, height: side, background: [0.0; 4] })
+        .image(ImageDesc::new(side, side))
         .settings(settings);
     render("cpu", &scene)
 }

@@ -83,7 +83,7 @@ fn unevenness(volume: Volume, along: DVec3, from: DVec3, settings: RenderSetting
     let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]).expect("it rises");
     let layer = Layer::new(volume, transfer).shading(Shading::Phong(Phong::default()));
     let scene = Scene::new(layer, camera.expect("it looks across the line"))
-        .image(ImageDesc { width: SIDE, height: SIDE, background: [0.0; 4] })
+        .image(ImageDesc::new(SIDE, SIDE))
         .settings(settings);
     let image = render("cpu", &scene);
     let sum = |of: &dyn Fn([f32; 4]) -> f64, y: u32| -> f64 {

@@ -111,7 +111,7 @@ fn tolerance_on_alternating_layers() {
             let camera = Camera::new(target - 90.0 * DVec3::Z, target, DVec3::Y, projection);
             let layer = Layer::new(volume.clone(), black_to_white(alpha)).shading(Shading::None);
             let scene = Scene::new(layer, camera.expect("up is not forward"))
-                .image(ImageDesc { width: 2, height: 2, background: [0.0; 4] })
+                .image(ImageDesc::new(2, 2))
                 .settings(RenderSettings::default().slab_width(slab_width));
             worst = worst.max(worst_share(&scene));
         }
@@ -136,7 +136,7 @@ fn tolerance_on_edges_in_perspective() {
         let camera = Camera::new(target - 16.0 * DVec3::Z, target, DVec3::Y, projection);
         let layer = Layer::new(volume, black_to_white(alpha)).shading(Shading::None);
         let scene = Scene::new(layer, camera.expect("up is not forward"))
-            .image(ImageDesc { width: 18, height: 18, background: [0.0; 4] })
+            .image(ImageDesc::new(18, 18))
             .settings(RenderSettings::default().slab_width(slab_width));
         worst = worst.max(worst_share(&scene));
     }
@@ -174,7 +174,7 @@ fn tolerance_on_walls_seen_along() {
                 let transfer = TransferFunction::new(opacity, vec![(0.0, [1.0; 3])]);
                 let layer = Layer::new(volume, transfer.expect("rising")).shading(Shading::None);
                 let scene = Scene::new(layer, camera.expect("up is not forward"))
-                    .image(ImageDesc { width: 40, height: 40, background: [0.0; 4] });
+                    .image(ImageDesc::new(40, 40));
                 let (exact, image) = (render(&scene), by_backend("cpu", &scene));
                 let difference = exact.compare(&image).max;
                 let nearby = outside_of_neighbours(&exact, &image);
@@ -215,11 +215,8 @@ fn tolerance_on_stretched_grids() {
             };
             let camera = Camera::new(eye, grid.center_in_world(), up, projection);
             let layer = Layer::new(volume, transfer);
-            let scene = Scene::new(layer, camera.expect("up is not forward")).image(ImageDesc {
-                width: 70,
-                height: 70,
-                background: [0.0; 4],
-            });
+            let scene =
+                Scene::new(layer, camera.expect("up is not forward")).image(ImageDesc::new(70, 70));
             let settings = RenderSettings::default().slab_width([0.5, 1.0, 2.0][rng.usize(..3)]);
             let of_tolerance = |tolerance: f64| {
                 let scene = scene.clone().settings(settings.clone().tolerance(tolerance));

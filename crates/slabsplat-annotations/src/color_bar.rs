@@ -132,7 +132,7 @@ mod tests {
 
     fn drawn(layer: Layer, [width, height]: [u32; 2]) -> (Image, Vec<String>) {
         let background = [0.0, 0.0, 0.0, 1.0];
-        let scene = scene(layer).image(ImageDesc { width, height, background });
+        let scene = scene(layer).image(ImageDesc::new(width, height).background(background));
         let mut image = Image::filled(width, height, background);
         let mut sheet = Sheet::new(&mut image, &scene);
         draw_color_key(&mut sheet, &scene);

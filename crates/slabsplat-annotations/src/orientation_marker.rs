@@ -181,7 +181,7 @@ mod tests {
         for (width, height, fits) in
             [(240, 240, true), (3000, 200, true), (30, 300, false), (1, 1, false)]
         {
-            let desc = ImageDesc { width, height, background: [1.0; 4] };
+            let desc = ImageDesc::new(width, height).background([1.0; 4]);
             let scene = Scene::of_meshes(Vec::new(), camera.clone().unwrap()).image(desc);
             let mut image = Image::filled(width, height, [1.0; 4]);
             let mut sheet = Sheet::new(&mut image, &scene);

@@ -88,7 +88,7 @@ mod tests {
 
     fn drawn(projection: Projection, [width, height]: [u32; 2]) -> (Image, Screen) {
         let camera = Camera::new(DVec3::X * 500.0, DVec3::ZERO, DVec3::Z, projection).unwrap();
-        let image = ImageDesc { width, height, background: [0.0, 0.0, 0.0, 1.0] };
+        let image = ImageDesc::new(width, height).background([0.0, 0.0, 0.0, 1.0]);
         let scene = Scene::of_meshes(Vec::new(), camera).image(image);
         let mut picture = Image::filled(width, height, image.background);
         let screen = Screen::new(&camera, &image);
@@ -147,7 +147,7 @@ mod tests {
             DVec3::Z,
             Projection::Orthographic { view_height: 1.0 },
         );
-        let image = ImageDesc { width: 16, height: 16, background: [0.0; 4] };
+        let image = ImageDesc::new(16, 16);
         let scene = Scene::of_meshes(Vec::new(), camera.clone().unwrap()).image(image);
         let mut picture = Image::filled(16, 16, [0.0; 4]);
         let mut sheet = Sheet::new(&mut picture, &scene);

@@ -100,7 +100,7 @@ mod tests {
     #[test]
     fn screen_is_where_backends_draw() {
         let grid = Grid::centered([9, 9, 9], [1.0; 3]).unwrap();
-        let image = ImageDesc { width: 60, height: 40, ..ImageDesc::default() };
+        let image = ImageDesc::new(60, 40);
         for projection in [
             Projection::Orthographic { view_height: 20.0 },
             Projection::Perspective { fov_y_radians: 0.6 },

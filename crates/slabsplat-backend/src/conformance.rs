@@ -313,6 +313,6 @@ fn scene(volume: &Arc<Volume>, method: Method, compositing: Compositing) -> Scen
         .expect("the camera looks down z");
     let layer = Layer::new(volume.clone(), transfer(0.5)).shading(Shading::None);
     Scene::new(layer, camera)
-        .image(ImageDesc { width: 36, height: 36, background: [0.0; 4] })
+        .image(ImageDesc::new(36, 36))
         .settings(RenderSettings::default().method(method).mode(compositing.into()))
 }

@@ -57,13 +57,14 @@
 //! # Reading order
 //!
 //! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
-//! `meshes`, `seen_layer`, `planner`; `densities`; `contract`, `conformance`.
+//! `meshes`, `seen_layer`, `layer_to_plan`, `planner`; `densities`; `contract`, `conformance`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod cached;
 mod contract;
 mod layer_order;
+mod layer_to_plan;
 mod meshes;
 mod plan;
 mod plan_error;

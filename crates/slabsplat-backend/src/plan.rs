@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 /// One frame, ready to be executed. Made by a [`Planner`](crate::Planner).
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct FramePlan<'a> {
     /// The volumes that are drawn: only one but for [`ColorSplats::Sections`] and [`Splats::Densities`]. All
     /// splat alike, and are cut by the same slabs; they are summed in this order, which is not that of the
@@ -42,6 +43,7 @@ impl FramePlan<'_> {
 
 /// One layer of a frame.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct LayerPlan<'a> {
     /// Whose voxels are drawn. A volume never changes, so that a backend may keep what it made of it
     /// for as long as plans hold the same one ([`Arc::ptr_eq`]).
@@ -112,6 +114,7 @@ pub struct MeshPlan<'a> {
 /// and what lies beyond them is merged into its first and its last section
 /// ([model §7](slabsplat_core::model)).
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct MergedSections {
     /// Which faces split a voxel's kernel, by its extinction.
     pub levels: SplitLevels,
@@ -151,6 +154,7 @@ pub enum ColorSplats {
 
 /// `image-aligned`: the sections of voxels.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct SectionSplats {
     /// The slabs.
     pub slabs: Slabs,
@@ -166,6 +170,7 @@ pub struct SectionSplats {
 /// `post-classified`: sections, into the sheets that they come from; each adds its weight, and its weight
 /// times the voxel's value.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct DensitySplats {
     /// What is shown of them.
     pub shown: ShownDensities,
@@ -217,6 +222,7 @@ pub enum SmoothSections {
 /// A permission, which a backend need not make use of: sections as a function of the column times one of the
 /// row.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct SeparableDensities {
     /// Sections with all that lies before or behind a face: those of a slab as wide as the kernel.
     pub whole: Arc<SectionTable>,

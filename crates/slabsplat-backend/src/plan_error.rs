@@ -2,7 +2,8 @@
 
 use crate::slabs::MAX_SLABS_OF_A_KERNEL;
 use slabsplat_core::{
-    ImageError, LightError, Method, Mode, OutOfRange, SettingsError, TooManySlabs, ViewError,
+    Cancelled, ImageError, LightError, Method, Mode, OutOfRange, SettingsError, TooManySlabs,
+    ViewError,
 };
 use slabsplat_kernel::UnknownKernel;
 use thiserror::Error;
@@ -137,6 +138,11 @@ pub enum PlanError {
     /// Of two surfaces that are one, neither is in front.
     #[error("there are two isosurfaces of the value {0}: leave one out")]
     IsosurfaceTwice(f64),
+    /// The frame was cancelled before its tables were made ([`Planner::plan_for_frame`]).
+    ///
+    /// [`Planner::plan_for_frame`]: crate::Planner::plan_for_frame
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }
 
 /// What makes less work of a scene, as far as it can be done to this one.

@@ -1,18 +1,14 @@
 //! Makes frame plans, and keeps the tables that the next frame can use again.
 
 use crate::layer_order::in_one_order;
+use crate::layer_to_plan::{FrameToPlan, TablesOfLayer};
 use crate::meshes;
 use crate::scene_checks::{check_method, is_of_densities};
-use crate::seen_layer::{SeenGrid, SeenLayer};
-use crate::shown_values::shown_ranges;
+use crate::seen_layer::SeenLayer;
 use crate::slabs::{Depths, check_sections};
-use crate::tables::{LayerToSplat, Tables};
 use crate::work::SlabWork;
-use crate::{DensitySplats, FramePlan, LayerPlan, PlanError};
-use slabsplat_core::{
-    BlinnPhong, Compositing, Layer, Light, Method, Mode, RegionInView, RenderSettings, Scene,
-    Shading, SlabGrid,
-};
+use crate::{DensitySplats, FramePlan, PlanError};
+use slabsplat_core::{Compositing, FrameHandle, Layer, Light, Method, Mode, Scene};
 use slabsplat_kernel::{DetailLevels, ErrorBudget, Kernel, KernelError, Kernels};
 use std::sync::Arc;
 
@@ -23,13 +19,6 @@ pub struct Planner {
     kernels: Kernels,
     /// Of the layers of the last frame, in its order.
     tables: Vec<TablesOfLayer>,
-}
-
-/// Those of a layer by its voxels, and by cells of them.
-#[derive(Debug, Default)]
-struct TablesOfLayer {
-    of_voxels: Tables,
-    of_cells: Tables,
 }
 
 impl Planner {
@@ -47,6 +36,18 @@ impl Planner {
     /// If the scene has neither layers nor meshes, the settings name no kernel, or their numbers cannot be
     /// used with these layers.
     pub fn plan<'a>(&mut self, scene: &'a Scene) -> Result<FramePlan<'a>, PlanError> {
+        self.plan_for_frame(scene, &FrameHandle::new())
+    }
+
+    /// The same for a frame: with some settings tables take seconds.
+    ///
+    /// # Errors
+    /// If that is cancelled, too ([`PlanError::Cancelled`]).
+    pub fn plan_for_frame<'a>(
+        &mut self,
+        scene: &'a Scene,
+        frame: &FrameHandle,
+    ) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
         Light::check_all(&scene.lights)?;
@@ -66,15 +67,16 @@ impl Planner {
         let seen = collected(n_layers, seen)?;
         let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.voxels.view));
         let meshes = meshes::in_view(scene, views)?;
-        let frame = FramePlan {
+        let without_layers = FramePlan {
             layers: Vec::new(),
             meshes,
             image: scene.image,
             compositing: scene.settings.mode.compositing().unwrap_or(Compositing::Extinction),
             opacity_cutoff: scene.settings.opacity_cutoff as f32,
         };
+        let has_meshes = without_layers.meshes.is_some();
         let Some(unit) = least_unit(&layers) else {
-            return frame.meshes.is_some().then_some(frame).ok_or(PlanError::NoLayers);
+            return has_meshes.then_some(without_layers).ok_or(PlanError::NoLayers);
         };
         let width = match method {
             Method::ImageAligned => settings.slab_width,
@@ -105,87 +107,14 @@ impl Planner {
             unit,
             width,
             slabs,
-            has_meshes: frame.meshes.is_some(),
+            has_meshes,
+            frame,
         };
         self.tables.resize_with(n_layers, TablesOfLayer::default);
         let parts = seen.into_iter().zip(&mut self.tables);
         let parts = parts.filter(|(seen, _)| shows(seen.layer, scene.settings.mode));
         let plans = parts.map(|(seen, tables)| to_plan.layer(&seen, tables));
-        Ok(FramePlan { layers: collected(n_layers, plans)?, ..frame })
-    }
-}
-
-/// What the plans of all layers of a frame share.
-struct FrameToPlan<'a> {
-    scene: &'a Scene,
-    kernel: &'a dyn Kernel,
-    /// With the tolerance that a layer has of it.
-    settings: RenderSettings,
-    method: Method,
-    /// The shortest voxel step of any layer, and the width of what sheets are of, in such.
-    unit: f64,
-    width: f64,
-    slabs: SlabGrid,
-    has_meshes: bool,
-}
-
-impl FrameToPlan<'_> {
-    fn layer<'a>(
-        &self,
-        seen: &SeenLayer<'a>,
-        TablesOfLayer { of_voxels, of_cells }: &mut TablesOfLayer,
-    ) -> Result<LayerPlan<'a>, PlanError> {
-        let mut planned = |seen_cells| self.level(seen.layer, seen_cells, of_cells, None);
-        let coarser = seen.cells.as_ref().map(&mut planned).transpose()?;
-        self.level(seen.layer, &seen.voxels, of_voxels, coarser.map(Box::new))
-    }
-
-    fn level<'a>(
-        &self,
-        layer: &'a Layer,
-        SeenGrid { level, grid, view, shape, depths }: &SeenGrid,
-        tables: &mut Tables,
-        coarser: Option<Box<LayerPlan<'a>>>,
-    ) -> Result<LayerPlan<'a>, PlanError> {
-        // The same slabs, in steps of this grid.
-        let scale = self.unit / grid.unit();
-        let settings = self
-            .settings
-            .clone()
-            .method(self.method)
-            .slab_width(scale * self.width)
-            .base_slab_width(scale * self.settings.base_slab_width);
-        settings.check_hierarchy(shape.kappa)?;
-        let slabs = depths.in_slabs(&self.slabs, view);
-        let is_cut = !layer.region.is_everywhere();
-        let is_split = is_cut || self.has_meshes;
-        let kernel = self.kernel;
-        let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split };
-        Ok(LayerPlan {
-            volume: &layer.volume,
-            relevant: shown_ranges(layer, self.scene.settings.mode.into()),
-            transfer: &layer.transfer,
-            transfer_2d: layer.transfer_2d.as_ref(),
-            gradient_opacity: layer.gradient_opacity.as_ref(),
-            colors: layer.colors.as_ref(),
-            labels: layer.labels.as_ref(),
-            isosurfaces: &layer.isosurfaces,
-            light: match layer.shading {
-                Shading::None => None,
-                Shading::Phong(phong) => {
-                    Some(BlinnPhong::new(phong, &self.scene.lights, view.axes().forward))
-                }
-            },
-            region: is_cut.then(|| RegionInView::new(&layer.region, view)),
-            level: *level,
-            grid: *grid,
-            coarser,
-            splats: tables.splats(to_splat),
-            radius: kernel.radius(),
-            half_depth: depths.half_depth,
-            view: *view,
-            shape: *shape,
-        })
+        Ok(FramePlan { layers: collected(n_layers, plans)?, ..without_layers })
     }
 }
 

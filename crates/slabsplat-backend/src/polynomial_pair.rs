@@ -1,6 +1,6 @@
 //! Sections by polynomials, and which of them are good enough for a picture.
 
-use slabsplat_core::Compositing;
+use slabsplat_core::{Cancelled, Compositing, FrameHandle};
 use slabsplat_kernel::{Degree, ErrorBudget, RadialPolynomials, SectionTable};
 use std::sync::Arc;
 
@@ -15,12 +15,25 @@ pub struct PolynomialPair {
 impl PolynomialPair {
     /// Those of a table; of low degree alone if `budget` permits it.
     pub fn new(table: &SectionTable, budget: Option<ErrorBudget>) -> Self {
-        let low = RadialPolynomials::of_sections(table, Degree::Low);
+        Self::for_frame(table, budget, &FrameHandle::new()).expect("nobody cancels the frame")
+    }
+
+    /// The same for a frame.
+    ///
+    /// # Errors
+    /// If that is cancelled.
+    pub fn for_frame(
+        table: &SectionTable,
+        budget: Option<ErrorBudget>,
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
+        let of = |degree| RadialPolynomials::of_sections_for_frame(table, degree, frame);
+        let low = of(Degree::Low)?;
         let is_enough = budget.is_some_and(|budget| {
             low.error() <= budget.polynomial() && low.pixel_error() <= budget.polynomial_pixel()
         });
-        let high = || Arc::new(RadialPolynomials::of_sections(table, Degree::High));
-        Self { low: Arc::new(low), high: (!is_enough).then(high) }
+        let high = if is_enough { None } else { Some(Arc::new(of(Degree::High)?)) };
+        Ok(Self { low: Arc::new(low), high })
     }
 
     /// Those for voxels of whatever extinction, or for those of no more than

@@ -111,7 +111,7 @@ mod tests {
     fn view(grid: &Grid, distance: f64, projection: Projection) -> View {
         let [eye, up] = [DVec3::Z * distance, DVec3::Y];
         let camera = Camera::new(eye, DVec3::ZERO, up, projection).unwrap();
-        let image = ImageDesc { width: 8, height: 8, background: [0.0; 4] };
+        let image = ImageDesc::new(8, 8);
         View::new(grid, &camera, &image).unwrap()
     }
 

@@ -5,7 +5,8 @@ use crate::{
     SmoothSections, Splats,
 };
 use slabsplat_core::{
-    Grid, KernelName, Lookup, Method, Normalization, RenderSettings, SliceOrder, View,
+    Cancelled, FrameHandle, Grid, KernelName, Lookup, Method, Normalization, RenderSettings,
+    SliceOrder, View,
 };
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, Kernel, KernelTails,
@@ -38,6 +39,8 @@ pub(crate) struct LayerToSplat<'a> {
     pub(crate) slabs: Slabs,
     /// Whether a slab may have a share of them: a region cuts them, or meshes end rays.
     pub(crate) is_split: bool,
+    /// For which its tables are made.
+    pub(crate) frame: &'a FrameHandle,
 }
 
 /// Everything that the tables are made from.
@@ -49,7 +52,12 @@ struct TableKey {
 
 impl TableKey {
     /// The sections by slabs of that width.
-    fn sections_of(&self, kernel: &dyn Kernel, width: f64) -> SectionTable {
+    fn sections_of(
+        &self,
+        kernel: &dyn Kernel,
+        width: f64,
+        frame: &FrameHandle,
+    ) -> Result<Arc<SectionTable>, Cancelled> {
         let Self { kappa, ref settings } = *self;
         let desc = SectionDesc {
             kernel,
@@ -63,21 +71,29 @@ impl TableKey {
             radial_samples: settings.radial_samples,
             lookup: settings.lookup,
         };
-        SectionTable::new(&desc, table)
+        SectionTable::for_frame(&desc, table, frame).map(Arc::new)
     }
 }
 
 impl Tables {
     /// What a layer splats.
-    pub(crate) fn splats(&mut self, layer: LayerToSplat<'_>) -> Splats {
-        let LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split } = layer;
+    ///
+    /// # Errors
+    /// If the frame is cancelled.
+    pub(crate) fn splats(&mut self, layer: LayerToSplat<'_>) -> Result<Splats, Cancelled> {
+        let LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split, frame } = layer;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
+        let split_view = SplitView {
+            layer_depth: shape.half_depth / grid.unit(),
+            steepest_ray: view.steepest_ray(),
+            is_cut: is_split,
+        };
         let colors = match key.settings.method {
             Method::ImageAligned => ColorSplats::Sections(Box::new(SectionSplats {
                 slabs,
-                merged: self.merged_sections(kernel, &key, view, shape, (grid.unit(), is_split)),
+                merged: self.merged_sections(kernel, &key, split_view, frame)?,
                 tilted: self.tilted_sections(kernel, &key, shape),
-                table: self.section_table(kernel, key),
+                table: self.section_table(kernel, key, frame)?,
             })),
             Method::AxisAligned => ColorSplats::Slices {
                 order: SliceOrder::new(grid, view.axes().forward),
@@ -85,37 +101,40 @@ impl Tables {
             },
             Method::EverySample => ColorSplats::Voxels { table: self.footprint_table(kernel, key) },
             Method::PostClassified => {
-                return Splats::Densities(Box::new(self.densities(kernel, key, slabs)));
+                let densities = self.densities(kernel, key, slabs, frame)?;
+                return Ok(Splats::Densities(Box::new(densities)));
             }
         };
-        Splats::Colors(colors)
+        Ok(Splats::Colors(colors))
     }
 
     fn merged_sections(
         &mut self,
         kernel: &dyn Kernel,
         key: &TableKey,
-        view: &View,
-        shape: &FootprintShape,
-        (unit, is_split): (f64, bool),
-    ) -> Option<MergedSections> {
-        let layer_depth = shape.half_depth / unit;
-        let view = SplitView { layer_depth, steepest_ray: view.steepest_ray(), is_cut: is_split };
+        view: SplitView,
+        frame: &FrameHandle,
+    ) -> Result<Option<MergedSections>, Cancelled> {
         let tails = self.tails.made_of(key.settings.kernel.clone(), |_| KernelTails::of(kernel));
         let levels = SplitLevels::new(&key.settings, tails, view);
         if levels.are_all_last() {
-            return None;
+            return Ok(None);
         }
-        let table = self.whole_table(kernel, key);
-        Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) })
+        let table = self.whole_table(kernel, key, frame)?;
+        Ok(Some(MergedSections { levels, table, budget: ErrorBudget::new(&key.settings) }))
     }
 
     /// Sections with all that lies before or behind a face.
-    fn whole_table(&mut self, kernel: &dyn Kernel, key: &TableKey) -> Arc<SectionTable> {
-        let table = self.whole.made_of(key.clone(), |key| {
-            Arc::new(key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa))
+    fn whole_table(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: &TableKey,
+        frame: &FrameHandle,
+    ) -> Result<Arc<SectionTable>, Cancelled> {
+        let table = self.whole.try_made_of(key.clone(), |key| {
+            key.sections_of(kernel, 2.0 * kernel.radius() / key.kappa, frame)
         });
-        table.clone()
+        table.cloned()
     }
 
     /// Of what the definition leaves to a table, only that is without one which no setting of tables changes.
@@ -145,9 +164,14 @@ impl Tables {
         self.tilted.made_of(key.clone(), made).clone()
     }
 
-    fn section_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<SectionTable> {
-        let table = |key: &TableKey| Arc::new(key.sections_of(kernel, key.settings.slab_width));
-        self.sections.made_of(key, table).clone()
+    fn section_table(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: TableKey,
+        frame: &FrameHandle,
+    ) -> Result<Arc<SectionTable>, Cancelled> {
+        let table = |key: &TableKey| key.sections_of(kernel, key.settings.slab_width, frame);
+        self.sections.try_made_of(key, table).cloned()
     }
 
     /// Sections that were normalised would no longer measure lengths, so these never are.
@@ -156,38 +180,46 @@ impl Tables {
         kernel: &dyn Kernel,
         TableKey { kappa, settings }: TableKey,
         slabs: Slabs,
-    ) -> DensitySplats {
+        frame: &FrameHandle,
+    ) -> Result<DensitySplats, Cancelled> {
         let settings = settings.normalization(Normalization::None).lookup(Lookup::Linear);
         let budget = ErrorBudget::of_densities(&settings);
         let key = TableKey { kappa, settings };
         let product = self.product_sections(kernel, &key);
-        let separable = product
-            .as_ref()
-            .filter(|_| 0.0 < budget.separable())
-            .map(|_| SeparableDensities { whole: self.whole_table(kernel, &key), budget });
-        DensitySplats {
+        let separable = if product.is_some() && 0.0 < budget.separable() {
+            Some(SeparableDensities { whole: self.whole_table(kernel, &key, frame)?, budget })
+        } else {
+            None
+        };
+        Ok(DensitySplats {
             shown: key.settings.mode.into(),
             slabs,
             smooth: match product {
                 Some(sections) => SmoothSections::Product(sections),
-                None => SmoothSections::Table(self.cubic_table(kernel, key.clone())),
+                None => SmoothSections::Table(self.cubic_table(kernel, key.clone(), frame)?),
             },
             separable,
-            table: self.section_table(kernel, key),
-        }
+            table: self.section_table(kernel, key, frame)?,
+        })
     }
 
-    fn cubic_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<CubicSectionTable> {
+    fn cubic_table(
+        &mut self,
+        kernel: &dyn Kernel,
+        key: TableKey,
+        frame: &FrameHandle,
+    ) -> Result<Arc<CubicSectionTable>, Cancelled> {
         let table = |TableKey { kappa, settings }: &TableKey| {
-            Arc::new(CubicSectionTable::new(&SectionDesc {
+            let desc = SectionDesc {
                 kernel,
                 width: settings.slab_width,
                 kappa: *kappa,
                 normalization: Normalization::None,
                 base_width: settings.base_slab_width,
-            }))
+            };
+            CubicSectionTable::for_frame(&desc, frame).map(Arc::new)
         };
-        self.cubic.made_of(key, table).clone()
+        self.cubic.try_made_of(key, table).cloned()
     }
 
     fn footprint_table(&mut self, kernel: &dyn Kernel, key: TableKey) -> Arc<FootprintTable> {

@@ -74,7 +74,7 @@ fn positive(text: &str) -> Result<f64, String> {
     if is_one { Ok(number) } else { Err("a gain is from 0.000001 to 1000000".to_owned()) }
 }
 
-const TURN: Sweep = Sweep { from_degrees: -2.5, to_degrees: 2.5, step_degrees: 0.5 };
+const TURN: Sweep = Sweep::new(-2.5, 2.5).step_degrees(0.5);
 
 /// Pictures in a row of a sheet, where one setting is varied.
 const COLUMNS: usize = 4;

@@ -39,7 +39,7 @@ pub(crate) struct PoppingArgs {
 
 pub(crate) fn run(args: &PoppingArgs) -> Result<()> {
     let PoppingArgs { from, to, step, .. } = *args;
-    let sweep = Sweep { from_degrees: from, to_degrees: to, step_degrees: step }.checked()?;
+    let sweep = Sweep::new(from, to).step_degrees(step).checked()?;
     let progress = Progress::start("reading", 0);
     let (mut renderer, mut scene) = args.scene.renderer(&progress)?;
     drop(progress);

@@ -117,7 +117,7 @@ impl Finish {
         let ImageDesc { width, height, .. } = *image;
         let side = self.samples_side();
         let [wide, high] = [width, height].map(|n| n.saturating_mul(side));
-        let sampled = ImageDesc { width: wide, height: high, ..*image };
+        let sampled = image.size(wide, high);
         sampled.checked().map_err(|_| FinishError::TooManySamples {
             samples: self.samples,
             width,
@@ -205,15 +205,15 @@ mod tests {
 
     #[test]
     fn finish_samples_are_a_larger_frame() {
-        let image = ImageDesc { width: 30, height: 20, ..ImageDesc::default() };
+        let image = ImageDesc::new(30, 20);
         let sampled = |samples, image| Finish { samples, ..Finish::default() }.sampled(image);
         assert_eq!(sampled(1, &image), Ok(image));
-        assert_eq!(sampled(9, &image), Ok(ImageDesc { width: 90, height: 60, ..image }));
-        let large = ImageDesc { width: 8000, height: 8000, ..image };
+        assert_eq!(sampled(9, &image), Ok(image.size(90, 60)));
+        let large = image.size(8000, 8000);
         let error = sampled(16, &large).unwrap_err();
         assert_eq!(error.key(), ["image", "samples"]);
         let expected = "16 samples for each of 8000 x 8000 pixels take 16.4 GB";
         assert!(error.to_string().starts_with(expected), "{error}");
-        assert!(sampled(64, &ImageDesc { width: 4097, height: 1, ..image }).is_err(), "a long row");
+        assert!(sampled(64, &image.size(4097, 1)).is_err(), "a long row");
     }
 }

@@ -3,7 +3,17 @@
 use thiserror::Error;
 
 /// Size and background of a picture.
+///
+/// ```
+/// use slabsplat_core::ImageDesc;
+///
+/// let on_white = ImageDesc::new(640, 480).background([1.0; 4]);
+/// assert_eq!((on_white.width, on_white.n_pixels()), (640, 307_200));
+/// assert_eq!(on_white.size(64, 48).background, [1.0; 4]);
+/// assert_eq!(ImageDesc::default(), ImageDesc::new(512, 512), "transparent");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct ImageDesc {
@@ -61,11 +71,28 @@ const MAX_PIXELS: usize = 1 << 27;
 
 impl Default for ImageDesc {
     fn default() -> Self {
-        Self { width: 512, height: 512, background: [0.0; 4] }
+        Self::new(512, 512)
     }
 }
 
 impl ImageDesc {
+    /// A picture so many pixels wide and high, transparent behind the volume.
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height, background: [0.0; 4] }
+    }
+
+    /// The same, so many pixels wide and high.
+    #[must_use]
+    pub const fn size(self, width: u32, height: u32) -> Self {
+        Self { width, height, ..self }
+    }
+
+    /// The same before another background: red, green, blue and opacity, 0 … 1, not premultiplied.
+    #[must_use]
+    pub const fn background(self, background: [f32; 4]) -> Self {
+        Self { background, ..self }
+    }
+
     /// The background as a premultiplied pixel.
     pub fn premultiplied_background(&self) -> [f32; 4] {
         let [r, g, b, a] = self.background;
@@ -214,7 +241,7 @@ mod tests {
 
     #[test]
     fn image_background_is_premultiplied() {
-        let desc = ImageDesc { background: [1.0, 0.5, 0.25, 0.5], ..ImageDesc::default() };
+        let desc = ImageDesc::default().background([1.0, 0.5, 0.25, 0.5]);
         assert_eq!(desc.premultiplied_background(), [0.5, 0.25, 0.125, 0.5]);
     }
 

@@ -13,12 +13,13 @@ use crate::Image;
 /// let black = Image::filled(2, 1, [0.0, 0.0, 0.0, 1.0]);
 /// let mut picture = black.clone();
 /// picture.pixels_mut()[0][1] = 0.6;
-/// let ImageDifference { largest, mean, psnr_db } = ImageDifference::between(&picture, &black);
+/// let ImageDifference { largest, mean, psnr_db, .. } = ImageDifference::between(&picture, &black);
 /// assert_eq!(largest, 0.6);
 /// assert!((mean - 0.6 / 8.0).abs() < 1e-7);
 /// assert!((psnr_db - 10.0 * (6.0_f64 / 0.36).log10()).abs() < 1e-6);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ImageDifference {
     /// The largest difference of a premultiplied channel, opacity included, as a tolerance counts.
     pub largest: f32,

@@ -127,4 +127,6 @@ pub use view::{View, ViewError, ViewFromIndex};
 pub use volume::{Scaling, Summary, Volume, VolumeError};
 pub use voxel_colors::{ColorSamples, VoxelColors, WrongNumberOfColors};
 
+/// The vectors and matrices of this crate. Types of two versions of glam are two types, so a newer glam is a
+/// breaking release here. Who gives arrays, which are taken wherever vectors are, need not care.
 pub use glam;

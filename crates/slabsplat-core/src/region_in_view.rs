@@ -136,8 +136,7 @@ mod tests {
         let target = DVec3::new(2.0, 3.0, 4.0);
         let eye = target + DVec3::new(3.0, -2.0, 9.0);
         let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
-        View::new(&grid, &camera, &ImageDesc { width: 30, height: 20, background: [0.0; 4] })
-            .unwrap()
+        View::new(&grid, &camera, &ImageDesc::new(30, 20)).unwrap()
     }
 
     /// Points along rays are in the region just where the interval says.

@@ -18,7 +18,7 @@ use crate::{Camera, Finish, ImageDesc, Layer, Light, MeshLayer, RenderSettings};
 /// let projection = Projection::Orthographic { view_height: 40.0 };
 /// let camera = Camera::new([90.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, 1.0], projection)?;
 /// let scene = Scene::new(Layer::new(volume, transfer), camera)
-///     .image(ImageDesc { width: 64, height: 64, background: [0.0; 4] })
+///     .image(ImageDesc::new(64, 64))
 ///     .settings(RenderSettings::default().slab_width(0.5));
 /// assert_eq!(scene.settings.tolerance, RenderSettings::default().tolerance);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -75,7 +75,7 @@ impl Scene {
     pub fn background_at(&self, part: f32) -> [f32; 4] {
         let above = self.image.premultiplied_background();
         let Some(below) = self.finish.background_below else { return above };
-        let below = ImageDesc { background: below, ..self.image }.premultiplied_background();
+        let below = self.image.background(below).premultiplied_background();
         std::array::from_fn(|channel| above[channel] * (1.0 - part) + below[channel] * part)
     }
 
@@ -155,7 +155,7 @@ mod tests {
             meshes: vec![mesh.clone()],
             camera: camera(DVec3::X),
             lights: vec![],
-            image: ImageDesc { width: 7, height: 5, background: [1.0; 4] },
+            image: ImageDesc::new(7, 5).background([1.0; 4]),
             settings: RenderSettings::default().sections(9),
             finish: Finish { samples: 4, ..Finish::default() },
         };

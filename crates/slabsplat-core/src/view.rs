@@ -244,7 +244,7 @@ mod tests {
         let grid = Grid::with_spacing([3, 3, 5], [1.0, 1.0, 2.0]).unwrap();
         let target = grid.center_in_world();
         let camera = Camera::new(target + DVec3::Z * 20.0, target, DVec3::Y, projection).unwrap();
-        let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
+        let image = ImageDesc::new(40, 20);
         (grid, View::new(&grid, &camera, &image).unwrap())
     }
 
@@ -254,7 +254,7 @@ mod tests {
         let refused = |projection, distance: f64| {
             let eye = grid.center_in_world() + DVec3::Z * distance;
             let camera = Camera::new(eye, grid.center_in_world(), DVec3::Y, projection).unwrap();
-            let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
+            let image = ImageDesc::new(40, 20);
             View::new(&grid, &camera, &image).err().map(|error| error.pixels)
         };
         let orthographic = |view_height| Projection::Orthographic { view_height };

@@ -34,7 +34,7 @@ fn scene(volume: &Arc<Volume>, opacity: f64, method: Method) -> Scene {
         .expect("the points are sorted");
     let camera = Camera::new(eye, target, DVec3::Z, projection).expect("the eye is off the axis");
     Scene::new(Layer::new(volume.clone(), transfer), camera)
-        .image(ImageDesc { width: 256, height: 256, background: [0.0; 4] })
+        .image(ImageDesc::new(256, 256))
         .settings(RenderSettings::default().method(method))
 }
 

@@ -186,9 +186,8 @@ impl OfLayer {
         let rules = VoxelRules { transfer, transfer_2d, colors, labels, gradient_opacity };
         let (compositing, identity) = (plan.compositing, ByIdentity::of(volume));
         let classified_by = (OwnVoxelRules::new(&rules), compositing, identity);
-        let classification = self
-            .classification
-            .made_of(classified_by, |_| Classification::new(&rules, compositing, volume));
+        let classify = |_: &_| Classification::for_frame(&rules, compositing, volume, frame);
+        let classification = self.classification.try_made_of(classified_by, classify)?;
         self.light = layer.light.as_ref().map(BlinnPhong8::new);
         Ok(Stage {
             plan,

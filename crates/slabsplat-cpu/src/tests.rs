@@ -55,7 +55,7 @@ fn scene(rng: &mut fastrand::Rng, volume: &Arc<Volume>, settings: RenderSettings
     let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
     Scene::new(Layer::new(volume.clone(), transfer), camera)
         // The right and lower tiles lie partly outside.
-        .image(ImageDesc { width: 75, height: 50, background: [0.0; 4] })
+        .image(ImageDesc::new(75, 50))
         .settings(settings)
 }
 
@@ -125,7 +125,7 @@ fn cpu_keeps_the_opacity_of_faint_voxels() {
             let camera = Camera::new(eye, target, DVec3::Y, projection).unwrap();
             let layer = Layer::new(volume.clone(), transfer).shading(Shading::None);
             let scene = Scene::new(layer, camera)
-                .image(ImageDesc { width: 32, height: 32, background: [0.0; 4] })
+                .image(ImageDesc::new(32, 32))
                 .settings(RenderSettings::default().tolerance(tolerance).slab_width(slab_width));
             render(Level::new(), &scene)
         };

@@ -17,6 +17,7 @@
 
 use crate::SectionDesc;
 use crate::kernel::half_chord;
+use slabsplat_core::{Cancelled, FrameHandle};
 
 /// Cells in a row: the kernel's radius is no more than [`MAX_RADIUS`](crate::MAX_RADIUS).
 const N_CELLS: usize = 32;
@@ -50,8 +51,12 @@ impl CubicSectionTable {
     /// Values in a row: the cells, and one that holds the value at their end.
     pub const ROW_LEN: usize = N_CELLS + 1;
 
-    /// Samples the plain sections of `desc`; some ten thousand exact integrals.
-    pub fn new(desc: &SectionDesc<'_>) -> Self {
+    /// Samples the plain sections of `desc` for a frame; ten thousand exact integrals, or many more of thin
+    /// slabs.
+    ///
+    /// # Errors
+    /// If that is cancelled.
+    pub fn for_frame(desc: &SectionDesc<'_>, frame: &FrameHandle) -> Result<Self, Cancelled> {
         let radius = desc.kernel.radius();
         // A slab wider than the kernel cuts just what one as wide as it does.
         let width = desc.width.min(2.0 * radius / desc.kappa);
@@ -70,14 +75,19 @@ impl CubicSectionTable {
                 desc.plain(rho, front, width) - f64::from(at_rim)
             })
         };
-        Self {
+        let mut coefficients = Vec::new();
+        for row_idx in 0..n_rows {
+            frame.check()?;
+            coefficients.extend(row(row_idx));
+        }
+        Ok(Self {
             radius: radius as f32,
             per_radius: (1.0 / radius) as f32,
             rows_per_index: rows_per_index as f32,
             last_row: (deepest * rows_per_index) as f32,
             rim,
-            coefficients: (0..n_rows).flat_map(row).collect(),
-        }
+            coefficients,
+        })
     }
 
     /// Writes the section between two faces, which cut the ray that many index units behind its point nearest
@@ -227,7 +237,7 @@ mod tests {
 
     /// Over offsets and distances that hit no sample.
     fn errors(desc: &SectionDesc<'_>) -> Errors {
-        let table = CubicSectionTable::new(desc);
+        let table = CubicSectionTable::for_frame(desc, &FrameHandle::new()).unwrap();
         let (radius, width) = (desc.kernel.radius(), desc.width_in_index());
         let (n_offsets, n_radii) = (211, 173);
         let n = f64::from(n_offsets * n_radii);
@@ -289,7 +299,8 @@ mod tests {
     #[test]
     fn cubic_section_table_is_zero_where_nothing_is_cut() {
         let kernel = kernel_named("gaussian").unwrap();
-        let table = CubicSectionTable::new(&desc(&*kernel, 1.0, 1.0));
+        let desc = desc(&*kernel, 1.0, 1.0);
+        let table = CubicSectionTable::for_frame(&desc, &FrameHandle::new()).unwrap();
         for front in [-50.0, -3.0, 2.0, 50.0] {
             for rho_squared in [0.0, 0.77, 4.0] {
                 let weight = table.weight(rho_squared, [front, front + 1.0]);

@@ -2,6 +2,7 @@
 
 use crate::Kernel;
 use crate::section_table::{row_len, sample_row};
+use std::convert::Infallible;
 
 /// A kernel's line integrals over all depths, from the edge to the middle, at equal steps of the half
 /// chord as in a [`SectionTable`](crate::SectionTable).
@@ -16,7 +17,8 @@ impl FootprintTable {
     /// [`SectionDesc`](crate::SectionDesc).
     pub fn new(kernel: &dyn Kernel, kappa: f64, radial_samples: u32) -> Self {
         let radius = kernel.radius();
-        let weights = sample_row(radial_samples, radius, |rho| kernel.footprint(rho) / kappa);
+        let weight = |rho| Ok::<_, Infallible>(kernel.footprint(rho) / kappa);
+        let Ok(weights) = sample_row(radial_samples, radius, weight);
         Self { samples_per_index: (f64::from(radial_samples) / radius) as f32, weights }
     }
 

@@ -11,7 +11,7 @@
 
 use crate::SectionDesc;
 use crate::kernel::half_chord;
-use slabsplat_core::{Lookup, Normalization};
+use slabsplat_core::{Cancelled, FrameHandle, Lookup, Normalization};
 
 /// How finely a [`SectionTable`] is sampled, and how it is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +55,19 @@ pub struct RowMap {
 impl SectionTable {
     /// Samples the sections of `desc`; some `sections × radial_samples` exact integrals.
     pub fn new(desc: &SectionDesc<'_>, table: TableDesc) -> Self {
+        Self::for_frame(desc, table, &FrameHandle::new()).expect("nobody cancels the frame")
+    }
+
+    /// The same for a frame: of normalised sections, and at the most that settings ask for, they take
+    /// seconds.
+    ///
+    /// # Errors
+    /// If that is cancelled.
+    pub fn for_frame(
+        desc: &SectionDesc<'_>,
+        table: TableDesc,
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let radius = desc.kernel.radius();
         let mirrored = desc.normalization == Normalization::None || desc.width <= desc.base_width;
         // A plain slab wider than the kernel cuts just what one as wide as it does.
@@ -69,13 +82,14 @@ impl SectionTable {
         let n_intervals = (deepest / row_spacing - 1e-9).ceil();
         // The offset of row 0: the slab's back face just touches the kernel.
         let first_front = -radius - desc.width_in_index();
-        let weights = (0..=n_intervals as usize)
-            .map(|row_idx| first_front + row_idx as f64 * row_spacing)
-            .flat_map(|front| {
-                sample_row(table.radial_samples, radius, move |rho| desc.weight(rho, front))
-            })
-            .collect();
-        Self {
+        let mut weights = Vec::new();
+        for row_idx in 0..=n_intervals as usize {
+            let front = first_front + row_idx as f64 * row_spacing;
+            // A single row may take tens of milliseconds.
+            let weight = |rho| frame.check().map(|()| desc.weight(rho, front));
+            weights.extend(sample_row(table.radial_samples, radius, weight)?);
+        }
+        Ok(Self {
             rows: RowMap {
                 radius: radius as f32,
                 rows_per_index: (1.0 / row_spacing) as f32,
@@ -88,7 +102,7 @@ impl SectionTable {
             width: desc.width_in_index(),
             row_spacing,
             weights,
-        }
+        })
     }
 
     /// The weight, at distance `rho`, of the section between the faces `front` and `back`, which cut the
@@ -224,18 +238,18 @@ pub(crate) fn row_len(radial_samples: u32) -> usize {
 
 /// Samples `weight_at` distances from `radius` down to 0, at equal steps of the half chord, and adds the
 /// guard.
-pub(crate) fn sample_row(
+pub(crate) fn sample_row<E>(
     radial_samples: u32,
     radius: f64,
-    weight_at: impl Fn(f64) -> f64,
-) -> Vec<f32> {
+    weight_at: impl Fn(f64) -> Result<f64, E>,
+) -> Result<Vec<f32>, E> {
     let step = radius / f64::from(radial_samples);
     let exact: Vec<f64> = (0..=radial_samples)
         .map(|sample| weight_at(half_chord(radius, f64::from(sample) * step)))
-        .collect();
+        .collect::<Result<_, E>>()?;
     let mut row: Vec<f32> = fitted(&exact).map(|weight| weight as f32).collect();
     row.push(exact[exact.len() - 1] as f32);
-    row
+    Ok(row)
 }
 
 /// Values at the same points whose interpolation is right on average, where that of `exact` lies to one
@@ -254,7 +268,8 @@ fn fitted(exact: &[f64]) -> impl Iterator<Item = f64> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{KERNEL_NAMES, kernel_named};
+    use crate::{Gaussian, KERNEL_NAMES, Kernel, kernel_named};
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     const PAPER: TableDesc =
         TableDesc { sections: 128, radial_samples: 256, lookup: Lookup::Nearest };
@@ -428,6 +443,56 @@ mod tests {
     fn section_table_of_thin_slabs() {
         let (worst, _) = errors(&desc("gaussian", 0.04, Normalization::None), DEFAULT);
         assert!(worst < 1.2e-5, "{worst}");
+    }
+
+    /// A kernel that cancels a frame when it is asked for its so-manieth integral.
+    #[derive(Debug)]
+    struct Cancelling {
+        frame: FrameHandle,
+        at_integral: usize,
+        n_integrals: AtomicUsize,
+    }
+
+    impl Kernel for Cancelling {
+        fn name(&self) -> &str {
+            "cancelling"
+        }
+
+        fn radius(&self) -> f64 {
+            Gaussian.radius()
+        }
+
+        fn value(&self, r: f64) -> f64 {
+            Gaussian.value(r)
+        }
+
+        fn line_integral(&self, rho: f64, a: f64, b: f64) -> f64 {
+            if self.n_integrals.fetch_add(1, Ordering::Relaxed) == self.at_integral {
+                self.frame.cancel();
+            }
+            Gaussian.line_integral(rho, a, b)
+        }
+    }
+
+    /// Not a row later: after the very sample at which it is cancelled.
+    #[test]
+    fn section_table_stops_when_cancelled() {
+        for normalization in [Normalization::None, Normalization::Paper] {
+            for at_integral in [0, 1, 70, 7000] {
+                let kernel = Cancelling {
+                    frame: FrameHandle::new(),
+                    at_integral,
+                    n_integrals: AtomicUsize::new(0),
+                };
+                let desc = SectionDesc { kernel: &kernel, ..desc("gaussian", 4.0, normalization) };
+                let made = SectionTable::for_frame(&desc, DEFAULT, &kernel.frame);
+                assert_eq!(made, Err(Cancelled));
+                // Of one sample: the section, and those of the hierarchy over eight of half a step.
+                let most_of_sample = 1 + 1 + 8;
+                let n_integrals = kernel.n_integrals.into_inner();
+                assert!(n_integrals <= at_integral + most_of_sample, "{n_integrals}");
+            }
+        }
     }
 
     #[test]

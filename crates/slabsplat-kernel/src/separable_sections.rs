@@ -12,6 +12,7 @@
 
 use crate::radial_polynomials::polynomial;
 use crate::{MAX_COEFFICIENTS, RadialPolynomials, SectionTable, lerp_radial};
+use slabsplat_core::{Cancelled, FrameHandle};
 
 /// Points along a radius at which footprints are compared and integrated.
 const N_POINTS: usize = 20;
@@ -43,6 +44,18 @@ impl SeparableSections {
     /// Those of sections, and of what lies beyond a face; the last row of `merged` must be the whole
     /// footprint.
     pub fn new(sections: &SectionTable, merged: &SectionTable) -> Self {
+        Self::for_frame(sections, merged, &FrameHandle::new()).expect("nobody cancels the frame")
+    }
+
+    /// The same for a frame: tables may have thousands of rows.
+    ///
+    /// # Errors
+    /// If that is cancelled.
+    pub fn for_frame(
+        sections: &SectionTable,
+        merged: &SectionTable,
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let radius = f64::from(merged.rows().radius);
         let [section_rows, merged_rows] = [sections, merged].map(SectionTable::all_rows);
         let profile = profile_of(merged_rows[merged_rows.len() - 1], radius);
@@ -50,22 +63,23 @@ impl SeparableSections {
             (0..N_POINTS).map(|idx| value(&profile, position_of(idx))).collect();
         let mut error = 0.0_f64;
         let mut mass = |row: &&[f32]| {
+            frame.check()?;
             let integral = integral_of(row, radius);
             for (i, j) in pairs() {
                 let product = integral * at_points[i] * at_points[j];
                 error = error.max((weight(row, i, j) - product).abs());
             }
-            integral
+            Ok(integral)
         };
-        section_rows.iter().for_each(|row| _ = mass(row));
+        section_rows.iter().try_for_each(|row| mass(row).map(drop))?;
         // What lies before a face, as the slab is as wide as the kernel.
-        let masses: Vec<f64> = merged_rows.iter().map(mass).collect();
+        let masses: Vec<f64> = merged_rows.iter().map(mass).collect::<Result<_, _>>()?;
         let steps_per_index = f64::from(merged.rows().rows_per_index);
         let moments = moments_of(&masses, steps_per_index, radius);
         let whole = masses[masses.len() - 1];
         let face_of = |x: f64| radius * (0.5 * (x + 1.0)).sqrt();
         let at = |values: &[f64], face: f64| cubic(values, (face + radius) * steps_per_index);
-        Self {
+        Ok(Self {
             profile,
             whole: whole as f32,
             masses: RadialPolynomials::smooth(|x| {
@@ -74,7 +88,7 @@ impl SeparableSections {
             moments: RadialPolynomials::smooth(|x| at(&moments, face_of(x))),
             radius,
             error,
-        }
+        })
     }
 
     /// The coefficients of `g` as a polynomial in `x = 2·(u/R)² − 1`, from the constant on, `u` index units

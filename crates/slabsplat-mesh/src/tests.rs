@@ -20,7 +20,7 @@ fn view(is_perspective: bool) -> View {
         Projection::Orthographic { view_height: 4.0 }
     };
     let camera = Camera::new(10.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, projection).unwrap();
-    let image = ImageDesc { width: SIDE, height: SIDE, background: [0.0; 4] };
+    let image = ImageDesc::new(SIDE, SIDE);
     let grid = Grid::with_spacing([1; 3], [0.5; 3]).unwrap();
     View::new(&grid, &camera, &image).unwrap()
 }

@@ -7,8 +7,8 @@
 use crate::VoxelRules;
 use crate::order::Ordered;
 use slabsplat_core::{
-    Compositing, LabelStyle, Labels, SampleType, Scaling, TransferFunction, TransferFunction2d,
-    Volume,
+    Cancelled, Compositing, FrameHandle, LabelStyle, Labels, SampleType, Scaling, TransferFunction,
+    TransferFunction2d, Volume,
 };
 
 /// What is seen of every sample, and with a two-dimensional transfer function of every voxel: red, green and
@@ -35,21 +35,38 @@ const MAX_TABLES: usize = 16;
 impl Classification {
     /// Classifies the samples of `volume` by value and label.
     pub fn new(rules: &VoxelRules<'_>, compositing: Compositing, volume: &Volume) -> Self {
+        Self::for_frame(rules, compositing, volume, &FrameHandle::new())
+            .expect("nobody cancels the frame")
+    }
+
+    /// The same for a frame: labels may have transfer functions of their own, and each takes some
+    /// milliseconds.
+    ///
+    /// # Errors
+    /// If that is cancelled.
+    pub fn for_frame(
+        rules: &VoxelRules<'_>,
+        compositing: Compositing,
+        volume: &Volume,
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let VoxelRules { transfer, transfer_2d, labels, colors: _, gradient_opacity: _ } = *rules;
         let scaling = volume.scaling();
-        let mut by_transfer = vec![ByTransfer::new(transfer, compositing, volume)];
+        let mut by_transfer = vec![ByTransfer::new(transfer, compositing, volume, frame)];
         let labels = labels.map(|labels| {
             ByLabel::new(labels, |transfer| {
                 let mut of_label = ByTransfer::without_table(transfer, compositing, volume);
                 if by_transfer.len() <= MAX_TABLES {
-                    of_label.fill_table(volume.sample_type());
+                    of_label.fill_table(volume.sample_type(), frame);
                 }
                 by_transfer.push(of_label);
                 by_transfer.len() - 1
             })
         });
         let transfer_2d = transfer_2d.cloned();
-        Self { compositing, by_transfer, transfer_2d, scaling, labels }
+        // Tables may have ended before they were full.
+        frame.check()?;
+        Ok(Self { compositing, by_transfer, transfer_2d, scaling, labels })
     }
 
     /// How sheets are summed.
@@ -134,9 +151,14 @@ struct ByTransfer {
 }
 
 impl ByTransfer {
-    fn new(transfer: &TransferFunction, compositing: Compositing, volume: &Volume) -> Self {
+    fn new(
+        transfer: &TransferFunction,
+        compositing: Compositing,
+        volume: &Volume,
+        frame: &FrameHandle,
+    ) -> Self {
         let mut by_transfer = Self::without_table(transfer, compositing, volume);
-        by_transfer.fill_table(volume.sample_type());
+        by_transfer.fill_table(volume.sample_type(), frame);
         by_transfer
     }
 
@@ -149,12 +171,13 @@ impl ByTransfer {
         Self { transfer: transfer.clone(), compositing, scaling, table: Vec::new() }
     }
 
-    fn fill_table(&mut self, sample_type: SampleType) {
+    /// Of a frame that is cancelled the table ends anywhere.
+    fn fill_table(&mut self, sample_type: SampleType, frame: &FrameHandle) {
         self.table = match sample_type {
-            SampleType::U8 => self.of_all::<u8>(),
-            SampleType::I8 => self.of_all::<i8>(),
-            SampleType::U16 => self.of_all::<u16>(),
-            SampleType::I16 => self.of_all::<i16>(),
+            SampleType::U8 => self.of_all::<u8>(frame),
+            SampleType::I8 => self.of_all::<i8>(frame),
+            SampleType::U16 => self.of_all::<u16>(frame),
+            SampleType::I16 => self.of_all::<i16>(frame),
             SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => Vec::new(),
         };
     }
@@ -173,9 +196,12 @@ impl ByTransfer {
         self.of_value(self.scaling.apply(sample.to_f64()))
     }
 
-    fn of_all<T: Ordered>(&self) -> Vec<[f32; 4]> {
+    fn of_all<T: Ordered>(&self, frame: &FrameHandle) -> Vec<[f32; 4]> {
         let of_rank = |rank| self.of_value(self.scaling.apply(T::from_rank(rank).to_f64()));
-        (0..=T::MOST.rank()).map(of_rank).collect()
+        let n_ranks = T::MOST.rank() + 1;
+        let mut table = Vec::with_capacity(n_ranks as usize);
+        table.extend((0..n_ranks).take_while(|_| !frame.is_cancelled()).map(of_rank));
+        table
     }
 
     fn of_value(&self, value: f64) -> [f32; 4] {
@@ -245,6 +271,20 @@ fn thinned(weight: f32, factor: f32, compositing: Compositing) -> f32 {
 mod tests {
     use super::*;
     use slabsplat_core::{Grid, Samples};
+
+    #[test]
+    fn classification_stops_when_cancelled() {
+        let transfer = TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap();
+        let grid = Grid::with_spacing([1; 3], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, vec![1_u16].into(), Scaling::IDENTITY).unwrap();
+        let frame = FrameHandle::new();
+        frame.cancel();
+        let by_transfer = ByTransfer::new(&transfer, Compositing::Separate, &volume, &frame);
+        assert!(by_transfer.table.is_empty(), "nothing is classified for nobody");
+        let rules = VoxelRules::by_value(&transfer);
+        let made = Classification::for_frame(&rules, Compositing::Separate, &volume, &frame);
+        assert_eq!(made.map(drop), Err(Cancelled));
+    }
 
     #[test]
     fn classification_holds_a_table_of_narrow_samples() {

@@ -59,7 +59,7 @@ fn sections() -> Vec<Image> {
 fn sheets() -> Result<Vec<Image>> {
     let n_slabs = 5;
     let volume = io::builtin_volume("neuron", Some(64))?;
-    let image = ImageDesc { width: 176, height: 176, background: [0.0, 0.0, 0.0, 1.0] };
+    let image = ImageDesc::new(176, 176).background([0.0, 0.0, 0.0, 1.0]);
     let scene = Automatic::new(volume).scene(image, RenderSettings::default());
     let scene = turned(&scene, 30.0)?;
     let mut renderer = Renderer::open("cpu", |_| ())?;
@@ -83,7 +83,7 @@ fn sheets() -> Result<Vec<Image>> {
 /// difference, ten times as bright: by slabs parallel to the image, and by slices.
 fn popping() -> Result<Vec<Image>> {
     let volume = io::builtin_volume("neuron", Some(64))?;
-    let image = ImageDesc { width: 288, height: 288, background: [0.0, 0.0, 0.0, 1.0] };
+    let image = ImageDesc::new(288, 288).background([0.0, 0.0, 0.0, 1.0]);
     let scene = Automatic::new(volume).scene(image, RenderSettings::default());
     let mut renderer = Renderer::open("cpu", |_| ())?;
     let mut rows = Vec::new();

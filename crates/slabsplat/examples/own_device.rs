@@ -35,7 +35,7 @@ pub(crate) fn draw(path: &Path) -> Result<(), Box<dyn Error>> {
     let [width, height] = target.size();
 
     let automatic = Automatic::new(io::builtin_volume("neuron", Some(64))?);
-    let image = ImageDesc { width, height, ..ImageDesc::default() };
+    let image = ImageDesc::new(width, height);
     let scene = automatic.scene(image, RenderSettings::default());
     let mut renderer = TextureRenderer::open(&device, &queue, |note| eprintln!("{note}"))?;
     let drawn = renderer.render(&scene, &target)?;

@@ -18,7 +18,7 @@ const RADIANS_PER_TURN: f64 = 0.05;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let volume = io::builtin_volume("neuron", Some(96))?;
-    let image = ImageDesc { width: 384, height: 384, ..ImageDesc::default() };
+    let image = ImageDesc::new(384, 384);
     let mut scene = Automatic::new(volume).scene(image, RenderSettings::default());
     let renderer = RenderThread::open("auto", |note| eprintln!("{note}"))?;
 
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{} frames shown, {} replaced by newer ones", window.n_shown, window.n_replaced);
 
     // A large picture, of which the user is tired at once.
-    scene.image = ImageDesc { width: 2048, height: 2048, ..scene.image };
+    scene.image = scene.image.size(2048, 2048);
     let large = renderer.submit(&scene);
     thread::sleep(TURN);
     println!("large picture: {:.0} % drawn, and cancelled", 100.0 * large.progress());

@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Makes the film.
 pub(crate) fn turn(path: &Path) -> Result<FilmReport, Box<dyn Error>> {
     let format = FilmFormat::of_name(path).ok_or("name the film .gif")?;
-    let image = ImageDesc { width: 256, height: 256, background: [0.05, 0.05, 0.07, 1.0] };
+    let image = ImageDesc::new(256, 256).background([0.05, 0.05, 0.07, 1.0]);
     let volume = io::builtin_volume("neuron", None)?;
     let scene = Automatic::new(volume).scene(image, RenderSettings::default());
     let turn = Turn { axis: TurnAxis::Up, degrees: 360.0, is_rocking: false, n_frames: N_FRAMES };

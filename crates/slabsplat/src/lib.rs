@@ -16,7 +16,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let volume = slabsplat::io::builtin_volume("sphere", Some(16))?;
 //! let automatic = Automatic::new(volume);
-//! let image = ImageDesc { width: 32, height: 32, ..ImageDesc::default() };
+//! let image = ImageDesc::new(32, 32);
 //! let scene = automatic.scene(image, RenderSettings::default());
 //!
 //! let mut renderer = Renderer::open("auto", |note| eprintln!("{note}"))?;

@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 
 use slabsplat_backend::Frame;
-use slabsplat_core::{Acquisition, FinishError, FrameHandle, Image, ImageDesc, Scene, over};
+use slabsplat_core::{Acquisition, FinishError, FrameHandle, Image, Scene, over};
 
 use crate::{RenderError, Renderer};
 
@@ -33,7 +33,7 @@ impl Renderer {
     ///
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// let automatic = Automatic::new(slabsplat::io::builtin_volume("sphere", Some(16))?);
-    /// let image = ImageDesc { width: 32, height: 32, ..ImageDesc::default() };
+    /// let image = ImageDesc::new(32, 32);
     /// let finish = Finish { samples: 4, ..Finish::default() };
     /// let scene = automatic.scene(image, RenderSettings::default()).finish(finish);
     /// let picture = Renderer::open("cpu", |_| {})?.picture(&scene, Acquisition::default())?;
@@ -75,7 +75,7 @@ impl Renderer {
 pub fn frame_scene(scene: &Scene) -> Result<Cow<'_, Scene>, FinishError> {
     let sampled = scene.finish.sampled(&scene.image)?;
     let background = if has_behind(scene) { [0.0; 4] } else { sampled.background };
-    let image = ImageDesc { background, ..sampled };
+    let image = sampled.background(background);
     Ok(match image == scene.image {
         true => Cow::Borrowed(scene),
         false => Cow::Owned(scene.clone().image(image)),

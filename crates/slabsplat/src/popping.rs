@@ -13,7 +13,16 @@ use slabsplat_core::{Image, Method, Scene};
 use thiserror::Error;
 
 /// A turn of the camera about its target, around its up vector.
+///
+/// ```
+/// use slabsplat::Sweep;
+///
+/// let quarter = Sweep::new(0.0, 90.0);
+/// assert_eq!((quarter.step_degrees, quarter.n_frames()), (1.0, 91));
+/// assert_eq!(quarter.step_degrees(0.5).n_frames(), 181);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Sweep {
     /// Angle of the first frame from the scene's camera.
     pub from_degrees: f64,
@@ -64,6 +73,17 @@ pub struct PoppingReport {
 const MAX_FRAMES: f64 = 1e5;
 
 impl Sweep {
+    /// From one angle to another, in degrees from the scene's camera, a degree between two frames.
+    pub const fn new(from_degrees: f64, to_degrees: f64) -> Self {
+        Self { from_degrees, to_degrees, step_degrees: 1.0 }
+    }
+
+    /// The same with another angle between two frames.
+    #[must_use]
+    pub const fn step_degrees(self, step_degrees: f64) -> Self {
+        Self { step_degrees, ..self }
+    }
+
     /// The same, if it has at least three frames.
     ///
     /// # Errors
@@ -171,24 +191,24 @@ fn report(method: Method, sweep: Sweep, differences: Differences) -> PoppingRepo
 mod tests {
     use super::*;
 
-    const TURN: Sweep = Sweep { from_degrees: 0.0, to_degrees: 90.0, step_degrees: 0.1 };
+    const TURN: Sweep = Sweep::new(0.0, 90.0).step_degrees(0.1);
 
     #[test]
     fn popping_sweep_reaches_its_end() {
         assert_eq!(TURN.checked().unwrap().n_frames(), 901);
-        let short = Sweep { to_degrees: 0.15, ..TURN };
+        let short = Sweep::new(0.0, 0.15).step_degrees(0.1);
         assert!(matches!(short.checked(), Err(SweepError::TooShort(..))));
-        let back = Sweep { to_degrees: -9.0, ..TURN };
+        let back = Sweep::new(0.0, -9.0).step_degrees(0.1);
         assert!(matches!(back.checked(), Err(SweepError::TooShort(..))));
-        let still = Sweep { step_degrees: 0.0, ..TURN };
+        let still = TURN.step_degrees(0.0);
         assert!(matches!(still.checked(), Err(SweepError::BadNumbers(..))));
-        let fine = Sweep { step_degrees: 1e-9, ..TURN };
+        let fine = TURN.step_degrees(1e-9);
         assert!(matches!(fine.checked(), Err(SweepError::TooLong(..))));
     }
 
     #[test]
     fn popping_report_finds_the_step() {
-        let sweep = Sweep { from_degrees: 10.0, to_degrees: 14.0, step_degrees: 1.0 };
+        let sweep = Sweep::new(10.0, 14.0);
         let of = |first: &[f64]| Differences { first: first.to_vec(), ..Differences::default() };
         let read = report(Method::AxisAligned, sweep, of(&[0.2, 0.1, 0.8, 0.3]));
         assert_eq!((read.largest, read.median), (0.8, 0.25));
@@ -201,7 +221,7 @@ mod tests {
     /// One pixel of two goes to and fro, or rises evenly: the change is the same, and so is the pop ratio.
     #[test]
     fn popping_report_sees_what_flickers() {
-        let sweep = Sweep { from_degrees: 0.0, to_degrees: 4.0, step_degrees: 1.0 };
+        let sweep = Sweep::new(0.0, 4.0);
         let of = |values: [f32; 5]| {
             let frames = values.map(|value| Image::filled(1, 1, [value; 4]));
             let mut differences = Differences::default();

@@ -23,7 +23,7 @@ use std::thread::{self, JoinHandle};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let automatic = Automatic::new(io::builtin_volume("sphere", Some(16))?);
-/// let image = ImageDesc { width: 32, height: 32, ..ImageDesc::default() };
+/// let image = ImageDesc::new(32, 32);
 /// let mut scene = automatic.scene(image, RenderSettings::default());
 ///
 /// let renderer = RenderThread::open("cpu", |note| eprintln!("{note}"))?;

@@ -28,7 +28,7 @@ type Fallback = Box<dyn FnOnce(&BackendError) -> Box<dyn Backend> + Send>;
 pub enum RenderError {
     /// The scene cannot be drawn.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Plan(PlanError),
     /// The backend failed, or the frame was cancelled.
     #[error(transparent)]
     Backend(#[from] BackendError),
@@ -54,6 +54,16 @@ impl RenderError {
     /// Whether nothing is wrong but that someone cancelled the frame.
     pub fn is_cancelled(&self) -> bool {
         *self == Cancelled.into()
+    }
+}
+
+impl From<PlanError> for RenderError {
+    /// A cancelled frame is the same error, whoever was making it then.
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Cancelled(cancelled) => cancelled.into(),
+            error => Self::Plan(error),
+        }
     }
 }
 
@@ -297,7 +307,7 @@ fn submit(
     scene: &Scene,
     frame: &FrameHandle,
 ) -> Result<(), RenderError> {
-    Ok(backend.submit(&planner.plan(scene)?, frame)?)
+    Ok(backend.submit(&planner.plan_for_frame(scene, frame)?, frame)?)
 }
 
 #[cfg(test)]

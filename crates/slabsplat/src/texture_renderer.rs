@@ -192,7 +192,8 @@ impl TextureRenderer {
     ) -> Result<Option<Uploaded>, RenderError> {
         match &mut self.drawing {
             Drawing::Gpu(backend) => {
-                backend.submit_into(&self.planner.plan(scene)?, frame, &target.destination())?;
+                let plan = self.planner.plan_for_frame(scene, frame)?;
+                backend.submit_into(&plan, frame, &target.destination())?;
                 Ok(None)
             }
             Drawing::Cpu(on_cpu) => Ok(Some(on_cpu.begin(scene, frame)?)),

@@ -114,7 +114,7 @@ mod tests {
     fn view(projection: Projection) -> View {
         let camera = Camera::new(DVec3::Z * 10.0, DVec3::ZERO, DVec3::Y, projection)
             .expect("up is not forward");
-        View::new(&camera, &ImageDesc { width: 1, height: 1, background: [0.0; 4] })
+        View::new(&camera, &ImageDesc::new(1, 1))
     }
 
     fn orthographic() -> View {

@@ -112,7 +112,7 @@ mod tests {
 
     fn view(projection: Projection) -> View {
         let camera = Camera::new(DVec3::Z * 10.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
-        View::new(&camera, &ImageDesc { width: 40, height: 20, background: [0.0; 4] })
+        View::new(&camera, &ImageDesc::new(40, 20))
     }
 
     #[test]
@@ -137,7 +137,7 @@ mod tests {
             Projection::Orthographic { view_height: 10.0 },
         ] {
             let camera = Camera::new(DVec3::new(3.0, -7.0, 5.0), DVec3::ONE, DVec3::Y, projection);
-            let image = ImageDesc { width: 40, height: 20, background: [0.0; 4] };
+            let image = ImageDesc::new(40, 20);
             let view = View::new(&camera.expect("up is not forward"), &image);
             for (at, depth) in [([0, 0], 3.0), ([39, 4], 0.0), ([-1, 20], 11.0)] {
                 let [right, up] = view.ray_in_view(at, depth);

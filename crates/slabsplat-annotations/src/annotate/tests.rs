@@ -30,7 +30,7 @@ fn scene([width, height]: [u32; 2], projection: Projection) -> Scene {
     let target = volume.grid().center_in_world();
     let camera = Camera::new(target + DVec3::new(90.0, 140.0, 70.0), target, DVec3::Z, projection);
     let finish = Finish { annotations: everything(), ..Finish::default() };
-    let image = ImageDesc { width, height, background: CLEAR };
+    let image = ImageDesc::new(width, height).background(CLEAR);
     Scene::new(Layer::new(volume, transfer), camera.unwrap()).image(image).finish(finish)
 }
 

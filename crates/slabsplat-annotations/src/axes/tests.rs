@@ -25,7 +25,7 @@ fn camera(eye: [f64; 3], projection: Projection) -> Camera {
 }
 
 fn screen(eye: [f64; 3], projection: Projection) -> Screen {
-    let image = ImageDesc { width: 300, height: 300, background: [0.0; 4] };
+    let image = ImageDesc::new(300, 300);
     Screen::new(&camera(eye, projection), &image)
 }
 
@@ -85,7 +85,7 @@ struct Along {
 
 impl View {
     fn new(bounds: Bounds, camera: Camera, [width, height]: [u32; 2]) -> Self {
-        let image = ImageDesc { width, height, background: [0.0; 4] };
+        let image = ImageDesc::new(width, height);
         let scene = Scene::of_meshes(Vec::new(), camera).image(image);
         Self { bounds, screen: Screen::new(&camera, &image), scene }
     }

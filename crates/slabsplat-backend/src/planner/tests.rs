@@ -5,7 +5,7 @@ use crate::{ColorSplats, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Camera, Grid, ImageDesc, Isosurface, KernelName, Lookup, Normalization, Plane, Projection,
-    Region, RenderSettings, Scaling, TransferFunction, Volume,
+    Region, RenderSettings, Scaling, Shading, TransferFunction, Volume,
 };
 use slabsplat_kernel::{KernelTails, SectionTable, SplitLevels, SplitView};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn scene_of(volume: impl Into<Arc<Volume>>, settings: RenderSettings) -> Scene {
     let camera = Camera::new(DVec3::Z * 20.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
     let transfer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap();
     Scene::new(Layer::new(volume, transfer).shading(Shading::None), camera)
-        .image(ImageDesc { width: 8, height: 8, background: [0.0; 4] })
+        .image(ImageDesc::new(8, 8))
         .settings(settings)
 }
 

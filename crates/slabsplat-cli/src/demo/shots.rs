@@ -12,8 +12,7 @@ use std::sync::Arc;
 pub(super) const SIDE_PIXELS: u32 = 384;
 
 /// How the cube turns for the popping table: through the angle at which the grid's slices change their axis.
-pub(super) const CUBE_TURN: Sweep =
-    Sweep { from_degrees: 40.0, to_degrees: 50.0, step_degrees: 0.5 };
+pub(super) const CUBE_TURN: Sweep = Sweep::new(40.0, 50.0).step_degrees(0.5);
 
 /// Width and height of the pictures that the popping table compares.
 const METER_SIDE_PIXELS: u32 = 128;
@@ -118,7 +117,7 @@ impl Shot {
         let layer = Layer::new(volume, transfer).shading(Shading::Phong(self.phong()?));
         Ok(Scene::new(layer, camera)
             .lights(vec![self.light(&camera)?])
-            .image(ImageDesc { width: SIDE_PIXELS, height: SIDE_PIXELS, background: BACKGROUND })
+            .image(ImageDesc::new(SIDE_PIXELS, SIDE_PIXELS).background(BACKGROUND))
             .settings(RenderSettings::default().method(method)))
     }
 
@@ -158,6 +157,6 @@ pub(super) fn popping_scene(cube: Volume) -> Result<Scene> {
     let (width, height) = (METER_SIDE_PIXELS, METER_SIDE_PIXELS);
     let layer = Layer::new(cube, transfer).shading(Shading::Phong(diffuse));
     Ok(Scene::new(layer, camera)
-        .image(ImageDesc { width, height, background: [0.0; 4] })
+        .image(ImageDesc::new(width, height))
         .settings(RenderSettings::default().mode(Mode::Separate)))
 }

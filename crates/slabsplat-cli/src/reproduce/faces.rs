@@ -12,7 +12,7 @@ use slabsplat::{Image, Method, PoppingReport, Scene, Sweep};
 /// The paper has 45° and 45.2°. At 45° neither axis is nearer, so that here both lie as far from it.
 const ANGLES: [f64; 2] = [44.9, 45.1];
 
-const TURN: Sweep = Sweep { from_degrees: 40.1, to_degrees: 49.9, step_degrees: 0.2 };
+const TURN: Sweep = Sweep::new(40.1, 49.9).step_degrees(0.2);
 
 /// The cube by one method at both angles.
 struct Faces {

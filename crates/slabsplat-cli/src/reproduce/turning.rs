@@ -18,7 +18,7 @@ const METER_SIDE_PIXELS: u32 = 128;
 const ANGLES: [f64; 2] = [44.5, 45.5];
 
 /// Neither begins nor ends on 45°, where no axis is nearer.
-const TURN: Sweep = Sweep { from_degrees: 40.25, to_degrees: 49.75, step_degrees: 0.5 };
+const TURN: Sweep = Sweep::new(40.25, 49.75).step_degrees(0.5);
 
 /// How figure 9 is drawn: by which method, with slabs of which width.
 #[derive(Clone, Copy)]

@@ -53,8 +53,7 @@ impl StandIn {
             .zero_gradient(0.0)
             .two_sided(false)
             .checked()?;
-        let image =
-            ImageDesc { width: side_pixels, height: side_pixels, background: [0.0, 0.0, 0.0, 1.0] };
+        let image = ImageDesc::new(side_pixels, side_pixels).background([0.0, 0.0, 0.0, 1.0]);
         let layer = Layer::new(volume, transfer).shading(Shading::Phong(phong));
         Ok(Scene::new(layer, camera).image(image).settings(settings))
     }

@@ -116,7 +116,7 @@ fn compare_mistakes() {
     let error = diagnostic(dir.path(), large);
     assert!(error.contains("a sheet of 4 pictures needs smaller pictures"), "{error}");
     assert!(names_in(dir.path()).is_empty(), "nothing is written");
-    assert!(ImageDesc { width: 8192, height: 8192, ..ImageDesc::default() }.checked().is_ok());
+    assert!(ImageDesc::new(8192, 8192).checked().is_ok());
     for args in ["--vary slab_width=0", "--vary width=2", "--vary slab_width", "--gain 0"] {
         let output = slabsplat(dir.path(), &format!("compare {SMALL} {args}"));
         assert_eq!(output.status.code(), Some(2), "{args}: {}", text(&output.stderr));

@@ -36,7 +36,7 @@ fn serialized_values_come_back() {
     let transfer =
         TransferFunction::new([(80.0, 0.0), (255.0, 0.9)], [(0.0, [0.25, 0.5, 1.0])]).unwrap();
     check(&transfer, "opacity = [[80.0, 0.0], [255.0, 0.9]]\ncolor = [[0.0, 0.25, 0.5, 1.0]]\n");
-    let image = ImageDesc { width: 64, height: 32, background: [0.5, 0.0, 0.0, 1.0] };
+    let image = ImageDesc::new(64, 32).background([0.5, 0.0, 0.0, 1.0]);
     check(&image, "width = 64\nheight = 32\nbackground = [0.5, 0.0, 0.0, 1.0]\n");
     check(&Light::default(), "from = \"headlight\"\ncolor = [1.0, 1.0, 1.0]\n");
     let evening = Light::towards([0.0, -2.0, 0.0]).unwrap().color([1.0, 0.5, 0.25]);

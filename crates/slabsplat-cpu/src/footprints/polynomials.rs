@@ -1,6 +1,7 @@
 //! What was fitted to the last plan's tables, cached for the next one.
 
 use slabsplat_backend::{ByIdentity, Cached, PolynomialPair};
+use slabsplat_core::{Cancelled, FrameHandle};
 use slabsplat_kernel::{Degree, ErrorBudget, FootprintTable, RadialPolynomials, SectionTable};
 use std::sync::Arc;
 
@@ -20,9 +21,11 @@ impl SectionPolynomials {
         &mut self,
         table: &Arc<SectionTable>,
         budget: Option<ErrorBudget>,
-    ) -> &PolynomialPair {
+        frame: &FrameHandle,
+    ) -> Result<&PolynomialPair, Cancelled> {
         let key = (ByIdentity::of(table), budget);
-        self.0.made_of(key, |_| PolynomialPair::new(table, budget))
+        let made = self.0.try_made_of(key, |_| PolynomialPair::for_frame(table, budget, frame));
+        made.map(|pair| &*pair)
     }
 }
 

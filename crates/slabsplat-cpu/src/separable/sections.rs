@@ -29,6 +29,7 @@ use crate::sections::shared::{Kind, Sections};
 use crate::voxels::by_sheet::N_AT_ONCE;
 use fearless_simd::{Simd, f32x4, f32x8, mask32x8, prelude::*};
 use slabsplat_backend::{ByIdentity, Cached};
+use slabsplat_core::{Cancelled, FrameHandle};
 use slabsplat_kernel::{ErrorBudget, SectionTable, SeparableSections, SeparableShapes};
 use std::sync::Arc;
 
@@ -90,11 +91,16 @@ impl<const N_SLABS: usize> SeparableBatch<N_SLABS> {
 
 impl SeparableTables {
     /// Those of two tables, of slabs and with what lies beyond faces, if the kernel is separable.
-    pub(crate) fn of(&mut self, tables: [&Arc<SectionTable>; 2]) -> Option<&SeparableSections> {
+    pub(crate) fn of(
+        &mut self,
+        tables: [&Arc<SectionTable>; 2],
+        frame: &FrameHandle,
+    ) -> Result<Option<&SeparableSections>, Cancelled> {
         let key = tables.map(ByIdentity::of);
         let [slabs, merged] = tables;
-        let sections = &*self.0.made_of(key, |_| SeparableSections::new(slabs, merged));
-        (sections.error() < ErrorBudget::SEPARABLE_KERNEL).then_some(sections)
+        let made = |_: &_| SeparableSections::for_frame(slabs, merged, frame);
+        let sections = &*self.0.try_made_of(key, made)?;
+        Ok((sections.error() < ErrorBudget::SEPARABLE_KERNEL).then_some(sections))
     }
 }
 

@@ -59,7 +59,7 @@ fn what_shaders_lack_is_refused() {
     let transfer = TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap();
     let layer = Layer::new(volume, transfer);
     let camera = Camera::new(DVec3::Z * 9.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
-    let image = ImageDesc { width: 4, height: 4, background: [0.0; 4] };
+    let image = ImageDesc::new(4, 4);
     let scene = Scene::new(layer.clone(), camera).image(image);
     let refused = |scene: &Scene| {
         let plan = Planner::default().plan(scene).unwrap();

@@ -205,7 +205,7 @@ impl ImageSection {
     ) -> Result<(ImageDesc, Finish), Diagnostic> {
         let Self { width, height, background, background_below, samples } = self;
         let background_below = lower_end(background, background_below)?;
-        let image = ImageDesc { width, height, background: background.above }.checked();
+        let image = ImageDesc::new(width, height).background(background.above).checked();
         let image =
             image.map_err(|error| Diagnostic::at("image", error.field(), error.to_string()))?;
         let finish = Finish { samples, background_below, annotations }.checked();

@@ -198,7 +198,7 @@ fn automatic_camera_fits_the_volume() {
     let volume = Volume::new(grid, vec![1_u8; grid.n_voxels()].into(), Scaling::IDENTITY).unwrap();
     let automatic = Automatic::new(volume);
     for (width, height) in [(100, 100), (200, 50), (50, 200)] {
-        let image = ImageDesc { width, height, background: [0.0; 4] };
+        let image = ImageDesc::new(width, height);
         for is_perspective in [false, true] {
             let camera = automatic.camera(&image, is_perspective);
             let view = View::new(&grid, &camera, &image).unwrap();

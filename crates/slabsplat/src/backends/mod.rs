@@ -72,6 +72,7 @@ pub enum NoBackend {
 }
 
 /// A backend, and how it came to be that one.
+#[non_exhaustive]
 pub struct Choice {
     /// The backend.
     pub backend: Box<dyn Backend>,

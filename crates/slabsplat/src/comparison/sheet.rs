@@ -67,11 +67,11 @@ impl Sheet {
         let span = |n: usize, each: u32| {
             u32::try_from(n).unwrap_or(u32::MAX).saturating_mul(each.saturating_add(GAP))
         };
-        let image = ImageDesc {
-            width: span(n_columns, cell_width).saturating_add(GAP),
-            height: span(n_rows, cell_height).saturating_add(GAP + 3 * LINE),
-            background: BACKGROUND,
-        };
+        let image = ImageDesc::new(
+            span(n_columns, cell_width).saturating_add(GAP),
+            span(n_rows, cell_height).saturating_add(GAP + 3 * LINE),
+        )
+        .background(BACKGROUND);
         let desc = SheetDesc { n_columns, ..desc };
         Ok(Self { desc, cell: [cell_width, cell_height], image: image.checked()? })
     }

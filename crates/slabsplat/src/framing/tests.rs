@@ -19,7 +19,7 @@ fn seen(grid: &Grid, camera: &Camera, image: &ImageDesc, point: DVec3) -> [f64; 
     [at.x * scale / (0.5 * f64::from(image.width)), at.y * scale / (0.5 * f64::from(image.height))]
 }
 
-const SQUARE: ImageDesc = ImageDesc { width: 100, height: 100, background: [0.0; 4] };
+const SQUARE: ImageDesc = ImageDesc::new(100, 100);
 
 /// Corners of the world that are marked, and in which quarter of the picture each must be.
 fn check_quarter(
@@ -123,7 +123,7 @@ fn framing_fills_the_picture_with_what_is_visible() {
     let facing = Facing::of(Orientation::Unknown, &grid);
     let framing = Framing::new(&[only], &[], Mode::Extinction, facing);
     for [width, height] in [[100, 100], [200, 50], [50, 200]] {
-        let image = ImageDesc { width, height, ..SQUARE };
+        let image = ImageDesc::new(width, height);
         for (is_perspective, viewpoint) in [
             (false, None),
             (true, None),
@@ -226,7 +226,7 @@ fn framing_around_holds_all_angles() {
         let voxel = |which: usize| [[4.0, 20.0, 3.0], [29.0, 23.0, 8.0]][end][which];
         grid.world_from_index().transform_point3(DVec3::from_array([0, 1, 2].map(voxel)))
     });
-    let wide = ImageDesc { width: 160, ..SQUARE };
+    let wide = ImageDesc::new(160, SQUARE.height);
     for (is_perspective, image) in [(false, SQUARE), (true, SQUARE), (false, wide), (true, wide)] {
         let found =
             framing.camera(None, Fit::Visible, usual_projection(is_perspective), &image).unwrap();

@@ -103,5 +103,5 @@ fn orthographic(grid: &Grid, angle_degrees: f64, view_height: f64) -> Camera {
 }
 
 fn square_image(side: u32) -> ImageDesc {
-    ImageDesc { width: side, height: side, background: [0.0; 4] }
+    ImageDesc::new(side, side)
 }

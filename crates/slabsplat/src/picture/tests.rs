@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Automatic;
-use slabsplat_core::{Annotations, Finish, Grid, RenderSettings, Volume};
+use slabsplat_core::{Annotations, Finish, Grid, ImageDesc, RenderSettings, Volume};
 
 const RED: [f32; 4] = [1.0, 0.0, 0.0, 1.0];
 const CLEAR: [f32; 4] = [0.0; 4];
@@ -14,7 +14,7 @@ fn ball(side: u32) -> Scene {
         let squares = at.map(|i| (i as f64 - 11.5).powi(2));
         if squares.iter().sum::<f64>() < 81.0 { 200_u8 } else { 0 }
     });
-    let image = ImageDesc { width: side, height: side, background: CLEAR };
+    let image = ImageDesc::new(side, side).background(CLEAR);
     let mut scene = Automatic::new(volume).scene(image, RenderSettings::default());
     let color = [(0.0, [0.9, 0.5, 0.2])];
     let opacity = [(0.0, 0.0), (200.0, 0.08)];

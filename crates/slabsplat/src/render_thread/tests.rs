@@ -77,7 +77,7 @@ fn workshop() -> Workshop {
 fn scene(width: u32) -> Scene {
     let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
     let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
-    let image = ImageDesc { width, height: 1, background: [0.0; 4] };
+    let image = ImageDesc::new(width, 1);
     Automatic::new(volume).scene(image, RenderSettings::default())
 }
 

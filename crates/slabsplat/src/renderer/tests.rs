@@ -87,7 +87,7 @@ fn unable() -> BackendError {
 fn scene() -> Scene {
     let grid = Grid::with_spacing([2; 3], [1.0; 3]).unwrap();
     let volume = Volume::new(grid, vec![1_u8; 8].into(), Scaling::IDENTITY).unwrap();
-    let image = ImageDesc { width: 2, height: 2, background: [0.0; 4] };
+    let image = ImageDesc::new(2, 2);
     Automatic::new(volume).scene(image, RenderSettings::default())
 }
 

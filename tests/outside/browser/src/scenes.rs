@@ -48,7 +48,7 @@ fn builtin(name: &str) -> Result<Arc<Volume>, Box<dyn Error>> {
 
 /// As it is by itself, with nothing left out that two backends need not leave out alike.
 fn of(volume: &Arc<Volume>, method: Method) -> Scene {
-    let image = ImageDesc { width: 30, height: 22, background: [0.1, 0.2, 0.3, 0.5] };
+    let image = ImageDesc::new(30, 22).background([0.1, 0.2, 0.3, 0.5]);
     let settings = RenderSettings::default().method(method).tolerance(0.0);
     let scene = Automatic::new(volume.clone()).scene(image, settings.opacity_cutoff(1.0 - 1e-5));
     let camera = scene.camera.orbited(0.3);

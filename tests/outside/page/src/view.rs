@@ -53,7 +53,7 @@ impl View {
     pub(crate) fn changed(&mut self) -> Option<Scene> {
         std::mem::take(&mut self.is_new).then(|| {
             let [width, height] = [self.n_pixels; 2];
-            let image = ImageDesc { width, height, background: [0.0, 0.0, 0.0, 1.0] };
+            let image = ImageDesc::new(width, height).background([0.0, 0.0, 0.0, 1.0]);
             let start = self.automatic.camera(&image, true);
             let scene = self.automatic.scene(image, RenderSettings::default());
             scene.camera(turned(&start, &mut self.turned))

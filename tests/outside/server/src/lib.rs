@@ -58,7 +58,7 @@ async fn picture(State(service): State<Arc<Service>>, Query(wish): Query<Wish>) 
 
 impl Service {
     async fn draw(&self, wish: &Wish) -> Result<Vec<u8>, Box<dyn Error + Send + Sync>> {
-        let image = ImageDesc { width: wish.size, height: wish.size, ..ImageDesc::default() };
+        let image = ImageDesc::new(wish.size, wish.size);
         let mut scene = self.automatic.scene(image, RenderSettings::default());
         scene.camera = scene.camera.orbited(wish.turn.to_radians());
         let frame = self.renderer.submit(&scene).await?;

@@ -13,7 +13,7 @@ fn picture_follows_the_mouse() {
     let volume = open("sphere").unwrap();
     assert!(open("no such volume").is_err());
     let automatic = Automatic::new(volume);
-    let image = ImageDesc { width: 60, height: 41, background: [0.0, 0.0, 0.5, 1.0] };
+    let image = ImageDesc::new(60, 41).background([0.0, 0.0, 0.5, 1.0]);
     let mut scene = automatic.scene(image, RenderSettings::default());
     let mut of_both = Vec::new();
     for by in [By::Gpu, By::Cpu] {

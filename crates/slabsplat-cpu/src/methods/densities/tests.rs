@@ -112,6 +112,6 @@ fn scene(rng: &mut Rng, volume: Volume) -> Scene {
     let surface = Isosurface::new(value, 0.5, None).unwrap();
     let settings = settings.mode(mode);
     Scene::new(Layer::new(volume, transfer).isosurfaces(vec![surface]), camera)
-        .image(ImageDesc { width: 70, height: 50, background: [0.0; 4] })
+        .image(ImageDesc::new(70, 50))
         .settings(settings)
 }

@@ -127,11 +127,11 @@ fn render_with<'a, H: Sheets>(
     let plans = layers.clone().map(|(stage, _)| stage.layer);
     regions.update(plans, sheets.splits_slabs(), tiles);
     let mut passes = Vec::with_capacity(n_layers);
-    passes.extend(layers.zip(of_layers).map(|((stage, sections), of_layer)| {
+    for ((stage, sections), of_layer) in layers.zip(of_layers) {
         let OfLayer { prepared, bricks, intake } = of_layer;
-        let setup = Setup::new(&stage, &sections, prepared, H::AT_ONCE);
-        Pass::new(stage, setup, bricks, intake)
-    }));
+        let setup = Setup::new(&stage, &sections, prepared, H::AT_ONCE)?;
+        passes.push(Pass::new(stage, setup, bricks, intake));
+    }
     watch.done("bricks")?;
     if let Some(range) = first_range(&passes) {
         let first = range as usize * passes[0].setup.slabs.n_per_range;

@@ -12,7 +12,7 @@ use crate::sections::shared::{Fitted, Sections};
 use crate::separable::sections::{AsSeparable, SeparableTables, most_extinction};
 use crate::separable::slab::SeparableSlab;
 use slabsplat_backend::{DensitySplats, SectionSplats, Slabs, SmoothSections};
-use slabsplat_core::{FrameHandle, SlabGrid};
+use slabsplat_core::{Cancelled, FrameHandle, SlabGrid};
 use slabsplat_kernel::{
     CubicSectionTable, ErrorBudget, SectionTable, SeparableSections, SeparableShapes,
     TiltedSections,
@@ -62,7 +62,7 @@ pub(in crate::methods) struct SectionsInSlabs<'a> {
 impl<'a> SectionsInSlabs<'a> {
     /// Of voxels that are shaded.
     pub(in crate::methods) fn of_colors(splats: &'a SectionSplats) -> Self {
-        let SectionSplats { slabs, table, tilted, merged } = splats;
+        let SectionSplats { slabs, table, tilted, merged, .. } = splats;
         Self {
             slabs,
             table,
@@ -107,22 +107,29 @@ impl<'a> Setup<'a> {
         sections: &SectionsInSlabs<'a>,
         prepared: &'a mut Prepared,
         at_once: usize,
-    ) -> Self {
+    ) -> Result<Self, Cancelled> {
         let SectionsInSlabs { slabs, table, tilted, cubic, whole, splits, are_of_means } =
             *sections;
         let (raster, layer) = (stage.raster, stage.layer);
         let budget = whole.map(|(_, budget)| budget);
-        let fitted_whole = whole
-            .map(|(table, _)| Fitted { table, polynomials: prepared.merged.of(table, budget) });
+        let fit = |polynomials: &'a mut SectionPolynomials, table| {
+            let polynomials = polynomials.of(table, budget, stage.frame)?;
+            Ok(Fitted { table, polynomials })
+        };
+        let fitted_whole = whole.map(|(table, _)| fit(&mut prepared.merged, table)).transpose()?;
         // Tilted sections need no polynomials of a table, which on a grid that turns are new every frame.
-        let fitted = fitted_whole
-            .filter(|_| tilted.is_some())
-            .unwrap_or_else(|| Fitted { table, polynomials: prepared.sections.of(table, budget) });
+        let fitted = match fitted_whole.filter(|_| tilted.is_some()) {
+            Some(fitted) => fitted,
+            None => fit(&mut prepared.sections, table)?,
+        };
         let n_sections = slabs.n_before + 1;
         let smooth = (tilted, cubic);
         let fitted = (fitted, fitted_whole);
         let sections = Sections::new(raster, stage.plan.compositing, fitted, smooth, n_sections);
-        let separable = whole.and_then(|(whole, _)| prepared.separable.of([table, whole]));
+        let separable = match whole {
+            Some((whole, _)) => prepared.separable.of([table, whole], stage.frame)?,
+            None => None,
+        };
         let thickness = slabs.grid.thickness();
         let separable = separable.map(|sections| {
             (sections, SeparableShapes::new(sections, table, &raster.shape, thickness))
@@ -131,7 +138,7 @@ impl<'a> Setup<'a> {
         prepared.shapes.update(raster, &layer.view, &slabs.grid, with_shapes);
         let slabs =
             SlabView::new(slabs, raster, &prepared.shapes, stage.plan.least_unit(), at_once);
-        Self {
+        Ok(Self {
             frame: stage.frame,
             spans: SpanFinder::new(&slabs, splits),
             beyond: Beyond::new(stage, slabs.grid),
@@ -150,7 +157,7 @@ impl<'a> Setup<'a> {
             slabs,
             sections,
             separable,
-        }
+        })
     }
 
     /// A slab that is about to be splatted, onto those channels of a sheet.

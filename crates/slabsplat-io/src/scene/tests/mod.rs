@@ -136,7 +136,7 @@ fn scene_has_every_key() {
     let vectors = [camera.eye, camera.target, camera.up];
     assert_eq!(vectors, [Some(DVec3::Z * 400.0), Some(DVec3::X), Some(DVec3::Y)]);
     let background = [0.1, 0.2, 0.3, 1.0];
-    assert_eq!(scene.image, ImageDesc { width: 64, height: 32, background });
+    assert_eq!(scene.image, ImageDesc::new(64, 32).background(background));
     assert_eq!(
         (scene.finish.samples, scene.finish.background_below),
         (4, Some([0.0, 0.5, 1.0, 1.0]))
