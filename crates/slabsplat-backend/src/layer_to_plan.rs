@@ -9,7 +9,7 @@ use slabsplat_core::{
 };
 use slabsplat_kernel::Kernel;
 
-/// Those of a layer by its voxels, and by cells of them.
+/// The tables of a layer, by its voxels and by cells of them.
 #[derive(Debug, Default)]
 pub(crate) struct TablesOfLayer {
     of_voxels: Tables,
