@@ -23,7 +23,8 @@
 //!   coarser than by default (a row of fewer samples is a polynomial to one and a chain of lines to another),
 //!   and beyond that by no more than the plan leaves open: what its opacity cut-off leaves of 1, and the
 //!   tolerance of its permissions to merge sections, [`MergedSections`], and to draw cells of voxels,
-//!   [`LayerPlan::coarser`], which one may use and the other not. By default that is 0.05 in the worst of volumes, and in scans 2 of 255 at single pixels.
+//!   [`LayerPlan::coarser`], which one may use and the other not. By default that is 0.05 in the worst of
+//!   volumes, and in scans 2 of 255 at single pixels.
 //! - **Determinism.** The same plan gives the same bits on the same backend and machine, whatever the
 //!   number of threads and whatever was rendered before.
 //! - **Time.** [`Backend::submit`] may return before the frame is done; [`Backend::poll_image`] never

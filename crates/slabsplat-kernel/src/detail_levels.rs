@@ -41,8 +41,8 @@ pub struct DetailView {
 /// The coarsest level: a brick of cells has 64³ voxels.
 const MAX_LEVEL: u32 = 3;
 
-/// Cells along every axis, at least. Those at the ends of a grid may hold fewer voxels than their place has room
-/// for, which of a small volume is a large part.
+/// Cells along every axis, at least. Those at the ends of a grid may hold fewer voxels than their place has
+/// room for, which of a small volume is a large part.
 const LEAST_CELLS: usize = 8;
 
 /// The narrowest footprints that cells may have, against those of voxels on a grid of their own. At 0.95 the
@@ -80,8 +80,8 @@ impl DetailLevels {
     }
 }
 
-/// How many steps' worth of extinction cells move across any face of a medium, forward or backward, at most: half
-/// of what a voxel is moved by on the average, which is no more than half of the standard deviation.
+/// How many steps' worth of extinction cells move across any face of a medium, forward or backward, at most:
+/// half of what a voxel is moved by on the average, which is no more than half of the standard deviation.
 fn depth(level: u32) -> f64 {
     0.5 * ((4_f64.powi(level as i32) - 1.0) / 12.0).sqrt()
 }

@@ -3,7 +3,7 @@
 //! | spent by | at most | where | why so much |
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
-//! | levels of detail (model §16) | the tolerance, for the most opaque voxel | `detail_levels.rs` | a pixel sees a whole cell of them, whose colours seldom differ so much |
+//! | levels of detail (model §16) | the tolerance, for the most opaque voxel | `detail_levels.rs` | it is proven, and colours seldom differ so much from one voxel to the next |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
 //! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |

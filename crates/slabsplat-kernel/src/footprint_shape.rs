@@ -60,8 +60,8 @@ impl FootprintShape {
         }
     }
 
-    /// The same of kernels that are thinner in depth by a factor: nothing changes in the image plane, but that
-    /// there is as much less of them.
+    /// The same of kernels that are thinner in depth by a factor: nothing changes in the image plane, but
+    /// that there is as much less of them.
     #[must_use]
     pub fn thinner(self, factor: f64) -> Self {
         Self {

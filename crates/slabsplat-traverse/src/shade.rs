@@ -56,9 +56,11 @@ impl<'a> VoxelLighting<'a> {
     pub fn light_brick(&self, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         let is_weighted = self.classification.compositing().weights_colors();
         match (self.light, is_weighted) {
-            (Some(light), true) if light.is_white() => light_up::<1, true>(light, records, colors),
+            (Some(light), true) if light.is_white() => {
+                light_up::<1, true>(light, records, colors);
+            }
             (Some(light), false) if light.is_white() => {
-                light_up::<1, false>(light, records, colors)
+                light_up::<1, false>(light, records, colors);
             }
             (Some(light), true) => light_up::<3, true>(light, records, colors),
             (Some(light), false) => light_up::<3, false>(light, records, colors),

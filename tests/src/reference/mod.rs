@@ -8,9 +8,9 @@
 //!
 //! Reading order, by the model's sections: `quadrature`, `kernel`, `section`, `hierarchy` (§2); `sheet`
 //! (§3); `view` (§5); `gradient`, `shade` (§6); `slabs` (§10) and `region` (§11); `frame` (§4) and `row` put
-//! them together; `merge` (§7) and `cells` (§16) are what a tolerance changes; `between_sheets`, `classified_part`,
-//! `density_layer` and `density` (§8) are the method `post-classified`, `statistic` and `isosurfaces` the
-//! modes of §12; `mesh` (§14) ends rays at opaque surfaces.
+//! them together; `merge` (§7) and `cells` (§16) are what a tolerance changes; `between_sheets`,
+//! `classified_part`, `density_layer` and `density` (§8) are the method `post-classified`, `statistic` and
+//! `isosurfaces` the modes of §12; `mesh` (§14) ends rays at opaque surfaces.
 
 mod gradient;
 mod hierarchy;

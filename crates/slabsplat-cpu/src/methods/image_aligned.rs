@@ -55,25 +55,32 @@ impl Buffers {
 /// What is drawn of a layer.
 enum Drawn<'a> {
     Voxels { stage: &'a Stage<'a>, voxels: Shaded<'a> },
-    Cells { layer: &'a LayerPlan<'a>, raster: Raster, bricks: BrickView, cells: Cells<Shaded<'a>> },
+    Cells(Box<DrawnCells<'a>>),
+}
+
+struct DrawnCells<'a> {
+    layer: &'a LayerPlan<'a>,
+    raster: Raster,
+    bricks: BrickView,
+    cells: Cells<Shaded<'a>>,
 }
 
 impl<'a> Drawn<'a> {
     fn new(stage: &'a Stage<'a>) -> Self {
         let voxels = Shaded::new(stage);
         let Some(layer) = &stage.layer.coarser else { return Self::Voxels { stage, voxels } };
-        Self::Cells {
+        Self::Cells(Box::new(DrawnCells {
             layer,
             raster: Raster::new(layer, 0),
             bricks: BrickView::new(&layer.grid, &layer.view),
             cells: Cells::new(voxels, &stage.layer.grid, &layer.grid, layer.level),
-        }
+        }))
     }
 
     fn parts(&self) -> (&LayerPlan<'a>, &Raster, &BrickView, &dyn Voxels) {
         match self {
             Self::Voxels { stage, voxels } => (stage.layer, &stage.raster, &stage.bricks, voxels),
-            Self::Cells { layer, raster, bricks, cells } => (layer, raster, bricks, cells),
+            Self::Cells(drawn) => (drawn.layer, &drawn.raster, &drawn.bricks, &drawn.cells),
         }
     }
 }

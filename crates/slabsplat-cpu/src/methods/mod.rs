@@ -1,8 +1,8 @@
 //! The methods, each a way from voxels to composited tiles: those that splat colours share a [`Stage`], and
 //! `post-classified` splats densities.
 //!
-//! Reading order: `lit_faces`, `slabs`, `cells`, `image_aligned`; `whole_voxels`, `axis_aligned`, `every_sample`;
-//! `densities`.
+//! Reading order: `lit_faces`, `slabs`, `cells`, `image_aligned`; `whole_voxels`, `axis_aligned`,
+//! `every_sample`; `densities`.
 
 pub(crate) mod axis_aligned;
 mod cells;

@@ -7,8 +7,8 @@
 //! with the rescale as a scaling, unless slices have different ones; padding is a value as others are. Not
 //! read: HTJ2K, single bits, palettes and other colours than RGB and YBR.
 //!
-//! Reading order: `tags`, `dataset`, `elements`, `syntax` and `header` (what is before pixels), `frame` (what a
-//! file says of each slice), `scan` (which files belong together), `line` and `stack` (where slices are),
+//! Reading order: `tags`, `dataset`, `elements`, `syntax` and `header` (what is before pixels), `frame` (what
+//! a file says of each slice), `scan` (which files belong together), `line` and `stack` (where slices are),
 //! `pixels` and `ybr` (their values); `unpack` with `rle`, `jpeg`, `jpeg_ls` and `jpeg_2000` (bytes of
 //! frames), which share `segments` and `coded`.
 
