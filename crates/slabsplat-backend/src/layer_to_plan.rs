@@ -38,18 +38,21 @@ impl FrameToPlan<'_> {
         seen: &SeenLayer<'a>,
         TablesOfLayer { of_voxels, of_cells }: &mut TablesOfLayer,
     ) -> Result<LayerPlan<'a>, PlanError> {
-        let mut planned = |seen_cells| self.level(seen.layer, seen_cells, of_cells, None);
-        let coarser = seen.cells.as_ref().map(&mut planned).transpose()?;
+        let cells = seen.cells.as_deref();
+        let planned = |cells| self.level(seen.layer, cells, of_cells, None);
+        let coarser = cells.map(planned).transpose()?;
         self.level(seen.layer, &seen.voxels, of_voxels, coarser.map(Box::new))
     }
 
     fn level<'a>(
         &self,
         layer: &'a Layer,
-        SeenGrid { level, grid, view, shape, depths }: &SeenGrid,
+        seen: &SeenGrid,
         tables: &mut Tables,
         coarser: Option<Box<LayerPlan<'a>>>,
     ) -> Result<LayerPlan<'a>, PlanError> {
+        let SeenGrid { level, view, shape, depths } = seen;
+        let grid = &seen.grid(layer);
         // The same slabs, in steps of this grid.
         let scale = self.unit / grid.unit();
         let settings = self
@@ -81,7 +84,6 @@ impl FrameToPlan<'_> {
             },
             region: is_cut.then(|| RegionInView::new(&layer.region, view)),
             level: *level,
-            grid: *grid,
             coarser,
             splats: tables.splats(to_splat)?,
             radius: kernel.radius(),

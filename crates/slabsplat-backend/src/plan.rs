@@ -73,8 +73,6 @@ pub struct LayerPlan<'a> {
     /// What is splatted: voxels, or from level 1 on cells that each hold `2^level` of them along every axis
     /// ([model §16](slabsplat_core::model)).
     pub level: u32,
-    /// Where these are.
-    pub grid: Grid,
     /// The same by cells, which a backend may draw instead: a permission, as is [`MergedSections`].
     pub coarser: Option<Box<LayerPlan<'a>>>,
     /// View space and pixels. Depths count from the centre of all layers, lengths in voxel steps of this one.
@@ -87,6 +85,14 @@ pub struct LayerPlan<'a> {
     pub half_depth: f64,
     /// What is splatted, and into which sheets.
     pub splats: Splats,
+}
+
+impl LayerPlan<'_> {
+    /// Where what is splatted is: the volume's grid, or that of its cells.
+    pub fn grid(&self) -> Grid {
+        let grid = self.volume.grid().of_cells(self.level);
+        grid.expect("the planner plans no cells without a grid")
+    }
 }
 
 /// The opaque meshes of a frame ([model §14](slabsplat_core::model)).

@@ -94,6 +94,9 @@ impl Grid {
     /// # Errors
     /// As [`Grid::new`], if its steps are too long.
     pub fn of_cells(&self, level: u32) -> Result<Self, GridError> {
+        if level == 0 {
+            return Ok(*self);
+        }
         let side = 1_usize << level;
         let middle = DVec3::splat(0.5 * (side as f64 - 1.0));
         let voxel_from_cell = DAffine3::from_scale_rotation_translation(

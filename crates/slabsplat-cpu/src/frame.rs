@@ -39,8 +39,9 @@ struct OfMethods {
 struct OfLayer {
     relevant: Relevant,
     classification: Cached<ClassifiedBy, Classification>,
-    /// Of the last frame; only its room serves the next one.
+    /// Of the last frame; only their room serves the next one.
     light: Option<BlinnPhong8>,
+    bricks: Option<BrickView>,
 }
 
 type ClassifiedBy = (OwnVoxelRules, Compositing, ByIdentity<Volume>);
@@ -196,7 +197,7 @@ impl OfLayer {
             level,
             raster: Raster::new(layer, 0),
             list: self.relevant.voxels(volume, &layer.relevant, &rules, frame)?,
-            bricks: BrickView::new(volume.grid(), &layer.view),
+            bricks: self.bricks.insert(BrickView::new(volume.grid(), &layer.view)),
             lighting: VoxelLighting::new(classification, volume, rules, self.light.as_ref()),
         })
     }

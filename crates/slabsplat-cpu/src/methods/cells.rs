@@ -12,7 +12,7 @@
 //!    footprints would, and what depends on neither the view nor the light would take much memory.
 
 use super::slabs::Voxels;
-use slabsplat_core::Grid;
+use slabsplat_backend::LayerPlan;
 use slabsplat_traverse::{BRICK_SIDE, Brick, BrickGrid, VoxelRecord};
 use std::ops::Range;
 
@@ -30,9 +30,10 @@ pub(super) struct Cells<V> {
 const N_SLOTS: usize = BRICK_SIDE.pow(3);
 
 impl<V: Voxels> Cells<V> {
-    /// Cells, on a grid that is that of the voxels at `level`.
-    pub(super) fn new(voxels: V, of_voxels: &Grid, of_cells: &Grid, level: u32) -> Self {
-        let [voxel_bricks, cell_bricks] = [of_voxels, of_cells].map(BrickGrid::new);
+    /// The cells that a plan is of.
+    pub(super) fn new(voxels: V, plan: &LayerPlan<'_>) -> Self {
+        let (of_cells, level) = (plan.grid(), plan.level);
+        let [voxel_bricks, cell_bricks] = [plan.volume.grid(), &of_cells].map(BrickGrid::new);
         let mut cells = Self { voxels, level, voxel_bricks, cell_bricks, bricks: Vec::new() };
         cells.bricks = cells.listed();
         cells

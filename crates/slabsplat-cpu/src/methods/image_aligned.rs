@@ -11,11 +11,11 @@ use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Simd, dispatch};
 use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Splats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Cancelled, Compositing, SlabGrid};
-use slabsplat_traverse::{Brick, BrickBounds, BrickView, RelevantList, VoxelLighting, VoxelRecord};
+use slabsplat_traverse::{Brick, BrickBounds, BrickView, VoxelRecord};
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
@@ -54,7 +54,7 @@ impl Buffers {
 
 /// What is drawn of a layer.
 enum Drawn<'a> {
-    Voxels { stage: &'a Stage<'a>, voxels: Shaded<'a> },
+    Voxels(Shaded<'a>),
     Cells(Box<DrawnCells<'a>>),
 }
 
@@ -68,18 +68,21 @@ struct DrawnCells<'a> {
 impl<'a> Drawn<'a> {
     fn new(stage: &'a Stage<'a>) -> Self {
         let voxels = Shaded::new(stage);
-        let Some(layer) = &stage.layer.coarser else { return Self::Voxels { stage, voxels } };
+        let Some(layer) = &stage.layer.coarser else { return Self::Voxels(voxels) };
         Self::Cells(Box::new(DrawnCells {
             layer,
             raster: Raster::new(layer, 0),
-            bricks: BrickView::new(&layer.grid, &layer.view),
-            cells: Cells::new(voxels, &stage.layer.grid, &layer.grid, layer.level),
+            bricks: BrickView::new(&layer.grid(), &layer.view),
+            cells: Cells::new(voxels, layer),
         }))
     }
 
     fn parts(&self) -> (&LayerPlan<'a>, &Raster, &BrickView, &dyn Voxels) {
         match self {
-            Self::Voxels { stage, voxels } => (stage.layer, &stage.raster, &stage.bricks, voxels),
+            Self::Voxels(voxels) => {
+                let Stage { layer, raster, bricks, .. } = voxels.stage;
+                (layer, raster, bricks, voxels)
+            }
             Self::Cells(drawn) => (drawn.layer, &drawn.raster, &drawn.bricks, &drawn.cells),
         }
     }
@@ -87,24 +90,21 @@ impl<'a> Drawn<'a> {
 
 /// Relevant voxels, classified and shaded.
 struct Shaded<'a> {
-    list: &'a RelevantList,
-    lighting: &'a VoxelLighting<'a>,
-    bricks: &'a BrickView,
+    stage: &'a Stage<'a>,
     faces: Option<LitFaces<'a>>,
-    level: Level,
 }
 
 impl<'a> Shaded<'a> {
-    fn new(stage: &'a Stage<'_>) -> Self {
-        let Stage { list, lighting, bricks, layer, level, .. } = stage;
-        Self { list, lighting, bricks, faces: LitFaces::of(layer), level: *level }
+    fn new(stage: &'a Stage<'a>) -> Self {
+        Self { stage, faces: LitFaces::of(stage.layer) }
     }
 
     fn shade(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
-        self.lighting.classify_brick(brick, records, colors);
-        dispatch!(self.level, simd => simd.vectorize(
+        let Stage { lighting, level, .. } = self.stage;
+        lighting.classify_brick(brick, records, colors);
+        dispatch!(*level, simd => simd.vectorize(
             #[inline(always)]
-            || self.lighting.light_brick(records, colors),
+            || lighting.light_brick(records, colors),
         ));
     }
 
@@ -120,7 +120,7 @@ impl<'a> Shaded<'a> {
         for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
             let (points, own) = (&mut points[..records.len()], &mut own[..records.len()]);
             own.copy_from_slice(records);
-            self.bricks.project_brick(brick, records, points);
+            self.stage.bricks.project_brick(brick, records, points);
             for (record, point) in own.iter_mut().zip(points) {
                 if let Some(face) = faces.at(DVec3::from_array(point.map(f64::from))) {
                     let normal = DVec3::from_array(record.normal.map(f64::from));
@@ -137,15 +137,15 @@ const AT_ONCE: usize = 64;
 
 impl Voxels for Shaded<'_> {
     fn bricks(&self) -> &[Brick] {
-        self.list.bricks()
+        self.stage.list.bricks()
     }
 
     fn records_of<'a>(&'a self, brick: &Brick, _: &'a mut Vec<VoxelRecord>) -> &'a [VoxelRecord] {
-        self.list.voxels_of(brick)
+        self.stage.list.voxels_of(brick)
     }
 
     fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
-        let BrickBounds { center, half_extents } = self.bricks.bounds(brick);
+        let BrickBounds { center, half_extents } = self.stage.bricks.bounds(brick);
         let [center, half_extents] =
             [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
         match &self.faces {

@@ -28,6 +28,6 @@ pub(crate) struct Stage<'a> {
     pub(crate) level: Level,
     pub(crate) raster: Raster,
     pub(crate) list: &'a RelevantList,
-    pub(crate) bricks: BrickView,
+    pub(crate) bricks: &'a BrickView,
     pub(crate) lighting: VoxelLighting<'a>,
 }

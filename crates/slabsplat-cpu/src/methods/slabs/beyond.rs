@@ -29,7 +29,7 @@ impl<'a> Beyond<'a> {
         let n_slabs = SplitLevels::MOST_SLABS_BEFORE + 1;
         Some(Self {
             region,
-            view_from_index: view.from_index(&layer.grid).matrix,
+            view_from_index: view.from_index(&layer.grid()).matrix,
             radius: layer.radius * view.stretch(view.pixels_per_world(far)),
             aside: 0.5 * slabs.thickness() * view.steepest_ray(),
             behind: n_slabs as f64 * slabs.thickness(),
