@@ -4,7 +4,7 @@
 //! v          = ∫ x² h / ∫ h                 variance of the kernel along an axis
 //! stretch²   = s²/4ˡ − (1 − 4⁻ˡ)/(12 v)     of cells, where that of voxels is s: as wide together
 //! depth      √((4ˡ − 1) / 12) / 2            what a cell is before or behind its voxels, in voxel steps
-//! level      = the largest l with stretch ≥ 0.95, depth · λ · μ ≤ tolerance, and 8 cells along every axis
+//! level      = the largest l with stretch ≥ 0.95, depth · λ · μ ≤ tolerance/4, and 8 cells along every axis
 //! ```
 //!
 //! In the image plane nothing is lost: where a pixel covers some voxels their footprints are as wide as that
@@ -149,9 +149,9 @@ mod tests {
             let view = DetailView { stretch: 100.0, layer_depth, extinction, least_dim: 99 };
             levels("gaussian", tolerance).coarsest(view)
         };
-        assert_eq!([0.04, 0.08, 0.19, 0.21].map(|mu| with(1.0, mu, 0.05)), [3, 2, 1, 0]);
-        assert_eq!([0.04, 0.08, 0.19].map(|mu| with(1.7, mu, 0.05)), [2, 1, 0], "deep kernels");
-        assert_eq!([0.008, 0.03, 0.05].map(|mu| with(1.0, mu, 0.01)), [3, 1, 0]);
+        assert_eq!([0.01, 0.02, 0.049, 0.051].map(|mu| with(1.0, mu, 0.05)), [3, 2, 1, 0]);
+        assert_eq!([0.01, 0.02, 0.049].map(|mu| with(1.7, mu, 0.05)), [2, 1, 0], "deep kernels");
+        assert_eq!([0.002, 0.0095, 0.0105].map(|mu| with(1.0, mu, 0.01)), [3, 1, 0]);
         assert_eq!(with(1.0, 1e-9, 0.0), 0, "exact");
         let separate = RenderSettings::default().mode(Mode::Separate);
         let kernel = kernel_named("gaussian").unwrap();

@@ -3,7 +3,7 @@
 //! | spent by | at most | where | why so much |
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
-//! | levels of detail (model §16) | the tolerance, for the most opaque voxel | `detail_levels.rs` | it is proven, and colours seldom differ so much from one voxel to the next |
+//! | levels of detail (model §16) | a quarter of it, for the most opaque voxel | `detail_levels.rs` | that is what they do in depth; noise is off by as much again in the image plane |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
 //! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
@@ -75,7 +75,7 @@ impl ErrorBudget {
 
     /// What share of a pixel cells may add or take, as they lie otherwise in depth than their voxels.
     pub fn cells(self) -> f64 {
-        self.tolerance
+        self.tolerance / 4.0
     }
 
     /// What a voxel's separable section may be off.
@@ -104,7 +104,7 @@ mod tests {
         let settings = RenderSettings::default().tolerance(0.04);
         let budget = ErrorBudget::new(&settings);
         assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
-        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.04));
+        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.01));
         assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
         assert_eq!(budget.among(2).per_thick_slab(), 0.02);
         let separate = settings.clone().mode(Mode::Separate);

@@ -57,7 +57,7 @@ pub(super) fn within(layer: LayerInView, of: &Layer, view: &View, tolerance: f64
         let has_eight = grid.dims().iter().all(|&n| 8 << level <= n);
         has_eight
             && 0.95 <= cells.at(view, nearest)
-            && depth * layer_depth * most_extinction(of) <= tolerance
+            && depth * layer_depth * most_extinction(of) <= tolerance / 4.0
     };
     match LEVELS.take_while(is_allowed).last() {
         Some(level) => drawn_by(layer, &grid, level, view),
