@@ -1,6 +1,7 @@
 //! Levels of detail (model §16): cells of voxels against the voxels, and the CPU's cells against those of the
 //! reference.
 
+use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Camera, Compositing, Grid, Layer, Method, Normalization, Projection, RenderSettings, Samples,
     Scaling, Scene, Shading, TransferFunction, Volume,
@@ -82,4 +83,48 @@ fn detail_levels_on_random_scenes() {
     });
     println!("at most {worst:.4} from voxels, {worst_of_cpu:.1e} from the reference");
     assert!(3 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
+}
+
+/// A ball of two colours with a hard border between them, smooth in itself and as opaque as scans are, so that
+/// some bricks are drawn by cells and others by voxels.
+fn opaque_ball(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
+    let center = grid.center_in_index();
+    let value = |idx: usize| {
+        let at = DVec3::from_array(grid.voxel_coords(idx).map(|at| at as f64));
+        let from_center = center.distance(at);
+        let side = if at.x + 0.3 * at.y < 1.3 * center.x { 40.0 } else { 80.0 };
+        side + 100.0 * ((15.0 - from_center) / 4.0).clamp(0.0, 1.0)
+    };
+    let samples = Samples::F32((0..grid.n_voxels()).map(|idx| value(idx) as f32).collect());
+    let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("a sample a voxel");
+    let opacity = [0.05, 0.2, 0.38, 0.9][rng.usize(..4)];
+    let transfer = TransferFunction::new(
+        vec![(80.0, [0.0]), (140.0, [opacity])],
+        vec![(140.0, [1.0, 0.4, 0.2]), (180.0, [0.2, 0.5, 1.0])],
+    );
+    Layer::new(volume, transfer.expect("the points rise"))
+}
+
+/// What is opaque is drawn by cells where these are alike, and by voxels elsewhere, within the tolerance.
+#[test]
+fn detail_levels_of_opaque_layers() {
+    let mut worst = 0.0_f64;
+    for_each_numbered_seed(2, |seed, mut rng| {
+        let grid = Grid::with_spacing([37, 33, 35], [1.0, 1.0, 1.0 + 0.4 * rng.f64()]);
+        let layer = opaque_ball(&mut rng, grid.expect("its steps are positive"));
+        let mut scene = minified(&mut rng, &SceneKind::share(seed).find(may_merge).expect("some"));
+        let (grid, forward) = (*layer.volume.grid(), scene.camera.axes().forward);
+        let up = scene.camera.axes().up;
+        scene.layers[0] = layer;
+        let target = grid.center_in_world();
+        let height = 2.2 * f64::from(scene.image.height) * grid.unit();
+        let projection = Projection::Orthographic { view_height: height };
+        let camera = Camera::new(target - 200.0 * forward, target, up, projection);
+        scene.camera = camera.expect("up is not forward");
+        let off = render(&scene).compare(&by_backend("cpu", &scene)).max;
+        assert!(off < scene.settings.tolerance, "{off} from voxels");
+        worst = worst.max(off);
+    });
+    println!("at most {worst:.4} from voxels");
+    assert!(1e-3 < worst, "nothing was drawn by cells");
 }

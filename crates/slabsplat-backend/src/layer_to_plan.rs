@@ -1,9 +1,9 @@
 //! The plan of a layer: its voxels, and the cells of them that may be drawn instead.
 
-use crate::seen_layer::{SeenGrid, SeenLayer};
+use crate::seen_layer::{SeenCells, SeenGrid, SeenLayer};
 use crate::shown_values::shown_ranges;
 use crate::tables::{LayerToSplat, Tables};
-use crate::{LayerPlan, PlanError};
+use crate::{CellsPlan, LayerPlan, PlanError};
 use slabsplat_core::{
     BlinnPhong, FrameHandle, Layer, Method, RegionInView, RenderSettings, Scene, Shading, SlabGrid,
 };
@@ -13,7 +13,8 @@ use slabsplat_kernel::Kernel;
 #[derive(Debug, Default)]
 pub(crate) struct TablesOfLayer {
     of_voxels: Tables,
-    of_cells: Tables,
+    /// From level 1 on.
+    of_cells: Vec<Tables>,
 }
 
 /// What the plans of all layers of a frame share.
@@ -38,10 +39,14 @@ impl FrameToPlan<'_> {
         seen: &SeenLayer<'a>,
         TablesOfLayer { of_voxels, of_cells }: &mut TablesOfLayer,
     ) -> Result<LayerPlan<'a>, PlanError> {
-        let cells = seen.cells.as_deref();
-        let planned = |cells| self.level(seen.layer, cells, of_cells, None);
-        let coarser = cells.map(planned).transpose()?;
-        self.level(seen.layer, &seen.voxels, of_voxels, coarser.map(Box::new))
+        of_cells.resize_with(seen.cells.len(), Tables::default);
+        let mut coarser = None;
+        for (cells, tables) in seen.cells.iter().zip(of_cells).rev() {
+            let plan = self.level(seen.layer, &cells.grid, tables, coarser)?;
+            let SeenCells { from_depth, limits, .. } = *cells;
+            coarser = Some(Box::new(CellsPlan { plan, from_depth, limits }));
+        }
+        self.level(seen.layer, &seen.voxels, of_voxels, coarser)
     }
 
     fn level<'a>(
@@ -49,7 +54,7 @@ impl FrameToPlan<'_> {
         layer: &'a Layer,
         seen: &SeenGrid,
         tables: &mut Tables,
-        coarser: Option<Box<LayerPlan<'a>>>,
+        coarser: Option<Box<CellsPlan<'a>>>,
     ) -> Result<LayerPlan<'a>, PlanError> {
         let SeenGrid { level, view, shape, depths } = seen;
         let grid = &seen.grid(layer);

@@ -86,8 +86,8 @@ pub mod conformance;
 pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameStats, StageTime};
 pub use plan::{
-    ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, MeshPlan, MeshesPlan,
-    SectionSplats, SeparableDensities, ShownDensities, SmoothSections, Splats,
+    CellsPlan, ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, MeshPlan,
+    MeshesPlan, SectionSplats, SeparableDensities, ShownDensities, SmoothSections, Splats,
 };
 pub use plan_error::PlanError;
 pub use planner::Planner;

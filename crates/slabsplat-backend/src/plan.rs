@@ -7,8 +7,8 @@ use slabsplat_core::{
     View, Volume, VoxelColors,
 };
 use slabsplat_kernel::{
-    CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable, SplitLevels,
-    TiltedSections,
+    CellLimits, CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable,
+    SplitLevels, TiltedSections,
 };
 use std::sync::Arc;
 
@@ -73,8 +73,9 @@ pub struct LayerPlan<'a> {
     /// What is splatted: voxels, or from level 1 on cells that each hold `2^level` of them along every axis
     /// ([model §16](slabsplat_core::model)).
     pub level: u32,
-    /// The same by cells, which a backend may draw instead: a permission, as is [`MergedSections`].
-    pub coarser: Option<Box<LayerPlan<'a>>>,
+    /// The same by cells of the next level, which a backend may draw instead: a permission, as is
+    /// [`MergedSections`].
+    pub coarser: Option<Box<CellsPlan<'a>>>,
     /// View space and pixels. Depths count from the centre of all layers, lengths in voxel steps of this one.
     pub view: View,
     /// The kernel's radius in index space.
@@ -85,6 +86,26 @@ pub struct LayerPlan<'a> {
     pub half_depth: f64,
     /// What is splatted, and into which sheets.
     pub splats: Splats,
+}
+
+/// A layer by cells, and which bricks of 8³ cells may be drawn ([model §16](slabsplat_core::model)); all others
+/// are drawn by what is finer.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct CellsPlan<'a> {
+    /// How they are drawn.
+    pub plan: LayerPlan<'a>,
+    /// Those whose kernels lie behind this depth.
+    pub from_depth: f64,
+    /// And which do not exceed these.
+    pub limits: CellLimits,
+}
+
+impl<'a> LayerPlan<'a> {
+    /// This and all coarser ones, level by level.
+    pub fn levels(&self) -> impl Iterator<Item = &Self> {
+        std::iter::successors(Some(self), |layer| layer.coarser.as_ref().map(|cells| &cells.plan))
+    }
 }
 
 impl LayerPlan<'_> {

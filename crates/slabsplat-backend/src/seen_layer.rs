@@ -2,15 +2,15 @@
 
 use crate::PlanError;
 use crate::slabs::Depths;
-use slabsplat_core::{Grid, LabelStyle, Layer, Scene, Shading, TransferFunction, View, extinction};
-use slabsplat_kernel::{DetailLevels, DetailView, FootprintShape};
+use slabsplat_core::{Grid, Layer, Scene, Shading, View};
+use slabsplat_kernel::{CellLimits, DetailLevels, FootprintShape};
 
 /// A layer as the camera sees it.
 pub(crate) struct SeenLayer<'a> {
     pub(crate) layer: &'a Layer,
     pub(crate) voxels: SeenGrid,
-    /// What may be drawn instead; seldom there.
-    pub(crate) cells: Option<Box<SeenGrid>>,
+    /// What may be drawn instead, from level 1 on; seldom there.
+    pub(crate) cells: Vec<SeenCells>,
 }
 
 /// Voxels, or cells of them, as the camera sees them.
@@ -20,6 +20,14 @@ pub(crate) struct SeenGrid {
     pub(crate) view: View,
     pub(crate) shape: FootprintShape,
     pub(crate) depths: Depths,
+}
+
+/// Cells, and which of them may be drawn.
+pub(crate) struct SeenCells {
+    pub(crate) grid: SeenGrid,
+    /// Where their kernels begin, at least.
+    pub(crate) from_depth: f64,
+    pub(crate) limits: CellLimits,
 }
 
 impl<'a> SeenLayer<'a> {
@@ -38,14 +46,18 @@ impl<'a> SeenLayer<'a> {
         let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));
         let view = View::about(center, grid, &scene.camera, &scene.image)?;
         let voxels = SeenGrid::new(0, grid, view, radius);
-        let level = levels.coarsest(voxels.detail(layer));
-        let cells = voxels.cells(grid, level, levels, radius);
-        Ok(Self { layer, voxels, cells: cells.map(Box::new) })
+        let least_dim = grid.dims().into_iter().fold(usize::MAX, usize::min);
+        let coarsest = levels.coarsest(voxels.most_stretch(), least_dim);
+        // No cells where their steps would be longer than a grid can have.
+        let cells = (1..=coarsest).map_while(|level| voxels.cells(grid, level, levels, radius));
+        let cells = cells.collect();
+        Ok(Self { layer, voxels, cells })
     }
 
     /// The depths that it may have a part in.
     pub(crate) fn depths(&self) -> impl Iterator<Item = &Depths> {
-        std::iter::once(&self.voxels).chain(self.cells.as_deref()).map(|seen| &seen.depths)
+        let cells = self.cells.iter().map(|cells| &cells.grid);
+        std::iter::once(&self.voxels).chain(cells).map(|seen| &seen.depths)
     }
 }
 
@@ -58,12 +70,20 @@ impl SeenGrid {
         Self { level, view, shape, depths }
     }
 
-    /// Cells of that level, if it is one.
-    fn cells(&self, voxels: &Grid, level: u32, levels: &DetailLevels, radius: f64) -> Option<Self> {
-        // No cells where their steps would be longer than a grid can have.
-        let grid = (level != 0).then(|| voxels.of_cells(level).ok()).flatten()?;
+    /// Cells of that level.
+    fn cells(
+        &self,
+        voxels: &Grid,
+        level: u32,
+        levels: &DetailLevels,
+        radius: f64,
+    ) -> Option<SeenCells> {
         let view = self.view.of_cells(level, levels.kernel_variance());
-        Some(Self::new(level, &grid, view, radius))
+        Some(SeenCells {
+            grid: Self::new(level, &voxels.of_cells(level).ok()?, view, radius),
+            from_depth: self.view.depth_from_stretch(levels.least_stretch(level)),
+            limits: levels.limits(level, self.shape.half_depth / voxels.unit()),
+        })
     }
 
     /// Where these are, of a layer.
@@ -71,30 +91,9 @@ impl SeenGrid {
         layer.volume.grid().of_cells(self.level).expect("they were seen there")
     }
 
-    fn detail(&self, layer: &Layer) -> DetailView {
-        let grid = layer.volume.grid();
-        let nearest = self.depths.of_voxels[0] - self.depths.half_depth;
-        let scale = self.view.pixels_per_world(nearest.max(self.view.near_depth()));
-        DetailView {
-            stretch: self.view.stretch(scale),
-            layer_depth: self.shape.half_depth / grid.unit(),
-            extinction: most_extinction(layer),
-            least_dim: grid.dims().into_iter().fold(usize::MAX, usize::min),
-        }
+    /// By how much footprints are stretched at the far end.
+    fn most_stretch(&self) -> f64 {
+        let farthest = self.depths.of_voxels[1].max(self.view.near_depth());
+        self.view.stretch(self.view.pixels_per_world(farthest))
     }
-}
-
-/// `μ` of the most opaque voxel that there could be.
-fn most_extinction(layer: &Layer) -> f64 {
-    // Boxes add up.
-    if layer.transfer_2d.is_some() {
-        return f64::INFINITY;
-    }
-    let most = |transfer: &TransferFunction| {
-        let points = transfer.opacity_points().points();
-        points.iter().map(|&(_, [opacity])| opacity).fold(0.0, f64::max)
-    };
-    let of_style = |style: &LabelStyle| style.transfer.as_ref().map_or(0.0, most);
-    let of_labels = layer.labels.iter().flat_map(|labels| labels.styles().values()).map(of_style);
-    extinction(of_labels.fold(most(&layer.transfer), f64::max))
 }

@@ -2,7 +2,7 @@
 
 use crate::footprints::raster::Raster;
 use crate::meshes;
-use crate::methods::{Stage, axis_aligned, densities, every_sample, image_aligned};
+use crate::methods::{RelevantVoxels, Stage, axis_aligned, densities, every_sample, image_aligned};
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use crate::voxels::relevant::Relevant;
@@ -146,7 +146,7 @@ impl OfMethods {
             stages.push(of_layer.stage(plan, layer, level, watch.frame())?);
         }
         watch.done("list")?;
-        let n_voxels = stages.iter().map(|stage: &Stage<'_>| stage.list.len() as u64).sum();
+        let n_voxels = stages.iter().map(|stage: &Stage<'_>| stage.relevant.n_voxels()).sum();
         // All layers splat alike, and there is one but for sections.
         let n_occluded = match splats {
             ColorSplats::Sections(_) => {
@@ -196,7 +196,22 @@ impl OfLayer {
             frame,
             level,
             raster: Raster::new(layer, 0),
-            list: self.relevant.voxels(volume, &layer.relevant, &rules, frame)?,
+            relevant: if layer.coarser.is_some() {
+                let relevant = &mut self.relevant;
+                RelevantVoxels::OnDemand(relevant.on_demand(
+                    volume,
+                    &layer.relevant,
+                    &rules,
+                    frame,
+                )?)
+            } else {
+                RelevantVoxels::Listed(self.relevant.voxels(
+                    volume,
+                    &layer.relevant,
+                    &rules,
+                    frame,
+                )?)
+            },
             bricks: self.bricks.insert(BrickView::new(volume.grid(), &layer.view)),
             lighting: VoxelLighting::new(classification, volume, rules, self.light.as_ref()),
         })

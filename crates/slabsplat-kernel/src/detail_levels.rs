@@ -3,14 +3,16 @@
 //! ```text
 //! v          = ∫ x² h / ∫ h                 variance of the kernel along an axis
 //! stretch²   = s²/4ˡ − (1 − 4⁻ˡ)/(12 v)     of cells, where that of voxels is s: as wide together
-//! depth      √((4ˡ − 1) / 12) / 2            what a cell is before or behind its voxels, in voxel steps
-//! level      = the largest l with stretch ≥ 0.95, depth · λ · μ ≤ tolerance/4, and 8 cells along every axis
+//! variance   = (4ˡ − 1)/12                  of the depths of a cell's voxels, in steps of λ
+//! a brick    by cells of the largest l with stretch ≥ 0.95 where it is nearest,
+//!            variance · λ · contrast/2ˡ ≤ a share of the tolerance, and ½·√variance · λ · μ ≤ another
 //! ```
 //!
 //! In the image plane nothing is lost: where a pixel covers some voxels their footprints are as wide as that
 //! anyway, and cells only need to lie near enough to each other. In depth a cell's kernel is as thin as those
-//! of its voxels, which it puts together in one place: that blurs the order in which things hide each other,
-//! and is what the tolerance bounds. [Numerics] has where both come from.
+//! of its voxels, which it puts together in one place: that blurs the order in which things hide each other.
+//! What a pixel can tell of that is as much as what changes places differs, and no more than how opaque it is:
+//! the tolerance bounds both. [Numerics] has where they come from.
 //!
 //! [Numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 
@@ -23,19 +25,15 @@ pub struct DetailLevels {
     budget: ErrorBudget,
 }
 
-/// A layer as far as levels of detail go.
+/// What a brick of cells must not exceed to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DetailView {
-    /// By how much footprints of voxels are stretched, where they are least ([`View::stretch`]).
-    ///
-    /// [`View::stretch`]: slabsplat_core::View::stretch
-    pub stretch: f64,
-    /// `λ`: the kernel's half-depth over its radius, in `unit`s.
-    pub layer_depth: f64,
-    /// `μ` of the most opaque voxel.
+pub struct CellLimits {
+    /// Difference of lit colours between layers of cells that follow each other, times extinction per voxel step.
+    pub contrast: f64,
+    /// The same between single cells side by side, the root of the mean of squares.
+    pub noise: f64,
+    /// Mean extinction of a cell's voxels, per voxel step.
     pub extinction: f64,
-    /// Voxels along the shortest axis of the grid.
-    pub least_dim: usize,
 }
 
 /// The coarsest level: a brick of cells has 64³ voxels.
@@ -63,27 +61,48 @@ impl DetailLevels {
         self.kernel_variance
     }
 
-    /// The coarsest level by which a layer may be drawn; 0 if only by its voxels.
-    pub fn coarsest(&self, view: DetailView) -> u32 {
-        let is_allowed = |level: &u32| self.is_wide_enough(*level, view.stretch);
-        let is_faint =
-            |level: &u32| depth(*level) * view.layer_depth * view.extinction <= self.budget.cells();
-        let has_cells = |level: &u32| LEAST_CELLS << level <= view.least_dim;
-        let levels = (1..=MAX_LEVEL).take_while(has_cells).take_while(is_allowed);
-        levels.take_while(is_faint).last().unwrap_or(0)
+    /// The coarsest level by which anything of a layer may be drawn, whose shortest axis has so many voxels,
+    /// and whose voxels' footprints are stretched by up to `stretch` ([`View::stretch`]); 0 if only by its
+    /// voxels.
+    ///
+    /// [`View::stretch`]: slabsplat_core::View::stretch
+    pub fn coarsest(&self, stretch: f64, least_dim: usize) -> u32 {
+        if self.budget.is_exact() {
+            return 0;
+        }
+        let has_cells = |level: &u32| LEAST_CELLS << level <= least_dim;
+        let is_wide_enough = |level: &u32| self.least_stretch(*level) <= stretch;
+        (1..=MAX_LEVEL).take_while(has_cells).take_while(is_wide_enough).last().unwrap_or(0)
     }
 
-    fn is_wide_enough(&self, level: u32, stretch: f64) -> bool {
-        let n_cells = 0.25_f64.powi(level as i32);
-        let spread = (1.0 - n_cells) / (12.0 * self.kernel_variance);
-        MIN_STRETCH * MIN_STRETCH <= stretch * stretch * n_cells - spread
+    /// How far footprints of voxels are stretched where cells of a level may be drawn, at least.
+    pub fn least_stretch(&self, level: u32) -> f64 {
+        let n_voxels = 4_f64.powi(level as i32);
+        let spread = (1.0 - 1.0 / n_voxels) / (12.0 * self.kernel_variance);
+        (n_voxels * (MIN_STRETCH * MIN_STRETCH + spread)).sqrt()
+    }
+
+    /// What bricks of cells of a level are drawn, of a layer whose kernel has the half-depth `λ` over its
+    /// radius, in `unit`s.
+    pub fn limits(&self, level: u32, layer_depth: f64) -> CellLimits {
+        let side = 2_f64.powi(level as i32);
+        CellLimits {
+            contrast: self.budget.cells() / (variance_of_depth(level) / side * layer_depth),
+            noise: self.budget.noise_of_cells() / (depth(level) * layer_depth),
+            extinction: self.budget.opaque_cells() / (depth(level) * layer_depth),
+        }
     }
 }
 
 /// How many steps' worth of extinction cells move across any face of a medium, forward or backward, at most:
 /// half of what a voxel is moved by on the average, which is no more than half of the standard deviation.
 fn depth(level: u32) -> f64 {
-    0.5 * ((4_f64.powi(level as i32) - 1.0) / 12.0).sqrt()
+    0.5 * variance_of_depth(level).sqrt()
+}
+
+/// Of the voxels of a cell, in voxel steps.
+fn variance_of_depth(level: u32) -> f64 {
+    (4_f64.powi(level as i32) - 1.0) / 12.0
 }
 
 fn variance(kernel: &dyn Kernel) -> f64 {
@@ -131,42 +150,33 @@ mod tests {
 
     #[test]
     fn detail_levels_need_pixels_larger_than_voxels() {
-        let levels = levels("gaussian", 0.05);
-        let at = |stretch| {
-            levels.coarsest(DetailView {
-                stretch,
-                layer_depth: 1.0,
-                extinction: 1e-6,
-                least_dim: 99,
-            })
-        };
+        let at = |stretch| levels("gaussian", 0.05).coarsest(stretch, 99);
         assert_eq!([1.0, 2.0, 2.15, 4.1, 4.4, 8.3, 9.0, 1e9].map(at), [0, 0, 1, 1, 2, 2, 3, 3]);
+        for level in 1..=MAX_LEVEL {
+            let least = levels("gaussian", 0.05).least_stretch(level);
+            assert_eq!([0.999, 1.001].map(|by| at(by * least)), [level - 1, level]);
+        }
     }
 
     #[test]
-    fn detail_levels_are_for_what_is_faint() {
-        let with = |layer_depth, extinction, tolerance| {
-            let view = DetailView { stretch: 100.0, layer_depth, extinction, least_dim: 99 };
-            levels("gaussian", tolerance).coarsest(view)
-        };
-        assert_eq!([0.01, 0.02, 0.049, 0.051].map(|mu| with(1.0, mu, 0.05)), [3, 2, 1, 0]);
-        assert_eq!([0.01, 0.02, 0.049].map(|mu| with(1.7, mu, 0.05)), [2, 1, 0], "deep kernels");
-        assert_eq!([0.002, 0.0095, 0.0105].map(|mu| with(1.0, mu, 0.01)), [3, 1, 0]);
-        assert_eq!(with(1.0, 1e-9, 0.0), 0, "exact");
+    fn detail_levels_spend_the_tolerance() {
+        let at = |level, layer_depth| levels("gaussian", 0.05).limits(level, layer_depth);
+        // Two voxels lie half a step before and behind their middle.
+        let CellLimits { contrast, noise, extinction } = at(1, 1.0);
+        assert!((noise - 0.01).abs() < 1e-12, "of white noise of extinction 0.04");
+        assert!((contrast - 0.2).abs() < 1e-12 && (extinction - 0.5).abs() < 1e-12);
+        assert_eq!(at(1, 2.0).contrast, 0.5 * contrast, "deep kernels");
+        assert!((at(2, 1.0).contrast / contrast - 0.4).abs() < 1e-12);
+        assert_eq!(levels("gaussian", 0.0).coarsest(100.0, 99), 0, "exact");
         let separate = RenderSettings::default().mode(Mode::Separate);
         let kernel = kernel_named("gaussian").unwrap();
         let levels = DetailLevels::new(&*kernel, ErrorBudget::new(&separate));
-        let view = DetailView { stretch: 100.0, layer_depth: 1.0, extinction: 1e-9, least_dim: 99 };
-        assert_eq!(levels.coarsest(view), 0, "colours that are no sums");
+        assert_eq!(levels.coarsest(100.0, 99), 0, "colours that are no sums");
     }
 
     #[test]
     fn detail_levels_are_for_volumes_of_some_cells() {
-        let of = |least_dim| {
-            let levels = levels("gaussian", 0.05);
-            let [stretch, layer_depth, extinction] = [100.0, 1.0, 1e-9];
-            levels.coarsest(DetailView { stretch, layer_depth, extinction, least_dim })
-        };
+        let of = |least_dim| levels("gaussian", 0.05).coarsest(100.0, least_dim);
         assert_eq!([1, 15, 16, 31, 32, 63, 64, 9999].map(of), [0, 0, 1, 1, 2, 2, 3, 3]);
     }
 }

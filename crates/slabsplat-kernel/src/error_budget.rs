@@ -3,7 +3,9 @@
 //! | spent by | at most | where | why so much |
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
-//! | levels of detail (model §16) | a quarter of it, for the most opaque voxel | `detail_levels.rs` | that is what they do in depth; noise is off by as much again in the image plane |
+//! | levels of detail (model §16) | half of it, for the contrast of a brick's cells | `detail_levels.rs` | measured: in depth they spend some tenth of it, and noise is off by as much in the image plane |
+//! | the same | a twentieth of it, for colours that differ from cell to cell without order | `detail_levels.rs` | in the image plane noise is off by several times as much |
+//! | the same | two and a half times it, for cells as unlike as they can be within themselves | `detail_levels.rs` | only stripes along the image plane that alternate from voxel to voxel come near it |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
 //! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
@@ -73,9 +75,26 @@ impl ErrorBudget {
         self.tolerance
     }
 
-    /// What share of a pixel cells may add or take, as they lie otherwise in depth than their voxels.
+    /// What a pixel may tell of that cells lie otherwise in depth than their voxels, by how much cells side by
+    /// side differ.
     pub fn cells(self) -> f64 {
-        self.tolerance / 4.0
+        self.tolerance / 2.0
+    }
+
+    /// The same of colours that differ from cell to cell without any order: a fifth of the tolerance if voxels
+    /// are black and white, of which cells of eight differ by a quarter.
+    pub fn noise_of_cells(self) -> f64 {
+        self.tolerance / 20.0
+    }
+
+    /// The same, if cells' voxels were black and white.
+    pub fn opaque_cells(self) -> f64 {
+        2.5 * self.tolerance
+    }
+
+    /// Whether nothing may be off at all.
+    pub fn is_exact(self) -> bool {
+        self.tolerance <= 0.0
     }
 
     /// What a voxel's separable section may be off.
@@ -104,7 +123,7 @@ mod tests {
         let settings = RenderSettings::default().tolerance(0.04);
         let budget = ErrorBudget::new(&settings);
         assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
-        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.01));
+        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.02));
         assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
         assert_eq!(budget.among(2).per_thick_slab(), 0.02);
         let separate = settings.clone().mode(Mode::Separate);

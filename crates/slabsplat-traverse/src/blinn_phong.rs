@@ -18,25 +18,25 @@ use slabsplat_core::{BlinnPhong, Light, LightInView, Phong, ViewAxes};
 /// ```
 #[derive(Clone, Debug)]
 pub struct BlinnPhong8 {
-    ambient: f32,
-    shininess: Power,
+    pub(crate) ambient: f32,
+    pub(crate) shininess: Power,
     /// Products from which there are highlights.
     least_facing: f32,
-    two_sided: bool,
+    pub(crate) two_sided: bool,
     lights: [DirectedLight; Light::MAX_LIGHTS],
     n_lights: usize,
     /// Diffuse light of all lights on what has no gradient, times red, green and blue.
-    undirected: [f32; 3],
+    pub(crate) undirected: [f32; 3],
 }
 
 /// A light, times what a surface reflects of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct DirectedLight {
-    to_light: [f32; 3],
-    halfway: [f32; 3],
+pub(crate) struct DirectedLight {
+    pub(crate) to_light: [f32; 3],
+    pub(crate) halfway: [f32; 3],
     /// The coefficients, times the light's red, green and blue.
-    diffuse: [f32; 3],
-    specular: [f32; 3],
+    pub(crate) diffuse: [f32; 3],
+    pub(crate) specular: [f32; 3],
 }
 
 /// What a channel `c` of a colour becomes: `c·diffuse + specular`, at most 1.
@@ -51,7 +51,7 @@ pub struct Light8 {
 /// An exponent. Highlights mostly have small whole ones, which take a few multiplications for all eight
 /// instead of a call of `powf` each.
 #[derive(Clone, Copy, Debug)]
-enum Power {
+pub(crate) enum Power {
     Whole(u32),
     Real(f32),
 }
@@ -108,7 +108,7 @@ impl BlinnPhong8 {
     }
 
     #[inline(always)]
-    fn lights(&self) -> &[DirectedLight] {
+    pub(crate) fn lights(&self) -> &[DirectedLight] {
         &self.lights[..self.n_lights]
     }
 
@@ -231,6 +231,15 @@ fn squared_lengths([x, y, z]: &[[f32; 8]; 3]) -> [f32; 8] {
 }
 
 impl Power {
+    /// As a number.
+    #[inline(always)]
+    pub(crate) fn exponent(self) -> f32 {
+        match self {
+            Self::Whole(exponent) => exponent as f32,
+            Self::Real(exponent) => exponent,
+        }
+    }
+
     #[inline(always)]
     fn of(self, bases: &[f32; 8]) -> [f32; 8] {
         let mut left = match self {

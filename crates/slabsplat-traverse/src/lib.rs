@@ -12,6 +12,8 @@
 //!   difference;
 //! - `classification`: samples to colour and opacity, once a transfer function;
 //! - `blinn_phong`, `shade`: Blinn–Phong, once a voxel and frame;
+//! - `brick_lister`, `cells`: cells of voxels, and bricks of either that are made when they are seen;
+//! - `cell_light`: Blinn–Phong on cells, whose voxels face many ways;
 //! - `project`: index space to view space, voxels and whole bricks;
 //! - `depth_order`: what `every-sample` composites by (`axis-aligned` goes by slices, in core);
 //! - `buckets`, `toss`: buckets instead of a sort (§7), by image tile and then by slab;
@@ -42,6 +44,7 @@ mod in_pieces;
 
 mod order;
 
+mod brick_lister;
 mod brick_ranges;
 mod gradient;
 mod gradient_length;
@@ -56,6 +59,10 @@ mod classification;
 mod project;
 mod shade;
 
+mod cells;
+
+mod cell_light;
+
 mod buckets;
 mod depth_order;
 mod toss;
@@ -68,9 +75,13 @@ mod naive_normals;
 mod tests;
 
 pub use blinn_phong::{BlinnPhong8, Light8};
+pub use brick_lister::BrickLister;
 pub use brick_ranges::BrickRanges;
 pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use buckets::Buckets;
+pub use cells::{
+    BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS, CellBrick, CellRecord, CellValues, Contrast,
+};
 pub use classification::Classification;
 pub use depth_order::DepthOrder;
 pub use in_pieces::resize_for_frame;

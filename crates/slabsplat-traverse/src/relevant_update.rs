@@ -251,7 +251,7 @@ impl<T: Ordered> Step<'_, T> {
 }
 
 /// Which of `ranges` (disjoint, rising) have values in common with `within`.
-fn met(ranges: &[IsoRange], within: IsoRange) -> Range<usize> {
+pub(crate) fn met(ranges: &[IsoRange], within: IsoRange) -> Range<usize> {
     let start = ranges.partition_point(|range| range.hi < within.lo);
     start..ranges.partition_point(|range| range.lo <= within.hi).max(start)
 }
@@ -309,7 +309,7 @@ fn make_room(
 
 /// Fills the front of `records` with the voxels of `mask`: those that are there already, `n_kept` from
 /// `kept_start`, and new ones with their normals.
-fn add_in_brick<T: Ordered, F: Real>(
+pub(crate) fn add_in_brick<T: Ordered, F: Real>(
     mask: &BrickMask,
     [x, y, z]: [usize; 3],
     normals: &Normals<'_, T, F>,

@@ -33,6 +33,11 @@ impl<'a> VoxelLighting<'a> {
         Self { classification, volume, rules, grid: BrickGrid::new(volume.grid()), light }
     }
 
+    /// The light, if there is any.
+    pub fn light(&self) -> Option<&'a BlinnPhong8> {
+        self.light
+    }
+
     /// Writes red, green, blue and opacity of all voxels of `list` into `colors`, in parallel.
     pub fn shade(&self, list: &RelevantList, colors: &mut Vec<[f32; 4]>) {
         colors.resize(list.len(), [0.0; 4]);

@@ -1,10 +1,12 @@
 //! Levels of detail (model §16): cells of voxels, where a tolerance allows them.
 
 use super::frame::{LayerInView, Voxel};
+use super::section::KernelInView;
+use super::shade::shaded_cell_color;
 use super::view::View;
 use super::{GaussLegendre, Kernel};
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Grid, LabelStyle, Layer, TransferFunction, extinction};
+use slabsplat_core::{Grid, Light, Shading};
 use std::collections::BTreeMap;
 
 /// How far footprints are stretched in the image plane.
@@ -43,68 +45,171 @@ impl Stretch {
     }
 }
 
-/// The layer by the largest cells that it may be drawn by.
-pub(super) fn within(layer: LayerInView, of: &Layer, view: &View, tolerance: f64) -> LayerInView {
-    let grid = *of.volume.grid();
-    let corners = grid.corners_in_world().map(|corner| view.view_from_world(corner).z);
-    let nearest = corners.fold(f64::INFINITY, f64::min) - layer.kernel.depth_reach;
-    let nearest = nearest.max(view.near_depth(layer.unit));
-    let kernel = layer.kernel.kernel();
-    let layer_depth = layer.kernel.depth_reach / (kernel.radius() * layer.unit);
-    let is_allowed = |level: &u32| {
-        let cells = layer.stretch.of_cells(*level, kernel);
-        let depth = ((4_f64.powi(*level as i32) - 1.0) / 48.0).sqrt();
-        let has_eight = grid.dims().iter().all(|&n| 8 << level <= n);
-        has_eight
-            && 0.95 <= cells.at(view, nearest)
-            && depth * layer_depth * most_extinction(of) <= tolerance / 4.0
+/// A layer by the largest cells that it may be drawn by, brick by brick: what each level draws. All are taken for
+/// as faint and as much alike as they must be.
+pub(super) fn within(
+    layer: LayerInView,
+    (shading, lights): &(Shading, Vec<Light>),
+    (view, tolerance): (&View, f64),
+) -> Vec<LayerInView> {
+    let LayerInView { grid, kernel: of_voxels, stretch, unit, ref region, is_cut, .. } = layer;
+    let kernel = of_voxels.kernel();
+    let levels = LEVELS.take_while(|level| grid.dims().iter().all(|&n| 8 << level <= n));
+    let cells: Vec<Cells<'_>> = levels
+        .map(|level| {
+            let grid = grid.of_cells(level).expect("its steps are not too long");
+            Cells {
+                side: 1 << level,
+                grid,
+                kernel: of_voxels.on_cells(&grid, &view.axes, f64::from(1 << level)),
+                stretch: stretch.of_cells(level, kernel),
+                unit,
+                view,
+            }
+        })
+        .collect();
+    let most_noise: Vec<f64> =
+        cells.iter().map(|cells| cells.most_noise(&layer, tolerance)).collect();
+    let noise: Vec<_> = cells.iter().map(|cells| cells.noise(&layer.voxels)).collect();
+    let level_of = |voxel: &Voxel| {
+        let levels = || 0..cells.len();
+        let of_depth = levels().rev().find(|&level| cells[level].draw(voxel.coords))?;
+        let is_even =
+            |&level: &usize| noise[level][&cells[level].brick(voxel.coords)] <= most_noise[level];
+        (0..=of_depth).rev().find(is_even)
     };
-    match LEVELS.take_while(is_allowed).last() {
-        Some(level) => drawn_by(layer, &grid, level, view),
-        None => layer,
+    let mut by_level: BTreeMap<Option<usize>, Vec<Voxel>> = BTreeMap::new();
+    for voxel in layer.voxels {
+        by_level.entry(level_of(&voxel)).or_default().push(voxel);
     }
-}
-
-fn drawn_by(layer: LayerInView, voxels: &Grid, level: u32, view: &View) -> LayerInView {
-    let side = 1_usize << level;
-    let cells = voxels.of_cells(level).expect("its steps are not too long");
-    let kernel = layer.kernel.on_cells(&cells, &view.axes, f64::from(1 << level));
-    let mut sums: BTreeMap<[usize; 3], [f64; 4]> = BTreeMap::new();
-    for voxel in &layer.voxels {
-        let ([r, g, b], mu) = (voxel.color, voxel.extinction());
-        let sum = sums.entry(voxel.coords.map(|at| at / side)).or_default();
-        sum.iter_mut().zip([mu * r, mu * g, mu * b, mu]).for_each(|(sum, it)| *sum += it);
-    }
-    let cell = |(coords, [r, g, b, mu]): ([usize; 3], [f64; 4])| {
-        let at = DVec3::from_array(coords.map(|at| at as f64));
-        Voxel {
-            coords,
-            center_in_view: view.view_from_world(cells.world_from_index().transform_point3(at)),
-            opacity: -(-mu / side as f64).exp_m1(),
-            color: [r, g, b].map(|sum| sum / mu),
+    let drawn = |(level, voxels): (Option<usize>, Vec<Voxel>)| {
+        let region = region.clone();
+        let Some(level) = level else {
+            return LayerInView {
+                grid,
+                unit,
+                stretch,
+                kernel: of_voxels,
+                voxels,
+                region,
+                is_cut,
+            };
+        };
+        let cells = &cells[level];
+        LayerInView {
+            grid: cells.grid,
+            unit: cells.grid.unit(),
+            stretch: cells.stretch,
+            kernel: cells.kernel,
+            voxels: cells.of(&voxels, (shading, lights)),
+            region,
+            is_cut,
         }
     };
-    LayerInView {
-        stretch: layer.stretch.of_cells(level, layer.kernel.kernel()),
-        unit: cells.unit(),
-        grid: cells,
-        kernel,
-        voxels: sums.into_iter().map(cell).collect(),
-        ..layer
-    }
+    by_level.into_iter().map(drawn).collect()
 }
 
-/// Of the most opaque voxel that there could be.
-fn most_extinction(layer: &Layer) -> f64 {
-    let most = |transfer: &TransferFunction| {
-        let points = transfer.opacity_points().points();
-        points.iter().map(|point| point.1[0]).fold(0.0, f64::max)
-    };
-    let styles = layer.labels.iter().flat_map(|labels| labels.styles().values());
-    let own = styles.filter_map(|style: &LabelStyle| style.transfer.as_ref()).map(most);
-    match layer.transfer_2d {
-        Some(_) => f64::INFINITY,
-        None => extinction(own.fold(most(&layer.transfer), f64::max)),
+/// The cells of a level.
+struct Cells<'a> {
+    side: usize,
+    grid: Grid,
+    kernel: KernelInView,
+    stretch: Stretch,
+    /// Of the voxels.
+    unit: f64,
+    view: &'a View,
+}
+
+/// Sums over the voxels of a cell: extinction `μ`; `μ` times colour and normal; `μ` of those without a normal.
+#[derive(Default)]
+struct Sums {
+    extinction: f64,
+    color: [f64; 3],
+    normal: DVec3,
+    undirected: f64,
+}
+
+impl Cells<'_> {
+    /// Whether the brick of 8³ cells that holds a voxel lies where these cells may be drawn.
+    fn draw(&self, voxel: [usize; 3]) -> bool {
+        let dims = self.grid.dims();
+        let first = self.brick(voxel).map(|at| 8 * at);
+        let last = [0, 1, 2].map(|axis| (first[axis] + 7).min(dims[axis] - 1));
+        let nearest = (0..8).map(|corner| {
+            let at = [0, 1, 2]
+                .map(|axis| if corner >> axis & 1 == 0 { first[axis] } else { last[axis] });
+            self.center_in_view(at).z
+        });
+        let nearest = nearest.fold(f64::INFINITY, f64::min) - self.kernel.depth_reach;
+        self.view.near_depth(self.unit) <= nearest && 0.95 <= self.stretch.at(self.view, nearest)
+    }
+
+    /// The brick that holds a voxel.
+    fn brick(&self, voxel: [usize; 3]) -> [usize; 3] {
+        voxel.map(|at| at / self.side / 8)
+    }
+
+    /// What colours of cells may differ by from one to the next.
+    fn most_noise(&self, layer: &LayerInView, tolerance: f64) -> f64 {
+        let layer_depth = layer.kernel.depth_reach / (layer.kernel.kernel().radius() * layer.unit);
+        let depth = 0.5 * (((self.side * self.side - 1) as f64) / 12.0).sqrt();
+        tolerance / 20.0 / (depth * layer_depth)
+    }
+
+    /// By how much they do in each brick, times the lesser extinction of two: the root of the mean of squares.
+    fn noise(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], f64> {
+        let unlit = self.of(voxels, (&Shading::None, &[]));
+        let cells: BTreeMap<[usize; 3], &Voxel> =
+            unlit.iter().map(|cell| (cell.coords, cell)).collect();
+        let mut squares: BTreeMap<[usize; 3], (f64, f64)> = BTreeMap::new();
+        for (coords, a) in &cells {
+            let of_brick = squares.entry(coords.map(|at| at / 8)).or_default();
+            for axis in (0..3).filter(|&axis| coords[axis] % 8 != 7) {
+                let mut next = *coords;
+                next[axis] += 1;
+                if let Some(b) = cells.get(&next) {
+                    let both = a.extinction().min(b.extinction()) / (self.side * self.side) as f64;
+                    let pairs = a.unlit.iter().zip(b.unlit);
+                    let most = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+                    of_brick.0 += (both * most).powi(2);
+                    of_brick.1 += 1.0;
+                }
+            }
+        }
+        let root = |(sum, n): (f64, f64)| (sum / n.max(1.0)).sqrt();
+        squares.into_iter().map(|(brick, of_brick)| (brick, root(of_brick))).collect()
+    }
+
+    fn center_in_view(&self, cell: [usize; 3]) -> DVec3 {
+        let at = DVec3::from_array(cell.map(|at| at as f64));
+        self.view.view_from_world(self.grid.world_from_index().transform_point3(at))
+    }
+
+    fn of(&self, voxels: &[Voxel], light: (&Shading, &[Light])) -> Vec<Voxel> {
+        let mut sums: BTreeMap<[usize; 3], Sums> = BTreeMap::new();
+        for voxel in voxels {
+            let mu = voxel.extinction();
+            let sum = sums.entry(voxel.coords.map(|at| at / self.side)).or_default();
+            sum.extinction += mu;
+            sum.color.iter_mut().zip(voxel.unlit).for_each(|(sum, channel)| *sum += mu * channel);
+            sum.normal += mu * voxel.normal;
+            sum.undirected += if voxel.normal == DVec3::ZERO { mu } else { 0.0 };
+        }
+        let cell = |(coords, sums): ([usize; 3], Sums)| {
+            let mu = sums.extinction;
+            let normal = sums.normal / mu;
+            let unlit = sums.color.map(|sum| sum / mu);
+            let forward = self.view.axes.forward;
+            Voxel {
+                coords,
+                center_in_view: self.center_in_view(coords),
+                opacity: -(-mu / self.side as f64).exp_m1(),
+                color: shaded_cell_color(light, unlit, (normal, sums.undirected / mu), forward),
+                unlit,
+                normal,
+            }
+        };
+        sums.into_iter().map(cell).collect()
     }
 }
 

@@ -41,6 +41,9 @@ pub(super) struct Voxel {
     pub(super) center_in_view: DVec3,
     pub(super) opacity: f64,
     pub(super) color: [f64; 3],
+    /// What it is before light, and which way it faces.
+    pub(super) unlit: [f64; 3],
+    pub(super) normal: DVec3,
 }
 
 /// Voxels whose sections are added up before they are composited.
@@ -83,8 +86,9 @@ impl Frame {
             Method::ImageAligned if merge::applies(settings, tolerance) => {
                 let tolerance = tolerance / layers.len() as f64;
                 let of_scene = layers.into_iter().zip(&scene.layers);
-                let drawn = |(layer, of)| cells::within(layer, of, &view, tolerance);
-                layers = of_scene.map(drawn).collect();
+                let light = |of: &Layer| (of.shading, scene.lights.clone());
+                let drawn = |(layer, of)| cells::within(layer, &light(of), (&view, tolerance));
+                layers = of_scene.flat_map(drawn).collect();
                 let merged = |layer: &_| merge::merged_splats(layer, &slabs, &view, tolerance);
                 slabs.sheets(&view, &layers, merged)
             }
@@ -226,6 +230,8 @@ fn visible_voxels(layer: &Layer, lights: &[Light], view: &View) -> Vec<Voxel> {
             center_in_view: view.view_from_world(center_in_world),
             opacity,
             color: shaded_color((shading, lights), color, -normal, view.axes.forward),
+            unlit: color,
+            normal,
         })
     };
     (0..grid.n_voxels()).filter_map(voxel).collect()

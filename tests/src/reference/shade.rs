@@ -62,6 +62,55 @@ fn light_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (
     (diffuse, phong.specular * product(halfway).powf(phong.shininess))
 }
 
+/// The colour of a cell (model §16), whose voxels have this mean of normals and this share without one.
+pub(super) fn shaded_cell_color(
+    (shading, lights): (&Shading, &[Light]),
+    color: [f64; 3],
+    (normal, undirected): (DVec3, f64),
+    forward: DVec3,
+) -> [f64; 3] {
+    let Shading::Phong(phong) = shading else {
+        return color;
+    };
+    let length = normal.length();
+    let directed = (1.0 - undirected).max(length);
+    let r = if 0.0 < directed { length / directed } else { 0.0 };
+    let along =
+        |v: DVec3| if 0.0 < directed { (normal.dot(v) / directed).clamp(-1.0, 1.0) } else { 0.0 };
+    let s = phong.shininess;
+    let f = if 0.0 < r { r / (r + s * (1.0 - r)) } else { 0.0 };
+    std::array::from_fn(|channel| {
+        let (mut diffuse, mut specular) = (0.0, 0.0);
+        for light in lights {
+            let to_light = match light.source {
+                LightSource::Headlight => -forward,
+                LightSource::Direction(direction) => direction.get(),
+            };
+            let m = along(to_light);
+            let v = (1.0 - r * r) / (3.0 - r * r) * (1.0 - m * m);
+            let beyond = if 0.0 < v { 0.75 * v * v / (v + 0.5 * m * m) } else { 0.0 };
+            let both_sides = (m * m + beyond).sqrt();
+            let one_side = 0.5 * (both_sides + m);
+            let (facing, share) = match phong.two_sided {
+                true => (both_sides, 1.0),
+                false => (one_side, if 0.0 < both_sides { one_side / both_sides } else { 0.0 }),
+            };
+            let of_undirected = phong.zero_gradient * undirected;
+            diffuse += light.color[channel] * phong.diffuse * (directed * facing + of_undirected);
+            let halfway = (to_light - forward).normalize_or_zero();
+            let n_h = if 0.0 < r { along(halfway) / r } else { 0.0 };
+            let n_h = if phong.two_sided { n_h.abs() } else { n_h }.clamp(-1.0, 1.0);
+            // 0 to the power of nearly 0 would change from 1 to 0 at once.
+            let of_one = n_h.clamp(2_f64.powi(-127), 1.0).powf(f * s);
+            let highlight = r * r * of_one + (1.0 - r * r) * (f * s * (n_h - 1.0)).exp();
+            let factor = (1.0 + f * s) / (1.0 + s);
+            specular +=
+                light.color[channel] * phong.specular * directed * share * factor * highlight;
+        }
+        (color[channel] * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -41,7 +41,7 @@ pub(crate) fn render(
 ) -> Result<(), Cancelled> {
     whole_voxels::shade(stage, |_| (), voxels)?;
     watch.done("shade")?;
-    order.update(stage.layer.volume.grid(), &stage.layer.view, stage.list, stage.frame)?;
+    order.update(stage.layer.volume.grid(), &stage.layer.view, stage.list(), stage.frame)?;
     watch.done("sort")?;
     let voxel = |splat: usize| &voxels[order.idx_of(splat)];
     whole_voxels::toss(stage, &tiles.grid, order.len(), |s| voxel(s).point, splats)?;

@@ -1,21 +1,23 @@
 //! The paper's method (§3.2): kernel sections summed in slabs parallel to the image, slab by slab from
 //! the eye, and composited.
 
-use super::Stage;
-use super::cells::Cells;
 use super::lit_faces::LitFaces;
-use super::slabs::{self, SectionsInSlabs, Sheets, SlabOnTile, SlabSums, Voxels};
+use super::on_demand::{LevelVoxels, SeenLevel};
+use super::slabs::{
+    self, BrickVoxels, ReadRoom, SectionsInSlabs, Sheets, SlabOnTile, SlabSums, Voxels,
+};
+use super::{RelevantVoxels, Stage};
 use crate::footprints::raster::Raster;
 use crate::pixels::blocks::Blocks;
 use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use fearless_simd::{Simd, dispatch};
+use fearless_simd::Simd;
+use rayon::prelude::*;
 use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Splats};
-use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Cancelled, Compositing, SlabGrid};
-use slabsplat_traverse::{Brick, BrickBounds, BrickView, VoxelRecord};
+use slabsplat_traverse::{Brick, BrickView, RelevantList, VoxelRecord};
 
 /// What is cached from frame to frame.
 #[derive(Debug, Default)]
@@ -29,9 +31,16 @@ pub(crate) fn render(
     buffers: &mut Buffers,
     watch: &mut Stopwatch<'_>,
 ) -> Result<u64, Cancelled> {
-    let drawn: Vec<Drawn<'_>> = stages.iter().map(Drawn::new).collect();
-    let layers = stages.iter().zip(&drawn).filter_map(|(stage, drawn)| {
-        let Stage { plan, frame, level, .. } = stage;
+    let levels: Vec<Vec<SeenLevel<'_>>> = stages
+        .iter()
+        .map(|stage| match stage.relevant {
+            RelevantVoxels::Listed(_) => Vec::new(),
+            RelevantVoxels::OnDemand(_) => SeenLevel::all(stage.layer),
+        })
+        .collect();
+    let drawn: Vec<Drawn<'_>> = stages.iter().zip(&levels).flat_map(Drawn::of_layer).collect();
+    let layers = drawn.iter().filter_map(|drawn| {
+        let Stage { plan, frame, level, .. } = drawn.stage;
         let (layer, raster, bricks, voxels) = drawn.parts();
         let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats else { return None };
         let stage = slabs::Stage { plan, layer, frame, level: *level, raster, bricks, voxels };
@@ -52,108 +61,79 @@ impl Buffers {
     }
 }
 
-/// What is drawn of a layer.
-enum Drawn<'a> {
-    Voxels(Shaded<'a>),
-    Cells(Box<DrawnCells<'a>>),
+/// A layer, or one level of it.
+struct Drawn<'a> {
+    stage: &'a Stage<'a>,
+    voxels: DrawnVoxels<'a>,
 }
 
-struct DrawnCells<'a> {
-    layer: &'a LayerPlan<'a>,
-    raster: Raster,
-    bricks: BrickView,
-    cells: Cells<Shaded<'a>>,
+enum DrawnVoxels<'a> {
+    Listed(Listed<'a>),
+    OnDemand(&'a SeenLevel<'a>, LevelVoxels<'a>),
 }
 
 impl<'a> Drawn<'a> {
-    fn new(stage: &'a Stage<'a>) -> Self {
-        let voxels = Shaded::new(stage);
-        let Some(layer) = &stage.layer.coarser else { return Self::Voxels(voxels) };
-        Self::Cells(Box::new(DrawnCells {
-            layer,
-            raster: Raster::new(layer, 0),
-            bricks: BrickView::new(&layer.grid(), &layer.view),
-            cells: Cells::new(voxels, layer),
-        }))
+    /// What is drawn of a layer, the coarsest first, which leaves to others what it does not draw.
+    fn of_layer((stage, levels): (&'a Stage<'a>, &'a Vec<SeenLevel<'a>>)) -> Vec<Self> {
+        match &stage.relevant {
+            RelevantVoxels::Listed(list) => {
+                let listed = Listed { stage, list, faces: LitFaces::of(stage.layer) };
+                vec![Self { stage, voxels: DrawnVoxels::Listed(listed) }]
+            }
+            RelevantVoxels::OnDemand(on_demand) => {
+                let of_level = |level: usize| {
+                    let voxels = LevelVoxels::new(stage, on_demand, levels, level);
+                    Self { stage, voxels: DrawnVoxels::OnDemand(&levels[level], voxels) }
+                };
+                (0..levels.len()).rev().map(of_level).collect()
+            }
+        }
     }
 
     fn parts(&self) -> (&LayerPlan<'a>, &Raster, &BrickView, &dyn Voxels) {
-        match self {
-            Self::Voxels(voxels) => {
-                let Stage { layer, raster, bricks, .. } = voxels.stage;
+        match &self.voxels {
+            DrawnVoxels::Listed(voxels) => {
+                let Stage { layer, raster, bricks, .. } = self.stage;
                 (layer, raster, bricks, voxels)
             }
-            Self::Cells(drawn) => (drawn.layer, &drawn.raster, &drawn.bricks, &drawn.cells),
+            DrawnVoxels::OnDemand(seen, voxels) => (seen.plan, &seen.raster, &seen.bricks, voxels),
         }
     }
 }
 
-/// Relevant voxels, classified and shaded.
-struct Shaded<'a> {
+/// Relevant voxels of a list, classified and shaded.
+struct Listed<'a> {
     stage: &'a Stage<'a>,
+    list: &'a RelevantList,
     faces: Option<LitFaces<'a>>,
 }
 
-impl<'a> Shaded<'a> {
-    fn new(stage: &'a Stage<'a>) -> Self {
-        Self { stage, faces: LitFaces::of(stage.layer) }
+impl Voxels for Listed<'_> {
+    fn n_voxels(&self) -> u64 {
+        self.list.len() as u64
     }
 
-    fn shade(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
-        let Stage { lighting, level, .. } = self.stage;
-        lighting.classify_brick(brick, records, colors);
-        dispatch!(*level, simd => simd.vectorize(
-            #[inline(always)]
-            || lighting.light_brick(records, colors),
-        ));
+    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
+        let listed = self.list.bricks().par_iter().enumerate();
+        listed.map(|(idx, brick)| (range_of(brick), idx as u32)).collect_into_vec(into);
     }
 
-    /// Shades voxels of a brick near lit faces, with normals of those.
-    fn color_by_faces(
+    fn brick(&self, key: u32) -> Brick {
+        self.list.bricks()[key as usize]
+    }
+
+    fn read<'a>(&'a self, brick: &Brick, _: &'a mut ReadRoom) -> Option<BrickVoxels<'a>> {
+        Some(BrickVoxels::new(self.list.voxels_of(brick)))
+    }
+
+    fn color(
         &self,
-        faces: &LitFaces<'_>,
         brick: &Brick,
+        _: &BrickVoxels<'_>,
         records: &[VoxelRecord],
         colors: &mut [[f32; 4]],
     ) {
-        let (mut points, mut own) = ([[0.0; 3]; AT_ONCE], [VoxelRecord::default(); AT_ONCE]);
-        for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
-            let (points, own) = (&mut points[..records.len()], &mut own[..records.len()]);
-            own.copy_from_slice(records);
-            self.stage.bricks.project_brick(brick, records, points);
-            for (record, point) in own.iter_mut().zip(points) {
-                if let Some(face) = faces.at(DVec3::from_array(point.map(f64::from))) {
-                    let normal = DVec3::from_array(record.normal.map(f64::from));
-                    *record = record.with_normal(faces.instead_of(normal, face).to_array());
-                }
-            }
-            self.shade(brick, own, colors);
-        }
-    }
-}
-
-/// Voxels that are shaded at once where normals are changed.
-const AT_ONCE: usize = 64;
-
-impl Voxels for Shaded<'_> {
-    fn bricks(&self) -> &[Brick] {
-        self.stage.list.bricks()
-    }
-
-    fn records_of<'a>(&'a self, brick: &Brick, _: &'a mut Vec<VoxelRecord>) -> &'a [VoxelRecord] {
-        self.stage.list.voxels_of(brick)
-    }
-
-    fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
-        let BrickBounds { center, half_extents } = self.stage.bricks.bounds(brick);
-        let [center, half_extents] =
-            [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
-        match &self.faces {
-            Some(faces) if faces.may_be_in(center, half_extents) => {
-                self.color_by_faces(faces, brick, records, colors);
-            }
-            _ => self.shade(brick, records, colors),
-        }
+        self.stage.color(self.faces.as_ref(), brick, records, colors);
     }
 }
 

@@ -59,9 +59,21 @@ impl<'a> LitFaces<'a> {
         let own = normal.normalize_or_zero();
         (self.in_world(of_face) * share + own * (1.0 - share)).normalize_or_zero()
     }
+
+    /// The same of a mean of normals, whose length has a meaning.
+    pub(super) fn mean_instead_of(&self, normal: [f32; 3], face: FaceNormal) -> [f32; 3] {
+        let FaceNormal { normal: of_face, share } = face;
+        let own = DVec3::from_array(normal.map(f64::from));
+        (self.in_world(of_face) * share + own * (1.0 - share)).as_vec3().to_array()
+    }
 }
 
 impl FaceNormal {
+    /// How much it counts, up to 1.
+    pub(super) fn share(&self) -> f64 {
+        self.share
+    }
+
     /// What becomes of a normal of view space that may be shorter than 1.
     #[inline]
     pub(super) fn instead_of(&self, normal: [f32; 3]) -> [f32; 3] {

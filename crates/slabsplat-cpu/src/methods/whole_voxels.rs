@@ -13,7 +13,8 @@ pub(super) fn shade<S: Copy + Default + Send + Sync>(
     sheet_of: impl Fn([usize; 3]) -> S + Sync,
     voxels: &mut Vec<Voxel<S>>,
 ) -> Result<(), Cancelled> {
-    let Stage { list, bricks, lighting, frame, .. } = stage;
+    let Stage { bricks, lighting, frame, .. } = stage;
+    let list = stage.list();
     resize_for_frame(voxels, list.len(), frame)?;
     list.fill_by_brick(voxels, |brick, records, voxels| {
         if frame.is_cancelled() {

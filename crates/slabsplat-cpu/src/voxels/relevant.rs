@@ -1,8 +1,11 @@
-//! The relevant voxels of the last plan, cached for the next one.
+//! The relevant voxels of the last plan, cached for the next one: a list of all, or bricks that are made when
+//! they are seen.
 
 use slabsplat_backend::{ByIdentity, Cached};
 use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
-use slabsplat_traverse::{BrickRanges, OwnVoxelRules, RelevantList, VoxelRules};
+use slabsplat_traverse::{
+    BrickLister, BrickRanges, BricksOnDemand, OwnVoxelRules, RelevantList, VoxelRules,
+};
 use std::sync::Arc;
 
 /// What is cached between frames; nothing before the first.
@@ -15,7 +18,22 @@ struct OfVolume {
     /// What decides beside ranges which voxels are listed.
     rules: Option<OwnVoxelRules>,
     list: RelevantList,
+    on_demand: Cached<(OwnVoxelRules, Vec<IsoRange>), BricksOnDemand>,
 }
+
+/// Bricks that are made when they are seen, and what makes them.
+#[derive(Debug)]
+pub(crate) struct OnDemand<'a> {
+    pub(crate) bricks: &'a BricksOnDemand,
+    pub(crate) lister: BrickLister<'a>,
+}
+
+/// What bricks that are made on demand may take: a quarter of what the volume does, so that they fit where that
+/// does.
+const BUDGET_SHARE: usize = 4;
+
+/// And as much of small ones: some million cells.
+const LEAST_BUDGET_BYTES: usize = 64 << 20;
 
 impl Relevant {
     /// The voxels of `volume` with values in `ranges` that are visible by these rules. The bricks of a new
@@ -27,11 +45,9 @@ impl Relevant {
         rules: &VoxelRules<'_>,
         frame: &FrameHandle,
     ) -> Result<&RelevantList, Cancelled> {
-        let of_volume = self.0.try_made_of(ByIdentity::of(volume), |_| {
-            let brick_ranges = BrickRanges::for_frame(volume, frame)?;
-            Ok(OfVolume { brick_ranges, rules: None, list: RelevantList::default() })
-        })?;
-        let OfVolume { brick_ranges, rules: listed_by, list } = of_volume;
+        let of_volume = self.of_volume(volume, frame)?;
+        let OfVolume { brick_ranges, rules: listed_by, list, on_demand } = of_volume;
+        *on_demand = Cached::default();
         let rules = (!rules.are_by_value()).then_some(rules);
         if listed_by.as_ref().map(OwnVoxelRules::rules) != rules.copied() {
             *listed_by = rules.map(OwnVoxelRules::new);
@@ -43,9 +59,51 @@ impl Relevant {
         Ok(list)
     }
 
+    /// The same, and cells of them, brick by brick.
+    pub(crate) fn on_demand<'a>(
+        &'a mut self,
+        volume: &'a Arc<Volume>,
+        ranges: &'a [IsoRange],
+        rules: &VoxelRules<'a>,
+        frame: &FrameHandle,
+    ) -> Result<OnDemand<'a>, Cancelled> {
+        let of_volume = self.of_volume(volume, frame)?;
+        let OfVolume { brick_ranges, rules: listed_by, list, on_demand } = of_volume;
+        (*listed_by, *list) = (None, RelevantList::default());
+        let decide = (!rules.are_by_value()).then_some(rules);
+        let lister = BrickLister::new(volume, brick_ranges, ranges, decide);
+        let made_by = (OwnVoxelRules::new(rules), ranges.to_vec());
+        let bricks = on_demand.try_made_of(made_by, |_| {
+            let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
+            let budget = (of_samples / BUDGET_SHARE).max(LEAST_BUDGET_BYTES);
+            let n_voxels = lister.count_all(frame)?;
+            Ok(BricksOnDemand::new(volume.grid(), n_voxels, budget))
+        })?;
+        bricks.start_frame();
+        Ok(OnDemand { bricks, lister })
+    }
+
+    fn of_volume(
+        &mut self,
+        volume: &Arc<Volume>,
+        frame: &FrameHandle,
+    ) -> Result<&mut OfVolume, Cancelled> {
+        self.0.try_made_of(ByIdentity::of(volume), |_| {
+            Ok(OfVolume {
+                brick_ranges: BrickRanges::for_frame(volume, frame)?,
+                rules: None,
+                list: RelevantList::default(),
+                on_demand: Cached::default(),
+            })
+        })
+    }
+
     /// Bytes held beside the volume.
     pub(crate) fn resident_bytes(&self) -> usize {
-        let bytes = |of: &OfVolume| of.brick_ranges.resident_bytes() + of.list.resident_bytes();
+        let bytes = |of: &OfVolume| {
+            let on_demand = of.on_demand.value().map_or(0, BricksOnDemand::resident_bytes);
+            of.brick_ranges.resident_bytes() + of.list.resident_bytes() + on_demand
+        };
         self.0.value().map_or(0, bytes)
     }
 }

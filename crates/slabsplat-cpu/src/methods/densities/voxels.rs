@@ -2,7 +2,8 @@
 //! its value, in two channels for each of two sheets.
 
 use super::selection::Selection;
-use crate::methods::slabs::Voxels;
+use crate::methods::slabs::{BrickVoxels, ReadRoom, Voxels};
+use rayon::prelude::*;
 use slabsplat_backend::densities::ValueScale;
 use slabsplat_core::{Sample, Volume, with_samples};
 use slabsplat_traverse::{Brick, BrickGrid, VoxelRecord};
@@ -40,23 +41,35 @@ impl<'a> Selected<'a> {
 }
 
 impl Voxels for Selected<'_> {
-    fn bricks(&self) -> &[Brick] {
-        &self.selection.bricks
+    fn n_voxels(&self) -> u64 {
+        self.selection.n_voxels as u64
     }
 
-    fn records_of<'a>(
-        &'a self,
-        brick: &Brick,
-        room: &'a mut Vec<VoxelRecord>,
-    ) -> &'a [VoxelRecord] {
-        room.clear();
-        room.extend(
+    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
+        let selected = self.selection.bricks.par_iter().enumerate();
+        selected.map(|(idx, brick)| (range_of(brick), idx as u32)).collect_into_vec(into);
+    }
+
+    fn brick(&self, key: u32) -> Brick {
+        self.selection.bricks[key as usize]
+    }
+
+    fn read<'a>(&'a self, brick: &Brick, room: &'a mut ReadRoom) -> Option<BrickVoxels<'a>> {
+        let ReadRoom { records, .. } = room;
+        records.clear();
+        records.extend(
             self.selection.slots_of(brick).map(|slot| VoxelRecord { slot, normal: [0; 3] }),
         );
-        room
+        Some(BrickVoxels::new(records))
     }
 
-    fn color(&self, brick: &Brick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
+    fn color(
+        &self,
+        brick: &Brick,
+        _: &BrickVoxels<'_>,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
         with_samples!(self.volume.samples(), |s| self.values(s, brick, records, colors));
     }
 }

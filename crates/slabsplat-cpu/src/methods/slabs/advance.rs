@@ -157,7 +157,7 @@ fn advance<S: Simd, H: Sheets>(
         for (layer, (voxels, Pass { setup, .. })) in voxels.iter().zip(passes).enumerate() {
             let needed = tile.needed;
             tile.needed = needed.and(sheets.needed(here, layer));
-            if !tile.needed.is_empty() {
+            if !tile.needed.is_empty() && !voxels.sheets().is_empty() {
                 match H::AT_ONCE {
                     1 => add_slab(simd, slab, [1.0; 4], setup, tile, voxels, sheet),
                     _ => add_pair(simd, slab, setup, tile, voxels, sheet),

@@ -16,13 +16,13 @@
 
 use super::occlusion::{Occlusion, Visibility};
 use super::setup::Setup;
-use super::stage::Stage;
+use super::stage::{ReadRoom, Stage};
 use crate::sections::span::{Span, SpannedVoxel};
 use crate::voxels::by_sheet::N_AT_ONCE;
 use crate::voxels::voxel::Voxel;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
-use slabsplat_traverse::{Brick, TileEntry, TileGrid, TileToss, VoxelRecord, Workspaces};
+use slabsplat_traverse::{TileEntry, TileGrid, TileToss, VoxelRecord, Workspaces};
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -38,10 +38,12 @@ pub(super) struct Intake {
 
 /// What came of a range.
 pub(super) struct IntakeSummary {
-    /// Voxels that were culled, as nothing of them is to be seen.
-    pub(super) n_occluded: u64,
+    /// Relevant voxels that were not culled.
+    pub(super) n_voxels: u64,
     /// The slabs to which the others go first, if there are any.
     pub(super) first_slabs: Option<Range<usize>>,
+    /// The keys of bricks that are left to a finer level.
+    pub(super) refused: Vec<u32>,
 }
 
 /// What a thread needs to take bricks in.
@@ -52,8 +54,10 @@ pub(super) struct Scratch {
     entries: Vec<TileEntry>,
     /// The least and the largest.
     spans: [Span; 2],
+    /// The keys of bricks that are left to a finer level.
+    refused: Vec<u32>,
     /// Of one brick: its voxels, where they are not listed; all its points.
-    listed: Vec<VoxelRecord>,
+    read: ReadRoom,
     points: Vec<[f32; 3]>,
     /// Those that are not culled, one after the other in `points`, and what they are made of.
     records: Vec<VoxelRecord>,
@@ -61,7 +65,7 @@ pub(super) struct Scratch {
 }
 
 impl Intake {
-    /// Takes in the voxels of `bricks`, whose second numbers are their indices in the list.
+    /// Takes in the voxels of `bricks`, whose second numbers are their keys.
     pub(super) fn take(
         &mut self,
         stage: &Stage<'_>,
@@ -80,27 +84,24 @@ impl Intake {
         let work = tasks.zip(bricks.par_chunks(BRICKS_PER_TASK));
         let taken = work.map(|(toss, bricks)| {
             if stage.frame.is_cancelled() {
-                return (0, NO_SPANS);
+                return (0, NO_SPANS, Vec::new());
             }
             let scratch = &mut *scratches.of_this_thread();
             scratch.clear();
-            let mut n_occluded = 0;
+            let mut n_voxels = 0;
             dispatch!(stage.level, simd => {
-                for &(_, idx) in bricks {
-                    let brick = &stage.voxels.bricks()[idx as usize];
-                    n_occluded += scratch.take_brick(simd, stage, setup, tiles, occlusion, brick);
+                for &(_, key) in bricks {
+                    n_voxels += scratch.take_brick(simd, stage, setup, tiles, occlusion, key);
                 }
             });
             let voxel = |voxel: u32| scratch.voxels[voxel as usize];
             toss.toss(tiles, &scratch.entries, voxel, stage.frame);
-            (n_occluded, scratch.spans)
+            (n_voxels, scratch.spans, std::mem::take(&mut scratch.refused))
         });
-        let both = |(n, [a, b]): (u64, [Span; 2]), (m, [c, d]): (u64, [Span; 2])| {
-            (n + m, [a.min(c), b.max(d)])
-        };
-        let (n_occluded, spans) = taken.reduce(|| (0, NO_SPANS), both);
+        let (n_voxels, spans, refused) = taken.reduce(|| (0, NO_SPANS, Vec::new()), both);
         let [first, last] = spans.map(Span::first);
-        IntakeSummary { n_occluded, first_slabs: (spans != NO_SPANS).then_some(first..last + 1) }
+        let first_slabs = (spans != NO_SPANS).then_some(first..last + 1);
+        IntakeSummary { n_voxels, first_slabs, refused }
     }
 
     /// The voxels on a tile, in runs, in the order of the list.
@@ -113,6 +114,15 @@ impl Intake {
     }
 }
 
+/// What two tasks took, one after the other.
+fn both(
+    (n, [a, b], mut refused): (u64, [Span; 2], Vec<u32>),
+    (m, [c, d], others): (u64, [Span; 2], Vec<u32>),
+) -> (u64, [Span; 2], Vec<u32>) {
+    refused.extend(others);
+    (n + m, [a.min(c), b.max(d)], refused)
+}
+
 /// The least and the largest of no span at all.
 const NO_SPANS: [Span; 2] = [Span(u32::MAX), Span(0)];
 
@@ -121,10 +131,11 @@ impl Scratch {
     fn clear(&mut self) {
         self.voxels.clear();
         self.entries.clear();
+        self.refused.clear();
         self.spans = NO_SPANS;
     }
 
-    /// Adds a brick's voxels, projected and shaded; returns how many were culled.
+    /// Adds a brick's voxels, projected and shaded; returns how many relevant ones they are.
     #[inline(always)]
     fn take_brick<S: Simd>(
         &mut self,
@@ -133,29 +144,38 @@ impl Scratch {
         setup: &Setup<'_>,
         tiles: &TileGrid,
         occlusion: &Occlusion,
-        brick: &Brick,
+        key: u32,
     ) -> u64 {
+        let brick = &stage.voxels.brick(key);
         let in_view = stage.bricks.bounds(brick);
         if setup.beyond.as_ref().is_some_and(|beyond| beyond.hides(&in_view)) {
-            return stage.voxels.n_voxels(brick);
+            return 0;
         }
         let bounds = setup.slabs.bounds_of_brick(&in_view);
         let pixels = bounds.and_then(|[min, max]| tiles.pixels_within(min, max));
         let visibility = pixels.map_or(Visibility::None, |pixels| occlusion.visibility(&pixels));
         if visibility == Visibility::None {
-            return stage.voxels.n_voxels(brick);
+            return 0;
         }
-        let mut listed = std::mem::take(&mut self.listed);
-        let records = stage.voxels.records_of(brick, &mut listed);
-        self.points.resize(records.len(), [0.0; 3]);
-        stage.bricks.project_brick(brick, records, &mut self.points);
-        self.cull(setup, tiles, (visibility == Visibility::Partial).then_some(occlusion), records);
-        self.colors.resize(self.records.len(), [0.0; 4]);
-        stage.voxels.color(brick, &self.records, &mut self.colors);
-        self.make_voxels(simd, setup);
-        let n_culled = (records.len() - self.records.len()) as u64;
-        self.listed = listed;
-        n_culled
+        let mut room = std::mem::take(&mut self.read);
+        let mut n_voxels = 0;
+        match stage.voxels.read(brick, &mut room) {
+            None => self.refused.push(key),
+            Some(read) => {
+                let records = read.records;
+                self.points.resize(records.len(), [0.0; 3]);
+                stage.bricks.project_brick(brick, records, &mut self.points);
+                let occlusion = (visibility == Visibility::Partial).then_some(occlusion);
+                self.cull(setup, tiles, occlusion, records);
+                self.colors.resize(self.records.len(), [0.0; 4]);
+                stage.voxels.color(brick, &read, &self.records, &mut self.colors);
+                self.make_voxels(simd, setup);
+                let n_kept = self.records.len() as u64;
+                n_voxels = read.n_voxels * n_kept / (records.len() as u64).max(1);
+            }
+        }
+        self.read = room;
+        n_voxels
     }
 
     /// Keeps the records and points of voxels that may be seen, and enters them for their tiles. None is

@@ -55,7 +55,7 @@ use setup::{Prepared, Setup};
 pub(super) use sheets::{Sheets, SlabOnTile, SlabSums};
 use slabsplat_core::Cancelled;
 use slabsplat_traverse::Workspaces;
-pub(super) use stage::{Stage, Voxels};
+pub(super) use stage::{BrickVoxels, ReadRoom, Stage, Voxels};
 use std::{iter, slice};
 
 /// What is cached from frame to frame.
@@ -140,10 +140,17 @@ fn render_with<'a, H: Sheets>(
     occlusion.start(&tiles.grid, &tiles.tiles);
     of_tiles.resize_with(tiles.tiles.len(), OfTile::default);
     of_tiles.iter_mut().for_each(|of_tile| of_tile.clear(n_layers));
-    let (mut n_occluded, mut start) = (0, 0_usize);
+    let (mut n_taken, mut start) = (0, 0_usize);
     while let Some(range) = first_range(&passes) {
-        for pass in &mut passes {
-            n_occluded += pass.take_in(range, start, &tiles.grid, occlusion, scratches);
+        for idx in 0..passes.len() {
+            let taken = passes[idx].take_in(range, start, &tiles.grid, occlusion, scratches);
+            n_taken += taken.n_voxels;
+            for key in taken.refused {
+                let [coarse, fine] = &mut passes[idx..idx + 2] else {
+                    unreachable!("voxels come last, which refuse nothing")
+                };
+                fine.add_late(coarse.stage.voxels.finer(key), range);
+            }
         }
         watch.done("intake")?;
         // The last range continues until no voxel is left that was taken in.
@@ -156,12 +163,13 @@ fn render_with<'a, H: Sheets>(
         watch.done("splat")?;
         start = end;
     }
-    Ok(n_occluded)
+    let n_voxels: u64 = passes.iter().map(|pass| pass.stage.voxels.n_voxels()).sum();
+    Ok(n_voxels.saturating_sub(n_taken))
 }
 
 /// The range whose bricks come next.
 fn first_range(passes: &[Pass<'_>]) -> Option<u32> {
-    passes.iter().filter_map(|pass| pass.bricks.first()).map(|brick| brick.0).min()
+    passes.iter().filter_map(Pass::next_range).min()
 }
 
 impl<R, S: Default> Buffers<R, S> {

@@ -8,16 +8,26 @@ use rayon::prelude::*;
 use slabsplat_traverse::{Brick, TileGrid, Workspaces};
 use std::ops::Range;
 
-/// A layer on its way through the slabs.
+/// A layer, or a level of it, on its way through the slabs.
 pub(super) struct Pass<'a> {
     pub(super) stage: Stage<'a>,
     pub(super) setup: Setup<'a>,
-    /// The bricks that are yet to be taken in.
-    pub(super) bricks: &'a [(u32, u32)],
+    /// The range in which each brick is yet to be taken in, and its key; sorted.
+    bricks: &'a [(u32, u32)],
+    /// The same of what a coarser level left; in any order.
+    late: Vec<(u32, u32)>,
     /// The voxels of the last range.
     pub(super) intake: &'a mut Intake,
     /// To these go first all voxels that wait or were taken in.
     pub(super) first_slabs: Range<usize>,
+}
+
+/// What came of a range.
+pub(super) struct Taken {
+    /// Relevant voxels that were taken in; others are occluded.
+    pub(super) n_voxels: u64,
+    /// The keys of bricks that are left to a finer level.
+    pub(super) refused: Vec<u32>,
 }
 
 impl<'a> Pass<'a> {
@@ -27,11 +37,28 @@ impl<'a> Pass<'a> {
         bricks: &'a mut Vec<(u32, u32)>,
         intake: &'a mut Intake,
     ) -> Self {
-        sort_bricks(&stage, &setup, bricks);
-        Self { stage, setup, bricks, intake, first_slabs: 0..0 }
+        bricks.clear();
+        stage.voxels.bricks(&|brick| range_of(&stage, &setup, brick), bricks);
+        bricks.par_sort_unstable();
+        Self { stage, setup, bricks, late: Vec::new(), intake, first_slabs: 0..0 }
     }
 
-    /// Takes in the bricks of a range whose first slab is `start`; returns how many voxels were occluded.
+    /// The range whose bricks come next, if there are any.
+    pub(super) fn next_range(&self) -> Option<u32> {
+        let of_late = self.late.iter().map(|brick| brick.0).min();
+        self.bricks.first().map(|brick| brick.0).into_iter().chain(of_late).min()
+    }
+
+    /// Adds bricks that a coarser level left, whose range is `range` or behind it.
+    pub(super) fn add_late(&mut self, keys: impl Iterator<Item = u32>, range: u32) {
+        let Self { stage, setup, late, .. } = self;
+        late.extend(keys.map(|key| {
+            let brick = stage.voxels.brick(key);
+            (range_of(stage, setup, &brick).max(range), key)
+        }));
+    }
+
+    /// Takes in the bricks of a range whose first slab is `start`.
     pub(super) fn take_in(
         &mut self,
         range: u32,
@@ -39,9 +66,15 @@ impl<'a> Pass<'a> {
         tiles: &TileGrid,
         occlusion: &Occlusion,
         scratches: &mut Workspaces<Scratch>,
-    ) -> u64 {
+    ) -> Taken {
         let n_here = self.bricks.partition_point(|brick| brick.0 == range);
-        let (here, behind) = self.bricks.split_at(n_here);
+        let (mut here, behind) = self.bricks.split_at(n_here);
+        let mut all: Vec<(u32, u32)> = self.late.extract_if(.., |brick| brick.0 == range).collect();
+        if !all.is_empty() {
+            all.extend(here);
+            all.sort_unstable();
+            here = &all;
+        }
         let taken = self.intake.take(&self.stage, &self.setup, tiles, occlusion, here, scratches);
         // What still waits went to some slab before, no longer ago than it is drawn.
         let end = self.first_slabs.end;
@@ -52,20 +85,14 @@ impl<'a> Pass<'a> {
             None => waited,
         };
         self.bricks = behind;
-        taken.n_occluded
+        Taken { n_voxels: taken.n_voxels, refused: taken.refused }
     }
 }
 
-/// Sorts the bricks by the range of slabs in which their first section lies, and then by memory order.
-fn sort_bricks(stage: &Stage<'_>, setup: &Setup<'_>, bricks: &mut Vec<(u32, u32)>) {
+/// The range of slabs in which the first section of a brick lies.
+fn range_of(stage: &Stage<'_>, setup: &Setup<'_>, brick: &Brick) -> u32 {
     let slabs = &setup.slabs;
-    let n_early = setup.spans.most_slabs_before();
-    let range_of = |brick: &Brick| {
-        let bounds = stage.bricks.bounds(brick);
-        let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
-        first.saturating_sub(n_early) / slabs.n_per_range
-    };
-    let listed = stage.voxels.bricks().par_iter().enumerate();
-    listed.map(|(idx, brick)| (range_of(brick) as u32, idx as u32)).collect_into_vec(bricks);
-    bricks.par_sort_unstable();
+    let bounds = stage.bricks.bounds(brick);
+    let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
+    (first.saturating_sub(setup.spans.most_slabs_before()) / slabs.n_per_range) as u32
 }

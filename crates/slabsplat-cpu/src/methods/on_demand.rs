@@ -1,0 +1,249 @@
+//! A layer where pixels are larger than voxels (model §16): bricks of voxels or of cells, made when they are
+//! seen.
+//!
+//! ```text
+//! from the coarsest level on:
+//!     bricks that lie behind the level's depth, and whose parents do not, are drawn by it
+//!     of these, what is no longer occluded when its slabs come is made (slabsplat-traverse), and if it has
+//!     more contrast than the plan allows, its children are drawn by the next level instead
+//! ```
+//!
+//! 1. Sheets sum extinction, and colour times extinction. Such sums are made of voxels first, which gives the
+//!    same sum, and one footprint goes for all of a cell.
+//! 2. What a cell holds depends on neither the view nor the light, and serves until the transfer function
+//!    changes.
+//! 3. What is occluded is never made.
+
+use super::Stage;
+use super::lit_faces::LitFaces;
+use super::slabs::{BrickVoxels, ReadRoom, Voxels};
+use crate::footprints::raster::Raster;
+use crate::voxels::relevant::OnDemand;
+use fearless_simd::{Simd, dispatch};
+use rayon::prelude::*;
+use slabsplat_backend::{CellsPlan, LayerPlan};
+use slabsplat_core::glam::DVec3;
+use slabsplat_kernel::CellLimits;
+use slabsplat_traverse::{
+    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, CellRecord, CellValues, Contrast,
+    VoxelRecord,
+};
+
+/// A level of a layer, as the view sees it.
+pub(super) struct SeenLevel<'a> {
+    pub(super) plan: &'a LayerPlan<'a>,
+    pub(super) raster: Raster,
+    pub(super) bricks: BrickView,
+    /// What may be drawn of it; everything of voxels.
+    allowed: Option<(f64, CellLimits)>,
+}
+
+/// The bricks of a level.
+pub(super) struct LevelVoxels<'a> {
+    stage: &'a Stage<'a>,
+    on_demand: &'a OnDemand<'a>,
+    level: u32,
+    seen: &'a SeenLevel<'a>,
+    coarser: Option<&'a SeenLevel<'a>>,
+    faces: Option<LitFaces<'a>>,
+}
+
+impl<'a> SeenLevel<'a> {
+    /// All levels of a layer, voxels first.
+    pub(super) fn all(layer: &'a LayerPlan<'a>) -> Vec<Self> {
+        let seen = |plan: &'a LayerPlan<'a>, allowed| Self {
+            plan,
+            raster: Raster::new(plan, 0),
+            bricks: BrickView::new(&plan.grid(), &plan.view),
+            allowed,
+        };
+        let mut all = vec![seen(layer, None)];
+        let mut next = layer.coarser.as_deref();
+        while let Some(CellsPlan { plan, from_depth, limits, .. }) = next {
+            all.push(seen(plan, Some((*from_depth, *limits))));
+            next = plan.coarser.as_deref();
+        }
+        all
+    }
+
+    /// Whether a brick lies where this level may be drawn.
+    fn reaches(&self, brick_idx: u32) -> bool {
+        let Some((from_depth, _)) = self.allowed else { return true };
+        if from_depth.is_infinite() {
+            return from_depth < 0.0;
+        }
+        let bounds = self.bricks.bounds(&whole(brick_idx));
+        let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
+        from_depth <= front - self.plan.half_depth
+    }
+}
+
+/// A brick, whatever it holds.
+fn whole(brick_idx: u32) -> Brick {
+    Brick { brick_idx, first: 0, n_voxels: 0 }
+}
+
+impl<'a> LevelVoxels<'a> {
+    /// Those of one of the levels of a layer.
+    pub(super) fn new(
+        stage: &'a Stage<'a>,
+        on_demand: &'a OnDemand<'a>,
+        levels: &'a [SeenLevel<'a>],
+        level: usize,
+    ) -> Self {
+        Self {
+            stage,
+            on_demand,
+            level: level as u32,
+            seen: &levels[level],
+            coarser: levels.get(level + 1),
+            faces: LitFaces::of(stage.layer),
+        }
+    }
+
+    fn maker(&self) -> BrickMaker<'_> {
+        let Stage { lighting, frame, .. } = self.stage;
+        BrickMaker { lister: &self.on_demand.lister, lighting, frame }
+    }
+
+    /// Whether a brick is drawn by this level as far as its depth is concerned.
+    fn is_of_this_level(&self, brick_idx: u32) -> bool {
+        let parent = || self.on_demand.bricks.parent(self.level, brick_idx);
+        self.seen.reaches(brick_idx) && !self.coarser.is_some_and(|seen| seen.reaches(parent()))
+    }
+
+    /// Whether cells are alike enough, and faint enough, to stand for their voxels.
+    fn allows(&self, cells: &CellBrick) -> bool {
+        let Some((_, limits)) = self.seen.allowed else { return true };
+        let Contrast { color, normal, noise } = cells.contrast();
+        let [of_color, of_normal] = match &self.stage.layer.light {
+            None => [1.0, 0.0],
+            Some(light) => {
+                let lit =
+                    |channel: usize| light.lights.iter().map(|l| l.color[channel]).sum::<f64>();
+                let light_of_all = lit(0).max(lit(1)).max(lit(2));
+                let phong = &light.phong;
+                let diffuse = phong.diffuse * light_of_all;
+                [(phong.ambient + diffuse).max(1.0), diffuse + phong.specular * light_of_all]
+            }
+        };
+        let contrast = of_color * f64::from(color) + of_normal * f64::from(normal);
+        contrast <= limits.contrast
+            && f64::from(noise) <= limits.noise
+            && f64::from(cells.largest_of_voxels()) <= limits.extinction
+    }
+
+    /// Takes the normals of lit faces where these count.
+    fn face(
+        &self,
+        faces: &LitFaces<'_>,
+        brick: &Brick,
+        records: &[VoxelRecord],
+        cells: &mut [CellValues],
+    ) {
+        let mut points = [[0.0; 3]; AT_ONCE];
+        let points = &mut points[..records.len()];
+        self.seen.bricks.project_brick(brick, records, points);
+        for (cell, point) in cells.iter_mut().zip(points) {
+            if let Some(face) = faces.at(DVec3::from_array(point.map(f64::from))) {
+                cell.normal = faces.mean_instead_of(cell.normal, face);
+                cell.undirected *= 1.0 - face.share() as f32;
+            }
+        }
+    }
+
+    /// Lights up to eight cells.
+    fn light(&self, cells: &[CellValues; AT_ONCE], colors: &mut [[f32; 4]]) {
+        let lit = match self.stage.lighting.light() {
+            None => cells.map(|cell| cell.color),
+            Some(light) => dispatch!(self.stage.level, simd => simd.vectorize(
+                #[inline(always)]
+                || light.on_cells(cells),
+            )),
+        };
+        for ((color, [r, g, b]), cell) in colors.iter_mut().zip(lit).zip(cells) {
+            let mu = cell.extinction;
+            *color = [mu * r, mu * g, mu * b, mu];
+        }
+    }
+}
+
+/// Cells that are lit at once.
+const AT_ONCE: usize = 8;
+
+impl Voxels for LevelVoxels<'_> {
+    fn n_voxels(&self) -> u64 {
+        if self.level == 0 { self.on_demand.bricks.n_voxels() } else { 0 }
+    }
+
+    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
+        let OnDemand { bricks, lister } = self.on_demand;
+        // In parallel rays all are of the coarsest level.
+        if self
+            .coarser
+            .is_some_and(|seen| seen.allowed.is_some_and(|(from, _)| from == f64::NEG_INFINITY))
+        {
+            return;
+        }
+        let here = bricks
+            .may_hold(self.level, lister)
+            .par_iter()
+            .filter(|idx| self.is_of_this_level(**idx));
+        into.par_extend(here.map(|&idx| (range_of(&whole(idx)), idx)));
+    }
+
+    fn brick(&self, key: u32) -> Brick {
+        whole(key)
+    }
+
+    fn read<'a>(&'a self, brick: &Brick, room: &'a mut ReadRoom) -> Option<BrickVoxels<'a>> {
+        let bricks = self.on_demand.bricks;
+        let ReadRoom { made, records } = room;
+        if self.level == 0 {
+            return Some(BrickVoxels::new(bricks.voxels(self.maker(), brick.brick_idx, made)));
+        }
+        let cells = bricks.cells(self.maker(), self.level, brick.brick_idx, made);
+        if !self.allows(cells) {
+            return None;
+        }
+        records.clear();
+        records.extend(cells.slots());
+        Some(BrickVoxels { records, n_voxels: cells.n_voxels(), cells: Some(cells) })
+    }
+
+    fn finer<'a>(&'a self, key: u32) -> Box<dyn Iterator<Item = u32> + 'a> {
+        Box::new(self.on_demand.bricks.children(self.level, key, &self.on_demand.lister))
+    }
+
+    fn color(
+        &self,
+        brick: &Brick,
+        read: &BrickVoxels<'_>,
+        records: &[VoxelRecord],
+        colors: &mut [[f32; 4]],
+    ) {
+        let Some(cells) = read.cells else {
+            let faces = self.faces.as_ref();
+            return self.stage.color(faces, brick, records, colors);
+        };
+        let BrickBounds { center, half_extents } = self.seen.bricks.bounds(brick);
+        let [center, half_extents] =
+            [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
+        let faces = self.faces.as_ref().filter(|faces| faces.may_be_in(center, half_extents));
+        let mut all = read.records.iter().zip(cells.cells());
+        let mut values_of = |record: &VoxelRecord| {
+            let found = all.find(|(read, _)| read.slot == record.slot);
+            found.map_or(CellRecord::default(), |(_, cell)| *cell).values(cells.largest())
+        };
+        for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
+            let mut values = [CellValues::default(); AT_ONCE];
+            for (values, record) in values.iter_mut().zip(records) {
+                *values = values_of(record);
+            }
+            if let Some(faces) = faces {
+                self.face(faces, brick, records, &mut values);
+            }
+            self.light(&values, colors);
+        }
+    }
+}

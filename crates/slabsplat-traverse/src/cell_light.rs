@@ -1,0 +1,292 @@
+//! Blinn–Phong on cells (model §16): their voxels face many ways, of which a cell knows the mean normal and the
+//! share that has none.
+//!
+//! ```text
+//! d = 1 − share without normal      r = |n|/d              how much alike those that have one point
+//! m = n·l/d                         v = q·(1 − m²)         mean and variance of their products with a light,
+//! q = (1 − r²)/(3 − r²)                                    as if they were spread evenly around the mean
+//! a = √(m² + ¾·v·v/(v + ½·m²))                             mean of |n·l|, for two-sided light
+//! (a + m)/2, (a + m)/2a                                    mean of max(n·l, 0), and the share that faces it
+//! f = r/(r + s·(1 − r))             y = n·h/|n|            how much broader highlights become
+//! (1 + f·s)/(1 + s)·(r²·y^(f·s) + (1 − r²)·e^(−f·s·(1 − y)))               mean of highlights
+//! ```
+//!
+//! `a` is exact for `m` = 0 and for `v` = 0, and elsewhere off by 0.02 at most, found by sampling.
+//! With `r` = 1 all are those of one voxel, with `r` = 0 those of directions that are all alike likely: ½ and
+//! ¼. `v` is that of a von Mises–Fisher distribution whose concentration is `r(3 − r²)/(1 − r²)` (Banerjee,
+//! Dhillon, Ghosh & Sra, JMLR 6, 2005), and highlights are Toksvig's ("Mipmapping Normal Maps", Journal of
+//! Graphics Tools 10(3), 2005), as a power where normals are alike and as an exponential, which has no kink at
+//! a right angle, where they are not: off by 0.024 to 0.036 in the mean of squares, without that by 0.05.
+//!
+//! All goes eight cells at a time, without branches on cells.
+
+use crate::CellValues;
+use crate::blinn_phong::BlinnPhong8;
+use std::array::from_fn;
+
+/// What eight cells have in common with eight others: what there is of directions among their voxels.
+struct Facing8 {
+    normals: [[f32; 8]; 3],
+    /// `d`, and one over it.
+    directed: [f32; 8],
+    per_directed: [f32; 8],
+    /// `r`.
+    alike: [f32; 8],
+    /// `q`.
+    spread: [f32; 8],
+}
+
+/// The least of what is divided by: where there is no direction at all, all that depends on one is 0 times
+/// something finite.
+const LEAST: f32 = 1e-12;
+
+impl Facing8 {
+    #[inline(always)]
+    fn new(cells: &[CellValues; 8]) -> Self {
+        let normals: [[f32; 8]; 3] = from_fn(|axis| from_fn(|i| cells[i].normal[axis]));
+        let (mut directed, mut per_directed) = ([0.0; 8], [0.0; 8]);
+        let (mut alike, mut spread) = ([0.0; 8], [0.0; 8]);
+        for i in 0..8 {
+            let [x, y, z] = normals.map(|component| component[i]);
+            let length = (x * x + y * y + z * z).sqrt();
+            // Rounding may have made a normal longer than what has one.
+            let d = (1.0 - cells[i].undirected).max(length);
+            directed[i] = d.min(1.0);
+            per_directed[i] = 1.0 / d.max(LEAST);
+            let r = length * per_directed[i];
+            alike[i] = r;
+            spread[i] = (1.0 - r * r) / (3.0 - r * r);
+        }
+        Self { normals, directed, per_directed, alike, spread }
+    }
+
+    /// `m`, −1 … 1.
+    #[inline(always)]
+    fn means(&self, direction: [f32; 3]) -> [f32; 8] {
+        let [x, y, z] = &self.normals;
+        from_fn(|i| {
+            let product = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+            (product * self.per_directed[i]).clamp(-1.0, 1.0)
+        })
+    }
+}
+
+impl BlinnPhong8 {
+    /// The colours of eight cells under this light.
+    #[inline(always)]
+    pub fn on_cells(&self, cells: &[CellValues; 8]) -> [[f32; 3]; 8] {
+        let facing = Facing8::new(cells);
+        let mut diffuse = [[self.ambient; 8]; 3];
+        let mut specular = [[0.0; 8]; 3];
+        for (diffuse, of_all) in diffuse.iter_mut().zip(self.undirected) {
+            for i in 0..8 {
+                diffuse[i] += of_all * cells[i].undirected;
+            }
+        }
+        let shininess = self.shininess.exponent();
+        for light in self.lights() {
+            let means = facing.means(light.to_light);
+            let (mut n_l, mut shares) = ([0.0; 8], [1.0; 8]);
+            for i in 0..8 {
+                let m = means[i];
+                let v = facing.spread[i] * (1.0 - m * m);
+                let beyond = 0.75 * v * v / (v + 0.5 * m * m).max(LEAST);
+                let both_sides = (m * m + beyond).max(LEAST).sqrt();
+                let one_side = 0.5 * (both_sides + m);
+                n_l[i] = facing.directed[i] * if self.two_sided { both_sides } else { one_side };
+                shares[i] = if self.two_sided { 1.0 } else { one_side / both_sides };
+            }
+            let n_h = facing.means(light.halfway);
+            let mut highlights = [0.0; 8];
+            for i in 0..8 {
+                let r = facing.alike[i];
+                let product = (n_h[i] / r.max(LEAST)).clamp(-1.0, 1.0);
+                let product = if self.two_sided { product.abs() } else { product };
+                let sharper = r / (r + shininess * (1.0 - r)).max(LEAST);
+                let exponent = sharper * shininess;
+                let factor = (1.0 + exponent) / (1.0 + shininess);
+                let of_many = exp2_of_negative((exponent * LOG2_E * (product - 1.0)).max(-125.0));
+                let of_one = power(product.clamp(0.0, 1.0), exponent);
+                let highlight = factor * (r * r * of_one + (1.0 - r * r) * of_many);
+                highlights[i] = facing.directed[i] * shares[i] * highlight;
+            }
+            for channel in 0..3 {
+                for i in 0..8 {
+                    diffuse[channel][i] += light.diffuse[channel] * n_l[i];
+                    specular[channel][i] += light.specular[channel] * highlights[i];
+                }
+            }
+        }
+        from_fn(|i| {
+            from_fn(|channel| {
+                let lit = cells[i].color[channel] * diffuse[channel][i] + specular[channel][i];
+                if lit < 1.0 { lit } else { 1.0 }
+            })
+        })
+    }
+}
+
+/// `base^exponent` for bases of 0 … 1, to 2·10⁻⁵ for exponents of up to 100. 0 counts as 2⁻¹²⁷.
+#[inline(always)]
+fn power(base: f32, exponent: f32) -> f32 {
+    exp2_of_negative((exponent * log2(base)).max(-125.0))
+}
+
+const LOG2_E: f32 = std::f32::consts::LOG2_E;
+
+/// Fitted to `log2(1 + t)/t` and `(2^t − 1)/t`, `t` in 0 … 1, by least squares.
+const LOG2: [f32; 7] = [
+    1.442_664,
+    -0.720_515_5,
+    0.473_113_34,
+    -0.324_616_4,
+    0.192_385_05,
+    -0.078_158_21,
+    0.015_127_916,
+];
+const EXP2: [f32; 5] = [0.693_152_55, 0.240_152_44, 0.055_836_6, 0.008_972_899, 0.001_885_403_8];
+
+#[inline(always)]
+fn log2(number: f32) -> f32 {
+    let bits = number.to_bits();
+    let exponent = (bits >> 23) as i32 - 127;
+    let t = f32::from_bits(bits & 0x007f_ffff | 0x3f80_0000) - 1.0;
+    exponent as f32 + t * LOG2.iter().rev().fold(0.0, |sum, factor| sum * t + factor)
+}
+
+/// Of −125 … 0.
+#[inline(always)]
+fn exp2_of_negative(number: f32) -> f32 {
+    let whole = (number + 127.0) as i32;
+    let t = number + 127.0 - whole as f32;
+    f32::from_bits((whole as u32) << 23)
+        * (1.0 + t * EXP2.iter().rev().fold(0.0, |sum, factor| sum * t + factor))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::glam::DVec3;
+    use slabsplat_core::{BlinnPhong, Light, LightInView, Phong};
+    use slabsplat_seeds::for_each_seed;
+
+    #[test]
+    fn power_is_a_power() {
+        let (mut worst, mut n) = (0.0_f64, 0);
+        for exponent in [0.0_f32, 0.01, 0.5, 1.0, 5.0, 24.0, 100.0] {
+            for base in (1..=1000_u16).map(|k| f32::from(k) / 1000.0) {
+                let expected = f64::from(base).powf(exponent.into());
+                worst = worst.max((f64::from(power(base, exponent)) - expected).abs());
+                n += 1;
+            }
+        }
+        assert!(n == 7000 && worst < 2e-5, "{worst}");
+        assert_eq!(
+            [power(0.0, 20.0), power(1.0, 20.0), power(0.0, 0.0)].map(|p| p.round()),
+            [0.0, 1.0, 1.0]
+        );
+    }
+
+    fn random_direction(rng: &mut fastrand::Rng) -> DVec3 {
+        DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5).normalize()
+    }
+
+    fn random_light(rng: &mut fastrand::Rng) -> BlinnPhong {
+        let phong = Phong::default()
+            .ambient(0.3 * rng.f64())
+            .diffuse(rng.f64())
+            .zero_gradient(rng.f64())
+            .specular(0.5 * rng.f64())
+            .shininess([0.0, 3.0, 20.0, 50.0][rng.usize(..4)])
+            .two_sided(rng.bool());
+        let mut light = || match rng.bool() {
+            true => Light::default(),
+            false => Light::towards(random_direction(rng)).unwrap().color([0.5, 1.0, 0.25]),
+        };
+        let lights = [light(), light()];
+        let forward = random_direction(rng);
+        BlinnPhong { phong, lights: lights.map(|light| LightInView::new(light, forward)).to_vec() }
+    }
+
+    /// The definition of model §16, in 64 bits.
+    fn naive(light: &BlinnPhong, cell: &CellValues) -> [f64; 3] {
+        let Phong { ambient, diffuse, zero_gradient, specular, shininess: s, two_sided, .. } =
+            light.phong;
+        let n = DVec3::from_array(cell.normal.map(f64::from));
+        let undirected = f64::from(cell.undirected);
+        let d = (1.0 - undirected).max(n.length());
+        let r = n.length() / d.max(1e-12);
+        let q = (1.0 - r * r) / (3.0 - r * r);
+        let color = DVec3::from_array(cell.color.map(f64::from));
+        let (mut of_color, mut added) = (DVec3::splat(ambient), DVec3::ZERO);
+        for LightInView { to_light, halfway, color } in &light.lights {
+            let m = n.dot(*to_light) / d.max(1e-12);
+            let v = q * (1.0 - m * m);
+            let both = (m * m + 0.75 * v * v / (v + 0.5 * m * m).max(1e-12)).max(1e-12).sqrt();
+            let one = 0.5 * (both + m);
+            let n_l = d * if two_sided { both } else { one };
+            of_color += diffuse * *color * (n_l + zero_gradient * undirected);
+            let share = if two_sided { 1.0 } else { one / both };
+            let y = n.dot(*halfway) / n.length().max(1e-12);
+            let y = if two_sided { y.abs() } else { y }.clamp(-1.0, 1.0);
+            let f = r / (r + s * (1.0 - r)).max(1e-12);
+            let of_one = y.clamp(2_f64.powi(-127), 1.0).powf(f * s);
+            let highlight = r * r * of_one + (1.0 - r * r) * (f * s * (y - 1.0)).exp();
+            added += specular * *color * d * share * (1.0 + f * s) / (1.0 + s) * highlight;
+        }
+        (color * of_color + added).min(DVec3::ONE).to_array()
+    }
+
+    #[test]
+    fn cell_light_is_the_definition() {
+        for_each_seed(1, |mut rng| {
+            for _ in 0..200 {
+                let light = random_light(&mut rng);
+                let cells = [0; 8].map(|_| {
+                    let undirected = [0.0, 1.0, 0.5, rng.f32()][rng.usize(..4)];
+                    let length = (1.0 - undirected) * [0.0, 1.0, rng.f32()][rng.usize(..3)];
+                    let normal = (random_direction(&mut rng) * f64::from(length)).as_vec3();
+                    let color = [0; 3].map(|_| rng.f32());
+                    CellValues { extinction: 1.0, color, normal: normal.to_array(), undirected }
+                });
+                let lit = BlinnPhong8::new(&light).on_cells(&cells);
+                for (cell, lit) in cells.iter().zip(lit) {
+                    for (channel, expected) in lit.iter().zip(naive(&light, cell)) {
+                        let off = (f64::from(*channel) - expected).abs();
+                        assert!(off < 1e-4, "{off}: {cell:?} {:?}", light.phong);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Of one direction it is a voxel's light, and of many nearly the mean of theirs.
+    #[test]
+    fn cell_light_is_near_the_mean_of_its_voxels() {
+        let mut worst = [0.0_f64; 2];
+        for_each_seed(1, |mut rng| {
+            for _ in 0..100 {
+                let any = random_light(&mut rng);
+                let phong = Phong::default().two_sided(any.phong.two_sided);
+                let light = BlinnPhong { phong, lights: any.lights[..1].to_vec() };
+                let mean = random_direction(&mut rng);
+                let width = [0.0, 0.2, 0.5, 1.0, 3.0][rng.usize(..5)];
+                let voxels: Vec<DVec3> = (0..64)
+                    .map(|_| (mean + width * rng.f64() * random_direction(&mut rng)).normalize())
+                    .collect();
+                let color = DVec3::splat(0.5);
+                let expected = voxels.iter().map(|&n| light.lit(color, n)).sum::<DVec3>() / 64.0;
+                let normal = (voxels.iter().sum::<DVec3>() / 64.0).as_vec3().to_array();
+                let color = color.as_vec3().to_array();
+                let cell = CellValues { extinction: 1.0, color, normal, undirected: 0.0 };
+                let [lit, ..] = BlinnPhong8::new(&light).on_cells(&[cell; 8]);
+                let off = (DVec3::from_array(lit.map(f64::from)) - expected).abs().max_element();
+                let of_kind = &mut worst[usize::from(0.0 < width)];
+                *of_kind = of_kind.max(off);
+            }
+        });
+        let [of_one, of_many] = worst;
+        println!("off by {of_one:.1e} for one direction, {of_many:.3} for many");
+        assert!(of_one < 1e-4 && of_many < 0.05, "{worst:?}");
+    }
+}

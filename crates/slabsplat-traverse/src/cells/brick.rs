@@ -1,0 +1,174 @@
+//! A brick of cells.
+
+use super::record::{CellRecord, CellValues};
+use super::sums::{CellSums, N_SLOTS};
+use crate::{BRICK_SIDE, VoxelRecord};
+
+/// A brick of 8³ cells, of which some hold relevant voxels.
+#[derive(Clone, Debug)]
+pub struct CellBrick {
+    /// A bit a slot.
+    is_there: [u64; N_SLOTS / 64],
+    /// Those that are there, in the order of slots.
+    cells: Box<[CellRecord]>,
+    largest: f32,
+    per_voxel: f32,
+    n_voxels: u32,
+    contrast: Contrast,
+}
+
+/// How much layers of cells that follow each other differ, as a pixel sees them: differences times the lesser
+/// extinction per voxel, averaged over 4×4 pairs, the largest in the brick. Noise averages out there as it does in
+/// a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contrast {
+    /// In the channel in which their colours differ most.
+    pub color: f32,
+    /// In their normals, and in what has none.
+    pub normal: f32,
+    /// By which colours of single cells side by side differ, not averaged: the root of the mean of squares.
+    pub noise: f32,
+}
+
+impl CellBrick {
+    /// The brick of those sums, which are of so many voxels.
+    pub(super) fn new(sums: &CellSums, level: u32, n_voxels: u32) -> Self {
+        let mut values = [CellValues::default(); N_SLOTS];
+        let mut is_there = [0; N_SLOTS / 64];
+        let (mut n_cells, mut largest) = (0, 0.0_f32);
+        for (slot, cell) in sums.cells(level) {
+            values[slot] = cell;
+            is_there[slot / 64] |= 1 << (slot % 64);
+            n_cells += 1;
+            largest = largest.max(cell.extinction);
+        }
+        let mut cells = Vec::with_capacity(n_cells);
+        let are_there = (0..N_SLOTS).filter(|slot| is_there[slot / 64] >> (slot % 64) & 1 == 1);
+        cells.extend(are_there.map(|slot| CellRecord::new(&values[slot], slot, largest)));
+        let contrast = Contrast::of(&values, level);
+        // A cell's extinction is the sum of its voxels', over the voxels along an edge.
+        let per_voxel = 1.0 / f32::from(1_u16 << (2 * level));
+        Self { is_there, cells: cells.into_boxed_slice(), largest, per_voxel, n_voxels, contrast }
+    }
+
+    /// The slots of the cells that are there, as voxels without normals, in memory order.
+    pub fn slots(&self) -> impl Iterator<Item = VoxelRecord> {
+        (0_u16..).zip(self.is_there).flat_map(|(word, bits)| {
+            let next = |left: &u64| Some(left & left.wrapping_sub(1)).filter(|left| *left != 0);
+            let all_left = std::iter::successors(Some(bits).filter(|bits| *bits != 0), next);
+            all_left.map(move |left| VoxelRecord {
+                slot: 64 * word + left.trailing_zeros() as u16,
+                ..VoxelRecord::default()
+            })
+        })
+    }
+
+    /// The cells in these slots.
+    pub fn cells(&self) -> &[CellRecord] {
+        &self.cells
+    }
+
+    /// The largest extinction of any cell, by which they are stored.
+    pub fn largest(&self) -> f32 {
+        self.largest
+    }
+
+    /// The same per voxel step: the largest mean of a cell's voxels.
+    pub fn largest_of_voxels(&self) -> f32 {
+        self.largest * self.per_voxel
+    }
+
+    /// Relevant voxels in it.
+    pub fn n_voxels(&self) -> u64 {
+        self.n_voxels.into()
+    }
+
+    /// How much its cells differ.
+    pub fn contrast(&self) -> Contrast {
+        self.contrast
+    }
+
+    /// Bytes held, with itself.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&*self.cells)
+    }
+}
+
+/// Pairs of cells across a gap between layers, along either axis, whose differences are averaged: what a pixel
+/// sees at once where cells are as wide as footprints.
+const BLOCK_SIDE: usize = 4;
+
+/// Blocks across a brick, and gaps between its layers.
+const N_BLOCKS: usize = BRICK_SIDE / BLOCK_SIDE;
+const N_GAPS: usize = BRICK_SIDE - 1;
+
+/// Differences of red, green, blue, of the normal, and of what has none.
+type Difference = [f32; 7];
+
+impl Contrast {
+    fn of(values: &[CellValues; N_SLOTS], level: u32) -> Self {
+        let per_block = 1.0 / (BLOCK_SIDE * BLOCK_SIDE) as f32 / f32::from(1_u16 << (2 * level));
+        let mut most = Self::default();
+        for strides in [[1, 8, 64], [8, 64, 1], [64, 1, 8]] {
+            for sum in differences(values, strides).as_flattened().as_flattened() {
+                let [r, g, b, x, y, z, undirected] = sum.map(|sum| per_block * sum);
+                let length = (x * x + y * y + z * z).sqrt();
+                most.color = most.color.max(r.abs()).max(g.abs()).max(b.abs());
+                most.normal = most.normal.max(length + undirected.abs());
+            }
+        }
+        most.noise = noise(values) / f32::from(1_u16 << (2 * level));
+        most
+    }
+}
+
+/// The root of the mean square of how much colours of cells side by side differ, in the channel in which they
+/// differ most, times the lesser extinction.
+fn noise(values: &[CellValues; N_SLOTS]) -> f32 {
+    let (mut squares, mut n_pairs) = (0.0, 0_u16);
+    for (axis, stride) in (0..).zip([1, BRICK_SIDE, BRICK_SIDE * BRICK_SIDE]) {
+        for slot in 0..N_SLOTS - stride {
+            let [a, b] = [&values[slot], &values[slot + stride]];
+            let both = a.extinction.min(b.extinction);
+            let is_last = slot / BRICK_SIDE.pow(axis) % BRICK_SIDE == BRICK_SIDE - 1;
+            if !is_last && 0.0 < both {
+                let pairs = a.color.iter().zip(b.color);
+                let most = pairs.fold(0.0, |most: f32, (a, b)| most.max((a - b).abs()));
+                squares += (both * most).powi(2);
+                n_pairs += 1;
+            }
+        }
+    }
+    (squares / f32::from(n_pairs.max(1))).sqrt()
+}
+
+/// The sums of differences over blocks of pairs, where cells of a pair lie `across` slots from each other.
+fn differences(
+    values: &[CellValues; N_SLOTS],
+    [across, along, up]: [usize; 3],
+) -> [[[Difference; N_BLOCKS]; N_BLOCKS]; N_GAPS] {
+    let mut sums = [[[[0.0; 7]; N_BLOCKS]; N_BLOCKS]; N_GAPS];
+    for k in 0..BRICK_SIDE {
+        for j in 0..BRICK_SIDE {
+            for (gap, sums) in sums.iter_mut().enumerate() {
+                let first = gap * across + j * along + k * up;
+                let [a, b] = [&values[first], &values[first + across]];
+                let sum = &mut sums[k / BLOCK_SIDE][j / BLOCK_SIDE];
+                let both = a.extinction.min(b.extinction);
+                for (sum, (a, b)) in sum.iter_mut().zip(a.looks().into_iter().zip(b.looks())) {
+                    *sum += both * (a - b);
+                }
+            }
+        }
+    }
+    sums
+}
+
+impl CellValues {
+    /// All that decides how a cell looks but how opaque it is.
+    #[inline(always)]
+    fn looks(&self) -> Difference {
+        let Self { color: [r, g, b], normal: [x, y, z], undirected, .. } = *self;
+        [r, g, b, x, y, z, undirected]
+    }
+}

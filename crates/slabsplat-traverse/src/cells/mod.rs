@@ -1,0 +1,23 @@
+//! Cells, each of which may stand for 2³, 4³ or 8³ voxels (model §16): what is retained of them, how they are
+//! made of voxels, and when.
+//!
+//! ```text
+//! when a brick of 8³ cells is first seen:
+//!     for each brick of voxels in it: list, classify; add what each voxel has to the sums of its cell
+//!     a cell = Σμ, Σμ·colour, Σμ·normal, each over Σμ, in 8 bytes
+//! ```
+//!
+//! Nothing of a cell depends on the view or on light, so that a brick of them serves until the transfer
+//! function changes.
+//!
+//! Reading order: `record`, `sums`, `brick`, `lazy_bricks`, `on_demand`.
+
+mod brick;
+mod lazy_bricks;
+mod on_demand;
+mod record;
+mod sums;
+
+pub use brick::{CellBrick, Contrast};
+pub use on_demand::{BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS};
+pub use record::{CellRecord, CellValues};

@@ -1,0 +1,374 @@
+//! Bricks of voxels and of cells, each made when a frame first sees it, within a budget of memory.
+//!
+//! What has been made serves until values, rules or the transfer function change. Once the budget is spent, a
+//! brick is made for the frame that asks and forgotten; the frame after such a one begins anew, so that the
+//! budget goes to what is seen now.
+
+use super::brick::CellBrick;
+use super::lazy_bricks::LazyBricks;
+use super::sums::CellSums;
+use crate::{Brick, BrickGrid, BrickLister, VoxelLighting, VoxelRecord};
+use slabsplat_core::{FrameHandle, Grid};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Levels of cells: a cell of the last has 8³ voxels, and a brick of those 64³.
+pub const CELL_LEVELS: usize = 3;
+
+/// Bricks of a volume by level, of voxels and of cells.
+#[derive(Debug)]
+pub struct BricksOnDemand {
+    grids: [BrickGrid; CELL_LEVELS + 1],
+    /// Those that may hold relevant voxels, by level, in memory order.
+    may_hold: [OnceLock<Vec<u32>>; CELL_LEVELS + 1],
+    voxels: LazyBricks<Box<[VoxelRecord]>>,
+    cells: [LazyBricks<CellBrick>; CELL_LEVELS],
+    n_voxels: u64,
+    bytes: AtomicUsize,
+    budget_bytes: usize,
+    is_spent: AtomicBool,
+}
+
+/// What bricks are made of: of the same volume, values and rules as long as a [`BricksOnDemand`] lives.
+#[derive(Clone, Copy, Debug)]
+pub struct BrickMaker<'a> {
+    /// Lists their voxels.
+    pub lister: &'a BrickLister<'a>,
+    /// Classifies them.
+    pub lighting: &'a VoxelLighting<'a>,
+    /// For which they are made. If it is cancelled, bricks may be made of less than they hold, and are not
+    /// retained.
+    pub frame: &'a FrameHandle,
+}
+
+/// What a thread needs to make bricks.
+#[derive(Debug, Default)]
+pub struct BrickRoom {
+    records: Vec<VoxelRecord>,
+    colors: Vec<[f32; 4]>,
+    sums: CellSums,
+    /// What the budget has no room for.
+    unretained: Option<CellBrick>,
+}
+
+impl BricksOnDemand {
+    /// The bricks of a grid, of whose voxels so many are relevant; what is retained of them takes no more than
+    /// that many bytes, and a few beside them that do not grow with it.
+    pub fn new(grid: &Grid, n_voxels: u64, budget_bytes: usize) -> Self {
+        // Where there are no cells, as their steps would be too long, nobody asks for them.
+        let of_level = |level| {
+            grid.of_cells(level).as_ref().map_or_else(|_| BrickGrid::default(), BrickGrid::new)
+        };
+        let grids = [0, 1, 2, 3].map(of_level);
+        Self {
+            grids,
+            may_hold: Default::default(),
+            voxels: LazyBricks::new(grids[0].n_bricks()),
+            cells: [1, 2, 3].map(|level| LazyBricks::new(grids[level].n_bricks())),
+            n_voxels,
+            bytes: AtomicUsize::new(0),
+            budget_bytes,
+            is_spent: AtomicBool::new(false),
+        }
+    }
+
+    /// Relevant voxels in all.
+    pub fn n_voxels(&self) -> u64 {
+        self.n_voxels
+    }
+
+    /// Makes room for another frame, if the last one had not enough.
+    pub fn start_frame(&mut self) {
+        if std::mem::take(self.is_spent.get_mut()) {
+            self.voxels.clear();
+            self.cells.iter_mut().for_each(LazyBricks::clear);
+            *self.bytes.get_mut() = 0;
+        }
+    }
+
+    /// How a level is cut into bricks.
+    pub fn grid(&self, level: u32) -> &BrickGrid {
+        &self.grids[level as usize]
+    }
+
+    /// The bricks of a level that may hold relevant voxels, in memory order.
+    pub fn may_hold(&self, level: u32, lister: &BrickLister<'_>) -> &[u32] {
+        self.may_hold[level as usize].get_or_init(|| match level {
+            0 => (0..self.grids[0].n_bricks() as u32).filter(|&idx| lister.may_hold(idx)).collect(),
+            _ => {
+                let mut may_hold = vec![false; self.grid(level).n_bricks()];
+                for &child in self.may_hold(level - 1, lister) {
+                    may_hold[self.parent(level - 1, child) as usize] = true;
+                }
+                (0..).zip(may_hold).filter_map(|(idx, may_hold)| may_hold.then_some(idx)).collect()
+            }
+        })
+    }
+
+    /// The brick of the next coarser level in which a brick lies.
+    #[inline]
+    pub fn parent(&self, level: u32, brick_idx: u32) -> u32 {
+        let coords = self.grid(level).coords(brick_idx);
+        self.grid(level + 1).brick_idx(coords.map(|at| at / 2))
+    }
+
+    /// The bricks of the next finer level that lie in one, of which each may hold relevant voxels.
+    pub fn children<'a>(
+        &'a self,
+        level: u32,
+        brick_idx: u32,
+        lister: &'a BrickLister<'_>,
+    ) -> impl Iterator<Item = u32> + 'a {
+        let all = self.may_hold(level - 1, lister);
+        within(self.grid(level), self.grid(level - 1), brick_idx, 1)
+            .filter(|child| all.binary_search(child).is_ok())
+    }
+
+    /// The voxels of a brick.
+    pub fn voxels<'a>(
+        &'a self,
+        maker: BrickMaker<'_>,
+        brick_idx: u32,
+        room: &'a mut BrickRoom,
+    ) -> &'a [VoxelRecord] {
+        if let Some(records) = self.voxels.get(brick_idx) {
+            return records;
+        }
+        room.records.clear();
+        maker.lister.list(brick_idx, &mut room.records);
+        if self.spends(size_of_val(&*room.records)) {
+            return self.voxels.retain(brick_idx, room.records.as_slice().into());
+        }
+        &room.records
+    }
+
+    /// The cells of a brick, of level 1 … [`CELL_LEVELS`].
+    pub fn cells<'a>(
+        &'a self,
+        maker: BrickMaker<'_>,
+        level: u32,
+        brick_idx: u32,
+        room: &'a mut BrickRoom,
+    ) -> &'a CellBrick {
+        let of_level = &self.cells[level as usize - 1];
+        if let Some(brick) = of_level.get(brick_idx) {
+            return brick;
+        }
+        let brick = self.made(maker, level, brick_idx, room);
+        if !maker.frame.is_cancelled() && self.spends(brick.bytes()) {
+            return of_level.retain(brick_idx, brick);
+        }
+        room.unretained.insert(brick)
+    }
+
+    fn made(
+        &self,
+        BrickMaker { lister, lighting, frame }: BrickMaker<'_>,
+        level: u32,
+        brick_idx: u32,
+        BrickRoom { records, colors, sums, .. }: &mut BrickRoom,
+    ) -> CellBrick {
+        let (cell_bricks, voxel_bricks) = (self.grid(level), self.grid(0));
+        let first = cell_bricks.coords(brick_idx).map(|at| at << level);
+        sums.clear();
+        let mut n_voxels = 0;
+        for child in within(cell_bricks, voxel_bricks, brick_idx, level) {
+            if frame.is_cancelled() {
+                break;
+            }
+            records.clear();
+            lister.list(child, records);
+            if records.is_empty() {
+                continue;
+            }
+            colors.resize(records.len(), [0.0; 4]);
+            let brick = Brick { brick_idx: child, first: 0, n_voxels: records.len() as u16 };
+            lighting.classify_brick(&brick, records, colors);
+            let at = voxel_bricks.coords(child);
+            let cells_along = crate::BRICK_SIDE >> level;
+            let first_cell = [0, 1, 2].map(|axis| (at[axis] - first[axis]) * cells_along);
+            sums.add(level, first_cell, records, colors);
+            n_voxels += records.len() as u32;
+        }
+        CellBrick::new(sums, level, n_voxels)
+    }
+
+    /// Whether the budget still has so much, which is then spent.
+    fn spends(&self, bytes: usize) -> bool {
+        let before = self.bytes.fetch_add(bytes, Ordering::Relaxed);
+        let has_room = before + bytes <= self.budget_bytes;
+        if !has_room {
+            self.bytes.fetch_sub(bytes, Ordering::Relaxed);
+            self.is_spent.store(true, Ordering::Relaxed);
+        }
+        has_room
+    }
+
+    /// Bytes held.
+    pub fn resident_bytes(&self) -> usize {
+        let of_cells: usize = self.cells.iter().map(LazyBricks::resident_bytes).sum();
+        let lists = self.may_hold.iter().filter_map(OnceLock::get).map(|list| list.capacity() * 4);
+        self.bytes.load(Ordering::Relaxed)
+            + self.voxels.resident_bytes()
+            + of_cells
+            + lists.sum::<usize>()
+    }
+}
+
+/// The bricks of a level that lie in a brick of one that is so many levels coarser, in memory order.
+fn within(
+    coarse: &BrickGrid,
+    fine: &BrickGrid,
+    brick_idx: u32,
+    n_levels: u32,
+) -> impl Iterator<Item = u32> + use<> {
+    let (fine, n_along, side) = (*fine, fine.n_along(), 1 << n_levels);
+    let first = coarse.coords(brick_idx).map(|at| at << n_levels);
+    let [xs, ys, zs] =
+        [0, 1, 2].map(|axis: usize| first[axis]..n_along[axis].min(first[axis] + side));
+    let rows = zs.flat_map(move |z| ys.clone().map(move |y| (y, z)));
+    rows.flat_map(move |(y, z)| xs.clone().map(move |x| fine.brick_idx([x, y, z])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{random_ranges, random_volume};
+    use crate::{BrickRanges, Classification, RelevantList, VoxelRules};
+    use slabsplat_core::{Compositing, IsoRange, Scaling, TransferFunction, Volume};
+    use slabsplat_seeds::for_each_seed;
+
+    /// Calls `check` with what makes the bricks of a volume, all in one colour.
+    fn with_maker(volume: &Volume, ranges: &[IsoRange], check: impl FnOnce(BrickMaker<'_>, u64)) {
+        let brick_ranges = BrickRanges::new(volume);
+        let lister = BrickLister::new(volume, &brick_ranges, ranges, None);
+        let transfer =
+            TransferFunction::new(vec![(0.0, [0.01]), (255.0, [0.9])], vec![(0.0, [0.5; 3])]);
+        let transfer = transfer.expect("the points rise");
+        let rules = VoxelRules::by_value(&transfer);
+        let classification = Classification::new(&rules, Compositing::Extinction, volume);
+        let lighting = VoxelLighting::new(&classification, volume, rules, None);
+        let frame = FrameHandle::new();
+        let n_voxels = lister.count_all(&frame).expect("nobody cancels the frame");
+        check(BrickMaker { lister: &lister, lighting: &lighting, frame: &frame }, n_voxels);
+    }
+
+    /// Extinction times voxels, and voxels, of all bricks of a level.
+    fn sums(bricks: &BricksOnDemand, maker: BrickMaker<'_>, level: u32) -> (f64, u64) {
+        let (mut extinction, mut n_voxels, mut room) = (0.0, 0, BrickRoom::default());
+        let side = f64::from(1 << level);
+        for &brick_idx in bricks.may_hold(level, maker.lister) {
+            let brick = bricks.cells(maker, level, brick_idx, &mut room);
+            let values = brick.cells().iter().map(|cell| cell.values(brick.largest()).extinction);
+            extinction += side * values.map(f64::from).sum::<f64>();
+            n_voxels += brick.n_voxels();
+            assert_eq!(brick.slots().count(), brick.cells().len());
+        }
+        (extinction, n_voxels)
+    }
+
+    #[test]
+    fn on_demand_conserves_extinction_at_all_levels() {
+        for_each_seed(1, |mut rng| {
+            for _ in 0..5 {
+                let volume = random_volume(&mut rng);
+                let ranges = random_ranges(&mut rng, &volume);
+                with_maker(&volume, &ranges, |maker, n_voxels| {
+                    let bricks = BricksOnDemand::new(volume.grid(), n_voxels, 1 << 30);
+                    let of_levels = [1, 2, 3].map(|level| sums(&bricks, maker, level));
+                    let of_voxels = voxel_sum(&bricks, maker);
+                    for (extinction, n_of_level) in of_levels {
+                        assert_eq!(n_of_level, n_voxels);
+                        let off = (extinction - of_voxels).abs() / of_voxels.max(1e-9);
+                        assert!(off < 0.02, "{extinction} of {of_voxels}");
+                    }
+                });
+            }
+        });
+    }
+
+    fn voxel_sum(bricks: &BricksOnDemand, maker: BrickMaker<'_>) -> f64 {
+        let (mut sum, mut room) = (0.0, BrickRoom::default());
+        for &brick_idx in bricks.may_hold(0, maker.lister) {
+            let records = bricks.voxels(maker, brick_idx, &mut room);
+            let brick = Brick { brick_idx, first: 0, n_voxels: records.len() as u16 };
+            let mut colors = vec![[0.0; 4]; records.len()];
+            maker.lighting.classify_brick(&brick, records, &mut colors);
+            sum += colors.iter().map(|color| f64::from(color[3])).sum::<f64>();
+        }
+        sum
+    }
+
+    #[test]
+    fn on_demand_lists_what_the_list_has() {
+        for_each_seed(1, |mut rng| {
+            let volume = random_volume(&mut rng);
+            let ranges = random_ranges(&mut rng, &volume);
+            let mut list = RelevantList::default();
+            list.update(&volume, &BrickRanges::new(&volume), &ranges, None);
+            with_maker(&volume, &ranges, |maker, n_voxels| {
+                let bricks = BricksOnDemand::new(volume.grid(), n_voxels, 1 << 30);
+                assert_eq!(bricks.n_voxels(), list.len() as u64);
+                let mut room = BrickRoom::default();
+                // Twice, as the second time they are retained.
+                for _ in 0..2 {
+                    let idxs = bricks.may_hold(0, maker.lister).iter();
+                    let all: Vec<VoxelRecord> = idxs
+                        .flat_map(|&idx| bricks.voxels(maker, idx, &mut room).to_vec())
+                        .collect();
+                    assert_eq!(all, list.records());
+                }
+            });
+        });
+    }
+
+    #[test]
+    fn on_demand_children_are_those_of_their_parent() {
+        let grid = Grid::with_spacing([70, 33, 40], [1.0; 3]).unwrap();
+        let samples = (0..grid.n_voxels()).map(|idx| (idx % 251) as u8).collect::<Vec<_>>();
+        let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+        let ranges = [IsoRange { lo: 10.0, hi: 20.0 }];
+        with_maker(&volume, &ranges, |maker, n_voxels| {
+            let bricks = BricksOnDemand::new(&grid, n_voxels, 0);
+            for level in [1, 2, 3] {
+                let mut all: Vec<u32> = Vec::new();
+                for &parent in bricks.may_hold(level, maker.lister) {
+                    for child in bricks.children(level, parent, maker.lister) {
+                        assert_eq!(bricks.parent(level - 1, child), parent);
+                        all.push(child);
+                    }
+                }
+                all.sort_unstable();
+                assert_eq!(all, bricks.may_hold(level - 1, maker.lister));
+            }
+        });
+    }
+
+    #[test]
+    fn on_demand_keeps_to_its_budget() {
+        let grid = Grid::with_spacing([64; 3], [1.0; 3]).unwrap();
+        let volume = Volume::new(grid, vec![9_u8; 1 << 18].into(), Scaling::IDENTITY).unwrap();
+        let ranges = [IsoRange { lo: 0.0, hi: 20.0 }];
+        with_maker(&volume, &ranges, |maker, n_voxels| {
+            // A brick of voxels takes 4 KiB, and one of cells as much.
+            let mut bricks = BricksOnDemand::new(&grid, n_voxels, 100 << 10);
+            let of_none = bricks.resident_bytes();
+            let mut room = BrickRoom::default();
+            let mut read_all = |bricks: &BricksOnDemand| {
+                for idx in 0..512 {
+                    assert_eq!(bricks.voxels(maker, idx, &mut room).len(), 512);
+                }
+                for idx in 0..64 {
+                    assert_eq!(bricks.cells(maker, 1, idx, &mut room).cells().len(), 512);
+                }
+            };
+            for _ in 0..3 {
+                read_all(&bricks);
+                let retained = bricks.bytes.load(Ordering::Relaxed);
+                assert!((90 << 10..=100 << 10).contains(&retained), "{retained}");
+                bricks.start_frame();
+                assert!(bricks.resident_bytes() <= of_none, "what is seen next gets the room");
+            }
+        });
+    }
+}

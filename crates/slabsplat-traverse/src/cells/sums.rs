@@ -1,0 +1,66 @@
+//! Voxels summed into cells.
+
+use super::record::CellValues;
+use crate::{BRICK_SIDE, NORMAL_STEPS, VoxelRecord};
+
+/// Slots in a brick.
+pub(super) const N_SLOTS: usize = BRICK_SIDE.pow(3);
+
+/// Sums of one cell: extinction `μ`, and `μ` times red, green, blue; `μ` times the normal; `μ` of voxels
+/// without one.
+type Sum = [f32; 8];
+
+/// The sums of a brick of cells.
+#[derive(Clone, Debug)]
+pub(super) struct CellSums(Box<[Sum; N_SLOTS]>);
+
+impl CellSums {
+    pub(super) fn clear(&mut self) {
+        self.0.fill([0.0; 8]);
+    }
+
+    /// Adds voxels of a brick, with red, green, blue and extinction of each, where a cell holds `2^level` along
+    /// every axis and the first of theirs is at `first`.
+    pub(super) fn add(
+        &mut self,
+        level: u32,
+        [x, y, z]: [usize; 3],
+        records: &[VoxelRecord],
+        colors: &[[f32; 4]],
+    ) {
+        for (record, &[r, g, b, mu]) in records.iter().zip(colors) {
+            let [i, j, k] = record.coords_in_brick().map(|at| at >> level);
+            let slot = ((z + k) * BRICK_SIDE + y + j) * BRICK_SIDE + x + i;
+            let [n_x, n_y, n_z] =
+                record.normal.map(|steps| f32::from(steps) * (1.0 / NORMAL_STEPS));
+            let undirected = if record.normal == [0; 3] { 1.0 } else { 0.0 };
+            let of_voxel = [1.0, r, g, b, n_x, n_y, n_z, undirected];
+            let sum = &mut self.0[slot % N_SLOTS];
+            for (sum, number) in sum.iter_mut().zip(of_voxel) {
+                *sum += mu * number;
+            }
+        }
+    }
+
+    /// The cells in which anything is visible, with their slots.
+    pub(super) fn cells(&self, level: u32) -> impl Iterator<Item = (usize, CellValues)> {
+        let per_row = 1.0 / f32::from(1_u16 << level);
+        self.0.iter().enumerate().filter(|(_, sum)| 0.0 < sum[0]).map(move |(slot, sum)| {
+            let [mu, ref weighted @ ..] = *sum;
+            let [r, g, b, x, y, z, undirected] = weighted.map(|sum| sum / mu);
+            let values = CellValues {
+                extinction: mu * per_row,
+                color: [r, g, b],
+                normal: [x, y, z],
+                undirected,
+            };
+            (slot, values)
+        })
+    }
+}
+
+impl Default for CellSums {
+    fn default() -> Self {
+        Self(Box::new([[0.0; 8]; N_SLOTS]))
+    }
+}
