@@ -30,23 +30,29 @@ impl<S: Simd> Bands<S> {
     #[inline(always)]
     pub(super) fn of(simd: S, faces: [f32x8<S>; 2], half_depth_in_index: f32, radius: f32) -> Self {
         let one = f32x8::splat(simd, 1.0);
-        let depth = |face: f32x8<S>| (face * half_depth_in_index.recip()).max(-one).min(one);
-        Self { depths: faces.map(depth), radius }
+        let [near, far] = faces;
+        let depths_per_index = half_depth_in_index.recip();
+        let near = (near * depths_per_index).max(-one).min(one);
+        let far = (far * depths_per_index).max(-one).min(one);
+        Self { depths: [near, far], radius }
     }
 
     /// The least and the largest coordinate that sections have, from their centres, in pixels.
     #[inline(always)]
     pub(super) fn ends(&self, simd: S, shape: &PixelShape, axis: usize) -> [f32x8<S>; 2] {
+        [self.end(simd, shape, axis, -1.0), self.end(simd, shape, axis, 1.0)]
+    }
+
+    /// The end on the side of `sign`.
+    #[inline(always)]
+    fn end(&self, simd: S, shape: &PixelShape, axis: usize, sign: f32) -> f32x8<S> {
         let [half_extent, farthest, half_across] =
             [shape.half_extent[axis], shape.farthest[axis], shape.half_across[axis]];
         let [near, far] = self.depths;
-        let end = |sign: f32| {
-            let widest = f32x8::splat(simd, sign * farthest / half_extent);
-            let depth = widest.max(near).min(far);
-            let across = (f32x8::splat(simd, 1.0 + ROUNDING) - depth * depth).sqrt();
-            (depth * farthest + across * (sign * half_across)) * self.radius + sign * MARGIN
-        };
-        [end(-1.0), end(1.0)]
+        let widest = f32x8::splat(simd, sign * farthest / half_extent);
+        let depth = widest.max(near).min(far);
+        let across = (f32x8::splat(simd, 1.0 + ROUNDING) - depth * depth).sqrt();
+        (depth * farthest + across * (sign * half_across)) * self.radius + sign * MARGIN
     }
 }
 

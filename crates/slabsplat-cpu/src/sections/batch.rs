@@ -64,9 +64,10 @@ impl SlabCut<'_> {
             let rho_max = batch.cut(simd, self, &cuts);
             if raster.is_tilted {
                 let bands = Bands::of(simd, cuts.faces, *half_depth_in_index, raster.radius);
-                batch.place(simd, centers, |axis, center| {
-                    bands.ends(simd, &self.shape, axis).map(|end| center + end)
-                });
+                for (axis, center) in centers.into_iter().enumerate() {
+                    let [first, end] = bands.ends(simd, &self.shape, axis);
+                    batch.place(simd, axis, center, [center + first, center + end]);
+                }
             } else {
                 batch.place_discs(simd, &self.shape, rho_max, centers);
             }
@@ -120,28 +121,29 @@ impl SectionBatch {
         rho_max: f32x8<S>,
         centers: [f32x8<S>; 2],
     ) {
-        self.place(simd, centers, |axis, center| {
+        for (axis, center) in centers.into_iter().enumerate() {
             let half =
                 rho_max * f32x8::splat(simd, shape.half_extent[axis]) + f32x8::splat(simd, MARGIN);
-            [center - half, center + half]
-        });
+            self.place(simd, axis, center, [center - half, center + half]);
+        }
     }
 
-    /// Notes the pixels between the ends that sections have along each axis.
+    /// Notes the pixels between the ends that sections have along an axis.
+    ///
+    /// No closure: `map` over the two ends is not inlined everywhere, and took a sixth of a solid cube's frame.
     #[inline(always)]
     fn place<S: Simd>(
         &mut self,
         simd: S,
-        centers: [f32x8<S>; 2],
-        ends_of: impl Fn(usize, f32x8<S>) -> [f32x8<S>; 2],
+        axis: usize,
+        center: f32x8<S>,
+        [first, end]: [f32x8<S>; 2],
     ) {
-        for (axis, center) in centers.into_iter().enumerate() {
-            let [first, end] = ends_of(axis, center).map(|at| pixel(simd, at));
-            self.drawn &= first.simd_lt(end).to_bitmask();
-            first.store_slice(&mut self.pixels[axis]);
-            end.store_slice(&mut self.pixels[axis + 2]);
-            center.store_slice(&mut self.centers[axis]);
-        }
+        let (first, end) = (pixel(simd, first), pixel(simd, end));
+        self.drawn &= first.simd_lt(end).to_bitmask();
+        first.store_slice(&mut self.pixels[axis]);
+        end.store_slice(&mut self.pixels[axis + 2]);
+        center.store_slice(&mut self.centers[axis]);
     }
 
     #[inline(always)]
