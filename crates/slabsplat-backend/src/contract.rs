@@ -1,7 +1,7 @@
 //! The trait, and what goes through it. The crate's documentation is the contract.
 
 use crate::FramePlan;
-use slabsplat_core::{Cancelled, FrameHandle, Image, Method};
+use slabsplat_core::{Cancelled, FrameHandle, Image, Method, StageError};
 use std::task::{Poll, Waker};
 use std::time::Duration;
 use thiserror::Error;
@@ -173,6 +173,14 @@ pub enum BackendError {
         /// Bytes there are.
         available_bytes: u64,
     },
+    /// The frame needs more of the host's memory than the system gives.
+    #[error("the frame needs {needed_bytes} bytes for {what}, and the system has no room for them")]
+    OutOfHostMemory {
+        /// What the memory is for.
+        what: &'static str,
+        /// Bytes needed.
+        needed_bytes: u64,
+    },
     /// The device is gone; make another backend.
     #[error("{device} was lost: {reason}")]
     DeviceLost {
@@ -207,7 +215,21 @@ impl BackendError {
     pub fn is_of_device(&self) -> bool {
         match self {
             Self::OutOfMemory { .. } | Self::DeviceLost { .. } | Self::Unable { .. } => true,
-            Self::CannotWait | Self::UnknownFrame | Self::Cancelled(_) => false,
+            Self::OutOfHostMemory { .. }
+            | Self::CannotWait
+            | Self::UnknownFrame
+            | Self::Cancelled(_) => false,
+        }
+    }
+}
+
+impl From<StageError> for BackendError {
+    fn from(error: StageError) -> Self {
+        match error {
+            StageError::Cancelled(cancelled) => cancelled.into(),
+            StageError::OutOfMemory { what, needed_bytes } => {
+                Self::OutOfHostMemory { what, needed_bytes }
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use slabsplat::io::{SceneFile, VolumeSource};
-use slabsplat::{Caps, Frame, Mode, OpenScene, Scene};
+use slabsplat::{Caps, Frame, Layer, Mode, OpenScene, Scene};
 use std::time::Instant;
 
 /// Render a scene or a volume into a picture
@@ -163,10 +163,33 @@ pub(crate) fn nothing_visible(scene: &Scene, frame: &Frame) -> String {
         {
             format!("no isosurface lies within all values, {min} to {max}")
         }
-        Some([min, max]) if frame.stats.n_voxels == 0 => {
-            format!("the opacity of all values, {min} to {max}, is 0")
+        Some(_) if frame.stats.n_voxels == 0 => {
+            let mut whys: Vec<String> = scene.layers.iter().map(why_unlisted).collect();
+            whys.dedup();
+            whys.join("; ")
         }
         Some(_) if is_cut => "all of it is cut off, or the camera looks past it".to_owned(),
         Some(_) => "the camera looks past it".to_owned(),
     }
+}
+
+/// Why no voxel of a layer is visible, wherever the camera is.
+fn why_unlisted(layer: &Layer) -> String {
+    let Some([min, max]) = layer.volume.summary().range else {
+        return "no voxel has a finite value".to_owned();
+    };
+    let has_opacity =
+        layer.transfer.iso_ranges().iter().any(|range| range.lo <= max && min <= range.hi);
+    let why = if layer.labels.as_ref().is_some_and(|labels| !labels.any_visible()) {
+        "all labels that voxels have are invisible"
+    } else if layer.transfer_2d.is_some() {
+        "no voxel has a value and a gradient that have an opacity"
+    } else if !has_opacity {
+        return format!("the opacity of all values, {min} to {max}, is 0");
+    } else if layer.labels.is_some() {
+        "no voxel of a visible label has a value that has an opacity"
+    } else {
+        "no voxel has an opacity"
+    };
+    why.to_owned()
 }

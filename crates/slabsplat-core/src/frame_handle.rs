@@ -35,6 +35,22 @@ struct State {
 #[error("the frame was cancelled")]
 pub struct Cancelled;
 
+/// Why what a frame needs was not made.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum StageError {
+    /// Nobody wants the frame any more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The system has no room for it.
+    #[error("the frame needs {needed_bytes} bytes for {what}, and the system has no room for them")]
+    OutOfMemory {
+        /// What the memory is for.
+        what: &'static str,
+        /// Bytes needed.
+        needed_bytes: u64,
+    },
+}
+
 impl FrameHandle {
     /// A handle of a frame that was not begun.
     pub fn new() -> Self {

@@ -14,6 +14,7 @@ pub struct LabelMap {
     /// Indices into `labels`, x fastest.
     of_voxels: Vec<u16>,
     labels: Vec<i64>,
+    n_outside: usize,
 }
 
 /// A map of labels, and how voxels of each look. A copy shares both.
@@ -101,8 +102,12 @@ impl LabelMap {
         let mut last_value = 0.0;
         let nearest = Nearest::new(labels.grid(), grid);
         let mut of_voxels = Vec::with_capacity(grid.n_voxels());
+        let mut n_outside = 0;
         nearest.for_each(|voxel_idx| {
-            let Some(voxel_idx) = voxel_idx else { return of_voxels.push(nowhere) };
+            let Some(voxel_idx) = voxel_idx else {
+                n_outside += 1;
+                return of_voxels.push(nowhere);
+            };
             let value = labels.value(voxel_idx);
             // Neighbours mostly have one label.
             if value != last_value {
@@ -110,7 +115,7 @@ impl LabelMap {
             }
             of_voxels.push(last_idx);
         });
-        Ok(Self { dims: grid.dims(), of_voxels, labels: numbers })
+        Ok(Self { dims: grid.dims(), of_voxels, labels: numbers, n_outside })
     }
 
     /// Voxels along the axes of the grid.
@@ -126,6 +131,11 @@ impl LabelMap {
     /// Which of the [`labels`](Self::labels) each voxel has, x fastest.
     pub fn indices(&self) -> &[u16] {
         &self.of_voxels
+    }
+
+    /// Voxels that are outside of the labels' grid, and so have the label 0.
+    pub fn n_outside(&self) -> usize {
+        self.n_outside
     }
 }
 
@@ -183,6 +193,19 @@ impl Labels {
     /// How voxels of that label look.
     pub fn style(&self, label: i64) -> &LabelStyle {
         self.styles.get(&label).unwrap_or(&LabelStyle::PLAIN)
+    }
+
+    /// The labels that voxels have, rising.
+    pub fn of_voxels(&self) -> Vec<i64> {
+        let LabelMap { of_voxels, labels, .. } = &*self.map;
+        let mut is_there = vec![false; labels.len()];
+        of_voxels.iter().for_each(|&idx| is_there[usize::from(idx)] = true);
+        labels.iter().zip(is_there).filter_map(|(&label, is)| is.then_some(label)).collect()
+    }
+
+    /// Whether a voxel has a label that is visible.
+    pub fn any_visible(&self) -> bool {
+        self.of_voxels().iter().any(|&label| 0.0 < self.style(label).opacity)
     }
 }
 
@@ -303,7 +326,10 @@ mod tests {
         };
         let check = |first: DVec3, expected: [i64; 7]| {
             let grid = Grid::new([7, 1, 1], world_from_index(first)).unwrap();
-            assert_eq!(on(&LabelMap::new(&labels, &grid).unwrap()), expected, "{first}");
+            let map = LabelMap::new(&labels, &grid).unwrap();
+            assert_eq!(on(&map), expected, "{first}");
+            let n_outside = expected.iter().filter(|&&label| label == 0).count();
+            assert_eq!(map.n_outside(), n_outside, "{first}");
         };
         check(DVec3::X * 4.5, [0, 0, -3, -3, 8, 8, 0]);
         check(DVec3::new(4.5, 1.5, 0.0), [0; 7]);
@@ -333,6 +359,9 @@ mod tests {
         assert_eq!((labels.style(7).opacity, labels.style(8).opacity), (0.5, 1.0));
         assert_eq!(labels, Labels::new(map.clone(), [(7, style(0.5))]).unwrap());
         assert_ne!(labels, labels.with_styles([(7, style(0.25))]).unwrap());
+        assert_eq!((labels.of_voxels(), labels.any_visible()), (vec![7], true));
+        let invisible = labels.with_styles([(7, style(0.0)), (0, style(1.0))]).unwrap();
+        assert!(!invisible.any_visible(), "no voxel has the label 0");
         let layer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap();
         assert_eq!(style(0.5).transfer(&layer), Some(&layer));
         assert_eq!(style(0.0).transfer(&layer), None);

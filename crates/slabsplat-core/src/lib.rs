@@ -96,7 +96,7 @@ pub use choices::{
 pub use compositing::{MAX_OPACITY, extinction};
 pub use easing::Easing;
 pub use finish::{Annotations, Finish, FinishError};
-pub use frame_handle::{Cancelled, FrameHandle};
+pub use frame_handle::{Cancelled, FrameHandle, StageError};
 pub use grid::{Grid, GridError};
 pub use image::{Image, ImageDesc, ImageError, over};
 pub use image_difference::ImageDifference;

@@ -10,7 +10,7 @@ use fearless_simd::Level;
 use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, LayerPlan, Splats,
 };
-use slabsplat_core::{Cancelled, Compositing, FrameHandle, Volume};
+use slabsplat_core::{Compositing, FrameHandle, StageError, Volume};
 use slabsplat_mesh::Rasterizer;
 use slabsplat_traverse::{
     BlinnPhong8, BrickView, Classification, OwnVoxelRules, VoxelLighting, VoxelRules,
@@ -52,14 +52,14 @@ struct Drawn {
     n_occluded: u64,
 }
 
-/// Renders with the instructions of `level`. If the frame is cancelled, buffers are as good as any for the
-/// next one.
+/// Renders with the instructions of `level`. If the frame is cancelled, or has no room, buffers are as good as
+/// any for the next one.
 pub(crate) fn render(
     plan: &FramePlan<'_>,
     frame: &FrameHandle,
     level: Level,
     buffers: &mut Buffers,
-) -> Result<Frame, Cancelled> {
+) -> Result<Frame, StageError> {
     frame.check()?;
     let mut watch = Stopwatch::start(frame);
     let image_size = [plan.image.width, plan.image.height];
@@ -82,7 +82,7 @@ pub(crate) fn render(
     if let Err(cancelled) = watch.done("image") {
         // To give back 200 MB takes 20 ms.
         rayon::spawn(move || drop(image));
-        return Err(cancelled);
+        return Err(cancelled.into());
     }
     frame.reach(1.0);
     Ok(Frame::new(image, stats, FrameCost::new(watch.stages(), buffers.resident_bytes())))
@@ -96,7 +96,7 @@ impl OfMethods {
         level: Level,
         tiles: &mut Tiles,
         watch: &mut Stopwatch<'_>,
-    ) -> Result<Drawn, Cancelled> {
+    ) -> Result<Drawn, StageError> {
         let Some(first) = plan.layers.first() else {
             *self = Self::default();
             return Ok(Drawn { n_voxels: 0, n_occluded: 0 });
@@ -138,7 +138,7 @@ impl OfMethods {
         level: Level,
         tiles: &mut Tiles,
         watch: &mut Stopwatch<'_>,
-    ) -> Result<Drawn, Cancelled> {
+    ) -> Result<Drawn, StageError> {
         self.of_layers.resize_with(plan.layers.len(), OfLayer::default);
         let of_layers = self.of_layers.iter_mut().zip(&plan.layers);
         let mut stages = Vec::with_capacity(plan.layers.len());
@@ -181,7 +181,7 @@ impl OfLayer {
         layer: &'a LayerPlan<'a>,
         level: Level,
         frame: &'a FrameHandle,
-    ) -> Result<Stage<'a>, Cancelled> {
+    ) -> Result<Stage<'a>, StageError> {
         let LayerPlan { volume, transfer, transfer_2d, colors, labels, gradient_opacity, .. } =
             *layer;
         let rules = VoxelRules { transfer, transfer_2d, colors, labels, gradient_opacity };

@@ -3,7 +3,7 @@
 use crate::known_volume::KnownVolume;
 use crate::params::Record;
 use slabsplat_backend::{FramePlan, LayerPlan};
-use slabsplat_core::{Cancelled, Compositing, FrameHandle, Volume};
+use slabsplat_core::{Compositing, FrameHandle, StageError, Volume};
 use slabsplat_traverse::{
     Brick, Classification, OwnVoxelRules, RelevantList, VoxelLighting, VoxelRecord, VoxelRules,
 };
@@ -46,7 +46,7 @@ impl HostList {
         layer: &LayerPlan<'_>,
         known: &KnownVolume,
         frame: &FrameHandle,
-    ) -> Result<Self, Cancelled> {
+    ) -> Result<Self, StageError> {
         let (volume, rules) = (layer.volume.clone(), rules_of(layer));
         let (bricks, ranges) = (known.brick_ranges(), &layer.relevant);
         let mut list = RelevantList::default();

@@ -5,7 +5,7 @@ use crate::host_list::{HostList, rules_of};
 use crate::known_volume::KnownVolume;
 use crate::listing::Listing;
 use slabsplat_backend::{FramePlan, LayerPlan};
-use slabsplat_core::{Cancelled, FrameHandle, Volume};
+use slabsplat_core::{FrameHandle, StageError, Volume};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ impl Listings {
         &mut self,
         plan: &FramePlan<'_>,
         frame: &FrameHandle,
-    ) -> Result<Vec<Listing>, Cancelled> {
+    ) -> Result<Vec<Listing>, StageError> {
         let is_shown = |known: &Arc<KnownVolume>| {
             plan.layers.iter().any(|layer| Arc::ptr_eq(&known.volume, layer.volume))
         };
@@ -37,7 +37,7 @@ impl Listings {
         plan: &FramePlan<'_>,
         layer: &LayerPlan<'_>,
         frame: &FrameHandle,
-    ) -> Result<Listing, Cancelled> {
+    ) -> Result<Listing, StageError> {
         frame.check()?;
         let known = self.known(layer.volume);
         if rules_of(layer).are_all_by_value() {

@@ -8,7 +8,7 @@
 use crate::relevant_update::{Update, update};
 use crate::{Brick, BrickGrid, BrickRanges, VoxelRecord, VoxelRules};
 use rayon::prelude::*;
-use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume, with_samples};
+use slabsplat_core::{FrameHandle, IsoRange, StageError, Volume, with_samples};
 
 /// The voxels with an opacity above 0, by brick; bricks, and voxels within a brick, in memory order.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,6 +88,9 @@ impl RelevantList {
     ///
     /// With `rules` it has only voxels that are visible by them. These too must be those of every earlier
     /// update, and `ranges` must hold what is visible of any label.
+    ///
+    /// # Panics
+    /// If there is no room for it.
     pub fn update(
         &mut self,
         volume: &Volume,
@@ -96,13 +99,13 @@ impl RelevantList {
         rules: Option<&VoxelRules<'_>>,
     ) -> ListChange {
         self.update_for_frame(volume, brick_ranges, ranges, rules, &FrameHandle::new())
-            .expect("nobody cancels the frame")
+            .expect("nobody cancels the frame, and there is room")
     }
 
     /// The same for a frame.
     ///
     /// # Errors
-    /// If that is cancelled. Then the list is as it was, or empty.
+    /// If that is cancelled, or there is no room for the list. Then the list is as it was, or empty.
     pub fn update_for_frame(
         &mut self,
         volume: &Volume,
@@ -110,7 +113,7 @@ impl RelevantList {
         ranges: &[IsoRange],
         rules: Option<&VoxelRules<'_>>,
         frame: &FrameHandle,
-    ) -> Result<ListChange, Cancelled> {
+    ) -> Result<ListChange, StageError> {
         self.grid = BrickGrid::new(volume.grid());
         let to = Update { volume, brick_ranges, ranges, rules, frame };
         with_samples!(volume.samples(), |s| update(self, s, &to))

@@ -20,7 +20,7 @@ use crate::order::Ordered;
 use crate::voxel_rules::VoxelRules;
 use crate::{BRICK_SIDE, Brick, BrickGrid, BrickRanges, ListChange, RelevantList, VoxelRecord};
 use rayon::prelude::*;
-use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, StageError, Volume};
 use std::ops::Range;
 
 /// Bricks to a task; few in tests, whose volumes are small, so that there are gaps to close and to make.
@@ -43,7 +43,7 @@ pub(crate) fn update<T: Ordered>(
     list: &mut RelevantList,
     samples: &[T],
     to: &Update<'_>,
-) -> Result<ListChange, Cancelled> {
+) -> Result<ListChange, StageError> {
     let &Update { volume, ranges, rules, frame, .. } = to;
     let RelevantList { grid, bricks, records, ranges: old_ranges } = list;
     let membership = Membership::new(volume, samples, *grid, ranges, rules);
@@ -111,7 +111,7 @@ impl<T: Ordered> Step<'_, T> {
         chunks: &[Chunk],
         samples: &[T],
         records: &mut Vec<VoxelRecord>,
-    ) -> Result<(), Cancelled> {
+    ) -> Result<(), StageError> {
         let &Update { volume, frame, .. } = self.to;
         if 0 < change.n_dropped {
             self.drop(chunks, records)?;
@@ -124,7 +124,7 @@ impl<T: Ordered> Step<'_, T> {
                 self.add(chunks, &Normals::<T, f64>::new(volume, samples), records);
             }
         }
-        frame.check()
+        Ok(frame.check()?)
     }
 
     fn count(&self, records: &[VoxelRecord]) -> Vec<Chunk> {
@@ -284,15 +284,17 @@ fn make_room(
     chunks: &[Chunk],
     records: &mut Vec<VoxelRecord>,
     frame: &FrameHandle,
-) -> Result<(), Cancelled> {
+) -> Result<(), StageError> {
     let n_new = chunks.iter().map(|chunk| chunk.n_new).sum();
+    let needed_bytes = (n_new * size_of::<VoxelRecord>()) as u64;
+    let no_room = StageError::OutOfMemory { what: "the list of relevant voxels", needed_bytes };
     if records.is_empty() {
         // Zeroed by the system, page by page where threads first write.
-        *records = bytemuck::zeroed_vec(n_new);
+        *records = bytemuck::try_zeroed_vec(n_new).map_err(|()| no_room)?;
         return Ok(());
     }
     let mut kept_end = records.len();
-    records.reserve_exact(n_new - kept_end);
+    records.try_reserve_exact(n_new - kept_end).map_err(|_| no_room)?;
     while records.len() < n_new {
         frame.check()?;
         records.resize(n_new.min(records.len() + MADE_AT_ONCE), VoxelRecord::default());
@@ -350,4 +352,23 @@ fn joined(chunks: &[Chunk]) -> Vec<Brick> {
         start += chunk.n_new as u32;
     }
     bricks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More bytes than there can be, for a new list and for one that grows.
+    #[test]
+    fn list_without_room_is_an_error() {
+        let chunk =
+            Chunk { old_bricks: 0..0, n_old: 0, bricks: Vec::new(), n_kept: 0, n_new: 1 << 60 };
+        for mut records in [vec![], vec![VoxelRecord::default()]] {
+            let before = records.clone();
+            let made = make_room(std::slice::from_ref(&chunk), &mut records, &FrameHandle::new());
+            let what = "the list of relevant voxels";
+            assert_eq!(made, Err(StageError::OutOfMemory { what, needed_bytes: 1 << 63 }));
+            assert_eq!(records, before);
+        }
+    }
 }

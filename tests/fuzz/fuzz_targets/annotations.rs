@@ -62,6 +62,6 @@ fn scene(title: &str, [width, height]: [u32; 2], eye: [f64; 3], extent: f64) -> 
         orientation_marker: true,
     };
     let finish = Finish { annotations, ..Finish::default() }.checked().ok()?;
-    let image = ImageDesc { width, height, background: [0.0; 4] };
+    let image = ImageDesc::new(width, height);
     Some(Scene::new(Layer::new(volume, transfer), camera).image(image).finish(finish))
 }

@@ -85,15 +85,7 @@ pub(super) fn within(
     let drawn = |(level, voxels): (Option<usize>, Vec<Voxel>)| {
         let region = region.clone();
         let Some(level) = level else {
-            return LayerInView {
-                grid,
-                unit,
-                stretch,
-                kernel: of_voxels,
-                voxels,
-                region,
-                is_cut,
-            };
+            return LayerInView { grid, unit, stretch, kernel: of_voxels, voxels, region, is_cut };
         };
         let cells = &cells[level];
         LayerInView {

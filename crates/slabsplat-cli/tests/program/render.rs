@@ -308,9 +308,6 @@ fn render_labels_by_flags_as_by_keys() {
             slabsplat(dir.path(), &format!("render builtin:cube:9 {flags} {rest} -o a.png"));
         (output.status.success(), text(&output.stderr))
     };
-    let (is_drawn, warnings) = stderr("--labels labels.nrrd --only-labels 99");
-    assert!(is_drawn && warnings.contains("no such labels: 99"), "{warnings}");
-    assert!(warnings.contains("nothing is visible"), "{warnings}");
     let (_, warnings) = stderr("--labels labels.nrrd --label-colors table.txt");
     assert!(warnings.contains("without a colour"), "{warnings}");
     for (flags, expected) in [
@@ -323,6 +320,45 @@ fn render_labels_by_flags_as_by_keys() {
         let (is_drawn, error) = stderr(flags);
         assert!(!is_drawn && error.contains(expected), "{flags}: {error}");
     }
+}
+
+/// Labels of which nothing is seen, and labels that are elsewhere, are told with the cause.
+#[test]
+fn render_labels_that_show_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let write = |name: &str, origin: i32, labels: &[u8]| {
+        let header = format!(
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 3 3\nspace dimension: 3\n\
+             space directions: (3,0,0) (0,3,0) (0,0,3)\n\
+             space origin: ({origin},{origin},{origin})\nencoding: raw\n\n"
+        );
+        std::fs::write(dir.path().join(name), [header.as_bytes(), labels].concat()).unwrap();
+    };
+    let labels: Vec<u8> = (1..=27).collect();
+    write("labels.nrrd", -3, &labels);
+    write("far.nrrd", 100, &labels);
+    write("zeros.nrrd", -3, &[0; 27]);
+    let check = |flags: &str, expected: &[&str]| {
+        let flags = format!("render builtin:cube:9 {flags} {SMALL} -o a.png");
+        let output = slabsplat(dir.path(), &flags);
+        let stderr = text(&output.stderr);
+        let warnings = stderr.lines().filter_map(|line| line.strip_prefix("warning: "));
+        assert_eq!(warnings.collect::<Vec<_>>(), expected, "{flags}: {stderr}");
+        assert!(output.status.success());
+    };
+    let invisible = "no label of labels.nrrd that voxels have is visible: they have \
+                     1, 2, 3, 4, 5, 6, 7, 8 and 19 more";
+    let nothing = "nothing is visible: all labels that voxels have are invisible";
+    let missing = "labels.nrrd has no such labels: 99";
+    check("--labels labels.nrrd --only-labels 99", &[missing, invisible, nothing]);
+    check("--labels labels.nrrd --only-labels 0", &[invisible, nothing]);
+    let beside = "far.nrrd lies beside the volume, so that no voxel has one of its labels";
+    check("--labels far.nrrd", &[beside]);
+    check("--labels far.nrrd --only-labels 5", &[beside, nothing]);
+    check("--labels zeros.nrrd", &["all voxels have the label 0 of zeros.nrrd"]);
+    let opacity = "--opacity 0:0,200:0,300:0";
+    let values = "nothing is visible: the opacity of all values, 0 to 255, is 0";
+    check(&format!("--labels labels.nrrd {opacity}"), &[values]);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! they are seen.
 
 use slabsplat_backend::{ByIdentity, Cached};
-use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
+use slabsplat_core::{Cancelled, FrameHandle, IsoRange, StageError, Volume};
 use slabsplat_traverse::{
     BrickLister, BrickRanges, BricksOnDemand, OwnVoxelRules, RelevantList, VoxelRules,
 };
@@ -44,7 +44,7 @@ impl Relevant {
         ranges: &[IsoRange],
         rules: &VoxelRules<'_>,
         frame: &FrameHandle,
-    ) -> Result<&RelevantList, Cancelled> {
+    ) -> Result<&RelevantList, StageError> {
         let of_volume = self.of_volume(volume, frame)?;
         let OfVolume { brick_ranges, rules: listed_by, list, on_demand } = of_volume;
         *on_demand = Cached::default();

@@ -92,6 +92,7 @@ impl LabelsFile {
             map.labels().binary_search(label).is_ok() && *style != LabelStyle::default()
         });
         let labels = Labels::new(map, styles).map_err(unlabelled)?;
+        warnings.extend(self.useless(&labels));
         Ok((labels, warnings))
     }
 
@@ -119,7 +120,23 @@ impl LabelsFile {
         Ok(styles)
     }
 
-    /// Names labels that are asked for, and that no voxel has.
+    /// Warns of labels that no voxel has, and of those that leave nothing visible.
+    fn useless(&self, labels: &Labels) -> Option<String> {
+        let (path, map) = (shown_path(&self.path), labels.map());
+        let of_voxels = labels.of_voxels();
+        if map.n_outside() == map.indices().len() {
+            Some(format!("{path} lies beside the volume, so that no voxel has one of its labels"))
+        } else if !labels.any_visible() {
+            let of_voxels = listed(&of_voxels);
+            Some(format!("no label of {path} that voxels have is visible: they have {of_voxels}"))
+        } else if of_voxels == [0] {
+            Some(format!("all voxels have the label 0 of {path}"))
+        } else {
+            None
+        }
+    }
+
+    /// Names labels that are asked for, and that the file lacks.
     fn missing(&self, labels: &[i64]) -> Option<String> {
         let is_missing = |label: &i64| labels.binary_search(label).is_err();
         let asked = self.only.iter().flatten().chain(self.styles.keys()).copied();
