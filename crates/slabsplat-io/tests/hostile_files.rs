@@ -190,3 +190,18 @@ fn blosc_block_without_end() {
     let message = result.map(|loaded| loaded.warnings).expect_err("a bomb").to_string();
     assert!(message.contains("blocks"), "{message}");
 }
+
+/// A JPEG of 8 × 8 pixels that says to have as many rows as it can.
+#[test]
+fn jpeg_of_most_rows() {
+    let mut jpeg = Vec::new();
+    let encoder = image::codecs::jpeg::JpegEncoder::new(&mut jpeg);
+    let gray = image::ExtendedColorType::L8;
+    image::ImageEncoder::write_image(encoder, &[7; 64], 8, 8, gray).unwrap();
+    let of_rows = |rows: u16| {
+        let [high, low] = rows.to_be_bytes();
+        with(&jpeg, b"\xff\xc0\0\x0b\x08\0\x08", &[0xff, 0xc0, 0, 0x0b, 8, high, low])
+    };
+    let message = refused(&[("a.jpg", &of_rows(65_535))]);
+    assert!(message.contains("more than 65528 rows"), "{message}");
+}

@@ -22,6 +22,8 @@ use crate::store::Store;
 use names::Slices;
 use picture::Picture;
 
+pub(super) use picture::MAX_JPEG_ROWS;
+
 /// The format.
 pub(super) struct Images;
 

@@ -99,6 +99,10 @@ impl<'b> Picture<'b> {
         };
         let size = [usize::from(info.width), usize::from(info.height)];
         check_size(path, size, &values, most)?;
+        if MAX_JPEG_ROWS < size[1] {
+            let what = format!("JPEGs of more than {MAX_JPEG_ROWS} rows cannot be read");
+            return Err(IoError::unsupported(path, what));
+        }
         decoder.set_max_decoding_buffer_size(2 * size[0] * size[1] * values.n);
         Ok(Self { size, values, pixels: Pixels::Jpeg(Box::new(decoder)) })
     }
@@ -119,6 +123,9 @@ impl<'b> Picture<'b> {
         }
     }
 }
+
+/// `jpeg-decoder` counts rows in eights, in 16 bits.
+pub(in crate::volume) const MAX_JPEG_ROWS: usize = 65_528;
 
 /// Values of a pixel that are gray or a colour.
 fn of(n: usize, sample_type: SampleType) -> Values {

@@ -14,6 +14,7 @@ use jpeg_decoder::{ColorTransform, Decoder};
 use super::coded::CodedImage;
 use super::frame::{Colors, Layout};
 use super::segments::{Broken, END_OF_IMAGE, FrameSize, START_OF_SCAN, Segments};
+use crate::volume::images::MAX_JPEG_ROWS;
 
 /// What says in front of a scan how it is to be read.
 struct Outline {
@@ -32,6 +33,9 @@ pub(super) fn unpack(packed: &[u8], layout: &Layout) -> Result<CodedImage, Strin
     let is_lossless = outline.marker == 0xc3;
     if size.precision == 12 && !is_lossless {
         return Ok(twelve_bits::unpack(packed, layout)?);
+    }
+    if MAX_JPEG_ROWS < size.rows {
+        return Err(format!("it has more than {MAX_JPEG_ROWS} rows"));
     }
     let mut decoder = Decoder::new(Cursor::new(packed));
     decoder.set_max_decoding_buffer_size(2 * layout.frame_bytes() as usize);
