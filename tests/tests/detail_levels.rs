@@ -85,8 +85,8 @@ fn detail_levels_on_random_scenes() {
     assert!(3 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
 }
 
-/// A ball of two colours with a hard border between them, smooth in itself and as opaque as scans are, so that
-/// some bricks are drawn by cells and others by voxels.
+/// A ball of two colours with a hard border between them, smooth in itself and as opaque as scans are, so
+/// that some bricks are drawn by cells and others by voxels.
 fn opaque_ball(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
     let center = grid.center_in_index();
     let value = |idx: usize| {

@@ -88,8 +88,8 @@ pub struct LayerPlan<'a> {
     pub splats: Splats,
 }
 
-/// A layer by cells, and which bricks of 8³ cells may be drawn ([model §16](slabsplat_core::model)); all others
-/// are drawn by what is finer.
+/// A layer by cells, and which bricks of 8³ cells may be drawn ([model §16](slabsplat_core::model)); all
+/// others are drawn by what is finer.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CellsPlan<'a> {

@@ -197,8 +197,8 @@ impl View {
         })
     }
 
-    /// The depth from which on footprints of voxels are widened by that much or more, where they are widened at
-    /// all: −∞ if they are everywhere, +∞ if nowhere.
+    /// The depth from which on footprints of voxels are widened by that much or more, where they are widened
+    /// at all: −∞ if they are everywhere, +∞ if nowhere.
     pub fn depth_from_stretch(&self, stretch: f64) -> f64 {
         if self.is_perspective() {
             // Pixels cover more of the world in proportion to their distance from the eye.

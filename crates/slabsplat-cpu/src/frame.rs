@@ -52,8 +52,8 @@ struct Drawn {
     n_occluded: u64,
 }
 
-/// Renders with the instructions of `level`. If the frame is cancelled, or has no room, buffers are as good as
-/// any for the next one.
+/// Renders with the instructions of `level`. If the frame is cancelled, or has no room, buffers are as good
+/// as any for the next one.
 pub(crate) fn render(
     plan: &FramePlan<'_>,
     frame: &FrameHandle,

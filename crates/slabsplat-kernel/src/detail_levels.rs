@@ -11,8 +11,8 @@
 //! In the image plane nothing is lost: where a pixel covers some voxels their footprints are as wide as that
 //! anyway, and cells only need to lie near enough to each other. In depth a cell's kernel is as thin as those
 //! of its voxels, which it puts together in one place: that blurs the order in which things hide each other.
-//! What a pixel can tell of that is as much as what changes places differs, and no more than how opaque it is:
-//! the tolerance bounds both. [Numerics] has where they come from.
+//! What a pixel can tell of that is as much as what changes places differs, and no more than how opaque it
+//! is: the tolerance bounds both. [Numerics] has where they come from.
 //!
 //! [Numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 
@@ -28,7 +28,8 @@ pub struct DetailLevels {
 /// What a brick of cells must not exceed to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellLimits {
-    /// Difference of lit colours between layers of cells that follow each other, times extinction per voxel step.
+    /// Difference of lit colours between layers of cells that follow each other, times extinction per voxel
+    /// step.
     pub contrast: f64,
     /// The same between single cells side by side, the root of the mean of squares.
     pub noise: f64,

@@ -75,14 +75,14 @@ impl ErrorBudget {
         self.tolerance
     }
 
-    /// What a pixel may tell of that cells lie otherwise in depth than their voxels, by how much cells side by
-    /// side differ.
+    /// What a pixel may tell of that cells lie otherwise in depth than their voxels, by how much cells side
+    /// by side differ.
     pub fn cells(self) -> f64 {
         self.tolerance / 2.0
     }
 
-    /// The same of colours that differ from cell to cell without any order: a fifth of the tolerance if voxels
-    /// are black and white, of which cells of eight differ by a quarter.
+    /// The same of colours that differ from cell to cell without any order: a fifth of the tolerance if
+    /// voxels are black and white, of which cells of eight differ by a quarter.
     pub fn noise_of_cells(self) -> f64 {
         self.tolerance / 20.0
     }

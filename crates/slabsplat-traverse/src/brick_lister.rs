@@ -17,8 +17,8 @@ pub struct BrickLister<'a> {
     brick_ranges: &'a BrickRanges,
     grid: BrickGrid,
     ranges: &'a [IsoRange],
-    /// Whether a brick whose values are all relevant holds relevant voxels alone: nothing else decides, and none
-    /// is NaN.
+    /// Whether a brick whose values are all relevant holds relevant voxels alone: nothing else decides, and
+    /// none is NaN.
     ranges_suffice: bool,
 }
 
@@ -86,8 +86,8 @@ impl<'a> BrickLister<'a> {
         self.lists.fill(&mask, self.grid.origin(brick_idx), &mut records[first..]);
     }
 
-    /// How many voxels of the volume are relevant, in parallel, for a frame. Bricks whose values are all within
-    /// one range are not looked at.
+    /// How many voxels of the volume are relevant, in parallel, for a frame. Bricks whose values are all
+    /// within one range are not looked at.
     ///
     /// # Errors
     /// If the frame is cancelled.

@@ -1,5 +1,5 @@
-//! Blinn–Phong on cells (model §16): their voxels face many ways, of which a cell knows the mean normal and the
-//! share that has none.
+//! Blinn–Phong on cells (model §16): their voxels face many ways, of which a cell knows the mean normal and
+//! the share that has none.
 //!
 //! ```text
 //! d = 1 − share without normal      r = |n|/d              how much alike those that have one point
@@ -15,8 +15,8 @@
 //! With `r` = 1 all are those of one voxel, with `r` = 0 those of directions that are all alike likely: ½ and
 //! ¼. `v` is that of a von Mises–Fisher distribution whose concentration is `r(3 − r²)/(1 − r²)` (Banerjee,
 //! Dhillon, Ghosh & Sra, JMLR 6, 2005), and highlights are Toksvig's ("Mipmapping Normal Maps", Journal of
-//! Graphics Tools 10(3), 2005), as a power where normals are alike and as an exponential, which has no kink at
-//! a right angle, where they are not: off by 0.024 to 0.036 in the mean of squares, without that by 0.05.
+//! Graphics Tools 10(3), 2005), as a power where normals are alike and as an exponential, which has no kink
+//! at a right angle, where they are not: off by 0.024 to 0.036 in the mean of squares, without that by 0.05.
 //!
 //! All goes eight cells at a time, without branches on cells.
 

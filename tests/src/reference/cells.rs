@@ -45,8 +45,8 @@ impl Stretch {
     }
 }
 
-/// A layer by the largest cells that it may be drawn by, brick by brick: what each level draws. All are taken for
-/// as faint and as much alike as they must be.
+/// A layer by the largest cells that it may be drawn by, brick by brick: what each level draws. All are taken
+/// for as faint and as much alike as they must be.
 pub(super) fn within(
     layer: LayerInView,
     (shading, lights): &(Shading, Vec<Light>),
@@ -112,7 +112,8 @@ struct Cells<'a> {
     view: &'a View,
 }
 
-/// Sums over the voxels of a cell: extinction `μ`; `μ` times colour and normal; `μ` of those without a normal.
+/// Sums over the voxels of a cell: extinction `μ`; `μ` times colour and normal; `μ` of those without a
+/// normal.
 #[derive(Default)]
 struct Sums {
     extinction: f64,
@@ -148,7 +149,8 @@ impl Cells<'_> {
         tolerance / 20.0 / (depth * layer_depth)
     }
 
-    /// By how much they do in each brick, times the lesser extinction of two: the root of the mean of squares.
+    /// By how much they do in each brick, times the lesser extinction of two: the root of the mean of
+    /// squares.
     fn noise(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], f64> {
         let unlit = self.of(voxels, (&Shading::None, &[]));
         let cells: BTreeMap<[usize; 3], &Voxel> =

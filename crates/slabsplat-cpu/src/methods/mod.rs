@@ -1,8 +1,8 @@
 //! The methods, each a way from voxels to composited tiles: those that splat colours share a [`Stage`], and
 //! `post-classified` splats densities.
 //!
-//! Reading order: `shade`, `lit_faces`, `slabs`, `on_demand`, `image_aligned`; `whole_voxels`, `axis_aligned`,
-//! `every_sample`; `densities`.
+//! Reading order: `shade`, `lit_faces`, `slabs`, `on_demand`, `image_aligned`; `whole_voxels`,
+//! `axis_aligned`, `every_sample`; `densities`.
 
 pub(crate) mod axis_aligned;
 pub(crate) mod densities;

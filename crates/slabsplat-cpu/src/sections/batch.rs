@@ -130,7 +130,8 @@ impl SectionBatch {
 
     /// Notes the pixels between the ends that sections have along an axis.
     ///
-    /// No closure: `map` over the two ends is not inlined everywhere, and took a sixth of a solid cube's frame.
+    /// No closure: `map` over the two ends is not inlined everywhere, and took a sixth of a solid cube's
+    /// frame.
     #[inline(always)]
     fn place<S: Simd>(
         &mut self,

@@ -28,8 +28,8 @@ pub(crate) struct OnDemand<'a> {
     pub(crate) lister: BrickLister<'a>,
 }
 
-/// What bricks that are made on demand may take: a quarter of what the volume does, so that they fit where that
-/// does.
+/// What bricks that are made on demand may take: a quarter of what the volume does, so that they fit where
+/// that does.
 const BUDGET_SHARE: usize = 4;
 
 /// And as much of small ones: some million cells.

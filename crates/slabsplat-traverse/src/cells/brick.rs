@@ -18,8 +18,8 @@ pub struct CellBrick {
 }
 
 /// How much layers of cells that follow each other differ, as a pixel sees them: differences times the lesser
-/// extinction per voxel, averaged over 4×4 pairs, the largest in the brick. Noise averages out there as it does in
-/// a picture.
+/// extinction per voxel, averaged over 4×4 pairs, the largest in the brick. Noise averages out there as it
+/// does in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contrast {
     /// In the channel in which their colours differ most.
@@ -94,8 +94,8 @@ impl CellBrick {
     }
 }
 
-/// Pairs of cells across a gap between layers, along either axis, whose differences are averaged: what a pixel
-/// sees at once where cells are as wide as footprints.
+/// Pairs of cells across a gap between layers, along either axis, whose differences are averaged: what a
+/// pixel sees at once where cells are as wide as footprints.
 const BLOCK_SIDE: usize = 4;
 
 /// Blocks across a brick, and gaps between its layers.

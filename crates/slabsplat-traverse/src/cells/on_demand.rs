@@ -52,8 +52,8 @@ pub struct BrickRoom {
 }
 
 impl BricksOnDemand {
-    /// The bricks of a grid, of whose voxels so many are relevant; what is retained of them takes no more than
-    /// that many bytes, and a few beside them that do not grow with it.
+    /// The bricks of a grid, of whose voxels so many are relevant; what is retained of them takes no more
+    /// than that many bytes, and a few beside them that do not grow with it.
     pub fn new(grid: &Grid, n_voxels: u64, budget_bytes: usize) -> Self {
         // Where there are no cells, as their steps would be too long, nobody asks for them.
         let of_level = |level| {

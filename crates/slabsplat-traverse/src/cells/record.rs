@@ -8,8 +8,8 @@
 //! | 60 … 63 | the share that has no normal | 1/15 |
 //!
 //! Numbers are rounded down after a **dither** is added, which differs from cell to cell. A pixel sees a mean
-//! of ten cells and more, of which each is off by another part of a step: rounded to the nearest, all cells of
-//! an even region would be off by the same.
+//! of ten cells and more, of which each is off by another part of a step: rounded to the nearest, all cells
+//! of an even region would be off by the same.
 
 /// A cell in 8 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

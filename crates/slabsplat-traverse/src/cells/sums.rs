@@ -19,8 +19,8 @@ impl CellSums {
         self.0.fill([0.0; 8]);
     }
 
-    /// Adds voxels of a brick, with red, green, blue and extinction of each, where a cell holds `2^level` along
-    /// every axis and the first of theirs is at `first`.
+    /// Adds voxels of a brick, with red, green, blue and extinction of each, where a cell holds `2^level`
+    /// along every axis and the first of theirs is at `first`.
     pub(super) fn add(
         &mut self,
         level: u32,

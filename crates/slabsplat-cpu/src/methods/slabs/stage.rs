@@ -20,8 +20,8 @@ pub(in crate::methods) struct Stage<'a> {
     pub(in crate::methods) voxels: &'a dyn Voxels,
 }
 
-/// The voxels that are splatted, and what a sheet sums of each. A brick has a key, which says more to those who
-/// give it than to those who get it: keys rise in memory order.
+/// The voxels that are splatted, and what a sheet sums of each. A brick has a key, which says more to those
+/// who give it than to those who get it: keys rise in memory order.
 pub(in crate::methods) trait Voxels: Sync {
     /// Relevant voxels in all, of a layer; 0 of its coarser levels.
     fn n_voxels(&self) -> u64;
