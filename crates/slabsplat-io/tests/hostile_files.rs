@@ -202,6 +202,9 @@ fn jpeg_of_most_rows() {
         let [high, low] = rows.to_be_bytes();
         with(&jpeg, b"\xff\xc0\0\x0b\x08\0\x08", &[0xff, 0xc0, 0, 0x0b, 8, high, low])
     };
-    let message = refused(&[("a.jpg", &of_rows(65_535))]);
+    let tall = of_rows(65_535);
+    let slices = [("slices/a.jpg", tall.as_slice())];
+    let message = FilesInMemory::from_iter(slices).read_volume("slices");
+    let message = message.map(|loaded| loaded.warnings).unwrap_err().to_string();
     assert!(message.contains("more than 65528 rows"), "{message}");
 }

@@ -10,13 +10,14 @@ pub(super) const N_SLOTS: usize = BRICK_SIDE.pow(3);
 /// without one.
 type Sum = [f32; 8];
 
-/// The sums of a brick of cells.
-#[derive(Clone, Debug)]
-pub(super) struct CellSums(Box<[Sum; N_SLOTS]>);
+/// The sums of a brick of cells, once they have been cleared; before, they take no memory.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CellSums(Vec<Sum>);
 
 impl CellSums {
     pub(super) fn clear(&mut self) {
-        self.0.fill([0.0; 8]);
+        self.0.clear();
+        self.0.resize(N_SLOTS, [0.0; 8]);
     }
 
     /// Adds voxels of a brick, with red, green, blue and extinction of each, where a cell holds `2^level`
@@ -56,11 +57,5 @@ impl CellSums {
             };
             (slot, values)
         })
-    }
-}
-
-impl Default for CellSums {
-    fn default() -> Self {
-        Self(Box::new([[0.0; 8]; N_SLOTS]))
     }
 }
