@@ -33,6 +33,7 @@ struct State {
 /// The frame was cancelled before it was done.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the frame was cancelled")]
+#[expect(clippy::exhaustive_structs, reason = "there is nothing more to say of it")]
 pub struct Cancelled;
 
 impl FrameHandle {
