@@ -203,7 +203,7 @@ fn jpeg_of_most_rows() {
         with(&jpeg, b"\xff\xc0\0\x0b\x08\0\x08", &[0xff, 0xc0, 0, 0x0b, 8, high, low])
     };
     let tall = of_rows(65_535);
-    let slices = [("slices/a.jpg", tall.as_slice())];
+    let slices = ["slices/a.jpg", "slices/b.jpg"].map(|name| (name, tall.as_slice()));
     let message = FilesInMemory::from_iter(slices).read_volume("slices");
     let message = message.map(|loaded| loaded.warnings).unwrap_err().to_string();
     assert!(message.contains("more than 65528 rows"), "{message}");
