@@ -38,7 +38,10 @@ pub(crate) fn render(
             RelevantVoxels::OnDemand(_) => SeenLevel::all(stage.layer),
         })
         .collect();
-    let drawn: Vec<Drawn<'_>> = stages.iter().zip(&levels).flat_map(Drawn::of_layer).collect();
+    let mut drawn = Vec::with_capacity(stages.len());
+    for (stage, levels) in stages.iter().zip(&levels) {
+        Drawn::add_layer(stage, levels, &mut drawn);
+    }
     let layers = drawn.iter().filter_map(|drawn| {
         let Stage { plan, frame, level, .. } = drawn.stage;
         let (layer, raster, bricks, voxels) = drawn.parts();
@@ -73,19 +76,19 @@ enum DrawnVoxels<'a> {
 }
 
 impl<'a> Drawn<'a> {
-    /// What is drawn of a layer, the coarsest first, which leaves to others what it does not draw.
-    fn of_layer((stage, levels): (&'a Stage<'a>, &'a Vec<SeenLevel<'a>>)) -> Vec<Self> {
+    /// Appends what is drawn of a layer, the coarsest first, which leaves to others what it does not draw.
+    fn add_layer(stage: &'a Stage<'a>, levels: &'a [SeenLevel<'a>], drawn: &mut Vec<Self>) {
         match &stage.relevant {
             RelevantVoxels::Listed(list) => {
                 let listed = Listed { stage, list, faces: LitFaces::of(stage.layer) };
-                vec![Self { stage, voxels: DrawnVoxels::Listed(listed) }]
+                drawn.push(Self { stage, voxels: DrawnVoxels::Listed(listed) });
             }
             RelevantVoxels::OnDemand(on_demand) => {
                 let of_level = |level: usize| {
                     let voxels = LevelVoxels::new(stage, on_demand, levels, level);
                     Self { stage, voxels: DrawnVoxels::OnDemand(&levels[level], voxels) }
                 };
-                (0..levels.len()).rev().map(of_level).collect()
+                drawn.extend((0..levels.len()).rev().map(of_level));
             }
         }
     }
