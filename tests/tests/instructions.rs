@@ -32,7 +32,9 @@ struct Workload {
 const ASLANT: DVec3 = DVec3::new(3.0, 2.0, 1.0);
 
 const WORKLOADS: &[Workload] = &[
-    // A new transfer function while the camera looks past the volume: list, shade, project.
+    // A new transfer function while the camera looks past the volume: list, shade, project. The picture
+    // has as many pixels as the volume voxels: with fewer, cells stand for these, and what is not seen is not
+    // listed.
     Workload {
         name: "classify",
         method: Method::ImageAligned,
@@ -40,7 +42,7 @@ const WORKLOADS: &[Workload] = &[
         stretch: DVec3::ONE,
         eye: ASLANT,
         opacity: 0.5,
-        image_side: 16,
+        image_side: 64,
         change: |scene| {
             look_past(scene);
             scene.layers[0].transfer = transfer(0.7, 100.0);
