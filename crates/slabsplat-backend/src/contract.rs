@@ -70,12 +70,22 @@ pub struct Caps {
     pub device: String,
     /// The methods that it has; it refuses the others.
     pub methods: &'static [Method],
+    /// Whether it ever draws cells instead of voxels ([`LayerPlan::coarser`]); if not, none need be planned.
+    ///
+    /// [`LayerPlan::coarser`]: crate::LayerPlan::coarser
+    pub draws_cells: bool,
 }
 
 impl Caps {
-    /// Those of a backend.
+    /// Those of a backend that draws voxels.
     pub fn new(name: &'static str, device: impl Into<String>, methods: &'static [Method]) -> Self {
-        Self { name, device: device.into(), methods }
+        Self { name, device: device.into(), methods, draws_cells: false }
+    }
+
+    /// The same of one that draws cells of them, too.
+    #[must_use]
+    pub fn with_cells(self) -> Self {
+        Self { draws_cells: true, ..self }
     }
 }
 

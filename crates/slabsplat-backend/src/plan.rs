@@ -101,13 +101,6 @@ pub struct CellsPlan<'a> {
     pub limits: CellLimits,
 }
 
-impl<'a> LayerPlan<'a> {
-    /// This and all coarser ones, level by level.
-    pub fn levels(&self) -> impl Iterator<Item = &Self> {
-        std::iter::successors(Some(self), |layer| layer.coarser.as_ref().map(|cells| &cells.plan))
-    }
-}
-
 impl LayerPlan<'_> {
     /// Where what is splatted is: the volume's grid, or that of its cells.
     pub fn grid(&self) -> Grid {

@@ -19,6 +19,7 @@ pub struct Planner {
     kernels: Kernels,
     /// Of the layers of the last frame, in its order.
     tables: Vec<TablesOfLayer>,
+    leaves_out_cells: bool,
 }
 
 impl Planner {
@@ -28,6 +29,12 @@ impl Planner {
     /// As [`Kernels::add`].
     pub fn add_kernel(&mut self, kernel: Arc<dyn Kernel>) -> Result<(), KernelError> {
         self.kernels.add(kernel)
+    }
+
+    /// Says whether plans have cells that may be drawn instead of voxels. They do at first; for backends that
+    /// draw none ([`Caps::draws_cells`](crate::Caps::draws_cells)) their tables are made in vain.
+    pub fn plan_cells(&mut self, are_planned: bool) {
+        self.leaves_out_cells = !are_planned;
     }
 
     /// Plans a frame of `scene` that draws the voxels whose opacity is above 0.
@@ -61,9 +68,10 @@ impl Planner {
         // What densities may be off is off in each layer by itself (model §10).
         let n_sharing = if method == Method::PostClassified { 1 } else { n_layers };
         let levels = DetailLevels::new(&*kernel, ErrorBudget::new(&settings).among(n_sharing));
+        let levels = (!self.leaves_out_cells).then_some(&levels);
         let seen = layers
             .iter()
-            .map(|layer| SeenLayer::new(layer, &layers, scene, kernel.radius(), &levels));
+            .map(|layer| SeenLayer::new(layer, &layers, scene, kernel.radius(), levels));
         let seen = collected(n_layers, seen)?;
         let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.voxels.view));
         let meshes = meshes::in_view(scene, views)?;

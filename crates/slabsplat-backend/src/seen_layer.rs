@@ -31,13 +31,13 @@ pub(crate) struct SeenCells {
 }
 
 impl<'a> SeenLayer<'a> {
-    /// A layer of a scene that has all those, with kernels of that radius.
+    /// A layer of a scene that has all those, with kernels of that radius, and cells if there are levels.
     pub(crate) fn new(
         layer: &'a Layer,
         all: &[&Layer],
         scene: &Scene,
         radius: f64,
-        levels: &DetailLevels,
+        levels: Option<&DetailLevels>,
     ) -> Result<Self, PlanError> {
         if let Shading::Phong(phong) = layer.shading {
             phong.checked()?;
@@ -46,11 +46,7 @@ impl<'a> SeenLayer<'a> {
         let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));
         let view = View::about(center, grid, &scene.camera, &scene.image)?;
         let voxels = SeenGrid::new(0, grid, view, radius);
-        let least_dim = grid.dims().into_iter().fold(usize::MAX, usize::min);
-        let coarsest = levels.coarsest(voxels.most_stretch(), least_dim);
-        // No cells where their steps would be longer than a grid can have.
-        let cells = (1..=coarsest).map_while(|level| voxels.cells(grid, level, levels, radius));
-        let cells = cells.collect();
+        let cells = levels.map_or_else(Vec::new, |levels| voxels.all_cells(grid, levels, radius));
         Ok(Self { layer, voxels, cells })
     }
 
@@ -68,6 +64,14 @@ impl SeenGrid {
         let of_voxels = view.from_index(grid).depth_range(grid);
         let depths = Depths { of_voxels, half_depth: radius * shape.half_depth };
         Self { level, view, shape, depths }
+    }
+
+    /// Cells of all levels that may be drawn.
+    fn all_cells(&self, voxels: &Grid, levels: &DetailLevels, radius: f64) -> Vec<SeenCells> {
+        let least_dim = voxels.dims().into_iter().fold(usize::MAX, usize::min);
+        let coarsest = levels.coarsest(self.most_stretch(), least_dim);
+        // None where their steps would be longer than a grid can have.
+        (1..=coarsest).map_while(|level| self.cells(voxels, level, levels, radius)).collect()
     }
 
     /// Cells of that level.

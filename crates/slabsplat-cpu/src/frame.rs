@@ -2,7 +2,7 @@
 
 use crate::footprints::raster::Raster;
 use crate::meshes;
-use crate::methods::{RelevantVoxels, Stage, axis_aligned, densities, every_sample, image_aligned};
+use crate::methods::{Stage, axis_aligned, densities, every_sample, image_aligned};
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
 use crate::voxels::relevant::Relevant;
@@ -196,22 +196,7 @@ impl OfLayer {
             frame,
             level,
             raster: Raster::new(layer, 0),
-            relevant: if layer.coarser.is_some() {
-                let relevant = &mut self.relevant;
-                RelevantVoxels::OnDemand(relevant.on_demand(
-                    volume,
-                    &layer.relevant,
-                    &rules,
-                    frame,
-                )?)
-            } else {
-                RelevantVoxels::Listed(self.relevant.voxels(
-                    volume,
-                    &layer.relevant,
-                    &rules,
-                    frame,
-                )?)
-            },
+            relevant: self.relevant.voxels(layer, &layer.relevant, &rules, frame)?,
             bricks: self.bricks.insert(BrickView::new(volume.grid(), &layer.view)),
             lighting: VoxelLighting::new(classification, volume, rules, self.light.as_ref()),
         })

@@ -77,7 +77,8 @@ impl CpuBackend {
                 "cpu",
                 format!("{} CPU threads", rayon::current_num_threads()),
                 Method::ALL,
-            ),
+            )
+            .with_cells(),
             level: Level::new(),
             buffers: frame::Buffers::default(),
             done: Vec::new(),

@@ -307,6 +307,7 @@ fn submit(
     scene: &Scene,
     frame: &FrameHandle,
 ) -> Result<(), RenderError> {
+    planner.plan_cells(backend.caps().draws_cells);
     Ok(backend.submit(&planner.plan_for_frame(scene, frame)?, frame)?)
 }
 

@@ -192,6 +192,7 @@ impl TextureRenderer {
     ) -> Result<Option<Uploaded>, RenderError> {
         match &mut self.drawing {
             Drawing::Gpu(backend) => {
+                self.planner.plan_cells(backend.caps().draws_cells);
                 let plan = self.planner.plan_for_frame(scene, frame)?;
                 backend.submit_into(&plan, frame, &target.destination())?;
                 Ok(None)

@@ -239,3 +239,31 @@ fn planner_takes_isosurfaces_in_any_order() {
     let error = Planner::default().plan(&scene).unwrap_err().to_string();
     assert_eq!(error, "there are two isosurfaces of the value -1: leave one out");
 }
+
+/// From afar there are cells, unless nobody draws them or the picture is exact.
+#[test]
+fn planner_plans_cells_for_those_who_draw_them() {
+    let grid = Grid::with_spacing([64; 3], [1.0; 3]).unwrap();
+    let volume = Volume::new(grid, vec![1_u8; 1 << 18].into(), Scaling::IDENTITY).unwrap();
+    let mut scene = scene_of(volume, RenderSettings::default());
+    let projection = Projection::Orthographic { view_height: 40.0 };
+    scene.camera = Camera::new(DVec3::Z * 99.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
+    let levels = |planner: &mut Planner, scene: &Scene| {
+        let plan = planner.plan(scene).unwrap();
+        let mut next = plan.layers[0].coarser.as_deref();
+        let mut levels = Vec::new();
+        while let Some(cells) = next {
+            levels.push(cells.plan.level);
+            assert_eq!(cells.from_depth, f64::NEG_INFINITY, "rays are parallel");
+            next = cells.plan.coarser.as_deref();
+        }
+        levels
+    };
+    let mut planner = Planner::default();
+    assert_eq!(levels(&mut planner, &scene), [1, 2], "a pixel covers five voxels");
+    planner.plan_cells(false);
+    assert_eq!(levels(&mut planner, &scene), []);
+    planner.plan_cells(true);
+    scene.settings.tolerance = 0.0;
+    assert_eq!(levels(&mut planner, &scene), []);
+}

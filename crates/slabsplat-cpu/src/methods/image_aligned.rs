@@ -1,20 +1,20 @@
 //! The paper's method (§3.2): kernel sections summed in slabs parallel to the image, slab by slab from
 //! the eye, and composited.
 
+use super::Stage;
 use super::lit_faces::LitFaces;
 use super::on_demand::{LevelVoxels, SeenLevel};
 use super::slabs::{
     self, BrickVoxels, ReadRoom, SectionsInSlabs, Sheets, SlabOnTile, SlabSums, Voxels,
 };
-use super::{RelevantVoxels, Stage};
 use crate::footprints::raster::Raster;
 use crate::pixels::blocks::Blocks;
 use crate::pixels::ended_rays::SlabToEndIn;
 use crate::pixels::tile::Tile;
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
+use crate::voxels::relevant::RelevantVoxels;
 use fearless_simd::Simd;
-use rayon::prelude::*;
 use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Splats};
 use slabsplat_core::{Cancelled, Compositing, SlabGrid};
 use slabsplat_traverse::{Brick, BrickView, RelevantList, VoxelRecord};
@@ -116,13 +116,8 @@ impl Voxels for Listed<'_> {
         self.list.len() as u64
     }
 
-    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
-        let listed = self.list.bricks().par_iter().enumerate();
-        listed.map(|(idx, brick)| (range_of(brick), idx as u32)).collect_into_vec(into);
-    }
-
-    fn brick(&self, key: u32) -> Brick {
-        self.list.bricks()[key as usize]
+    fn listed(&self) -> &[Brick] {
+        self.list.bricks()
     }
 
     fn read<'a>(&'a self, brick: &Brick, _: &'a mut ReadRoom) -> Option<BrickVoxels<'a>> {

@@ -15,7 +15,7 @@ mod slabs;
 mod whole_voxels;
 
 use crate::footprints::raster::Raster;
-use crate::voxels::relevant::OnDemand;
+use crate::voxels::relevant::RelevantVoxels;
 use fearless_simd::Level;
 use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_core::FrameHandle;
@@ -32,25 +32,6 @@ pub(crate) struct Stage<'a> {
     pub(crate) relevant: RelevantVoxels<'a>,
     pub(crate) bricks: &'a BrickView,
     pub(crate) lighting: VoxelLighting<'a>,
-}
-
-/// How the relevant voxels of a layer are had.
-#[derive(Debug)]
-pub(crate) enum RelevantVoxels<'a> {
-    /// All of them, listed.
-    Listed(&'a RelevantList),
-    /// Brick by brick, where cells may be drawn instead.
-    OnDemand(OnDemand<'a>),
-}
-
-impl RelevantVoxels<'_> {
-    /// How many they are.
-    pub(crate) fn n_voxels(&self) -> u64 {
-        match self {
-            Self::Listed(list) => list.len() as u64,
-            Self::OnDemand(on_demand) => on_demand.bricks.n_voxels(),
-        }
-    }
 }
 
 impl Stage<'_> {

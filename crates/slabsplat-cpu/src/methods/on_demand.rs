@@ -22,8 +22,8 @@ use crate::voxels::relevant::OnDemand;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, LayerPlan};
+use slabsplat_core::BlinnPhong;
 use slabsplat_core::glam::DVec3;
-use slabsplat_kernel::CellLimits;
 use slabsplat_traverse::{
     Brick, BrickBounds, BrickMaker, BrickView, CellBrick, CellRecord, CellValues, Contrast,
     VoxelRecord,
@@ -35,7 +35,7 @@ pub(super) struct SeenLevel<'a> {
     pub(super) raster: Raster,
     pub(super) bricks: BrickView,
     /// What may be drawn of it; everything of voxels.
-    allowed: Option<(f64, CellLimits)>,
+    cells: Option<&'a CellsPlan<'a>>,
 }
 
 /// The bricks of a level.
@@ -46,29 +46,28 @@ pub(super) struct LevelVoxels<'a> {
     seen: &'a SeenLevel<'a>,
     coarser: Option<&'a SeenLevel<'a>>,
     faces: Option<LitFaces<'a>>,
+    /// What differences of colours, and of normals, make of lit colours at most.
+    lit: [f64; 2],
 }
 
 impl<'a> SeenLevel<'a> {
     /// All levels of a layer, voxels first.
     pub(super) fn all(layer: &'a LayerPlan<'a>) -> Vec<Self> {
-        let seen = |plan: &'a LayerPlan<'a>, allowed| Self {
+        let seen = |plan: &'a LayerPlan<'a>, cells| Self {
             plan,
             raster: Raster::new(plan, 0),
             bricks: BrickView::new(&plan.grid(), &plan.view),
-            allowed,
+            cells,
         };
-        let mut all = vec![seen(layer, None)];
-        let mut next = layer.coarser.as_deref();
-        while let Some(CellsPlan { plan, from_depth, limits, .. }) = next {
-            all.push(seen(plan, Some((*from_depth, *limits))));
-            next = plan.coarser.as_deref();
-        }
-        all
+        let next = |cells: &&'a CellsPlan<'a>| cells.plan.coarser.as_deref();
+        let cells = std::iter::successors(layer.coarser.as_deref(), next);
+        let cells = cells.map(|cells| seen(&cells.plan, Some(cells)));
+        std::iter::once(seen(layer, None)).chain(cells).collect()
     }
 
     /// Whether a brick lies where this level may be drawn.
     fn reaches(&self, brick_idx: u32) -> bool {
-        let Some((from_depth, _)) = self.allowed else { return true };
+        let Some(&CellsPlan { from_depth, .. }) = self.cells else { return true };
         if from_depth.is_infinite() {
             return from_depth < 0.0;
         }
@@ -98,6 +97,7 @@ impl<'a> LevelVoxels<'a> {
             seen: &levels[level],
             coarser: levels.get(level + 1),
             faces: LitFaces::of(stage.layer),
+            lit: stage.layer.light.as_ref().map_or([1.0, 0.0], lit_differences),
         }
     }
 
@@ -114,19 +114,9 @@ impl<'a> LevelVoxels<'a> {
 
     /// Whether cells are alike enough, and faint enough, to stand for their voxels.
     fn allows(&self, cells: &CellBrick) -> bool {
-        let Some((_, limits)) = self.seen.allowed else { return true };
+        let Some(CellsPlan { limits, .. }) = self.seen.cells else { return true };
         let Contrast { color, normal, noise } = cells.contrast();
-        let [of_color, of_normal] = match &self.stage.layer.light {
-            None => [1.0, 0.0],
-            Some(light) => {
-                let lit =
-                    |channel: usize| light.lights.iter().map(|l| l.color[channel]).sum::<f64>();
-                let light_of_all = lit(0).max(lit(1)).max(lit(2));
-                let phong = &light.phong;
-                let diffuse = phong.diffuse * light_of_all;
-                [(phong.ambient + diffuse).max(1.0), diffuse + phong.specular * light_of_all]
-            }
-        };
+        let [of_color, of_normal] = self.lit;
         let contrast = of_color * f64::from(color) + of_normal * f64::from(normal);
         contrast <= limits.contrast
             && f64::from(noise) <= limits.noise
@@ -168,6 +158,13 @@ impl<'a> LevelVoxels<'a> {
     }
 }
 
+/// What a difference of colours, and of normals, makes of lit colours at most (model §16).
+fn lit_differences(light: &BlinnPhong) -> [f64; 2] {
+    let in_all = light.lights.iter().map(|light| light.color).sum::<DVec3>().max_element();
+    let diffuse = light.phong.diffuse * in_all;
+    [(light.phong.ambient + diffuse).max(1.0), diffuse + light.phong.specular * in_all]
+}
+
 /// Cells that are lit at once.
 const AT_ONCE: usize = 8;
 
@@ -178,11 +175,10 @@ impl Voxels for LevelVoxels<'_> {
 
     fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
         let OnDemand { bricks, lister } = self.on_demand;
+        into.clear();
         // In parallel rays all are of the coarsest level.
-        if self
-            .coarser
-            .is_some_and(|seen| seen.allowed.is_some_and(|(from, _)| from == f64::NEG_INFINITY))
-        {
+        let is_everywhere = |cells: &CellsPlan<'_>| cells.from_depth == f64::NEG_INFINITY;
+        if self.coarser.and_then(|seen| seen.cells).is_some_and(is_everywhere) {
             return;
         }
         let here = bricks

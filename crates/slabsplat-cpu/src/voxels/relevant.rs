@@ -1,7 +1,7 @@
 //! The relevant voxels of the last plan, cached for the next one: a list of all, or bricks that are made when
 //! they are seen.
 
-use slabsplat_backend::{ByIdentity, Cached};
+use slabsplat_backend::{ByIdentity, Cached, LayerPlan};
 use slabsplat_core::{Cancelled, FrameHandle, IsoRange, StageError, Volume};
 use slabsplat_traverse::{
     BrickLister, BrickRanges, BricksOnDemand, OwnVoxelRules, RelevantList, VoxelRules,
@@ -21,6 +21,25 @@ struct OfVolume {
     on_demand: Cached<(OwnVoxelRules, Vec<IsoRange>), BricksOnDemand>,
 }
 
+/// How the relevant voxels of a layer are had.
+#[derive(Debug)]
+pub(crate) enum RelevantVoxels<'a> {
+    /// All of them, listed.
+    Listed(&'a RelevantList),
+    /// Brick by brick, where cells may be drawn instead.
+    OnDemand(OnDemand<'a>),
+}
+
+impl RelevantVoxels<'_> {
+    /// How many they are.
+    pub(crate) fn n_voxels(&self) -> u64 {
+        match self {
+            Self::Listed(list) => list.len() as u64,
+            Self::OnDemand(on_demand) => on_demand.bricks.n_voxels(),
+        }
+    }
+}
+
 /// Bricks that are made when they are seen, and what makes them.
 #[derive(Debug)]
 pub(crate) struct OnDemand<'a> {
@@ -36,51 +55,20 @@ const BUDGET_SHARE: usize = 4;
 const LEAST_BUDGET_BYTES: usize = 64 << 20;
 
 impl Relevant {
-    /// The voxels of `volume` with values in `ranges` that are visible by these rules. The bricks of a new
-    /// volume are looked through; new ranges change the list by their difference from the last ones.
-    pub(crate) fn voxels(
-        &mut self,
-        volume: &Arc<Volume>,
-        ranges: &[IsoRange],
-        rules: &VoxelRules<'_>,
-        frame: &FrameHandle,
-    ) -> Result<&RelevantList, StageError> {
-        let of_volume = self.of_volume(volume, frame)?;
-        let OfVolume { brick_ranges, rules: listed_by, list, on_demand } = of_volume;
-        *on_demand = Cached::default();
-        let rules = (!rules.are_by_value()).then_some(rules);
-        if listed_by.as_ref().map(OwnVoxelRules::rules) != rules.copied() {
-            *listed_by = rules.map(OwnVoxelRules::new);
-            *list = RelevantList::default();
-        }
-        if list.ranges() != ranges {
-            list.update_for_frame(volume, brick_ranges, ranges, rules, frame)?;
-        }
-        Ok(list)
-    }
-
-    /// The same, and cells of them, brick by brick.
-    pub(crate) fn on_demand<'a>(
+    /// The voxels of a layer that are visible by these rules. The bricks of a new volume are looked through.
+    pub(crate) fn voxels<'a>(
         &'a mut self,
-        volume: &'a Arc<Volume>,
+        layer: &LayerPlan<'a>,
         ranges: &'a [IsoRange],
         rules: &VoxelRules<'a>,
         frame: &FrameHandle,
-    ) -> Result<OnDemand<'a>, Cancelled> {
-        let of_volume = self.of_volume(volume, frame)?;
-        let OfVolume { brick_ranges, rules: listed_by, list, on_demand } = of_volume;
-        (*listed_by, *list) = (None, RelevantList::default());
-        let decide = (!rules.are_by_value()).then_some(rules);
-        let lister = BrickLister::new(volume, brick_ranges, ranges, decide);
-        let made_by = (OwnVoxelRules::new(rules), ranges.to_vec());
-        let bricks = on_demand.try_made_of(made_by, |_| {
-            let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
-            let budget = (of_samples / BUDGET_SHARE).max(LEAST_BUDGET_BYTES);
-            let n_voxels = lister.count_all(frame)?;
-            Ok(BricksOnDemand::new(volume.grid(), n_voxels, budget))
-        })?;
-        bricks.start_frame();
-        Ok(OnDemand { bricks, lister })
+    ) -> Result<RelevantVoxels<'a>, StageError> {
+        let of_volume = self.of_volume(layer.volume, frame)?;
+        if layer.coarser.is_some() {
+            let on_demand = of_volume.on_demand(layer.volume, ranges, rules, frame)?;
+            return Ok(RelevantVoxels::OnDemand(on_demand));
+        }
+        of_volume.listed(layer.volume, ranges, rules, frame).map(RelevantVoxels::Listed)
     }
 
     fn of_volume(
@@ -105,5 +93,48 @@ impl Relevant {
             of.brick_ranges.resident_bytes() + of.list.resident_bytes() + on_demand
         };
         self.0.value().map_or(0, bytes)
+    }
+}
+
+impl OfVolume {
+    /// New ranges change the list by their difference from the last ones.
+    fn listed(
+        &mut self,
+        volume: &Volume,
+        ranges: &[IsoRange],
+        rules: &VoxelRules<'_>,
+        frame: &FrameHandle,
+    ) -> Result<&RelevantList, StageError> {
+        self.on_demand = Cached::default();
+        let rules = (!rules.are_by_value()).then_some(rules);
+        if self.rules.as_ref().map(OwnVoxelRules::rules) != rules.copied() {
+            self.rules = rules.map(OwnVoxelRules::new);
+            self.list = RelevantList::default();
+        }
+        if self.list.ranges() != ranges {
+            self.list.update_for_frame(volume, &self.brick_ranges, ranges, rules, frame)?;
+        }
+        Ok(&self.list)
+    }
+
+    fn on_demand<'a>(
+        &'a mut self,
+        volume: &'a Volume,
+        ranges: &'a [IsoRange],
+        rules: &VoxelRules<'a>,
+        frame: &FrameHandle,
+    ) -> Result<OnDemand<'a>, Cancelled> {
+        (self.rules, self.list) = (None, RelevantList::default());
+        let decide = (!rules.are_by_value()).then_some(rules);
+        let lister = BrickLister::new(volume, &self.brick_ranges, ranges, decide);
+        let made_by = (OwnVoxelRules::new(rules), ranges.to_vec());
+        let bricks = self.on_demand.try_made_of(made_by, |_| {
+            let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
+            let budget = (of_samples / BUDGET_SHARE).max(LEAST_BUDGET_BYTES);
+            let n_voxels = lister.count_all(frame)?;
+            Ok(BricksOnDemand::new(volume.grid(), n_voxels, budget))
+        })?;
+        bricks.start_frame();
+        Ok(OnDemand { bricks, lister })
     }
 }

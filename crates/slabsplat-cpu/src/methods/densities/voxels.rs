@@ -3,7 +3,6 @@
 
 use super::selection::Selection;
 use crate::methods::slabs::{BrickVoxels, ReadRoom, Voxels};
-use rayon::prelude::*;
 use slabsplat_backend::densities::ValueScale;
 use slabsplat_core::{Sample, Volume, with_samples};
 use slabsplat_traverse::{Brick, BrickGrid, VoxelRecord};
@@ -45,13 +44,8 @@ impl Voxels for Selected<'_> {
         self.selection.n_voxels as u64
     }
 
-    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
-        let selected = self.selection.bricks.par_iter().enumerate();
-        selected.map(|(idx, brick)| (range_of(brick), idx as u32)).collect_into_vec(into);
-    }
-
-    fn brick(&self, key: u32) -> Brick {
-        self.selection.bricks[key as usize]
+    fn listed(&self) -> &[Brick] {
+        &self.selection.bricks
     }
 
     fn read<'a>(&'a self, brick: &Brick, room: &'a mut ReadRoom) -> Option<BrickVoxels<'a>> {

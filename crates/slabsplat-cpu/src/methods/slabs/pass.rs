@@ -1,6 +1,6 @@
 //! A layer on its way through the slabs of a frame.
 
-use super::intake::{Intake, Scratch};
+use super::intake::{Intake, IntakeSummary, Scratch};
 use super::occlusion::Occlusion;
 use super::setup::Setup;
 use super::stage::Stage;
@@ -22,14 +22,6 @@ pub(super) struct Pass<'a> {
     pub(super) first_slabs: Range<usize>,
 }
 
-/// What came of a range.
-pub(super) struct Taken {
-    /// Relevant voxels that were taken in; others are occluded.
-    pub(super) n_voxels: u64,
-    /// The keys of bricks that are left to a finer level.
-    pub(super) refused: Vec<u32>,
-}
-
 impl<'a> Pass<'a> {
     pub(super) fn new(
         stage: Stage<'a>,
@@ -37,7 +29,6 @@ impl<'a> Pass<'a> {
         bricks: &'a mut Vec<(u32, u32)>,
         intake: &'a mut Intake,
     ) -> Self {
-        bricks.clear();
         stage.voxels.bricks(&|brick| range_of(&stage, &setup, brick), bricks);
         bricks.par_sort_unstable();
         Self { stage, setup, bricks, late: Vec::new(), intake, first_slabs: 0..0 }
@@ -66,7 +57,7 @@ impl<'a> Pass<'a> {
         tiles: &TileGrid,
         occlusion: &Occlusion,
         scratches: &mut Workspaces<Scratch>,
-    ) -> Taken {
+    ) -> IntakeSummary {
         let n_here = self.bricks.partition_point(|brick| brick.0 == range);
         let (mut here, behind) = self.bricks.split_at(n_here);
         let mut all: Vec<(u32, u32)> = self.late.extract_if(.., |brick| brick.0 == range).collect();
@@ -79,13 +70,13 @@ impl<'a> Pass<'a> {
         // What still waits went to some slab before, no longer ago than it is drawn.
         let end = self.first_slabs.end;
         let waited = start.saturating_sub(self.setup.slabs.n_before).min(end)..end;
-        self.first_slabs = match taken.first_slabs {
+        self.first_slabs = match taken.first_slabs.clone() {
             Some(new) if waited.is_empty() => new,
             Some(new) => new.start.min(waited.start)..new.end.max(waited.end),
             None => waited,
         };
         self.bricks = behind;
-        Taken { n_voxels: taken.n_voxels, refused: taken.refused }
+        taken
     }
 }
 

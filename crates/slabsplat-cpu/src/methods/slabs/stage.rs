@@ -3,6 +3,7 @@
 
 use crate::footprints::raster::Raster;
 use fearless_simd::Level;
+use rayon::prelude::*;
 use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_core::FrameHandle;
 use slabsplat_traverse::{Brick, BrickRoom, BrickView, CellBrick, VoxelRecord};
@@ -26,11 +27,21 @@ pub(in crate::methods) trait Voxels: Sync {
     /// Relevant voxels in all, of a layer; 0 of its coarser levels.
     fn n_voxels(&self) -> u64;
 
-    /// Appends the keys of the bricks that hold any, each behind what `range_of` returns of it.
-    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>);
+    /// The bricks that hold any, in memory order, if they are listed; their keys are their indices.
+    fn listed(&self) -> &[Brick] {
+        &[]
+    }
+
+    /// Writes the keys of the bricks that hold any, each behind what `range_of` returns of it.
+    fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
+        let listed = self.listed().par_iter().enumerate();
+        listed.map(|(idx, brick)| (range_of(brick), idx as u32)).collect_into_vec(into);
+    }
 
     /// The brick of a key.
-    fn brick(&self, key: u32) -> Brick;
+    fn brick(&self, key: u32) -> Brick {
+        self.listed()[key as usize]
+    }
 
     /// The voxels of one of the bricks; `None` if they are to be drawn by those of a finer level.
     fn read<'a>(&'a self, brick: &Brick, room: &'a mut ReadRoom) -> Option<BrickVoxels<'a>>;
