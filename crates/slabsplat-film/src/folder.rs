@@ -19,8 +19,34 @@ const PART: &str = "frame.part";
 pub(crate) struct FrameFolder {
     path: PathBuf,
     desc: FilmDesc,
-    /// Locked as long as it is open, and released however the program ends.
-    lock: File,
+    lock: Lock,
+}
+
+/// The text, locked, and released however the program ends.
+struct Lock(File);
+
+impl Lock {
+    /// None where somebody else has it.
+    fn take(text: File) -> Option<Self> {
+        match text.try_lock() {
+            // Where a file system has no locks, one run is believed to be the only one.
+            Ok(()) | Err(TryLockError::Error(_)) => Some(Self(text)),
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+
+    fn write(&mut self, identity: &str) -> io::Result<()> {
+        self.0.set_len(0)?;
+        self.0.write_all(identity.as_bytes())
+    }
+}
+
+impl Drop for Lock {
+    /// Closed, a file is unlocked only when nobody else has it open, and a process that another thread starts
+    /// has it until it runs its own program.
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
 }
 
 impl FrameFolder {
@@ -44,12 +70,9 @@ impl FrameFolder {
         fs::create_dir_all(&path).map_err(FilmError::write(&path))?;
         let mut options = File::options();
         let lock = options.read(true).append(true).create(true).open(&text);
-        let lock = lock.map_err(FilmError::write(&text))?;
-        match lock.try_lock() {
-            // Where a file system has no locks, one run is believed to be the only one.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-            Err(TryLockError::WouldBlock) => return Err(FilmError::InUse { folder: path }),
-        }
+        let Some(lock) = Lock::take(lock.map_err(FilmError::write(&text))?) else {
+            return Err(FilmError::InUse { folder: path });
+        };
         let mut folder = Self { path, desc: *desc, lock };
         let n_done = folder.begin(identity, anew)?;
         Ok((folder, n_done))
@@ -66,8 +89,7 @@ impl FrameFolder {
         }
         if said != identity {
             remove_files(&self.path, is_frame)?;
-            let said = self.lock.set_len(0).and_then(|()| self.lock.write_all(identity.as_bytes()));
-            said.map_err(FilmError::write(&text))?;
+            self.lock.write(identity).map_err(FilmError::write(&text))?;
             return Ok(0);
         }
         if anew {
@@ -227,6 +249,19 @@ mod tests {
         let error = open("size = 3\n", false).err().unwrap().to_string();
         assert!(error.contains("differs in size"), "{error}");
         assert_eq!(open("size = 3\n", true).unwrap().1, 0);
+    }
+
+    /// As a process that another thread starts has it for a moment.
+    #[test]
+    fn folder_is_free_though_its_text_is_open_elsewhere() {
+        let dir = tempfile::tempdir().unwrap();
+        let target = dir.path().join("a.gif");
+        let open = || FrameFolder::open(&target, &desc(9), "x", false);
+        let (folder, _) = open().unwrap();
+        let elsewhere = folder.lock.0.try_clone().unwrap();
+        drop(folder);
+        assert!(open().is_ok());
+        drop(elsewhere);
     }
 
     /// Of a film that failed before its first frame nothing is in the way of the mended one.
