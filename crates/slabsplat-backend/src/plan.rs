@@ -99,6 +99,8 @@ pub struct CellsPlan<'a> {
     pub from_depth: f64,
     /// And which do not exceed these.
     pub limits: CellLimits,
+    /// By how much lit colours differ at most where colours differ by 1, and where normals do.
+    pub lit: [f64; 2],
 }
 
 impl LayerPlan<'_> {

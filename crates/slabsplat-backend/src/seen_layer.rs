@@ -2,7 +2,8 @@
 
 use crate::PlanError;
 use crate::slabs::Depths;
-use slabsplat_core::{Grid, Layer, Scene, Shading, View};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Grid, Layer, Light, Scene, Shading, View};
 use slabsplat_kernel::{CellLimits, DetailLevels, FootprintShape};
 
 /// A layer as the camera sees it.
@@ -28,6 +29,7 @@ pub(crate) struct SeenCells {
     /// Where their kernels begin, at least.
     pub(crate) from_depth: f64,
     pub(crate) limits: CellLimits,
+    pub(crate) lit: [f64; 2],
 }
 
 impl<'a> SeenLayer<'a> {
@@ -46,7 +48,9 @@ impl<'a> SeenLayer<'a> {
         let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));
         let view = View::about(center, grid, &scene.camera, &scene.image)?;
         let voxels = SeenGrid::new(0, grid, view, radius);
-        let cells = levels.map_or_else(Vec::new, |levels| voxels.all_cells(grid, levels, radius));
+        let cells = levels.map_or_else(Vec::new, |levels| {
+            voxels.all_cells(grid, levels, radius, lit_differences(layer, &scene.lights))
+        });
         Ok(Self { layer, voxels, cells })
     }
 
@@ -67,11 +71,17 @@ impl SeenGrid {
     }
 
     /// Cells of all levels that may be drawn.
-    fn all_cells(&self, voxels: &Grid, levels: &DetailLevels, radius: f64) -> Vec<SeenCells> {
+    fn all_cells(
+        &self,
+        voxels: &Grid,
+        levels: &DetailLevels,
+        radius: f64,
+        lit: [f64; 2],
+    ) -> Vec<SeenCells> {
         let least_dim = voxels.dims().into_iter().fold(usize::MAX, usize::min);
         let coarsest = levels.coarsest(self.most_stretch(), least_dim);
         // None where their steps would be longer than a grid can have.
-        (1..=coarsest).map_while(|level| self.cells(voxels, level, levels, radius)).collect()
+        (1..=coarsest).map_while(|level| self.cells(voxels, level, levels, radius, lit)).collect()
     }
 
     /// Cells of that level.
@@ -81,12 +91,14 @@ impl SeenGrid {
         level: u32,
         levels: &DetailLevels,
         radius: f64,
+        lit: [f64; 2],
     ) -> Option<SeenCells> {
         let view = self.view.of_cells(level, levels.kernel_variance());
         Some(SeenCells {
             grid: Self::new(level, &voxels.of_cells(level).ok()?, view, radius),
             from_depth: self.view.depth_from_stretch(levels.least_stretch(level)),
-            limits: levels.limits(level, self.shape.half_depth / voxels.unit()),
+            limits: levels.limits(level, self.shape.half_depth / voxels.unit(), lit[1]),
+            lit,
         })
     }
 
@@ -100,4 +112,12 @@ impl SeenGrid {
         let farthest = self.depths.of_voxels[1].max(self.view.near_depth());
         self.view.stretch(self.view.pixels_per_world(farthest))
     }
+}
+
+/// What a difference of colours, and of normals, makes of lit colours at most (model §16).
+fn lit_differences(layer: &Layer, lights: &[Light]) -> [f64; 2] {
+    let Shading::Phong(phong) = layer.shading else { return [1.0, 0.0] };
+    let in_all = lights.iter().map(|light| DVec3::from(light.color)).sum::<DVec3>().max_element();
+    let diffuse = phong.diffuse * in_all;
+    [(phong.ambient + diffuse).max(1.0), diffuse + phong.specular * in_all]
 }

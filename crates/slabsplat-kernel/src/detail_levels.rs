@@ -35,6 +35,8 @@ pub struct CellLimits {
     pub noise: f64,
     /// Mean extinction of a cell's voxels, per voxel step.
     pub extinction: f64,
+    /// The same in bricks whose cells are lit by mean normals alone; others need second moments of these.
+    pub by_mean_normals: f64,
 }
 
 /// The coarsest level: a brick of cells has 64³ voxels.
@@ -84,13 +86,16 @@ impl DetailLevels {
     }
 
     /// What bricks of cells of a level are drawn, of a layer whose kernel has the half-depth `λ` over its
-    /// radius, in `unit`s.
-    pub fn limits(&self, level: u32, layer_depth: f64) -> CellLimits {
+    /// radius, in `unit`s. `lit` is by how much colours differ at most whose normals differ by 1; 0 without light.
+    pub fn limits(&self, level: u32, layer_depth: f64, lit: f64) -> CellLimits {
         let side = 2_f64.powi(level as i32);
+        let [by_mean_normals, by_moments] = self.budget.light_of_cells().map(|mu| mu / (lit * lit));
+        let in_depth = self.budget.opaque_cells() / (depth(level) * layer_depth);
         CellLimits {
             contrast: self.budget.cells() / (variance_of_depth(level) / side * layer_depth),
             noise: self.budget.noise_of_cells() / (depth(level) * layer_depth),
-            extinction: self.budget.opaque_cells() / (depth(level) * layer_depth),
+            extinction: in_depth.min(by_moments),
+            by_mean_normals,
         }
     }
 }
@@ -161,9 +166,13 @@ mod tests {
 
     #[test]
     fn detail_levels_spend_the_tolerance() {
-        let at = |level, layer_depth| levels("gaussian", 0.05).limits(level, layer_depth);
+        let at = |level, layer_depth| levels("gaussian", 0.05).limits(level, layer_depth, 0.0);
         // Two voxels lie half a step before and behind their middle.
-        let CellLimits { contrast, noise, extinction } = at(1, 1.0);
+        let CellLimits { contrast, noise, extinction, by_mean_normals } = at(1, 1.0);
+        assert_eq!(by_mean_normals, f64::INFINITY, "no light");
+        let lit = levels("gaussian", 0.05).limits(1, 1.0, 2.0);
+        assert!((lit.by_mean_normals - 0.0225 / 4.0).abs() < 1e-12);
+        assert!((lit.extinction - 0.49 / 4.0).abs() < 1e-12, "bright light");
         assert!((noise - 0.01).abs() < 1e-12, "of white noise of extinction 0.04");
         assert!((contrast - 0.2).abs() < 1e-12 && (extinction - 0.5).abs() < 1e-12);
         assert_eq!(at(1, 2.0).contrast, 0.5 * contrast, "deep kernels");

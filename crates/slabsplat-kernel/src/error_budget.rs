@@ -5,7 +5,8 @@
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
 //! | levels of detail (model §16) | half of it, for the contrast of a brick's cells | `detail_levels.rs` | measured: in depth they spend some tenth of it, and noise is off by as much in the image plane |
 //! | the same | a twentieth of it, for colours that differ from cell to cell without order | `detail_levels.rs` | in the image plane noise is off by several times as much |
-//! | the same | two and a half times it, for cells as unlike as they can be within themselves | `detail_levels.rs` | only stripes along the image plane that alternate from voxel to voxel come near it |
+//! | the same, in light by the mean of normals, and by second moments too | two thirds of it; just over it | `detail_levels.rs` | both grow with the root of the extinction |
+//! | the same in depth | two and a half times it, for cells as unlike as they can be within themselves | `detail_levels.rs` | only stripes along the image plane that alternate from voxel to voxel come near it |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
 //! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
@@ -87,9 +88,21 @@ impl ErrorBudget {
         self.tolerance / 20.0
     }
 
-    /// The same, if cells' voxels were black and white.
+    /// What cells may tell in depth, if their voxels were black and white.
     pub fn opaque_cells(self) -> f64 {
         2.5 * self.tolerance
+    }
+
+    /// The extinction of cells up to which these may be lit by mean normals, and up to which by second moments,
+    /// too, if light makes no more of normals than 1.
+    ///
+    /// What light makes of eight random normals is off by 0.075 in the mean of squares as told by their mean, by
+    /// 0.027 with second moments. A pixel sees the mean of some `2.2/μ` cells: five across, as many in depth as
+    /// it takes to hide what is behind. The worst of thousands of pixels is off by four and a half times the root
+    /// of the mean of squares: by `0.22·√μ` and `0.08·√μ`. The first may be two thirds of the tolerance, the
+    /// second, which opaque scans stay far below, somewhat more than it.
+    pub fn light_of_cells(self) -> [f64; 2] {
+        [3.0, 14.0].map(|per_tolerance| (per_tolerance * self.tolerance).powi(2))
     }
 
     /// Whether nothing may be off at all.

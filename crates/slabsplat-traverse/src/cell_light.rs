@@ -4,7 +4,8 @@
 //! ```text
 //! d = 1 − share without normal      r = |n|/d              how much alike those that have one point
 //! m = n·l/d                         v = q·(1 − m²)         mean and variance of their products with a light,
-//! q = (1 − r²)/(3 − r²)                                    as if they were spread evenly around the mean
+//! q = (1 − r²)/(3 − r²)                                    as if they were spread evenly around the mean,
+//! v = lᵀMl/d − m²                                          or, where second moments are known, as they are
 //! a = √(m² + ¾·v·v/(v + ½·m²))                             mean of |n·l|, for two-sided light
 //! (a + m)/2, (a + m)/2a                                    mean of max(n·l, 0), and the share that faces it
 //! f = r/(r + s·(1 − r))             y = n·h/|n|            how much broader highlights become
@@ -20,12 +21,13 @@
 //!
 //! All goes eight cells at a time, without branches on cells.
 
-use crate::CellValues;
+use crate::Cells8;
 use crate::blinn_phong::BlinnPhong8;
+use crate::cells::along;
 use std::array::from_fn;
 
 /// What eight cells have in common with eight others: what there is of directions among their voxels.
-struct Facing8 {
+struct Facing8<'a> {
     normals: [[f32; 8]; 3],
     /// `d`, and one over it.
     directed: [f32; 8],
@@ -34,15 +36,16 @@ struct Facing8 {
     alike: [f32; 8],
     /// `q`.
     spread: [f32; 8],
+    moments: &'a Option<[[f32; 6]; 8]>,
 }
 
 /// The least of what is divided by: where there is no direction at all, all that depends on one is 0 times
 /// something finite.
 const LEAST: f32 = 1e-12;
 
-impl Facing8 {
+impl<'a> Facing8<'a> {
     #[inline(always)]
-    fn new(cells: &[CellValues; 8]) -> Self {
+    fn new(Cells8 { values: cells, moments }: &'a Cells8) -> Self {
         let normals: [[f32; 8]; 3] = from_fn(|axis| from_fn(|i| cells[i].normal[axis]));
         let (mut directed, mut per_directed) = ([0.0; 8], [0.0; 8]);
         let (mut alike, mut spread) = ([0.0; 8], [0.0; 8]);
@@ -57,7 +60,7 @@ impl Facing8 {
             alike[i] = r;
             spread[i] = (1.0 - r * r) / (3.0 - r * r);
         }
-        Self { normals, directed, per_directed, alike, spread }
+        Self { normals, directed, per_directed, alike, spread, moments }
     }
 
     /// `m`, −1 … 1.
@@ -71,11 +74,26 @@ impl Facing8 {
     }
 }
 
+impl Facing8<'_> {
+    /// `v`, for directions whose means are those.
+    #[inline(always)]
+    fn variances(&self, means: &[f32; 8], direction: [f32; 3]) -> [f32; 8] {
+        match self.moments {
+            None => from_fn(|i| self.spread[i] * (1.0 - means[i] * means[i])),
+            Some(moments) => from_fn(|i| {
+                let square = along(moments[i], direction) * self.per_directed[i];
+                (square - means[i] * means[i]).max(0.0)
+            }),
+        }
+    }
+}
+
 impl BlinnPhong8 {
     /// The colours of eight cells under this light.
     #[inline(always)]
-    pub fn on_cells(&self, cells: &[CellValues; 8]) -> [[f32; 3]; 8] {
+    pub fn on_cells(&self, cells: &Cells8) -> [[f32; 3]; 8] {
         let facing = Facing8::new(cells);
+        let cells = &cells.values;
         let mut diffuse = [[self.ambient; 8]; 3];
         let mut specular = [[0.0; 8]; 3];
         for (diffuse, of_all) in diffuse.iter_mut().zip(self.undirected) {
@@ -86,10 +104,11 @@ impl BlinnPhong8 {
         let shininess = self.shininess.exponent();
         for light in self.lights() {
             let means = facing.means(light.to_light);
+            let variances = facing.variances(&means, light.to_light);
             let (mut n_l, mut shares) = ([0.0; 8], [1.0; 8]);
             for i in 0..8 {
                 let m = means[i];
-                let v = facing.spread[i] * (1.0 - m * m);
+                let v = variances[i];
                 let beyond = 0.75 * v * v / (v + 0.5 * m * m).max(LEAST);
                 let both_sides = (m * m + beyond).max(LEAST).sqrt();
                 let one_side = 0.5 * (both_sides + m);
@@ -166,6 +185,7 @@ fn exp2_of_negative(number: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CellValues;
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{BlinnPhong, Light, LightInView, Phong};
     use slabsplat_seeds::for_each_seed;
@@ -209,7 +229,7 @@ mod tests {
     }
 
     /// The definition of model §16, in 64 bits.
-    fn naive(light: &BlinnPhong, cell: &CellValues) -> [f64; 3] {
+    fn naive(light: &BlinnPhong, cell: &CellValues, moments: Option<[f32; 6]>) -> [f64; 3] {
         let Phong { ambient, diffuse, zero_gradient, specular, shininess: s, two_sided, .. } =
             light.phong;
         let n = DVec3::from_array(cell.normal.map(f64::from));
@@ -221,7 +241,15 @@ mod tests {
         let (mut of_color, mut added) = (DVec3::splat(ambient), DVec3::ZERO);
         for LightInView { to_light, halfway, color } in &light.lights {
             let m = n.dot(*to_light) / d.max(1e-12);
-            let v = q * (1.0 - m * m);
+            let v = match moments {
+                None => q * (1.0 - m * m),
+                Some(moments) => {
+                    let [xx, yy, zz, xy, xz, yz] = moments.map(f64::from);
+                    let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(DVec3::from);
+                    let square = to_light.dot(DVec3::from(rows.map(|row| row.dot(*to_light))));
+                    (square / d.max(1e-12) - m * m).max(0.0)
+                }
+            };
             let both = (m * m + 0.75 * v * v / (v + 0.5 * m * m).max(1e-12)).max(1e-12).sqrt();
             let one = 0.5 * (both + m);
             let n_l = d * if two_sided { both } else { one };
@@ -249,9 +277,13 @@ mod tests {
                     let color = [0; 3].map(|_| rng.f32());
                     CellValues { extinction: 1.0, color, normal: normal.to_array(), undirected }
                 });
-                let lit = BlinnPhong8::new(&light).on_cells(&cells);
-                for (cell, lit) in cells.iter().zip(lit) {
-                    for (channel, expected) in lit.iter().zip(naive(&light, cell)) {
+                // Of a random matrix, whether it can be that of normals or not.
+                let moments = rng.bool().then(|| [0; 8].map(|_| [0; 6].map(|_| 0.5 * rng.f32())));
+                let eight = Cells8 { values: cells, moments };
+                let lit = BlinnPhong8::new(&light).on_cells(&eight);
+                for (idx, (cell, lit)) in cells.iter().zip(lit).enumerate() {
+                    let expected = naive(&light, cell, moments.map(|of| of[idx]));
+                    for (channel, expected) in lit.iter().zip(expected) {
                         let off = (f64::from(*channel) - expected).abs();
                         assert!(off < 1e-4, "{off}: {cell:?} {:?}", light.phong);
                     }
@@ -263,7 +295,7 @@ mod tests {
     /// Of one direction it is a voxel's light, and of many nearly the mean of theirs.
     #[test]
     fn cell_light_is_near_the_mean_of_its_voxels() {
-        let mut worst = [0.0_f64; 2];
+        let mut worst = [0.0_f64; 3];
         for_each_seed(1, |mut rng| {
             for _ in 0..100 {
                 let any = random_light(&mut rng);
@@ -279,14 +311,23 @@ mod tests {
                 let normal = (voxels.iter().sum::<DVec3>() / 64.0).as_vec3().to_array();
                 let color = color.as_vec3().to_array();
                 let cell = CellValues { extinction: 1.0, color, normal, undirected: 0.0 };
-                let [lit, ..] = BlinnPhong8::new(&light).on_cells(&[cell; 8]);
-                let off = (DVec3::from_array(lit.map(f64::from)) - expected).abs().max_element();
-                let of_kind = &mut worst[usize::from(0.0 < width)];
-                *of_kind = of_kind.max(off);
+                let mut moments = [0.0; 6];
+                for n in &voxels {
+                    let of_voxel =
+                        [n.x * n.x, n.y * n.y, n.z * n.z, n.x * n.y, n.x * n.z, n.y * n.z];
+                    moments.iter_mut().zip(of_voxel).for_each(|(sum, it)| *sum += it as f32 / 64.0);
+                }
+                let light8 = BlinnPhong8::new(&light);
+                for (is_known, moments) in [(false, None), (true, Some([moments; 8]))] {
+                    let [lit, ..] = light8.on_cells(&Cells8 { values: [cell; 8], moments });
+                    let off = (DVec3::from_array(lit.map(f64::from)) - expected).abs();
+                    let kind = if width == 0.0 { 0 } else { 1 + usize::from(is_known) };
+                    worst[kind] = worst[kind].max(off.max_element());
+                }
             }
         });
-        let [of_one, of_many] = worst;
-        println!("off by {of_one:.1e} for one direction, {of_many:.3} for many");
-        assert!(of_one < 1e-4 && of_many < 0.05, "{worst:?}");
+        let [of_one, of_many, with_moments] = worst;
+        println!("off by {of_one:.1e} for one direction, {of_many:.3}, {with_moments:.3} for many");
+        assert!(of_one < 1e-4 && of_many < 0.05 && with_moments < 0.03, "{worst:?}");
     }
 }

@@ -80,7 +80,8 @@ pub use brick_ranges::BrickRanges;
 pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use buckets::Buckets;
 pub use cells::{
-    BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS, CellBrick, CellRecord, CellValues, Contrast,
+    BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS, CellBrick, CellRecord, CellValues, Cells8,
+    Contrast, Moments,
 };
 pub use classification::Classification;
 pub use depth_order::DepthOrder;

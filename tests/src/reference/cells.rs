@@ -2,10 +2,10 @@
 
 use super::frame::{LayerInView, Voxel};
 use super::section::KernelInView;
-use super::shade::shaded_cell_color;
+use super::shade::{Directions, shaded_cell_color};
 use super::view::View;
 use super::{GaussLegendre, Kernel};
-use slabsplat_core::glam::DVec3;
+use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{Grid, Light, Shading};
 use std::collections::BTreeMap;
 
@@ -68,14 +68,18 @@ pub(super) fn within(
             }
         })
         .collect();
-    let most_noise: Vec<f64> =
-        cells.iter().map(|cells| cells.most_noise(&layer, tolerance)).collect();
-    let noise: Vec<_> = cells.iter().map(|cells| cells.noise(&layer.voxels)).collect();
+    let lit = lit_difference(shading, lights);
+    let limits: Vec<OfBrick> =
+        cells.iter().map(|cells| cells.limits(&layer, tolerance, lit)).collect();
+    let bricks: Vec<_> = cells.iter().map(|cells| cells.bricks(&layer.voxels)).collect();
+    let by_mean_normals = (3.0 * tolerance / lit).powi(2);
     let level_of = |voxel: &Voxel| {
         let levels = || 0..cells.len();
         let of_depth = levels().rev().find(|&level| cells[level].draw(voxel.coords))?;
-        let is_even =
-            |&level: &usize| noise[level][&cells[level].brick(voxel.coords)] <= most_noise[level];
+        let is_even = |&level: &usize| {
+            let (of_brick, limits) = (bricks[level][&cells[level].brick(voxel.coords)], limits[level]);
+            of_brick.noise <= limits.noise && of_brick.extinction <= limits.extinction
+        };
         (0..=of_depth).rev().find(is_even)
     };
     let mut by_level: BTreeMap<Option<usize>, Vec<Voxel>> = BTreeMap::new();
@@ -87,13 +91,13 @@ pub(super) fn within(
         let Some(level) = level else {
             return LayerInView { grid, unit, stretch, kernel: of_voxels, voxels, region, is_cut };
         };
-        let cells = &cells[level];
+        let (cells, bricks) = (&cells[level], &bricks[level]);
         LayerInView {
             grid: cells.grid,
             unit: cells.grid.unit(),
             stretch: cells.stretch,
             kernel: cells.kernel,
-            voxels: cells.of(&voxels, (shading, lights)),
+            voxels: cells.of(&voxels, (bricks, by_mean_normals), (shading, lights)),
             region,
             is_cut,
         }
@@ -120,6 +124,44 @@ struct Sums {
     color: [f64; 3],
     normal: DVec3,
     undirected: f64,
+    /// Of normal times normal, transposed, column by column: a matrix begins as the identity.
+    moments: [DVec3; 3],
+}
+
+/// What decides how a brick of cells is drawn.
+#[derive(Clone, Copy)]
+struct OfBrick {
+    /// By how much colours differ from one cell to the next, times the lesser extinction: the root of the mean
+    /// square.
+    noise: f64,
+    /// The mean extinction of the most opaque cell's voxels.
+    extinction: f64,
+}
+
+impl Sums {
+    fn color(&self) -> [f64; 3] {
+        self.color.map(|sum| sum / self.extinction)
+    }
+
+    fn normal(&self) -> DVec3 {
+        self.normal / self.extinction
+    }
+
+    fn undirected(&self) -> f64 {
+        self.undirected / self.extinction
+    }
+
+    fn moments(&self) -> DMat3 {
+        let [x, y, z] = self.moments.map(|sum| sum / self.extinction);
+        DMat3::from_cols(x, y, z)
+    }
+
+    /// By how much colours differ from those of another, times the lesser extinction.
+    fn difference(&self, other: &Self) -> f64 {
+        let pairs = self.color().into_iter().zip(other.color());
+        let color = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        self.extinction.min(other.extinction) * color
+    }
 }
 
 impl Cells<'_> {
@@ -142,36 +184,41 @@ impl Cells<'_> {
         voxel.map(|at| at / self.side / 8)
     }
 
-    /// What colours of cells may differ by from one to the next.
-    fn most_noise(&self, layer: &LayerInView, tolerance: f64) -> f64 {
+    /// What a brick may not exceed, else a finer level draws it.
+    fn limits(&self, layer: &LayerInView, tolerance: f64, lit: f64) -> OfBrick {
         let layer_depth = layer.kernel.depth_reach / (layer.kernel.kernel().radius() * layer.unit);
         let depth = 0.5 * (((self.side * self.side - 1) as f64) / 12.0).sqrt();
-        tolerance / 20.0 / (depth * layer_depth)
+        let in_depth = tolerance / (depth * layer_depth);
+        OfBrick {
+            noise: in_depth / 20.0,
+            extinction: (2.5 * in_depth).min((14.0 * tolerance / lit).powi(2)),
+        }
     }
 
-    /// By how much they do in each brick, times the lesser extinction of two: the root of the mean of
-    /// squares.
-    fn noise(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], f64> {
-        let unlit = self.of(voxels, (&Shading::None, &[]));
-        let cells: BTreeMap<[usize; 3], &Voxel> =
-            unlit.iter().map(|cell| (cell.coords, cell)).collect();
-        let mut squares: BTreeMap<[usize; 3], (f64, f64)> = BTreeMap::new();
+    /// What decides of each brick.
+    fn bricks(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], OfBrick> {
+        let cells = self.sums(voxels);
+        // Squares, pairs, and the most extinction.
+        let mut sums: BTreeMap<[usize; 3], [f64; 3]> = BTreeMap::new();
         for (coords, a) in &cells {
-            let of_brick = squares.entry(coords.map(|at| at / 8)).or_default();
+            let [squares, n_pairs, most] = sums.entry(coords.map(|at| at / 8)).or_default();
+            *most = most.max(a.extinction);
             for axis in (0..3).filter(|&axis| coords[axis] % 8 != 7) {
                 let mut next = *coords;
                 next[axis] += 1;
                 if let Some(b) = cells.get(&next) {
-                    let both = a.extinction().min(b.extinction()) / (self.side * self.side) as f64;
-                    let pairs = a.unlit.iter().zip(b.unlit);
-                    let most = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-                    of_brick.0 += (both * most).powi(2);
-                    of_brick.1 += 1.0;
+                    *squares += a.difference(b).powi(2);
+                    *n_pairs += 1.0;
                 }
             }
         }
-        let root = |(sum, n): (f64, f64)| (sum / n.max(1.0)).sqrt();
-        squares.into_iter().map(|(brick, of_brick)| (brick, root(of_brick))).collect()
+        // Of the extinction of all voxels of a cell, what one has.
+        let per_voxel = (self.side as f64).powi(-3);
+        let of_brick = |[squares, n_pairs, most]: [f64; 3]| OfBrick {
+            noise: per_voxel * (squares / n_pairs.max(1.0)).sqrt(),
+            extinction: per_voxel * most,
+        };
+        sums.into_iter().map(|(brick, sums)| (brick, of_brick(sums))).collect()
     }
 
     fn center_in_view(&self, cell: [usize; 3]) -> DVec3 {
@@ -179,32 +226,53 @@ impl Cells<'_> {
         self.view.view_from_world(self.grid.world_from_index().transform_point3(at))
     }
 
-    fn of(&self, voxels: &[Voxel], light: (&Shading, &[Light])) -> Vec<Voxel> {
+    fn sums(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], Sums> {
         let mut sums: BTreeMap<[usize; 3], Sums> = BTreeMap::new();
         for voxel in voxels {
-            let mu = voxel.extinction();
+            let (mu, n) = (voxel.extinction(), voxel.normal);
             let sum = sums.entry(voxel.coords.map(|at| at / self.side)).or_default();
             sum.extinction += mu;
             sum.color.iter_mut().zip(voxel.unlit).for_each(|(sum, channel)| *sum += mu * channel);
-            sum.normal += mu * voxel.normal;
-            sum.undirected += if voxel.normal == DVec3::ZERO { mu } else { 0.0 };
+            sum.normal += mu * n;
+            sum.undirected += if n == DVec3::ZERO { mu } else { 0.0 };
+            sum.moments.iter_mut().zip(n.to_array()).for_each(|(column, x)| *column += mu * x * n);
         }
+        sums
+    }
+
+    fn of(
+        &self,
+        voxels: &[Voxel],
+        (bricks, by_mean_normals): (&BTreeMap<[usize; 3], OfBrick>, f64),
+        light: (&Shading, &[Light]),
+    ) -> Vec<Voxel> {
         let cell = |(coords, sums): ([usize; 3], Sums)| {
             let mu = sums.extinction;
-            let normal = sums.normal / mu;
-            let unlit = sums.color.map(|sum| sum / mu);
+            let has_moments = by_mean_normals < bricks[&coords.map(|at| at / 8)].extinction;
+            let directions = Directions {
+                normal: sums.normal(),
+                undirected: sums.undirected(),
+                moments: has_moments.then(|| sums.moments()),
+            };
             let forward = self.view.axes.forward;
             Voxel {
                 coords,
                 center_in_view: self.center_in_view(coords),
                 opacity: -(-mu / self.side as f64).exp_m1(),
-                color: shaded_cell_color(light, unlit, (normal, sums.undirected / mu), forward),
-                unlit,
-                normal,
+                color: shaded_cell_color(light, sums.color(), &directions, forward),
+                unlit: sums.color(),
+                normal: sums.normal(),
             }
         };
-        sums.into_iter().map(cell).collect()
+        self.sums(voxels).into_iter().map(cell).collect()
     }
+}
+
+/// What a difference of normals makes of lit colours at most.
+fn lit_difference(shading: &Shading, lights: &[Light]) -> f64 {
+    let Shading::Phong(phong) = shading else { return 0.0 };
+    let in_all = lights.iter().map(|light| DVec3::from(light.color)).sum::<DVec3>().max_element();
+    (phong.diffuse + phong.specular) * in_all
 }
 
 /// Along any axis.

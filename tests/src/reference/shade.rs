@@ -1,6 +1,6 @@
 //! Blinn–Phong as model §6 has it.
 
-use slabsplat_core::glam::DVec3;
+use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{Light, LightSource, Phong, Shading};
 
 /// The transfer function's `color` under the light, for a surface that faces against `gradient`
@@ -62,11 +62,21 @@ fn light_terms(phong: &Phong, light: &Light, normal: DVec3, forward: DVec3) -> (
     (diffuse, phong.specular * product(halfway).powf(phong.shininess))
 }
 
-/// The colour of a cell (model §16), whose voxels have this mean of normals and this share without one.
+/// Where the voxels of a cell face (model §16).
+pub(super) struct Directions {
+    /// The mean of their normals.
+    pub(super) normal: DVec3,
+    /// The share that has none.
+    pub(super) undirected: f64,
+    /// The mean of normal times normal, transposed, if it is known.
+    pub(super) moments: Option<DMat3>,
+}
+
+/// The colour of a cell (model §16).
 pub(super) fn shaded_cell_color(
     (shading, lights): (&Shading, &[Light]),
     color: [f64; 3],
-    (normal, undirected): (DVec3, f64),
+    &Directions { normal, undirected, moments }: &Directions,
     forward: DVec3,
 ) -> [f64; 3] {
     let Shading::Phong(phong) = shading else {
@@ -87,7 +97,13 @@ pub(super) fn shaded_cell_color(
                 LightSource::Direction(direction) => direction.get(),
             };
             let m = along(to_light);
-            let v = (1.0 - r * r) / (3.0 - r * r) * (1.0 - m * m);
+            let v = match moments {
+                Some(moments) if 0.0 < directed => {
+                    (to_light.dot(moments * to_light) / directed - m * m).max(0.0)
+                }
+                Some(_) => 0.0,
+                None => (1.0 - r * r) / (3.0 - r * r) * (1.0 - m * m),
+            };
             let beyond = if 0.0 < v { 0.75 * v * v / (v + 0.5 * m * m) } else { 0.0 };
             let both_sides = (m * m + beyond).sqrt();
             let one_side = 0.5 * (both_sides + m);

@@ -48,7 +48,7 @@ impl<'a> LitFaces<'a> {
     }
 
     /// The same direction in the world.
-    fn in_world(&self, v: DVec3) -> DVec3 {
+    pub(super) fn in_world(&self, v: DVec3) -> DVec3 {
         self.axes.right * v.x + self.axes.up * v.y + self.axes.forward * v.z
     }
 
@@ -59,16 +59,14 @@ impl<'a> LitFaces<'a> {
         let own = normal.normalize_or_zero();
         (self.in_world(of_face) * share + own * (1.0 - share)).normalize_or_zero()
     }
-
-    /// The same of a mean of normals, whose length has a meaning.
-    pub(super) fn mean_instead_of(&self, normal: [f32; 3], face: FaceNormal) -> [f32; 3] {
-        let FaceNormal { normal: of_face, share } = face;
-        let own = DVec3::from_array(normal.map(f64::from));
-        (self.in_world(of_face) * share + own * (1.0 - share)).as_vec3().to_array()
-    }
 }
 
 impl FaceNormal {
+    /// In view space.
+    pub(super) fn normal(&self) -> DVec3 {
+        self.normal
+    }
+
     /// How much it counts, up to 1.
     pub(super) fn share(&self) -> f64 {
         self.share

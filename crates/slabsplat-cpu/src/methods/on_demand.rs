@@ -13,6 +13,7 @@
 //! 2. What a cell holds depends on neither the view nor the light, and serves until the transfer function
 //!    changes.
 //! 3. What is occluded is never made.
+//! 4. Cells are lit by means of their voxels' normals, once for many voxels.
 
 use super::Stage;
 use super::lit_faces::LitFaces;
@@ -22,11 +23,9 @@ use crate::voxels::relevant::OnDemand;
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, LayerPlan};
-use slabsplat_core::BlinnPhong;
 use slabsplat_core::glam::DVec3;
 use slabsplat_traverse::{
-    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, CellRecord, CellValues, Contrast,
-    VoxelRecord,
+    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells8, Contrast, VoxelRecord,
 };
 
 /// A level of a layer, as the view sees it.
@@ -46,8 +45,6 @@ pub(super) struct LevelVoxels<'a> {
     seen: &'a SeenLevel<'a>,
     coarser: Option<&'a SeenLevel<'a>>,
     faces: Option<LitFaces<'a>>,
-    /// What differences of colours, and of normals, make of lit colours at most.
-    lit: [f64; 2],
 }
 
 impl<'a> SeenLevel<'a> {
@@ -97,13 +94,13 @@ impl<'a> LevelVoxels<'a> {
             seen: &levels[level],
             coarser: levels.get(level + 1),
             faces: LitFaces::of(stage.layer),
-            lit: stage.layer.light.as_ref().map_or([1.0, 0.0], lit_differences),
         }
     }
 
     fn maker(&self) -> BrickMaker<'_> {
         let Stage { lighting, frame, .. } = self.stage;
-        BrickMaker { lister: &self.on_demand.lister, lighting, frame }
+        let OnDemand { lister, moments_from, .. } = self.on_demand;
+        BrickMaker { lister, lighting, moments_from: *moments_from, frame }
     }
 
     /// Whether a brick is drawn by this level as far as its depth is concerned.
@@ -114,9 +111,8 @@ impl<'a> LevelVoxels<'a> {
 
     /// Whether cells are alike enough, and faint enough, to stand for their voxels.
     fn allows(&self, cells: &CellBrick) -> bool {
-        let Some(CellsPlan { limits, .. }) = self.seen.cells else { return true };
-        let Contrast { color, normal, noise } = cells.contrast();
-        let [of_color, of_normal] = self.lit;
+        let Some(CellsPlan { limits, lit, .. }) = self.seen.cells else { return true };
+        let (Contrast { color, normal, noise }, [of_color, of_normal]) = (cells.contrast(), lit);
         let contrast = of_color * f64::from(color) + of_normal * f64::from(normal);
         contrast <= limits.contrast
             && f64::from(noise) <= limits.noise
@@ -129,40 +125,32 @@ impl<'a> LevelVoxels<'a> {
         faces: &LitFaces<'_>,
         brick: &Brick,
         records: &[VoxelRecord],
-        cells: &mut [CellValues],
+        cells: &mut Cells8,
     ) {
         let mut points = [[0.0; 3]; AT_ONCE];
         let points = &mut points[..records.len()];
         self.seen.bricks.project_brick(brick, records, points);
-        for (cell, point) in cells.iter_mut().zip(points) {
+        for (idx, point) in points.iter().enumerate() {
             if let Some(face) = faces.at(DVec3::from_array(point.map(f64::from))) {
-                cell.normal = faces.mean_instead_of(cell.normal, face);
-                cell.undirected *= 1.0 - face.share() as f32;
+                cells.turn(idx, faces.in_world(face.normal()), face.share());
             }
         }
     }
 
     /// Lights up to eight cells.
-    fn light(&self, cells: &[CellValues; AT_ONCE], colors: &mut [[f32; 4]]) {
+    fn light(&self, cells: &Cells8, colors: &mut [[f32; 4]]) {
         let lit = match self.stage.lighting.light() {
-            None => cells.map(|cell| cell.color),
+            None => cells.values.map(|cell| cell.color),
             Some(light) => dispatch!(self.stage.level, simd => simd.vectorize(
                 #[inline(always)]
                 || light.on_cells(cells),
             )),
         };
-        for ((color, [r, g, b]), cell) in colors.iter_mut().zip(lit).zip(cells) {
+        for ((color, [r, g, b]), cell) in colors.iter_mut().zip(lit).zip(&cells.values) {
             let mu = cell.extinction;
             *color = [mu * r, mu * g, mu * b, mu];
         }
     }
-}
-
-/// What a difference of colours, and of normals, makes of lit colours at most (model §16).
-fn lit_differences(light: &BlinnPhong) -> [f64; 2] {
-    let in_all = light.lights.iter().map(|light| light.color).sum::<DVec3>().max_element();
-    let diffuse = light.phong.diffuse * in_all;
-    [(light.phong.ambient + diffuse).max(1.0), diffuse + light.phong.specular * in_all]
 }
 
 /// Cells that are lit at once.
@@ -174,7 +162,7 @@ impl Voxels for LevelVoxels<'_> {
     }
 
     fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
-        let OnDemand { bricks, lister } = self.on_demand;
+        let OnDemand { bricks, lister, .. } = self.on_demand;
         into.clear();
         // In parallel rays all are of the coarsest level.
         let is_everywhere = |cells: &CellsPlan<'_>| cells.from_depth == f64::NEG_INFINITY;
@@ -196,7 +184,7 @@ impl Voxels for LevelVoxels<'_> {
         let bricks = self.on_demand.bricks;
         let ReadRoom { made, records } = room;
         if self.level == 0 {
-            return Some(BrickVoxels::new(bricks.voxels(self.maker(), brick.brick_idx, made)));
+            return Some(BrickVoxels::new(bricks.voxels(self.maker(), brick.brick_idx, records)));
         }
         let cells = bricks.cells(self.maker(), self.level, brick.brick_idx, made);
         if !self.allows(cells) {
@@ -226,20 +214,18 @@ impl Voxels for LevelVoxels<'_> {
         let [center, half_extents] =
             [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
         let faces = self.faces.as_ref().filter(|faces| faces.may_be_in(center, half_extents));
-        let mut all = read.records.iter().zip(cells.cells());
-        let mut values_of = |record: &VoxelRecord| {
-            let found = all.find(|(read, _)| read.slot == record.slot);
-            found.map_or(CellRecord::default(), |(_, cell)| *cell).values(cells.largest())
+        // Those that were not culled, in the same order.
+        let mut all = read.records.iter().enumerate();
+        let mut idx_of = |record: &VoxelRecord| {
+            let found = all.find(|(_, read)| read.slot == record.slot);
+            found.map_or(0, |(idx, _)| idx)
         };
         for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
-            let mut values = [CellValues::default(); AT_ONCE];
-            for (values, record) in values.iter_mut().zip(records) {
-                *values = values_of(record);
-            }
+            let mut eight = Cells8::of(cells, records.iter().map(&mut idx_of));
             if let Some(faces) = faces {
-                self.face(faces, brick, records, &mut values);
+                self.face(faces, brick, records, &mut eight);
             }
-            self.light(&values, colors);
+            self.light(&eight, colors);
         }
     }
 }

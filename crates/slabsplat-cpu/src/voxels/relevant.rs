@@ -18,7 +18,7 @@ struct OfVolume {
     /// What decides beside ranges which voxels are listed.
     rules: Option<OwnVoxelRules>,
     list: RelevantList,
-    on_demand: Cached<(OwnVoxelRules, Vec<IsoRange>), BricksOnDemand>,
+    on_demand: Cached<MadeBy, BricksOnDemand>,
 }
 
 /// How the relevant voxels of a layer are had.
@@ -40,11 +40,16 @@ impl RelevantVoxels<'_> {
     }
 }
 
+/// What bricks depend on beside the volume: rules, ranges, and which cells have second moments.
+type MadeBy = (OwnVoxelRules, Vec<IsoRange>, f32);
+
 /// Bricks that are made when they are seen, and what makes them.
 #[derive(Debug)]
 pub(crate) struct OnDemand<'a> {
     pub(crate) bricks: &'a BricksOnDemand,
     pub(crate) lister: BrickLister<'a>,
+    /// The extinction of cells from which they have second moments.
+    pub(crate) moments_from: f32,
 }
 
 /// What bricks that are made on demand may take: a quarter of what the volume does, so that they fit where
@@ -64,8 +69,10 @@ impl Relevant {
         frame: &FrameHandle,
     ) -> Result<RelevantVoxels<'a>, StageError> {
         let of_volume = self.of_volume(layer.volume, frame)?;
-        if layer.coarser.is_some() {
-            let on_demand = of_volume.on_demand(layer.volume, ranges, rules, frame)?;
+        if let Some(cells) = &layer.coarser {
+            // Of all levels it is the same.
+            let by = (rules, cells.limits.by_mean_normals as f32);
+            let on_demand = of_volume.on_demand(layer.volume, ranges, by, frame)?;
             return Ok(RelevantVoxels::OnDemand(on_demand));
         }
         of_volume.listed(layer.volume, ranges, rules, frame).map(RelevantVoxels::Listed)
@@ -121,13 +128,13 @@ impl OfVolume {
         &'a mut self,
         volume: &'a Volume,
         ranges: &'a [IsoRange],
-        rules: &VoxelRules<'a>,
+        (rules, moments_from): (&VoxelRules<'a>, f32),
         frame: &FrameHandle,
     ) -> Result<OnDemand<'a>, Cancelled> {
         (self.rules, self.list) = (None, RelevantList::default());
         let decide = (!rules.are_by_value()).then_some(rules);
         let lister = BrickLister::new(volume, &self.brick_ranges, ranges, decide);
-        let made_by = (OwnVoxelRules::new(rules), ranges.to_vec());
+        let made_by = (OwnVoxelRules::new(rules), ranges.to_vec(), moments_from);
         let bricks = self.on_demand.try_made_of(made_by, |_| {
             let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
             let budget = (of_samples / BUDGET_SHARE).max(LEAST_BUDGET_BYTES);
@@ -135,6 +142,6 @@ impl OfVolume {
             Ok(BricksOnDemand::new(volume.grid(), n_voxels, budget))
         })?;
         bricks.start_frame();
-        Ok(OnDemand { bricks, lister })
+        Ok(OnDemand { bricks, lister, moments_from })
     }
 }

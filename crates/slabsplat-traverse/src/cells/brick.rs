@@ -1,7 +1,8 @@
 //! A brick of cells.
 
+use super::moments::Moments;
 use super::record::{CellRecord, CellValues};
-use super::sums::{CellSums, N_SLOTS};
+use super::sums::{CellSums, MomentSums, N_SLOTS};
 use crate::{BRICK_SIDE, VoxelRecord};
 
 /// A brick of 8³ cells, of which some hold relevant voxels.
@@ -11,6 +12,8 @@ pub struct CellBrick {
     is_there: [u64; N_SLOTS / 64],
     /// Those that are there, in the order of slots.
     cells: Box<[CellRecord]>,
+    /// As many, or none.
+    moments: Box<[Moments]>,
     largest: f32,
     per_voxel: f32,
     n_voxels: u32,
@@ -18,7 +21,7 @@ pub struct CellBrick {
 }
 
 /// How much layers of cells that follow each other differ, as a pixel sees them: differences times the lesser
-/// extinction per voxel, averaged over 4×4 pairs, the largest in the brick. Noise averages out there as it
+/// extinction per voxel, averaged over 2×2 pairs, the largest in the brick. Noise averages out there as it
 /// does in a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contrast {
@@ -26,7 +29,7 @@ pub struct Contrast {
     pub color: f32,
     /// In their normals, and in what has none.
     pub normal: f32,
-    /// By which colours of single cells side by side differ, not averaged: the root of the mean of squares.
+    /// Of colours of single cells side by side, not averaged: the root of the mean of squares.
     pub noise: f32,
 }
 
@@ -48,7 +51,25 @@ impl CellBrick {
         let contrast = Contrast::of(&values, level);
         // A cell's extinction is the sum of its voxels', over the voxels along an edge.
         let per_voxel = 1.0 / f32::from(1_u16 << (2 * level));
-        Self { is_there, cells: cells.into_boxed_slice(), largest, per_voxel, n_voxels, contrast }
+        Self {
+            is_there,
+            cells: cells.into_boxed_slice(),
+            moments: Box::default(),
+            largest,
+            per_voxel,
+            n_voxels,
+            contrast,
+        }
+    }
+
+    /// The same with second moments.
+    pub(super) fn with_moments(self, sums: &CellSums, moments: &MomentSums) -> Self {
+        let of_cell = |record: VoxelRecord| {
+            let slot = usize::from(record.slot);
+            moments.of_cell(slot, sums.extinction(slot))
+        };
+        let moments = self.slots().map(of_cell).collect();
+        Self { moments, ..self }
     }
 
     /// The slots of the cells that are there, as voxels without normals, in memory order.
@@ -66,6 +87,11 @@ impl CellBrick {
     /// The cells in these slots.
     pub fn cells(&self) -> &[CellRecord] {
         &self.cells
+    }
+
+    /// The second moments of their normals, where light needs these.
+    pub fn moments(&self) -> &[Moments] {
+        &self.moments
     }
 
     /// The largest extinction of any cell, by which they are stored.
@@ -90,13 +116,13 @@ impl CellBrick {
 
     /// Bytes held, with itself.
     pub(super) fn bytes(&self) -> usize {
-        size_of::<Self>() + size_of_val(&*self.cells)
+        size_of::<Self>() + size_of_val(&*self.cells) + size_of_val(&*self.moments)
     }
 }
 
 /// Pairs of cells across a gap between layers, along either axis, whose differences are averaged: what a
 /// pixel sees at once where cells are as wide as footprints.
-const BLOCK_SIDE: usize = 4;
+const BLOCK_SIDE: usize = 2;
 
 /// Blocks across a brick, and gaps between its layers.
 const N_BLOCKS: usize = BRICK_SIDE / BLOCK_SIDE;
@@ -117,14 +143,14 @@ impl Contrast {
                 most.normal = most.normal.max(length + undirected.abs());
             }
         }
-        most.noise = noise(values) / f32::from(1_u16 << (2 * level));
+        most.noise = noise(values, level);
         most
     }
 }
 
-/// The root of the mean square of how much colours of cells side by side differ, in the channel in which they
-/// differ most, times the lesser extinction.
-fn noise(values: &[CellValues; N_SLOTS]) -> f32 {
+/// How much colours of cells side by side differ in the channel in which they differ most, times the lesser
+/// extinction per voxel: the root of the mean square.
+fn noise(values: &[CellValues; N_SLOTS], level: u32) -> f32 {
     let (mut squares, mut n_pairs) = (0.0, 0_u16);
     for (axis, stride) in (0..).zip([1, BRICK_SIDE, BRICK_SIDE * BRICK_SIDE]) {
         for slot in 0..N_SLOTS - stride {
@@ -139,7 +165,8 @@ fn noise(values: &[CellValues; N_SLOTS]) -> f32 {
             }
         }
     }
-    (squares / f32::from(n_pairs.max(1))).sqrt()
+    let per_voxel = 1.0 / f32::from(1_u16 << (2 * level));
+    per_voxel * (squares / f32::from(n_pairs.max(1))).sqrt()
 }
 
 /// The sums of differences over blocks of pairs, where cells of a pair lie `across` slots from each other.

@@ -5,19 +5,25 @@
 //! when a brick of 8³ cells is first seen:
 //!     for each brick of voxels in it: list, classify; add what each voxel has to the sums of its cell
 //!     a cell = Σμ, Σμ·colour, Σμ·normal, each over Σμ, in 8 bytes
+//!     where cells are so opaque that a pixel sees few: Σμ·normal·normalᵀ over Σμ, in 8 bytes more
 //! ```
 //!
 //! Nothing of a cell depends on the view or on light, so that a brick of them serves until the transfer
 //! function changes.
 //!
-//! Reading order: `record`, `sums`, `brick`, `lazy_bricks`, `on_demand`.
+//! Reading order: `record`, `moments`, `sums`, `brick`, `cells8`, `lazy_bricks`, `on_demand`.
 
 mod brick;
+mod cells8;
 mod lazy_bricks;
+mod moments;
 mod on_demand;
 mod record;
 mod sums;
 
 pub use brick::{CellBrick, Contrast};
+pub use cells8::Cells8;
+pub use moments::Moments;
+pub(crate) use moments::along;
 pub use on_demand::{BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS};
 pub use record::{CellRecord, CellValues};

@@ -1,13 +1,13 @@
 //! Bricks of voxels and of cells, each made when a frame first sees it, within a budget of memory.
 //!
 //! What has been made serves until values, rules or the transfer function change. Once the budget is spent, a
-//! brick is made for the frame that asks and forgotten; the frame after such a one begins anew, so that the
-//! budget goes to what is seen now.
+//! brick is made for the frame that asks and not retained; the frame after such a one first forgets what the
+//! last one did not see.
 
 use super::brick::CellBrick;
 use super::lazy_bricks::LazyBricks;
-use super::sums::CellSums;
-use crate::{Brick, BrickGrid, BrickLister, VoxelLighting, VoxelRecord};
+use super::sums::{CellSums, MomentSums};
+use crate::{BRICK_SIDE, Brick, BrickGrid, BrickLister, VoxelLighting, VoxelRecord};
 use slabsplat_core::{FrameHandle, Grid};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -22,8 +22,10 @@ pub struct BricksOnDemand {
     /// Those that may hold relevant voxels, by level, in memory order.
     may_hold: [OnceLock<Vec<u32>>; CELL_LEVELS + 1],
     voxels: LazyBricks<Box<[VoxelRecord]>>,
-    cells: [LazyBricks<CellBrick>; CELL_LEVELS],
+    cells: [LazyBricks<Box<CellBrick>>; CELL_LEVELS],
     n_voxels: u64,
+    /// Counts up.
+    frame: u32,
     bytes: AtomicUsize,
     budget_bytes: usize,
     is_spent: AtomicBool,
@@ -36,6 +38,8 @@ pub struct BrickMaker<'a> {
     pub lister: &'a BrickLister<'a>,
     /// Classifies them.
     pub lighting: &'a VoxelLighting<'a>,
+    /// The mean extinction per voxel from which cells have second moments of normals.
+    pub moments_from: f32,
     /// For which they are made. If it is cancelled, bricks may be made of less than they hold, and are not
     /// retained.
     pub frame: &'a FrameHandle,
@@ -47,6 +51,7 @@ pub struct BrickRoom {
     records: Vec<VoxelRecord>,
     colors: Vec<[f32; 4]>,
     sums: CellSums,
+    moments: MomentSums,
     /// What the budget has no room for.
     unretained: Option<CellBrick>,
 }
@@ -66,6 +71,7 @@ impl BricksOnDemand {
             voxels: LazyBricks::new(grids[0].n_bricks()),
             cells: [1, 2, 3].map(|level| LazyBricks::new(grids[level].n_bricks())),
             n_voxels,
+            frame: 0,
             bytes: AtomicUsize::new(0),
             budget_bytes,
             is_spent: AtomicBool::new(false),
@@ -77,13 +83,16 @@ impl BricksOnDemand {
         self.n_voxels
     }
 
-    /// Makes room for another frame, if the last one had not enough.
+    /// Makes room for another frame, if the last one had not enough: what that did not ask for is forgotten.
     pub fn start_frame(&mut self) {
         if std::mem::take(self.is_spent.get_mut()) {
-            self.voxels.clear();
-            self.cells.iter_mut().for_each(LazyBricks::clear);
-            *self.bytes.get_mut() = 0;
+            let Self { frame, voxels, cells, bytes, .. } = self;
+            *bytes.get_mut() -= voxels.forget_before(*frame, |records| size_of_val(&**records));
+            for of_level in cells {
+                *bytes.get_mut() -= of_level.forget_before(*frame, |brick| brick.bytes());
+            }
         }
+        self.frame += 1;
     }
 
     /// How a level is cut into bricks.
@@ -124,22 +133,22 @@ impl BricksOnDemand {
             .filter(|child| all.binary_search(child).is_ok())
     }
 
-    /// The voxels of a brick.
+    /// The voxels of a brick; `room` is where the budget has none.
     pub fn voxels<'a>(
         &'a self,
         maker: BrickMaker<'_>,
         brick_idx: u32,
-        room: &'a mut BrickRoom,
+        room: &'a mut Vec<VoxelRecord>,
     ) -> &'a [VoxelRecord] {
-        if let Some(records) = self.voxels.get(brick_idx) {
+        if let Some(records) = self.voxels.get(brick_idx, self.frame) {
             return records;
         }
-        room.records.clear();
-        maker.lister.list(brick_idx, &mut room.records);
-        if self.spends(size_of_val(&*room.records)) {
-            return self.voxels.retain(brick_idx, room.records.as_slice().into());
+        room.clear();
+        maker.lister.list(brick_idx, room);
+        if self.spends(size_of_val(&**room)) {
+            return self.voxels.retain(brick_idx, self.frame, room.as_slice().into());
         }
-        &room.records
+        room
     }
 
     /// The cells of a brick, of level 1 … [`CELL_LEVELS`].
@@ -151,46 +160,80 @@ impl BricksOnDemand {
         room: &'a mut BrickRoom,
     ) -> &'a CellBrick {
         let of_level = &self.cells[level as usize - 1];
-        if let Some(brick) = of_level.get(brick_idx) {
+        if let Some(brick) = of_level.get(brick_idx, self.frame) {
             return brick;
         }
         let brick = self.made(maker, level, brick_idx, room);
         if !maker.frame.is_cancelled() && self.spends(brick.bytes()) {
-            return of_level.retain(brick_idx, brick);
+            return of_level.retain(brick_idx, self.frame, Box::new(brick));
         }
         room.unretained.insert(brick)
     }
 
     fn made(
         &self,
-        BrickMaker { lister, lighting, frame }: BrickMaker<'_>,
+        maker: BrickMaker<'_>,
         level: u32,
         brick_idx: u32,
-        BrickRoom { records, colors, sums, .. }: &mut BrickRoom,
+        BrickRoom { records, colors, sums, moments, .. }: &mut BrickRoom,
     ) -> CellBrick {
+        let mut n_voxels = 0;
+        sums.clear();
+        self.for_each_child(
+            maker,
+            level,
+            brick_idx,
+            (records, colors),
+            |first, records, colors| {
+                sums.add(level, first, records, colors);
+                n_voxels += records.len() as u32;
+            },
+        );
+        let brick = CellBrick::new(sums, level, n_voxels);
+        if brick.largest_of_voxels() <= maker.moments_from {
+            return brick;
+        }
+        moments.clear();
+        self.for_each_child(
+            maker,
+            level,
+            brick_idx,
+            (records, colors),
+            |first, records, colors| {
+                moments.add(level, first, records, colors);
+            },
+        );
+        brick.with_moments(sums, moments)
+    }
+
+    /// Calls `with` for each brick of voxels in a brick of cells: where its first cell is, its voxels, and these
+    /// classified. If the frame is cancelled it does not go on.
+    fn for_each_child(
+        &self,
+        BrickMaker { lister, lighting, frame, .. }: BrickMaker<'_>,
+        level: u32,
+        brick_idx: u32,
+        (records, colors): (&mut Vec<VoxelRecord>, &mut Vec<[f32; 4]>),
+        mut with: impl FnMut([usize; 3], &[VoxelRecord], &[[f32; 4]]),
+    ) {
         let (cell_bricks, voxel_bricks) = (self.grid(level), self.grid(0));
         let first = cell_bricks.coords(brick_idx).map(|at| at << level);
-        sums.clear();
-        let mut n_voxels = 0;
+        let cells_along = BRICK_SIDE >> level;
         for child in within(cell_bricks, voxel_bricks, brick_idx, level) {
             if frame.is_cancelled() {
                 break;
             }
             records.clear();
             lister.list(child, records);
-            if records.is_empty() {
-                continue;
+            if !records.is_empty() {
+                colors.resize(records.len(), [0.0; 4]);
+                let brick = Brick { brick_idx: child, first: 0, n_voxels: records.len() as u16 };
+                lighting.classify_brick(&brick, records, colors);
+                let at = voxel_bricks.coords(child);
+                let first_cell = [0, 1, 2].map(|axis| (at[axis] - first[axis]) * cells_along);
+                with(first_cell, records, colors);
             }
-            colors.resize(records.len(), [0.0; 4]);
-            let brick = Brick { brick_idx: child, first: 0, n_voxels: records.len() as u16 };
-            lighting.classify_brick(&brick, records, colors);
-            let at = voxel_bricks.coords(child);
-            let cells_along = crate::BRICK_SIDE >> level;
-            let first_cell = [0, 1, 2].map(|axis| (at[axis] - first[axis]) * cells_along);
-            sums.add(level, first_cell, records, colors);
-            n_voxels += records.len() as u32;
         }
-        CellBrick::new(sums, level, n_voxels)
     }
 
     /// Whether the budget still has so much, which is then spent.
@@ -237,6 +280,7 @@ mod tests {
     use crate::{BrickRanges, Classification, RelevantList, VoxelRules};
     use slabsplat_core::{Compositing, IsoRange, Scaling, TransferFunction, Volume};
     use slabsplat_seeds::for_each_seed;
+    use std::ops::Range;
 
     /// Calls `check` with what makes the bricks of a volume, all in one colour.
     fn with_maker(volume: &Volume, ranges: &[IsoRange], check: impl FnOnce(BrickMaker<'_>, u64)) {
@@ -250,7 +294,8 @@ mod tests {
         let lighting = VoxelLighting::new(&classification, volume, rules, None);
         let frame = FrameHandle::new();
         let n_voxels = lister.count_all(&frame).expect("nobody cancels the frame");
-        check(BrickMaker { lister: &lister, lighting: &lighting, frame: &frame }, n_voxels);
+        let (lister, lighting, frame) = (&lister, &lighting, &frame);
+        check(BrickMaker { lister, lighting, moments_from: 0.2, frame }, n_voxels);
     }
 
     /// Extinction times voxels, and voxels, of all bricks of a level.
@@ -263,6 +308,8 @@ mod tests {
             extinction += side * values.map(f64::from).sum::<f64>();
             n_voxels += brick.n_voxels();
             assert_eq!(brick.slots().count(), brick.cells().len());
+            let n_moments = if 0.2 < brick.largest_of_voxels() { brick.cells().len() } else { 0 };
+            assert_eq!(brick.moments().len(), n_moments);
         }
         (extinction, n_voxels)
     }
@@ -288,7 +335,7 @@ mod tests {
     }
 
     fn voxel_sum(bricks: &BricksOnDemand, maker: BrickMaker<'_>) -> f64 {
-        let (mut sum, mut room) = (0.0, BrickRoom::default());
+        let (mut sum, mut room) = (0.0, Vec::new());
         for &brick_idx in bricks.may_hold(0, maker.lister) {
             let records = bricks.voxels(maker, brick_idx, &mut room);
             let brick = Brick { brick_idx, first: 0, n_voxels: records.len() as u16 };
@@ -309,7 +356,7 @@ mod tests {
             with_maker(&volume, &ranges, |maker, n_voxels| {
                 let bricks = BricksOnDemand::new(volume.grid(), n_voxels, 1 << 30);
                 assert_eq!(bricks.n_voxels(), list.len() as u64);
-                let mut room = BrickRoom::default();
+                let mut room = Vec::new();
                 // Twice, as the second time they are retained.
                 for _ in 0..2 {
                     let idxs = bricks.may_hold(0, maker.lister).iter();
@@ -350,25 +397,33 @@ mod tests {
         let volume = Volume::new(grid, vec![9_u8; 1 << 18].into(), Scaling::IDENTITY).unwrap();
         let ranges = [IsoRange { lo: 0.0, hi: 20.0 }];
         with_maker(&volume, &ranges, |maker, n_voxels| {
-            // A brick of voxels takes 4 KiB, and one of cells as much.
+            // A brick of voxels takes 4 KiB, and one of cells a little more.
             let mut bricks = BricksOnDemand::new(&grid, n_voxels, 100 << 10);
-            let of_none = bricks.resident_bytes();
-            let mut room = BrickRoom::default();
-            let mut read_all = |bricks: &BricksOnDemand| {
-                for idx in 0..512 {
-                    assert_eq!(bricks.voxels(maker, idx, &mut room).len(), 512);
+            let retained = |bricks: &BricksOnDemand| bricks.bytes.load(Ordering::Relaxed);
+            let read = |bricks: &BricksOnDemand, voxels: Range<u32>, cells: Range<u32>| {
+                let (mut room, mut records) = (BrickRoom::default(), Vec::new());
+                for idx in voxels {
+                    assert_eq!(bricks.voxels(maker, idx, &mut records).len(), 512);
                 }
-                for idx in 0..64 {
+                for idx in cells {
                     assert_eq!(bricks.cells(maker, 1, idx, &mut room).cells().len(), 512);
                 }
             };
-            for _ in 0..3 {
-                read_all(&bricks);
-                let retained = bricks.bytes.load(Ordering::Relaxed);
-                assert!((90 << 10..=100 << 10).contains(&retained), "{retained}");
-                bricks.start_frame();
-                assert!(bricks.resident_bytes() <= of_none, "what is seen next gets the room");
-            }
+            bricks.start_frame();
+            read(&bricks, 0..512, 0..64);
+            let of_all = retained(&bricks);
+            assert!((90 << 10..=100 << 10).contains(&of_all), "{of_all}");
+            bricks.start_frame();
+            assert_eq!(retained(&bricks), of_all, "the last frame saw it");
+            read(&bricks, 100..101, 7..10);
+            assert_eq!(retained(&bricks), of_all, "there was no room");
+            bricks.start_frame();
+            assert_eq!(retained(&bricks), 0, "nobody has asked for it any more");
+            read(&bricks, 100..101, 7..10);
+            let of_some = retained(&bricks);
+            assert!((16 << 10..20 << 10).contains(&of_some), "{of_some}");
+            bricks.start_frame();
+            assert_eq!(retained(&bricks), of_some);
         });
     }
 }

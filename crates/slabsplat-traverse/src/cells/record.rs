@@ -38,6 +38,11 @@ const UNDIRECTED_STEPS: f32 = 15.0;
 const NORMAL_AT: u32 = EXTINCTION_BITS + 3 * 8;
 const UNDIRECTED_AT: u32 = NORMAL_AT + 3 * 8;
 
+/// What is added before rounding down, 0 … 1, for one of up to three numbers of a cell.
+pub(super) fn dither(slot: usize, which: usize) -> f32 {
+    (slot as f32 * DITHER_STEPS[which % 3]).fract()
+}
+
 /// `A^−k` for the `A` that solves `A⁴ = A + 1`: the numbers of a sequence that fills a cube evenly, and any
 /// line or square in it (M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018,
 /// <https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/>).
@@ -47,9 +52,9 @@ impl CellRecord {
     /// A cell in that slot of a brick whose largest extinction is `largest`.
     pub(super) fn new(values: &CellValues, slot: usize, largest: f32) -> Self {
         let CellValues { extinction, color, normal, undirected } = *values;
-        let dither = DITHER_STEPS.map(|step| (slot as f32 * step).fract());
-        let rounded =
-            |number: f32, most: f32, by: usize| (number + dither[by % 3]).clamp(0.0, most) as u64;
+        let rounded = |number: f32, most: f32, which: usize| {
+            (number + dither(slot, which)).clamp(0.0, most) as u64
+        };
         let steps = rounded(extinction / largest * EXTINCTION_STEPS, EXTINCTION_STEPS, 0);
         // What is there at all is not lost.
         let mut bits = steps.max(1)

@@ -1,10 +1,19 @@
 //! Voxels summed into cells.
 
+use super::moments::{Moments, of_normal};
 use super::record::CellValues;
 use crate::{BRICK_SIDE, NORMAL_STEPS, VoxelRecord};
 
 /// Slots in a brick.
 pub(super) const N_SLOTS: usize = BRICK_SIDE.pow(3);
+
+/// The slot of a voxel's cell in a brick of cells that each hold `2^level` voxels along every axis, where the
+/// first cell of the voxel's own brick is at `first`.
+#[inline]
+pub(super) fn cell_slot(record: &VoxelRecord, level: u32, [x, y, z]: [usize; 3]) -> usize {
+    let [i, j, k] = record.coords_in_brick().map(|at| at >> level);
+    (((z + k) * BRICK_SIDE + y + j) * BRICK_SIDE + x + i) % N_SLOTS
+}
 
 /// Sums of one cell: extinction `μ`, and `μ` times red, green, blue; `μ` times the normal; `μ` of voxels
 /// without one.
@@ -13,6 +22,43 @@ type Sum = [f32; 8];
 /// The sums of a brick of cells, once they have been cleared; before, they take no memory.
 #[derive(Clone, Debug, Default)]
 pub(super) struct CellSums(Vec<Sum>);
+
+/// The sums of a brick's moments, once they have been cleared.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MomentSums(Vec<[f32; 6]>);
+
+impl MomentSums {
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
+        self.0.resize(N_SLOTS, [0.0; 6]);
+    }
+
+    /// Adds voxels as [`CellSums::add`] does.
+    pub(super) fn add(
+        &mut self,
+        level: u32,
+        first: [usize; 3],
+        records: &[VoxelRecord],
+        colors: &[[f32; 4]],
+    ) {
+        for (record, [.., mu]) in records.iter().zip(colors) {
+            let sum = &mut self.0[cell_slot(record, level, first)];
+            for (sum, moment) in sum.iter_mut().zip(of_normal(normal_of(record))) {
+                *sum += mu * moment;
+            }
+        }
+    }
+
+    /// Those of the cell in a slot, whose voxels have that extinction together.
+    pub(super) fn of_cell(&self, slot: usize, extinction: f32) -> Moments {
+        Moments::new(self.0[slot].map(|sum| sum / extinction), slot)
+    }
+}
+
+#[inline(always)]
+fn normal_of(record: &VoxelRecord) -> [f32; 3] {
+    record.normal.map(|steps| f32::from(steps) * (1.0 / NORMAL_STEPS))
+}
 
 impl CellSums {
     pub(super) fn clear(&mut self) {
@@ -25,22 +71,25 @@ impl CellSums {
     pub(super) fn add(
         &mut self,
         level: u32,
-        [x, y, z]: [usize; 3],
+        first: [usize; 3],
         records: &[VoxelRecord],
         colors: &[[f32; 4]],
     ) {
         for (record, &[r, g, b, mu]) in records.iter().zip(colors) {
-            let [i, j, k] = record.coords_in_brick().map(|at| at >> level);
-            let slot = ((z + k) * BRICK_SIDE + y + j) * BRICK_SIDE + x + i;
-            let [n_x, n_y, n_z] =
-                record.normal.map(|steps| f32::from(steps) * (1.0 / NORMAL_STEPS));
+            let slot = cell_slot(record, level, first);
+            let [n_x, n_y, n_z] = normal_of(record);
             let undirected = if record.normal == [0; 3] { 1.0 } else { 0.0 };
             let of_voxel = [1.0, r, g, b, n_x, n_y, n_z, undirected];
-            let sum = &mut self.0[slot % N_SLOTS];
+            let sum = &mut self.0[slot];
             for (sum, number) in sum.iter_mut().zip(of_voxel) {
                 *sum += mu * number;
             }
         }
+    }
+
+    /// The sum of a cell's extinctions.
+    pub(super) fn extinction(&self, slot: usize) -> f32 {
+        self.0[slot][0]
     }
 
     /// The cells in which anything is visible, with their slots.
