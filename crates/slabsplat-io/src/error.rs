@@ -2,9 +2,10 @@
 //! that a file holds can end the line or command a terminal: all of it passes through `printable` here.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
+use crate::PictureFormat;
 use crate::memory::{MemoryNeeds, in_units};
 use crate::printable::{printable, shown, shown_path};
 use slabsplat_core::{GridError, LabelError, VolumeError};
@@ -215,16 +216,23 @@ pub enum IoError {
         /// The file that was to be.
         path: PathBuf,
     },
-    /// The name of a picture does not tell its format.
-    #[error(
-        "cannot tell the format of {}: name it {}",
-        shown_path(path),
-        crate::PictureFormat::endings()
-    )]
+    /// The name of a picture does not tell its format, or one whose feature is off.
+    #[error("{}", unknown_picture(path))]
     UnknownPicture {
         /// The file that was to be.
         path: PathBuf,
     },
+}
+
+/// What to do about a picture's name.
+fn unknown_picture(path: &Path) -> String {
+    let (name, endings) = (shown_path(path), PictureFormat::endings());
+    match PictureFormat::missing_feature(path) {
+        Some(feature) => format!(
+            "{name}: it takes the feature `{feature}`, which is off here; without it, name it {endings}"
+        ),
+        None => format!("cannot tell the format of {name}: name it {endings}"),
+    }
 }
 
 fn line_suffix(line: Option<usize>) -> String {

@@ -24,19 +24,19 @@
 //! | PLY (text, binary), STL (text, binary), OBJ | [`read_mesh`] |
 //! | scene files (TOML), with the keys in [`scene_keys`] | [`read_scene`] |
 //! | ParaView colour maps (JSON), volume properties of 3D Slicer (`.vp`) | [`read_transfer`] |
-//! | scenes of pictures (PNG, OpenEXR, TIFF, JPEG, WebP) that were written with them | [`read_picture_scene`] |
+//! | scenes of pictures (PNG, TIFF, JPEG; OpenEXR, WebP with their features) that were written with them | [`read_picture_scene`] |
 //!
 //! | written | by |
 //! | --- | --- |
-//! | OpenEXR, 32-bit float RGBA, premultiplied | [`write_exr`] |
 //! | PNG, 8-bit RGBA, straight | [`write_png`] |
+//! | OpenEXR with the feature `exr`, 32-bit float RGBA, premultiplied | `write_exr` |
 //! | TIFF of 16 bits or 32-bit floats, JPEG, WebP with the feature `webp` | [`PictureFormat::write`] |
 //! | any of them with the scene that it shows | [`PictureFormat::write`], [`Provenance`] |
 //! | scene files | [`write_scene`] |
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`], [`write_colored_volume`] |
 //! | ParaView colour maps, volume properties of 3D Slicer, sections of scenes | [`write_transfer`] |
 //!
-//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] and [`exr_bytes`] write.
+//! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] writes.
 //! [`read_stream`] puts there what comes by a pipe.
 //!
 //! And without any file: [`builtin_volume`], [`preset`], [`colormap`].
@@ -55,7 +55,7 @@
 //! assert_eq!(loaded.volume.grid().dims(), [28, 28, 28]);
 //!
 //! let picture = Image::filled(scene.image.width, scene.image.height, [0.0; 4]);
-//! write_picture(&dir.path().join("picture.exr"), &picture)?;
+//! write_picture(&dir.path().join("picture.png"), &picture)?;
 //! # Ok(())
 //! # }
 //! ```
@@ -64,6 +64,8 @@
 //!
 //! `error`, `printable`, `progress`, `store`, `stream`, `text`; `volume` and its folders; `mesh`; `builtin`;
 //! `transfer`; `content_hash`; `background`; `scene`; `memory`; `picture`.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;
 mod printable;
@@ -99,9 +101,11 @@ pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{
-    PictureFormat, PictureScene, Provenance, exr_bytes, png_bytes, read_picture_scene, write_exr,
-    write_picture, write_png, write_whole,
+    PictureFormat, PictureScene, Provenance, png_bytes, read_picture_scene, write_picture,
+    write_png, write_whole,
 };
+#[cfg(feature = "exr")]
+pub use picture::{exr_bytes, write_exr};
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelColors, LabelsFile, LayerFile,

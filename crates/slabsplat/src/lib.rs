@@ -34,7 +34,9 @@
 //! - `files` (default): reading volumes and scenes, writing pictures, built-in volumes ([`io`]).
 //! - `film`: films of scenes ([`film`]).
 //! - `annotations`: text and other things drawn onto pictures ([`annotations`]).
-//! - `webp`: pictures as WebP, too.
+//! - `exr`, `webp`: pictures as OpenEXR and as WebP, too.
+//! - `hdf5`: volumes in HDF5 files, too.
+//! - `serde`: what scenes are made of, read and written with the keys of scene files.
 //! - `image`: pictures as images of the crate `image` ([`Image::to_rgba8`] needs none).
 //! - `ndarray`: volumes of arrays of the crate `ndarray`.
 //!

@@ -5,9 +5,11 @@ use std::path::Path;
 
 use slabsplat_core::Image;
 
+#[cfg(feature = "exr")]
+use super::exr;
 #[cfg(feature = "webp")]
 use super::webp;
-use super::{Provenance, atomic, exr, jpeg, png, tiff};
+use super::{Provenance, atomic, jpeg, png, tiff};
 use crate::store::Store;
 use crate::{IoError, SceneFile};
 
@@ -18,6 +20,7 @@ pub enum PictureFormat {
     /// 8 bits a channel, not premultiplied.
     Png,
     /// OpenEXR: 32-bit floats, premultiplied, bit by bit what was drawn.
+    #[cfg(feature = "exr")]
     Exr,
     /// TIFF, 16 bits a channel, not premultiplied.
     Tiff,
@@ -29,6 +32,14 @@ pub enum PictureFormat {
     #[cfg(feature = "webp")]
     WebP,
 }
+
+/// Features that add a format of that name and extension, and are off here.
+const LEFT_OUT: &[&str] = &[
+    #[cfg(not(feature = "exr"))]
+    "exr",
+    #[cfg(not(feature = "webp"))]
+    "webp",
+];
 
 /// Why a picture is no JPEG.
 pub(super) const NO_TRANSPARENCY: &str =
@@ -42,6 +53,7 @@ impl PictureFormat {
     /// All of them.
     pub const ALL: &[Self] = &[
         Self::Png,
+        #[cfg(feature = "exr")]
         Self::Exr,
         Self::Tiff,
         Self::TiffFloat,
@@ -54,6 +66,7 @@ impl PictureFormat {
     pub fn name(self) -> &'static str {
         match self {
             Self::Png => "png",
+            #[cfg(feature = "exr")]
             Self::Exr => "exr",
             Self::Tiff => "tiff",
             Self::TiffFloat => "tiff-float",
@@ -67,6 +80,7 @@ impl PictureFormat {
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Png => &["png"],
+            #[cfg(feature = "exr")]
             Self::Exr => &["exr"],
             Self::Tiff | Self::TiffFloat => &["tif", "tiff"],
             Self::Jpeg => &["jpg", "jpeg"],
@@ -86,6 +100,12 @@ impl PictureFormat {
         }
         let last = endings.pop().unwrap_or_default();
         format!("{} or {last}", endings.join(", "))
+    }
+
+    /// The feature that is off here and would add the format that a name's extension says.
+    pub fn missing_feature(path: impl AsRef<Path>) -> Option<&'static str> {
+        let extension = path.as_ref().extension()?;
+        LEFT_OUT.iter().copied().find(|feature| extension.eq_ignore_ascii_case(feature))
     }
 
     /// The format that a name's extension says, of TIFF the one of 16 bits; `None` if it says none of these.
@@ -159,6 +179,7 @@ impl PictureFormat {
     ) -> std::io::Result<()> {
         match self {
             Self::Png => png::encode(writer, image, provenance),
+            #[cfg(feature = "exr")]
             Self::Exr => exr::encode(writer, image, provenance),
             Self::Tiff => tiff::encode_16_bits(writer, image, provenance),
             Self::TiffFloat => tiff::encode_floats(writer, image, provenance),
@@ -180,6 +201,7 @@ impl PictureFormat {
         let file = BufReader::new(store.open(path)?);
         let read = match self {
             Self::Png => png::read_provenance(file),
+            #[cfg(feature = "exr")]
             Self::Exr => exr::read_provenance(file),
             Self::Tiff | Self::TiffFloat => tiff::read_provenance(file),
             Self::Jpeg => jpeg::read_provenance(file),

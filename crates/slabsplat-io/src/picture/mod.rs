@@ -2,6 +2,7 @@
 //! when it is complete.
 
 pub(crate) mod atomic;
+#[cfg(feature = "exr")]
 mod exr;
 mod format;
 mod jpeg;
@@ -17,6 +18,7 @@ use std::path::Path;
 use slabsplat_core::Image;
 
 pub use atomic::write_whole;
+#[cfg(feature = "exr")]
 pub use exr::{exr_bytes, write_exr};
 pub use format::PictureFormat;
 pub use png::{png_bytes, write_png};
@@ -52,27 +54,55 @@ mod tests {
     fn picture_bytes_are_those_of_the_file() {
         let dir = tempfile::tempdir().unwrap();
         let image = Image::filled(5, 3, [0.1, 0.2, 0.3, 0.7]);
-        for (name, bytes) in [("a.png", png_bytes(&image)), ("a.exr", exr_bytes(&image))] {
+        let check = |name: &str, bytes: fn(&Image) -> Result<Vec<u8>, IoError>| {
             write_picture(dir.path().join(name), &image).unwrap();
-            assert_eq!(std::fs::read(dir.path().join(name)).unwrap(), bytes.unwrap(), "{name}");
-        }
-        let empty = Image::filled(0, 3, [0.0; 4]);
-        for error in [png_bytes(&empty), exr_bytes(&empty)].map(Result::unwrap_err) {
-            assert_eq!(error.to_string(), "cannot encode the picture: it has no pixels");
-        }
+            let written = std::fs::read(dir.path().join(name)).unwrap();
+            assert_eq!(written, bytes(&image).unwrap(), "{name}");
+            let error = bytes(&Image::filled(0, 3, [0.0; 4])).unwrap_err().to_string();
+            assert_eq!(error, "cannot encode the picture: it has no pixels");
+        };
+        check("a.png", png_bytes);
+        #[cfg(feature = "exr")]
+        check("a.exr", exr_bytes);
     }
 
     #[test]
     fn picture_format_by_extension() {
         let dir = tempfile::tempdir().unwrap();
         let image = Image::filled(2, 1, [0.5; 4]);
-        for (name, magic) in [("a.PNG", &b"\x89PNG"[..]), ("b.exr", &[0x76, 0x2f, 0x31, 0x01])] {
+        for (name, magic) in [
+            ("a.PNG", &b"\x89PNG"[..]),
+            ("b.tif", b"II"),
+            #[cfg(feature = "exr")]
+            ("c.exr", &[0x76, 0x2f, 0x31, 0x01]),
+        ] {
             write_picture(dir.path().join(name), &image).unwrap();
             assert!(std::fs::read(dir.path().join(name)).unwrap().starts_with(magic), "{name}");
         }
         for name in ["a.gif", "a", "png"] {
             let err = write_picture(dir.path().join(name), &image).unwrap_err().to_string();
             assert!(err.contains(&format!("name it {}", PictureFormat::endings())), "{err}");
+        }
+    }
+
+    /// Who writes or reads a format whose feature is off learns which it is.
+    #[test]
+    fn picture_formats_name_their_feature() {
+        let dir = tempfile::tempdir().unwrap();
+        let image = Image::filled(2, 1, [0.5; 4]);
+        for (name, feature, is_on) in
+            [("a.EXR", "exr", cfg!(feature = "exr")), ("a.webp", "webp", cfg!(feature = "webp"))]
+        {
+            let path = dir.path().join(name);
+            let written = write_picture(&path, &image);
+            assert_eq!(written.is_ok(), is_on, "{name}");
+            let read = read_picture_scene(&path);
+            assert_eq!(read.is_ok(), is_on, "{name}");
+            for error in [written.err(), read.err()].into_iter().flatten() {
+                let expected =
+                    format!("{name}: it takes the feature `{feature}`, which is off here");
+                assert!(error.to_string().contains(&expected), "{error}");
+            }
         }
     }
 }

@@ -10,13 +10,16 @@ use crate::IoError;
 /// A picture of opacities and colours, as a scene file or a flag names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferImageFile {
-    /// PNG or EXR; what has no alpha channel is opaque.
+    /// PNG, or EXR with the feature `exr`; what has no alpha channel is opaque.
     pub path: PathBuf,
     /// The values at its left and its right edge.
     pub values: [f64; 2],
     /// The gradients, per `unit`, at its lower and its upper edge.
     pub gradients: [f64; 2],
 }
+
+/// Formats of such pictures.
+const FORMATS: &str = if cfg!(feature = "exr") { "PNG or EXR" } else { "PNG" };
 
 /// More pixels along a side than any display of values has.
 const MAX_SIDE: u32 = 4096;
@@ -43,7 +46,7 @@ fn read(path: &Path) -> Result<(usize, Vec<[f32; 4]>), IoError> {
     (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
     reader.limits(limits);
     let image = reader.decode().map_err(|error| {
-        IoError::malformed(path, format!("not a picture (PNG or EXR) that can be read: {error}"))
+        IoError::malformed(path, format!("not a picture ({FORMATS}) that can be read: {error}"))
     })?;
     let image = image.into_rgba32f();
     Ok((image.width() as usize, image.pixels().map(|pixel| pixel.0).collect()))
