@@ -11,17 +11,18 @@ use xtask::workspace::{self, Package, Workspace};
 
 use crate::deny::{self, Deny};
 use crate::test::{self, Test};
-use crate::{lint, msrv, outside, package, semver, web};
+use crate::web::{self, Web};
+use crate::{lint, msrv, outside, package, semver};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
     test::run(&Test::default())?;
-    web::run(false)?;
     package::run()?;
+    web::run(Web::OF_PACKAGES)?;
     outside::run()?;
     msrv::run(false)?;
     deny::run(&Deny::default())?;
-    semver::run()?;
+    semver::run(None)?;
     check_features()
 }
 

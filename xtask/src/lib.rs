@@ -4,4 +4,5 @@
 //! Nothing here is part of the renderer, and none of its crates may depend on it.
 
 pub mod process;
+pub mod test_build;
 pub mod workspace;

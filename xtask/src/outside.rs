@@ -18,27 +18,46 @@ use crate::web::PAGES;
 
 pub(crate) fn run() -> Result<()> {
     let workspace = Workspace::read()?;
-    let packages = packages(&workspace)?;
+    let outside = Outside::new(&workspace, packages(&workspace)?);
     run_command(cargo(&programs()).args(["fmt", "--all", "--check"]))?;
-    let build = |subcommand: &str| {
-        let mut command = cargo(&programs());
-        command.arg(subcommand).arg("--target-dir");
-        command.arg(workspace.target_directory.join("outside"));
-        patch(&mut command, &packages);
-        command
-    };
     let all = ["--workspace", "--all-targets"];
-    run_command(build("clippy").args(all).args(["--", "-D", "warnings"]))?;
-    run_command(build("test").arg("--no-fail-fast").args(all))?;
+    run_command(outside.cargo("clippy").args(all).args(["--", "-D", "warnings"]))?;
+    run_command(outside.cargo("test").arg("--no-fail-fast").args(all))?;
     if !has_target(WASM) {
         eprintln!("outside: pages are skipped, as there is no {WASM}: `rustup target add {WASM}`");
         return Ok(());
     }
-    let pages = PAGES.iter().flat_map(|page| ["--package", *page]);
-    // As `web` builds them, and never without optimisation: that takes 18 GB of memory for slabsplat-cpu.
-    let mut release = build("build");
-    release.args(["--release", "--target", WASM]).args(pages).env(WASM_FLAGS, WASM_VECTORS);
-    run_command(&mut release)
+    run_command(&mut outside.pages())
+}
+
+/// How the programs are built.
+pub(crate) struct Outside<'a> {
+    /// Where to.
+    pub(crate) target: PathBuf,
+    /// Name and folder of each crate of ours.
+    crates: Vec<(&'a str, PathBuf)>,
+}
+
+impl<'a> Outside<'a> {
+    pub(crate) fn new(workspace: &Workspace, crates: Vec<(&'a str, PathBuf)>) -> Self {
+        Self { target: workspace.target_directory.join("outside"), crates }
+    }
+
+    /// A command of cargo's among them.
+    pub(crate) fn cargo(&self, subcommand: &str) -> Command {
+        let mut command = cargo(&programs());
+        command.arg(subcommand).arg("--target-dir").arg(&self.target);
+        patch(&mut command, &self.crates);
+        command
+    }
+
+    /// Builds the pages; never without optimisation: that takes 18 GB of memory for slabsplat-cpu.
+    pub(crate) fn pages(&self) -> Command {
+        let mut build = self.cargo("build");
+        build.args(["--release", "--target", WASM]).env(WASM_FLAGS, WASM_VECTORS);
+        build.args(PAGES.iter().flat_map(|page| ["--package", *page]));
+        build
+    }
 }
 
 /// Where the programs lie.
@@ -47,7 +66,7 @@ pub(crate) fn programs() -> PathBuf {
 }
 
 /// Name and unpacked package of each library that is published.
-fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
+pub(crate) fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
     let folder = workspace.target_directory.join("package");
     workspace
         .published()
@@ -63,7 +82,7 @@ fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
 }
 
 /// Has cargo take these crates where it would ask the registry.
-pub(crate) fn patch(command: &mut Command, crates: &[(&str, PathBuf)]) {
+fn patch(command: &mut Command, crates: &[(&str, PathBuf)]) {
     for (name, folder) in crates {
         command.arg("--config").arg(patch_of(name, folder));
     }

@@ -2,8 +2,9 @@
 //! draw in one of them what the CPU draws here.
 //!
 //! The pages lie in `target/web` afterwards, and any web server shows them:
-//! `python3 -m http.server -d target/web`. They are built of the crates in this checkout. What is judged, and
-//! how, is in `tests/tests/browser.rs`.
+//! `python3 -m http.server -d target/web`. They are built of the crates in this checkout, or with `--packages`
+//! of what `cargo xtask package` made of these, as `cargo xtask outside` does, which then finds them built.
+//! What is judged, and how, is in `tests/tests/browser.rs`.
 
 use std::ffi::OsString;
 use std::fs;
@@ -14,8 +15,8 @@ use anyhow::{Context, Result, bail};
 use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Package, Workspace};
 
-use crate::lint::{WASM, WASM_FLAGS, WASM_VECTORS, has_target};
-use crate::outside::{patch, programs};
+use crate::lint::{WASM, has_target};
+use crate::outside::{Outside, packages, programs};
 use crate::system;
 
 /// Those that are pages; another is what writes their JavaScript.
@@ -30,17 +31,33 @@ const SITE: &str = "SLABSPLAT_SITE";
 /// Set to anything, it makes the want of a browser a failure.
 const REQUIRE_GPU: &str = "SLABSPLAT_REQUIRE_GPU";
 
-/// Whether the arguments ask to install.
-pub(crate) fn parse(args: &[OsString]) -> Result<bool, String> {
+/// What is to be done.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Web {
+    /// Whether a browser that is missing is to be installed.
+    installs: bool,
+    /// Whether pages are built of packages.
+    of_packages: bool,
+}
+
+impl Web {
+    /// Pages of packages that are there.
+    pub(crate) const OF_PACKAGES: Self = Self { installs: false, of_packages: true };
+}
+
+pub(crate) fn parse(args: &[OsString]) -> Result<Web, String> {
     match args {
-        [] => Ok(false),
-        [flag] if flag == "--install" => Ok(true),
-        [arg, ..] => Err(format!("`web` takes `--install` alone, found `{}`", arg.display())),
+        [] => Ok(Web::default()),
+        [flag, rest @ ..] if flag == "--install" => Ok(Web { installs: true, ..parse(rest)? }),
+        [flag, rest @ ..] if flag == "--packages" => Ok(Web { of_packages: true, ..parse(rest)? }),
+        [arg, ..] => {
+            Err(format!("`web` takes `--install` and `--packages`, found `{}`", arg.display()))
+        }
     }
 }
 
-pub(crate) fn run(installs: bool) -> Result<()> {
-    system::set_up("web", system::BROWSER, installs);
+pub(crate) fn run(web: Web) -> Result<()> {
+    system::set_up("web", system::BROWSER, web.installs);
     let missing = if !has_target(WASM) {
         Some(format!("there is no {WASM}: `rustup target add {WASM}`"))
     } else if !system::has_chromium() {
@@ -55,29 +72,23 @@ pub(crate) fn run(installs: bool) -> Result<()> {
         eprintln!("web: skipped, as {missing}");
         return Ok(());
     }
-    let site = build()?;
+    let site = build(web)?;
     let mut test = cargo(workspace::root());
-    test.args(["test", "--package", "slabsplat-tests", "--test", "browser", "--", "--nocapture"]);
+    // As all tests are built, which have been already.
+    test.args(["test", "--workspace", "--test", "browser", "--", "--nocapture"]);
     run_command(test.env(SITE, site))
 }
 
 /// Builds the pages, and returns the folder that has them and all that they load.
-fn build() -> Result<PathBuf> {
+fn build(web: Web) -> Result<PathBuf> {
     let workspace = Workspace::read()?;
-    let target = workspace.target_directory.join("outside");
-    let crates = crates(&workspace);
-    let outside = |subcommand: &str| {
-        let mut command = cargo(&programs());
-        command.args([subcommand, "--release", "--target-dir"]).arg(&target);
-        patch(&mut command, &crates);
-        command
-    };
-    let mut pages = outside("build");
-    pages.args(["--target", WASM]).args(PAGES.iter().flat_map(|page| ["--package", *page]));
-    run_command(pages.env(WASM_FLAGS, WASM_VECTORS))?;
+    let crates = if web.of_packages { packages(&workspace)? } else { crates(&workspace) };
+    let outside = Outside::new(&workspace, crates);
+    run_command(&mut outside.pages())?;
     let site = workspace.target_directory.join("web");
-    let modules = target.join(WASM).join("release");
-    let mut bindgen = outside("run");
+    let modules = outside.target.join(WASM).join("release");
+    // Not optimised, as among the tests of `outside`: to run it takes less than to build it once more.
+    let mut bindgen = outside.cargo("run");
     bindgen.args(["--package", "bindgen", "--"]).arg(&site);
     bindgen.args(PAGES.iter().map(|page| modules.join(page).with_extension("wasm")));
     run_command(&mut bindgen)?;
@@ -110,10 +121,14 @@ mod tests {
     }
 
     #[test]
-    fn parse_takes_install_alone() {
+    fn parse_flags_in_any_order() {
         let parse =
             |args: &[&str]| parse(&args.iter().map(|arg| OsString::from(*arg)).collect::<Vec<_>>());
-        assert_eq!((parse(&[]), parse(&["--install"])), (Ok(false), Ok(true)));
+        assert_eq!(parse(&[]), Ok(Web::default()));
+        assert_eq!(parse(&["--packages"]), Ok(Web::OF_PACKAGES));
+        let both = Ok(Web { installs: true, of_packages: true });
+        assert_eq!(parse(&["--install", "--packages"]), both);
+        assert_eq!(parse(&["--packages", "--install"]), both);
         assert!(parse(&["--serve"]).unwrap_err().contains("found `--serve`"));
     }
 }

@@ -5,13 +5,13 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
-use serde_json::Value;
 
 use super::record::Counts;
-use xtask::process::{REPEATABLE, cargo, output};
+use xtask::process::output;
+use xtask::test_build;
 use xtask::workspace::Workspace;
 
 /// The test target that renders, and the function in it that is counted.
@@ -26,7 +26,7 @@ fn ensure_installed() -> Result<()> {
 /// What each of the frames takes.
 pub(super) fn count(root: &Path) -> Result<Counts> {
     ensure_installed()?;
-    let program = built(root)?;
+    let program = test_build::test(root, TARGET)?;
     let names = output(Command::new(&program).arg("--workloads"))?;
     let profiles = profiles()?;
     std::fs::create_dir_all(&profiles)
@@ -38,26 +38,6 @@ pub(super) fn count(root: &Path) -> Result<Counts> {
 /// Where callgrind leaves what it found, a file a frame, for whoever wants to know more.
 pub(super) fn profiles() -> Result<PathBuf> {
     Ok(Workspace::read()?.target_directory.join("callgrind"))
-}
-
-/// The program as `cargo xtask test` builds it for the whole workspace, so that after it nothing is built
-/// twice.
-fn built(root: &Path) -> Result<PathBuf> {
-    let mut build = cargo(root);
-    let (variable, value) = REPEATABLE;
-    build.env(variable, value);
-    build.args(["test", "--workspace", "--test", TARGET, "--no-run"]);
-    build.arg("--message-format=json-render-diagnostics").stderr(Stdio::inherit());
-    let messages = output(&mut build)?;
-    let program = messages.lines().filter_map(|line| program_in(line, TARGET)).next_back();
-    program.with_context(|| format!("cargo built no program `{TARGET}`"))
-}
-
-/// The program of a target, if this message of cargo's names it.
-fn program_in(message: &str, target: &str) -> Option<PathBuf> {
-    let message: Value = serde_json::from_str(message).ok()?;
-    let is_meant = message["reason"] == "compiler-artifact" && message["target"]["name"] == target;
-    message["executable"].as_str().filter(|_| is_meant).map(PathBuf::from)
 }
 
 fn count_one(program: &Path, name: &str, profile: &Path) -> Result<u64> {
@@ -94,14 +74,5 @@ mod tests {
         let stderr = "==7== Events    : Ir\n==7== Collected : 4567\n==7== \n";
         assert_eq!(collected(stderr), Some(4567));
         assert_eq!(collected("==7== nothing"), None);
-    }
-
-    #[test]
-    fn program_in_messages() {
-        let message = r#"{ "reason": "compiler-artifact", "executable": "/t/instructions-1",
-            "target": { "name": "instructions" } }"#;
-        assert_eq!(program_in(message, "instructions"), Some("/t/instructions-1".into()));
-        assert_eq!(program_in(message, "gpu"), None, "another target");
-        assert_eq!(program_in("warning: no JSON", "instructions"), None);
     }
 }

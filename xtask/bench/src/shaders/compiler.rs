@@ -1,12 +1,14 @@
 //! Mesa's Vulkan driver for AMD, told that it has a GPU.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result};
 
 use super::assembly::innermost_loop;
 use super::record::{Counts, Record};
-use xtask::process::{cargo, output};
+use xtask::process::output;
+use xtask::test_build;
 
 /// Where Linux distributions list Vulkan's drivers, and how this one's list begins.
 const DRIVERS: &str = "/usr/share/vulkan/icd.d";
@@ -28,9 +30,8 @@ pub(super) fn driver() -> Option<PathBuf> {
 
 /// What it makes of all shaders, by a program of `slabsplat-ash`, as only that crate speaks to Vulkan.
 pub(super) fn count(root: &Path, driver: &Path) -> Result<Record> {
-    let mut program = cargo(root);
+    let mut program = Command::new(test_build::example(root, "compiled")?);
     program
-        .args(["run", "--quiet", "--package", "slabsplat-ash", "--example", "compiled"])
         .env("VK_DRIVER_FILES", driver)
         .env("VK_ICD_FILENAMES", driver)
         .env("RADV_FORCE_FAMILY", GPU)
