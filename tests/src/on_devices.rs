@@ -129,9 +129,9 @@ pub fn listed_by_host(layer: Layer) -> Layer {
     let labels: Vec<u8> = (0..grid.n_voxels()).map(|idx| (idx / 5 % 4) as u8).collect();
     let labels = Volume::new(grid, labels.into(), Scaling::IDENTITY).expect("one a voxel");
     let map = LabelMap::new(&labels, &grid).expect("labels are whole numbers");
-    let green = LabelStyle { color: Some([0.2, 1.0, 0.3]), opacity: 0.7, transfer: None };
-    let own = LabelStyle { transfer: Some(transfer(0.5)), ..LabelStyle::default() };
-    let invisible = LabelStyle { opacity: 0.0, ..LabelStyle::default() };
+    let green = LabelStyle::default().color([0.2, 1.0, 0.3]).opacity(0.7);
+    let own = LabelStyle::default().transfer(transfer(0.5));
+    let invisible = LabelStyle::default().opacity(0.0);
     let labels = Labels::new(map, [(1, green), (2, own), (3, invisible)]);
     let factor = PiecewiseLinear::new("factor", vec![(0.0, [0.3]), (0.4, [1.0])]);
     layer

@@ -123,7 +123,7 @@ fn watched<D: Device + 'static>(
 ) -> Result<Box<dyn Device>, Unavailable> {
     static LISTENING: Once = Once::new();
     LISTENING.call_once(listen_to_wgpu);
-    Ok(Box::new(open(&OpenOptions { validation: Some(record) })?))
+    Ok(Box::new(open(&OpenOptions::default().validation(record))?))
 }
 
 fn image(renderer: &mut Renderer, scene: &Scene) -> Image {

@@ -66,6 +66,6 @@ fn cross() -> MeshLayer {
     let corners = [square(|a, b| [a, b, 0.0]), square(|a, b| [a, 0.0, b])].concat();
     let positions = corners.into_iter().map(|[x, y, z]| corner(x, y, z)).collect();
     let triangles = vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]];
-    let parts = MeshParts { positions, triangles, ..MeshParts::default() };
+    let parts = MeshParts::new(positions).triangles(triangles);
     MeshLayer::new(Mesh::new(parts).expect("it has neither normals nor colours"))
 }

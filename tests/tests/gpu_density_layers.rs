@@ -162,10 +162,7 @@ fn wall(camera: &Camera, center: DVec3, by: f64) -> MeshLayer {
     let corner = |right: f64, up: f64, forward: f64| {
         middle + view_height * (right * axes.right + up * axes.up + forward * axes.forward)
     };
-    let parts = MeshParts {
-        positions: vec![corner(-0.3, -0.4, -0.1), corner(0.3, -0.3, 0.1), corner(0.0, 0.5, 0.05)],
-        triangles: vec![[0, 1, 2]],
-        ..MeshParts::default()
-    };
+    let corners = vec![corner(-0.3, -0.4, -0.1), corner(0.3, -0.3, 0.1), corner(0.0, 0.5, 0.05)];
+    let parts = MeshParts::new(corners).triangles(vec![[0, 1, 2]]);
     MeshLayer::new(Mesh::new(parts).expect("its corners are there"))
 }

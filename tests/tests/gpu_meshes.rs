@@ -40,12 +40,11 @@ fn transfer(opacity: f64) -> TransferFunction {
 fn double_pyramid(center: DVec3, radius: f64) -> Mesh {
     let tips = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| radius * axis);
     let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.2, 0.2, 1.0]];
-    let parts = MeshParts {
-        positions: tips.into_iter().flat_map(|tip| [center + tip, center - tip]).collect(),
-        triangles: (0..8).map(|face| [face & 1, 2 + ((face >> 1) & 1), 4 + (face >> 2)]).collect(),
-        colors: colors.into_iter().flat_map(|color| [color; 2]).collect(),
-        ..MeshParts::default()
-    };
+    let positions = tips.into_iter().flat_map(|tip| [center + tip, center - tip]).collect();
+    let corners = |face: u32| [face & 1, 2 + ((face >> 1) & 1), 4 + (face >> 2)];
+    let parts = MeshParts::new(positions)
+        .triangles((0..8).map(corners).collect())
+        .colors(colors.into_iter().flat_map(|color| [color; 2]).collect());
     Mesh::new(parts).expect("each vertex has a colour")
 }
 

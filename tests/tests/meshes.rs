@@ -145,14 +145,13 @@ fn order_of_meshes_and_triangles_changes_no_bit() {
                 rng.shuffle(&mut points);
                 let n_vertices = mesh.positions().len();
                 let normals = (0..n_vertices).filter_map(|vertex| mesh.vertex_normal(vertex));
-                let parts = MeshParts {
-                    positions: mesh.positions().to_vec(),
-                    triangles,
-                    lines,
-                    points,
-                    normals: normals.collect(),
-                    colors: (0..n_vertices).filter_map(|it| mesh.vertex_color(it)).collect(),
-                };
+                let colors = (0..n_vertices).filter_map(|vertex| mesh.vertex_color(vertex));
+                let parts = MeshParts::new(mesh.positions().to_vec())
+                    .triangles(triangles)
+                    .lines(lines)
+                    .points(points)
+                    .normals(normals.collect())
+                    .colors(colors.collect());
                 layer.mesh = Mesh::new(parts).expect("nothing is lost").into();
             }
             assert!(render("cpu", &scene) == expected, "{kind:?}");
@@ -205,8 +204,7 @@ fn wall(z: f64, color: [f64; 3]) -> MeshLayer {
     let corner = |x: f64, y: f64| DVec3::new(20.0 * x, 20.0 * y, z);
     let positions =
         vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    let parts =
-        MeshParts { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..MeshParts::default() };
+    let parts = MeshParts::new(positions).triangles(vec![[0, 1, 2], [0, 2, 3]]);
     let mesh = Mesh::new(parts).expect("it has neither normals nor colours");
     MeshLayer::new(mesh).shading(Shading::None).color(color)
 }

@@ -51,11 +51,8 @@ fn scenes() -> Vec<(String, Scene)> {
 }
 
 fn triangle(center: DVec3) -> Mesh {
-    let parts = MeshParts {
-        positions: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| center + 3.0 * axis).to_vec(),
-        triangles: vec![[0, 1, 2]],
-        ..MeshParts::default()
-    };
+    let positions = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| center + 3.0 * axis).to_vec();
+    let parts = MeshParts::new(positions).triangles(vec![[0, 1, 2]]);
     Mesh::new(parts).expect("it is one")
 }
 

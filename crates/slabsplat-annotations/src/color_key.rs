@@ -152,7 +152,7 @@ pub(crate) mod tests {
     }
 
     fn colored(color: [f64; 3]) -> LabelStyle {
-        LabelStyle { color: Some(color), ..LabelStyle::default() }
+        LabelStyle::default().color(color)
     }
 
     #[test]
@@ -171,7 +171,7 @@ pub(crate) mod tests {
             let labels = labels(&layer, styles);
             layer.labels(labels)
         };
-        let unseen = LabelStyle { opacity: 0.0, ..colored(RED) };
+        let unseen = colored(RED).opacity(0.0);
         let styles = vec![(3, colored(RED)), (4, unseen.clone()), (150, colored(BLUE))];
         let expected = [("3".to_owned(), RED), ("150".to_owned(), BLUE)];
         assert_eq!(legend(with_labels(styles)), expected);
@@ -202,7 +202,7 @@ pub(crate) mod tests {
             assert_eq!(ColorKey::of(&scene(layer)).map(|_| ()), Err(expected));
         };
         let layer = layer();
-        let own = LabelStyle { transfer: Some(steps()), ..LabelStyle::default() };
+        let own = LabelStyle::default().transfer(steps());
         let with_transfers = labels(&layer, [(3, own)]);
         check(layer.clone().labels(with_transfers), "labels have transfer functions of their own");
         let colors = VoxelColors::new([2; 3], ColorSamples::U8(vec![[0; 3]; 8])).unwrap();

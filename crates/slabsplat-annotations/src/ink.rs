@@ -2,6 +2,7 @@
 
 /// A colour, and that of the halo which sets it off.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a text has these two colours")]
 pub struct Ink {
     /// Red, green and blue, 0 … 1.
     pub color: [f32; 3],

@@ -18,7 +18,7 @@
 //! assert!(width < 200.0 && height < 20.0);
 //! let at = [100.0, 95.0];
 //! let ink = Ink::LIGHT;
-//! draw_text(&mut image, &Label { text: "20 µm", at, anchor: [0.5, 1.0], size_pixels: 16.0, ink });
+//! draw_text(&mut image, &Label::new("20 µm", at).anchor([0.5, 1.0]).ink(ink));
 //! assert!(image.pixels().iter().any(|pixel| 0.9 < pixel[0]));
 //! ```
 //!
@@ -27,6 +27,8 @@
 //! `ink`, `coverage`, `text`, `shapes`; `screen` (where the world is in the picture), `lengths`, `sheet`
 //! (what lies on nothing else in it); `axes`, `scale_bar`, `color_key` (what colours mean), `color_bar`,
 //! `orientation_marker`; `room` (what a picture has room for), `annotate` (all of them).
+
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
 mod coverage;
 mod ink;

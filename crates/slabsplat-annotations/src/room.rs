@@ -14,6 +14,7 @@ use crate::text::text_size;
 
 /// Pixels at the edges of a picture that annotations take.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a picture has four edges")]
 pub struct Insets {
     /// At the left.
     pub left: f64,

@@ -12,6 +12,7 @@ static FONT: &[u8] = include_bytes!("../fonts/DejaVuSans-subset.ttf");
 
 /// A line of text at its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Label<'a> {
     /// What it says, from left to right; what ends a line, and other control characters, are spaces.
     pub text: &'a str,
@@ -24,6 +25,31 @@ pub struct Label<'a> {
     pub size_pixels: f32,
     /// In which colours.
     pub ink: Ink,
+}
+
+impl<'a> Label<'a> {
+    /// White text with a dark halo, 16 pixels an em, whose upper left corner is there.
+    pub const fn new(text: &'a str, at: [f32; 2]) -> Self {
+        Self { text, at, anchor: [0.0; 2], size_pixels: 16.0, ink: Ink::LIGHT }
+    }
+
+    /// The same with another point of the text there.
+    #[must_use]
+    pub const fn anchor(self, anchor: [f32; 2]) -> Self {
+        Self { anchor, ..self }
+    }
+
+    /// The same in another size.
+    #[must_use]
+    pub const fn size_pixels(self, size_pixels: f32) -> Self {
+        Self { size_pixels, ..self }
+    }
+
+    /// The same in other colours.
+    #[must_use]
+    pub const fn ink(self, ink: Ink) -> Self {
+        Self { ink, ..self }
+    }
 }
 
 /// Shares of an em above and below the baseline.

@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 /// A shader as a driver compiled it.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct CompiledShader {
     /// The shader's name.
     pub name: &'static str,

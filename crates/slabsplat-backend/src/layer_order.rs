@@ -101,7 +101,7 @@ fn points(transfer: &TransferFunction) -> impl Iterator<Item = f64> {
 /// What labels change.
 fn styles(labels: Option<&Labels>) -> impl Iterator<Item = f64> {
     labels.into_iter().flat_map(Labels::styles).flat_map(|(&label, style)| {
-        let LabelStyle { transfer, color, opacity } = style;
+        let LabelStyle { transfer, color, opacity, .. } = style;
         let of_transfer = transfer.iter().flat_map(points);
         [label as f64, *opacity]
             .into_iter()

@@ -61,6 +61,7 @@
 //! `meshes`, `seen_layer`, `layer_to_plan`, `planner`; `densities`; `contract`, `conformance`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
 mod cached;
 mod contract;

@@ -113,6 +113,7 @@ impl LayerPlan<'_> {
 
 /// The opaque meshes of a frame ([model §14](slabsplat_core::model)).
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct MeshesPlan<'a> {
     /// View space and pixels. Depths count from the centre of all layers, and nothing is hit before the near
     /// depth.
@@ -123,6 +124,7 @@ pub struct MeshesPlan<'a> {
 
 /// One mesh of a frame.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct MeshPlan<'a> {
     /// Its triangles, where they are, and their colour.
     pub layer: &'a MeshLayer,
@@ -130,6 +132,20 @@ pub struct MeshPlan<'a> {
     pub light: Option<BlinnPhong>,
     /// Where it is seen, if not everywhere.
     pub region: Option<RegionInView>,
+}
+
+impl<'a> MeshesPlan<'a> {
+    /// These meshes, seen so.
+    pub fn new(view: View, meshes: Vec<MeshPlan<'a>>) -> Self {
+        Self { view, meshes }
+    }
+}
+
+impl<'a> MeshPlan<'a> {
+    /// A mesh in its own colours, everywhere.
+    pub fn new(layer: &'a MeshLayer) -> Self {
+        Self { layer, light: None, region: None }
+    }
 }
 
 /// A permission, which a backend need not make use of: faces that do not split a voxel's kernel are skipped,
@@ -148,6 +164,7 @@ pub struct MergedSections {
 
 /// What is splatted, and into which sheets ([model §4](slabsplat_core::model)).
 #[derive(Clone, Debug)]
+#[expect(clippy::exhaustive_enums, reason = "a backend that does not know one must not build")]
 pub enum Splats {
     /// Voxels are classified and shaded, and sheets sum their colours.
     Colors(ColorSplats),
@@ -157,6 +174,7 @@ pub enum Splats {
 
 /// Coloured splats.
 #[derive(Clone, Debug)]
+#[expect(clippy::exhaustive_enums, reason = "a backend that does not know one must not build")]
 pub enum ColorSplats {
     /// `image-aligned`: sections, into the slabs that they come from.
     Sections(Box<SectionSplats>),
@@ -208,6 +226,7 @@ pub struct DensitySplats {
 
 /// What is shown of sheets of densities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::exhaustive_enums, reason = "a backend that does not know one must not build")]
 pub enum ShownDensities {
     /// What lies between them, classified and composited.
     Composited,
@@ -234,6 +253,7 @@ impl DensitySplats {
 
 /// Sections without the kinks that a table has.
 #[derive(Clone, Debug)]
+#[expect(clippy::exhaustive_enums, reason = "a backend that does not know one must not build")]
 pub enum SmoothSections {
     /// Of a kernel that is a product.
     Product(Arc<TiltedSections>),

@@ -12,7 +12,7 @@ fn visible_ranges(layer: &Layer) -> Vec<IsoRange> {
     let Some(labels) = &layer.labels else { return ranges_of_layer() };
     let styles = labels.map().labels().iter().map(|&label| labels.style(label));
     let shown: Vec<&LabelStyle> =
-        styles.filter(|style| style.transfer(&layer.transfer).is_some()).collect();
+        styles.filter(|style| style.transfer_in(&layer.transfer).is_some()).collect();
     let own = shown.iter().filter_map(|style| style.transfer.as_ref());
     let shows_layer = shown.iter().any(|style| style.transfer.is_none());
     let of_layer = shows_layer.then(ranges_of_layer);

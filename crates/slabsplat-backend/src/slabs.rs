@@ -10,6 +10,7 @@ pub(crate) const MAX_SLABS_OF_A_KERNEL: f64 = 8192.0;
 
 /// The slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Slabs {
     /// Where they are.
     pub grid: SlabGrid,

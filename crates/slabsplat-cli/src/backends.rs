@@ -36,7 +36,7 @@ fn taken_by_auto() -> Result<Caps, String> {
 fn text_of(found: &[FoundBackend], auto: &Result<Caps, String>) -> String {
     let mut rows = vec![HEADER.map(str::to_owned)];
     let mut missing = String::new();
-    for FoundBackend { name, devices } in found {
+    for FoundBackend { name, devices, .. } in found {
         match devices {
             Ok(devices) => rows.extend(devices.iter().map(|device| row(name, device))),
             Err(reason) => missing += &format!("{name} is not available: {reason}\n"),
@@ -96,21 +96,17 @@ mod tests {
     use slabsplat::Method;
 
     fn card() -> FoundDevice {
-        FoundDevice {
-            name: "Fake 3000".to_owned(),
-            driver: Some("fake 1.0".to_owned()),
-            kind: "discrete",
-            is_fast: true,
-            max_binding_bytes: Some(1 << 31),
-            memory_bytes: None,
-            is_timed: true,
-        }
+        let mut card = FoundDevice::new("Fake 3000", "discrete");
+        card.driver = Some("fake 1.0".to_owned());
+        card.max_binding_bytes = Some(1 << 31);
+        card.is_timed = true;
+        card
     }
 
     fn found() -> [FoundBackend; 2] {
         [
-            FoundBackend { name: "ash", devices: Ok(vec![card()]) },
-            FoundBackend { name: "wgpu", devices: Err("there is no driver".to_owned()) },
+            FoundBackend::new("ash", Ok(vec![card()])),
+            FoundBackend::new("wgpu", Err("there is no driver".to_owned())),
         ]
     }
 

@@ -177,7 +177,7 @@ fn sheet(image: &ImageDesc, varied: &[Vary], n_panes: usize) -> Result<Sheet> {
         _ => n_panes.min(COLUMNS),
     };
     let pane_size = [image.width, image.height];
-    Sheet::new(SheetDesc { n_panes, n_columns, pane_size }).map_err(|error| {
+    Sheet::new(SheetDesc::new(n_panes, n_columns, pane_size)).map_err(|error| {
         anyhow!(
             "{error}: a sheet of {} needs smaller pictures, by --width and --height",
             counted(n_panes, "picture")
@@ -264,20 +264,16 @@ impl Comparison {
     }
 
     fn sheet(&self, sheet: &Sheet) -> Image {
-        let pane = |(compared, difference): (&Compared, &Option<ImageDifference>)| Pane {
-            label: compared.variant.label(),
-            pictures: match &compared.drawn {
+        let pane = |(compared, difference): (&Compared, &Option<ImageDifference>)| {
+            let pictures = match &compared.drawn {
                 Ok(drawn) => Ok([drawn.image.clone(), self.difference_picture(&drawn.image)]),
                 Err(why) => Err(why.clone()),
-            },
-            figures: difference.map_or(String::new(), |d| {
-                format!(
-                    "PSNR {}, largest {:.4}, mean {:.5}",
-                    decibels(d.psnr_db),
-                    d.largest,
-                    d.mean
-                )
-            }),
+            };
+            let figures = difference.map_or(String::new(), |d| {
+                let psnr = decibels(d.psnr_db);
+                format!("PSNR {psnr}, largest {:.4}, mean {:.5}", d.largest, d.mean)
+            });
+            Pane::new(compared.variant.label(), pictures, figures)
         };
         let panes: Vec<Pane> = self.all.iter().zip(&self.differences).map(pane).collect();
         let scale = format!(

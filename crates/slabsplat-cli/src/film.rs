@@ -78,11 +78,12 @@ fn no_film(args: &FilmArgs) -> Result<()> {
 fn views(file: &SceneFile, camera: &Camera) -> Vec<Camera> {
     if let Some(turn) = file.film.as_ref().and_then(|film| film.turn) {
         let TurnFile { axis, degrees, is_rocking, .. } = turn;
-        return Turn { axis, degrees, is_rocking, n_frames: 1 }.views(camera);
+        let turn = Turn::new(axis, degrees, 1);
+        return if is_rocking { turn.rocking() } else { turn }.views(camera);
     }
     let keys = file.film.iter().flat_map(|film| &film.keys);
     let azimuths = keys.filter_map(|key| key.azimuth_degrees);
     let [least, largest] = azimuths.fold([0.0_f64; 2], |[min, max], it| [min.min(it), max.max(it)]);
-    let turn = |degrees| Turn { axis: TurnAxis::Up, degrees, is_rocking: false, n_frames: 1 };
+    let turn = |degrees| Turn::new(TurnAxis::Up, degrees, 1);
     [least, largest].into_iter().flat_map(|degrees| turn(degrees).views(camera)).collect()
 }

@@ -53,20 +53,18 @@ pub(crate) fn degrees(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat::{Automatic, ImageDesc, RenderSettings, io};
 
     #[test]
     fn meter_table_is_aligned() {
-        let report = PoppingReport {
-            method: Method::EverySample,
-            changes: vec![0.5, 0.25],
-            largest: 0.5,
-            median: 0.375,
-            pop_ratio: None,
-            jitter: Some(0.5),
-            largest_step: 0.25,
-            at_degrees: [0.1 + 0.2, 45.0],
-        };
-        let text = table(&[report]);
+        let volume = io::builtin_volume("cube", Some(4)).unwrap();
+        let scene = Automatic::new(volume).scene(ImageDesc::new(8, 8), RenderSettings::default());
+        let mut renderer = Renderer::open("cpu", |_| ()).unwrap();
+        let sweep = Sweep::new(0.0, 2.0);
+        let mut reports =
+            measure(&mut renderer, &scene, &[Method::EverySample], sweep).expect("it is drawn");
+        (reports[0].pop_ratio, reports[0].at_degrees) = (None, [0.1 + 0.2, 45.0]);
+        let text = table(&reports);
         let (head, line) = text.split_once('\n').unwrap();
         assert!(line.ends_with("0.3 and 45 degrees\n"), "{line}");
         for word in ["pop ratio", "jitter", "largest step", "largest change", "median change"] {

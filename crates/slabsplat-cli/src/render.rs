@@ -8,7 +8,7 @@ use crate::{advice, stats};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
-use slabsplat::io::{SceneFile, VolumeSource};
+use slabsplat::io::SceneFile;
 use slabsplat::{Caps, Frame, Layer, Mode, OpenScene, Scene};
 use std::time::Instant;
 
@@ -130,13 +130,7 @@ impl Done<'_> {
 
 /// What tells which volumes were drawn.
 fn volumes(scene: &SceneFile) -> Vec<Value> {
-    let volume = |layer: &slabsplat::io::LayerFile| {
-        let name = match &layer.volume {
-            VolumeSource::File(path) => path.display().to_string(),
-            VolumeSource::Builtin { name, .. } => format!("builtin:{name}"),
-        };
-        json!({ "name": name, "hash": layer.hash.map(|hash| hash.to_string()) })
-    };
+    let volume = |layer: &slabsplat::io::LayerFile| json!({ "name": layer.volume.to_string(), "hash": layer.hash.map(|hash| hash.to_string()) });
     scene.layers.iter().map(volume).collect()
 }
 

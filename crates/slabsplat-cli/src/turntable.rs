@@ -56,12 +56,11 @@ pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
         args.scene.opened_around(&progress, &check, &|_, camera| turn.views(camera))?;
     drop(progress);
     let Turn { axis, degrees, is_rocking, .. } = turn;
-    opened.sources.film = Some(FilmFile {
-        frames_per_second: Some(rate.per_second()),
-        seconds: Some(f64::from(n_frames) / rate.per_second()),
-        turn: Some(TurnFile::new(axis, degrees, is_rocking)),
-        ..FilmFile::default()
-    });
+    let mut film = FilmFile::default();
+    film.frames_per_second = Some(rate.per_second());
+    film.seconds = Some(f64::from(n_frames) / rate.per_second());
+    film.turn = Some(TurnFile::new(axis, degrees, is_rocking));
+    opened.sources.film = Some(film);
     let filming = Filming {
         flags: &args.film,
         scene_flags: &args.scene,
@@ -82,6 +81,7 @@ impl TurntableArgs {
         if !(-max..=max).contains(&degrees) {
             bail!("--degrees is up to {max} either way, and not {degrees}");
         }
-        Ok(Turn { axis: self.axis, degrees, is_rocking: self.rock, n_frames })
+        let turn = Turn::new(self.axis, degrees, n_frames);
+        Ok(if self.rock { turn.rocking() } else { turn })
     }
 }

@@ -23,6 +23,7 @@ pub struct Camera {
 
 /// How depth changes size.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_enums, reason = "who projects has to know each")]
 pub enum Projection {
     /// It does not: `view_height` world units fill the height of the image.
     Orthographic {
@@ -38,6 +39,7 @@ pub enum Projection {
 
 /// The right-handed axes of a view in world space, each of length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "space has three axes")]
 pub struct ViewAxes {
     /// `r = f × up`.
     pub right: DVec3,

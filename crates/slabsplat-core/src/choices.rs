@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Which voxels are added and which are composited ([model §4](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "backends have to know each")]
 pub enum Method {
     /// The paper's (§3.2): kernel sections summed in slabs parallel to the image.
     ImageAligned,
@@ -21,6 +22,7 @@ pub enum Method {
 
 /// What a picture shows of a ray ([model §§3, 12](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "backends have to know each")]
 pub enum Mode {
     /// Sheets are composited, as [`Compositing::Separate`] does.
     Separate,
@@ -40,6 +42,7 @@ pub enum Mode {
 
 /// Which density on a ray stands for all ([model §12](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "backends have to know each")]
 pub enum Statistic {
     /// The largest: maximum intensity projection.
     Maximum,
@@ -83,6 +86,7 @@ impl From<Compositing> for Mode {
 
 /// How a sheet's sums become colour and opacity ([model §3](crate::model)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "backends have to know each")]
 pub enum Compositing {
     /// Colour and opacity are summed apart and multiplied (eqs. 4–7, Table 1).
     Separate,
@@ -94,6 +98,7 @@ pub enum Compositing {
 
 /// How thick sections are darkened so that they look like the thin ones they stand for (eqs. 6–8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "tables depend on each")]
 pub enum Normalization {
     /// Not at all.
     None,
@@ -108,6 +113,7 @@ pub enum Normalization {
 /// Of a body ([`Orientation::Anatomical`](crate::Orientation)) left and right are its own; of all else they
 /// are those of who looks at its front.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "who frames a scene has to know each")]
 pub enum Viewpoint {
     /// Before it.
     Front,
@@ -127,6 +133,7 @@ pub enum Viewpoint {
 
 /// What a picture is filled with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "who frames a scene has to know each")]
 pub enum Fit {
     /// What is visible of it all.
     #[default]
@@ -137,6 +144,7 @@ pub enum Fit {
 
 /// How a section's offset is looked up in the section table (§3.2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "loops have to know each")]
 pub enum Lookup {
     /// The nearest section, as in the paper.
     Nearest,
@@ -146,6 +154,7 @@ pub enum Lookup {
 
 /// Which of the two projections, without its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "there is one for each projection")]
 pub enum ProjectionKind {
     /// Depth does not change size.
     Orthographic,
@@ -157,11 +166,13 @@ pub enum ProjectionKind {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(transparent))]
+#[expect(clippy::exhaustive_structs, reason = "a name is a text")]
 pub struct KernelName(pub Cow<'static, str>);
 
 /// A word that is none of those to choose from.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{word:?} is not a choice here: use one of {}", choices.join(", "))]
+#[non_exhaustive]
 pub struct NotAChoice {
     /// What was given.
     pub word: String,

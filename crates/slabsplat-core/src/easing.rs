@@ -5,6 +5,7 @@ use crate::choices::named;
 
 /// How fast a change begins and ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Easing {
     /// Evenly.
     #[default]

@@ -5,7 +5,17 @@ use crate::ImageDesc;
 use thiserror::Error;
 
 /// What is done with a frame.
+///
+/// ```
+/// use slabsplat_core::{Annotations, Finish};
+///
+/// let annotations = Annotations::default().title("a head").scale_bar();
+/// let finish = Finish::default().samples(4).annotations(annotations).checked()?;
+/// assert_eq!(finish.samples_side(), 2);
+/// # Ok::<(), slabsplat_core::FinishError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Finish {
     /// Samples of a pixel, whose mean it is: a square, 1 … 64, as many of them in a row as in a column.
     pub samples: u32,
@@ -20,6 +30,7 @@ pub struct Finish {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Annotations {
     /// A line of text at the top, of 1 to 200 characters.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
@@ -86,6 +97,24 @@ impl Default for Finish {
 }
 
 impl Finish {
+    /// The same with so many samples of a pixel.
+    #[must_use]
+    pub fn samples(self, samples: u32) -> Self {
+        Self { samples, ..self }
+    }
+
+    /// The same with a background that goes over to that colour at the lower edge.
+    #[must_use]
+    pub fn background_below(self, color: [f32; 4]) -> Self {
+        Self { background_below: Some(color), ..self }
+    }
+
+    /// The same with these annotations.
+    #[must_use]
+    pub fn annotations(self, annotations: Annotations) -> Self {
+        Self { annotations, ..self }
+    }
+
     /// The same, if it can be done.
     ///
     /// # Errors
@@ -159,6 +188,36 @@ impl FinishError {
 }
 
 impl Annotations {
+    /// The same with that title.
+    #[must_use]
+    pub fn title(self, title: impl Into<String>) -> Self {
+        Self { title: Some(title.into()), ..self }
+    }
+
+    /// The same with axes.
+    #[must_use]
+    pub fn axes(self) -> Self {
+        Self { axes: true, ..self }
+    }
+
+    /// The same with a bar of a round length.
+    #[must_use]
+    pub fn scale_bar(self) -> Self {
+        Self { scale_bar: true, ..self }
+    }
+
+    /// The same with the colours of values.
+    #[must_use]
+    pub fn color_bar(self) -> Self {
+        Self { color_bar: true, ..self }
+    }
+
+    /// The same with the directions of the world.
+    #[must_use]
+    pub fn orientation_marker(self) -> Self {
+        Self { orientation_marker: true, ..self }
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()

@@ -33,10 +33,12 @@ struct State {
 /// The frame was cancelled before it was done.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
 #[error("the frame was cancelled")]
+#[expect(clippy::exhaustive_structs, reason = "there is nothing more to say of it")]
 pub struct Cancelled;
 
 /// Why what a frame needs was not made.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+#[expect(clippy::exhaustive_enums, reason = "whoever answers for a frame says each to the caller")]
 pub enum StageError {
     /// Nobody wants the frame any more.
     #[error(transparent)]

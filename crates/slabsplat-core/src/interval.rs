@@ -28,6 +28,7 @@ enum End {
 /// A number that its setting cannot be.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("{name} must be {range}, not {}", Brief(*value))]
+#[non_exhaustive]
 pub struct OutOfRange {
     /// Which setting.
     pub name: &'static str,

@@ -26,7 +26,7 @@ pub struct LabelMap {
 /// let volume = Volume::new(grid, vec![0_u8, 17].into(), Scaling::IDENTITY)?;
 /// let map = LabelMap::new(&volume, &grid)?;
 /// assert_eq!(map.labels(), [0, 17]);
-/// let red = LabelStyle { color: Some([1.0, 0.0, 0.0]), ..LabelStyle::default() };
+/// let red = LabelStyle::default().color([1.0, 0.0, 0.0]);
 /// let labels = Labels::new(map, [(17, red)])?;
 /// assert_eq!(labels.style(0), &LabelStyle::default());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -44,6 +44,7 @@ pub struct Labels {
     feature = "serde",
     serde(from = "crate::serialized::LabelStyleKeys", into = "crate::serialized::LabelStyleKeys")
 )]
+#[non_exhaustive]
 pub struct LabelStyle {
     /// The transfer function instead of the layer's.
     pub transfer: Option<TransferFunction>,
@@ -222,8 +223,31 @@ impl LabelStyle {
 
     /// The transfer function that shows voxels of this style, in a layer with that one; `None` if they are
     /// invisible.
-    pub fn transfer<'a>(&'a self, of_layer: &'a TransferFunction) -> Option<&'a TransferFunction> {
+    pub fn transfer_in<'a>(
+        &'a self,
+        of_layer: &'a TransferFunction,
+    ) -> Option<&'a TransferFunction> {
         (0.0 < self.opacity).then(|| self.transfer.as_ref().unwrap_or(of_layer))
+    }
+}
+
+impl LabelStyle {
+    /// The same with a transfer function instead of the layer's.
+    #[must_use]
+    pub fn transfer(self, transfer: TransferFunction) -> Self {
+        Self { transfer: Some(transfer), ..self }
+    }
+
+    /// The same in a colour instead of the transfer function's.
+    #[must_use]
+    pub fn color(self, color: [f64; 3]) -> Self {
+        Self { color: Some(color), ..self }
+    }
+
+    /// The same with opacities multiplied with that, instead of what they were multiplied with.
+    #[must_use]
+    pub fn opacity(self, opacity: f64) -> Self {
+        Self { opacity, ..self }
     }
 }
 
@@ -363,8 +387,8 @@ mod tests {
         let invisible = labels.with_styles([(7, style(0.0)), (0, style(1.0))]).unwrap();
         assert!(!invisible.any_visible(), "no voxel has the label 0");
         let layer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [1.0; 3])]).unwrap();
-        assert_eq!(style(0.5).transfer(&layer), Some(&layer));
-        assert_eq!(style(0.0).transfer(&layer), None);
+        assert_eq!(style(0.5).transfer_in(&layer), Some(&layer));
+        assert_eq!(style(0.0).transfer_in(&layer), None);
         for opacity in [-0.1, 1.1, f64::NAN] {
             let error = Labels::new(map.clone(), [(3, style(opacity))]).unwrap_err();
             assert_eq!(error, LabelError::BadStyle { label: 3, what: "opacity" });

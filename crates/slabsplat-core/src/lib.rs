@@ -36,6 +36,7 @@
 //! ```
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
 mod acquisition;
 mod grid;

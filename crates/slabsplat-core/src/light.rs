@@ -18,6 +18,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Light {
     /// Where it comes from.
     #[cfg_attr(feature = "serde", serde(rename = "from"))]
@@ -29,6 +30,7 @@ pub struct Light {
 
 /// Where a light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_enums, reason = "shaders and films have to know each")]
 pub enum LightSource {
     /// It shines along the viewing direction.
     Headlight,
@@ -119,6 +121,7 @@ impl Light {
 
 /// A light as a viewer sees it who is infinitely far away, too. Directions are in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "model §6 has no more of a light")]
 pub struct LightInView {
     /// `l`, the direction towards the light.
     pub to_light: DVec3,

@@ -11,7 +11,7 @@ use thiserror::Error;
 ///
 /// let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NAN];
 /// let triangles = vec![[0, 1, 2], [0, 1, 3], [0, 1, 1], [0, 1, 9]];
-/// let mesh = Mesh::new(MeshParts { positions, triangles, ..MeshParts::default() })?;
+/// let mesh = Mesh::new(MeshParts::new(positions).triangles(triangles))?;
 /// assert_eq!(mesh.triangles(), [[0, 1, 2]]);
 /// let dropped = mesh.dropped();
 /// assert_eq!([dropped.n_without_vertices, dropped.n_not_finite, dropped.n_flat], [1; 3]);
@@ -26,6 +26,7 @@ pub struct Mesh {
 
 /// What a mesh is made of.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct MeshParts {
     /// Where vertices are, as the file has them.
     pub positions: Vec<DVec3>,
@@ -44,6 +45,7 @@ pub struct MeshParts {
 
 /// How many triangles, lines and points cannot be drawn, by the first reason that applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct DroppedElements {
     /// Those with a corner that no vertex is.
     pub n_without_vertices: usize,
@@ -70,6 +72,43 @@ pub enum MeshError {
     /// It would be flattened, or be nowhere.
     #[error("a mesh cannot be placed by a matrix that is not finite or flattens it")]
     BadPlace,
+}
+
+impl MeshParts {
+    /// Vertices, and nothing that is seen yet.
+    pub fn new(positions: Vec<DVec3>) -> Self {
+        Self { positions, ..Self::default() }
+    }
+
+    /// The same with these triangles.
+    #[must_use]
+    pub fn triangles(self, triangles: Vec<[u32; 3]>) -> Self {
+        Self { triangles, ..self }
+    }
+
+    /// The same with these lines.
+    #[must_use]
+    pub fn lines(self, lines: Vec<[u32; 2]>) -> Self {
+        Self { lines, ..self }
+    }
+
+    /// The same with these points.
+    #[must_use]
+    pub fn points(self, points: Vec<u32>) -> Self {
+        Self { points, ..self }
+    }
+
+    /// The same with a normal for each vertex.
+    #[must_use]
+    pub fn normals(self, normals: Vec<[f32; 3]>) -> Self {
+        Self { normals, ..self }
+    }
+
+    /// The same with a colour for each vertex.
+    #[must_use]
+    pub fn colors(self, colors: Vec<[f32; 3]>) -> Self {
+        Self { colors, ..self }
+    }
 }
 
 impl Mesh {

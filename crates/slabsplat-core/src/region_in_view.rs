@@ -13,6 +13,7 @@ pub struct RegionInView {
 
 /// A plane in view space; what lies behind it has `n·x ≤ d`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a plane is a normal and a distance")]
 pub struct PlaneInView {
     /// `n`, of length 1.
     pub normal: DVec3,
@@ -22,6 +23,7 @@ pub struct PlaneInView {
 
 /// The ray of a point of the image, in view space.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a ray is a point and a step")]
 pub struct ViewRay {
     /// Where it is at depth 0.
     pub start: DVec3,

@@ -13,6 +13,7 @@ pub trait Sample: bytemuck::Pod + PartialOrd + Send + Sync {
 
 /// The type of a volume's samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "who reads samples has to know each")]
 pub enum SampleType {
     /// 8 bits, unsigned.
     U8,
@@ -75,6 +76,7 @@ macro_rules! with_samples {
 
 /// The samples of a volume, x fastest, in their own type.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::exhaustive_enums, reason = "who reads samples has to know each")]
 pub enum Samples {
     /// 8 bits, unsigned.
     U8(Vec<u8>),

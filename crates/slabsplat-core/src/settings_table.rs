@@ -23,6 +23,7 @@ pub trait Settings: Clone + Default + 'static {
 
 /// One field of the struct `S`.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Setting<S> {
     /// Its name: of the field, the scene file's key, and with dashes, of the flag.
     pub name: &'static str,
@@ -34,6 +35,7 @@ pub struct Setting<S> {
 
 /// What kind of value a setting of `S` has, and how it is read and written.
 #[derive(Debug)]
+#[expect(clippy::exhaustive_enums, reason = "files and flags have to know each")]
 pub enum Field<S> {
     /// One of a closed set of names.
     Choice {
@@ -68,6 +70,7 @@ pub enum Field<S> {
 
 /// How a value of type `T` in an `S` is read and written.
 #[derive(Debug)]
+#[expect(clippy::exhaustive_structs, reason = "a setting is read and written")]
 pub struct Access<S, T> {
     /// Reads it.
     pub get: fn(&S) -> T,

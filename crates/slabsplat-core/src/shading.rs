@@ -7,6 +7,7 @@ use crate::{Interval, Light, LightInView, OutOfRange};
 
 /// How a voxel's colour is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_enums, reason = "backends have to know each")]
 pub enum Shading {
     /// The transfer function's colour as it is.
     None,
@@ -63,6 +64,7 @@ impl Phong {
 
 /// [`Phong`] under some lights, for one viewer. Normals are in world space.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "model §6 has no more")]
 pub struct BlinnPhong {
     /// The coefficients.
     pub phong: Phong,

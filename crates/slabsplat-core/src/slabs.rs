@@ -16,6 +16,7 @@ pub struct SlabGrid {
 /// The slabs are so thin that there are too many of them.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("slabs {thickness} thick cut the volume into {n_slabs:.0} sheets, more than {MAX_SLABS}")]
+#[non_exhaustive]
 pub struct TooManySlabs {
     /// Thickness asked for, in world units.
     pub thickness: f64,

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 /// Which slices of the grid are sheets, and in which order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct SliceOrder {
     /// The axis across the slices: 0, 1 or 2.
     pub axis: usize,

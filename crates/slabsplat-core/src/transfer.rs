@@ -16,6 +16,7 @@ pub struct PiecewiseLinear<const N: usize> {
 /// A point of a [`PiecewiseLinear`] function: a position and the results there. A function of one result
 /// takes it as a number or as an array of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a point is a position and results")]
 pub struct CurvePoint<const N: usize>(pub f64, pub [f64; N]);
 
 /// What makes voxels visible: opacity and colour as functions of the value.
@@ -45,6 +46,7 @@ pub struct TransferFunction {
 
 /// A closed interval of values, `lo ≤ value ≤ hi`; the ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a range has two ends")]
 pub struct IsoRange {
     /// Smallest value inside.
     pub lo: f64,

@@ -23,6 +23,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "lowercase"))]
+#[expect(clippy::exhaustive_enums, reason = "shaders and files have to know each")]
 pub enum TransferFunction2d {
     /// What is in none of them is invisible. In several of them, extinctions add up, and colours are mixed by
     /// extinction.

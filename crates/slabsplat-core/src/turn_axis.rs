@@ -6,6 +6,7 @@ use glam::DVec3;
 
 /// What a camera goes around, through what it looks at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum TurnAxis {
     /// The camera's up vector.
     #[default]

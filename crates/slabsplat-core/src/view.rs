@@ -36,6 +36,7 @@ struct Cells {
     "a voxel step would be {pixels:.3e} pixels long, and can be {} to {}: check view_height, fov_y and eye",
     STEP_PIXELS.start(), STEP_PIXELS.end()
 )]
+#[non_exhaustive]
 pub struct ViewError {
     /// Pixels that a step of the grid would be long, where it is seen largest or smallest.
     pub pixels: f64,
@@ -222,6 +223,7 @@ impl View {
 
 /// Takes index space to view space; exact for voxels near the grid's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "it is an affine map")]
 pub struct ViewFromIndex {
     /// Takes steps in index space to steps in view space.
     pub matrix: DMat3,

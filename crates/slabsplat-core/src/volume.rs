@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Turns a stored sample into the value that it stands for: `value = slope · sample + intercept`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a line has a slope and an intercept")]
 pub struct Scaling {
     /// Factor; finite and not zero.
     pub slope: f64,

@@ -35,6 +35,7 @@ pub enum ColorSamples {
 /// There is not one colour for each voxel.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{n_voxels} voxels were given {n_colors} colours")]
+#[non_exhaustive]
 pub struct WrongNumberOfColors {
     /// Voxels of the grid.
     pub n_voxels: usize,

@@ -26,6 +26,8 @@
 //! (frames on disk), `metadata` (what they say of themselves), `encode` (a file of
 //! them), `writer` (all of it in order), `error`.
 
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
+
 mod desc;
 mod format;
 

@@ -6,6 +6,7 @@ use std::ops::Range;
 
 /// A picture that lies in buffers of the device, or will when the device gets there.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(clippy::exhaustive_structs, reason = "a device takes all of it or draws wrongly")]
 pub struct Picture {
     /// Columns and rows.
     pub size: [u32; 2],
@@ -20,6 +21,7 @@ pub struct Picture {
 
 /// Some rows of a [`Picture`].
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(clippy::exhaustive_structs, reason = "a device takes all of it or draws wrongly")]
 pub struct PictureBand {
     /// Which rows.
     pub rows: Range<u32>,

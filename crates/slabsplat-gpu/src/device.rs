@@ -59,6 +59,7 @@ pub(crate) const LOOK_EVERY: Duration = Duration::from_millis(5);
 
 /// A device and what it can hold.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a device says all that frames depend on")]
 pub struct DeviceInfo {
     /// The device's name, as its driver says it.
     pub name: String,
@@ -80,6 +81,7 @@ pub struct DeviceInfo {
 
 /// What sort of device it is, from the fastest to the slowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[expect(clippy::exhaustive_enums, reason = "who chooses a device has to know each")]
 pub enum DeviceKind {
     /// A graphics card with memory of its own.
     Discrete,
@@ -95,14 +97,17 @@ pub enum DeviceKind {
 
 /// Names a buffer of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[expect(clippy::exhaustive_structs, reason = "a number names it")]
 pub struct BufferId(pub u32);
 
 /// Names submitted work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[expect(clippy::exhaustive_structs, reason = "a number names it")]
 pub struct WorkId(pub u64);
 
 /// Part of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_structs, reason = "a device takes all of it or draws wrongly")]
 pub struct Slice {
     /// Which buffer.
     pub buffer: BufferId,
@@ -114,6 +119,7 @@ pub struct Slice {
 
 /// What a device does at a time.
 #[derive(Clone, Debug, Default)]
+#[expect(clippy::exhaustive_structs, reason = "a device takes all of it or draws wrongly")]
 pub struct Work<'a> {
     /// Bytes that go to buffers first. Of any length; taken before `submit` returns.
     pub writes: Vec<Write<'a>>,
@@ -126,6 +132,7 @@ pub struct Work<'a> {
 
 /// Bytes for a buffer.
 #[derive(Clone, Debug)]
+#[expect(clippy::exhaustive_structs, reason = "a device takes all of it or draws wrongly")]
 pub struct Write<'a> {
     /// Which buffer.
     pub buffer: BufferId,
@@ -137,6 +144,7 @@ pub struct Write<'a> {
 
 /// One run of a shader.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "a device takes all of it or draws wrongly")]
 pub struct Pass {
     /// The shader.
     pub shader: &'static Shader,
@@ -152,6 +160,7 @@ pub struct Pass {
 
 /// What work has brought.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "frames need all of it of a device")]
 pub struct Done {
     /// The bytes of each slice that was read.
     pub reads: Vec<Vec<u8>>,
@@ -186,15 +195,25 @@ pub enum DeviceError {
 
 /// How a device is opened.
 #[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
 pub struct OpenOptions {
     /// Switches the interface's validation layers on, if they are installed; called with every message
     /// of theirs, from any thread.
     pub validation: Option<fn(&str)>,
 }
 
+impl OpenOptions {
+    /// The same with validation whose messages that function gets.
+    #[must_use]
+    pub fn validation(self, message: fn(&str)) -> Self {
+        Self { validation: Some(message) }
+    }
+}
+
 /// Why a graphics interface has no device to offer.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{reason}")]
+#[expect(clippy::exhaustive_structs, reason = "a reason is a sentence")]
 pub struct Unavailable {
     /// One sentence, lower case, without a full stop.
     pub reason: String,

@@ -128,8 +128,8 @@ mod tests {
         let [samples, labels] = [random(5), random(3)];
         let volume = |samples: Vec<u8>| Volume::new(grid, samples.into(), Scaling::IDENTITY);
         let map = LabelMap::new(&volume(labels).unwrap(), &grid).unwrap();
-        let red = LabelStyle { color: Some(RED), opacity: 0.5, transfer: None };
-        let nothing = LabelStyle { opacity: 0.0, ..LabelStyle::default() };
+        let red = LabelStyle::default().color(RED).opacity(0.5);
+        let nothing = LabelStyle::default().opacity(0.0);
         let colors = vec![(0.0, [0.0; 3]), (4.0, [1.0; 3])];
         let transfer = TransferFunction::new(vec![(0.0, [0.0]), (4.0, [0.8])], colors).unwrap();
         let labels = Labels::new(map, [(1, red), (2, nothing)]).unwrap();

@@ -46,6 +46,8 @@
 //! `surfaces` and `surface_elements`, which say a plan in the shaders' terms. The stages themselves are in
 //! `shaders/`.
 
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
+
 mod destination;
 mod device;
 

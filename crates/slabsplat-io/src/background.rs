@@ -12,11 +12,12 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// use slabsplat_io::Background;
 ///
 /// let white = [1.0; 4];
-/// assert_eq!("white".parse(), Ok(Background { above: white, below: None }));
+/// assert_eq!("white".parse(), Ok(Background::new(white)));
 /// let blue = [0.0, 0.0, 1.0, 0.5];
-/// assert_eq!("#fff:0,0,1,0.5".parse(), Ok(Background { above: white, below: Some(blue) }));
+/// assert_eq!("#fff:0,0,1,0.5".parse(), Ok(Background::new(white).below(blue)));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Background {
     /// Straight red, green, blue and opacity, 0 … 1 each.
     pub above: [f32; 4],
@@ -36,6 +37,19 @@ pub enum NotABackground {
     /// A channel is outside 0 … 1.
     #[error("red, green, blue and opacity are from 0 to 1 each, not {0:?}")]
     BadChannel(String),
+}
+
+impl Background {
+    /// One colour.
+    pub fn new(above: [f32; 4]) -> Self {
+        Self { above, below: None }
+    }
+
+    /// The same as a gradient to that colour.
+    #[must_use]
+    pub fn below(self, below: [f32; 4]) -> Self {
+        Self { below: Some(below), ..self }
+    }
 }
 
 impl FromStr for Background {

@@ -66,6 +66,7 @@
 //! `transfer`; `content_hash`; `background`; `scene`; `memory`; `picture`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
 mod error;
 mod printable;

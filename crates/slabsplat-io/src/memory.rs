@@ -14,6 +14,7 @@ use crate::{IoError, LayerFile, RawDesc, VolumeOptions, VolumeSource, list_volum
 
 /// Memory that something takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct MemoryNeed {
     /// What takes it, for people.
     pub what: String,
@@ -23,6 +24,7 @@ pub struct MemoryNeed {
 
 /// What [`IoError::OutOfMemory`] lists.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(clippy::exhaustive_structs, reason = "a list is a list")]
 pub struct MemoryNeeds(pub Vec<MemoryNeed>);
 
 impl MemoryNeed {

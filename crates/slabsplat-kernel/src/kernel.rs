@@ -39,6 +39,7 @@ pub const KERNEL_NAMES: &[&str] = &["gaussian", "crawfis-max"];
 /// There is no kernel of that name.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("there is no kernel \"{name}\"; there are {}", known.join(", "))]
+#[non_exhaustive]
 pub struct UnknownKernel {
     /// The name asked for.
     pub name: String,

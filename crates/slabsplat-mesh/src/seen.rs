@@ -20,7 +20,7 @@ struct SeenMesh {
 impl SeenMeshes {
     /// That of a plan.
     pub fn of(plan: &MeshesPlan<'_>) -> Self {
-        let seen = |MeshPlan { layer, light, region }: &MeshPlan<'_>| SeenMesh {
+        let seen = |MeshPlan { layer, light, region, .. }: &MeshPlan<'_>| SeenMesh {
             layer: (*layer).clone(),
             light: light.clone(),
             region: region.clone(),
@@ -30,9 +30,10 @@ impl SeenMeshes {
 
     /// Whether the hits of a plan are those. Its order of meshes has no meaning, but who shows them keeps it.
     pub fn is_of(&self, plan: &MeshesPlan<'_>) -> bool {
-        let is_alike = |(seen, MeshPlan { layer, light, region }): (&SeenMesh, &MeshPlan<'_>)| {
-            seen.layer == **layer && seen.light == *light && seen.region == *region
-        };
+        let is_alike =
+            |(seen, MeshPlan { layer, light, region, .. }): (&SeenMesh, &MeshPlan<'_>)| {
+                seen.layer == **layer && seen.light == *light && seen.region == *region
+            };
         self.view == plan.view
             && self.meshes.len() == plan.meshes.len()
             && self.meshes.iter().zip(&plan.meshes).all(is_alike)

@@ -26,14 +26,14 @@ fn view(is_perspective: bool) -> View {
 }
 
 fn layer(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> MeshLayer {
-    let parts = MeshParts { positions, triangles, ..MeshParts::default() };
+    let parts = MeshParts::new(positions).triangles(triangles);
     MeshLayer::new(Mesh::new(parts).unwrap())
 }
 
 /// How many samples of each pixel are hit, and all hits.
 fn hits(layers: &[MeshLayer], is_perspective: bool) -> (Vec<usize>, Vec<Hit>) {
-    let mesh = |layer| MeshPlan { layer, light: None, region: None };
-    let plan = MeshesPlan { view: view(is_perspective), meshes: layers.iter().map(mesh).collect() };
+    let meshes = layers.iter().map(MeshPlan::new).collect();
+    let plan = MeshesPlan::new(view(is_perspective), meshes);
     let tiles = TileGrid::new([SIDE; 2], 16, 1);
     let mut of_tiles = vec![Vec::new(); tiles.n_tiles()];
     let take_all = |of_tile: &mut Vec<_>, on_tile: HitsOnTile<'_>| {
@@ -153,7 +153,7 @@ fn tubes_are_found_wherever_they_are() {
         };
         let positions: Vec<DVec3> = (0..8).map(|_| point(&mut rng)).collect();
         let (lines, points) = (vec![[0, 1], [1, 2], [3, 4], [5, 5]], vec![6, 7]);
-        let parts = MeshParts { positions, lines, points, ..MeshParts::default() };
+        let parts = MeshParts::new(positions).lines(lines).points(points);
         let layer = MeshLayer::new(Mesh::new(parts).unwrap());
         let layer = layer.line_width(0.02 + 2.0 * rng.f64()).point_size(0.02 + 2.0 * rng.f64());
         let mesh = &layer.mesh;

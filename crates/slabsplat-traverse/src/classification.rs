@@ -231,7 +231,7 @@ impl ByLabel {
     /// `add` classifies by a transfer function of a label's own, and returns the index of that.
     fn new(labels: &Labels, mut add: impl FnMut(&TransferFunction) -> usize) -> Self {
         let mut look = |&label: &i64| {
-            let LabelStyle { transfer, color, opacity } = labels.style(label);
+            let LabelStyle { transfer, color, opacity, .. } = labels.style(label);
             LabelLook {
                 by_transfer_idx: transfer.as_ref().map_or(OF_LAYER, &mut add),
                 color: color.map(|color| color.map(|channel| channel as f32)),

@@ -26,7 +26,7 @@ impl<'a, T: Ordered> VisibleLabels<'a, T> {
         in_samples: impl Fn(&[IsoRange]) -> Vec<[T; 2]>,
     ) -> Self {
         let mut ranges = vec![Vec::new(), of_layer];
-        let mut ranges_of_label = |&label: &i64| match labels.style(label).transfer(transfer) {
+        let mut ranges_of_label = |&label: &i64| match labels.style(label).transfer_in(transfer) {
             None => INVISIBLE,
             Some(own) if std::ptr::eq(own, transfer) => OF_LAYER,
             Some(own) => {

@@ -25,7 +25,7 @@ pub(crate) fn turn(path: &Path) -> Result<FilmReport, Box<dyn Error>> {
     let image = ImageDesc::new(256, 256).background([0.05, 0.05, 0.07, 1.0]);
     let volume = io::builtin_volume("neuron", None)?;
     let scene = Automatic::new(volume).scene(image, RenderSettings::default());
-    let turn = Turn { axis: TurnAxis::Up, degrees: 360.0, is_rocking: false, n_frames: N_FRAMES };
+    let turn = Turn::new(TurnAxis::Up, 360.0, N_FRAMES);
     let mut renderer = Renderer::open("auto", |note| eprintln!("{note}"))?;
 
     let desc = FilmDesc::new(image.width, image.height, N_FRAMES, FrameRate::new(20.0)?)?;

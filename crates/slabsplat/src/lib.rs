@@ -72,6 +72,7 @@
 //! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`; `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
 mod backends;
 mod picture;

@@ -34,7 +34,7 @@ impl Renderer {
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// let automatic = Automatic::new(slabsplat::io::builtin_volume("sphere", Some(16))?);
     /// let image = ImageDesc::new(32, 32);
-    /// let finish = Finish { samples: 4, ..Finish::default() };
+    /// let finish = Finish::default().samples(4);
     /// let scene = automatic.scene(image, RenderSettings::default()).finish(finish);
     /// let picture = Renderer::open("cpu", |_| {})?.picture(&scene, Acquisition::default())?;
     /// assert_eq!((picture.frame.image.width(), picture.is_blank), (32, false));

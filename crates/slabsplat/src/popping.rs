@@ -49,6 +49,7 @@ pub enum SweepError {
 
 /// What the meter reads for one method.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PoppingReport {
     /// The method.
     pub method: Method,

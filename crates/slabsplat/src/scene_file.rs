@@ -10,14 +10,15 @@ use slabsplat_core::{
     Projection, RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
-    CameraDesc, FilmFile, FitError, IoError, KeyLook, LayerFile, LoadedColors, LoadedVolume,
-    MemoryNeed, OpacitySource, SceneFile, TransferFit, check_memory,
+    CameraDesc, FilmFile, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
+    OpacitySource, SceneFile, TransferFit, check_memory,
 };
 use std::cell::{Cell, OnceCell};
 use thiserror::Error;
 
 /// A scene, ready to be rendered.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct OpenScene {
     /// What is seen, and how.
     pub scene: Scene,
@@ -245,7 +246,7 @@ fn fit_looks(
         let Fitted { transfer, warnings, .. } =
             fitted(&file, &layer.volume, || layer.transfer.clone(), water)?;
         all_warnings.extend(warnings);
-        *look = KeyLook { transfer: Some(transfer), fit: TransferFit::default() };
+        (look.transfer, look.fit) = (Some(transfer), TransferFit::default());
     }
     Ok(all_warnings)
 }

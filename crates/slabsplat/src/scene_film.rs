@@ -37,7 +37,7 @@ impl OpenScene {
         let mut camera = self.scene.camera;
         for key in &file.keys {
             let easing = key.easing.unwrap_or(file.easing);
-            keys.push(Key { easing, ..self.key(key, &mut camera)? });
+            keys.push(self.key(key, &mut camera)?.easing(easing));
         }
         let last = keys.last().map_or(0.0, |key: &Key| key.at_secs);
         let seconds = file.seconds.unwrap_or(last);
@@ -47,7 +47,8 @@ impl OpenScene {
     /// The turn of the scene, in so many frames, if its file has one instead of key frames.
     pub fn turn(&self, n_frames: u32) -> Option<Turn> {
         let TurnFile { axis, degrees, is_rocking, .. } = self.sources.film.as_ref()?.turn?;
-        Some(Turn { axis, degrees, is_rocking, n_frames })
+        let turn = Turn::new(axis, degrees, n_frames);
+        Some(if is_rocking { turn.rocking() } else { turn })
     }
 
     /// A key, whose camera has what it leaves out from `camera`, and is that from now on.
@@ -56,25 +57,22 @@ impl OpenScene {
             *camera = desc.complete(camera)?;
         }
         let layers = key.layers.iter().map(|layer| self.layer_key(layer));
-        Ok(Key {
-            at_secs: key.at_secs,
-            camera: key.camera.map(|_| *camera),
-            azimuth_degrees: key.azimuth_degrees,
-            slab_width: key.slab_width,
-            layers: layers.collect::<Result<_, _>>()?,
-            ..Key::default()
-        })
+        let mut moment = Key::at(key.at_secs);
+        moment.camera = key.camera.map(|_| *camera);
+        moment.azimuth_degrees = key.azimuth_degrees;
+        moment.slab_width = key.slab_width;
+        moment.layers = layers.collect::<Result<_, _>>()?;
+        Ok(moment)
     }
 
     fn layer_key(&self, layer: &KeyLayerFile) -> Result<LayerKey, OpenError> {
         let grid = self.scene.layers[layer.layer_idx].volume.grid();
-        Ok(LayerKey {
-            layer_idx: layer.layer_idx,
-            transfer: layer.look.as_ref().and_then(|look| look.transfer.clone()),
-            isosurfaces: layer.isosurfaces.clone(),
-            region: layer.region.as_ref().map(|region| region.on(grid)).transpose()?,
-            opacity_scale: layer.opacity_scale,
-        })
+        let mut moment = LayerKey::new(layer.layer_idx);
+        moment.transfer = layer.look.as_ref().and_then(|look| look.transfer.clone());
+        moment.isosurfaces = layer.isosurfaces.clone();
+        moment.region = layer.region.as_ref().map(|region| region.on(grid)).transpose()?;
+        moment.opacity_scale = layer.opacity_scale;
+        Ok(moment)
     }
 }
 

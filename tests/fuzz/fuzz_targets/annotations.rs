@@ -25,18 +25,15 @@ fuzz_target!(|input: &[u8]| {
     let size = [bits(0) & 0xffff, bits(0) >> 16].map(|side| side % MAX_SIDE + 1);
     let mut image = Image::filled(size[0], size[1], [0.5, 0.5, 0.5, 1.0]);
     let [at, anchor] = [[number(1), number(2)], [number(3), number(4)]];
-    let label = Label { text: &text, at, anchor, size_pixels: number(5), ink: Ink::LIGHT };
+    let label = Label::new(&text, at).anchor(anchor).size_pixels(number(5));
     draw_text(&mut image, &label);
     assert!(measure_text(&text, 16.0).iter().all(|side| side.is_finite()));
     assert!(lacks(&text).len() <= text.chars().count());
     let eye = [number(6), number(7), number(8)].map(f64::from);
     if let Some(scene) = scene(&text, size, eye, number(9).into()) {
         draw_behind(&mut image, &scene);
-        let acquisition = Acquisition {
-            modality: None,
-            orientation: Orientation::Anatomical,
-            is_metric: text.len().is_multiple_of(2),
-        };
+        let mut acquisition = Acquisition::default().orientation(Orientation::Anatomical);
+        acquisition.is_metric = text.len().is_multiple_of(2);
         annotate(&mut image, &scene, acquisition).iter().for_each(|note| check_line(note));
         insets(&scene);
     }
@@ -54,14 +51,13 @@ fn scene(title: &str, [width, height]: [u32; 2], eye: [f64; 3], extent: f64) -> 
     let grid = Grid::new([2, 3, 4], DAffine3::from_scale(DVec3::new(1.0, 1.5, 2.0))).ok()?;
     let volume = Volume::new(grid, vec![7_u16; 24].into(), Scaling::IDENTITY).ok()?;
     let transfer = TransferFunction::new([(0.0, 0.5)], [(0.0, [0.0; 3]), (9.0, [1.0; 3])]).ok()?;
-    let annotations = Annotations {
-        title: Some(title.to_owned()),
-        axes: true,
-        scale_bar: true,
-        color_bar: true,
-        orientation_marker: true,
-    };
-    let finish = Finish { annotations, ..Finish::default() }.checked().ok()?;
+    let annotations = Annotations::default()
+        .title(title)
+        .axes()
+        .scale_bar()
+        .color_bar()
+        .orientation_marker();
+    let finish = Finish::default().annotations(annotations).checked().ok()?;
     let image = ImageDesc::new(width, height);
     Some(Scene::new(Layer::new(volume, transfer), camera).image(image).finish(finish))
 }

@@ -32,10 +32,11 @@ pub(super) fn random_labels(
     value_range: [f64; 2],
 ) -> Labels {
     let map = LabelMap::new(volume, grid).expect("labels are whole numbers");
-    let mut style = || LabelStyle {
-        transfer: (rng.u32(..3) == 0).then(|| random_transfer(rng, value_range)),
-        color: rng.bool().then(|| [0; 3].map(|_| rng.f64())),
-        opacity: [0.0, 1.0, 1.0, rng.f64()][rng.usize(..4)],
+    let mut style = || {
+        let mut style = LabelStyle::default();
+        style.transfer = (rng.u32(..3) == 0).then(|| random_transfer(rng, value_range));
+        style.color = rng.bool().then(|| [0; 3].map(|_| rng.f64()));
+        style.opacity([0.0, 1.0, 1.0, rng.f64()][rng.usize(..4)])
     };
     let styles = LABELS[..4].iter().map(|&label| (label.into(), style()));
     Labels::new(map, styles).expect("opacities and colours are from 0 to 1")

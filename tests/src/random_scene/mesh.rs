@@ -58,7 +58,7 @@ fn soup(rng: &mut Rng) -> MeshParts {
     let n_vertices = rng.u32(3..20);
     let positions = (0..n_vertices).map(|_| 1.2 * rng.f64() * random_direction(rng)).collect();
     let triangles = (0..rng.usize(1..30)).map(|_| [0; 3].map(|_| rng.u32(..n_vertices))).collect();
-    MeshParts { positions, triangles, ..MeshParts::default() }
+    MeshParts::new(positions).triangles(triangles)
 }
 
 /// A ball of rings, of which some triangles may be missing.
@@ -85,7 +85,7 @@ fn ball(rng: &mut Rng) -> MeshParts {
     let is_smooth = rng.bool();
     let normals = positions.iter().map(|position| (2.0 * *position).as_vec3().to_array());
     let normals = if is_smooth { normals.collect() } else { Vec::new() };
-    MeshParts { positions, triangles, normals, ..MeshParts::default() }
+    MeshParts::new(positions).triangles(triangles).normals(normals)
 }
 
 /// Lines one behind the other, some of no length or far beyond the scene, and some of their ends as points.
@@ -101,7 +101,7 @@ fn polyline(rng: &mut Rng) -> MeshParts {
         lines.push([0, 0]);
     }
     let points = (0..n_vertices).filter(|_| rng.u32(..3) == 0).collect();
-    MeshParts { positions, lines, points, ..MeshParts::default() }
+    MeshParts::new(positions).lines(lines).points(points)
 }
 
 /// Some of a surface's edges, and its faces. Vertices at a pole are at one position, and no two edges lie in
@@ -118,12 +118,12 @@ fn edges_of(surface: MeshParts) -> MeshParts {
         taken.insert(ends)
     };
     let lines = sides.step_by(3).filter(is_new).collect();
-    MeshParts { positions, lines, ..surface }
+    MeshParts::new(positions).triangles(surface.triangles).lines(lines)
 }
 
 fn huge_triangle(rng: &mut Rng) -> MeshParts {
     let size = 10_f64.powf(between(rng, 1.0, 4.0));
     let [x, y] = [random_direction(rng), random_direction(rng)].map(|side| size * side);
     let positions = vec![x, y, -x - y];
-    MeshParts { positions, triangles: vec![[0, 1, 2]], ..MeshParts::default() }
+    MeshParts::new(positions).triangles(vec![[0, 1, 2]])
 }

@@ -12,13 +12,8 @@ use crate::room::{Insets, insets};
 const CLEAR: [f32; 4] = [0.0; 4];
 
 fn everything() -> Annotations {
-    Annotations {
-        title: Some("A title – µ".to_owned()),
-        axes: true,
-        scale_bar: true,
-        color_bar: true,
-        orientation_marker: true,
-    }
+    let annotations = Annotations::default().title("A title – µ").axes().scale_bar();
+    annotations.color_bar().orientation_marker()
 }
 
 fn scene([width, height]: [u32; 2], projection: Projection) -> Scene {
@@ -29,7 +24,7 @@ fn scene([width, height]: [u32; 2], projection: Projection) -> Scene {
     let transfer = TransferFunction::new([(0.0, 0.5)], [(0.0, [0.0; 3]), (9.0, [1.0; 3])]).unwrap();
     let target = volume.grid().center_in_world();
     let camera = Camera::new(target + DVec3::new(90.0, 140.0, 70.0), target, DVec3::Z, projection);
-    let finish = Finish { annotations: everything(), ..Finish::default() };
+    let finish = Finish::default().annotations(everything());
     let image = ImageDesc::new(width, height).background(CLEAR);
     Scene::new(Layer::new(volume, transfer), camera.unwrap()).image(image).finish(finish)
 }
@@ -41,8 +36,7 @@ fn drawn(scene: &Scene, acquisition: Acquisition) -> (Image, Vec<String>) {
     (image, notes)
 }
 
-const METRIC: Acquisition =
-    Acquisition { modality: None, orientation: Orientation::Anatomical, is_metric: true };
+const METRIC: Acquisition = Acquisition::UNKNOWN.orientation(Orientation::Anatomical).metric();
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { view_height: 110.0 };
 const PERSPECTIVE: Projection = Projection::Perspective { fov_y_radians: 0.6 };
@@ -112,8 +106,7 @@ fn annotations_without_a_unit_say_so() {
 fn title_is_made_to_fit() {
     let notes_of = |title: &str, size| {
         let mut scene = scene(size, ORTHOGRAPHIC);
-        scene.finish.annotations =
-            Annotations { title: Some(title.to_owned()), ..Annotations::default() };
+        scene.finish.annotations = Annotations::default().title(title);
         let (image, notes) = drawn(&scene, METRIC);
         (image.pixels().iter().any(|pixel| *pixel != CLEAR), notes)
     };

@@ -135,7 +135,7 @@ fn validation_is_heard() {
     fn hear(text: &str) {
         HEARD.lock().unwrap().push(text.to_owned());
     }
-    let opened = crate::open(&OpenOptions { validation: Some(hear) });
+    let opened = crate::open(&OpenOptions::default().validation(hear));
     let Some(device) = or_skip(opened) else { return };
     if !device.context.instance.is_validated() {
         println!("skipped: the validation layer is not installed");

@@ -23,7 +23,7 @@ fn note_message(text: &str) {
 /// Runs a test on a device, if there is one, and sees to it that the layer has nothing to say, up to
 /// the device's end.
 fn on_device(test: impl FnOnce(&mut AshDevice)) {
-    let options = OpenOptions { validation: Some(note_message) };
+    let options = OpenOptions::default().validation(note_message);
     let Some(mut device) = or_skip(crate::open(&options)) else { return };
     if !device.context.instance.is_validated() {
         println!("without the validation layer, which is not installed");

@@ -5,6 +5,7 @@ use slabsplat_core::{IsoRange, TransferFunction};
 
 /// A piece of scaled densities on which the weight is nearly a cubic, and the colour linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_structs, reason = "its layout is what loops read")]
 pub struct WeightCell {
     /// Where it begins.
     pub start: f64,

@@ -115,7 +115,7 @@ impl CameraFlags {
         image.width = self.width.unwrap_or(image.width);
         image.height = self.height.unwrap_or(image.height);
         let finish = &mut file.finish;
-        if let Some(Background { above, below }) = self.background {
+        if let Some(Background { above, below, .. }) = self.background {
             (image.background, finish.background_below) = (above, below);
         }
         finish.samples = self.samples.unwrap_or(finish.samples);

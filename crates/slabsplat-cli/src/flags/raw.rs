@@ -59,15 +59,12 @@ impl RawFlags {
         let (Some(Dims(dims)), Some(sample_type)) = (self.dims, self.sample_type) else {
             bail!("a raw file needs both --dims and --type");
         };
-        Ok(Some(RawDesc {
-            dims,
-            sample_type,
-            endian: match self.endian {
-                Some(ByteOrder::Big) => Endian::Big,
-                Some(ByteOrder::Little) | None => Endian::Little,
-            },
-            spacing: [1.0; 3], // Unless the scene or a flag says another.
-            header_bytes: self.header_bytes.unwrap_or(0),
-        }))
+        let endian = match self.endian {
+            Some(ByteOrder::Big) => Endian::Big,
+            Some(ByteOrder::Little) | None => Endian::Little,
+        };
+        // Its spacing is 1 unless the scene or a flag says another.
+        let desc = RawDesc::new(dims, sample_type).endian(endian);
+        Ok(Some(desc.header_bytes(self.header_bytes.unwrap_or(0))))
     }
 }

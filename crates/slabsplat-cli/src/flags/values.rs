@@ -103,7 +103,7 @@ pub(crate) fn transfer_box(text: &str) -> Result<TransferBox, String> {
 pub(crate) fn transfer_image(text: &str) -> Result<TransferImageFile, String> {
     let (path, ends) = text.rsplit_once(':').ok_or("expected FILE:V0,V1,G0,G1")?;
     let [v0, v1, g0, g1] = numbers(ends)?;
-    Ok(TransferImageFile { path: path.into(), values: [v0, v1], gradients: [g0, g1] })
+    Ok(TransferImageFile::new(path, [v0, v1], [g0, g1]))
 }
 
 /// `headlight`, or a direction towards the light, `X,Y,Z`; and after a colon its colour, `R,G,B`.
@@ -186,11 +186,7 @@ mod tests {
         assert_eq!(transfer_box("0,9,1,inf"), Ok(part));
         let part = part.opacity(0.5).and_then(|part| part.color([0.0, 1.0, 0.0])).unwrap();
         assert_eq!(transfer_box("0,9, 1,inf: 0.5: 0,1,0"), Ok(part));
-        let image = TransferImageFile {
-            path: "C:/a:b.png".into(),
-            values: [-1.0, 9.0],
-            gradients: [0.0, 5.0],
-        };
+        let image = TransferImageFile::new("C:/a:b.png", [-1.0, 9.0], [0.0, 5.0]);
         assert_eq!(transfer_image("C:/a:b.png:-1,9,0,5"), Ok(image));
         let below = Light::towards(-DVec3::Y).unwrap();
         assert_eq!(light("0,-2,0"), Ok(below));

@@ -122,7 +122,6 @@ fn subject(args: &TfArgs) -> Result<Subject> {
 /// What a file says that is no volume.
 fn transfer_file(path: &Path) -> Result<Option<TransferSource>> {
     let is_transfer = match TransferFormat::of(path) {
-        Some(TransferFormat::Slicer) => true,
         // A raw volume's description is JSON, too.
         Some(TransferFormat::ParaView) => {
             let text =
@@ -131,6 +130,8 @@ fn transfer_file(path: &Path) -> Result<Option<TransferSource>> {
             ["\"RGBPoints\"", "\"IndexedColors\""].iter().any(|key| text.contains(key))
         }
         Some(TransferFormat::Scene) | None => false,
+        // Slicer's, and others whose extension says enough.
+        Some(_) => true,
     };
     Ok(if is_transfer { Some(io::read_transfer(path)?) } else { None })
 }

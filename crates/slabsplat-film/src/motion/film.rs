@@ -13,6 +13,7 @@ use thiserror::Error;
 
 /// How things are at a moment. What a key leaves out goes on from the key before that says it to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Key {
     /// When, in seconds.
     pub at_secs: f64,
@@ -31,6 +32,7 @@ pub struct Key {
 
 /// How a layer is at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct LayerKey {
     /// Which of the scene's layers.
     pub layer_idx: usize,
@@ -43,6 +45,75 @@ pub struct LayerKey {
     pub isosurfaces: Option<Vec<Isosurface>>,
     /// What its opacities are multiplied with, at least 0: with 0 it is not there.
     pub opacity_scale: Option<f64>,
+}
+
+impl Key {
+    /// A moment, at which nothing changes yet.
+    pub fn at(at_secs: f64) -> Self {
+        Self { at_secs, ..Self::default() }
+    }
+
+    /// The same with time that passes so until the next key.
+    #[must_use]
+    pub fn easing(self, easing: Easing) -> Self {
+        Self { easing, ..self }
+    }
+
+    /// The same seen by that camera.
+    #[must_use]
+    pub fn camera(self, camera: Camera) -> Self {
+        Self { camera: Some(camera), ..self }
+    }
+
+    /// The same with a camera that has gone so far around what it looks at.
+    #[must_use]
+    pub fn azimuth_degrees(self, degrees: f64) -> Self {
+        Self { azimuth_degrees: Some(degrees), ..self }
+    }
+
+    /// The same in slabs of that width.
+    #[must_use]
+    pub fn slab_width(self, slab_width: f64) -> Self {
+        Self { slab_width: Some(slab_width), ..self }
+    }
+
+    /// The same with another layer that changes.
+    #[must_use]
+    pub fn layer(mut self, layer: LayerKey) -> Self {
+        self.layers.push(layer);
+        self
+    }
+}
+
+impl LayerKey {
+    /// One of the scene's layers, of which nothing changes yet.
+    pub fn new(layer_idx: usize) -> Self {
+        Self { layer_idx, ..Self::default() }
+    }
+
+    /// The same with that transfer function.
+    #[must_use]
+    pub fn transfer(self, transfer: TransferFunction) -> Self {
+        Self { transfer: Some(transfer), ..self }
+    }
+
+    /// The same seen there.
+    #[must_use]
+    pub fn region(self, region: Region) -> Self {
+        Self { region: Some(region), ..self }
+    }
+
+    /// The same with these surfaces.
+    #[must_use]
+    pub fn isosurfaces(self, isosurfaces: Vec<Isosurface>) -> Self {
+        Self { isosurfaces: Some(isosurfaces), ..self }
+    }
+
+    /// The same with opacities multiplied with that.
+    #[must_use]
+    pub fn opacity_scale(self, opacity_scale: f64) -> Self {
+        Self { opacity_scale: Some(opacity_scale), ..self }
+    }
 }
 
 /// A scene that changes.
@@ -58,7 +129,7 @@ pub struct LayerKey {
 /// use slabsplat_film::{Film, Key};
 ///
 /// let above = Camera::new([0.1, 0.0, 9.0], [0.0; 3], [0.0, 0.0, 1.0], view)?;
-/// let keys = [Key { at_secs: 2.0, camera: Some(above), ..Key::default() }];
+/// let keys = [Key::at(2.0).camera(above)];
 /// let film = Film::new(&scene, &keys, 2.0, Easing::EaseInOut, false)?;
 /// assert_eq!(film.scene_at(0.0)?.camera, scene.camera);
 /// assert_eq!(film.scene_at(2.0)?.camera, above);
@@ -316,9 +387,10 @@ fn scaled_surface(surface: &Isosurface, scale: f64) -> Result<Isosurface, Isosur
 
 /// Styles with a transfer function of their own are scaled as the layer's is.
 fn scaled_labels(labels: &Labels, scale: f64) -> Result<Labels, LabelError> {
-    let style = |style: &LabelStyle| LabelStyle {
-        transfer: style.transfer.as_ref().map(|transfer| scaled(transfer, scale)),
-        ..style.clone()
+    let style = |style: &LabelStyle| {
+        let mut style = style.clone();
+        style.transfer = style.transfer.map(|transfer| scaled(&transfer, scale));
+        style
     };
     let styles = labels.styles().iter().map(|(label, its)| (*label, style(its)));
     labels.with_styles(styles)

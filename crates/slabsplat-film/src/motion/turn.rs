@@ -7,7 +7,17 @@ use slabsplat_core::{Camera, Light, LightSource, Scene, TurnAxis};
 use std::f64::consts::TAU;
 
 /// A camera that goes around in equal steps, or to and fro.
+///
+/// ```
+/// use slabsplat_core::TurnAxis;
+/// use slabsplat_film::Turn;
+///
+/// let turn = Turn::new(TurnAxis::Up, 360.0, 12);
+/// assert_eq!(turn.degrees_at(1), 30.0);
+/// assert_eq!(turn.rocking().degrees_at(3), 180.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Turn {
     /// Around what.
     pub axis: TurnAxis,
@@ -25,6 +35,17 @@ pub struct Turn {
 const VIEW_STEP_DEGREES: f64 = 7.5;
 
 impl Turn {
+    /// So far about that axis, in so many frames.
+    pub fn new(axis: TurnAxis, degrees: f64, n_frames: u32) -> Self {
+        Self { axis, degrees, is_rocking: false, n_frames }
+    }
+
+    /// The same to and fro.
+    #[must_use]
+    pub fn rocking(self) -> Self {
+        Self { is_rocking: true, ..self }
+    }
+
     /// How far the camera has gone in a frame, in degrees.
     ///
     /// The last frame of a whole turn is a step before the first one, so that a film that is shown again and

@@ -112,7 +112,7 @@ fn warning(path: &Path, given: [usize; 3], dropped: DroppedElements) -> Option<S
     if kinds.is_empty() {
         return Some(format!("{path}: there are no triangles, no lines and no points"));
     }
-    let DroppedElements { n_without_vertices, n_not_finite, n_flat } = dropped;
+    let DroppedElements { n_without_vertices, n_not_finite, n_flat, .. } = dropped;
     let reasons = [
         (n_without_vertices, "refer to vertices that are not there"),
         (n_not_finite, "have a corner that is not finite"),

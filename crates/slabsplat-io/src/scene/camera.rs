@@ -5,6 +5,7 @@ use slabsplat_core::{Camera, CameraError, Projection, ProjectionKind};
 
 /// The parts of a camera that someone has given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct CameraDesc {
     /// Orthographic or perspective.
     pub projection: Option<ProjectionKind>,

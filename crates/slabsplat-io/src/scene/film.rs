@@ -12,6 +12,7 @@ use crate::transfer::TransferFit;
 
 /// How a scene changes, as a scene file says it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FilmFile {
     /// Frames a second.
     pub frames_per_second: Option<f64>,
@@ -54,6 +55,7 @@ impl TurnFile {
 
 /// How things are at a moment; all that is left out goes on.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct KeyFile {
     /// Seconds from the beginning.
     pub at_secs: f64,
@@ -71,6 +73,7 @@ pub struct KeyFile {
 
 /// How a layer is at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct KeyLayerFile {
     /// Which of the scene file's layers.
     pub layer_idx: usize,
@@ -86,6 +89,7 @@ pub struct KeyLayerFile {
 
 /// What a layer looks like at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct KeyLook {
     /// Which values are visible; without, those of the layer.
     pub transfer: Option<TransferFunction>,

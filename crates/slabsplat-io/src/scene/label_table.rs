@@ -60,7 +60,7 @@ pub(crate) fn read_label_table(path: &Path) -> Result<BTreeMap<i64, LabelStyle>,
     let has_opacities = rows.iter().any(|row| row.opacity.is_some_and(|opacity| 0.0 < opacity));
     let styles = rows.into_iter().map(|Row { label, color, opacity }| {
         let opacity = opacity.filter(|_| has_opacities).unwrap_or(1.0);
-        (label, LabelStyle { color: Some(color), opacity, ..LabelStyle::default() })
+        (label, LabelStyle::default().color(color).opacity(opacity))
     });
     Ok(styles.collect())
 }

@@ -28,6 +28,7 @@ pub struct LabelsFile {
 
 /// Where labels have their colours from.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LabelColors {
     /// Each label but 0 gets one, far from those of the numbers beside it.
     Automatic,
@@ -105,12 +106,14 @@ impl LabelsFile {
             Some(LabelColors::None) | None => BTreeMap::new(),
         };
         for (&label, style) in &self.styles {
-            let LabelStyle { transfer, color, opacity } = style.clone();
+            let mut style = style.clone();
             let of_table = styles.remove(&label).unwrap_or_default();
             // A transfer function has colours of its own.
-            let color = if transfer.is_some() { color } else { color.or(of_table.color) };
-            styles
-                .insert(label, LabelStyle { transfer, color, opacity: opacity * of_table.opacity });
+            if style.transfer.is_none() {
+                style.color = style.color.or(of_table.color);
+            }
+            style.opacity *= of_table.opacity;
+            styles.insert(label, style);
         }
         if let Some(only) = &self.only {
             for &label in labels.iter().filter(|label| !only.contains(label)) {
@@ -172,9 +175,7 @@ fn listed(labels: &[i64]) -> String {
 }
 
 fn automatic(labels: &[i64]) -> BTreeMap<i64, LabelStyle> {
-    let style = |&label: &i64| {
-        (label, LabelStyle { color: Some(automatic_color(label)), ..LabelStyle::default() })
-    };
+    let style = |&label: &i64| (label, LabelStyle::default().color(automatic_color(label)));
     labels.iter().filter(|&&label| label != 0).map(style).collect()
 }
 
@@ -196,7 +197,8 @@ mod tests {
     use slabsplat_core::TransferFunction;
 
     fn style(color: Option<[f64; 3]>, opacity: f64) -> LabelStyle {
-        LabelStyle { color, opacity, ..LabelStyle::default() }
+        let style = LabelStyle::default().opacity(opacity);
+        color.into_iter().fold(style, LabelStyle::color)
     }
 
     #[test]
@@ -227,7 +229,7 @@ mod tests {
         let path = dir.path().join("labels.ctbl");
         std::fs::write(&path, "1 a 255 0 0 255\n2 b 0 255 0 51\n3 c 0 0 255 255\n").unwrap();
         let transfer = TransferFunction::new(vec![(0.0, [1.0])], vec![(0.0, [0.5; 3])]).unwrap();
-        let own = LabelStyle { transfer: Some(transfer), ..LabelStyle::default() };
+        let own = LabelStyle::default().transfer(transfer);
         let said = [(2, style(None, 0.5)), (3, own.clone()), (4, style(Some([1.0; 3]), 1.0))];
         let file = LabelsFile {
             colors: Some(LabelColors::Table(path)),

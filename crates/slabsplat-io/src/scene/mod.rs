@@ -28,6 +28,7 @@ mod completed;
 mod paths;
 mod written;
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use slabsplat_core::{
@@ -84,6 +85,7 @@ pub struct SceneFile {
 /// What a scene leaves open, beside transfer functions and the camera's parts. A file leaves none of it open:
 /// what it does not say has a default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Unsaid {
     /// What shines: the scene's lights do not count.
     pub lights: bool,
@@ -136,6 +138,7 @@ pub struct LayerFile {
 
 /// Where a volume comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum VolumeSource {
     /// A file in any format that [`read_volume`](crate::read_volume) knows.
     File(PathBuf),
@@ -146,6 +149,16 @@ pub enum VolumeSource {
         /// Voxels a side, if not the usual number.
         size: Option<usize>,
     },
+}
+
+impl fmt::Display for VolumeSource {
+    /// The path, or `builtin:` and the name.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Builtin { name, .. } => write!(f, "builtin:{name}"),
+        }
+    }
 }
 
 /// Reads a scene file; [`scene_keys`](crate::scene_keys) has all that it may say. Relative paths in it start

@@ -5,6 +5,7 @@ use slabsplat_core::{Grid, Plane, Region, RegionError};
 
 /// Where a layer is seen, as a scene file or flags say it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct RegionDesc {
     /// The least and the greatest corner of a box.
     pub ends: Option<[DVec3; 2]>,

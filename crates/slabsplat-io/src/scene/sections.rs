@@ -94,11 +94,9 @@ impl LabelsSection {
         let mut styles = BTreeMap::new();
         for section in sections {
             let LabelStyleSection { of, color, opacity, classify } = section;
-            let style = LabelStyle {
-                transfer: classify.map(ClassifySection::into_label_transfer).transpose()?,
-                color,
-                opacity: opacity.unwrap_or(1.0),
-            };
+            let mut style = LabelStyle::default().opacity(opacity.unwrap_or(1.0));
+            style.transfer = classify.map(ClassifySection::into_label_transfer).transpose()?;
+            style.color = color;
             for label in of {
                 if styles.insert(label, style.clone()).is_some() {
                     let what = format!("two styles are of label {label}");
@@ -208,7 +206,9 @@ impl ImageSection {
         let image = ImageDesc::new(width, height).background(background.above).checked();
         let image =
             image.map_err(|error| Diagnostic::at("image", error.field(), error.to_string()))?;
-        let finish = Finish { samples, background_below, annotations }.checked();
+        let mut finish = Finish::default().samples(samples).annotations(annotations);
+        finish.background_below = background_below;
+        let finish = finish.checked();
         let finish = finish.and_then(|finish| finish.sampled(&image).map(|_| finish));
         let finish = finish.map_err(|error| {
             let [section, key] = error.key();

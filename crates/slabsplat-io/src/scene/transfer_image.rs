@@ -9,6 +9,7 @@ use crate::IoError;
 
 /// A picture of opacities and colours, as a scene file or a flag names it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TransferImageFile {
     /// PNG, or EXR with the feature `exr`; what has no alpha channel is opaque.
     pub path: PathBuf,
@@ -25,6 +26,11 @@ const FORMATS: &str = if cfg!(feature = "exr") { "PNG or EXR" } else { "PNG" };
 const MAX_SIDE: u32 = 4096;
 
 impl TransferImageFile {
+    /// That picture, over these values and gradients.
+    pub fn new(path: impl Into<PathBuf>, values: [f64; 2], gradients: [f64; 2]) -> Self {
+        Self { path: path.into(), values, gradients }
+    }
+
     /// Reads the picture.
     ///
     /// # Errors

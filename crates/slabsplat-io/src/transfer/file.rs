@@ -14,6 +14,7 @@ use crate::{IoError, text};
 
 /// Formats of files that hold a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TransferFormat {
     /// ParaView's colour maps: `.json`.
     ParaView,

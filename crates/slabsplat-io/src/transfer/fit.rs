@@ -32,6 +32,7 @@ pub struct TransferFit {
 
 /// The values that a transfer function is stretched to.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::exhaustive_enums, reason = "who fits a transfer function has to know each")]
 pub enum Stretch {
     /// From one value to a greater one.
     Window([f64; 2]),

@@ -29,6 +29,7 @@ pub struct Preset {
 /// The values that a preset is for.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Suited {
     /// Hounsfield units: air is −1000, water 0.
     Hounsfield,

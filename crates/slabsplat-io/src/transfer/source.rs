@@ -22,6 +22,7 @@ pub struct TransferSource {
 
 /// What the values of a transfer function count, and with that, what moves them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(clippy::exhaustive_enums, reason = "who fits a transfer function has to know each")]
 pub enum ValueScale {
     /// The volume's values, by points written for them: nothing moves these.
     #[default]

@@ -9,6 +9,7 @@ use super::stored::{Narrowed, StoredType, half, integer, reserve};
 
 /// The order of a number's bytes in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(clippy::exhaustive_enums, reason = "bytes have two orders")]
 pub enum Endian {
     /// Least significant byte first.
     Little,

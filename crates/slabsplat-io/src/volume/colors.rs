@@ -20,6 +20,7 @@ macro_rules! named {
     ($(#[$doc:meta])+ $Type:ident { $($(#[$of:meta])+ $Variant:ident = $name:literal,)+ }) => {
         $(#[$doc])+
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
         pub enum $Type {
             $($(#[$of])+ $Variant,)+
         }

@@ -169,7 +169,8 @@ impl LoadedVolume {
         let orientation = usual_orientation(format);
         let is_metric =
             is_usually_metric(format) && !warnings.iter().any(|what| what == units::NO_SIZE);
-        let acquisition = Acquisition { modality: None, orientation, is_metric };
+        let mut acquisition = Acquisition::default().orientation(orientation);
+        acquisition.is_metric = is_metric;
         let choices = VolumeChoices::default();
         Self { volume, format, acquisition, warnings, choices, colors: None }
     }
@@ -181,12 +182,13 @@ impl LoadedVolume {
 
     /// The same that stands otherwise than is usual in its format.
     fn standing(self, orientation: Orientation) -> Self {
-        Self { acquisition: Acquisition { orientation, ..self.acquisition }, ..self }
+        Self { acquisition: self.acquisition.orientation(orientation), ..self }
     }
 
     /// The same where the file says of lengths what they are, or does not.
-    fn measured(self, is_metric: bool) -> Self {
-        Self { acquisition: Acquisition { is_metric, ..self.acquisition }, ..self }
+    fn measured(mut self, is_metric: bool) -> Self {
+        self.acquisition.is_metric = is_metric;
+        self
     }
 
     /// The same on another grid of as many voxels.

@@ -13,6 +13,7 @@ use crate::{IoError, ProgressCallback};
 
 /// What a raw file holds: the header that it lacks.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RawDesc {
     /// Voxels along x (fastest in the file), y and z.
     pub dims: [usize; 3],
@@ -27,6 +28,30 @@ pub struct RawDesc {
 }
 
 impl RawDesc {
+    /// So many samples of that type from the first byte on, the least byte of each first, a unit of the world
+    /// apart.
+    pub fn new(dims: [usize; 3], sample_type: SampleType) -> Self {
+        Self { dims, sample_type, endian: Endian::Little, spacing: [1.0; 3], header_bytes: 0 }
+    }
+
+    /// The same with bytes in that order.
+    #[must_use]
+    pub fn endian(self, endian: Endian) -> Self {
+        Self { endian, ..self }
+    }
+
+    /// The same with steps of that length.
+    #[must_use]
+    pub fn spacing(self, spacing: [f64; 3]) -> Self {
+        Self { spacing, ..self }
+    }
+
+    /// The same behind so many bytes that are not read.
+    #[must_use]
+    pub fn header_bytes(self, header_bytes: u64) -> Self {
+        Self { header_bytes, ..self }
+    }
+
     /// What its samples take, in the file and in memory.
     pub(crate) fn bytes(&self) -> u64 {
         let n_voxels = self.dims.iter().fold(1, |n: u64, &len| n.saturating_mul(len as u64));

@@ -30,8 +30,8 @@ fn labels(rng: &mut fastrand::Rng, own: &TransferFunction) -> Labels {
     let of_voxels: Vec<u8> = (0..grid().n_voxels()).map(|_| rng.u8(..4)).collect();
     let of_voxels = Volume::new(grid(), Samples::U8(of_voxels), Scaling::IDENTITY).unwrap();
     let map = LabelMap::new(&of_voxels, &grid()).unwrap();
-    let invisible = LabelStyle { opacity: 0.0, ..LabelStyle::default() };
-    let other = LabelStyle { transfer: Some(own.clone()), ..LabelStyle::default() };
+    let invisible = LabelStyle::default().opacity(0.0);
+    let other = LabelStyle::default().transfer(own.clone());
     Labels::new(map, [(1, invisible), (2, other)]).unwrap()
 }
 

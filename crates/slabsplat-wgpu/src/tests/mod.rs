@@ -26,7 +26,7 @@ fn on_device(test: impl FnOnce(&mut WgpuDevice)) {
 /// The device, or why there is none.
 fn open(validation: fn(&str)) -> Option<WgpuDevice> {
     messages::install();
-    match crate::open(&OpenOptions { validation: Some(validation) }) {
+    match crate::open(&OpenOptions::default().validation(validation)) {
         Ok(device) => Some(device),
         Err(none) if std::env::var_os("SLABSPLAT_REQUIRE_GPU").is_some() => panic!("{none}"),
         Err(none) => {

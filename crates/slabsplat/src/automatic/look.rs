@@ -107,10 +107,11 @@ impl Look {
     #[cfg(feature = "files")]
     pub(crate) fn of_colors(volume: &Volume, opacity_from: OpacitySource) -> Self {
         match opacity_from {
-            OpacitySource::Luminance => Self::of_kind(DataKind::Colors, &Statistics::of(volume)),
             OpacitySource::Alpha => {
                 Curves::alpha(volume.sample_type()).into_look(DataKind::Colors, DARK)
             }
+            // How light it is, and any other scalar that has no meaning of its own.
+            _ => Self::of_kind(DataKind::Colors, &Statistics::of(volume)),
         }
     }
 }

@@ -110,7 +110,7 @@ fn automatic_kind_by_values() {
         assert_eq!(automatic.kind(), expected, "{}", automatic.description());
     };
     let side = 32;
-    let standing = |orientation| Acquisition { orientation, ..Acquisition::default() };
+    let standing = |orientation| Acquisition::default().orientation(orientation);
     let unknown = Acquisition::default();
     let within = |voxel, limit: f64| f64::from(radius(voxel, side) < limit);
     let labels =
@@ -121,11 +121,8 @@ fn automatic_kind_by_values() {
         |voxel| 1040.0 * within(voxel, 0.8) + 400.0 * within(voxel, 0.3) + 30.0 * noise(voxel);
     check(cube(side, |voxel| body(voxel) - 1000.0), unknown, DataKind::Hounsfield { water: 0.0 });
     check(cube(side, |voxel| body(voxel) + 24.0), unknown, DataKind::Hounsfield { water: 1024.0 });
-    let mr = Acquisition {
-        modality: Some(Modality::Mr),
-        orientation: Orientation::Anatomical,
-        is_metric: true,
-    };
+    let mr = Acquisition::default().modality(Modality::Mr);
+    let mr = mr.orientation(Orientation::Anatomical).metric();
     check(cube(side, |voxel| body(voxel) - 1000.0), mr, DataKind::Mr);
     let smooth = |voxel| (-3.0 * radius(voxel, side).powi(2)).exp();
     check(cube(side, smooth), unknown, DataKind::Field);

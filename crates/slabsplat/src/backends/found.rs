@@ -5,6 +5,7 @@ use super::gpu::{GPUS, Gpu};
 
 /// A backend of this build.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct FoundBackend {
     /// Its name.
     pub name: &'static str,
@@ -14,6 +15,7 @@ pub struct FoundBackend {
 
 /// Something that a backend can run on.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct FoundDevice {
     /// Its name, for people.
     pub name: String,
@@ -31,24 +33,38 @@ pub struct FoundDevice {
     pub is_timed: bool,
 }
 
+impl FoundBackend {
+    /// A backend, and what it can run on.
+    pub fn new(name: &'static str, devices: Result<Vec<FoundDevice>, String>) -> Self {
+        Self { name, devices }
+    }
+}
+
+impl FoundDevice {
+    /// A device that `auto` may take and of which no more is known.
+    pub fn new(name: impl Into<String>, kind: &'static str) -> Self {
+        Self {
+            name: name.into(),
+            driver: None,
+            kind,
+            is_fast: true,
+            max_binding_bytes: None,
+            memory_bytes: None,
+            is_timed: false,
+        }
+    }
+}
+
 /// All backends of this build, in the order in which `auto` tries them, and what they can run on.
 /// It asks every driver, which may take a tenth of a second each.
 pub fn found_backends() -> Vec<FoundBackend> {
-    let found = |gpu: &Gpu| FoundBackend { name: gpu.name, devices: (gpu.devices)() };
+    let found = |gpu: &Gpu| FoundBackend::new(gpu.name, (gpu.devices)());
     GPUS.iter().map(found).chain(cpu()).collect()
 }
 
 fn cpu() -> Option<FoundBackend> {
     let backend = CPU?();
     let caps = backend.caps();
-    let device = FoundDevice {
-        name: caps.device.clone(),
-        driver: None,
-        kind: "cpu",
-        is_fast: true,
-        max_binding_bytes: None,
-        memory_bytes: None,
-        is_timed: true,
-    };
-    Some(FoundBackend { name: caps.name, devices: Ok(vec![device]) })
+    let device = FoundDevice { is_timed: true, ..FoundDevice::new(caps.device.clone(), "cpu") };
+    Some(FoundBackend::new(caps.name, Ok(vec![device])))
 }

@@ -2,11 +2,12 @@
 //! what the colours of differences mean.
 
 use super::difference_picture::color;
-use slabsplat_annotations::{Ink, Label, draw_text, measure_text};
+use slabsplat_annotations::{Label, draw_text, measure_text};
 use slabsplat_core::{Image, ImageDesc, ImageError, over};
 
 /// What a sheet holds, before anything is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SheetDesc {
     /// How many pictures there are.
     pub n_panes: usize,
@@ -18,6 +19,7 @@ pub struct SheetDesc {
 
 /// A picture of the sheet.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Pane {
     /// What stands above it.
     pub label: String,
@@ -52,6 +54,24 @@ const BACKGROUND: [f32; 4] = [0.11, 0.12, 0.14, 1.0];
 
 /// Behind what is transparent.
 const BEHIND: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+
+impl SheetDesc {
+    /// So many pictures of that size, so many of them in a row.
+    pub fn new(n_panes: usize, n_columns: usize, pane_size: [u32; 2]) -> Self {
+        Self { n_panes, n_columns, pane_size }
+    }
+}
+
+impl Pane {
+    /// A picture and where it differs, or why there is none, between its label and its figures.
+    pub fn new(
+        label: impl Into<String>,
+        pictures: Result<[Image; 2], String>,
+        figures: impl Into<String>,
+    ) -> Self {
+        Self { label: label.into(), pictures, figures: figures.into() }
+    }
+}
 
 impl Sheet {
     /// The sheet for so many panes.
@@ -134,7 +154,7 @@ fn draw_scale(sheet: &mut Image, scale: &str, end: f64) {
 
 fn write(sheet: &mut Image, text: &str, [left, top]: [u32; 2]) {
     let at = [left as f32, top as f32];
-    let label = Label { text, at, anchor: [0.0; 2], size_pixels: TEXT, ink: Ink::LIGHT };
+    let label = Label::new(text, at).size_pixels(TEXT);
     draw_text(sheet, &label);
 }
 

@@ -313,7 +313,7 @@ fn framing_of_axes_leaves_room_for_annotations() {
         };
         let opened = OpenScene::with_volumes(loaded(), &file).unwrap();
         check(&opened, &opened.scene.camera, slabsplat_annotations::insets(&opened.scene));
-        let turn = Turn { axis: TurnAxis::Up, degrees: 360.0, is_rocking: false, n_frames: 12 };
+        let turn = Turn::new(TurnAxis::Up, 360.0, 12);
         let mut around = OpenScene::unframed(loaded(), &file).unwrap();
         around.frame_around(&file, &Aim::default(), &|camera| turn.views(camera)).unwrap();
         // What stands in the middle has no more than a part of room at either side.

@@ -165,7 +165,7 @@ impl<'a> Look<'a> {
         if let Some(labels) = &self.layer.labels {
             let map = labels.map();
             let style = labels.style(map.labels()[usize::from(map.indices()[voxel_idx])]);
-            return style.transfer(&self.layer.transfer).map_or(0.0, of) * style.opacity;
+            return style.transfer_in(&self.layer.transfer).map_or(0.0, of) * style.opacity;
         }
         let [lo, hi] = self.range;
         if value < lo || hi < value {

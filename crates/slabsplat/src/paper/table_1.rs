@@ -8,6 +8,7 @@ use slabsplat_core::Compositing;
 
 /// What a ray has gathered after a sheet: a row of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RayRow {
     /// The number of the sheet, from the eye.
     pub sheet: u32,

@@ -46,7 +46,7 @@ fn picture_samples_leave_opacity() {
     let scene = ball(40);
     let one = picture(&scene).frame.image;
     for samples in [4, 9, 16] {
-        let many = picture(&with(&scene, Finish { samples, ..Finish::default() })).frame.image;
+        let many = picture(&with(&scene, Finish::default().samples(samples))).frame.image;
         assert_eq!([many.width(), many.height()], [40, 40]);
         let mean = |image: &Image| {
             let sum: f64 = image.pixels().iter().map(|pixel| f64::from(pixel[3])).sum();
@@ -76,7 +76,7 @@ fn picture_gradient_is_behind() {
     let mut scene = ball(40);
     scene.image.background = RED;
     let below = [0.0, 0.0, 1.0, 1.0];
-    let scene = with(&scene, Finish { background_below: Some(below), ..Finish::default() });
+    let scene = with(&scene, Finish::default().background_below(below));
     let Picture { frame, is_blank, .. } = picture(&scene);
     let at = |x, y| frame.image.pixel(x, y);
     assert!(0.98 < at(0, 0)[0] && at(0, 0)[2] < 0.02 && !is_blank);
@@ -98,9 +98,9 @@ fn picture_of_nothing_is_blank_whatever_is_behind() {
     scene.layers[0].transfer = none;
     scene.image.background = RED;
     assert!(picture(&scene).is_blank);
-    let background_below = Some([0.0, 1.0, 0.0, 1.0]);
-    let annotations = Annotations { axes: true, ..Annotations::default() };
-    assert!(picture(&with(&scene, Finish { background_below, annotations, samples: 4 })).is_blank);
+    let finish = Finish::default().samples(4).background_below([0.0, 1.0, 0.0, 1.0]);
+    let finish = finish.annotations(Annotations::default().axes());
+    assert!(picture(&with(&scene, finish)).is_blank);
 }
 
 #[test]
@@ -119,8 +119,8 @@ fn picture_with_too_many_samples_is_an_error() {
 fn picture_edges_lie_behind() {
     let scene = ball(200);
     let plain = picture(&scene);
-    let annotations = Annotations { axes: true, ..Annotations::default() };
-    let annotated = picture(&with(&scene, Finish { annotations, ..Finish::default() }));
+    let annotations = Annotations::default().axes();
+    let annotated = picture(&with(&scene, Finish::default().annotations(annotations)));
     let (plain, image) = (plain.frame.image, annotated.frame.image);
     // Where the ball is nearly opaque nothing shines through, and beside it there are lines.
     let n_changed = plain.pixels().iter().zip(image.pixels()).filter(|(a, b)| a != b).count();
@@ -134,7 +134,7 @@ fn picture_edges_lie_behind() {
 #[cfg(not(feature = "annotations"))]
 #[test]
 fn picture_without_annotations_says_so() {
-    let annotations = Annotations { scale_bar: true, ..Annotations::default() };
-    let picture = picture(&with(&ball(20), Finish { annotations, ..Finish::default() }));
+    let annotations = Annotations::default().scale_bar();
+    let picture = picture(&with(&ball(20), Finish::default().annotations(annotations)));
     assert_eq!(picture.notes, ["this program was built without annotations: none are drawn"]);
 }

@@ -5,6 +5,7 @@ use slabsplat_core::{Sample, Scaling, Volume, with_samples};
 
 /// How many voxels have values in each of some bins of equal width. NaN and infinities are left out.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ValueCounts {
     /// The least and the largest value that are counted.
     pub range: [f64; 2],

@@ -93,8 +93,8 @@ fn with_labels(mut scene: Scene) -> Result<Scene, Box<dyn Error>> {
     let grid = *scene.layers[0].volume.grid();
     let middle = grid.dims()[0] / 2;
     let halves = Volume::from_fn(grid, |[x, ..]| 1 + u8::from(middle <= x));
-    let green = LabelStyle { color: Some([0.1, 0.9, 0.2]), ..LabelStyle::default() };
-    let faint = LabelStyle { opacity: 0.2, ..LabelStyle::default() };
+    let green = LabelStyle::default().color([0.1, 0.9, 0.2]);
+    let faint = LabelStyle::default().opacity(0.2);
     scene.layers[0].labels =
         Some(Labels::new(LabelMap::new(&halves, &grid)?, [(1, green), (2, faint)])?);
     Ok(scene)
@@ -106,6 +106,6 @@ fn with_mesh(scene: Scene) -> Result<Scene, Box<dyn Error>> {
     let (middle, size) = (grid.center_in_world(), grid.unit() * grid.dims()[0] as f64);
     let corners = [[-0.5, -0.4, -0.3], [0.6, 0.1, -0.2], [-0.1, 0.3, 0.5]];
     let positions = corners.map(|corner| middle + size * DVec3::from(corner)).to_vec();
-    let parts = MeshParts { positions, triangles: vec![[0, 1, 2]], ..MeshParts::default() };
+    let parts = MeshParts::new(positions).triangles(vec![[0, 1, 2]]);
     Ok(scene.meshes(vec![MeshLayer::new(Mesh::new(parts)?).color([0.9, 0.7, 0.2])]))
 }

@@ -33,7 +33,7 @@ impl<'a> SlabView<'a> {
         unit: f64,
         at_once: usize,
     ) -> Self {
-        let Slabs { grid, first_drawn, n_before } = slabs;
+        let Slabs { grid, first_drawn, n_before, .. } = slabs;
         let n_per_range = (RANGE_THICKNESS * unit / grid.thickness()) as usize;
         Self {
             grid,

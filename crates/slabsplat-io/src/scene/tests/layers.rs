@@ -53,12 +53,9 @@ fn scene_of_labels() {
                      [[labels.styles]]\nof = [4]\nopacity = 0.25\nclassify = { preset = \"ct-bone\" }");
     assert_eq!(labels.only, Some(vec![-1, 2]));
     use slabsplat_core::LabelStyle;
-    let red = LabelStyle { color: Some([1.0, 0.0, 0.5]), ..LabelStyle::default() };
-    let own = LabelStyle {
-        transfer: preset("ct-bone").ok().map(|preset| preset.source.transfer),
-        opacity: 0.25,
-        ..LabelStyle::default()
-    };
+    let red = LabelStyle::default().color([1.0, 0.0, 0.5]);
+    let own = preset("ct-bone").unwrap().source.transfer;
+    let own = LabelStyle::default().transfer(own).opacity(0.25);
     assert_eq!(labels.styles, [(2, red.clone()), (3, red), (4, own)].into());
 }
 

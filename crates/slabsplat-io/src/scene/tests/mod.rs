@@ -141,7 +141,7 @@ fn scene_has_every_key() {
         (scene.finish.samples, scene.finish.background_below),
         (4, Some([0.0, 0.5, 1.0, 1.0]))
     );
-    let Annotations { title, axes, scale_bar, color_bar, orientation_marker } =
+    let Annotations { title, axes, scale_bar, color_bar, orientation_marker, .. } =
         scene.finish.annotations;
     assert_eq!(title.as_deref(), Some("a title"));
     assert!(axes && scale_bar && color_bar && orientation_marker);
@@ -258,14 +258,9 @@ fn scene_unknown_keys_are_named() {
 fn scene_finish() {
     let text = "[image]\nsamples = 9\nbackground_below = [0, 0.5, 1, 1]\n\
                 [annotations]\ntitle = \"A head\"\naxes = true\ncolor_bar = true\n";
-    let annotations = Annotations {
-        title: Some("A head".to_owned()),
-        axes: true,
-        color_bar: true,
-        ..Annotations::default()
-    };
-    let background_below = Some([0.0, 0.5, 1.0, 1.0]);
-    let expected = Finish { samples: 9, background_below, annotations };
+    let annotations = Annotations::default().title("A head").axes().color_bar();
+    let below = [0.0, 0.5, 1.0, 1.0];
+    let expected = Finish::default().samples(9).background_below(below).annotations(annotations);
     assert_eq!(read(&format!("{SMALL}{text}")).unwrap().finish, expected);
     let check = |text: &str, expected: &str| {
         let error = read(&format!("{SMALL}{text}")).unwrap_err();

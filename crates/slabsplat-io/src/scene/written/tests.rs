@@ -42,8 +42,8 @@ fn transfer() -> TransferFunction {
 /// All that a layer can say, with numbers that have no short decimals.
 fn full_layer() -> LayerFile {
     let ends = [DVec3::splat(-1.0 / 3.0), DVec3::new(1.0, 2.0, 1e20)];
-    let style = LabelStyle { transfer: Some(transfer()), color: Some([0.3; 3]), opacity: 0.1 };
-    let red = LabelStyle { color: Some([1.0, 0.0, 0.0]), ..LabelStyle::default() };
+    let style = LabelStyle::default().transfer(transfer()).color([0.3; 3]).opacity(0.1);
+    let red = LabelStyle::default().color([1.0, 0.0, 0.0]);
     let options = VolumeOptions::default().series(3).channel(1).time(0).level(2);
     let hash = "xxh3:0123456789abcdef0123456789abcdef".parse().ok();
     LayerFile {
@@ -128,15 +128,14 @@ fn written_scene_has_all_keys() {
     check(&scene);
     scene.lights.clear();
     assert!(!check(&scene).contains("[annotations]"), "nothing is said of none");
-    let annotations = Annotations {
-        title: Some("a \"title\" – µ".to_owned()),
-        axes: true,
-        scale_bar: true,
-        color_bar: true,
-        orientation_marker: true,
-    };
-    let background_below = Some([1.0 / 3.0, 0.0, 1.0, 0.7]);
-    scene.finish = Finish { samples: 16, background_below, annotations };
+    let annotations = Annotations::default()
+        .title("a \"title\" – µ")
+        .axes()
+        .scale_bar()
+        .color_bar()
+        .orientation_marker();
+    let below = [1.0 / 3.0, 0.0, 1.0, 0.7];
+    scene.finish = Finish::default().samples(16).background_below(below).annotations(annotations);
     check(&scene);
     let mut mesh = of_mesh();
     check(&mesh);
@@ -257,7 +256,7 @@ fn completed_scene_leaves_nothing_open() {
     };
     let volume = volume();
     let map = LabelMap::new(&volume, volume.grid()).unwrap();
-    let red = LabelStyle { color: Some([1.0, 0.0, 0.0]), ..LabelStyle::default() };
+    let red = LabelStyle::default().color([1.0, 0.0, 0.0]);
     let labels = Labels::new(map, [(2, red.clone())]).unwrap();
     let region = Region::in_box([[0.0; 3], [1.0; 3]]).unwrap().inverted();
     let layer = Layer::new(volume, transfer()).labels(labels.clone()).region(region.clone());

@@ -33,7 +33,7 @@ mod ybr;
 
 use std::path::{Path, PathBuf};
 
-use slabsplat_core::{Acquisition, Grid, Modality, SampleType, Scaling};
+use slabsplat_core::{Grid, Modality, SampleType, Scaling};
 
 use super::choices::{Choice, Part, VolumeChoices};
 use super::colors::{Meaning, Values, Voxels};
@@ -145,9 +145,9 @@ impl Found {
         let channel = (!choices.is_color).then_some(choices.channel.chosen);
         let samples = pixels::read(input, &series, &stack, to_float, channel)?;
         let voxels = Voxels { grid, samples, scaling, choices };
-        let loaded = voxels.load(input, VolumeFormat::Dicom, warnings)?;
-        let acquisition = Acquisition { modality: modality(&series.about), ..loaded.acquisition };
-        Ok(LoadedVolume { acquisition, ..loaded })
+        let mut loaded = voxels.load(input, VolumeFormat::Dicom, warnings)?;
+        loaded.acquisition.modality = modality(&series.about);
+        Ok(loaded)
     }
 }
 
