@@ -9,7 +9,7 @@ use std::process::Command;
 use anyhow::{Result, bail, ensure};
 
 use xtask::process::{cargo, output, run as run_command};
-use xtask::workspace::{self, Workspace};
+use xtask::workspace::{self, Package, Workspace};
 
 use crate::{dependencies, tidy};
 
@@ -30,6 +30,7 @@ const STEPS: &[(&str, Step)] = &[
     ("clippy", check_clippy),
     ("documentation", check_documentation),
     ("WebAssembly", check_wasm),
+    ("features", check_features),
 ];
 
 pub(crate) fn run() -> Result<()> {
@@ -89,10 +90,67 @@ pub(crate) fn has_target(target: &str) -> bool {
     Path::new(folder.trim()).is_dir()
 }
 
+/// Crates that have features without any, and with each alone: a build of the whole workspace unites them,
+/// and so hides one that does not stand by itself.
+fn check_features(_: &Path) -> Result<()> {
+    check_alone(has_features)
+}
+
+pub(crate) fn has_features(package: &Package) -> bool {
+    !package.features.is_empty()
+}
+
+/// Builds some of the crates by themselves.
+pub(crate) fn check_alone(is_wanted: fn(&Package) -> bool) -> Result<()> {
+    let mut failed = Vec::new();
+    let packages = Workspace::read()?.packages;
+    for build in packages.iter().filter(|package| is_wanted(package)).flat_map(feature_builds) {
+        let mut check = cargo(workspace::root());
+        if run_command(check.args(["check", "--quiet"]).args(&build)).is_err() {
+            failed.push(build.join(" "));
+        }
+    }
+    ensure!(failed.is_empty(), "these do not build alone:\n{}", failed.join("\n"));
+    Ok(())
+}
+
+/// The arguments of one build per feature, and of one without.
+fn feature_builds(package: &Package) -> Vec<Vec<String>> {
+    let bare = ["--package", &package.name, "--no-default-features"].map(str::to_owned).to_vec();
+    let alone = package.features.keys().filter(|feature| *feature != "default").map(|feature| {
+        let mut build = bare.clone();
+        build.extend(["--features".to_owned(), feature.clone()]);
+        build
+    });
+    std::iter::once(bare.clone()).chain(alone).collect()
+}
+
 fn report(findings: &[impl ToString]) -> Result<()> {
     if findings.is_empty() {
         return Ok(());
     }
     let lines: Vec<String> = findings.iter().map(ToString::to_string).collect();
     bail!("{}", lines.join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::de::IgnoredAny;
+
+    fn check(features: &[&str], expected: &[&str]) {
+        let features = features.iter().map(|name| ((*name).to_owned(), IgnoredAny)).collect();
+        let package = Package { name: "a".to_owned(), features, ..Package::default() };
+        let builds: Vec<String> = feature_builds(&package).iter().map(|b| b.join(" ")).collect();
+        assert_eq!(builds, expected, "features of {expected:?}");
+    }
+
+    #[test]
+    fn feature_builds_each_alone() {
+        let bare = "--package a --no-default-features";
+        check(&[], &[bare]);
+        let cpu = "--package a --no-default-features --features cpu";
+        let wgpu = "--package a --no-default-features --features wgpu";
+        check(&["cpu", "default", "wgpu"], &[bare, cpu, wgpu]);
+    }
 }

@@ -42,7 +42,7 @@ use web::Web;
 const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
-  lint                     rustfmt, tidy, dependency rules, clippy, documentation, WebAssembly; warnings denied
+  lint                     rustfmt, tidy, dependency rules, clippy, documentation, WebAssembly, each feature alone
   test [ARGS]              `cargo test ARGS`, of all packages unless some are named
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
@@ -58,7 +58,7 @@ Usage: cargo xtask COMMAND
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
   sheet [FOLDER [PICTURE]] one picture of all volumes of a folder, as they look without any flag
   manual                   write man pages and completions of shells into target/manual
-  ci                       lint, test, package, web, outside, msrv, deny, semver, each crate and feature alone
+  ci                       lint, test, package, web, outside, msrv, deny, semver, each crate alone
   help                     print this
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;

@@ -1,9 +1,9 @@
-//! `cargo xtask semver [REVISION]`: whether what is published still fits its version number, compared with the
-//! last release, the latest tag `v…`, or with any revision of git's.
+//! `cargo xtask semver [REVISION]`: whether what is published still fits its version number, compared with
+//! the last release, the latest tag `v…`, or with any revision of git's.
 //!
 //! The tool is cargo-semver-checks, which must be installed; otherwise a line says so. As long as nothing is
-//! released there is nothing to compare with unless a revision is named: `main`, as before a merge, or the
-//! commit that a tag is going to be set behind. What breaks is then a failure, and a line of the changelog.
+//! released there is nothing to compare with unless a revision is named, as `main` before a merge. What
+//! breaks is then a failure, and a line of the changelog.
 
 use std::ffi::OsString;
 use std::process::Command;

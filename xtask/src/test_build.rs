@@ -1,7 +1,7 @@
 //! Programs that `cargo xtask test` has built already, for what runs them in another way.
 //!
-//! Cargo unites features over all packages that are named, and builds a profile by itself: asked for a program
-//! of one package, or without the profile of tests, it would build most of the workspace anew.
+//! Cargo unites features over all packages that are named, and builds each profile by itself: asked for a
+//! program of one package, or in another profile, it would build most of the workspace anew.
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;

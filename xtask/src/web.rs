@@ -2,8 +2,9 @@
 //! draw in one of them what the CPU draws here.
 //!
 //! The pages lie in `target/web` afterwards, and any web server shows them:
-//! `python3 -m http.server -d target/web`. They are built of the crates in this checkout, or with `--packages`
-//! of what `cargo xtask package` made of these, as `cargo xtask outside` does, which then finds them built.
+//! `python3 -m http.server -d target/web`. They are built of the crates in this checkout, or with
+//! `--packages` of what `cargo xtask package` made of these, as `cargo xtask outside` does, which then finds
+//! them built.
 //! What is judged, and how, is in `tests/tests/browser.rs`.
 
 use std::ffi::OsString;

@@ -73,6 +73,7 @@ impl DataKind {
     }
 
     /// The value of water, if values are Hounsfield units and a constant.
+    #[cfg(feature = "files")]
     pub(crate) fn water(self) -> Option<f64> {
         match self {
             Self::Hounsfield { water } => Some(water),

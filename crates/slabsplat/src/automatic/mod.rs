@@ -26,7 +26,9 @@ use std::sync::Arc;
 use crate::framing::{Aim, Facing, Framing, usual_projection};
 
 pub use kind::DataKind;
-pub(crate) use look::{DARK, Look};
+#[cfg(feature = "files")]
+pub(crate) use look::DARK;
+pub(crate) use look::Look;
 pub(crate) use studio::{lights, phong};
 
 /// Defaults that fit one volume.

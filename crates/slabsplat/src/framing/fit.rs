@@ -28,7 +28,7 @@ impl Default for Window {
 impl Window {
     /// That of a picture at whose edges something else takes parts of its width, at the left and the right,
     /// and of its height, at the bottom and the top.
-    #[cfg(feature = "annotations")]
+    #[cfg(all(feature = "annotations", feature = "files"))]
     pub(crate) fn without(x: [f64; 2], y: [f64; 2]) -> Self {
         let reach = |parts: [f64; 2]| parts.map(|part| FILLED - 2.0 * part);
         Self { x: reach(x), y: reach(y) }

@@ -56,13 +56,13 @@ impl Framing {
     }
 
     /// The same in a part of the picture, which leaves room for something else at its edges.
-    #[cfg(feature = "annotations")]
+    #[cfg(all(feature = "annotations", feature = "files"))]
     pub(crate) fn within(self, window: Window) -> Self {
         Self { window, ..self }
     }
 
     /// The same with a box around the volumes, which is part of them where they are to be seen whole.
-    #[cfg(feature = "annotations")]
+    #[cfg(all(feature = "annotations", feature = "files"))]
     pub(crate) fn and_box(mut self, ends: [DVec3; 2]) -> Self {
         self.whole.push(Cells::of_box(ends));
         self
