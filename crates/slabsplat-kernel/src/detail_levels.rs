@@ -86,7 +86,8 @@ impl DetailLevels {
     }
 
     /// What bricks of cells of a level are drawn, of a layer whose kernel has the half-depth `λ` over its
-    /// radius, in `unit`s. `lit` is by how much colours differ at most whose normals differ by 1; 0 without light.
+    /// radius, in `unit`s. `lit` is by how much colours differ at most whose normals differ by 1; 0 without
+    /// light.
     pub fn limits(&self, level: u32, layer_depth: f64, lit: f64) -> CellLimits {
         let side = 2_f64.powi(level as i32);
         let [by_mean_normals, by_moments] = self.budget.light_of_cells().map(|mu| mu / (lit * lit));

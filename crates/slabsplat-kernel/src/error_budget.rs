@@ -93,14 +93,14 @@ impl ErrorBudget {
         2.5 * self.tolerance
     }
 
-    /// The extinction of cells up to which these may be lit by mean normals, and up to which by second moments,
-    /// too, if light makes no more of normals than 1.
+    /// The extinction of cells up to which these may be lit by mean normals, and up to which by second
+    /// moments, too, if light makes no more of normals than 1.
     ///
-    /// What light makes of eight random normals is off by 0.075 in the mean of squares as told by their mean, by
-    /// 0.027 with second moments. A pixel sees the mean of some `2.2/μ` cells: five across, as many in depth as
-    /// it takes to hide what is behind. The worst of thousands of pixels is off by four and a half times the root
-    /// of the mean of squares: by `0.22·√μ` and `0.08·√μ`. The first may be two thirds of the tolerance, the
-    /// second, which opaque scans stay far below, somewhat more than it.
+    /// What light makes of eight random normals is off by 0.075 in the mean of squares as told by their mean,
+    /// by 0.027 with second moments. A pixel sees the mean of some `2.2/μ` cells: five across, as many in
+    /// depth as it takes to hide what is behind. The worst of thousands of pixels is off by four and a half
+    /// times the root of the mean of squares: by `0.22·√μ` and `0.08·√μ`. The first may be two thirds of the
+    /// tolerance, the second, which opaque scans stay far below, somewhat more than it.
     pub fn light_of_cells(self) -> [f64; 2] {
         [3.0, 14.0].map(|per_tolerance| (per_tolerance * self.tolerance).powi(2))
     }

@@ -77,7 +77,8 @@ pub(super) fn within(
         let levels = || 0..cells.len();
         let of_depth = levels().rev().find(|&level| cells[level].draw(voxel.coords))?;
         let is_even = |&level: &usize| {
-            let (of_brick, limits) = (bricks[level][&cells[level].brick(voxel.coords)], limits[level]);
+            let (of_brick, limits) =
+                (bricks[level][&cells[level].brick(voxel.coords)], limits[level]);
             of_brick.noise <= limits.noise && of_brick.extinction <= limits.extinction
         };
         (0..=of_depth).rev().find(is_even)
@@ -131,8 +132,8 @@ struct Sums {
 /// What decides how a brick of cells is drawn.
 #[derive(Clone, Copy)]
 struct OfBrick {
-    /// By how much colours differ from one cell to the next, times the lesser extinction: the root of the mean
-    /// square.
+    /// By how much colours differ from one cell to the next, times the lesser extinction: the root of the
+    /// mean square.
     noise: f64,
     /// The mean extinction of the most opaque cell's voxels.
     extinction: f64,

@@ -1,13 +1,13 @@
 //! Second moments of a cell's normals, where their mean alone is not enough.
 //!
-//! Of eight voxels whose normals differ much, `|n·l|` has a mean that their mean normal hardly tells, and another
-//! in every cell; `lᵀMl`, the mean of `(n·l)²`, tells it: for random normals it is off by a third of that. Where
-//! cells are faint, a pixel sees so many that it does not matter.
+//! Of eight voxels whose normals differ much, `|n·l|` has a mean that their mean normal hardly tells, and
+//! another in every cell; `lᵀMl`, the mean of `(n·l)²`, tells it: for random normals it is off by a third of
+//! that. Where cells are faint, a pixel sees so many that it does not matter.
 
 use super::record::dither;
 
-/// `M`, the mean of `normal·normalᵀ` over a cell's voxels, weighted with their extinctions: xx, yy, zz, xy, xz
-/// and yz, in steps of 1/1023. Its trace is the share of voxels that have a normal.
+/// `M`, the mean of `normal·normalᵀ` over a cell's voxels, weighted with their extinctions: xx, yy, zz, xy,
+/// xz and yz, in steps of 1/1023. Its trace is the share of voxels that have a normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Moments(u64);
 

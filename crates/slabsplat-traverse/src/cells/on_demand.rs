@@ -206,8 +206,8 @@ impl BricksOnDemand {
         brick.with_moments(sums, moments)
     }
 
-    /// Calls `with` for each brick of voxels in a brick of cells: where its first cell is, its voxels, and these
-    /// classified. If the frame is cancelled it does not go on.
+    /// Calls `with` for each brick of voxels in a brick of cells: where its first cell is, its voxels, and
+    /// these classified. If the frame is cancelled it does not go on.
     fn for_each_child(
         &self,
         BrickMaker { lister, lighting, frame, .. }: BrickMaker<'_>,
