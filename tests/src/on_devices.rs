@@ -10,7 +10,7 @@ use slabsplat::{
     LabelStyle, Labels, Layer, Method, Mode, PiecewiseLinear, Plane, Planner, Projection, Region,
     Scaling, Scene, TransferFunction, Volume,
 };
-use slabsplat_gpu::{Device, DeviceInfo, GpuBackend};
+use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A ball of waves in 64-bit floats.
@@ -195,8 +195,14 @@ fn on_device(
 /// Leaves limits as they are.
 pub fn as_it_is(_: &mut DeviceInfo) {}
 
+/// Lets dispatches take on as few splats as those of drivers that play a card, as a card may well be done with
+/// all of them at once.
+pub fn in_rounds(info: &mut DeviceInfo) {
+    info.kind = DeviceKind::Software;
+}
+
 /// To be held by a test, so that one is run at a time: together they would open dozens of devices at once,
-/// which Mesa's software driver has been seen to crash under.
+/// which Mesa's software driver has been seen to crash under, and NVIDIA's to hang.
 pub fn alone() -> MutexGuard<'static, ()> {
     static ONE: Mutex<()> = Mutex::new(());
     ONE.lock().unwrap_or_else(PoisonError::into_inner)

@@ -9,8 +9,8 @@ use slabsplat::{
 use slabsplat_gpu::DeviceInfo;
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::on_devices::{
-    alone, as_it_is, layered_scene, listed_by_host, on_a_device, on_devices, render, scene,
-    stretched, submit, submit_plan, take, transfer, volume, with_host_list,
+    alone, as_it_is, in_rounds, layered_scene, listed_by_host, on_a_device, on_devices, render,
+    scene, stretched, submit, submit_plan, take, transfer, volume, with_host_list,
 };
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
@@ -365,7 +365,7 @@ fn crowded_tiles_pause() {
             layer.transfer = transfer(1e-4);
         }
         let expected = render(&mut *open("cpu"), &scene).expect("the CPU has no limits");
-        on_a_device(number, as_it_is, |name, backend, orders| {
+        on_a_device(number, in_rounds, |name, backend, orders| {
             let frame = render(backend, &scene).expect("it fits");
             let difference = frame.image.max_difference(&expected.image);
             assert!(difference < PARITY, "{name}, {method}: {difference}");
@@ -389,7 +389,10 @@ fn too_crowded_tiles_are_an_error() {
     let projection = Projection::Orthographic { view_height: 5e3 };
     let eye = target + DVec3::new(90.0, 60.0, -75.0);
     scene.camera = Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward");
-    let small = |info: &mut DeviceInfo| info.max_binding_bytes = 128 << 10;
+    let small = |info: &mut DeviceInfo| {
+        in_rounds(info);
+        info.max_binding_bytes = 128 << 10;
+    };
     on_a_device(0, small, |name, backend, _| {
         let error = render(backend, &scene).expect_err("the tile is too crowded");
         assert!(matches!(error, BackendError::Unable { .. }), "{name}: {error}");

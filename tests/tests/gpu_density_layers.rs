@@ -7,7 +7,7 @@ use slabsplat::{
     Scaling, Scene, TransferFunction, Volume,
 };
 use slabsplat_gpu::DeviceInfo;
-use slabsplat_tests::on_devices::{alone, as_it_is, on_devices, render, scene, volume};
+use slabsplat_tests::on_devices::{alone, as_it_is, in_rounds, on_devices, render, scene, volume};
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
 use std::sync::{Arc, Mutex};
@@ -98,7 +98,7 @@ fn density_layers_in_tiles_that_pause() {
         let mut scene = layered(2, 12, opacity, 8, mode);
         scene.image.background = [1.0, 0.5, 0.0, 1.0];
         let expected = by_cpu(&scene);
-        on_devices(as_it_is, |name, backend, orders| {
+        on_devices(in_rounds, |name, backend, orders| {
             let image = render(backend, &scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
             assert!(difference < PARITY, "{name}, {mode}: {difference}");
@@ -141,7 +141,7 @@ fn rays_end_among_densities() {
             let center = scene.layers[0].volume.grid().center_in_world();
             scene.meshes = [-2.0, 0.1, 2.0].map(|by| wall(&scene.camera, center, by)).to_vec();
             let expected = by_cpu(&scene);
-            on_devices(as_it_is, |name, backend, orders| {
+            on_devices(in_rounds, |name, backend, orders| {
                 let image = render(backend, &scene).expect("it fits").image;
                 let difference = image.max_difference(&expected);
                 assert!(difference < PARITY, "{name}, {mode}, {n_layers}: {difference}");

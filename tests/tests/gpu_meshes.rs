@@ -8,7 +8,9 @@ use slabsplat::{
 };
 use slabsplat_gpu::DeviceInfo;
 use slabsplat_tests::exact_settings;
-use slabsplat_tests::on_devices::{alone, as_it_is, on_devices, render, submit_plan, take};
+use slabsplat_tests::on_devices::{
+    alone, as_it_is, in_rounds, on_devices, render, submit_plan, take,
+};
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
 use std::sync::Mutex;
@@ -157,7 +159,7 @@ fn rays_end_in_tiles_that_pause() {
         let mut scene = scene(26, 1e-3, size, 12);
         scene.image.background = background;
         let expected = by_cpu(&scene);
-        on_devices(as_it_is, |name, backend, orders| {
+        on_devices(in_rounds, |name, backend, orders| {
             let image = render(backend, &scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
             assert!(difference < PARITY, "{name}, {size}: {difference}");

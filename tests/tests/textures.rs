@@ -335,7 +335,7 @@ fn device_that_its_caller_destroys_is_an_error() {
 #[derive(Debug, Default)]
 struct Reading {
     /// Whether each picture was whole, its bytes, and how many there are of counts.
-    taken: Mutex<Vec<(bool, Vec<u8>, u64)>>,
+    taken: Mutex<Vec<(bool, Vec<u32>, u64)>>,
 }
 
 impl Destination<SpyDevice> for Reading {
@@ -353,8 +353,7 @@ impl Destination<SpyDevice> for Reading {
             }
             device.wait(work, Duration::from_millis(5));
         };
-        let words = done.reads[0].as_chunks::<4>().0;
-        let is_whole = u32::from_ne_bytes(words[picture.is_whole_at as usize]) == 1;
+        let is_whole = done.reads[0][picture.is_whole_at as usize] == 1;
         self.taken.lock().expect("no test failed").push((
             is_whole,
             done.reads[1..].concat(),
@@ -402,14 +401,13 @@ fn pictures_left_on_a_device_are_not_read() {
             let image = left();
             assert_eq!((image.width(), image.height()), (0, 0), "{name}");
             let taken = std::mem::take(&mut *reading.taken.lock().expect("no test failed"));
-            let [(is_whole, bytes, n_counts)] = &taken[..] else { panic!("{name}: there is room") };
-            let floats: Vec<f32> =
-                bytes.as_chunks::<4>().0.iter().map(|&four| f32::from_ne_bytes(four)).collect();
+            let [(is_whole, words, n_counts)] = &taken[..] else { panic!("{name}: there is room") };
+            let floats: Vec<f32> = words.iter().map(|&word| f32::from_bits(word)).collect();
             assert!(*is_whole && floats == expected.pixels().as_flattened(), "{name}");
             let n_read = locked(&orders).bytes_read;
             let n_written = locked(&orders).bytes_written;
             // All but the counts is read by the destination.
-            assert_eq!(n_read, n_counts + n_counts + bytes.len() as u64, "{name}");
+            assert_eq!(n_read, n_counts + n_counts + 4 * words.len() as u64, "{name}");
             assert!(n_written <= 512, "{name}: {n_written}");
         }
         let wide = scene(&small, 1000, Method::ImageAligned);

@@ -126,7 +126,7 @@ impl AshDevice {
             done.stage_ms = self.recordings.note_done(recording)?;
         }
         if let Some(readback) = batch.readback {
-            done.reads = readback.bytes();
+            done.reads = readback.words();
             self.readback.give_back(readback.buffer);
         }
         if let Some(staging) = batch.staging {

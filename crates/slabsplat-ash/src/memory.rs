@@ -127,13 +127,14 @@ impl Buffer {
         unsafe { target.copy_from_nonoverlapping(bytes.as_ptr(), bytes.len()) };
     }
 
-    /// Bytes that the device has written where the processor sees the buffer.
-    pub(crate) fn read(&self, offset: u64, size: u64) -> Vec<u8> {
+    /// Words that the device has written where the processor sees the buffer, in as many bytes.
+    pub(crate) fn read(&self, offset: u64, size: u64) -> Vec<u32> {
         let source = self.mapped(offset, size);
         let size = usize::try_from(size).expect("mapped memory fits the address space");
         // SAFETY: `mapped` checked the range, and `Readback` asks only for bytes that the device has
         // written and is done with.
-        unsafe { std::slice::from_raw_parts(source.as_ptr().cast::<u8>(), size) }.to_vec()
+        let bytes = unsafe { std::slice::from_raw_parts(source.as_ptr().cast::<u8>(), size) };
+        bytemuck::cast_slice(bytes).to_vec()
     }
 
     /// The address of a range that the processor sees.

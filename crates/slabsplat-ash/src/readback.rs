@@ -36,13 +36,13 @@ impl Readback {
         commands.barrier(Barrier::BEFORE_HOST);
     }
 
-    /// The bytes of each slice. The device must be done with the copies.
-    pub(crate) fn bytes(&self) -> Vec<Vec<u8>> {
+    /// The words of each slice. The device must be done with the copies.
+    pub(crate) fn words(&self) -> Vec<Vec<u32>> {
         let mut start = 0;
         let take = |slice: &Slice| {
-            let bytes = self.buffer.read(start, slice.size);
+            let words = self.buffer.read(start, slice.size);
             start += slice.size;
-            bytes
+            words
         };
         self.slices.iter().map(take).collect()
     }

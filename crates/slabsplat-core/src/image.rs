@@ -1,5 +1,6 @@
 //! The picture: premultiplied RGBA in 32-bit floats.
 
+use std::fmt;
 use thiserror::Error;
 
 /// Size and background of a picture.
@@ -26,11 +27,22 @@ pub struct ImageDesc {
 }
 
 /// A picture of premultiplied RGBA, row 0 at the top.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Image {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 4]>,
+}
+
+impl fmt::Debug for Image {
+    /// Its size: thousands of pixels are for nobody to read.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { width, height, .. } = self;
+        f.debug_struct("Image")
+            .field("width", width)
+            .field("height", height)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Why a picture cannot be made.
@@ -133,6 +145,21 @@ impl Image {
     /// A picture of one colour, premultiplied.
     pub fn filled(width: u32, height: u32, pixel: [f32; 4]) -> Self {
         Self { width, height, pixels: vec![pixel; width as usize * height as usize] }
+    }
+
+    /// A picture of these pixels, premultiplied, row by row from the top.
+    ///
+    /// ```
+    /// let image = slabsplat_core::Image::from_pixels(2, 1, vec![[0.0; 4], [1.0; 4]]);
+    /// assert_eq!(image.pixel(1, 0), [1.0; 4]);
+    /// assert_eq!(format!("{image:?}"), "Image { width: 2, height: 1, .. }");
+    /// ```
+    ///
+    /// # Panics
+    /// If there are not `width * height` of them.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<[f32; 4]>) -> Self {
+        assert_eq!(pixels.len(), width as usize * height as usize, "as many pixels as there are");
+        Self { width, height, pixels }
     }
 
     /// Pixels in a row.

@@ -212,7 +212,8 @@ impl<D: Device> GpuBackend<D> {
         if let Some(error) = job.failed.take() {
             return Err(error);
         }
-        let counts: Counts = bytemuck::pod_read_unaligned(&done.reads[0][..size_of::<Counts>()]);
+        let counts: Counts =
+            *bytemuck::from_bytes(&bytemuck::cast_slice(&done.reads[0])[..size_of::<Counts>()]);
         if counts.n_faults != 0 {
             let reason = "its driver ends loops before they are through, as Mesa's software driver does before \
                           version 23";
@@ -224,7 +225,7 @@ impl<D: Device> GpuBackend<D> {
         }
         if has_room && counts.n_paused_tiles == 0 {
             job.frame.reach(1.0);
-            return Ok(Poll::Ready(self.frame_of(job, &done, &counts)));
+            return Ok(Poll::Ready(self.frame_of(job, done, &counts)));
         }
         let Self { device, memory, frame, .. } = self;
         if has_room {
@@ -260,15 +261,9 @@ impl<D: Device> GpuBackend<D> {
         BackendError::Unable { device: self.caps.device.clone(), reason: reason.to_owned() }
     }
 
-    fn frame_of(&self, job: &UnderWay<D>, done: &Done, counts: &Counts) -> Frame {
+    fn frame_of(&self, job: &UnderWay<D>, mut done: Done, counts: &Counts) -> Frame {
         let [width, height] = if job.to.is_none() { job.job.frame.image_size } else { [0; 2] };
-        let mut image = Image::filled(width, height, [0.0; 4]);
-        let mut rest: &mut [u8] = bytemuck::cast_slice_mut(image.pixels_mut());
-        for band in &done.reads[1..] {
-            let (pixels, below) = rest.split_at_mut(band.len());
-            pixels.copy_from_slice(band);
-            rest = below;
-        }
+        let image = Image::from_pixels(width, height, pixels_of(done.reads.split_off(1)));
         let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
         let mut stats = FrameStats::default();
         stats.n_voxels = counts.n_voxels.into();
@@ -279,6 +274,13 @@ impl<D: Device> GpuBackend<D> {
         let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime::new(name, ms)).collect();
         Frame::new(image, stats, FrameCost::new(stages, self.memory.resident_bytes()))
     }
+}
+
+/// The pixels of all bands. A picture of one band, as most are, is not copied.
+fn pixels_of(mut bands: Vec<Vec<u32>>) -> Vec<[f32; 4]> {
+    let words = if bands.len() == 1 { bands.remove(0) } else { bands.concat() };
+    bytemuck::allocation::try_cast_vec(words)
+        .unwrap_or_else(|(_, words)| bytemuck::pod_collect_to_vec(&words))
 }
 
 /// Splats after which a tile pauses: some tenths of a second at most. Mesa's software driver, before version

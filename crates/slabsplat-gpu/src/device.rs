@@ -162,8 +162,8 @@ pub struct Pass {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[expect(clippy::exhaustive_structs, reason = "frames need all of it of a device")]
 pub struct Done {
-    /// The bytes of each slice that was read.
-    pub reads: Vec<Vec<u8>>,
+    /// The words of each slice that was read, so that pixels can be taken as they are.
+    pub reads: Vec<Vec<u32>>,
     /// How long each stage of the passes took on the device, in milliseconds, in their order; empty
     /// if the device has no timestamps.
     pub stage_ms: Vec<(&'static str, f64)>,

@@ -78,7 +78,7 @@ impl WgpuDevice {
             let mut rest = &bytes[..];
             for size in flight.read_sizes {
                 let (read, after) = rest.split_at(usize::try_from(size).unwrap_or(usize::MAX));
-                done.reads.push(read.to_vec());
+                done.reads.push(bytemuck::cast_slice(read).to_vec());
                 rest = after;
             }
             if let Some(timer) = flight.timer {

@@ -68,7 +68,7 @@ fn passes_see_what_earlier_submissions_wrote() {
                 sum += std::mem::replace(element, sum);
             }
         }
-        assert_eq!(words(&wait(device, last).reads[0]), expected);
+        assert_eq!(wait(device, last).reads[0], expected);
     });
 }
 
@@ -101,7 +101,7 @@ fn writes_may_be_longer_than_staging_memory() {
         work.reads.push(slice(buffer, 0, n_words as u64 * 4 + 8));
         let submitted = device.submit(&work).unwrap();
         let mut done = wait(device, submitted);
-        let long = words(&done.reads.pop().unwrap());
+        let long = done.reads.pop().unwrap();
         assert!(long[0] == 0 && long[1..=n_words] == input && long[n_words + 1] == 0);
         assert_sums(&done, &[3; 1000]);
     });

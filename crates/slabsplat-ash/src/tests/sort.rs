@@ -102,7 +102,7 @@ fn device_sorts(device: &mut AshDevice, case: &Case) {
     let reads = vec![sorted_keys, sorted_values];
     let work = device.submit(&Work { writes, passes: passes[..].into(), reads }).unwrap();
     let done = wait(device, work);
-    let [keys, values] = [0, 1].map(|i| words(&done.reads[i])[..case.n_counted].to_vec());
+    let [keys, values] = [0, 1].map(|i| done.reads[i][..case.n_counted].to_vec());
     let sorted: Vec<(u32, u32)> = keys.into_iter().zip(values).collect();
     let what = format!("{n} keys, {} bits from {}", case.digit_bits, case.shift);
     assert!(sorted == case.sorted(), "{what}, of which {} count", case.n_counted);

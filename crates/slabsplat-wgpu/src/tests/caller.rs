@@ -80,7 +80,7 @@ pub(super) fn check_works(device: &mut WgpuDevice) {
     let buffer = device.create_buffer("numbers", 16).unwrap();
     let write = Write { buffer, offset: 4, bytes: vec![1, 2, 3, 4].into() };
     let work = Work { writes: vec![write], reads: vec![slice(buffer, 0, 8)], ..Work::default() };
-    assert_eq!(run(device, &work).reads, [[0, 0, 0, 0, 1, 2, 3, 4]]);
+    assert_eq!(run(device, &work).reads, [[0, u32::from_ne_bytes([1, 2, 3, 4])]]);
     device.destroy_buffer(buffer);
 }
 

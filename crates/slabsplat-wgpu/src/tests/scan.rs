@@ -87,7 +87,7 @@ impl Scan {
 }
 
 fn check(values: &[u32], done: &Done, has_timestamps: bool) {
-    let reads: Vec<Vec<u32>> = done.reads.iter().map(|b| bytemuck::pod_collect_to_vec(b)).collect();
+    let reads = &done.reads;
     let [elements, totals, counts] = &reads[..] else { panic!("{} reads", reads.len()) };
     let mut sum = 0_u32;
     for (idx, value) in values.iter().enumerate() {

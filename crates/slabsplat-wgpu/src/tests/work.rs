@@ -19,15 +19,15 @@ fn work_may_be_empty() {
 fn work_reads_in_order() {
     on_device(|device| {
         let buffer = device.create_buffer("numbers", 400).unwrap();
-        let bytes: Vec<u8> = (0..400).map(|i| i as u8).collect();
+        let words: Vec<u32> = (0..100).map(|i| 7 * i).collect();
         let reads: Vec<Slice> =
             (0..50).map(|i| slice(buffer, 4 * ((7 * i) % 90), 4 * (1 + i % 9))).collect();
-        let write = Write { buffer, offset: 0, bytes: bytes.as_slice().into() };
+        let write = Write { buffer, offset: 0, bytes: bytemuck::cast_slice(&words).into() };
         let work = Work { writes: vec![write], reads: reads.clone(), ..Work::default() };
         let done = run(device, &work);
         assert_eq!(done.reads.len(), reads.len());
         for (read, slice) in done.reads.iter().zip(reads) {
-            assert_eq!(read[..], bytes[slice.offset as usize..][..slice.size as usize]);
+            assert_eq!(read[..], words[slice.offset as usize / 4..][..slice.size as usize / 4]);
         }
     });
 }
