@@ -195,8 +195,8 @@ fn on_device(
 /// Leaves limits as they are.
 pub fn as_it_is(_: &mut DeviceInfo) {}
 
-/// Lets dispatches take on as few splats as those of drivers that play a card, as a card may well be done with
-/// all of them at once.
+/// Lets dispatches take on as few splats as those of drivers that play a card, as a card may well be done
+/// with all of them at once.
 pub fn in_rounds(info: &mut DeviceInfo) {
     info.kind = DeviceKind::Software;
 }
