@@ -58,7 +58,7 @@ fn mean_light(layer: u32, position: f32, weight: f32, sheet: u32, pixel: Pixel) 
     let ends = part_ends(first, second);
     let slopes = slopes_between(ends.start.yzw, ends.end.yzw);
     let q = select(1.0, exp(-0.25 * weight), sums_extinction(frame.compositing));
-    // It lies evenly around its middle, as far as the part goes on both sides.
+    // It lies evenly around its middle, as far as the part reaches on both sides.
     let extent = 2.0 * min(position, 1.0 - position);
     var seen = 1.0 / ((1.0 + q) * (1.0 + q * q));
     var mean = Light(vec3(0.0), vec3(0.0));

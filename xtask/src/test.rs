@@ -84,7 +84,7 @@ pub(crate) fn run(Test { installs, seeds, args }: &Test) -> Result<()> {
         let (variable, value) = REPEATABLE;
         test.env(variable, value);
     }
-    // Cargo takes both without complaint, and then tests all packages.
+    // Cargo takes both without an error, and then tests all packages.
     if !names_package(args) {
         test.arg("--workspace");
     }

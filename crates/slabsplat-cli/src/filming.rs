@@ -134,7 +134,7 @@ fn with_way_on(error: Error) -> Error {
     match error.downcast_ref() {
         Some(FilmError::Write { .. } | FilmError::Ffmpeg { .. }) => {
             anyhow!(
-                "{error}; once that is mended, the same command goes on with the frames that are there"
+                "{error}; once that is mended, the same command continues with the frames that are there"
             )
         }
         _ => error,

@@ -77,7 +77,7 @@ impl FrameHandle {
         f32::from_bits(self.0.progress.load(Ordering::Relaxed))
     }
 
-    /// For who makes the frame: goes on unless it was cancelled.
+    /// For who makes the frame: continues unless it was cancelled.
     ///
     /// # Errors
     /// If it was.

@@ -267,11 +267,11 @@ mod tests {
 
     #[test]
     fn grid_rejects_what_rounding_would_lose() {
-        let check = |spacing: [f64; 3], lean: f64, origin: DVec3, is_good: bool| {
+        let check = |spacing: [f64; 3], shear: f64, origin: DVec3, is_good: bool| {
             let mut columns = DMat3::from_diagonal(DVec3::from_array(spacing));
-            columns.y_axis.x = lean;
+            columns.y_axis.x = shear;
             let map = DAffine3 { matrix3: columns, translation: origin };
-            let text = format!("{spacing:?} {lean} {origin}");
+            let text = format!("{spacing:?} {shear} {origin}");
             assert_eq!(Grid::new([2; 3], map).is_ok(), is_good, "{text}");
         };
         check([1.0; 3], 0.0, DVec3::X * 0.9e10, true);

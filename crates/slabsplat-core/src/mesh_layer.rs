@@ -115,9 +115,9 @@ impl MeshLayer {
     /// A box of the world around it, the least one but for how thick lines and points are; `None` if it has
     /// nothing to be seen.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
-        let place = self.world_from_mesh;
-        let is_moved = place != DAffine3::IDENTITY;
-        let in_world = || self.mesh.bounds_in(|corner| place.transform_point3(corner));
+        let placement = self.world_from_mesh;
+        let is_moved = placement != DAffine3::IDENTITY;
+        let in_world = || self.mesh.bounds_in(|corner| placement.transform_point3(corner));
         // Millions of vertices take tens of milliseconds.
         let bounds = if is_moved { in_world() } else { self.mesh.bounds() };
         bounds.map(|[min, max]| [min - self.thickness(), max + self.thickness()])

@@ -329,9 +329,9 @@ impl<D: Device> Backend for GpuBackend<D> {
             self.drop_frame(frame);
             return Err(Cancelled.into());
         }
-        let place = self.done.iter().position(|(done, _)| done == frame);
-        let Some(place) = place else { return Ok(Poll::Pending) };
-        self.done.swap_remove(place).1.map(Poll::Ready)
+        let idx = self.done.iter().position(|(done, _)| done == frame);
+        let Some(idx) = idx else { return Ok(Poll::Pending) };
+        self.done.swap_remove(idx).1.map(Poll::Ready)
     }
 
     fn wait_image(&mut self, frame: &FrameHandle) -> Result<Frame, BackendError> {

@@ -1,5 +1,5 @@
 //! What is stored of each relevant voxel, in up to four buffers: no device binds as much at once as a large
-//! list takes. A voxel's buffer and its place there are the upper and the lower bits of its number.
+//! list takes. A voxel's buffer and its index there are the upper and the lower bits of its number.
 
 use crate::memory::{Buffer, Memory, too_large};
 use crate::{Device, DeviceInfo, Slice, Write};

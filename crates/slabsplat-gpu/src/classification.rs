@@ -87,7 +87,7 @@ impl Rules {
     }
 }
 
-/// The number by which the shaders know the compositing: its place among all of them.
+/// The number by which the shaders know the compositing: its index among all of them.
 pub(crate) fn compositing_code(compositing: Compositing) -> u32 {
     compositing as u32
 }

@@ -6,14 +6,14 @@ use slabsplat_backend::LayerPlan;
 /// Steps to which depths are rounded, per `unit`; the CPU's are the same.
 const STEPS_PER_UNIT: f64 = (1 << 20) as f64;
 
-/// Bits of a place in fixed point that are not the sign.
+/// Bits of a position in fixed point that are not the sign.
 const MAX_BITS: i32 = 62;
 
 /// How the list is sorted by depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DepthSort {
     pub(crate) params: DepthParams,
-    /// Bits of a rounded place, on each axis of the view.
+    /// Bits of a rounded position, on each axis of the view.
     pub(crate) n_bits: u32,
 }
 

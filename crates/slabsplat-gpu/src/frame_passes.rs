@@ -74,7 +74,7 @@ impl FrameMemory {
         }
     }
 
-    /// Sorts the voxels by sheet, or, where there are no sheets, by depth and then by place.
+    /// Sorts the voxels by sheet, or, where there are no sheets, by depth and then by position.
     fn push_depth_sort(&mut self, job: &Job, records: &Chunks, passes: &mut PassList) {
         let (n_voxels, counts) = (job.max_voxels(), self.counts.all());
         let keys = (n_voxels, job.count_slot());

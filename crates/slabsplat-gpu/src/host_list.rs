@@ -27,7 +27,7 @@ pub(crate) fn rules_of<'a>(layer: &LayerPlan<'a>) -> VoxelRules<'a> {
 /// Records of voxels that follow each other in a list.
 #[derive(Debug)]
 pub(crate) struct RecordPiece {
-    /// The place of the first one in the list.
+    /// The index of the first one in the list.
     pub(crate) first: u64,
     pub(crate) records: Vec<Record>,
 }

@@ -7,7 +7,7 @@ use slabsplat_backend::BackendError;
 #[derive(Debug)]
 pub(crate) struct Buffer {
     label: &'static str,
-    place: Option<(BufferId, u64)>,
+    memory: Option<(BufferId, u64)>,
 }
 
 /// Keeps account of a device's memory.
@@ -19,7 +19,7 @@ pub(crate) struct Memory {
 impl Buffer {
     /// A buffer of no bytes yet.
     pub(crate) fn new(label: &'static str) -> Self {
-        Self { label, place: None }
+        Self { label, memory: None }
     }
 
     /// All of it.
@@ -27,13 +27,13 @@ impl Buffer {
     /// # Panics
     /// If it never grew.
     pub(crate) fn all(&self) -> Slice {
-        let (buffer, size) = self.place.expect("buffers are grown before they are bound");
+        let (buffer, size) = self.memory.expect("buffers are grown before they are bound");
         Slice { buffer, offset: 0, size }
     }
 
     /// Its bytes.
     pub(crate) fn size(&self) -> u64 {
-        self.place.map_or(0, |(_, size)| size)
+        self.memory.map_or(0, |(_, size)| size)
     }
 }
 
@@ -60,12 +60,12 @@ impl Memory {
             .create_buffer(buffer.label, size)
             .map_err(|error| backend_error(device, buffer.label, &error))?;
         self.resident += size;
-        buffer.place = Some((id, size));
+        buffer.memory = Some((id, size));
         Ok(())
     }
 
     pub(crate) fn free<D: Device>(&mut self, device: &mut D, buffer: &mut Buffer) {
-        if let Some((id, size)) = buffer.place.take() {
+        if let Some((id, size)) = buffer.memory.take() {
             device.destroy_buffer(id);
             self.resident -= size;
         }

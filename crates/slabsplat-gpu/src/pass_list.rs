@@ -93,9 +93,9 @@ impl StepBuffer {
     /// The passes of a list; its steps, as far as they changed, are written.
     pub(crate) fn finish(&mut self, list: PassList, writes: &mut Vec<Write<'_>>) -> Vec<Pass> {
         let buffer = self.buffer.all().buffer;
-        for (place, step) in list.steps.iter().enumerate() {
-            if self.written.get(place) != Some(step) {
-                let offset = STEP_STRIDE * place as u64;
+        for (idx, step) in list.steps.iter().enumerate() {
+            if self.written.get(idx) != Some(step) {
+                let offset = STEP_STRIDE * idx as u64;
                 writes.push(Write {
                     buffer,
                     offset,

@@ -78,31 +78,31 @@ impl Sheets {
     /// before that depth. Of densities the sheet with which the part is shown in which it lies.
     pub(crate) fn at(&self, depth: f32) -> (u32, f32) {
         let Some(slabs) = &self.slabs else { return (0, 0.0) };
-        let place = (f64::from(depth) - slabs.front(0)) / slabs.thickness();
+        let position = (f64::from(depth) - slabs.front(0)) / slabs.thickness();
         let n_slabs = slabs.n_slabs();
         if !self.are_parts {
-            return self.within(place, n_slabs);
+            return self.within(position, n_slabs);
         }
         // A part begins in the middle of a sheet, the first before all sheets and the last in the last one.
-        let (part, counted) = self.within(place + 0.5, n_slabs + 1);
+        let (part, counted) = self.within(position + 0.5, n_slabs + 1);
         (part + SHEETS_BEHIND_PART, counted)
     }
 
-    /// Which of `n` on end holds a place, and what counts of it before that.
-    fn within(&self, place: f64, n: usize) -> (u32, f32) {
-        if place < 0.0 {
+    /// Which of `n` on end holds a position, and what counts of it before that.
+    fn within(&self, position: f64, n: usize) -> (u32, f32) {
+        if position < 0.0 {
             return (0, 0.0);
         }
-        if n as f64 <= place {
+        if n as f64 <= position {
             return (n as u32, 0.0);
         }
-        let share = place.fract();
+        let share = position.fract();
         let counted = match self.are_split {
             true => share as f32,
             false if 0.5 < share => 1.0,
             false => 0.0,
         };
-        (place as u32, counted)
+        (position as u32, counted)
     }
 }
 

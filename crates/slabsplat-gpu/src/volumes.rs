@@ -36,7 +36,7 @@ impl Volumes {
             old.free(memory, device);
         }
         for known in needed() {
-            if self.place_of(known).is_none() {
+            if self.index_of(known).is_none() {
                 self.resident.push(Resident { known: known.clone(), pieces: Vec::new() });
                 let pieces = &mut self.resident.last_mut().expect("one was pushed").pieces;
                 take((memory, device), known, pieces, writes)?;
@@ -47,7 +47,7 @@ impl Volumes {
 
     /// The pieces of a volume that is there.
     pub(crate) fn pieces(&self, known: &Arc<KnownVolume>) -> &[(Piece, Buffer)] {
-        self.place_of(known).map_or(&[], |place| &self.resident[place].pieces)
+        self.index_of(known).map_or(&[], |idx| &self.resident[idx].pieces)
     }
 
     /// Gives everything back.
@@ -57,7 +57,7 @@ impl Volumes {
         }
     }
 
-    fn place_of(&self, known: &Arc<KnownVolume>) -> Option<usize> {
+    fn index_of(&self, known: &Arc<KnownVolume>) -> Option<usize> {
         self.resident.iter().position(|resident| Arc::ptr_eq(&resident.known, known))
     }
 }

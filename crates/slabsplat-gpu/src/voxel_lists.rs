@@ -77,12 +77,12 @@ impl VoxelLists {
         for number in lists.len()..job.layers.len() {
             lists.push(VoxelList::new(number as u32, device.info()));
         }
-        for (place, layer) in job.layers.iter().enumerate() {
-            let others = &lists[place..];
+        for (slot, layer) in job.layers.iter().enumerate() {
+            let others = &lists[slot..];
             let is_free = |list: &VoxelList| !job.layers.iter().any(|layer| list.is_of(layer));
             let found = others.iter().position(|list| list.is_of(layer));
             let found = found.or_else(|| others.iter().position(is_free));
-            lists.swap(place, place + found.unwrap_or(0));
+            lists.swap(slot, slot + found.unwrap_or(0));
         }
         for list in &mut lists[job.layers.len()..] {
             list.forget(memory, device);

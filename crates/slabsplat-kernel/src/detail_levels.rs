@@ -134,7 +134,7 @@ mod tests {
         DetailLevels::new(&*kernel_named(name).unwrap(), ErrorBudget::new(&settings))
     }
 
-    /// Of a Gaussian `exp(−r²·2 ln 2)` that goes on for ever it is 1/(4 ln 2).
+    /// Of a Gaussian `exp(−r²·2 ln 2)` without an end it is 1/(4 ln 2).
     #[test]
     fn detail_levels_know_the_variance() {
         let gaussian = levels("gaussian", 0.05).kernel_variance();

@@ -1,5 +1,5 @@
 //! A program that has a device of wgpu's anyway shares it: frames are drawn into a texture of the program's,
-//! on which the program goes on. This one only copies it out, to see it: `cargo run --release -p slabsplat
+//! on which the program continues. This one only copies it out, to see it: `cargo run --release -p slabsplat
 //! --features wgpu --example own_device [picture.png]`.
 
 use slabsplat::{

@@ -128,7 +128,7 @@ impl Renderer {
     /// [`TextureRenderer`](crate::TextureRenderer) leaves them there.
     ///
     /// The device stays the caller's. Handlers of errors, and of the loss of the device, are neither set nor
-    /// replaced: what goes wrong here is caught by error scopes, and is an error here. The caller goes on to
+    /// replaced: what goes wrong here is caught by error scopes, and is an error here. The caller continues to
     /// use the device, on this thread or others; callbacks of the caller's may be called by a poll from here,
     /// as by any.
     ///
@@ -284,7 +284,7 @@ impl Renderer {
     }
 
     /// Takes a frame as soon as it is done, as [`render_async`](Self::render_async) does. If the future is
-    /// dropped, the frame goes on, and may be awaited again.
+    /// dropped, the frame continues, and may be awaited again.
     ///
     /// # Errors
     /// If the frame failed or was cancelled, or is none of this renderer's.

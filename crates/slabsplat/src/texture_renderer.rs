@@ -61,7 +61,7 @@ pub struct TextureRenderer {
     drawing: Drawing,
     /// In the order of submission.
     under_way: Vec<UnderWay>,
-    /// What says why it goes on with the CPU, if it may.
+    /// What says why it continues with the CPU, if it may.
     #[cfg_attr(target_arch = "wasm32", expect(dead_code, reason = "there is none"))]
     fallback: Option<Tell>,
 }

@@ -35,7 +35,7 @@ pub(crate) fn draw_edges(image: &mut Image, scene: &Scene, screen: &Screen) {
 }
 
 /// What coordinates take around the box: they stand at its left and below it, and at its right where an edge
-/// leans.
+/// tilts.
 pub(crate) fn axes_insets(scene: &Scene, em: f64) -> Insets {
     let numbers = Bounds::of(scene).map_or(0.0, |bounds| numbers_width(&bounds, em));
     let left = (numbers + 1.1 * em).max(4.2 * em);

@@ -146,7 +146,7 @@ fn film_tells_what_ffmpeg_says() {
     let output =
         program(dir.path(), &format!("{CUBE} -o a.mp4")).env("PATH", path).output().unwrap();
     let expected = "error: ffmpeg cannot make the film: a.mp4: No space left on device; once that is mended, \
-                    the same command goes on with the frames that are there\n";
+                    the same command continues with the frames that are there\n";
     assert_eq!((text(&output.stderr).as_str(), output.status.code()), (expected, Some(1)));
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct SlabToEndIn {
 /// What is added to a pixel, for each of its rays what goes through it.
 struct Added {
     color: [f64; 3],
-    /// What goes on behind.
+    /// What continues behind.
     through: f64,
 }
 

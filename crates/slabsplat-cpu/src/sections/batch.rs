@@ -66,7 +66,7 @@ impl SlabCut<'_> {
                 let bands = Bands::of(simd, cuts.faces, *half_depth_in_index, raster.radius);
                 for (axis, center) in centers.into_iter().enumerate() {
                     let [first, end] = bands.ends(simd, &self.shape, axis);
-                    batch.place(simd, axis, center, [center + first, center + end]);
+                    batch.push(simd, axis, center, [center + first, center + end]);
                 }
             } else {
                 batch.place_discs(simd, &self.shape, rho_max, centers);
@@ -124,7 +124,7 @@ impl SectionBatch {
         for (axis, center) in centers.into_iter().enumerate() {
             let half =
                 rho_max * f32x8::splat(simd, shape.half_extent[axis]) + f32x8::splat(simd, MARGIN);
-            self.place(simd, axis, center, [center - half, center + half]);
+            self.push(simd, axis, center, [center - half, center + half]);
         }
     }
 
@@ -133,7 +133,7 @@ impl SectionBatch {
     /// No closure: `map` over the two ends is not inlined everywhere, and took a sixth of a solid cube's
     /// frame.
     #[inline(always)]
-    fn place<S: Simd>(
+    fn push<S: Simd>(
         &mut self,
         simd: S,
         axis: usize,

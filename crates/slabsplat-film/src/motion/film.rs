@@ -11,7 +11,7 @@ use slabsplat_core::{
 };
 use thiserror::Error;
 
-/// How things are at a moment. What a key leaves out goes on from the key before that says it to the next.
+/// How things are at a moment. What a key leaves out continues from the key before that says it to the next.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Key {

@@ -43,7 +43,7 @@ struct Tip {
     n_steps: u32,
     /// How far a step strays from the one before it.
     wander: f64,
-    /// How much a step leans towards the direction that the branch began with.
+    /// How much a step tends towards the direction that the branch began with.
     purpose: f64,
 }
 

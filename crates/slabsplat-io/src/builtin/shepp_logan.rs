@@ -5,7 +5,7 @@
 //! University of Denmark, 1996, table B.3), the values that let the eye tell the tissues apart;
 //! M. Schabel, "3D Shepp-Logan phantom" (MATLAB Central 9416, 2006), the third axes. Schabel also
 //! turns the ventricles by an angle ψ = 10°, which at θ = 0 only makes them lopsided in the plane;
-//! it is left out here, so that they lean by ∓18° as in the original.
+//! it is left out here, so that they are tilted by ∓18° as in the original.
 
 use slabsplat_core::Samples;
 use slabsplat_core::glam::{DMat3, DVec3};

@@ -188,7 +188,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn complaint_finds_the_nearest_key() {
+    fn diagnostic_finds_the_nearest_key() {
         let known = ["slab_width", "sections", "method"];
         assert_eq!(nearest("slabwidth", &known), Some("slab_width"));
         assert_eq!(nearest("Section", &known), Some("sections"));
@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn complaint_finds_the_line() {
+    fn diagnostic_finds_the_line() {
         let text = "[a]\nx = 1\n[b]\ny = [\n  [1.0]\n]\n\n# x = 3\nx = 2\n";
         assert_eq!(line_of_key(text, None, "b", "x"), Some(9));
         assert_eq!(line_of_key(text, None, "b", "z"), Some(3));

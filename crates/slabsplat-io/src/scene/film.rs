@@ -53,7 +53,7 @@ impl TurnFile {
     }
 }
 
-/// How things are at a moment; all that is left out goes on.
+/// How things are at a moment; all that is left out continues.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct KeyFile {

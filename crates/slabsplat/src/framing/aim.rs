@@ -149,7 +149,7 @@ impl Aim {
         let ViewAxes { right, up, forward } = beside.axes();
         let turn = DQuat::from_axis_angle(right, -self.elevation_degrees.to_radians());
         let (up_there, forward_there) = (turn * up, turn * forward);
-        // The camera's own up stays, so that it goes on turning about the same axis, unless it looks along it
+        // The camera's own up stays, so that it still turns about the same axis, unless it looks along it
         // or stands on its head.
         let own = camera.up().normalize();
         let is_upright = 0.0 < up_there.dot(own) && forward_there.dot(own).abs() < NEAR_UP;

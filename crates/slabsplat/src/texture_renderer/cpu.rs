@@ -24,7 +24,7 @@ pub(super) struct Uploaded(Option<PendingFrame>);
 
 impl TextureRenderer {
     /// A renderer on the device if it is a graphics card that runs the shaders, and else on the CPU, which
-    /// also goes on where the device fails; `tell` is given a sentence for people whenever one that should
+    /// also continues where the device fails; `tell` is given a sentence for people whenever one that should
     /// draw does not. Software that plays a graphics card is slower than the CPU, and not taken.
     ///
     /// # Errors

@@ -44,7 +44,7 @@ impl Seen {
     fn of<S: Simd>(parts: &Parts<S>, middles: &Eight, slants: [Eight; 2], lies: Lies) -> Self {
         let mut shares = [0.0; LANES];
         for (share, middle) in shares.iter_mut().zip(middles) {
-            // It lies evenly around its mean, as far as the part goes on both sides.
+            // It lies evenly around its mean, as far as the part reaches on both sides.
             *share = 2.0 * middle.min(1.0 - middle);
         }
         Self { slopes: Slopes::of(&parts.slopes), middles: *middles, shares, slants, lies }

@@ -64,11 +64,11 @@ fn blobs(rng: &mut Rng) -> Volume {
     let balls: Vec<_> = (0..2)
         .map(|_| (dims.map(|n| n as f64 * rng.f64()), 1.0 + 4.0 * rng.f64(), rng.u8(0..6)))
         .collect();
-    let lean = |rng: &mut Rng| 0.5 * rng.f64() - 0.25;
+    let shear = |rng: &mut Rng| 0.5 * rng.f64() - 0.25;
     let columns = DMat3::from_cols(
-        DVec3::new(1.0, lean(rng), 0.0),
-        DVec3::new(lean(rng), 1.0 + rng.f64(), 0.0),
-        DVec3::new(0.0, lean(rng), 1.0),
+        DVec3::new(1.0, shear(rng), 0.0),
+        DVec3::new(shear(rng), 1.0 + rng.f64(), 0.0),
+        DVec3::new(0.0, shear(rng), 1.0),
     );
     let grid = Grid::new(dims, DAffine3::from_mat3(columns)).unwrap();
     let value = |idx: usize| {

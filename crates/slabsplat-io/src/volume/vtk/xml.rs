@@ -98,7 +98,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let mut filling = Filling::new(input, &header.geometry, desc, &chosen, endian)?;
     let mut n_placed = 0_u64;
     for (piece, array) in header.parts(desc) {
-        let (dims, first) = header.place_of(input, piece, desc)?;
+        let (dims, first) = header.dims_of(input, piece, desc)?;
         header.read_array(
             input,
             array,
@@ -244,7 +244,7 @@ impl Header {
     }
 
     /// Samples of a piece along each axis, and where in the image its first one is.
-    fn place_of(
+    fn dims_of(
         &self,
         input: &Input<'_>,
         piece: &Piece,

@@ -31,7 +31,7 @@ const MAX_IN_SHARD: usize = 1 << 24;
 /// What an index says of a chunk that is not there.
 const NONE: u64 = u64::MAX;
 
-/// Reading, while it goes on.
+/// A read under way.
 struct Reading<'a> {
     tree: &'a Tree<'a>,
     image: &'a Image,
@@ -60,7 +60,7 @@ impl InShard<'_> {
     }
 
     /// Where a chunk is in the shard, and how long, if it is there.
-    fn place_of(&self, at: usize) -> Option<[u64; 2]> {
+    fn range_of(&self, at: usize) -> Option<[u64; 2]> {
         Some(self.index[at]).filter(|place| *place != [NONE; 2])
     }
 }
@@ -219,7 +219,7 @@ impl<'a> Reading<'a> {
         }
         let image = self.image;
         let unpack = |part: &mut Part<'_>, &at: &usize| {
-            let Some([offset, n_bytes]) = places.place_of(at) else { return Ok(None) };
+            let Some([offset, n_bytes]) = places.range_of(at) else { return Ok(None) };
             part.go_to(offset).map_err(ReadFailure::Io)?;
             unpacked_chunk(image, chunks, part.take(n_bytes)).map(Some)
         };
@@ -241,7 +241,7 @@ impl<'a> Reading<'a> {
         at: usize,
     ) -> Result<(), ReadFailure> {
         let first = places.first_of(at);
-        let Some([offset, n_bytes]) = places.place_of(at) else {
+        let Some([offset, n_bytes]) = places.range_of(at) else {
             self.fill(&first, &places.chunks.shape);
             return Ok(());
         };

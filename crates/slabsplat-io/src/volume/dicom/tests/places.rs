@@ -23,7 +23,7 @@ fn dicom_slices_are_sorted_by_place() {
     assert_eq!(affine.translation, DVec3::new(-10.0, -20.0, -5.0));
 }
 
-/// A gantry that leans: every slice is 2 mm further along y than the one below.
+/// A tilted gantry: every slice is 2 mm further along y than the one below.
 #[test]
 fn dicom_gantry_tilt_is_a_shear() {
     let tilted = [0.0, 4.0, 8.0].map(|z| {
