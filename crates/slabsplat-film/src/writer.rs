@@ -147,8 +147,8 @@ impl FilmWriter {
     ) -> Result<FilmReport, E> {
         let Self { target, format, desc, folder, n_done, metadata } = self;
         let made = folder.beside("film.part");
-        // An ffmpeg of a run that was killed may still be writing what it had, and continues with a file of no
-        // name.
+        // An ffmpeg of a run that was killed may still be writing what it had, and continues with a file of
+        // no name.
         if let Err(error) = fs::remove_file(&made)
             && error.kind() != ErrorKind::NotFound
         {

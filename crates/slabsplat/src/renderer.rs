@@ -128,9 +128,9 @@ impl Renderer {
     /// [`TextureRenderer`](crate::TextureRenderer) leaves them there.
     ///
     /// The device stays the caller's. Handlers of errors, and of the loss of the device, are neither set nor
-    /// replaced: what goes wrong here is caught by error scopes, and is an error here. The caller continues to
-    /// use the device, on this thread or others; callbacks of the caller's may be called by a poll from here,
-    /// as by any.
+    /// replaced: what goes wrong here is caught by error scopes, and is an error here. The caller continues
+    /// to use the device, on this thread or others; callbacks of the caller's may be called by a poll from
+    /// here, as by any.
     ///
     /// # Errors
     /// If the shaders do not run on it, with all that it lacks:

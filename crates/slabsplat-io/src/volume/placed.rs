@@ -333,7 +333,8 @@ fn read_all(source: &mut impl Read, bytes: &mut [u8], n_read: &mut u64) -> Resul
     Ok(())
 }
 
-/// The same array with as few axes as say it: an axis that continues where the one before ends is one with it.
+/// The same array with as few axes as say it: an axis that continues where the one before ends is one with
+/// it.
 fn joined(axes: &[Axis]) -> Vec<Axis> {
     let mut joined: Vec<Axis> = Vec::new();
     for axis in axes.iter().filter(|axis| axis.len != 1) {

@@ -197,7 +197,8 @@ impl Coder {
         value.clamp(0, max_value)
     }
 
-    /// A run from `x` on, and the pixel that ends it unless the line does; returns where it continues (§A.7.1).
+    /// A run from `x` on, and the pixel that ends it unless the line does; returns where it continues
+    /// (§A.7.1).
     fn run(
         &mut self,
         bits: &mut Bits<'_>,
