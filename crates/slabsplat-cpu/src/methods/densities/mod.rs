@@ -27,11 +27,12 @@
 //!
 //! # Reading order
 //!
-//! `finite`, `reach`, `bit_rows`, `selection`, `voxels`; `sheets`, `groups`, `rings`, `rays`, `depths`,
+//! `finite`, `reach`, `bit_rows`, `codes`, `selection`, `voxels`; `sheets`, `groups`, `rings`, `rays`, `depths`,
 //! `nodes`, `normals`; `layer_to_draw`; `integrals`, `parts`, `classify`; `one_for_all`, `saturation`,
 //! `extremes`, `means`, `grazed`, `joined`, `statistic`; `crossing`, `isosurfaces`, `passed`, `surfaces`.
 
 mod bit_rows;
+mod codes;
 mod finite;
 mod reach;
 mod selection;

@@ -14,10 +14,12 @@
 //! largest is at least wherever anything shows, and one as small.
 
 use super::bit_rows::BitRows;
+use super::codes::{CodeBlock, Coder};
 use super::reach::Reach;
 use rayon::prelude::*;
 use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Volume};
 use slabsplat_traverse::{BRICK_SIDE, Brick, BrickGrid};
+use std::ops::Range;
 
 /// The voxels that are splatted, by brick.
 #[derive(Debug)]
@@ -41,6 +43,9 @@ pub(super) const BEYOND_AT_NODES: f64 = 1.0 / 12.0;
 /// of nodes by an eighth of their distance.
 pub(super) const BEYOND_AT_PEAKS: f64 = BEYOND_AT_NODES + 0.125 * (1.0 + 2.0 * BEYOND_AT_NODES);
 
+/// Bricks that are looked at together, along each axis.
+const BLOCK: [usize; 3] = [64, 8, 8];
+
 impl Selection {
     /// The voxels of `volume` that have a visible density between the values within `reach`, or `beyond`
     /// these by such a part of their distance. `finite` is the range of finite values, `ranges` are the
@@ -48,34 +53,37 @@ impl Selection {
     pub(super) fn new(
         volume: &Volume,
         finite: Option<[f64; 2]>,
-        (ranges, beyond): (&[IsoRange], f64),
+        shown: (&[IsoRange], f64),
         reach: &Reach,
         frame: &FrameHandle,
     ) -> Result<Self, Cancelled> {
+        Self::by_blocks(volume, finite, shown, reach, BLOCK, frame)
+    }
+
+    /// The same, so many bricks together.
+    fn by_blocks(
+        volume: &Volume,
+        finite: Option<[f64; 2]>,
+        shown: (&[IsoRange], f64),
+        reach: &Reach,
+        block: [usize; 3],
+        frame: &FrameHandle,
+    ) -> Result<Self, Cancelled> {
         let coder = Coder::new(finite);
-        let mut codes = Codes::new(volume, &coder, frame)?;
-        let may_show = coder.visible_pairs((ranges, beyond), frame)?;
+        let may_show = coder.visible_pairs(shown, frame)?;
         let rows = reach.rows();
-        let needed = if rows.is_empty() { [None, None] } else { codes.needed(&may_show) };
+        let search = Search { volume, coder, grid: BrickGrid::new(volume.grid()), may_show, frame };
+        let needed = if rows.is_empty() { [None, None] } else { search.needed() };
         let needed = needed.map(|bits| bits.map(|bits| bits.spread(&rows, frame)));
-        for (axis, margin) in reach.margin.into_iter().enumerate() {
-            codes.widen(axis, margin)?;
-        }
-        let grid = BrickGrid::new(volume.grid());
-        let mask = |brick_idx: u32| {
-            if frame.is_cancelled() {
-                return None;
-            }
-            let mask = codes.mask(&grid, brick_idx, |idx, least, largest| {
-                may_show[usize::from(least)][usize::from(largest)]
-                    && needed.iter().flatten().all(|near| near.holds(idx))
-                    && !volume.value(idx).is_nan()
-            });
-            mask.iter().any(|bits| *bits != 0).then_some((brick_idx, mask))
+        let select = |codes: &mut CodeBlock, bricks| {
+            // Of a frame that is cancelled it does not matter.
+            search.select(codes, bricks, reach.margin, &needed).unwrap_or_default()
         };
-        let n_bricks = grid.n_bricks() as u32;
-        let selected: Vec<(u32, Mask)> = (0..n_bricks).into_par_iter().filter_map(mask).collect();
+        let blocks = blocks(search.grid.n_along(), block).into_par_iter();
+        let selected = blocks.map_init(CodeBlock::default, select);
+        let mut selected: Vec<(u32, Mask)> = selected.flatten_iter().collect();
         frame.check()?;
+        selected.par_sort_unstable_by_key(|(brick_idx, _)| *brick_idx);
         let brick = |(first, &(brick_idx, mask)): (usize, &(u32, Mask))| {
             let n_voxels = mask.iter().map(|bits| bits.count_ones() as u16).sum();
             Brick { brick_idx, first: first as u32, n_voxels }
@@ -102,236 +110,123 @@ impl Selection {
     }
 }
 
+/// Bricks in blocks of so many along each axis.
+fn blocks(n_along: [usize; 3], block: [usize; 3]) -> Vec<[Range<usize>; 3]> {
+    let [xs, ys, zs] = [0, 1, 2].map(|axis: usize| {
+        let starts = (0..n_along[axis]).step_by(block[axis]);
+        starts.map(move |start| start..n_along[axis].min(start + block[axis]))
+    });
+    let rows = zs.flat_map(|z| ys.clone().map(move |y| (y, z.clone())));
+    rows.flat_map(|(y, z)| xs.clone().map(move |x| [x, y.clone(), z.clone()])).collect()
+}
+
+/// What is selected from, and by what.
+struct Search<'a> {
+    volume: &'a Volume,
+    coder: Coder,
+    grid: BrickGrid,
+    /// By the least and the largest code.
+    may_show: Vec<[bool; 256]>,
+    frame: &'a FrameHandle,
+}
+
+/// Voxels that a thread takes on at a time.
+const CHUNK: usize = 1 << 16;
+
+impl Search<'_> {
+    /// The voxels one of which is near wherever anything shows: those with codes as large as the largest one
+    /// there is at least, and those with codes as small; `None` where all voxels would be meant.
+    fn needed(&self) -> [Option<BitRows>; 2] {
+        let Self { volume, coder, may_show, frame, .. } = self;
+        let [first, last] = self.ends();
+        let largest =
+            (first..=last).find(|&code| (first..=code).any(|least| may_show[least][code]));
+        let least =
+            (first..=last).rev().find(|&code| (code..=last).any(|largest| may_show[code][largest]));
+        let rows = |is_meant: &(dyn Fn(usize) -> bool + Sync)| {
+            let of_voxel = |idx| coder.code_of(volume, idx).map(usize::from);
+            BitRows::of(volume.grid().dims(), frame, |idx| of_voxel(idx).is_some_and(is_meant))
+        };
+        let large = largest.filter(|&code| first < code).map(|code| rows(&|of| code <= of));
+        let small = least.filter(|&code| code < last).map(|code| rows(&|of| of <= code));
+        [large, small]
+    }
+
+    /// The least and the largest code that there is; any, if the frame is cancelled.
+    fn ends(&self) -> [usize; 2] {
+        let Self { volume, coder, frame, .. } = self;
+        let n_voxels = volume.grid().n_voxels();
+        let chunks = (0..n_voxels.div_ceil(CHUNK)).into_par_iter();
+        let of_chunk = |chunk: usize| {
+            let idxs = chunk * CHUNK..n_voxels.min((chunk + 1) * CHUNK);
+            let codes = idxs.filter_map(|idx| coder.code_of(volume, idx));
+            codes.fold(NO_CODES, |[least, largest], code| [least.min(code), largest.max(code)])
+        };
+        let ends = chunks.filter(|_| !frame.is_cancelled()).map(of_chunk);
+        let ends = ends.reduce(|| NO_CODES, |[a, b], [c, d]| [a.min(c), b.max(d)]);
+        ends.map(usize::from)
+    }
+
+    /// The bricks of a block that hold any voxels, and which.
+    fn select(
+        &self,
+        codes: &mut CodeBlock,
+        bricks: [Range<usize>; 3],
+        margin: [usize; 3],
+        needed: &[Option<BitRows>; 2],
+    ) -> Result<Vec<(u32, Mask)>, Cancelled> {
+        let dims = self.grid.dims();
+        let voxels = [0, 1, 2].map(|axis: usize| {
+            let Range { start, end } = bricks[axis];
+            BRICK_SIDE * start..dims[axis].min(BRICK_SIDE * end)
+        });
+        codes.make((self.volume, &self.coder), &voxels, margin, self.frame)?;
+        let [xs, ys, zs] = bricks;
+        let mut selected = Vec::new();
+        for (z, y) in zs.flat_map(|z| ys.clone().map(move |y| (z, y))) {
+            self.frame.check()?;
+            for x in xs.clone() {
+                let brick_idx = self.grid.brick_idx([x, y, z]);
+                let mask = self.mask(codes, brick_idx, needed);
+                if mask.iter().any(|bits| *bits != 0) {
+                    selected.push((brick_idx, mask));
+                }
+            }
+        }
+        Ok(selected)
+    }
+
+    /// The voxels of a brick that may have a part in what shows.
+    fn mask(&self, codes: &CodeBlock, brick_idx: u32, needed: &[Option<BitRows>; 2]) -> Mask {
+        let Self { volume, grid, may_show, .. } = self;
+        let origin = grid.origin(brick_idx);
+        let [n_x, n_y, n_z] = grid.size_at(origin);
+        let mut mask = [0; BRICK_SIDE];
+        for (z, y) in (0..n_z).flat_map(|z| (0..n_y).map(move |y| (z, y))) {
+            let at = [origin[0], origin[1] + y, origin[2] + z];
+            let first = grid.voxel_idx(at);
+            let [least, largest] = codes.row(at[0]..at[0] + n_x, at[1], at[2]);
+            for (x, (&least, &largest)) in least.iter().zip(largest).enumerate() {
+                let idx = first + x;
+                let is_selected = may_show[usize::from(least)][usize::from(largest)]
+                    && needed.iter().flatten().all(|near| near.holds(idx))
+                    && !volume.value(idx).is_nan();
+                mask[z] |= u64::from(is_selected) << (y * BRICK_SIDE + x);
+            }
+        }
+        mask
+    }
+}
+
+/// The least and the largest code of no value at all.
+const NO_CODES: [u8; 2] = [u8::MAX, 0];
+
 fn set_bits(mut bits: u64) -> impl Iterator<Item = u16> {
     std::iter::from_fn(move || {
         let bit = bits.trailing_zeros() as u16;
         bits &= bits.checked_sub(1)?;
         Some(bit)
     })
-}
-
-/// Takes values to codes: finite ones to `FIRST..=LAST`, infinities to what lies beside. The least and the
-/// largest value have codes of their own, since what is around an object often has one value, and the object
-/// is visible from the next one on.
-#[derive(Clone, Copy, Debug)]
-struct Coder {
-    ends: [f64; 2],
-    /// Half of the least value, and of the extent of all, so that no difference is infinite.
-    half_least: f64,
-    half_extent: f64,
-}
-
-const FIRST: u8 = 1;
-const LAST: u8 = 253;
-
-/// Codes between the least and the largest value's.
-const N_BETWEEN: f64 = (LAST - FIRST - 1) as f64;
-
-/// What a NaN voxel counts as: nothing.
-const NOTHING: (u8, u8) = (u8::MAX, 0);
-
-impl Coder {
-    fn new(finite: Option<[f64; 2]>) -> Self {
-        let [lo, hi] = finite.unwrap_or([0.0; 2]);
-        Self { ends: [lo, hi], half_least: 0.5 * lo, half_extent: 0.5 * hi - 0.5 * lo }
-    }
-
-    fn code(&self, value: f64) -> u8 {
-        if value.is_infinite() {
-            return if value < 0.0 { FIRST - 1 } else { LAST + 1 };
-        }
-        if value <= self.ends[0] {
-            return FIRST;
-        }
-        if self.ends[1] <= value {
-            return LAST;
-        }
-        let between = (0.5 * value - self.half_least) / self.half_extent;
-        FIRST + 1 + (between * N_BETWEEN).clamp(0.0, N_BETWEEN - 1.0) as u8
-    }
-
-    /// Half of what a code's values are at least, and of what they are at most. Between the ends a code's
-    /// width is added on either side for rounding.
-    fn half_ends(&self, code: u8) -> [f64; 2] {
-        let step = self.half_extent / N_BETWEEN;
-        let end = |steps: f64| self.half_least + steps * step;
-        match code {
-            ..FIRST => [f64::NEG_INFINITY, end(1.0)],
-            FIRST => [0.5 * self.ends[0]; 2],
-            LAST => [0.5 * self.ends[1]; 2],
-            code if code < LAST => {
-                let steps = f64::from(code - FIRST - 1);
-                [end(steps - 1.0), end(steps + 2.0)]
-            }
-            _ => [end(N_BETWEEN - 1.0), f64::INFINITY],
-        }
-    }
-
-    /// Whether anything shows between values of a least and a largest code, and as far outside as densities
-    /// may lie.
-    fn visible_pairs(
-        &self,
-        (ranges, beyond): (&[IsoRange], f64),
-        frame: &FrameHandle,
-    ) -> Result<Vec<[bool; 256]>, Cancelled> {
-        let is_visible = |least: usize, largest: usize| {
-            // Half of the least number above 0 is 0: where all is of one value, it is that which counts.
-            for (code, value) in [FIRST, LAST].into_iter().zip(self.ends) {
-                if [least, largest] == [usize::from(code); 2] {
-                    return ranges.iter().any(|range| (range.lo..=range.hi).contains(&value));
-                }
-            }
-            let lo = self.half_ends(least as u8)[0];
-            let hi = self.half_ends(largest as u8)[1];
-            let over = beyond * (hi - lo);
-            let (lo, hi) = (lo - over, hi + over);
-            ranges.iter().any(|range| 0.5 * range.lo <= hi && lo <= 0.5 * range.hi)
-        };
-        let row = |least: usize| {
-            frame.check()?;
-            Ok(std::array::from_fn(|largest| least <= largest && is_visible(least, largest)))
-        };
-        (0..256).map(row).collect()
-    }
-}
-
-/// Codes of voxels, or of neighbourhoods of them: the least and the largest.
-struct Codes<'a> {
-    frame: &'a FrameHandle,
-    dims: [usize; 3],
-    least: Vec<u8>,
-    largest: Vec<u8>,
-}
-
-/// Voxels that a thread takes on at a time.
-const CHUNK: usize = 1 << 16;
-
-/// Bytes that are copied between two looks at whether anyone still wants them: half a millisecond.
-const COPIED_AT_ONCE: usize = 1 << 20;
-
-impl<'a> Codes<'a> {
-    fn new(volume: &Volume, coder: &Coder, frame: &'a FrameHandle) -> Result<Self, Cancelled> {
-        let n_voxels = volume.grid().n_voxels();
-        let code = |value: f64| {
-            if value.is_nan() { NOTHING } else { (coder.code(value), coder.code(value)) }
-        };
-        let (mut least, mut largest) = (vec![0; n_voxels], vec![0; n_voxels]);
-        let chunks = least.par_chunks_mut(CHUNK).zip(largest.par_chunks_mut(CHUNK)).enumerate();
-        chunks.filter(|_| !frame.is_cancelled()).for_each(|(chunk, (least, largest))| {
-            for (idx, codes) in (chunk * CHUNK..).zip(least.iter_mut().zip(largest)) {
-                (*codes.0, *codes.1) = code(volume.value(idx));
-            }
-        });
-        frame.check()?;
-        Ok(Self { frame, dims: volume.grid().dims(), least, largest })
-    }
-
-    /// The voxels one of which is near wherever anything shows: those with codes as large as the largest one
-    /// there is at least, and those with codes as small; `None` where all voxels would be meant.
-    fn needed(&self, may_show: &[[bool; 256]]) -> [Option<BitRows>; 2] {
-        let [first, last] = self.ends();
-        let largest =
-            (first..=last).find(|&code| (first..=code).any(|least| may_show[least][code]));
-        let least =
-            (first..=last).rev().find(|&code| (code..=last).any(|largest| may_show[code][largest]));
-        let large = largest
-            .filter(|&code| first < code)
-            .map(|code| self.rows(|idx| code <= usize::from(self.largest[idx])));
-        let small = least
-            .filter(|&code| code < last)
-            .map(|code| self.rows(|idx| usize::from(self.least[idx]) <= code));
-        [large, small]
-    }
-
-    /// The least and the largest code that there is; 0 if the frame is cancelled.
-    fn ends(&self) -> [usize; 2] {
-        let wanted = |_: &&[u8]| !self.frame.is_cancelled();
-        let chunks = |codes| <[u8]>::par_chunks(codes, CHUNK).filter(wanted);
-        let least = chunks(&self.least).map(|codes| codes.iter().fold(u8::MAX, |a, &b| a.min(b)));
-        let largest = chunks(&self.largest).map(|codes| codes.iter().fold(0, |a, &b| a.max(b)));
-        [least.min(), largest.max()].map(|end| end.map_or(0, usize::from))
-    }
-
-    fn rows(&self, is_meant: impl Fn(usize) -> bool + Sync) -> BitRows {
-        BitRows::of(self.dims, self.frame, is_meant)
-    }
-
-    /// The voxels of a brick of which `is_meant`, given their indices in memory and their codes.
-    fn mask(
-        &self,
-        grid: &BrickGrid,
-        brick_idx: u32,
-        is_meant: impl Fn(usize, u8, u8) -> bool,
-    ) -> Mask {
-        let origin = grid.origin(brick_idx);
-        let [n_x, n_y, n_z] = grid.size_at(origin);
-        let mut mask = [0; BRICK_SIDE];
-        for (z, y) in (0..n_z).flat_map(|z| (0..n_y).map(move |y| (z, y))) {
-            let first = grid.voxel_idx([origin[0], origin[1] + y, origin[2] + z]);
-            for x in 0..n_x {
-                let idx = first + x;
-                let bit = u64::from(is_meant(idx, self.least[idx], self.largest[idx]));
-                mask[z] |= bit << (y * BRICK_SIDE + x);
-            }
-        }
-        mask
-    }
-
-    /// Makes every code that of all voxels within `margin` steps along `axis`.
-    fn widen(&mut self, axis: usize, margin: usize) -> Result<(), Cancelled> {
-        let mut reached = 0;
-        while reached < margin {
-            // Three windows side by side, or overlapping, make one.
-            let step = (2 * reached + 1).min(margin - reached);
-            self.least = self.joined(&self.least, axis, step, u8::min)?;
-            self.largest = self.joined(&self.largest, axis, step, u8::max)?;
-            reached += step;
-        }
-        Ok(())
-    }
-
-    /// Joins every code with those `step` voxels before and after it along `axis`.
-    fn joined(
-        &self,
-        codes: &[u8],
-        axis: usize,
-        step: usize,
-        join: fn(u8, u8) -> u8,
-    ) -> Result<Vec<u8>, Cancelled> {
-        let stride: usize = self.dims[..axis].iter().product();
-        let (offset, block) = (step * stride, stride * self.dims[axis]);
-        let mut out = Vec::with_capacity(codes.len());
-        for codes in codes.chunks(COPIED_AT_ONCE) {
-            self.frame.check()?;
-            out.extend_from_slice(codes);
-        }
-        // A block is a run of memory within which a step along the axis never leaves the grid.
-        let blocks = out.par_chunks_mut(block).zip(codes.par_chunks(block));
-        blocks.with_min_len(CHUNK.div_ceil(block)).for_each(|(out, codes)| {
-            let fold = |out: &mut [u8], codes: &[u8]| {
-                let chunks = out.chunks_mut(CHUNK).zip(codes.chunks(CHUNK));
-                for (out, codes) in chunks.take_while(|_| !self.frame.is_cancelled()) {
-                    out.iter_mut().zip(codes).for_each(|(out, &code)| *out = join(*out, code));
-                }
-            };
-            let n_moved = codes.len().saturating_sub(offset);
-            if 0 < n_moved {
-                fold(&mut out[..n_moved], &codes[offset..]);
-                fold(&mut out[offset..], &codes[..n_moved]);
-            }
-            // The window of a voxel outside of the grid reaches into it no further than that of the last one
-            // inside.
-            let last = codes.len() - stride;
-            for out in out[n_moved..].chunks_mut(stride) {
-                fold(out, &codes[last..]);
-            }
-            for out in out[..codes.len() - n_moved].chunks_mut(stride) {
-                fold(out, &codes[..stride]);
-            }
-        });
-        self.frame.check()?;
-        Ok(out)
-    }
 }
 
 #[cfg(test)]
@@ -370,7 +265,9 @@ mod tests {
                 let reach = ellipsoid(margin);
                 let finite = Some([0.0, 8.0]);
                 let (shown, frame) = ((ranges, BEYOND_AT_NODES), FrameHandle::new());
-                let selection = Selection::new(&volume, finite, shown, &reach, &frame).unwrap();
+                let block = [0; 3].map(|_| rng.usize(1..4));
+                let selection = Selection::by_blocks(&volume, finite, shown, &reach, block, &frame);
+                let selection = selection.expect("nobody cancels it");
                 let bricks = BrickGrid::new(&grid);
                 let mut selected = vec![false; grid.n_voxels()];
                 for brick in &selection.bricks {
