@@ -27,9 +27,10 @@
 //!
 //! # Reading order
 //!
-//! `finite`, `reach`, `bit_rows`, `codes`, `selection`, `voxels`; `sheets`, `groups`, `rings`, `rays`, `depths`,
-//! `nodes`, `normals`; `layer_to_draw`; `integrals`, `parts`, `classify`; `one_for_all`, `saturation`,
-//! `extremes`, `means`, `grazed`, `joined`, `statistic`; `crossing`, `isosurfaces`, `passed`, `surfaces`.
+//! `finite`, `reach`, `bit_rows`, `codes`, `selection`, `voxels`; `sheets`, `groups`, `rings`, `rays`,
+//! `depths`, `nodes`, `normals`; `layer_to_draw`; `integrals`, `parts`, `classify`; `one_for_all`,
+//! `saturation`, `extremes`, `means`, `grazed`, `joined`, `statistic`; `crossing`, `isosurfaces`, `passed`,
+//! `surfaces`.
 
 mod bit_rows;
 mod codes;
