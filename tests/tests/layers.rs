@@ -8,7 +8,7 @@ use slabsplat::{
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
 use slabsplat_tests::reference::{self, Difference, ReferenceImage, undecided_pixels};
-use slabsplat_tests::render::{backends_in_turn, backends_with, render};
+use slabsplat_tests::render::{backends, backends_in_turn, backends_with, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
