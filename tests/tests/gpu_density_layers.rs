@@ -7,9 +7,7 @@ use slabsplat::{
     Scaling, Scene, TransferFunction, Volume,
 };
 use slabsplat_gpu::DeviceInfo;
-use slabsplat_tests::on_devices::{
-    alone, as_it_is, in_rounds, on_a_device, on_devices, render, scene, volume,
-};
+use slabsplat_tests::on_devices::{alone, as_it_is, in_rounds, on_devices, render, scene, volume};
 use slabsplat_tests::render::open;
 use slabsplat_tests::spy_device::locked;
 use std::sync::{Arc, Mutex};
@@ -95,12 +93,12 @@ fn too_many_density_layers_are_an_error() {
 #[test]
 fn density_layers_in_tiles_that_pause() {
     let _alone = alone();
-    for (number, mode) in MODES.into_iter().enumerate() {
+    for mode in MODES {
         let opacity = if mode.compositing().is_some() { 0.02 } else { 0.6 };
         let mut scene = layered(2, 12, opacity, 8, mode);
         scene.image.background = [1.0, 0.5, 0.0, 1.0];
         let expected = by_cpu(&scene);
-        on_a_device(number, in_rounds, |name, backend, orders| {
+        on_devices(in_rounds, |name, backend, orders| {
             let image = render(backend, &scene).expect("it fits").image;
             let difference = image.max_difference(&expected);
             assert!(difference < PARITY, "{name}, {mode}: {difference}");
