@@ -14,7 +14,11 @@ use slabsplat_seeds::for_each_seed;
 fn selection_changes_nothing() {
     for_each_seed(1, |mut rng| {
         let (mut n_left_out, mut n_seen, mut worst) = (0, 0, 0.0_f32);
-        for _ in 0..60 {
+        // Until enough of them show anything, however the dice fall.
+        for nth in 0..200 {
+            if 60 <= nth && 30 < n_seen {
+                break;
+            }
             let volume = blobs(&mut rng);
             let scene = scene(&mut rng, volume);
             let plan = Planner::default().plan(&scene).unwrap();
@@ -54,7 +58,7 @@ fn selection_changes_nothing() {
             n_seen += u32::from(selected.pixels().iter().any(|pixel| 0.0 < pixel[3]));
         }
         println!("{n_left_out} voxels left out, {n_seen} pictures not empty, {worst}");
-        assert!(10_000 < n_left_out && 20 < n_seen, "{n_left_out} {n_seen}");
+        assert!(10_000 < n_left_out && 30 < n_seen, "{n_left_out} {n_seen}");
     });
 }
 
