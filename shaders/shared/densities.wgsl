@@ -18,6 +18,8 @@ struct Densities {
     // The coefficients of a kernel that is a product: across the ray, and along it.
     across: array<vec4<f32>, 3>,
     along: array<vec4<f32>, 3>,
+    // What a sheet counts as that holds next to nothing, in a maximum or a minimum. What is worse does not count.
+    worst: f32,
 }
 
 const MODE_COMPOSITED: u32 = 0u;

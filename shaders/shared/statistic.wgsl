@@ -22,15 +22,20 @@ fn found_with_sheet(found: vec4<f32>, layer: u32, sheet: u32, pixel: Pixel) -> v
         return found;
     }
     let weight = min(length / (FULL_PART * layers[layer].slab_thickness), 1.0);
-    let counting = max(found.z, weight);
     if is_mean {
+        let counting = max(found.z, weight);
         let much = found.y + length * share;
         return vec4(mix(found.x, sheets[FIRST].y, length * share / much), much, counting, 0.0);
     }
     let is_largest = densities[layer].mode == MODE_MAXIMUM;
-    let value = mix(worst_of(layer), peak(is_largest), weight);
+    let best = peak(is_largest);
+    let worst = densities[layer].worst;
+    if select(worst < best, best < worst, is_largest) {
+        return found;
+    }
+    let value = mix(worst, best, weight);
     let better = select(min(found.x, value), max(found.x, value), is_largest);
-    return vec4(select(better, value, found.y == 0.0), 1.0, counting, 0.0);
+    return vec4(select(better, value, found.y == 0.0), 1.0, max(found.z, weight), 0.0);
 }
 
 // The most that the parabola through the first node and those beside it comes to within half a sheet; or the
@@ -48,18 +53,12 @@ fn peak(is_largest: bool) -> f32 {
     return here + up * (slope * 0.5 + bend * 0.25);
 }
 
-// What sheets are drawn to that hold next to nothing, so that they are not the best.
-fn worst_of(layer: u32) -> f32 {
-    let values = densities[layer].values;
-    return select(values.y, values.x, densities[layer].mode == MODE_MAXIMUM);
-}
-
 // Opacity and colour of a layer at what was found, as far as it counts.
 fn shown_by(layer: u32, found: vec4<f32>) -> vec4<f32> {
     var density = found.x;
     if densities[layer].mode != MODE_AVERAGE && 0.0 < found.z && found.z < 1.0 {
         // Or the rim would have the colour of the worst.
-        let worst = worst_of(layer);
+        let worst = densities[layer].worst;
         density = worst + (density - worst) / found.z;
     }
     let cell = cell_at(layer, cell_of(layer, density));

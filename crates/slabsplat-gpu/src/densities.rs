@@ -104,6 +104,10 @@ fn of_layer(
         mode: mode_code(splats.shown),
         n_shown: shown.len() as u32 / n_elements,
         values: scale.ends(),
+        worst: match splats.shown {
+            ShownDensities::Statistic(statistic) => scale.worst(statistic, &layer.relevant),
+            ShownDensities::Composited | ShownDensities::Isosurfaces => 0.0,
+        },
         // Never 0, which a gradient of 0 would be divided by.
         faint: ((FAINT_GRADIENT * extent) as f32).max(f32::MIN_POSITIVE),
         ..bytemuck::Zeroable::zeroed()

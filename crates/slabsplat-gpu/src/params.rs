@@ -113,6 +113,8 @@ pub(crate) struct Densities {
     pub(crate) rim: f32,
     pub(crate) across: [[f32; 4]; 3],
     pub(crate) along: [[f32; 4]; 3],
+    pub(crate) worst: f32,
+    pub(crate) padding: [u32; 3],
 }
 
 /// `shaders/shared/sample.wgsl`.

@@ -10,7 +10,9 @@ use super::view::View;
 use super::{Cut, Hierarchy, Kernel, KernelInView, shaded_by_normals};
 use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, Isosurface, Layer, Light, Mode, Normalization, Scene};
+use slabsplat_core::{
+    Compositing, Isosurface, Layer, Light, Mode, Normalization, Scene, TransferFunction,
+};
 
 /// A gradient counts in full from this part of the range of values on, per `unit`.
 const FAINT_GRADIENT: f64 = 1.0 / 256.0;
@@ -102,6 +104,12 @@ impl<'a> DensityLayer<'a> {
             faint_gradient: (FAINT_GRADIENT * (range[1] - range[0]).max(0.0) / grid.unit())
                 .max(f64::MIN_POSITIVE),
         }
+    }
+
+    /// The least of the densities that decide in a maximum, and the largest of those in a minimum.
+    pub(super) fn deciding_ends(&self) -> [f64; 2] {
+        let [first, last] = shown_ends(&self.layer.transfer);
+        [first.max(self.ends[0]), last.min(self.ends[1])]
     }
 
     /// The depths that its kernels meet; from +∞ to −∞ if there are none.
@@ -219,6 +227,23 @@ impl<'a> DensityLayer<'a> {
         let axes = &self.view.axes;
         slopes.x * axes.right + slopes.y * axes.up + along_depth * axes.forward
     }
+}
+
+/// The ends of the densities from the first to the last that the transfer function shows: a point of it,
+/// unless it shows all beyond.
+fn shown_ends(transfer: &TransferFunction) -> [f64; 2] {
+    let points = transfer.opacity_points().points();
+    let is_shown = |(_, [opacity]): &(f64, [f64; 1])| 0.0 < *opacity;
+    let first = match points.iter().position(is_shown) {
+        Some(0) => f64::NEG_INFINITY,
+        Some(idx) => points[idx - 1].0,
+        None => f64::INFINITY,
+    };
+    let last = match points.iter().rposition(is_shown) {
+        Some(idx) => points.get(idx + 1).map_or(f64::INFINITY, |point| point.0),
+        None => f64::NEG_INFINITY,
+    };
+    [first, last]
 }
 
 /// The least and the largest of all finite values and of the transfer function's points, or isosurfaces.

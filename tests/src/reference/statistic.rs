@@ -14,7 +14,7 @@ pub(super) struct OneForAll {
 }
 
 /// The density that stands for all sheets of a ray, each of which has a share in the region; `None` if there
-/// is none. Values lie between `ends`, and a sheet counts in full from `full_length` on.
+/// is none. Those between `ends` decide, and a sheet counts in full from `full_length` on.
 pub(super) fn of_sheets(
     statistic: Statistic,
     sheets: &[InSheet],
@@ -22,7 +22,13 @@ pub(super) fn of_sheets(
     ends: [f64; 2],
     full_length: f64,
 ) -> Option<OneForAll> {
-    let counting = || (0..sheets.len()).filter(|&n| 0.0 < shares[n] * sheets[n].length);
+    let decides = |n: usize| match statistic {
+        Statistic::Maximum => ends[0] <= peak(sheets, n, 1.0),
+        Statistic::Minimum => peak(sheets, n, -1.0) <= ends[1],
+        Statistic::Average => true,
+    };
+    let holds = |n: &usize| 0.0 < shares[*n] * sheets[*n].length;
+    let counting = || (0..sheets.len()).filter(holds).filter(|&n| decides(n));
     let weight = |n: usize| (sheets[n].length / full_length).min(1.0);
     let most_counting = counting().map(weight).fold(0.0, f64::max);
     let faded = |n: usize, up: f64, end: f64| end + weight(n) * (peak(sheets, n, up) - end);
@@ -167,6 +173,26 @@ mod tests {
         assert_eq!(of(Statistic::Maximum, [7.0, 11.0], [0.05, 0.025]), 7.0);
         assert_eq!(of(Statistic::Maximum, [7.0, 20.0], [0.05, 0.05]), 20.0);
         assert_eq!(of(Statistic::Minimum, [7.0, 3.0], [0.05, 0.05]), 3.0);
+    }
+
+    /// What the transfer function does not show hides nothing, however much of it there is, and does not make
+    /// the rim of anything more or less visible.
+    #[test]
+    fn statistic_of_densities_that_decide() {
+        let of = |statistic: Statistic, decides: [f64; 2]| {
+            let mut sheets = sheets(&[7.0, 0.0, 0.0, 0.0, 2.0]);
+            for (n, length) in [(3, 0.025), (4, 0.0), (5, 0.0), (6, 0.0), (7, 0.1)] {
+                sheets[n].length = length;
+            }
+            let found = of_sheets(statistic, &sheets, &[1.0; 11], decides, 0.1);
+            found.map(|found| [found.density, found.counting])
+        };
+        // From −5: 7 at a quarter of the way is −2.
+        assert_eq!(of(Statistic::Maximum, [-5.0, 20.0]), Some([2.0, 1.0]));
+        assert_eq!(of(Statistic::Maximum, [3.0, 20.0]), Some([7.0, 0.25]));
+        assert_eq!(of(Statistic::Minimum, [-5.0, 1.0]), None);
+        assert_eq!(of(Statistic::Minimum, [-5.0, 2.0]), Some([2.0, 1.0]));
+        assert_eq!(of(Statistic::Average, [3.0, 20.0]), Some([3.0, 1.0]), "a mean is of all");
     }
 
     #[test]

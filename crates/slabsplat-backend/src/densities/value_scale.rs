@@ -2,7 +2,7 @@
 //! or of the isosurfaces, where digits matter most.
 
 use crate::{LayerPlan, ShownDensities};
-use slabsplat_core::{Isosurface, Sample, Scaling, TransferFunction};
+use slabsplat_core::{IsoRange, Isosurface, Sample, Scaling, Statistic, TransferFunction};
 
 /// Takes values to what is summed, and back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +58,16 @@ impl ValueScale {
     /// The least and the largest of what is summed.
     pub fn ends(&self) -> [f32; 2] {
         self.ends.map(|end| self.scaled(end))
+    }
+
+    /// What sheets that hold next to nothing count as in a maximum or a minimum, so that they are not the
+    /// best: the worst of the densities that decide (model §12), which those of `relevant` are.
+    pub fn worst(&self, statistic: Statistic, relevant: &[IsoRange]) -> f32 {
+        let worst = match statistic {
+            Statistic::Minimum => relevant.last().map_or(f64::INFINITY, |range| range.hi),
+            _ => relevant.first().map_or(f64::NEG_INFINITY, |range| range.lo),
+        };
+        self.scaled(worst)
     }
 
     /// Where `value` lies on the scale, be it far outside.

@@ -3,7 +3,7 @@
 //! ```text
 //! for each sheet, for each eight pixels that are not saturated:
 //!     at its node, or at the peak of the parabola through it and the nodes beside it:
-//!         if that is larger than what the pixel has: keep it
+//!         if that decides, and is larger than what the pixel has: keep it
 //! close the blocks of which all pixels are saturated
 //! ```
 //!
@@ -36,7 +36,7 @@ const ONLY: usize = 0;
 pub(super) struct Extremes<'a> {
     /// 1 for the largest, −1 for the least.
     pub(super) up: f32,
-    /// What a sheet counts as that holds next to nothing.
+    /// What a sheet counts as that holds next to nothing. What is worse does not count.
     pub(super) worst: f32,
     pub(super) saturation: Saturation,
     pub(super) slabs: &'a SlabGrid,
@@ -99,41 +99,36 @@ impl Extremes<'_> {
         tile: &mut Tile,
     ) {
         let rays = Rays8::of(simd, sheets, row, column);
-        let lengths: Eight = (rays.first_length() * f32x8::from_slice(simd, shares)).into();
+        let zero = f32x8::splat(simd, 0.0);
+        let is_there = (rays.first_length() * f32x8::from_slice(simd, shares)).simd_gt(zero);
         let weights = (rays.first_length() * self.per_full_length).min(f32x8::splat(simd, 1.0));
         let worst = f32x8::splat(simd, self.worst);
-        let values: Eight = weights.mul_add(rays.peak(simd, self.up) - worst, worst).into();
-        let weights: Eight = weights.into();
+        let better_by = rays.peak(simd, self.up) - worst;
+        let values: Eight = weights.mul_add(better_by, worst).into();
+        let decides = is_there & (better_by * self.up).simd_ge(zero);
+        let weights: Eight = decides.select(weights, zero).into();
         let quads = &mut tile.pixels[row][column / QUAD..][..BLOCKS_PER_GROUP];
         for (half, quad) in quads.iter_mut().enumerate() {
             let lanes = half * QUAD..(half + 1) * QUAD;
-            let length = f32x4::from_slice(simd, &lengths[lanes.clone()]);
             let value = f32x4::from_slice(simd, &values[lanes.clone()]);
             let weight = f32x4::from_slice(simd, &weights[lanes]);
-            self.keep(simd, quad, length, value, weight);
+            self.keep(simd, quad, value, weight);
         }
     }
 
-    /// Keeps the better of what four pixels have and the values of a sheet, as far as it has any length.
+    /// Keeps the better of what four pixels have and the values of a sheet, where it counts at all.
     #[inline(always)]
-    fn keep<S: Simd>(
-        &self,
-        simd: S,
-        quad: &mut Quad,
-        length: f32x4<S>,
-        value: f32x4<S>,
-        weight: f32x4<S>,
-    ) {
+    fn keep<S: Simd>(&self, simd: S, quad: &mut Quad, value: f32x4<S>, weight: f32x4<S>) {
         let [found, much, counting, _] = quad.channels_mut();
         let zero = f32x4::splat(simd, 0.0);
         let (old, old_much) = (f32x4::from_slice(simd, found), f32x4::from_slice(simd, much));
         let old_counting = f32x4::from_slice(simd, counting);
         let better = (old * self.up).max(value * self.up) * self.up;
         let better = old_much.simd_gt(zero).select(better, value);
-        let is_there = length.simd_gt(zero);
-        is_there.select(better, old).store_slice(found);
-        is_there.select(f32x4::splat(simd, 1.0), old_much).store_slice(much);
-        is_there.select(old_counting.max(weight), old_counting).store_slice(counting);
+        let counts = weight.simd_gt(zero);
+        counts.select(better, old).store_slice(found);
+        counts.select(f32x4::splat(simd, 1.0), old_much).store_slice(much);
+        old_counting.max(weight).store_slice(counting);
     }
 
     /// Closes those blocks of which all pixels are saturated.

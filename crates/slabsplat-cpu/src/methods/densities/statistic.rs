@@ -57,12 +57,13 @@ impl OneByOne<'_> {
         let mut n_occluded = 0;
         for (idx, layer) in layers.iter().enumerate() {
             let turn = Turn { layer, nth: (idx, layers.len()) };
-            let [least, largest] = layer.limits.values;
-            let up_from = match self.statistic {
-                Statistic::Maximum => Some((1.0, least)),
-                Statistic::Minimum => Some((-1.0, largest)),
+            let up = match self.statistic {
+                Statistic::Maximum => Some(1.0),
+                Statistic::Minimum => Some(-1.0),
                 Statistic::Average => None,
             };
+            let worst = layer.scale.worst(self.statistic, &layer.layer.relevant);
+            let up_from = up.map(|up| (up, worst));
             n_occluded += match up_from {
                 Some(up_from) => self.find_extremes(turn, up_from, tiles, slabs, watch)?,
                 None => self.take_means(turn, tiles, slabs, watch)?,
