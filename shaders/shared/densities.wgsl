@@ -20,6 +20,9 @@ struct Densities {
     along: array<vec4<f32>, 3>,
     // What a sheet counts as that holds next to nothing, in a maximum or a minimum. What is worse does not count.
     worst: f32,
+    // One over how much better it must be to count in full.
+    per_rise: f32,
+    padding: vec2<u32>,
 }
 
 const MODE_COMPOSITED: u32 = 0u;

@@ -23,19 +23,21 @@ fn found_with_sheet(found: vec4<f32>, layer: u32, sheet: u32, pixel: Pixel) -> v
     }
     let weight = min(length / (FULL_PART * layers[layer].slab_thickness), 1.0);
     if is_mean {
-        let counting = max(found.z, weight);
         let much = found.y + length * share;
-        return vec4(mix(found.x, sheets[FIRST].y, length * share / much), much, counting, 0.0);
+        let mean = mix(found.x, sheets[FIRST].y, length * share / much);
+        return vec4(mean, much, max(found.z, weight), 0.0);
     }
     let is_largest = densities[layer].mode == MODE_MAXIMUM;
-    let best = peak(is_largest);
+    let up = select(-1.0, 1.0, is_largest);
     let worst = densities[layer].worst;
-    if select(worst < best, best < worst, is_largest) {
+    let better_by = peak(is_largest) - worst;
+    let counting = weight * clamp(better_by * up * densities[layer].per_rise, 0.0, 1.0);
+    if counting <= 0.0 {
         return found;
     }
-    let value = mix(worst, best, weight);
+    let value = worst + counting * better_by;
     let better = select(min(found.x, value), max(found.x, value), is_largest);
-    return vec4(select(better, value, found.y == 0.0), 1.0, max(found.z, weight), 0.0);
+    return vec4(select(better, value, found.y == 0.0), 1.0, max(found.z, counting), 0.0);
 }
 
 // The most that the parabola through the first node and those beside it comes to within half a sheet; or the

@@ -108,6 +108,7 @@ fn of_layer(
             ShownDensities::Statistic(statistic) => scale.worst(statistic, &layer.relevant),
             ShownDensities::Composited | ShownDensities::Isosurfaces => 0.0,
         },
+        per_rise: (1.0 / scale.rise()) as f32,
         // Never 0, which a gradient of 0 would be divided by.
         faint: ((FAINT_GRADIENT * extent) as f32).max(f32::MIN_POSITIVE),
         ..bytemuck::Zeroable::zeroed()

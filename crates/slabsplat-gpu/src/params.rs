@@ -114,7 +114,8 @@ pub(crate) struct Densities {
     pub(crate) across: [[f32; 4]; 3],
     pub(crate) along: [[f32; 4]; 3],
     pub(crate) worst: f32,
-    pub(crate) padding: [u32; 3],
+    pub(crate) per_rise: f32,
+    pub(crate) padding: [u32; 2],
 }
 
 /// `shaders/shared/sample.wgsl`.
@@ -327,6 +328,9 @@ mod tests {
             rim,
             across,
             along,
+            worst,
+            per_rise,
+            padding,
         });
     }
 

@@ -256,7 +256,7 @@ impl<'a> Frame<'a> {
         let faces = self.fronts.iter().map(|&front| [front, front + self.thickness]);
         let shares: Vec<f64> = faces.map(|faces| region.share(self.compositing, faces)).collect();
         let full_length = layer.width / 16.0;
-        let ends = layer.deciding_ends();
+        let ends = layer.deciding();
         let found = statistic::of_sheets(statistic, sheets, &shares, ends, full_length);
         let OneForAll { density, counting } = found?;
         let transfer = &layer.layer.transfer;

@@ -106,10 +106,13 @@ impl<'a> DensityLayer<'a> {
         }
     }
 
-    /// The least of the densities that decide in a maximum, and the largest of those in a minimum.
-    pub(super) fn deciding_ends(&self) -> [f64; 2] {
+    /// The least of the densities that decide in a maximum, and the largest of those in a minimum; and how
+    /// far beyond they count at all.
+    pub(super) fn deciding(&self) -> ([f64; 2], f64) {
         let [first, last] = shown_ends(&self.layer.transfer);
-        [first.max(self.ends[0]), last.min(self.ends[1])]
+        let extent = self.ends[1] - self.ends[0];
+        let rise = if extent == 0.0 { 1.0 } else { extent / 128.0 };
+        ([first.max(self.ends[0]), last.min(self.ends[1])], rise)
     }
 
     /// The depths that its kernels meet; from +∞ to −∞ if there are none.

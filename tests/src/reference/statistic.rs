@@ -14,22 +14,24 @@ pub(super) struct OneForAll {
 }
 
 /// The density that stands for all sheets of a ray, each of which has a share in the region; `None` if there
-/// is none. Those between `ends` decide, and a sheet counts in full from `full_length` on.
+/// is none. Those between `ends` decide, beyond which they count the less the further, up to `rise`; and a
+/// sheet counts in full from `full_length` on.
 pub(super) fn of_sheets(
     statistic: Statistic,
     sheets: &[InSheet],
     shares: &[f64],
-    ends: [f64; 2],
+    (ends, rise): ([f64; 2], f64),
     full_length: f64,
 ) -> Option<OneForAll> {
+    let ends = [ends[0] - rise, ends[1] + rise];
     let decides = |n: usize| match statistic {
-        Statistic::Maximum => ends[0] <= peak(sheets, n, 1.0),
-        Statistic::Minimum => peak(sheets, n, -1.0) <= ends[1],
-        Statistic::Average => true,
+        Statistic::Maximum => ((peak(sheets, n, 1.0) - ends[0]) / rise).clamp(0.0, 1.0),
+        Statistic::Minimum => ((ends[1] - peak(sheets, n, -1.0)) / rise).clamp(0.0, 1.0),
+        Statistic::Average => 1.0,
     };
+    let weight = |n: usize| (sheets[n].length / full_length).min(1.0) * decides(n);
     let holds = |n: &usize| 0.0 < shares[*n] * sheets[*n].length;
-    let counting = || (0..sheets.len()).filter(holds).filter(|&n| decides(n));
-    let weight = |n: usize| (sheets[n].length / full_length).min(1.0);
+    let counting = || (0..sheets.len()).filter(holds).filter(|&n| 0.0 < weight(n));
     let most_counting = counting().map(weight).fold(0.0, f64::max);
     let faded = |n: usize, up: f64, end: f64| end + weight(n) * (peak(sheets, n, up) - end);
     let shown = |best: f64, end: f64| end + (best - end) / most_counting;
@@ -111,7 +113,7 @@ mod tests {
     fn of(statistic: Statistic, densities: &[f64], shares: &[f64]) -> Option<f64> {
         let outside = [1.0; 3];
         let shares: Vec<f64> = outside.iter().chain(shares).chain(&outside).copied().collect();
-        let found = of_sheets(statistic, &sheets(densities), &shares, [-50.0, 50.0], 0.1)?;
+        let found = of_sheets(statistic, &sheets(densities), &shares, ([-49.0, 49.0], 1.0), 0.1)?;
         assert_eq!(found.counting, 1.0);
         Some(found.density)
     }
@@ -148,7 +150,7 @@ mod tests {
             let mut sheets = sheets(&[7.0]);
             sheets[3].length = length;
             [Statistic::Maximum, Statistic::Minimum, Statistic::Average].map(|statistic| {
-                let found = of_sheets(statistic, &sheets, &[1.0; 7], [-5.0, 20.0], 0.1);
+                let found = of_sheets(statistic, &sheets, &[1.0; 7], ([-4.0, 19.0], 1.0), 0.1);
                 found.map(|found| [found.density, found.counting])
             })
         };
@@ -165,7 +167,7 @@ mod tests {
             for (n, length) in [(3, lengths[0]), (4, 0.0), (5, 0.0), (6, 0.0), (7, lengths[1])] {
                 sheets[n].length = length;
             }
-            of_sheets(statistic, &sheets, &[1.0; 11], [-5.0, 20.0], 0.1).unwrap().density
+            of_sheets(statistic, &sheets, &[1.0; 11], ([-4.0, 19.0], 1.0), 0.1).unwrap().density
         };
         // 7 at 1 and 11 at ½ of the way from −5: 3.
         assert_eq!(of(Statistic::Maximum, [7.0, 11.0], [0.1, 0.05]), 7.0);
@@ -184,14 +186,16 @@ mod tests {
             for (n, length) in [(3, 0.025), (4, 0.0), (5, 0.0), (6, 0.0), (7, 0.1)] {
                 sheets[n].length = length;
             }
-            let found = of_sheets(statistic, &sheets, &[1.0; 11], decides, 0.1);
+            let found = of_sheets(statistic, &sheets, &[1.0; 11], (decides, 1.0), 0.1);
             found.map(|found| [found.density, found.counting])
         };
         // From −5: 7 at a quarter of the way is −2.
-        assert_eq!(of(Statistic::Maximum, [-5.0, 20.0]), Some([2.0, 1.0]));
+        assert_eq!(of(Statistic::Maximum, [-4.0, 20.0]), Some([2.0, 1.0]));
         assert_eq!(of(Statistic::Maximum, [3.0, 20.0]), Some([7.0, 0.25]));
         assert_eq!(of(Statistic::Minimum, [-5.0, 1.0]), None);
         assert_eq!(of(Statistic::Minimum, [-5.0, 2.0]), Some([2.0, 1.0]));
+        // Half way to where it decides 2 counts for a half, from 1.5 on.
+        assert_eq!(of(Statistic::Maximum, [2.5, 20.0]), Some([1.5 + 0.25 * 5.5 / 0.5, 0.5]));
         assert_eq!(of(Statistic::Average, [3.0, 20.0]), Some([3.0, 1.0]), "a mean is of all");
     }
 

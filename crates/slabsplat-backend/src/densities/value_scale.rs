@@ -60,14 +60,27 @@ impl ValueScale {
         self.ends.map(|end| self.scaled(end))
     }
 
-    /// What sheets that hold next to nothing count as in a maximum or a minimum, so that they are not the
-    /// best: the worst of the densities that decide (model §12), which those of `relevant` are.
+    /// Up to where densities count for nothing in a maximum or a minimum, where those of `relevant` decide
+    /// (model §12). What holds next to nothing counts as such a one.
     pub fn worst(&self, statistic: Statistic, relevant: &[IsoRange]) -> f32 {
+        let [least, largest] = self.ends;
         let worst = match statistic {
-            Statistic::Minimum => relevant.last().map_or(f64::INFINITY, |range| range.hi),
-            _ => relevant.first().map_or(f64::NEG_INFINITY, |range| range.lo),
+            Statistic::Minimum => {
+                let last = relevant.last().map_or(largest, |range| range.hi.min(largest));
+                self.unclamped(last) + self.rise()
+            }
+            Statistic::Maximum | Statistic::Average => {
+                let first = relevant.first().map_or(least, |range| range.lo.max(least));
+                self.unclamped(first) - self.rise()
+            }
         };
-        self.scaled(worst)
+        worst as f32
+    }
+
+    /// How much better they must be to count in full, scaled.
+    pub fn rise(&self) -> f64 {
+        let extent = self.extent(self.ends);
+        if extent == 0.0 { 1.0 } else { RISE * extent }
     }
 
     /// Where `value` lies on the scale, be it far outside.
@@ -91,6 +104,9 @@ impl ValueScale {
 /// A density that is less than this part of all values below a surface's counts as on it: plateaus that are
 /// rounded to either side must not be speckled.
 const PLATEAU: f64 = 1.0 / (1 << 19) as f64;
+
+/// Of all values.
+const RISE: f64 = 1.0 / 128.0;
 
 /// The first and the last point of either function.
 fn ends_of_transfer(transfer: &TransferFunction) -> [f64; 2] {

@@ -38,6 +38,8 @@ pub(super) struct Extremes<'a> {
     pub(super) up: f32,
     /// What a sheet counts as that holds next to nothing. What is worse does not count.
     pub(super) worst: f32,
+    /// One over how much better it must be to count in full.
+    pub(super) per_rise: f32,
     pub(super) saturation: Saturation,
     pub(super) slabs: &'a SlabGrid,
     pub(super) limits: Limits,
@@ -101,12 +103,13 @@ impl Extremes<'_> {
         let rays = Rays8::of(simd, sheets, row, column);
         let zero = f32x8::splat(simd, 0.0);
         let is_there = (rays.first_length() * f32x8::from_slice(simd, shares)).simd_gt(zero);
-        let weights = (rays.first_length() * self.per_full_length).min(f32x8::splat(simd, 1.0));
+        let one = f32x8::splat(simd, 1.0);
         let worst = f32x8::splat(simd, self.worst);
         let better_by = rays.peak(simd, self.up) - worst;
+        let decides = (better_by * (self.up * self.per_rise)).max(zero).min(one);
+        let weights = (rays.first_length() * self.per_full_length).min(one) * decides;
         let values: Eight = weights.mul_add(better_by, worst).into();
-        let decides = is_there & (better_by * self.up).simd_ge(zero);
-        let weights: Eight = decides.select(weights, zero).into();
+        let weights: Eight = is_there.select(weights, zero).into();
         let quads = &mut tile.pixels[row][column / QUAD..][..BLOCKS_PER_GROUP];
         for (half, quad) in quads.iter_mut().enumerate() {
             let lanes = half * QUAD..(half + 1) * QUAD;

@@ -87,7 +87,9 @@ use selection::{BEYOND_AT_NODES, BEYOND_AT_PEAKS, Selection};
 use sheets::Limits;
 use slabsplat_backend::densities::ValueScale;
 use slabsplat_backend::{ByIdentity, Cached, FramePlan, LayerPlan, ShownDensities, Splats};
-use slabsplat_core::{Cancelled, Compositing, FrameHandle, IsoRange, TransferFunction, Volume};
+use slabsplat_core::{
+    Cancelled, Compositing, FrameHandle, IsoRange, Statistic, TransferFunction, Volume,
+};
 use slabsplat_traverse::BrickView;
 use statistic::OneByOne;
 use surfaces::Surfaces;
@@ -210,7 +212,18 @@ fn shown_on_scale(
 ) -> (ValueScale, Vec<IsoRange>) {
     let scale = ValueScale::of(layer, shown, finite);
     let ranges = match shown {
-        ShownDensities::Composited | ShownDensities::Statistic(_) => layer.relevant.clone(),
+        ShownDensities::Composited => layer.relevant.clone(),
+        ShownDensities::Statistic(statistic) => {
+            let worst = scale.value(scale.worst(statistic, &layer.relevant).into());
+            let all = IsoRange { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+            let deciding = match statistic {
+                Statistic::Maximum => IsoRange { lo: worst, ..all },
+                Statistic::Minimum => IsoRange { hi: worst, ..all },
+                Statistic::Average => all,
+            };
+            // Of nothing that is visible nothing decides.
+            layer.relevant.iter().take(1).map(|_| deciding).collect()
+        }
         ShownDensities::Isosurfaces => isosurfaces::ranges(layer, &scale),
     };
     (scale, ranges)

@@ -93,6 +93,7 @@ impl OneByOne<'_> {
         let extremes = Extremes {
             up,
             worst,
+            per_rise: (1.0 / layer.scale.rise()) as f32,
             saturation: Saturation::new(layer.layer.transfer, &layer.scale, up.into()),
             slabs: &layer.splats.slabs.grid,
             limits: layer.limits,
