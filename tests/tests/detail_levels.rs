@@ -1,6 +1,7 @@
 //! Levels of detail (model §16): cells of voxels against the voxels, and the CPU's cells against those of the
 //! reference.
 
+use slabsplat::{Renderer, Sweep, measure_popping};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Camera, Compositing, Grid, Layer, Method, Normalization, Projection, RenderSettings, Samples,
@@ -127,4 +128,41 @@ fn detail_levels_of_opaque_layers() {
     });
     println!("at most {worst:.4} from voxels");
     assert!(1e-3 < worst, "nothing was drawn by cells");
+}
+
+/// Bricks change their level one after the other as the camera zooms, which no frame shows.
+#[test]
+fn detail_levels_do_not_pop_in_a_zoom() {
+    let mut rng = fastrand::Rng::with_seed(1);
+    let grid = Grid::with_spacing([80; 3], [1.0; 3]).expect("its steps are positive");
+    let layer = noise(&mut rng, grid, 0.005);
+    let mut scene = Scene::new(layer, camera_on(&grid, 40.0 * 2.04));
+    (scene.image.width, scene.image.height) = (40, 40);
+    let mut renderer = Renderer::open("cpu", |_| ()).expect("it is part of every build");
+    let mut measure = |tolerance: f64| {
+        scene.settings.tolerance = tolerance;
+        let zoom = Sweep::zoom(1.04, 0.92).step(1.0 / 1.002);
+        let report = measure_popping(&mut renderer, &scene, Method::ImageAligned, zoom, || ());
+        report.expect("it is drawn").spike.expect("the picture changes")
+    };
+    let [exact, by_cells] = [0.0, 0.05].map(&mut measure);
+    println!("spikes of {by_cells:.3}, without cells {exact:.3}");
+    assert!(1e-3 < (by_cells - exact).abs(), "nothing was drawn by cells");
+    assert!(by_cells < 1.2, "it pops: {by_cells}");
+}
+
+/// Black and white.
+fn noise(rng: &mut fastrand::Rng, grid: Grid, opacity: f64) -> Layer {
+    let samples = (0..grid.n_voxels()).map(|_| rng.u8(..2)).collect::<Vec<_>>();
+    let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).expect("a sample a voxel");
+    let colors = vec![(0.0, [0.0; 3]), (1.0, [1.0; 3])];
+    let transfer = TransferFunction::new(vec![(0.0, [opacity])], colors);
+    Layer::new(volume, transfer.expect("the points rise"))
+}
+
+fn camera_on(grid: &Grid, view_height: f64) -> Camera {
+    let target = grid.center_in_world();
+    let eye = target + DVec3::new(1.0, 2.0, -9.0);
+    let projection = Projection::Orthographic { view_height };
+    Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward")
 }

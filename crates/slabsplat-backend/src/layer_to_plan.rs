@@ -43,8 +43,8 @@ impl FrameToPlan<'_> {
         let mut coarser = None;
         for (cells, tables) in seen.cells.iter().zip(of_cells).rev() {
             let plan = self.level(seen.layer, &cells.grid, tables, coarser)?;
-            let SeenCells { from_depth, limits, lit, .. } = *cells;
-            coarser = Some(Box::new(CellsPlan { plan, from_depth, limits, lit }));
+            let SeenCells { limits, lit, .. } = *cells;
+            coarser = Some(Box::new(CellsPlan { plan, limits, lit }));
         }
         self.level(seen.layer, &seen.voxels, of_voxels, coarser)
     }

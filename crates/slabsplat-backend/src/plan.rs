@@ -88,16 +88,17 @@ pub struct LayerPlan<'a> {
     pub splats: Splats,
 }
 
-/// A layer by cells, and which bricks of 8³ cells may be drawn ([model §16](slabsplat_core::model)); all
+/// A layer by cells, and which bricks of 8³ cells may be drawn ([model §16](slabsplat_core::model)), of those
+/// whose footprints are stretched as far as [`least_stretch_of_cells`] says where their kernels begin; all
 /// others are drawn by what is finer.
+///
+/// [`least_stretch_of_cells`]: slabsplat_kernel::least_stretch_of_cells
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CellsPlan<'a> {
     /// How they are drawn.
     pub plan: LayerPlan<'a>,
-    /// Those whose kernels lie behind this depth.
-    pub from_depth: f64,
-    /// And which do not exceed these.
+    /// Those that do not exceed these.
     pub limits: CellLimits,
     /// By how much lit colours differ at most where colours differ by 1, and where normals do.
     pub lit: [f64; 2],

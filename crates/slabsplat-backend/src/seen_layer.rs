@@ -26,8 +26,6 @@ pub(crate) struct SeenGrid {
 /// Cells, and which of them may be drawn.
 pub(crate) struct SeenCells {
     pub(crate) grid: SeenGrid,
-    /// Where their kernels begin, at least.
-    pub(crate) from_depth: f64,
     pub(crate) limits: CellLimits,
     pub(crate) lit: [f64; 2],
 }
@@ -96,7 +94,6 @@ impl SeenGrid {
         let view = self.view.of_cells(level, levels.kernel_variance());
         Some(SeenCells {
             grid: Self::new(level, &voxels.of_cells(level).ok()?, view, radius),
-            from_depth: self.view.depth_from_stretch(levels.least_stretch(level)),
             limits: levels.limits(level, self.shape.half_depth / voxels.unit(), lit[1]),
             lit,
         })

@@ -1,7 +1,10 @@
 //! What helps where a backend cannot draw a frame: the CPU draws all of them.
 
 use anyhow::{Result, anyhow};
-use slabsplat::{Acquisition, Caps, Frame, FrameHandle, Picture, RenderError, Renderer, Scene};
+use slabsplat::{
+    Acquisition, Caps, Frame, FrameHandle, Method, Picture, PoppingError, PoppingReport,
+    RenderError, Renderer, Scene, Sweep, measure_popping,
+};
 
 /// Renders a scene's picture, whose frame is watched by its handle.
 ///
@@ -25,6 +28,23 @@ pub(crate) fn render(renderer: &mut Renderer, scene: &Scene) -> Result<Frame> {
     renderer.render(scene).map_err(|error| of(error, renderer.caps()))
 }
 
+/// Measures by how much pictures change.
+///
+/// # Errors
+/// As [`measure_popping`], with what helps.
+pub(crate) fn popping(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    method: Method,
+    sweep: Sweep,
+    progress: impl FnMut(),
+) -> Result<PoppingReport> {
+    measure_popping(renderer, scene, method, sweep, progress).map_err(|error| match error {
+        PoppingError::Render(error) => of(error, renderer.caps()),
+        error => error.into(),
+    })
+}
+
 /// An error of a backend, with what helps, if anything does.
 pub(crate) fn of(error: RenderError, caps: &Caps) -> anyhow::Error {
     match &error {
@@ -38,7 +58,7 @@ pub(crate) fn of(error: RenderError, caps: &Caps) -> anyhow::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat::{BackendError, Method, PlanError};
+    use slabsplat::{BackendError, PlanError};
 
     #[test]
     fn advice_where_it_helps() {

@@ -11,8 +11,7 @@ use serde_json::{Value, json};
 use slabsplat::io::{IoError, PictureFormat, Provenance, SceneFile};
 use slabsplat::{
     FrameHandle, Image, ImageDesc, ImageDifference, Method, OpenScene, Pane, PoppingReport,
-    Renderer, Sheet, SheetDesc, Sweep, Variant, Vary, difference_picture, gain_for,
-    measure_popping, variants,
+    Renderer, Sheet, SheetDesc, Sweep, Variant, Vary, difference_picture, gain_for, variants,
 };
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -74,7 +73,7 @@ fn positive(text: &str) -> Result<f64, String> {
     if is_one { Ok(number) } else { Err("a gain is from 0.000001 to 1000000".to_owned()) }
 }
 
-const TURN: Sweep = Sweep::new(-2.5, 2.5).step_degrees(0.5);
+const TURN: Sweep = Sweep::turn(-2.5, 2.5).step(0.5);
 
 /// Pictures in a row of a sheet, where one setting is varied.
 const COLUMNS: usize = 4;
@@ -216,8 +215,8 @@ fn draw(
     let blank = picture.is_blank.then(|| nothing_visible(&scene, &picture.frame));
     let mut popping = None;
     if measures_popping {
-        let measured = measure_popping(renderer, &scene, scene.settings.method, TURN, || ());
-        popping = Some(measured.map_err(|error| advice::of(error, renderer.caps()))?);
+        let method = scene.settings.method;
+        popping = Some(advice::popping(renderer, &scene, method, TURN, || ())?);
     }
     Ok(Drawn { image: picture.frame.image, ms, blank, popping })
 }

@@ -133,6 +133,24 @@ impl Camera {
         let turn = glam::DQuat::from_axis_angle(self.up.normalize(), angle_radians);
         Self { eye: self.target + turn * (self.eye - self.target), ..*self }
     }
+
+    /// The same camera with all in the picture so many times as large. The eye stays where it is.
+    ///
+    /// # Errors
+    /// If numbers do not suffice, or the factor is not positive.
+    pub fn magnified(&self, factor: f64) -> Result<Self, CameraError> {
+        let projection = match self.projection {
+            Projection::Orthographic { view_height } => {
+                Projection::Orthographic { view_height: view_height / factor }
+            }
+            Projection::Perspective { fov_y_radians } => {
+                let half = ((0.5 * fov_y_radians).tan() / factor).atan();
+                Projection::Perspective { fov_y_radians: 2.0 * half }
+            }
+        };
+        projection.check()?;
+        Ok(Self { projection, ..*self })
+    }
 }
 
 impl Projection {
@@ -184,6 +202,24 @@ mod tests {
         assert_eq!((elsewhere.target(), elsewhere.up()), (target, DVec3::Y * 4.0));
         let turned = elsewhere.orbited(std::f64::consts::FRAC_PI_2);
         assert!(turned.eye().abs_diff_eq(target + DVec3::X, 1e-12));
+    }
+
+    #[test]
+    fn camera_magnifies() {
+        let of =
+            |projection| Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        let larger = of(ORTHO).magnified(4.0).unwrap();
+        assert_eq!(larger.projection(), Projection::Orthographic { view_height: 0.5 });
+        let wide = Projection::Perspective { fov_y_radians: std::f64::consts::FRAC_PI_2 };
+        let Projection::Perspective { fov_y_radians } =
+            of(wide).magnified(2.0).unwrap().projection()
+        else {
+            panic!("it stays in perspective")
+        };
+        assert!(((0.5 * fov_y_radians).tan() - 0.5).abs() < 1e-12);
+        for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(of(ORTHO).magnified(factor).is_err() && of(wide).magnified(factor).is_err());
+        }
     }
 
     #[test]

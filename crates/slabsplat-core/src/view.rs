@@ -198,18 +198,6 @@ impl View {
         })
     }
 
-    /// The depth from which on footprints of voxels are widened by that much or more, where they are widened
-    /// at all: −∞ if they are everywhere, +∞ if nowhere.
-    pub fn depth_from_stretch(&self, stretch: f64) -> f64 {
-        if self.is_perspective() {
-            // Pixels cover more of the world in proportion to their distance from the eye.
-            let from_eye = stretch * self.unit * self.pixels_per_world(1.0 - self.center_depth);
-            return from_eye - self.center_depth;
-        }
-        let is_reached = stretch * self.unit * self.pixels_per_world(0.0) <= 1.0;
-        if is_reached { f64::NEG_INFINITY } else { f64::INFINITY }
-    }
-
     /// The same view of cells, each of `2^level` voxels along every axis, by kernels whose variance along an
     /// axis is that, in cells. Their footprints are stretched so that a cell's is as wide as those of its
     /// voxels together ([model §16](crate::model)).

@@ -4,7 +4,7 @@
 //! v          = ∫ x² h / ∫ h                 variance of the kernel along an axis
 //! stretch²   = s²/4ˡ − (1 − 4⁻ˡ)/(12 v)     of cells, where that of voxels is s: as wide together
 //! variance   = (4ˡ − 1)/12                  of the depths of a cell's voxels, in steps of λ
-//! a brick    by cells of the largest l with stretch ≥ 0.95 where it is nearest,
+//! a brick    by cells of the largest l with stretch ≥ 0.95 to 0.99 where it is nearest,
 //!            variance · λ · contrast/2ˡ ≤ a share of the tolerance, and ½·√variance · λ · μ ≤ another
 //! ```
 //!
@@ -13,6 +13,9 @@
 //! of its voxels, which it puts together in one place: that blurs the order in which things hide each other.
 //! What a pixel can tell of that is as much as what changes places differs, and no more than how opaque it
 //! is: the tolerance bounds both. [Numerics] has where they come from.
+//!
+//! In parallel rays all bricks are equally near. They change their level one after the other all the same, or
+//! a zoom would show it.
 //!
 //! [Numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 
@@ -50,6 +53,29 @@ const LEAST_CELLS: usize = 8;
 /// sum of all is uneven by twice as much as it is at 1: 3·10⁻³, if these are Gaussians.
 const MIN_STRETCH: f64 = 0.95;
 
+/// By how much more footprints of cells must be stretched in the last of all bricks than in the first.
+const RANGE_OF_STRETCH: f64 = 1.0 / 24.0;
+
+/// Multiples of these, modulo 1, are as far from each other as they can be (the additive recurrence of three
+/// dimensions, [Roberts 2018]): bricks side by side change their level far from each other.
+///
+/// [Roberts 2018]: https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/
+const TURNS: [f64; 3] = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703];
+
+/// How far footprints of a brick's cells must be stretched ([`View::stretch`]) to be drawn, on a grid of
+/// bricks.
+///
+/// [`View::stretch`]: slabsplat_core::View::stretch
+pub fn least_stretch_of_cells(brick: [usize; 3]) -> f64 {
+    let turn: f64 = brick.into_iter().zip(TURNS).map(|(at, step)| at as f64 * step).sum();
+    MIN_STRETCH * (1.0 + RANGE_OF_STRETCH * turn.fract())
+}
+
+/// How far they must be stretched for cells of all bricks to be drawn.
+pub fn stretch_of_all_cells() -> f64 {
+    MIN_STRETCH * (1.0 + RANGE_OF_STRETCH)
+}
+
 /// Shells of a kernel by which its variance is found, to five digits.
 const N_SHELLS: u32 = 256;
 
@@ -78,8 +104,8 @@ impl DetailLevels {
         (1..=MAX_LEVEL).take_while(has_cells).take_while(is_wide_enough).last().unwrap_or(0)
     }
 
-    /// How far footprints of voxels are stretched where cells of a level may be drawn, at least.
-    pub fn least_stretch(&self, level: u32) -> f64 {
+    /// How far footprints of voxels are stretched where any cells of a level may be drawn, at least.
+    fn least_stretch(&self, level: u32) -> f64 {
         let n_voxels = 4_f64.powi(level as i32);
         let spread = (1.0 - 1.0 / n_voxels) / (12.0 * self.kernel_variance);
         (n_voxels * (MIN_STRETCH * MIN_STRETCH + spread)).sqrt()
@@ -163,6 +189,24 @@ mod tests {
             let least = levels("gaussian", 0.05).least_stretch(level);
             assert_eq!([0.999, 1.001].map(|by| at(by * least)), [level - 1, level]);
         }
+    }
+
+    /// A tenth of all bricks in each tenth of the range, and those side by side far from each other.
+    #[test]
+    fn detail_levels_change_brick_by_brick() {
+        let mut tenths = [0; 10];
+        let share = |brick| (least_stretch_of_cells(brick) / MIN_STRETCH - 1.0) / RANGE_OF_STRETCH;
+        for brick in (0..1000).map(|idx| [idx % 10, idx / 10 % 10, idx / 100]) {
+            assert!(least_stretch_of_cells(brick) < stretch_of_all_cells());
+            tenths[(10.0 * share(brick)) as usize] += 1;
+            for axis in 0..3 {
+                let mut beside = brick;
+                beside[axis] += 1;
+                let apart = (share(beside) - share(brick)).abs();
+                assert!(0.15 < apart.min(1.0 - apart), "{brick:?}, {beside:?}: {apart}");
+            }
+        }
+        assert!(tenths.iter().all(|n| (90..=110).contains(n)), "{tenths:?}");
     }
 
     #[test]

@@ -58,6 +58,11 @@ impl BrickView {
         }
     }
 
+    /// The bricks.
+    pub fn grid(&self) -> &BrickGrid {
+        &self.grid
+    }
+
     /// Writes where each voxel of `list` is into `points`, in parallel.
     pub fn project(&self, list: &RelevantList, points: &mut Vec<[f32; 3]>) {
         points.resize(list.len(), [0.0; 3]);

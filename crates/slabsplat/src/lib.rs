@@ -114,7 +114,7 @@ pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;
 pub use picture::{Picture, finished, frame_scene};
-pub use popping::{PoppingReport, Sweep, SweepError, measure_popping};
+pub use popping::{Motion, PoppingError, PoppingReport, Sweep, SweepError, measure_popping};
 #[cfg(not(target_arch = "wasm32"))]
 pub use render_thread::RenderThread;
 pub use renderer::{RenderError, Renderer};

@@ -106,6 +106,13 @@ pub(super) fn within(
     by_level.into_iter().map(drawn).collect()
 }
 
+/// A number from 0 to 1, of each brick another.
+fn turn([x, y, z]: [usize; 3]) -> f64 {
+    // The real root of x⁴ = x + 1, by Newton's method.
+    let root = (0..9).fold(1.2_f64, |x, _| x - (x.powi(4) - x - 1.0) / (4.0 * x.powi(3) - 1.0));
+    (x as f64 / root + y as f64 / root.powi(2) + z as f64 / root.powi(3)).fract()
+}
+
 /// The cells of a level.
 struct Cells<'a> {
     side: usize,
@@ -177,7 +184,8 @@ impl Cells<'_> {
             self.center_in_view(at).z
         });
         let nearest = nearest.fold(f64::INFINITY, f64::min) - self.kernel.depth_reach;
-        self.view.near_depth(self.unit) <= nearest && 0.95 <= self.stretch.at(self.view, nearest)
+        let least = 0.95 * (1.0 + turn(self.brick(voxel)) / 24.0);
+        self.view.near_depth(self.unit) <= nearest && least <= self.stretch.at(self.view, nearest)
     }
 
     /// The brick that holds a voxel.

@@ -72,9 +72,9 @@ fn measure(renderer: &mut Renderer) -> Result<()> {
         "\nThe cube turns from {} to {} degrees in steps of {}. By how much does the picture change in a \
          step?\nThe pop ratio is the largest change over the median: near 1, nothing pops. Jitter is how unevenly \
          pixels change: near 0, nothing flickers.\n\n{}",
-        CUBE_TURN.from_degrees,
-        CUBE_TURN.to_degrees,
-        CUBE_TURN.step_degrees,
-        meter::table(&reports),
+        CUBE_TURN.from,
+        CUBE_TURN.to,
+        CUBE_TURN.step,
+        meter::table(CUBE_TURN.motion, &reports),
     ))
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(super) const SIDE_PIXELS: u32 = 384;
 
 /// How the cube turns for the popping table: through the angle at which the grid's slices change their axis.
-pub(super) const CUBE_TURN: Sweep = Sweep::new(40.0, 50.0).step_degrees(0.5);
+pub(super) const CUBE_TURN: Sweep = Sweep::turn(40.0, 50.0).step(0.5);
 
 /// Width and height of the pictures that the popping table compares.
 const METER_SIDE_PIXELS: u32 = 128;

@@ -12,7 +12,7 @@ use slabsplat::{Image, Method, PoppingReport, Scene, Sweep};
 /// The paper has 45° and 45.2°. At 45° neither axis is nearer, so that here both lie as far from it.
 const ANGLES: [f64; 2] = [44.9, 45.1];
 
-const TURN: Sweep = Sweep::new(40.1, 49.9).step_degrees(0.2);
+const TURN: Sweep = Sweep::turn(40.1, 49.9).step(0.2);
 
 /// The cube by one method at both angles.
 struct Faces {
@@ -106,7 +106,7 @@ fn means_row(faces: &Faces) -> Vec<Cell> {
 
 /// What the popping meter reads of one turn.
 pub(super) fn popping_row(name: String, report: &PoppingReport) -> Vec<Cell> {
-    let [from, to] = report.at_degrees;
+    let [from, to] = report.at;
     vec![
         name.into(),
         or_dash(report.pop_ratio).into(),
@@ -127,10 +127,10 @@ fn profiles(all: &[Faces]) -> Vec<Line> {
 }
 
 fn changes_plot(all: &[Faces]) -> String {
-    let half_step = TURN.step_degrees / 2.0;
+    let half_step = TURN.step / 2.0;
     let lines = all.iter().map(|faces| {
         let changes = faces.popping.changes.iter().enumerate();
-        let points = changes.map(|(idx, change)| [TURN.degrees(idx) + half_step, *change]);
+        let points = changes.map(|(idx, change)| [TURN.at(idx) + half_step, *change]);
         Line { label: title(faces.method).to_owned(), points: points.collect() }
     });
     plot(

@@ -25,7 +25,7 @@ use crate::{advice, columns, output, stats, terminal};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use page::Section;
-use slabsplat::{Image, Method, PoppingReport, Renderer, Scene, Sweep, measure_popping};
+use slabsplat::{Image, Method, PoppingReport, Renderer, Scene, Sweep};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -128,8 +128,7 @@ impl Studio {
     }
 
     fn popping(&mut self, scene: &Scene, method: Method, sweep: Sweep) -> Result<PoppingReport> {
-        measure_popping(&mut self.renderer, scene, method, sweep, || ())
-            .map_err(|error| advice::of(error, self.renderer.caps()))
+        advice::popping(&mut self.renderer, scene, method, sweep, || ())
     }
 }
 

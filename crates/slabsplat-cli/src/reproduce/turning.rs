@@ -18,7 +18,7 @@ const METER_SIDE_PIXELS: u32 = 128;
 const ANGLES: [f64; 2] = [44.5, 45.5];
 
 /// Neither begins nor ends on 45°, where no axis is nearer.
-const TURN: Sweep = Sweep::new(40.25, 49.75).step_degrees(0.5);
+const TURN: Sweep = Sweep::turn(40.25, 49.75).step(0.5);
 
 /// How figure 9 is drawn: by which method, with slabs of which width.
 #[derive(Clone, Copy)]
@@ -141,8 +141,7 @@ fn claims(of_head: &[PoppingReport], of_cell: &[PoppingReport]) -> Vec<Claim> {
         Claim {
             paper: "9a: the traditional method pops where its sheets change direction",
             found: format!("pop ratio {}", or_dash(pops)).into(),
-            agrees: pops.is_some_and(|ratio| 3.0 < ratio)
-                && of_head[0].at_degrees == [44.75, 45.25],
+            agrees: pops.is_some_and(|ratio| 3.0 < ratio) && of_head[0].at == [44.75, 45.25],
         },
         Claim {
             paper: "9b: the new method changes in a continuous fashion",

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! from the coarsest level on:
-//!     bricks that lie behind the level's depth, and whose parents do not, are drawn by it
+//!     bricks that lie far enough away for the level, and whose parents do not, are drawn by it
 //!     of these, what is no longer occluded when its slabs come is made (slabsplat-traverse), and if it has
 //!     more contrast than the plan allows, its children are drawn by the next level instead
 //! ```
@@ -24,6 +24,7 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
+use slabsplat_kernel::{least_stretch_of_cells, stretch_of_all_cells};
 use slabsplat_traverse::{
     Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells8, Contrast, VoxelRecord,
 };
@@ -64,13 +65,31 @@ impl<'a> SeenLevel<'a> {
 
     /// Whether a brick lies where this level may be drawn.
     fn reaches(&self, brick_idx: u32) -> bool {
-        let Some(&CellsPlan { from_depth, .. }) = self.cells else { return true };
-        if from_depth.is_infinite() {
-            return from_depth < 0.0;
+        if self.cells.is_none() {
+            return true;
         }
-        let bounds = self.bricks.bounds(&whole(brick_idx));
-        let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
-        from_depth <= front - self.plan.half_depth
+        let coords = self.bricks.grid().coords(brick_idx);
+        let stretch = self.stretch_everywhere().unwrap_or_else(|| {
+            let bounds = self.bricks.bounds(&whole(brick_idx));
+            let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
+            self.stretch(front - self.plan.half_depth)
+        });
+        least_stretch_of_cells(coords) <= stretch
+    }
+
+    /// Whether all bricks do.
+    fn reaches_everything(&self) -> bool {
+        self.stretch_everywhere().is_some_and(|stretch| stretch_of_all_cells() <= stretch)
+    }
+
+    /// How far footprints are stretched, where rays are parallel.
+    fn stretch_everywhere(&self) -> Option<f64> {
+        (!self.plan.view.is_perspective()).then(|| self.stretch(0.0))
+    }
+
+    fn stretch(&self, depth: f64) -> f64 {
+        let view = &self.plan.view;
+        view.stretch(view.pixels_per_world(depth))
     }
 }
 
@@ -164,9 +183,8 @@ impl Voxels for LevelVoxels<'_> {
     fn bricks(&self, range_of: &(dyn Fn(&Brick) -> u32 + Sync), into: &mut Vec<(u32, u32)>) {
         let OnDemand { bricks, lister, .. } = self.on_demand;
         into.clear();
-        // In parallel rays all are of the coarsest level.
-        let is_everywhere = |cells: &CellsPlan<'_>| cells.from_depth == f64::NEG_INFINITY;
-        if self.coarser.and_then(|seen| seen.cells).is_some_and(is_everywhere) {
+        // In parallel rays mostly all are of the coarsest level.
+        if self.coarser.is_some_and(SeenLevel::reaches_everything) {
             return;
         }
         let here = bricks

@@ -166,15 +166,7 @@ impl Aim {
     /// # Errors
     /// If numbers do not suffice.
     pub fn moved(&self, camera: &Camera, aspect: f64) -> Result<Camera, CameraError> {
-        let projection = match camera.projection() {
-            Projection::Orthographic { view_height } => {
-                Projection::Orthographic { view_height: view_height / self.zoom }
-            }
-            Projection::Perspective { fov_y_radians } => {
-                let half = ((0.5 * fov_y_radians).tan() / self.zoom).atan();
-                Projection::Perspective { fov_y_radians: 2.0 * half }
-            }
-        };
+        let projection = camera.magnified(self.zoom)?.projection();
         let ViewAxes { right, up, .. } = camera.axes();
         let height = match projection {
             Projection::Orthographic { view_height } => view_height,
