@@ -130,13 +130,14 @@ fn detail_levels_of_opaque_layers() {
     assert!(1e-3 < worst, "nothing was drawn by cells");
 }
 
-/// Bricks change their level one after the other as the camera zooms, which no frame shows.
+/// Bricks change their level one after the other as the camera zooms: where they did so in one frame, its spike
+/// was 4.6.
 #[test]
 fn detail_levels_do_not_pop_in_a_zoom() {
     let mut rng = fastrand::Rng::with_seed(1);
     let grid = Grid::with_spacing([80; 3], [1.0; 3]).expect("its steps are positive");
     let layer = noise(&mut rng, grid, 0.005);
-    let mut scene = Scene::new(layer, camera_on(&grid, 40.0 * 2.04));
+    let mut scene = Scene::new(layer, camera_on(&grid, DVec3::new(1.0, 2.0, -9.0), 40.0 * 2.04));
     (scene.image.width, scene.image.height) = (40, 40);
     let mut renderer = Renderer::open("cpu", |_| ()).expect("it is part of every build");
     let mut measure = |tolerance: f64| {
@@ -148,7 +149,7 @@ fn detail_levels_do_not_pop_in_a_zoom() {
     let [exact, by_cells] = [0.0, 0.05].map(&mut measure);
     println!("spikes of {by_cells:.3}, without cells {exact:.3}");
     assert!(1e-3 < (by_cells - exact).abs(), "nothing was drawn by cells");
-    assert!(by_cells < 1.2, "it pops: {by_cells}");
+    assert!(by_cells < 1.5, "it pops: {by_cells}");
 }
 
 /// Black and white.
@@ -160,9 +161,38 @@ fn noise(rng: &mut fastrand::Rng, grid: Grid, opacity: f64) -> Layer {
     Layer::new(volume, transfer.expect("the points rise"))
 }
 
-fn camera_on(grid: &Grid, view_height: f64) -> Camera {
+fn camera_on(grid: &Grid, from: DVec3, view_height: f64) -> Camera {
     let target = grid.center_in_world();
-    let eye = target + DVec3::new(1.0, 2.0, -9.0);
     let projection = Projection::Orthographic { view_height };
-    Camera::new(eye, target, DVec3::Y, projection).expect("up is not forward")
+    let camera = Camera::new(target + 99.0 * from, target, DVec3::Y, projection);
+    camera.expect("up is not forward")
+}
+
+/// A solid box that is seen edge-on: all of a face is one line of pixels, which tells how wide footprints of
+/// cells are together. Where they ended with the middles of cells, these were off by 0.10, 0.19 and 0.22.
+#[test]
+fn detail_levels_end_where_the_grid_ends() {
+    let mut worst = [0.0_f32; 3];
+    for (level, side, n) in [(0, 2.0, 32), (1, 4.0, 64), (2, 8.0, 72)] {
+        for (opacity, voxels_a_pixel) in [(0.03, 1.08), (0.1, 1.12), (0.05, 1.3), (0.03, 1.45)] {
+            let grid = Grid::with_spacing([n; 3], [1.0; 3]).expect("its steps are positive");
+            let camera = camera_on(&grid, -DVec3::X, 25.0 * side * voxels_a_pixel);
+            let mut scene = Scene::new(solid(grid, opacity), camera);
+            (scene.image.width, scene.image.height) = (25, 25);
+            let [exact, cells] = [0.0, RenderSettings::default().tolerance].map(|tolerance| {
+                scene.settings.tolerance = tolerance;
+                by_backend("cpu", &scene)
+            });
+            worst[level] = worst[level].max(exact.max_difference(&cells));
+        }
+    }
+    println!("{worst:.3?}");
+    assert!(worst.iter().all(|off| (0.01..0.075).contains(off)), "{worst:?}");
+}
+
+fn solid(grid: Grid, opacity: f64) -> Layer {
+    let samples = Samples::U8(vec![1; grid.n_voxels()]);
+    let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("a sample a voxel");
+    let transfer = TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [1.0; 3])]);
+    Layer::new(volume, transfer.expect("points")).shading(Shading::None)
 }

@@ -108,6 +108,14 @@ impl Grid {
         Self::new(dims, self.world_from_index * voxel_from_cell)
     }
 
+    /// How many steps of theirs the first and the last cells of each axis lie further out than where
+    /// [`of_cells`](Self::of_cells) puts them, so that the grid ends where its voxels do
+    /// ([model §16](crate::model)).
+    pub fn ends_of_cells(&self, level: u32) -> [[f64; 2]; 3] {
+        let side = 1_usize << level;
+        self.dims.map(|n| [side, (n - 1) % side + 1].map(|n_in_last| end_of_cells(side, n_in_last)))
+    }
+
     /// Voxels along x, y and z.
     pub fn dims(&self) -> [usize; 3] {
         self.dims
@@ -207,6 +215,15 @@ fn is_invertible(m: DMat3) -> bool {
         && MIN_SKEW < m.determinant().abs() / lengths.iter().product::<f64>()
 }
 
+/// How many cells the last one, which holds so many voxels along an axis, lies further out.
+fn end_of_cells(side: usize, n_in_last: usize) -> f64 {
+    let [side, n] = [side, n_in_last].map(|n| n as f64);
+    let variance = (side * side - 1.0) / 12.0;
+    let outwards = 0.5 * (n - side) + variance / n;
+    // Hardly anything of a cell must not lie far beyond all others.
+    outwards.min(variance / side) / side
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,6 +246,18 @@ mod tests {
             let wide = cells.spacing().map(|step| step / side as f64);
             assert!(wide.iter().zip(grid.spacing()).all(|(a, b)| (a - b).abs() < 1e-12));
         }
+    }
+
+    /// By hand. Two voxels have the variance 1/4, a part of which moves the last cell: 1/8 voxel steps.
+    #[test]
+    fn grid_of_cells_ends_further_out() {
+        let grid = Grid::with_spacing([8, 9, 10], [1.0; 3]).unwrap();
+        assert_eq!(grid.ends_of_cells(0), [[0.0; 2]; 3]);
+        let [x, y, z] = grid.ends_of_cells(1);
+        assert_eq!((x, z), ([0.0625; 2], [0.0625; 2]));
+        assert_eq!(y, [0.0625, 0.5 * (-0.5 + 0.25)], "a voxel alone");
+        let [_, y, _] = grid.ends_of_cells(3);
+        assert_eq!(y, [63.0 / 768.0; 2], "not further out than a whole one");
     }
 
     #[test]

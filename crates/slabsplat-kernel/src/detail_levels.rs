@@ -4,7 +4,7 @@
 //! v          = ∫ x² h / ∫ h                 variance of the kernel along an axis
 //! stretch²   = s²/4ˡ − (1 − 4⁻ˡ)/(12 v)     of cells, where that of voxels is s: as wide together
 //! variance   = (4ˡ − 1)/12                  of the depths of a cell's voxels, in steps of λ
-//! a brick    by cells of the largest l with stretch ≥ 0.95 to 0.99 where it is nearest,
+//! a brick    by cells of the largest l that are stretched enough where it is nearest,
 //!            variance · λ · contrast/2ˡ ≤ a share of the tolerance, and ½·√variance · λ · μ ≤ another
 //! ```
 //!
@@ -43,15 +43,17 @@ pub struct CellLimits {
 }
 
 /// The coarsest level: a brick of cells has 64³ voxels.
-const MAX_LEVEL: u32 = 3;
+const MAX_LEVEL: u32 = MIN_STRETCH.len() as u32;
 
 /// Cells along every axis, at least. Those at the ends of a grid may hold fewer voxels than their place has
 /// room for, which of a small volume is a large part.
 const LEAST_CELLS: usize = 8;
 
-/// The narrowest footprints that cells may have, against those of voxels on a grid of their own. At 0.95 the
-/// sum of all is uneven by twice as much as it is at 1: 3·10⁻³, if these are Gaussians.
-const MIN_STRETCH: f64 = 0.95;
+/// The narrowest footprints that cells of each level may have, against those of voxels on a grid of their
+/// own. At 0.95 the sum of all is uneven by twice as much as it is at 1: 3·10⁻³, if these are Gaussians. The
+/// coarser a level, the deeper is what lies behind a pixel, and the more it shows of the tails of footprints
+/// at a silhouette.
+const MIN_STRETCH: [f64; 3] = [0.95, 1.1, 1.3];
 
 /// By how much more footprints of cells must be stretched in the last of all bricks than in the first.
 const RANGE_OF_STRETCH: f64 = 1.0 / 24.0;
@@ -62,18 +64,18 @@ const RANGE_OF_STRETCH: f64 = 1.0 / 24.0;
 /// [Roberts 2018]: https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/
 const TURNS: [f64; 3] = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703];
 
-/// How far footprints of a brick's cells must be stretched ([`View::stretch`]) to be drawn, on a grid of
-/// bricks.
+/// How far footprints of cells of a level, from 1 on, must be stretched ([`View::stretch`]) to be drawn, in a
+/// brick with those indices.
 ///
 /// [`View::stretch`]: slabsplat_core::View::stretch
-pub fn least_stretch_of_cells(brick: [usize; 3]) -> f64 {
+pub fn least_stretch_of_cells(level: u32, brick: [usize; 3]) -> f64 {
     let turn: f64 = brick.into_iter().zip(TURNS).map(|(at, step)| at as f64 * step).sum();
-    MIN_STRETCH * (1.0 + RANGE_OF_STRETCH * turn.fract())
+    MIN_STRETCH[level as usize - 1] * (1.0 + RANGE_OF_STRETCH * turn.fract())
 }
 
 /// How far they must be stretched for cells of all bricks to be drawn.
-pub fn stretch_of_all_cells() -> f64 {
-    MIN_STRETCH * (1.0 + RANGE_OF_STRETCH)
+pub fn stretch_of_all_cells(level: u32) -> f64 {
+    MIN_STRETCH[level as usize - 1] * (1.0 + RANGE_OF_STRETCH)
 }
 
 /// Shells of a kernel by which its variance is found, to five digits.
@@ -108,7 +110,8 @@ impl DetailLevels {
     fn least_stretch(&self, level: u32) -> f64 {
         let n_voxels = 4_f64.powi(level as i32);
         let spread = (1.0 - 1.0 / n_voxels) / (12.0 * self.kernel_variance);
-        (n_voxels * (MIN_STRETCH * MIN_STRETCH + spread)).sqrt()
+        let least = MIN_STRETCH[level as usize - 1];
+        (n_voxels * (least * least + spread)).sqrt()
     }
 
     /// What bricks of cells of a level are drawn, of a layer whose kernel has the half-depth `λ` over its
@@ -184,7 +187,7 @@ mod tests {
     #[test]
     fn detail_levels_need_pixels_larger_than_voxels() {
         let at = |stretch| levels("gaussian", 0.05).coarsest(stretch, 99);
-        assert_eq!([1.0, 2.0, 2.15, 4.1, 4.4, 8.3, 9.0, 1e9].map(at), [0, 0, 1, 1, 2, 2, 3, 3]);
+        assert_eq!([1.0, 2.0, 2.15, 4.6, 4.8, 10.8, 11.2, 1e9].map(at), [0, 0, 1, 1, 2, 2, 3, 3]);
         for level in 1..=MAX_LEVEL {
             let least = levels("gaussian", 0.05).least_stretch(level);
             assert_eq!([0.999, 1.001].map(|by| at(by * least)), [level - 1, level]);
@@ -195,9 +198,10 @@ mod tests {
     #[test]
     fn detail_levels_change_brick_by_brick() {
         let mut tenths = [0; 10];
-        let share = |brick| (least_stretch_of_cells(brick) / MIN_STRETCH - 1.0) / RANGE_OF_STRETCH;
+        let share =
+            |brick| (least_stretch_of_cells(1, brick) / MIN_STRETCH[0] - 1.0) / RANGE_OF_STRETCH;
         for brick in (0..1000).map(|idx| [idx % 10, idx / 10 % 10, idx / 100]) {
-            assert!(least_stretch_of_cells(brick) < stretch_of_all_cells());
+            assert!(least_stretch_of_cells(1, brick) < stretch_of_all_cells(1));
             tenths[(10.0 * share(brick)) as usize] += 1;
             for axis in 0..3 {
                 let mut beside = brick;
@@ -219,7 +223,7 @@ mod tests {
         assert!((lit.by_mean_normals - 0.0225 / 4.0).abs() < 1e-12);
         assert!((lit.extinction - 0.49 / 4.0).abs() < 1e-12, "bright light");
         assert!((noise - 0.01).abs() < 1e-12, "of white noise of extinction 0.04");
-        assert!((contrast - 0.2).abs() < 1e-12 && (extinction - 0.5).abs() < 1e-12);
+        assert!((contrast - 0.8).abs() < 1e-12 && (extinction - 0.5).abs() < 1e-12);
         assert_eq!(at(1, 2.0).contrast, 0.5 * contrast, "deep kernels");
         assert!((at(2, 1.0).contrast / contrast - 0.4).abs() < 1e-12);
         assert_eq!(levels("gaussian", 0.0).coarsest(100.0, 99), 0, "exact");

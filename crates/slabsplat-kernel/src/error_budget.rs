@@ -3,7 +3,7 @@
 //! | spent by | at most | where | why so much |
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
-//! | levels of detail (model §16) | half of it, for the contrast of a brick's cells | `detail_levels.rs` | measured: in depth they spend some tenth of it, and noise is off by as much in the image plane |
+//! | levels of detail (model §16) | twice of it, for the contrast of a brick's cells | `detail_levels.rs` | measured: a pixel tells a fifth of that at most, and stripes and ramps no more with four times as much as with half of it |
 //! | the same | a twentieth of it, for colours that differ from cell to cell without order | `detail_levels.rs` | in the image plane noise is off by several times as much |
 //! | the same, in light by the mean of normals, and by second moments too | two thirds of it; just over it | `detail_levels.rs` | both grow with the root of the extinction |
 //! | the same in depth | two and a half times it, for cells as unlike as they can be within themselves | `detail_levels.rs` | only stripes along the image plane that alternate from voxel to voxel come near it |
@@ -79,7 +79,7 @@ impl ErrorBudget {
     /// What a pixel may tell of that cells lie otherwise in depth than their voxels, by how much cells side
     /// by side differ.
     pub fn cells(self) -> f64 {
-        self.tolerance / 2.0
+        2.0 * self.tolerance
     }
 
     /// The same of colours that differ from cell to cell without any order: a fifth of the tolerance if
@@ -136,7 +136,7 @@ mod tests {
         let settings = RenderSettings::default().tolerance(0.04);
         let budget = ErrorBudget::new(&settings);
         assert_eq!((budget.per_face(), budget.per_thick_slab()), (0.02, 0.04));
-        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.02));
+        assert_eq!((budget.separable(), budget.cells()), (0.005, 0.08));
         assert_eq!((budget.polynomial(), budget.polynomial_pixel()), (0.0004, 0.002));
         assert_eq!(budget.among(2).per_thick_slab(), 0.02);
         let separate = settings.clone().mode(Mode::Separate);

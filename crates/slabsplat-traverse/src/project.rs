@@ -28,6 +28,8 @@ pub struct BrickView {
     steps_along_x: [Vec3; BRICK_SIDE],
     /// By row of the brick: steps along y and z.
     rows: [Vec3; N_ROWS],
+    /// How many steps the first and the last of each axis lie further out.
+    ends: [[f64; 2]; 3],
 }
 
 /// The box in view space, parallel to its axes, that a brick's voxels lie in.
@@ -55,7 +57,13 @@ impl BrickView {
             grid: BrickGrid::new(grid),
             steps_along_x: std::array::from_fn(|x| (m.x_axis * x as f64).as_vec3()),
             rows: std::array::from_fn(|idx| row(idx).as_vec3()),
+            ends: [[0.0; 2]; 3],
         }
+    }
+
+    /// Those of cells of a level, whose grid is `grid`, of a grid of `voxels`.
+    pub fn of_cells(voxels: &Grid, level: u32, grid: &Grid, view: &View) -> Self {
+        Self { ends: voxels.ends_of_cells(level), ..Self::new(grid, view) }
     }
 
     /// The bricks.
@@ -82,14 +90,52 @@ impl BrickView {
             let row = self.rows[slot / BRICK_SIDE % N_ROWS];
             *point = (rounded + (row + self.steps_along_x[slot % BRICK_SIDE] + lost)).to_array();
         }
+        if self.ends != [[0.0; 2]; 3] {
+            self.move_ends(brick, records, points);
+        }
+    }
+
+    /// Moves the first and the last of each axis outwards.
+    fn move_ends(&self, brick: &Brick, records: &[VoxelRecord], points: &mut [[f32; 3]]) {
+        let origin = self.grid.origin(brick.brick_idx);
+        let size = self.grid.size_at(origin);
+        let m = self.view_from_index.matrix;
+        for (axis, step) in [m.x_axis, m.y_axis, m.z_axis].into_iter().enumerate() {
+            let shifts: [_; BRICK_SIDE] =
+                std::array::from_fn(|at| (self.shift(axis, origin[axis] + at) * step).as_vec3());
+            if shifts[..size[axis]].iter().all(|shift| *shift == Vec3::ZERO) {
+                continue;
+            }
+            for (point, record) in points.iter_mut().zip(records) {
+                let shift = shifts[record.coords_in_brick()[axis]];
+                *point = (Vec3::from_array(*point) + shift).to_array();
+            }
+        }
+    }
+
+    /// How many steps of an axis what is at `at` lies further along it than its index says.
+    fn shift(&self, axis: usize, at: usize) -> f64 {
+        let [first, last] = self.ends[axis];
+        if at == 0 {
+            -first
+        } else if at + 1 == self.grid.dims()[axis] {
+            last
+        } else {
+            0.0
+        }
     }
 
     /// A box that holds all points of the brick that [`project_brick`](Self::project_brick) gives, for
     /// relevant voxels or not.
     pub fn bounds(&self, brick: &Brick) -> BrickBounds {
         let origin = self.grid.origin(brick.brick_idx);
-        let half = self.grid.size_at(origin).map(|n| 0.5 * (n as f64 - 1.0));
-        let center = self.in_view([0, 1, 2].map(|axis| origin[axis] as f64 + half[axis]));
+        let size = self.grid.size_at(origin);
+        let ends = [0, 1, 2].map(|axis| {
+            let ends = [origin[axis], origin[axis] + size[axis] - 1];
+            ends.map(|at| at as f64 + self.shift(axis, at))
+        });
+        let half = ends.map(|[first, last]| 0.5 * (last - first));
+        let center = self.in_view(ends.map(|[first, last]| 0.5 * (first + last)));
         let m = self.view_from_index.matrix;
         let half_extents =
             m.x_axis.abs() * half[0] + m.y_axis.abs() * half[1] + m.z_axis.abs() * half[2];

@@ -57,9 +57,11 @@ pub(super) fn within(
     let levels = LEVELS.take_while(|level| grid.dims().iter().all(|&n| 8 << level <= n));
     let cells: Vec<Cells<'_>> = levels
         .map(|level| {
+            let n_voxels = grid.dims();
             let grid = grid.of_cells(level).expect("its steps are not too long");
             Cells {
                 side: 1 << level,
+                n_voxels,
                 grid,
                 kernel: of_voxels.on_cells(&grid, &view.axes, f64::from(1 << level)),
                 stretch: stretch.of_cells(level, kernel),
@@ -116,6 +118,8 @@ fn turn([x, y, z]: [usize; 3]) -> f64 {
 /// The cells of a level.
 struct Cells<'a> {
     side: usize,
+    /// Along each axis.
+    n_voxels: [usize; 3],
     grid: Grid,
     kernel: KernelInView,
     stretch: Stretch,
@@ -184,7 +188,8 @@ impl Cells<'_> {
             self.center_in_view(at).z
         });
         let nearest = nearest.fold(f64::INFINITY, f64::min) - self.kernel.depth_reach;
-        let least = 0.95 * (1.0 + turn(self.brick(voxel)) / 24.0);
+        let of_level = [0.95, 1.1, 1.3][self.side.ilog2() as usize - 1];
+        let least = of_level * (1.0 + turn(self.brick(voxel)) / 24.0);
         self.view.near_depth(self.unit) <= nearest && least <= self.stretch.at(self.view, nearest)
     }
 
@@ -231,8 +236,24 @@ impl Cells<'_> {
     }
 
     fn center_in_view(&self, cell: [usize; 3]) -> DVec3 {
-        let at = DVec3::from_array(cell.map(|at| at as f64));
+        let at = [0, 1, 2].map(|axis| cell[axis] as f64 + self.moved(cell, axis));
+        let at = DVec3::from_array(at);
         self.view.view_from_world(self.grid.world_from_index().transform_point3(at))
+    }
+
+    /// How far a cell lies along an axis from the middle of its place, in cells.
+    fn moved(&self, cell: [usize; 3], axis: usize) -> f64 {
+        let side = self.side as f64;
+        let outwards = |n: f64| 0.5 * (n - side) + (side * side - 1.0) / (12.0 * n);
+        let (first, is_last) = (self.side * cell[axis], cell[axis] + 1 == self.grid.dims()[axis]);
+        if first == 0 {
+            -outwards(side) / side
+        } else if is_last {
+            let n_in_last = (self.n_voxels[axis] - first) as f64;
+            outwards(n_in_last).min(outwards(side)) / side
+        } else {
+            0.0
+        }
     }
 
     fn sums(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], Sums> {

@@ -56,10 +56,7 @@ fn popping_of_a_zoom() {
     let dir = tempfile::tempdir().unwrap();
     let args = "popping builtin:cube --method image-aligned --width 48 --height 48 --zooming";
     let report = json(dir.path(), &format!("{args} --from 0.5 --to 1 --step 1.1 --json"));
-    assert_eq!(
-        report["sweep"],
-        value!({ "motion": "zoom", "from": 0.5, "to": 1.0, "step": 1.1 })
-    );
+    assert_eq!(report["sweep"], value!({ "motion": "zoom", "from": 0.5, "to": 1.0, "step": 1.1 }));
     let method = &report["methods"][0];
     let changes: Vec<f64> = serde_json::from_value(method["changes"].clone()).unwrap();
     assert_eq!(changes.len(), 7);

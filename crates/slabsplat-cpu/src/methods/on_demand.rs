@@ -54,7 +54,7 @@ impl<'a> SeenLevel<'a> {
         let seen = |plan: &'a LayerPlan<'a>, cells| Self {
             plan,
             raster: Raster::new(plan, 0),
-            bricks: BrickView::new(&plan.grid(), &plan.view),
+            bricks: BrickView::of_cells(plan.volume.grid(), plan.level, &plan.grid(), &plan.view),
             cells,
         };
         let next = |cells: &&'a CellsPlan<'a>| cells.plan.coarser.as_deref();
@@ -74,12 +74,13 @@ impl<'a> SeenLevel<'a> {
             let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
             self.stretch(front - self.plan.half_depth)
         });
-        least_stretch_of_cells(coords) <= stretch
+        least_stretch_of_cells(self.plan.level, coords) <= stretch
     }
 
     /// Whether all bricks do.
     fn reaches_everything(&self) -> bool {
-        self.stretch_everywhere().is_some_and(|stretch| stretch_of_all_cells() <= stretch)
+        self.stretch_everywhere()
+            .is_some_and(|stretch| stretch_of_all_cells(self.plan.level) <= stretch)
     }
 
     /// How far footprints are stretched, where rays are parallel.
