@@ -270,7 +270,7 @@ fn thinned(weight: f32, factor: f32, compositing: Compositing) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::{Grid, Samples};
+    use slabsplat_core::{Grid, LabelMap, Samples, TransferBox};
 
     #[test]
     fn classification_stops_when_cancelled() {
@@ -307,5 +307,74 @@ mod tests {
         check(vec![1_i16].into(), 1 << 16);
         check(vec![1_u32].into(), 0);
         check(vec![1.0_f32].into(), 0);
+    }
+
+    fn opaque(opacity: f64, gray: f64) -> TransferFunction {
+        TransferFunction::new(vec![(0.0, [opacity])], vec![(0.0, [gray; 3])]).unwrap()
+    }
+
+    fn volume(samples: Vec<u8>) -> Volume {
+        let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();
+        Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap()
+    }
+
+    fn assert_close(found: [f32; 4], expected: [f64; 4]) {
+        let pairs = found.into_iter().map(f64::from).zip(expected);
+        let off = pairs.fold(0.0_f64, |off, (found, expected)| off.max((found - expected).abs()));
+        assert!(off < 1e-6, "{found:?}, not {expected:?}");
+    }
+
+    /// An opacity of 0.8 times 0.5 is one of 0.4, whatever sheets sum.
+    #[test]
+    fn classification_thins_opacity() {
+        let transfer = opaque(0.8, 0.3);
+        for compositing in [Compositing::Extinction, Compositing::Separate, Compositing::Associated]
+        {
+            let rules = VoxelRules::by_value(&transfer);
+            let classification = Classification::new(&rules, compositing, &volume(vec![1]));
+            let classified = classification.of(1_u8, None);
+            let weight = compositing.weight(0.8);
+            assert_close(classified, [0.3, 0.3, 0.3, weight]);
+            let half = [0.3, 0.3, 0.3, compositing.weight(0.4)];
+            assert_close(classification.thinned(classified, 0.5), half);
+            assert_eq!(classification.thinned(classified, 1.0), classified);
+        }
+    }
+
+    /// A label without a style, one with a colour, one half as opaque, and one with a transfer function.
+    #[test]
+    fn classification_by_labels() {
+        let (transfer, own) = (opaque(0.8, 0.3), opaque(0.2, 0.9));
+        let values = volume(vec![1; 4]);
+        let map = LabelMap::new(&volume(vec![0, 1, 2, 3]), values.grid()).unwrap();
+        let style = LabelStyle::default;
+        let styles = [
+            (1, style().color([1.0, 0.5, 0.0])),
+            (2, style().opacity(0.5)),
+            (3, style().transfer(own)),
+        ];
+        let labels = Labels::new(map, styles).unwrap();
+        let skin = TransferBox::new([0.0, 2.0], [1.0, 9.0]).unwrap();
+        let skin =
+            TransferFunction2d::Boxes(vec![skin.color([0.1; 3]).unwrap().opacity(0.6).unwrap()]);
+        let by_value = VoxelRules { labels: Some(&labels), ..VoxelRules::by_value(&transfer) };
+        let by_both = VoxelRules { transfer_2d: Some(&skin), ..by_value };
+        let check = |rules: &VoxelRules<'_>, gradient: f64, expected: [[f64; 4]; 4]| {
+            let classification = Classification::new(rules, Compositing::Separate, &values);
+            for (label, expected) in (0..).zip(expected) {
+                let index = Some(labels.map().indices()[label]);
+                assert_close(classification.of_gradient(1_u8, gradient, index), expected);
+                assert_eq!(classification.has_label_color(index), label == 1);
+            }
+            assert!(!classification.has_label_color(None));
+            classification
+        };
+        let of_own = [0.9, 0.9, 0.9, 0.2];
+        let of_layer = [[0.3, 0.3, 0.3, 0.8], [1.0, 0.5, 0.0, 0.8], [0.3, 0.3, 0.3, 0.4], of_own];
+        let classification = check(&by_value, 4.0, of_layer);
+        assert!(2 * 256 * size_of::<[f32; 4]>() < classification.resident_bytes());
+        let by_gradient =
+            [[0.1, 0.1, 0.1, 0.6], [1.0, 0.5, 0.0, 0.6], [0.1, 0.1, 0.1, 0.3], of_own];
+        check(&by_both, 4.0, by_gradient);
     }
 }

@@ -157,3 +157,26 @@ impl<'a, T: Ordered> VisibleVoxels<'a, T> {
         gradient_opacity.is_none_or(|factor| 0.0 < factor.at(gradient)[0])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn voxel_rules_say_what_decides() {
+        let transfer = TransferFunction::new(vec![(0.0, [0.5])], vec![(0.0, [1.0; 3])]).unwrap();
+        let by_both = TransferFunction2d::Boxes(Vec::new());
+        let by_gradient = PiecewiseLinear::new("opacity", [(0.0, [1.0])]).unwrap();
+        let rules = VoxelRules::by_value(&transfer);
+        let decide = |rules: VoxelRules<'_>| [rules.are_by_value(), rules.are_by_gradient()];
+        assert_eq!(decide(rules), [true, false]);
+        assert!(rules.are_all_by_value());
+        for rules in [
+            VoxelRules { transfer_2d: Some(&by_both), ..rules },
+            VoxelRules { gradient_opacity: Some(&by_gradient), ..rules },
+        ] {
+            assert_eq!(decide(rules), [false, true]);
+            assert!(!rules.are_all_by_value());
+        }
+    }
+}

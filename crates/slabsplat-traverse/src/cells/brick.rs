@@ -199,3 +199,51 @@ impl CellValues {
         [r, g, b, x, y, z, undirected]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::NORMAL_STEPS;
+
+    /// Voxels of opaque black before white, in the first 4³ voxels of a brick: 2³ cells of level 1.
+    fn halves() -> CellBrick {
+        let (mut sums, mut moments) = (CellSums::default(), MomentSums::default());
+        sums.clear();
+        moments.clear();
+        let toward_x = [NORMAL_STEPS as i16, 0, 0];
+        let at = (0..64).map(|idx| [idx % 4, idx / 4 % 4, idx / 16]);
+        let records: Vec<_> = at
+            .map(|[x, y, z]: [u16; 3]| VoxelRecord { slot: (z * 8 + y) * 8 + x, normal: toward_x })
+            .collect();
+        let color = |record: &VoxelRecord| {
+            let gray = if record.coords_in_brick()[0] < 2 { 0.0 } else { 1.0 };
+            [gray, gray, gray, 0.3]
+        };
+        let colors: Vec<_> = records.iter().map(color).collect();
+        sums.add(1, [0; 3], &records, &colors);
+        moments.add(1, [0; 3], &records, &colors);
+        CellBrick::new(&sums, 1, 64).with_moments(&sums, &moments)
+    }
+
+    #[test]
+    fn cell_brick_holds_its_cells() {
+        let brick = halves();
+        let slots: Vec<_> = brick.slots().map(|record| record.slot).collect();
+        assert_eq!(slots, [0, 1, 8, 9, 64, 65, 72, 73]);
+        assert_eq!((brick.cells().len(), brick.moments().len(), brick.n_voxels()), (8, 8, 64));
+        // Eight voxels of 0.3, over two along an edge.
+        assert!(
+            (brick.largest() - 1.2).abs() < 1e-6 && (brick.largest_of_voxels() - 0.3).abs() < 1e-6
+        );
+    }
+
+    /// From one cell to the next colours differ by 1 along x alone, in each of 2×2 pairs.
+    #[test]
+    fn cell_brick_knows_its_contrast() {
+        let Contrast { color, normal, noise } = halves().contrast();
+        assert!((color - 0.3).abs() < 1e-6, "{color}");
+        assert_eq!(normal, 0.0, "all face one way");
+        // Four of twelve pairs.
+        assert!((noise - 0.3 * (4.0_f32 / 12.0).sqrt()).abs() < 1e-6, "{noise}");
+    }
+}
