@@ -130,8 +130,8 @@ fn detail_levels_of_opaque_layers() {
     assert!(1e-3 < worst, "nothing was drawn by cells");
 }
 
-/// Bricks change their level one after the other as the camera zooms: where they did so in one frame, its spike
-/// was 4.6.
+/// Bricks change their level one after the other as the camera zooms: where they did so in one frame, its
+/// spike was 4.6.
 #[test]
 fn detail_levels_do_not_pop_in_a_zoom() {
     let mut rng = fastrand::Rng::with_seed(1);

@@ -33,8 +33,8 @@ pub struct PoppingReport {
     pub median: f64,
     /// Largest over median; `None` if the median is 0, as for an empty picture.
     pub pop_ratio: Option<f64>,
-    /// The largest of a change over the mean of the one before it and the one after; `None` if there are fewer
-    /// than three, or nothing changes.
+    /// The largest of a change over the mean of the one before it and the one after; `None` if there are
+    /// fewer than three, or nothing changes.
     pub spike: Option<f64>,
     /// Mean second difference of frames over mean first difference; `None` if nothing changes.
     pub jitter: Option<f64>,
