@@ -1,31 +1,10 @@
-// Shades every relevant voxel (model §6), projects it (model §5), and finds the tiles that it touches and the
-// sheet in which it begins: the twin of the CPU's `shade.rs`, `project.rs` and `toss.rs`.
+// Shades every relevant voxel (model §6) and projects it: the twin of the CPU's `shade.rs`, too.
 
-//#include "shared/step.wgsl"
-//#include "shared/frame.wgsl"
-//#include "shared/layer.wgsl"
-//#include "shared/coords.wgsl"
 //#include "shared/record.wgsl"
-//#include "shared/splat.wgsl"
-//#include "shared/pixels.wgsl"
-//#include "shared/slabs.wgsl"
-//#include "shared/tile.wgsl"
-//#include "shared/compositing.wgsl"
-//#include "shared/region.wgsl"
-//#include "shared/light.wgsl"
+//#include "shared/projection.wgsl"
 
-@group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> layers: array<Layer, MAX_LAYERS>;
-@group(0) @binding(2) var<uniform> step: Step;
-@group(0) @binding(3) var<storage, read> table: array<vec4<u32>>;
-// The layer's records and the splats of all layers, as much of either as is bound.
+// The layer's records, as many as are bound.
 @group(0) @binding(4) var<storage, read> records: array<Record>;
-@group(0) @binding(5) var<storage, read_write> splats: array<Splat>;
-// By voxel: what the list is sorted by, the voxel itself, and the tiles that it touches.
-@group(0) @binding(6) var<storage, read_write> keys: array<u32>;
-@group(0) @binding(7) var<storage, read_write> order: array<u32>;
-@group(0) @binding(8) var<storage, read_write> rects: array<vec2<u32>>;
-@group(0) @binding(9) var<storage, read_write> counts: array<u32>;
 
 @compute @workgroup_size(256)
 fn project(
@@ -34,112 +13,13 @@ fn project(
     @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
     let record_of_pass = linear_group(group, n_groups) * 256u + thread;
-    let record_idx = step.first + record_of_pass;
-    let voxel = layers[step.layer].first_voxel + record_idx;
-    if record_idx == 0u {
-        begin_counts();
-    }
-    if step.n_elements <= record_of_pass {
+    if !is_listed(record_of_pass) {
         return;
     }
-    if counts[step.count_slot] <= record_idx {
-        // Behind the voxels of a layer there is room for some more, which the next one leaves.
-        if 1u < frame.n_layers {
-            keys[voxel] = 0u;
-            order[voxel] = voxel;
-            rects[voxel] = NO_TILES;
-        }
-        return;
-    }
-    let in_chunk = (1u << step.chunk_bits) - 1u;
-    let record = records[record_idx & in_chunk];
-    let center = in_view(record.voxel_idx);
-    let sheet = sheet_of(record.voxel_idx, center.z);
-    splats[voxel & in_chunk] = Splat(center, sheet, splat_color(record, center));
-    keys[voxel] = sheet;
-    order[voxel] = voxel;
-    rects[voxel] = rect_of(center, sheet);
-}
-
-// By one thread of each layer, one layer after the other: how many voxels there are so far.
-fn begin_counts() {
-    if step.layer == 0u {
-        counts[COUNT_FAULTS] = 0u;
-        counts[COUNT_VOXELS] = counts[step.count_slot];
-    } else {
-        counts[COUNT_VOXELS] += counts[step.count_slot];
-    }
-}
-
-fn in_view(voxel_idx: u32) -> vec3<f32> {
-    let layer = step.layer;
-    let coords = coords_of(voxel_idx, layers[layer].dims);
-    let from_center = vec3<f32>(coords) - layers[layer].center_in_index;
-    return vec3(
-        dot(layers[layer].right.xyz, from_center) + layers[layer].right.w,
-        dot(layers[layer].up.xyz, from_center) + layers[layer].up.w,
-        dot(layers[layer].depth.xyz, from_center) + layers[layer].depth.w,
-    );
-}
-
-fn sheet_of(voxel_idx: u32, depth: f32) -> u32 {
-    let layer = step.layer;
-    switch frame.method {
-        case METHOD_SECTIONS, METHOD_DENSITIES: {
-            return max(slabs_of(layer, depth).x, layers[layer].first_drawn);
-        }
-        case METHOD_SLICES: {
-            let axis = layers[layer].slice_axis;
-            let slice = coords_of(voxel_idx, layers[layer].dims)[axis & 3u];
-            return select(slice, frame.n_sheets - 1u - slice, 4u <= axis);
-        }
-        default: {
-            return 0u;
-        }
-    }
-}
-
-// The rectangle of pixels that a whole kernel covers at a depth, as its least and its largest corner.
-fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
-    let scale = scale_at(step.layer, depth);
-    let half = layers[step.layer].half_extent * (scale * stretch_of(scale) * frame.radius);
-    let at = pixel_of(center, scale);
-    return vec4(at - half, at + half);
-}
-
-// A section's position and size change monotonically with its slab's depth, so that the first and the last
-// section bound all of them.
-fn rect_of(center: vec3<f32>, sheet: u32) -> vec2<u32> {
-    if frame.method == METHOD_SECTIONS || frame.method == METHOD_DENSITIES {
-        let last = slabs_of(step.layer, center.z).y;
-        if last < sheet || is_beyond(step.layer, center) {
-            return NO_TILES;
-        }
-        let near = bounds_at(center, middle_of(step.layer, sheet));
-        let far = bounds_at(center, middle_of(step.layer, last));
-        // Slopes of densities are differences to the next pixels, beside the tile too.
-        let beside = select(0.0, 1.0, frame.method == METHOD_DENSITIES);
-        return tiles_within(min(near.xy, far.xy) - beside, max(near.zw, far.zw) + beside);
-    }
-    if center.z < layers[step.layer].near {
-        return NO_TILES;
-    }
-    let bounds = bounds_at(center, center.z);
-    return tiles_within(bounds.xy, bounds.zw);
-}
-
-// The tiles that have pixel centres within two corners.
-fn tiles_within(least: vec2<f32>, largest: vec2<f32>) -> vec2<u32> {
-    // Pixel p has its centre at p + ½. What lies outside of the image is cut off before it is a number.
-    let end = vec2<f32>(frame.n_tiles * TILE_SIDE);
-    let first = vec2<u32>(clamp(ceil(least - 0.5), vec2(0.0), end));
-    let behind = vec2<u32>(clamp(floor(largest + 0.5), vec2(0.0), end));
-    if any(behind <= first) {
-        return NO_TILES;
-    }
-    let first_tile = first / TILE_SIDE;
-    let last_tile = (behind - 1u) / TILE_SIDE;
-    return vec2((first_tile.y << 16u) | first_tile.x, (last_tile.y << 16u) | last_tile.x);
+    let record = records[in_chunk(step.first + record_of_pass)];
+    let coords = coords_of(record.voxel_idx, layers[step.layer].dims);
+    let center = in_view(vec3<f32>(coords));
+    put_splat(record_of_pass, coords, center, splat_color(record, center));
 }
 
 // The voxel's colour and weight in the form that the compositing sums.

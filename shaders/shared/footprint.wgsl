@@ -48,7 +48,7 @@ fn stage_section(splat: Splat, layer: u32, slab: u32, thread: u32) -> u32 {
 // What depends on the depth at which a splat is projected.
 fn stage_shape(splat: Splat, layer: u32, depth: f32, thread: u32) {
     let scale = scale_at(layer, depth);
-    let stretch = stretch_of(scale);
+    let stretch = stretch_of(layer, scale);
     let pixels = scale * stretch;
     staged[thread].center = pixel_of(splat.center, scale);
     staged[thread].across = layers[layer].across / (pixels * pixels);

@@ -14,7 +14,7 @@ struct Layer {
     center_in_index: vec3<f32>,
     // Pixels per unit; in a perspective view, times the distance from the eye's plane.
     pixels_per_unit: f32,
-    // Voxels along x, y, z.
+    // Voxels, or cells of them, along x, y, z.
     dims: vec3<u32>,
     // The number of its first voxel among those of all layers.
     first_voxel: u32,
@@ -69,5 +69,13 @@ struct Layer {
 
     // Blinn–Phong, too: the share of diffuse light on what has no gradient.
     zero_gradient: f32,
-    padding: u32,
+    // Of cells, the square of the least by which footprints are widened; see `pixels.wgsl`.
+    least_stretch_squared: f32,
+    // Of cells, how much further out than their indices say the first and the last along each axis lie; and what
+    // a cell adds to the variance of its voxels' footprints, over that of its own kernel: 0 of voxels.
+    first_out: vec3<f32>,
+    spread: f32,
+    last_out: vec3<f32>,
+    // Of cells, how many voxels they have along an edge.
+    voxels_per_unit: f32,
 }

@@ -8,9 +8,13 @@ fn scale_at(layer: u32, depth: f32) -> f32 {
     return layers[layer].pixels_per_unit;
 }
 
-// By how much footprints are widened where a pixel covers more than a unit.
-fn stretch_of(scale: f32) -> f32 {
-    return max(1.0 / scale, 1.0);
+// By how much footprints are widened where a pixel covers more than a unit; those of cells, so that they are as
+// wide as those of their voxels together.
+fn stretch_of(layer: u32, scale: f32) -> f32 {
+    if layers[layer].spread == 0.0 {
+        return max(1.0 / scale, 1.0);
+    }
+    return sqrt(max(1.0 / (scale * scale) - layers[layer].spread, layers[layer].least_stretch_squared));
 }
 
 // Where a point lies in the picture.

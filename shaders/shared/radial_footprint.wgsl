@@ -44,7 +44,7 @@ fn stage_nothing(thread: u32) {
 // Stages where a splat lies that is projected at a depth, and what it looks like.
 fn stage_place(splat: Splat, layer: u32, depth: f32, thread: u32) {
     let scale = scale_at(layer, depth);
-    let stretch = stretch_of(scale);
+    let stretch = stretch_of(layer, scale);
     let per_pixel = sqrt(2.0) / (frame.radius * scale * stretch);
     let across = sqrt(layers[layer].across) * per_pixel;
     let along = sqrt(layers[layer].along) * per_pixel;

@@ -1,18 +1,18 @@
-//! Levels of detail (model §16): cells of voxels against the voxels, and the CPU's cells against those of the
-//! reference.
+//! Levels of detail (model §16): cells of voxels against the voxels, and the cells of all backends against
+//! those of the reference.
 
 use slabsplat::{Renderer, Sweep, measure_popping};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, Compositing, Grid, Layer, Method, Normalization, Projection, RenderSettings, Samples,
-    Scaling, Scene, Shading, TransferFunction, Volume,
+    Camera, Compositing, Grid, Layer, Method, Normalization, Plane, Projection, Region,
+    RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::for_each_numbered_seed;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{render, render_within_tolerance};
-use slabsplat_tests::render::render as by_backend;
+use slabsplat_tests::render::{backends, render as by_backend};
 
-/// What the CPU's simpler footprints may add to 10⁻³, as in `tolerance.rs`: 0.15 of the tolerance.
+/// What simpler footprints may add to 10⁻³, as in `tolerance.rs`: 0.15 of the tolerance.
 const OF_FOOTPRINTS: f64 = 1e-3 + 0.15 * 0.05;
 
 fn may_merge(kind: &SceneKind) -> bool {
@@ -65,24 +65,26 @@ fn faint(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
     Layer::new(volume, transfer.expect("the points rise"))
 }
 
-/// At most the tolerance from voxels; and the CPU draws the cells of the definition.
+/// At most the tolerance from voxels; and all backends draw the cells of the definition.
 #[test]
 fn detail_levels_on_random_scenes() {
-    let (mut worst, mut worst_of_cpu, mut n_by_cells) = (0.0_f64, 0.0_f64, 0);
+    let (mut worst, mut worst_of_backends, mut n_by_cells) = (0.0_f64, 0.0_f64, 0);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(may_merge) {
             let scene = minified(&mut rng, &kind);
             let [exact, cells] = [render(&scene), render_within_tolerance(&scene)];
             let off = exact.compare_reference(&cells).max;
-            let of_cpu = cells.compare(&by_backend("cpu", &scene)).max;
             assert!(off < scene.settings.tolerance, "{off} from voxels: {kind:?}");
-            assert!(of_cpu < OF_FOOTPRINTS, "{of_cpu} from the reference: {kind:?}");
             worst = worst.max(off);
-            worst_of_cpu = worst_of_cpu.max(of_cpu);
+            for name in backends() {
+                let of_backend = cells.compare(&by_backend(name, &scene)).max;
+                assert!(of_backend < OF_FOOTPRINTS, "{name} is off by {of_backend}: {kind:?}");
+                worst_of_backends = worst_of_backends.max(of_backend);
+            }
             n_by_cells += usize::from(1e-3 < off);
         }
     });
-    println!("at most {worst:.4} from voxels, {worst_of_cpu:.1e} from the reference");
+    println!("at most {worst:.4} from voxels, {worst_of_backends:.1e} from the reference");
     assert!(3 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
 }
 
@@ -122,9 +124,19 @@ fn detail_levels_of_opaque_layers() {
         let projection = Projection::Orthographic { view_height: height };
         let camera = Camera::new(target - 200.0 * forward, target, up, projection);
         scene.camera = camera.expect("up is not forward");
-        let off = render(&scene).compare(&by_backend("cpu", &scene)).max;
-        assert!(off < scene.settings.tolerance, "{off} from voxels");
-        worst = worst.max(off);
+        if rng.bool() {
+            let cut = Plane::new(DVec3::new(0.3, -0.2, 1.0), 18.0).expect("it has a direction");
+            scene.layers[0].region = Region::new(vec![cut]).lit();
+        }
+        let (exact, by_cpu) = (render(&scene), by_backend("cpu", &scene));
+        for name in backends() {
+            let image = by_backend(name, &scene);
+            let off = exact.compare(&image).max;
+            assert!(off < scene.settings.tolerance, "{name} is {off} from voxels");
+            worst = worst.max(off);
+            let from_cpu = f64::from(image.max_difference(&by_cpu));
+            assert!(from_cpu < OF_FOOTPRINTS, "{name} is {from_cpu} from the CPU");
+        }
     });
     println!("at most {worst:.4} from voxels");
     assert!(1e-3 < worst, "nothing was drawn by cells");

@@ -8,7 +8,7 @@ use slabsplat_core::{
 };
 use slabsplat_kernel::{
     CellLimits, CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable,
-    SplitLevels, TiltedSections,
+    SplitLevels, TiltedSections, share_by_cells,
 };
 use std::sync::Arc;
 
@@ -89,10 +89,8 @@ pub struct LayerPlan<'a> {
 }
 
 /// A layer by cells, and which bricks of 8³ cells may be drawn ([model §16](slabsplat_core::model)), of those
-/// whose footprints are stretched as far as [`least_stretch_of_cells`] says where their kernels begin; all
-/// others are drawn by what is finer.
-///
-/// [`least_stretch_of_cells`]: slabsplat_kernel::least_stretch_of_cells
+/// whose turn has come where their kernels begin ([`share_at`](Self::share_at)); all others are drawn by what
+/// is finer.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct CellsPlan<'a> {
@@ -104,7 +102,31 @@ pub struct CellsPlan<'a> {
     pub lit: [f64; 2],
 }
 
-impl LayerPlan<'_> {
+impl CellsPlan<'_> {
+    /// The share of bricks whose turn has come at a depth from the centre of all layers, not before the near
+    /// depth: those that [`turn_of_brick`](slabsplat_kernel::turn_of_brick) puts below it.
+    pub fn share_at(&self, depth: f64) -> f64 {
+        let view = &self.plan.view;
+        share_by_cells(self.plan.level, view.stretch(view.pixels_per_world(depth)))
+    }
+}
+
+impl<'a> LayerPlan<'a> {
+    /// This layer, and the same by cells, level by level.
+    pub fn levels(&self) -> impl Iterator<Item = &Self> + use<'_, 'a> {
+        std::iter::once(self).chain(self.cells().map(|cells| &cells.plan))
+    }
+
+    /// The cells that may be drawn instead, from level 1 on.
+    pub fn cells(&self) -> impl Iterator<Item = &CellsPlan<'a>> + use<'_, 'a> {
+        let mut next = self.coarser.as_deref();
+        std::iter::from_fn(move || {
+            let cells = next?;
+            next = cells.plan.coarser.as_deref();
+            Some(cells)
+        })
+    }
+
     /// Where what is splatted is: the volume's grid, or that of its cells.
     pub fn grid(&self) -> Grid {
         let grid = self.volume.grid().of_cells(self.level);

@@ -46,10 +46,6 @@ pub struct ViewError {
 /// within a millionth of a voxel has one colour.
 const STEP_PIXELS: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
 
-/// No footprint of cells is narrower. A layer that would need it is not drawn by cells; but a slab may be a
-/// little nearer to the eye than any voxel.
-const LEAST_STRETCH_OF_CELLS: f64 = 0.5;
-
 impl View {
     /// The view of `grid` through `camera` on an image.
     ///
@@ -189,13 +185,23 @@ impl View {
         self.origin_in_world() + DMat3::from_cols(right, up, forward) * point
     }
 
+    /// No footprint of cells is narrower. A layer that would need it is not drawn by cells; but a slab may be a
+    /// little nearer to the eye than any voxel.
+    pub const LEAST_STRETCH_OF_CELLS: f64 = 0.5;
+
     /// By how much footprints are widened where a pixel covers more than a voxel step
     /// ([model §5](crate::model)).
     pub fn stretch(&self, pixels_per_world: f64) -> f64 {
         let of_voxels = (1.0 / (pixels_per_world * self.unit)).max(1.0);
         self.cells.map_or(of_voxels, |Cells { side, spread }| {
-            ((of_voxels / side).powi(2) - spread).max(LEAST_STRETCH_OF_CELLS.powi(2)).sqrt()
+            ((of_voxels / side).powi(2) - spread).max(Self::LEAST_STRETCH_OF_CELLS.powi(2)).sqrt()
         })
+    }
+
+    /// What a cell adds to the variance of its voxels' footprints, over that of its own kernel, if this is a
+    /// view of cells; [`stretch`](Self::stretch) takes that off.
+    pub fn spread_of_cells(&self) -> Option<f64> {
+        self.cells.map(|cells| cells.spread)
     }
 
     /// The same view of cells, each of `2^level` voxels along every axis, by kernels whose variance along an

@@ -16,6 +16,7 @@ use crate::frame_memory::FrameMemory;
 use crate::frame_params::SplatLayer;
 use crate::frame_passes::max_rounds;
 use crate::job::Job;
+use crate::listing::Listing;
 use crate::listings::Listings;
 use crate::memory::{Memory, backend_error};
 use crate::params::{Counts, MAX_LAYERS, MOST_DENSITY_LAYERS};
@@ -69,7 +70,7 @@ impl<D: Device> GpuBackend<D> {
     pub fn new(name: &'static str, device: D) -> Self {
         let info = device.info();
         Self {
-            caps: Caps::new(name, info.name.clone(), Method::ALL),
+            caps: Caps::new(name, info.name.clone(), Method::ALL).with_cells(),
             memory: Memory::default(),
             listings: Listings::default(),
             lists: VoxelLists::new(),
@@ -114,8 +115,9 @@ impl<D: Device> GpuBackend<D> {
 
     /// What a plan asks for.
     fn job_of(&mut self, plan: &FramePlan<'_>, frame: &FrameHandle) -> Result<Job, BackendError> {
-        let layers = layers_of(plan).map_err(|reason| self.unable(&reason))?;
+        check_layers(plan).map_err(|reason| self.unable(&reason))?;
         let (listings, surfaces) = (self.listings.of(plan, frame)?, self.surfaces.of(plan, frame)?);
+        let (layers, listings) = levels_of(plan, listings);
         let drawn_by = self.fits.of(plan, &layers);
         let most_voxels = self.frame.splats.most();
         let mut job = Job::new(plan, (&layers, drawn_by), listings, surfaces, most_voxels);
@@ -266,7 +268,7 @@ impl<D: Device> GpuBackend<D> {
         let image = Image::from_pixels(width, height, pixels_of(done.reads.split_off(1)));
         let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
         let mut stats = FrameStats::default();
-        stats.n_voxels = counts.n_voxels.into();
+        stats.n_voxels = u64::from(counts.n_voxels).saturating_add_signed(job.job.n_more_voxels());
         stats.n_splats = wide(counts.n_splatted);
         stats.n_culled = wide(counts.n_culled);
         stats.n_tiles = counts.n_tiles.into();
@@ -293,8 +295,8 @@ fn max_visits(kind: DeviceKind) -> u32 {
     }
 }
 
-/// The layers of a plan, or why there are no shaders for it.
-fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<SplatLayer<'a, 'p>>, String> {
+/// Why there are no shaders for a plan.
+fn check_layers(plan: &FramePlan<'_>) -> Result<(), String> {
     let n_layers = plan.layers.len();
     let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
     if MOST_DENSITY_LAYERS < n_layers && plan.layers.iter().any(is_of_densities) {
@@ -305,7 +307,21 @@ fn layers_of<'a, 'p>(plan: &'a FramePlan<'p>) -> Result<Vec<SplatLayer<'a, 'p>>,
     if (MAX_LAYERS as usize) < n_layers {
         return Err(format!("its shaders draw {MAX_LAYERS} layers at a time, not {n_layers}"));
     }
-    Ok(plan.layers.iter().map(|layer| (layer, &layer.splats)).collect())
+    Ok(())
+}
+
+/// The levels that are listed of a plan's layers, in their order, as layers of their own.
+fn levels_of<'a>(
+    plan: &'a FramePlan<'_>,
+    listings: Vec<Vec<Listing>>,
+) -> (Vec<SplatLayer<'a, 'a>>, Vec<Listing>) {
+    let of_layer = |(layer, listings): (&'a LayerPlan<'_>, Vec<Listing>)| {
+        listings.into_iter().filter_map(move |listing| {
+            let plan = layer.levels().nth(listing.level())?;
+            Some(((plan, &plan.splats), listing))
+        })
+    };
+    plan.layers.iter().zip(listings).flat_map(of_layer).unzip()
 }
 
 impl<D: Device> Backend for GpuBackend<D> {

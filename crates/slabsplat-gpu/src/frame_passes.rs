@@ -10,7 +10,7 @@ use crate::sums::{BLOCK, bits_for};
 use crate::voxel_list::VoxelList;
 use crate::{Device, DeviceInfo, Pass, Write};
 use slabsplat_backend::BackendError;
-use slabsplat_shaders::{DEPTH_KEY, PROJECT, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
+use slabsplat_shaders::{DEPTH_KEY, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
 
 /// Rounds of splatting that a list has room for beside all other passes. On a device that is none but a
 /// program, that is 16 million splats a tile.
@@ -67,7 +67,7 @@ impl FrameMemory {
                     };
                     let bindings =
                         [frame, layers, tables, records, splats, keys, order, rects, counts];
-                    passes.push(&PROJECT, &bindings, step, n_groups(n_elements, 256));
+                    passes.push(layer.projected_by, &bindings, step, n_groups(n_elements, 256));
                     start += n_elements;
                 }
             }

@@ -5,7 +5,8 @@ use crate::params::Record;
 use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_core::{Compositing, FrameHandle, StageError, Volume};
 use slabsplat_traverse::{
-    Brick, Classification, OwnVoxelRules, RelevantList, VoxelLighting, VoxelRecord, VoxelRules,
+    Brick, BrickGrid, Classification, OwnVoxelRules, RelevantList, VoxelLighting, VoxelRecord,
+    VoxelRules,
 };
 use std::sync::Arc;
 
@@ -24,17 +25,17 @@ pub(crate) fn rules_of<'a>(layer: &LayerPlan<'a>) -> VoxelRules<'a> {
     VoxelRules { transfer, transfer_2d, colors, labels, gradient_opacity }
 }
 
-/// Records of voxels that follow each other in a list.
+/// Records of voxels, or of cells, that follow each other in a list.
 #[derive(Debug)]
 pub(crate) struct RecordPiece {
     /// The index of the first one in the list.
     pub(crate) first: u64,
-    pub(crate) records: Vec<Record>,
+    pub(crate) records: Vec<[u32; 8]>,
 }
 
 /// Voxels whose records are made at a time, but for those of one brick more: 8 MiB, so that sending them does
 /// not cost a submission's time. All records of a list may take gigabytes.
-const VOXELS_PER_PIECE: u32 = if cfg!(test) { 100 } else { 1 << 18 };
+pub(crate) const VOXELS_PER_PIECE: u32 = if cfg!(test) { 100 } else { 1 << 18 };
 
 /// Voxels of a brick.
 const MAX_VOXELS: usize = slabsplat_traverse::BRICK_SIDE.pow(3);
@@ -82,29 +83,30 @@ impl HostList {
         let n_voxels = bricks.iter().map(|brick| usize::from(brick.n_voxels)).sum();
         let mut records = bytemuck::zeroed_vec(n_voxels);
         self.list.fill_bricks(bricks, &mut records, |brick, voxels, records| {
-            self.fill_brick(brick, voxels, unlit, records);
+            fill_brick(self.list.grid(), brick, voxels, unlit, records);
         });
-        RecordPiece { first: bricks[0].first.into(), records }
+        RecordPiece { first: bricks[0].first.into(), records: bytemuck::cast_vec(records) }
     }
+}
 
-    fn fill_brick(
-        &self,
-        brick: &Brick,
-        voxels: &[VoxelRecord],
-        unlit: &VoxelLighting<'_>,
-        records: &mut [Record],
-    ) {
-        let mut colors = [[0.0; 4]; MAX_VOXELS];
-        let colors = &mut colors[..voxels.len()];
-        unlit.classify_brick(brick, voxels, colors);
-        let indices = self.list.grid().voxel_indices(brick, voxels);
-        for (((record, voxel), voxel_idx), color) in
-            records.iter_mut().zip(voxels).zip(indices).zip(colors)
-        {
-            // A grid has fewer voxels than 2³².
-            let voxel_idx = voxel_idx as u32;
-            *record = Record { normal: voxel.normal_in_world(), voxel_idx, color: *color };
-        }
+/// Writes the records of a brick's voxels.
+pub(crate) fn fill_brick(
+    grid: &BrickGrid,
+    brick: &Brick,
+    voxels: &[VoxelRecord],
+    unlit: &VoxelLighting<'_>,
+    records: &mut [Record],
+) {
+    let mut colors = [[0.0; 4]; MAX_VOXELS];
+    let colors = &mut colors[..voxels.len()];
+    unlit.classify_brick(brick, voxels, colors);
+    let indices = grid.voxel_indices(brick, voxels);
+    for (((record, voxel), voxel_idx), color) in
+        records.iter_mut().zip(voxels).zip(indices).zip(colors)
+    {
+        // A grid has fewer voxels than 2³².
+        let voxel_idx = voxel_idx as u32;
+        *record = Record { normal: voxel.normal_in_world(), voxel_idx, color: *color };
     }
 }
 
@@ -161,7 +163,7 @@ mod tests {
             for piece in list.pieces() {
                 assert_eq!(piece.first, voxels.len() as u64);
                 assert!(piece.records.len() < VOXELS_PER_PIECE as usize + MAX_VOXELS);
-                voxels.extend(piece.records);
+                voxels.extend_from_slice(bytemuck::cast_slice::<_, Record>(&piece.records));
             }
             assert_eq!(list.n_voxels(), voxels.len() as u64);
             voxels.sort_by_key(|record| record.voxel_idx);

@@ -12,14 +12,14 @@ use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
 use crate::surfaces::Surfaces;
 use crate::tables::Table;
 use slabsplat_backend::{ColorSplats, FramePlan, Splats};
-use slabsplat_shaders::Shader;
+use slabsplat_shaders::{PROJECT, PROJECT_CELLS, Shader};
 use std::sync::Arc;
 
 /// A frame to be made.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
     pub(crate) frame: Frame,
-    /// In the order of the plan. None if there are surfaces alone.
+    /// In the order of the plan, the levels of each from voxels on. None if there are surfaces alone.
     pub(crate) layers: Vec<JobLayer>,
     /// What the shaders read of them.
     pub(crate) params: Vec<Layer>,
@@ -35,10 +35,12 @@ pub(crate) struct Job {
     pub(crate) splats_by: &'static Shader,
 }
 
-/// A layer of a frame.
+/// A layer of a frame, or one level of it.
 #[derive(Clone, Debug)]
 pub(crate) struct JobLayer {
     pub(crate) listing: Listing,
+    /// The stage that projects what is listed.
+    pub(crate) projected_by: &'static Shader,
     pub(crate) table: Table,
     /// At least as many voxels as are relevant, and at least one: a little more than are, so that the
     /// number stays where the list grows and shrinks a little.
@@ -46,7 +48,7 @@ pub(crate) struct JobLayer {
 }
 
 impl Job {
-    /// What a plan asks for, whose layers are these, drawn so, with their voxels listed so, and with these
+    /// What a plan asks for, whose layers and their levels are these, drawn so, with their voxels listed so, and with these
     /// surfaces. All voxels together should stay below `most_voxels`, if they can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
@@ -58,7 +60,8 @@ impl Job {
         let DrawnBy { tables, shader } = drawn_by;
         let job_layer = |(listing, table): (Listing, _)| {
             let max_voxels = listing.max_voxels().max(1);
-            JobLayer { listing, table, max_voxels }
+            let projected_by = if listing.level() == 0 { &PROJECT } else { &PROJECT_CELLS };
+            JobLayer { listing, projected_by, table, max_voxels }
         };
         let mut job_layers: Vec<_> = listings.into_iter().zip(tables).map(job_layer).collect();
         leave_room(&mut job_layers, most_voxels);
@@ -124,11 +127,20 @@ impl Job {
         self.layers.iter().zip(&self.params).map(of_layer).sum()
     }
 
+    /// How many more voxels are drawn than there are records.
+    pub(crate) fn n_more_voxels(&self) -> i64 {
+        self.layers.iter().map(|layer| layer.listing.n_more_voxels()).sum()
+    }
+
     fn tiles_of_footprint(&self, layer: &Layer) -> f32 {
         let is_perspective = self.frame.is_perspective == 1;
         let distance = if is_perspective { layer.eye_distance.max(1.0) } else { 1.0 };
         let scale = layer.pixels_per_unit / distance;
-        let pixels = scale * (1.0 / scale).max(1.0);
+        let stretch = match layer.spread {
+            0.0 => (1.0 / scale).max(1.0),
+            spread => (1.0 / (scale * scale) - spread).max(layer.least_stretch_squared).sqrt(),
+        };
+        let pixels = scale * stretch;
         let border = if self.densities.is_some() { 1.0 } else { 0.0 };
         let across = |half_extent: f32| {
             1.0 + 2.0 * (half_extent * self.frame.radius * pixels + border) / TILE_SIDE as f32

@@ -3,13 +3,14 @@
 
 use crate::params::{Layer, flag};
 use slabsplat_backend::{ColorSplats, LayerPlan, SectionSplats, Slabs, SmoothSections, Splats};
-use slabsplat_core::{Phong, SliceOrder};
+use slabsplat_core::{Phong, SliceOrder, View};
 
 /// What the shaders read of a layer, but for where its voxels, its table and its planes are among those of
 /// all layers.
 pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &Splats) -> Layer {
     let mut layer = bytemuck::Zeroable::zeroed();
     put_view(plan, &mut layer);
+    put_cells(plan, &mut layer);
     put_footprint(plan, &mut layer);
     match splats {
         Splats::Colors(ColorSplats::Sections(sections)) => {
@@ -41,7 +42,7 @@ pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &Splats) -> Layer {
 }
 
 fn put_view(plan: &LayerPlan<'_>, layer: &mut Layer) {
-    let (grid, view) = (plan.volume.grid(), &plan.view);
+    let (grid, view) = (&plan.grid(), &plan.view);
     let unit = grid.unit();
     let from_index = view.from_index(grid);
     let row = |axis: usize| {
@@ -52,15 +53,27 @@ fn put_view(plan: &LayerPlan<'_>, layer: &mut Layer) {
     layer.center_in_index = from_index.center_in_index.as_vec3().to_array();
     layer.dims = grid.dims().map(|n| n as u32);
     let near = view.near_depth();
-    // A unit before the near depth is the eye, where there is one.
-    let eye_to_near = if view.is_perspective() { unit } else { 0.0 };
+    // A voxel step before the near depth is the eye, where there is one.
+    let step = plan.volume.grid().unit();
+    let eye_to_near = if view.is_perspective() { step } else { 0.0 };
     layer.eye_distance = ((eye_to_near - near) / unit) as f32;
     layer.near = (near / unit) as f32;
-    layer.pixels_per_unit = (view.pixels_per_world(near) * unit) as f32;
+    let pixels_at_eye = if view.is_perspective() { step / unit } else { 1.0 };
+    layer.pixels_per_unit = (view.pixels_per_world(near) * unit * pixels_at_eye) as f32;
+    layer.voxels_per_unit = (1_u32 << plan.level) as f32;
+}
+
+/// How cells differ from voxels; of those nothing.
+fn put_cells(plan: &LayerPlan<'_>, layer: &mut Layer) {
+    let Some(spread) = plan.view.spread_of_cells() else { return };
+    layer.spread = spread as f32;
+    layer.least_stretch_squared = View::LEAST_STRETCH_OF_CELLS.powi(2) as f32;
+    let ends = plan.volume.grid().ends_of_cells(plan.level);
+    [layer.first_out, layer.last_out] = [0, 1].map(|end| ends.map(|of_axis| of_axis[end] as f32));
 }
 
 fn put_footprint(plan: &LayerPlan<'_>, layer: &mut Layer) {
-    let (shape, unit) = (&plan.shape, plan.volume.grid().unit());
+    let (shape, unit) = (&plan.shape, plan.grid().unit());
     layer.half_depth = (plan.half_depth / unit) as f32;
     layer.index_per_depth = (shape.index_per_depth * unit) as f32;
     layer.is_tilted = flag(shape.is_tilted(plan.radius));
@@ -73,7 +86,7 @@ fn put_footprint(plan: &LayerPlan<'_>, layer: &mut Layer) {
 }
 
 fn put_slabs(plan: &LayerPlan<'_>, slabs: &Slabs, layer: &mut Layer) {
-    layer.slab_thickness = (slabs.grid.thickness() / plan.volume.grid().unit()) as f32;
+    layer.slab_thickness = (slabs.grid.thickness() / plan.grid().unit()) as f32;
     layer.first_drawn = slabs.first_drawn as u32;
 }
 

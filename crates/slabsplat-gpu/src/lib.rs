@@ -8,8 +8,10 @@
 //!    among the samples that it holds, with their normals and colours. A new transfer function sends its
 //!    points (32 bytes each), a new volume its samples. Where more than a voxel's value decides how it looks,
 //!    the host lists the relevant voxels instead and sends a record of each, 32 bytes, if anything changed.
+//!    So it does where pixels are larger than voxels, and cells of these may be drawn (model §16): a list for
+//!    each level, which is a layer from there on.
 //! 2. *Project*: every relevant voxel is shaded and projected, into one list for all layers; those beyond
-//!    their layer's region are tossed nowhere. A new camera sends 112 bytes, 224 a layer, 32 for each plane
+//!    their layer's region are tossed nowhere. A new camera sends 112 bytes, 256 a layer, 32 for each plane
 //!    of a region, and 40 for each pass.
 //! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
 //! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
@@ -39,10 +41,10 @@
 //! # Reading order
 //!
 //! `device`, `destination`; `listing`, which says who lists a layer's voxels, `listings`, `host_list` and
-//! `known_volume`; `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`,
+//! `detail_lists` and `known_volume`; `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`, `frame_passes`,
 //! `frame_memory` and `tables`, which are the frame, with `pass_list`, `sums`, `chunks` and `memory` below
 //! them; `backend` and `job`; `params`, `frame_params`, `layer_params`, `densities`, `density_elements`,
-//! `regions`, `depth_params`, `classification`, `number`, `samples`, `section_table`, `drawn_by`,
+//! `cell_record`, `regions`, `depth_params`, `classification`, `number`, `samples`, `section_table`, `drawn_by`,
 //! `surfaces` and `surface_elements`, which say a plan in the shaders' terms. The stages themselves are in
 //! `shaders/`.
 
@@ -51,6 +53,7 @@
 mod destination;
 mod device;
 
+mod cell_record;
 mod classification;
 mod densities;
 mod density_elements;
@@ -72,6 +75,7 @@ mod memory;
 mod pass_list;
 mod sums;
 
+mod detail_lists;
 mod host_list;
 mod known_volume;
 mod listing;

@@ -1,9 +1,11 @@
 //! What the last plan's voxels were listed by, cached for the next one.
 
 use crate::classification::Classification;
+use crate::detail_lists::DetailLists;
 use crate::host_list::{HostList, rules_of};
 use crate::known_volume::KnownVolume;
-use crate::listing::Listing;
+use crate::listing::{HostRecords, Listing};
+use crate::params::MAX_LAYERS;
 use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_core::{FrameHandle, StageError, Volume};
 use std::convert::Infallible;
@@ -14,22 +16,46 @@ use std::sync::Arc;
 pub(crate) struct Listings {
     volumes: Vec<Arc<KnownVolume>>,
     host_lists: Vec<Arc<HostList>>,
+    detail_lists: Vec<Arc<DetailLists>>,
 }
 
 impl Listings {
-    /// How the voxels of each layer of a plan are listed. What no layer needs is dropped before anything is
-    /// made, as two lists need not fit at a time.
+    /// How the voxels of each layer of a plan are listed, and cells of them, if any may be drawn: the listings
+    /// of each layer's levels. What no layer needs is dropped before anything is made, as two lists need not
+    /// fit at a time.
     pub(crate) fn of(
         &mut self,
         plan: &FramePlan<'_>,
         frame: &FrameHandle,
-    ) -> Result<Vec<Listing>, StageError> {
+    ) -> Result<Vec<Vec<Listing>>, StageError> {
         let is_shown = |known: &Arc<KnownVolume>| {
             plan.layers.iter().any(|layer| Arc::ptr_eq(&known.volume, layer.volume))
         };
         self.volumes.retain(is_shown);
         self.host_lists.retain(|list| plan.layers.iter().any(|layer| list.is_of(plan, layer)));
-        plan.layers.iter().map(|layer| self.listing(plan, layer, frame)).collect()
+        self.detail_lists.retain(|lists| plan.layers.iter().any(|layer| lists.are_of(plan, layer)));
+        let n_levels: usize = plan.layers.iter().map(|layer| layer.levels().count()).sum();
+        let has_room = n_levels <= MAX_LAYERS as usize;
+        let listings = |layer: &LayerPlan<'_>| match &layer.coarser {
+            Some(_) if has_room => self.levels(plan, layer, frame),
+            _ => Ok(vec![self.listing(plan, layer, frame)?]),
+        };
+        plan.layers.iter().map(listings).collect()
+    }
+
+    fn levels(
+        &mut self,
+        plan: &FramePlan<'_>,
+        layer: &LayerPlan<'_>,
+        frame: &FrameHandle,
+    ) -> Result<Vec<Listing>, StageError> {
+        frame.check()?;
+        let known = self.known(layer.volume);
+        let is_it = |lists: &DetailLists| lists.are_of(plan, layer);
+        let make = || DetailLists::new(plan, layer, &known, frame);
+        let lists = found_or_added(&mut self.detail_lists, is_it, make)?;
+        let listing = |level| Listing::ByHost(HostRecords::Level(lists.clone(), level));
+        Ok(lists.filled_levels().map(listing).collect())
     }
 
     fn listing(
@@ -46,7 +72,8 @@ impl Listings {
         } else {
             let is_it = |list: &HostList| list.is_of(plan, layer);
             let make = || HostList::new(plan, layer, &known, frame);
-            Ok(Listing::ByHost(found_or_added(&mut self.host_lists, is_it, make)?))
+            let list = found_or_added(&mut self.host_lists, is_it, make)?;
+            Ok(Listing::ByHost(HostRecords::Voxels(list)))
         }
     }
 

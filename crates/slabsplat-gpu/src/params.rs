@@ -97,7 +97,11 @@ pub(crate) struct Layer {
     pub(crate) is_inverted: u32,
     pub(crate) has_lit_faces: u32,
     pub(crate) zero_gradient: f32,
-    pub(crate) padding: u32,
+    pub(crate) least_stretch_squared: f32,
+    pub(crate) first_out: [f32; 3],
+    pub(crate) spread: f32,
+    pub(crate) last_out: [f32; 3],
+    pub(crate) voxels_per_unit: f32,
 }
 
 /// `shaders/shared/densities.wgsl`, likewise.
@@ -140,6 +144,17 @@ pub(crate) struct Record {
     pub(crate) normal: [f32; 3],
     pub(crate) voxel_idx: u32,
     pub(crate) color: [f32; 4],
+}
+
+/// `shaders/shared/cell_record.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct CellRecord {
+    pub(crate) cell_idx: u32,
+    pub(crate) extinction: f32,
+    pub(crate) color: [u32; 2],
+    pub(crate) normal: [u32; 2],
+    pub(crate) moments: [u32; 2],
 }
 
 /// `shaders/depth_key.wgsl`.
@@ -316,7 +331,11 @@ mod tests {
             is_inverted,
             has_lit_faces,
             zero_gradient,
-            padding,
+            least_stretch_squared,
+            first_out,
+            spread,
+            last_out,
+            voxels_per_unit,
         });
         check!(Densities {
             mode,
@@ -348,6 +367,7 @@ mod tests {
             compositing,
         });
         check!(Record { normal, voxel_idx, color });
+        check!(CellRecord { cell_idx, extinction, color, normal, moments });
         check!(DepthParams { low, high, dims, fraction_bits, bias, padding });
         check!(Step {
             first,

@@ -52,7 +52,7 @@ impl Reach {
         let [_, end] = slabs.grid.faces(slabs.grid.n_slabs() - 1);
         let farthest = view.pixels_per_world(end.max(view.near_depth()));
         Self {
-            view_from_index: view.from_index(layer.volume.grid()).matrix,
+            view_from_index: view.from_index(&layer.grid()).matrix,
             radius: layer.radius * view.stretch(farthest),
             aside: 0.5 * thickness * view.steepest_ray(),
             thickness,

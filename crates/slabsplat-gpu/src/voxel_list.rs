@@ -2,9 +2,8 @@
 
 use crate::chunks::Chunks;
 use crate::classifier::Classifier;
-use crate::host_list::HostList;
 use crate::job::JobLayer;
-use crate::listing::{Listing, ListingName};
+use crate::listing::{HostRecords, Listing, ListingName};
 use crate::memory::Memory;
 use crate::params::{COUNT_OF_LISTS, RECORD_BYTES};
 use crate::pass_list::PassList;
@@ -69,38 +68,37 @@ impl VoxelList {
                 let (pieces, count) = (volumes.pieces(known), (counts, self.count_slot));
                 self.classifier.push_passes(known, pieces, &self.records, count, passes);
             }
-            Listing::ByHost(list) => {
+            Listing::ByHost(records) => {
                 self.classifier.forget(memory, device);
-                self.send(device, list, uploads, frame)?;
-                writes.push(self.count(counts, list));
+                self.send(device, records, uploads, frame)?;
+                writes.push(self.count(counts, records));
             }
         }
         self.listed = Some(layer.listing.name());
         Ok(())
     }
 
-    /// Sends the records of a list, for a frame.
+    /// Sends all records, for a frame.
     fn send<D: Device>(
         &self,
         device: &mut D,
-        list: &HostList,
+        records: &HostRecords,
         uploads: &mut Uploads,
         frame: &FrameHandle,
     ) -> Result<(), BackendError> {
-        for piece in list.pieces() {
+        records.for_each_piece(frame, |piece| {
             frame.check()?;
             let bytes = bytemuck::cast_slice(&piece.records);
             let writes = self.records.writes(piece.first, bytes);
-            uploads.send(device, LABEL, writes)?;
-        }
-        Ok(())
+            uploads.send(device, LABEL, writes)
+        })
     }
 
-    /// Writes how many voxels a list has.
-    fn count<'a>(&self, counts: Slice, list: &HostList) -> Write<'a> {
-        let n_voxels = list.n_voxels() as u32;
-        let offset = counts.offset + size_of_val(&n_voxels) as u64 * u64::from(self.count_slot);
-        let bytes = bytemuck::bytes_of(&n_voxels).to_vec().into();
+    /// Writes how many records there are.
+    fn count<'a>(&self, counts: Slice, records: &HostRecords) -> Write<'a> {
+        let n_records = records.n_records() as u32;
+        let offset = counts.offset + size_of_val(&n_records) as u64 * u64::from(self.count_slot);
+        let bytes = bytemuck::bytes_of(&n_records).to_vec().into();
         Write { buffer: counts.buffer, offset, bytes }
     }
 

@@ -42,6 +42,33 @@ pub struct CellLimits {
     pub by_mean_normals: f64,
 }
 
+impl CellLimits {
+    /// Whether a brick may be drawn whose cells differ so much in colours, normals and `noise`, and whose most
+    /// opaque one has that mean extinction per voxel step; lit colours differ by `lit` where colours do by 1,
+    /// and where normals do.
+    pub fn allow(&self, lit: [f64; 2], differ: [f32; 2], noise: f32, extinction: f32) -> bool {
+        let contrast: f64 = lit.iter().zip(differ).map(|(lit, by)| lit * f64::from(by)).sum();
+        contrast <= self.contrast
+            && f64::from(noise) <= self.noise
+            && f64::from(extinction) <= self.extinction
+    }
+
+    /// A share of what may be spent: of all but what decides whether cells have second moments.
+    #[must_use]
+    pub fn share(self, share: f64) -> Self {
+        let Self { contrast, noise, extinction, by_mean_normals } = self;
+        let [contrast, noise, extinction] = [contrast, noise, extinction].map(|all| share * all);
+        Self { contrast, noise, extinction, by_mean_normals }
+    }
+
+    /// Whether these allow no more than others do.
+    pub fn are_within(&self, others: &Self) -> bool {
+        self.contrast <= others.contrast
+            && self.noise <= others.noise
+            && self.extinction <= others.extinction
+    }
+}
+
 /// The coarsest level: a brick of cells has 64³ voxels.
 const MAX_LEVEL: u32 = MIN_STRETCH.len() as u32;
 
@@ -64,18 +91,20 @@ const RANGE_OF_STRETCH: f64 = 1.0 / 24.0;
 /// [Roberts 2018]: https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/
 const TURNS: [f64; 3] = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703];
 
-/// How far footprints of cells of a level, from 1 on, must be stretched ([`View::stretch`]) to be drawn, in a
-/// brick with those indices.
+/// The share of bricks that may be drawn by cells of a level, from 1 on, where footprints of these are
+/// stretched so far ([`View::stretch`]): none, all, or between both those that come first
+/// ([`turn_of_brick`]).
 ///
 /// [`View::stretch`]: slabsplat_core::View::stretch
-pub fn least_stretch_of_cells(level: u32, brick: [usize; 3]) -> f64 {
-    let turn: f64 = brick.into_iter().zip(TURNS).map(|(at, step)| at as f64 * step).sum();
-    MIN_STRETCH[level as usize - 1] * (1.0 + RANGE_OF_STRETCH * turn.fract())
+pub fn share_by_cells(level: u32, stretch: f64) -> f64 {
+    let from_first = stretch / MIN_STRETCH[level as usize - 1] - 1.0;
+    (from_first / RANGE_OF_STRETCH).clamp(0.0, 1.0)
 }
 
-/// How far they must be stretched for cells of all bricks to be drawn.
-pub fn stretch_of_all_cells(level: u32) -> f64 {
-    MIN_STRETCH[level as usize - 1] * (1.0 + RANGE_OF_STRETCH)
+/// When a brick with those indices changes its level, 0 … 1: if a larger share of all does.
+pub fn turn_of_brick(brick: [usize; 3]) -> f64 {
+    let turn: f64 = brick.into_iter().zip(TURNS).map(|(at, step)| at as f64 * step).sum();
+    turn.fract()
 }
 
 /// Shells of a kernel by which its variance is found, to five digits.
@@ -198,19 +227,23 @@ mod tests {
     #[test]
     fn detail_levels_change_brick_by_brick() {
         let mut tenths = [0; 10];
-        let share =
-            |brick| (least_stretch_of_cells(1, brick) / MIN_STRETCH[0] - 1.0) / RANGE_OF_STRETCH;
         for brick in (0..1000).map(|idx| [idx % 10, idx / 10 % 10, idx / 100]) {
-            assert!(least_stretch_of_cells(1, brick) < stretch_of_all_cells(1));
-            tenths[(10.0 * share(brick)) as usize] += 1;
+            tenths[(10.0 * turn_of_brick(brick)) as usize] += 1;
             for axis in 0..3 {
                 let mut beside = brick;
                 beside[axis] += 1;
-                let apart = (share(beside) - share(brick)).abs();
+                let apart = (turn_of_brick(beside) - turn_of_brick(brick)).abs();
                 assert!(0.15 < apart.min(1.0 - apart), "{brick:?}, {beside:?}: {apart}");
             }
         }
         assert!(tenths.iter().all(|n| (90..=110).contains(n)), "{tenths:?}");
+        for (level, least) in (1..).zip(MIN_STRETCH) {
+            let share =
+                |of_range: f64| share_by_cells(level, least * (1.0 + of_range * RANGE_OF_STRETCH));
+            let [before, first, quarter, all] = [-1.0, 0.0, 0.25, 1.0001].map(share);
+            assert_eq!((before, first, all), (0.0, 0.0, 1.0));
+            assert!((quarter - 0.25).abs() < 1e-9);
+        }
     }
 
     #[test]
@@ -219,6 +252,15 @@ mod tests {
         // Two voxels lie half a step before and behind their middle.
         let CellLimits { contrast, noise, extinction, by_mean_normals } = at(1, 1.0);
         assert_eq!(by_mean_normals, f64::INFINITY, "no light");
+        let (limits, lit) = (at(1, 1.0), [1.0, 0.5]);
+        let [half, all] = [0.5, 1.0].map(|share| limits.share(share));
+        assert!(half.are_within(&all) && !all.are_within(&half) && all.are_within(&limits));
+        assert!(limits.allow(lit, [0.5, 0.5], 0.009, 0.49), "0.75 of 0.8");
+        for (differ, noise, extinction) in
+            [([0.5, 0.7], 0.0, 0.0), ([0.0; 2], 0.011, 0.0), ([0.0; 2], 0.0, 0.51)]
+        {
+            assert!(!limits.allow(lit, differ, noise, extinction), "{differ:?} {noise}");
+        }
         let lit = levels("gaussian", 0.05).limits(1, 1.0, 2.0);
         assert!((lit.by_mean_normals - 0.0225 / 4.0).abs() < 1e-12);
         assert!((lit.extinction - 0.49 / 4.0).abs() < 1e-12, "bright light");

@@ -62,7 +62,7 @@ mod footprint_shape;
 
 pub use crawfis_max::CrawfisMax;
 pub use cubic_section_table::CubicSectionTable;
-pub use detail_levels::{CellLimits, DetailLevels, least_stretch_of_cells, stretch_of_all_cells};
+pub use detail_levels::{CellLimits, DetailLevels, share_by_cells, turn_of_brick};
 pub use error_budget::ErrorBudget;
 pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;

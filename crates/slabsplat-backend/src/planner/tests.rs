@@ -250,12 +250,8 @@ fn planner_plans_cells_for_those_who_draw_them() {
     scene.camera = Camera::new(DVec3::Z * 99.0, DVec3::ZERO, DVec3::Y, projection).unwrap();
     let levels = |planner: &mut Planner, scene: &Scene| {
         let plan = planner.plan(scene).unwrap();
-        let mut next = plan.layers[0].coarser.as_deref();
-        let mut levels = Vec::new();
-        while let Some(cells) = next {
-            levels.push(cells.plan.level);
-            next = cells.plan.coarser.as_deref();
-        }
+        let levels: Vec<_> = plan.layers[0].cells().map(|cells| cells.plan.level).collect();
+        assert_eq!(plan.layers[0].levels().count(), levels.len() + 1);
         levels
     };
     let mut planner = Planner::default();

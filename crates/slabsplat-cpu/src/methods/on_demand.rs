@@ -24,7 +24,7 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
-use slabsplat_kernel::{least_stretch_of_cells, stretch_of_all_cells};
+use slabsplat_kernel::turn_of_brick;
 use slabsplat_traverse::{
     Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells8, Contrast, VoxelRecord,
 };
@@ -57,40 +57,29 @@ impl<'a> SeenLevel<'a> {
             bricks: BrickView::of_cells(plan.volume.grid(), plan.level, &plan.grid(), &plan.view),
             cells,
         };
-        let next = |cells: &&'a CellsPlan<'a>| cells.plan.coarser.as_deref();
-        let cells = std::iter::successors(layer.coarser.as_deref(), next);
-        let cells = cells.map(|cells| seen(&cells.plan, Some(cells)));
+        let cells = layer.cells().map(|cells| seen(&cells.plan, Some(cells)));
         std::iter::once(seen(layer, None)).chain(cells).collect()
     }
 
     /// Whether a brick lies where this level may be drawn.
     fn reaches(&self, brick_idx: u32) -> bool {
-        if self.cells.is_none() {
-            return true;
-        }
-        let coords = self.bricks.grid().coords(brick_idx);
-        let stretch = self.stretch_everywhere().unwrap_or_else(|| {
+        let Some(cells) = self.cells else { return true };
+        let share = self.share_everywhere(cells).unwrap_or_else(|| {
             let bounds = self.bricks.bounds(&whole(brick_idx));
             let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
-            self.stretch(front - self.plan.half_depth)
+            cells.share_at(front - self.plan.half_depth)
         });
-        least_stretch_of_cells(self.plan.level, coords) <= stretch
+        turn_of_brick(self.bricks.grid().coords(brick_idx)) < share
     }
 
     /// Whether all bricks do.
     fn reaches_everything(&self) -> bool {
-        self.stretch_everywhere()
-            .is_some_and(|stretch| stretch_of_all_cells(self.plan.level) <= stretch)
+        self.cells.and_then(|cells| self.share_everywhere(cells)) == Some(1.0)
     }
 
-    /// How far footprints are stretched, where rays are parallel.
-    fn stretch_everywhere(&self) -> Option<f64> {
-        (!self.plan.view.is_perspective()).then(|| self.stretch(0.0))
-    }
-
-    fn stretch(&self, depth: f64) -> f64 {
-        let view = &self.plan.view;
-        view.stretch(view.pixels_per_world(depth))
+    /// The share of bricks that do, where rays are parallel.
+    fn share_everywhere(&self, cells: &CellsPlan<'_>) -> Option<f64> {
+        (!self.plan.view.is_perspective()).then(|| cells.share_at(0.0))
     }
 }
 
@@ -131,12 +120,10 @@ impl<'a> LevelVoxels<'a> {
 
     /// Whether cells are alike enough, and faint enough, to stand for their voxels.
     fn allows(&self, cells: &CellBrick) -> bool {
-        let Some(CellsPlan { limits, lit, .. }) = self.seen.cells else { return true };
-        let (Contrast { color, normal, noise }, [of_color, of_normal]) = (cells.contrast(), lit);
-        let contrast = of_color * f64::from(color) + of_normal * f64::from(normal);
-        contrast <= limits.contrast
-            && f64::from(noise) <= limits.noise
-            && f64::from(cells.largest_of_voxels()) <= limits.extinction
+        let Contrast { color, normal, noise } = cells.contrast();
+        self.seen.cells.is_none_or(|CellsPlan { limits, lit, .. }| {
+            limits.allow(*lit, [color, normal], noise, cells.largest_of_voxels())
+        })
     }
 
     /// Takes the normals of lit faces where these count.

@@ -25,6 +25,11 @@ impl Moments {
         Self((0..6).map(rounded).sum())
     }
 
+    /// All six, 10 bits each, the first in the lowest: the last three from −½ on.
+    pub fn to_bits(self) -> u64 {
+        self.0
+    }
+
     /// What it was made of, but for rounding.
     #[inline(always)]
     pub fn values(self) -> [f32; 6] {

@@ -1,0 +1,395 @@
+//! A layer where pixels are larger than voxels (model §16): bricks of voxels and of cells, which the host makes
+//! as the CPU backend does, and the records that it sends of them.
+//!
+//! ```text
+//! from the coarsest level on:
+//!     bricks whose turn has come, but not that of their parents, are made, and listed if they may be drawn
+//!     of those that may not, the children are looked at with the next level's
+//! ```
+//!
+//! The lists of all levels are made together and are as many layers to the device. A camera that turns leaves
+//! them as they are: rays of a perspective view count as long as the shortest that could meet the volume,
+//! however it is turned, turns of bricks are rounded to a sixteenth of all, and a list is made by limits that
+//! leave something for the next frame's.
+
+use crate::host_list::{RecordPiece, VOXELS_PER_PIECE, fill_brick, rules_of};
+use crate::known_volume::KnownVolume;
+use crate::params::CellRecord;
+use rayon::prelude::*;
+use slabsplat_backend::{CellsPlan, FramePlan, LayerPlan};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Compositing, FrameHandle, IsoRange, StageError};
+use slabsplat_kernel::{CellLimits, turn_of_brick};
+use slabsplat_traverse::{
+    Brick, BrickGrid, BrickLister, BrickMaker, BrickRoom, BricksOnDemand, CellBrick,
+    Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord,
+};
+use std::sync::Arc;
+
+/// Voxels and cells of a layer, level by level, and what they were listed by.
+#[derive(Debug)]
+pub(crate) struct DetailLists {
+    known: Arc<KnownVolume>,
+    rules: OwnVoxelRules,
+    compositing: Compositing,
+    ranges: Vec<IsoRange>,
+    /// What decides which bricks of cells are listed, from level 1 on.
+    cells: Vec<CellsToList>,
+    bricks: BricksOnDemand,
+    /// Voxels first.
+    levels: Vec<LevelList>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct CellsToList {
+    limits: CellLimits,
+    lit: [f64; 2],
+    share: f64,
+}
+
+#[derive(Debug, Default)]
+struct LevelList {
+    /// In memory order.
+    bricks: Vec<ListedBrick>,
+    n_records: u64,
+    n_voxels: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct ListedBrick {
+    brick_idx: u32,
+    /// The number of its first record among those of the level.
+    first: u64,
+}
+
+/// A frame's share of bricks is one of so many, or none.
+const N_SHARES: f64 = 16.0;
+
+/// By what share of a plan's limits lists are made, and the least of a later plan's by which these still are
+/// what it asks for: as rays cross unequal steps, kernels are more or less deep.
+const SHARE_OF_LIMITS: f64 = 0.95;
+const LEAST_SHARE_OF_LIMITS: f64 = 0.7;
+
+impl DetailLists {
+    /// Lists the voxels and cells of a layer of a plan.
+    pub(crate) fn new(
+        plan: &FramePlan<'_>,
+        layer: &LayerPlan<'_>,
+        known: &Arc<KnownVolume>,
+        frame: &FrameHandle,
+    ) -> Result<Self, StageError> {
+        let (known, rules) = (known.clone(), OwnVoxelRules::new(&rules_of(layer)));
+        let (compositing, ranges) = (plan.compositing, layer.relevant.clone());
+        // All that is made is listed, but for what may not be drawn.
+        let bricks = BricksOnDemand::new(known.volume.grid(), 0, usize::MAX);
+        let (cells, levels) = (cells_to_list(layer), Vec::new());
+        let mut lists = Self { known, rules, compositing, ranges, cells, bricks, levels };
+        lists.levels = lists.with_maker(frame, |maker| lists.listed(maker));
+        frame.check()?;
+        Ok(lists)
+    }
+
+    /// Whether they are those of a layer of a plan.
+    pub(crate) fn are_of(&self, plan: &FramePlan<'_>, layer: &LayerPlan<'_>) -> bool {
+        Arc::ptr_eq(&self.known.volume, layer.volume)
+            && self.compositing == plan.compositing
+            && self.ranges == layer.relevant
+            && serve(&self.cells, &cells_to_list(layer))
+            && self.rules.rules() == rules_of(layer)
+    }
+
+    /// Voxels, or cells of a level.
+    pub(crate) fn n_records(&self, level: usize) -> u64 {
+        self.levels[level].n_records
+    }
+
+    /// Relevant voxels that those are, or stand for.
+    pub(crate) fn n_voxels(&self, level: usize) -> u64 {
+        self.levels[level].n_voxels
+    }
+
+    /// The levels of which there are any.
+    pub(crate) fn filled_levels(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.levels.len()).filter(|level| self.n_records(*level) != 0)
+    }
+
+    /// Calls `send` with the records of all voxels, or of all cells of a level, made piece by piece for a frame.
+    pub(crate) fn for_each_piece<E>(
+        &self,
+        level: usize,
+        frame: &FrameHandle,
+        mut send: impl FnMut(RecordPiece) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let is_same_piece = |a: &ListedBrick, b: &ListedBrick| {
+            a.first / u64::from(VOXELS_PER_PIECE) == b.first / u64::from(VOXELS_PER_PIECE)
+        };
+        let mut pieces = self.levels[level].bricks.chunk_by(is_same_piece);
+        self.with_maker(frame, |maker| {
+            pieces.try_for_each(|bricks| {
+                let records = bricks.par_iter().map_init(Room::default, |room, brick| {
+                    self.records(maker, level, brick.brick_idx, room)
+                });
+                let records: Vec<_> = records.collect();
+                send(RecordPiece { first: bricks[0].first, records: records.concat() })
+            })
+        })
+    }
+
+    fn with_maker<T>(&self, frame: &FrameHandle, with: impl FnOnce(BrickMaker<'_>) -> T) -> T {
+        let (volume, rules) = (&*self.known.volume, self.rules.rules());
+        let decide = (!rules.are_by_value()).then_some(&rules);
+        let lister = &BrickLister::new(volume, self.known.brick_ranges(), &self.ranges, decide);
+        let classification = Classification::new(&rules, self.compositing, volume);
+        let lighting = &VoxelLighting::new(&classification, volume, rules, None);
+        let moments_from = self.cells.first().map_or(f64::INFINITY, |of| of.limits.by_mean_normals);
+        with(BrickMaker { lister, lighting, moments_from: moments_from as f32, frame })
+    }
+
+    fn listed(&self, maker: BrickMaker<'_>) -> Vec<LevelList> {
+        let mut levels: Vec<_> = (0..=self.cells.len()).map(|_| LevelList::default()).collect();
+        let mut left = Vec::new();
+        for (level, list) in levels.iter_mut().enumerate().rev() {
+            let mut here = std::mem::take(&mut left);
+            here.extend(self.own_bricks(level as u32, maker.lister));
+            here.sort_unstable();
+            let made = here.par_iter().map_init(Room::default, |room, brick_idx| {
+                self.counts(maker, level, *brick_idx, room)
+            });
+            let made: Vec<_> = made.collect();
+            for (brick_idx, counts) in here.into_iter().zip(made) {
+                match counts {
+                    Some(counts) => list.push(brick_idx, counts),
+                    None => {
+                        left.extend(self.bricks.children(level as u32, brick_idx, maker.lister))
+                    }
+                }
+            }
+        }
+        levels
+    }
+
+    /// The bricks that no coarser level has a turn of.
+    fn own_bricks(&self, level: u32, lister: &BrickLister<'_>) -> Vec<u32> {
+        let has_turn = |level: u32, brick_idx: u32| {
+            turn_of_brick(self.bricks.grid(level).coords(brick_idx)) < self.share(level)
+        };
+        let is_own = |brick_idx: &u32| {
+            let parent = || self.bricks.parent(level, *brick_idx);
+            let is_coarsest = self.cells.len() <= level as usize;
+            has_turn(level, *brick_idx) && (is_coarsest || !has_turn(level + 1, parent()))
+        };
+        self.bricks.may_hold(level, lister).par_iter().copied().filter(is_own).collect()
+    }
+
+    fn share(&self, level: u32) -> f64 {
+        // A turn is less than 1.
+        (level as usize).checked_sub(1).map_or(1.0, |idx| self.cells[idx].share)
+    }
+
+    /// How many records a brick has, and of how many voxels; nothing if its cells may not be drawn.
+    fn counts(
+        &self,
+        maker: BrickMaker<'_>,
+        level: usize,
+        brick_idx: u32,
+        room: &mut Room,
+    ) -> Option<[u64; 2]> {
+        let Some(idx) = level.checked_sub(1) else {
+            let n_voxels = self.bricks.voxels(maker, brick_idx, &mut room.voxels).len() as u64;
+            return Some([n_voxels; 2]);
+        };
+        let CellsToList { limits, lit, .. } = self.cells[idx];
+        let cells = self.bricks.cells(maker, level as u32, brick_idx, &mut room.made);
+        let Contrast { color, normal, noise } = cells.contrast();
+        limits
+            .allow(lit, [color, normal], noise, cells.largest_of_voxels())
+            .then(|| [cells.cells().len() as u64, cells.n_voxels()])
+    }
+
+    fn records(
+        &self,
+        maker: BrickMaker<'_>,
+        level: usize,
+        brick_idx: u32,
+        room: &mut Room,
+    ) -> Vec<[u32; 8]> {
+        let grid = self.bricks.grid(level as u32);
+        if level != 0 {
+            let cells = self.bricks.cells(maker, level as u32, brick_idx, &mut room.made);
+            return records_of_cells(cells, grid, brick_idx);
+        }
+        let voxels = self.bricks.voxels(maker, brick_idx, &mut room.voxels);
+        let brick = Brick { brick_idx, first: 0, n_voxels: voxels.len() as u16 };
+        let mut records = bytemuck::zeroed_vec(voxels.len());
+        fill_brick(grid, &brick, voxels, maker.lighting, &mut records);
+        bytemuck::cast_vec(records)
+    }
+}
+
+/// What a thread needs to make bricks.
+#[derive(Default)]
+struct Room {
+    voxels: Vec<VoxelRecord>,
+    made: BrickRoom,
+}
+
+impl LevelList {
+    fn push(&mut self, brick_idx: u32, [n_records, n_voxels]: [u64; 2]) {
+        if n_records != 0 {
+            self.bricks.push(ListedBrick { brick_idx, first: self.n_records });
+        }
+        self.n_records += n_records;
+        self.n_voxels += n_voxels;
+    }
+}
+
+/// What a layer's cells are to be listed by, if they are.
+fn cells_to_list(layer: &LayerPlan<'_>) -> Vec<CellsToList> {
+    let to_list = |cells: &CellsPlan<'_>| {
+        let share = (cells.share_at(nearest_depth(&cells.plan)) * N_SHARES).floor() / N_SHARES;
+        CellsToList { limits: cells.limits.share(SHARE_OF_LIMITS), lit: cells.lit, share }
+    };
+    layer.cells().map(to_list).collect()
+}
+
+/// Whether what was listed by the first may be drawn where the others are asked for.
+fn serve(listed: &[CellsToList], asked: &[CellsToList]) -> bool {
+    let serves = |listed: &CellsToList, asked: &CellsToList| {
+        let most = asked.limits.share(1.0 / SHARE_OF_LIMITS);
+        let least = most.share(LEAST_SHARE_OF_LIMITS);
+        listed.share == asked.share
+            && listed.lit == asked.lit
+            && listed.limits.by_mean_normals == asked.limits.by_mean_normals
+            && listed.limits.are_within(&most)
+            && least.are_within(&listed.limits)
+    };
+    listed.len() == asked.len() && listed.iter().zip(asked).all(|(a, b)| serves(a, b))
+}
+
+/// The least depth of any kernel, were the volume a ball; not before the near depth.
+fn nearest_depth(plan: &LayerPlan<'_>) -> f64 {
+    let grid = plan.volume.grid();
+    let from_index = plan.view.from_index(grid);
+    let corners = [DVec3::new(1.0, 1.0, 1.0), DVec3::new(-1.0, 1.0, 1.0)];
+    let corners =
+        corners.into_iter().chain([DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0)]);
+    let half_diagonal =
+        corners.map(|sides| (from_index.matrix * (sides * from_index.center_in_index)).length());
+    let radius = half_diagonal.fold(0.0, f64::max);
+    (from_index.center_in_view.z - radius - plan.half_depth).max(plan.view.near_depth())
+}
+
+fn records_of_cells(cells: &CellBrick, grid: &BrickGrid, brick_idx: u32) -> Vec<[u32; 8]> {
+    let slots: Vec<_> = cells.slots().collect();
+    let brick = Brick { brick_idx, first: 0, n_voxels: slots.len() as u16 };
+    let idxs = grid.voxel_indices(&brick, &slots);
+    let record = |(idx, (cell_idx, cell)): (usize, (usize, &slabsplat_traverse::CellRecord))| {
+        let moments = cells.moments().get(idx).copied();
+        bytemuck::cast(CellRecord::new(cell_idx, &cell.values(cells.largest()), moments))
+    };
+    idxs.zip(cells.cells()).enumerate().map(record).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_backend::Planner;
+    use slabsplat_core::{
+        Camera, Grid, ImageDesc, Layer, Projection, Scaling, Scene, TransferFunction, Volume,
+    };
+    use slabsplat_seeds::for_each_seed;
+
+    /// Faint noise, of which a pixel covers some voxels.
+    fn scene(rng: &mut fastrand::Rng, steps: [f64; 3]) -> Scene {
+        let grid = Grid::with_spacing([40, 37, 33], steps).unwrap();
+        let samples: Vec<u8> = (0..grid.n_voxels()).map(|_| rng.u8(..3)).collect();
+        let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+        let opacity = vec![(0.0, [0.0]), (1.0, [0.004]), (2.0, [0.03])];
+        let transfer = TransferFunction::new(opacity, vec![(0.0, [0.2; 3]), (2.0, [1.0; 3])]);
+        let projection = match rng.bool() {
+            true => Projection::Orthographic { view_height: 60.0 },
+            false => Projection::Perspective { fov_y_radians: 0.2 },
+        };
+        let camera = Camera::new(DVec3::ONE, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        let scene = Scene::new(Layer::new(volume, transfer.unwrap()), camera);
+        turned(scene.image(ImageDesc::new(20, 20)), 0.0)
+    }
+
+    fn turned(mut scene: Scene, degrees: f64) -> Scene {
+        let target = scene.layers[0].volume.grid().center_in_world();
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let eye = target + 300.0 * DVec3::new(cos, 0.3, sin).normalize();
+        scene.camera = Camera::new(eye, target, DVec3::Y, scene.camera.projection()).unwrap();
+        scene
+    }
+
+    fn with_plan<T>(scene: &Scene, with: impl FnOnce(&FramePlan<'_>) -> T) -> T {
+        let mut planner = Planner::default();
+        planner.plan_cells(true);
+        with(&planner.plan(scene).unwrap())
+    }
+
+    fn lists_of(scene: &Scene) -> DetailLists {
+        let known = Arc::new(KnownVolume::new(scene.layers[0].volume.clone()));
+        with_plan(scene, |plan| {
+            DetailLists::new(plan, &plan.layers[0], &known, &FrameHandle::new()).unwrap()
+        })
+    }
+
+    #[test]
+    fn detail_lists_hold_every_voxel_once() {
+        for_each_seed(5, |mut rng| {
+            let scene = scene(&mut rng, [1.0; 3]);
+            let lists = lists_of(&scene);
+            let volume = &scene.layers[0].volume;
+            let n_relevant = (0..volume.grid().n_voxels())
+                .filter(|voxel_idx| volume.value(*voxel_idx) != 0.0)
+                .count();
+            let n_levels = lists.levels.len();
+            assert!(1 < n_levels && lists.n_records(1) != 0, "nothing is drawn by cells");
+            let n_voxels: u64 = (0..n_levels).map(|level| lists.n_voxels(level)).sum();
+            assert_eq!(n_voxels, n_relevant as u64);
+            for level in lists.filled_levels() {
+                let mut n_records = 0;
+                let send = |piece: RecordPiece| {
+                    assert_eq!(piece.first, n_records);
+                    n_records += piece.records.len() as u64;
+                    Ok::<_, ()>(())
+                };
+                lists.for_each_piece(level, &FrameHandle::new(), send).unwrap();
+                assert_eq!(n_records, lists.n_records(level));
+            }
+        });
+    }
+
+    /// A list of millions is not sent in every frame of a turn.
+    #[test]
+    fn detail_lists_serve_while_a_camera_turns() {
+        for_each_seed(3, |mut rng| {
+            for (z, most) in [(1.0, 360), (1.3, 5)] {
+                let scene = scene(&mut rng, [1.0, 1.0, z]);
+                let lists = lists_of(&scene);
+                let serve =
+                    |scene: &Scene| with_plan(scene, |plan| lists.are_of(plan, &plan.layers[0]));
+                for degrees in (0..most).step_by(most as usize / 5) {
+                    assert!(serve(&turned(scene.clone(), degrees.into())), "{degrees} degrees");
+                }
+                let mut brighter = scene;
+                brighter.layers[0].transfer =
+                    TransferFunction::new(vec![(0.0, [0.01])], vec![(0.0, [1.0; 3])]).unwrap();
+                assert!(!serve(&brighter));
+            }
+        });
+    }
+
+    #[test]
+    fn detail_lists_do_not_serve_by_other_limits() {
+        let limits =
+            CellLimits { contrast: 1.0, noise: 1.0, extinction: 1.0, by_mean_normals: 1.0 };
+        let of =
+            |share: f64| [CellsToList { limits: limits.share(share), lit: [1.0; 2], share: 1.0 }];
+        let serving = [0.9, 0.96, 1.0, 1.2, 1.3, 1.5].map(|asked| serve(&of(1.0), &of(asked)));
+        assert_eq!(serving, [false, true, true, true, true, false]);
+        assert!(!serve(&of(1.0), &[]));
+    }
+}

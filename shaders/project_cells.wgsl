@@ -1,0 +1,57 @@
+// Shades and projects cells of voxels (model §16), where pixels are larger than these: the twin of the CPU's
+// `on_demand.rs`.
+
+//#include "shared/cell_record.wgsl"
+//#include "shared/projection.wgsl"
+//#include "shared/cell_light.wgsl"
+
+// The cells of a layer, as many as are bound.
+@group(0) @binding(4) var<storage, read> records: array<CellRecord>;
+
+@compute @workgroup_size(256)
+fn project_cells(
+    @builtin(local_invocation_index) thread: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) n_groups: vec3<u32>,
+) {
+    let record_of_pass = linear_group(group, n_groups) * 256u + thread;
+    if !is_listed(record_of_pass) {
+        return;
+    }
+    let record = records[in_chunk(step.first + record_of_pass)];
+    let coords = coords_of(record.cell_idx, layers[step.layer].dims);
+    let center = in_view(within_ends(coords));
+    let color = lit_color(cell_of(record), center);
+    put_splat(record_of_pass, coords, center, summed_color(frame.compositing, color, record.extinction));
+}
+
+// Where a cell is: the first and the last along an axis lie further out than their indices say, so that the grid
+// ends where its voxels do.
+fn within_ends(coords: vec3<u32>) -> vec3<f32> {
+    let layer = step.layer;
+    let last = vec3<f32>(coords) + select(vec3(0.0), layers[layer].last_out, coords + 1u == layers[layer].dims);
+    return select(last, vec3<f32>(coords) - layers[layer].first_out, coords == vec3(0u));
+}
+
+fn lit_color(cell: CellValues, center: vec3<f32>) -> vec3<f32> {
+    if layers[step.layer].is_lit == 0u {
+        return cell.color;
+    }
+    let light = light_on_cell(step.layer, turned_by_faces(step.layer, center, cell));
+    return clamp(cell.color * light.diffuse + light.specular, vec3(0.0), vec3(1.0));
+}
+
+// What becomes of the normals of a cell that may be near a lit face.
+fn turned_by_faces(layer: u32, center: vec3<f32>, cell: CellValues) -> CellValues {
+    let face = face_near(layer, center);
+    if face.share == 0.0 {
+        return cell;
+    }
+    let n = face_of(layer, face.plane).xyz * outwards(layer);
+    var turned = cell;
+    turned.normal = mix(cell.normal, n, face.share);
+    turned.undirected = mix(cell.undirected, 0.0, face.share);
+    turned.squares = mix(cell.squares, n * n, face.share);
+    turned.products = mix(cell.products, vec3(n.x * n.yz, n.y * n.z), face.share);
+    return turned;
+}
