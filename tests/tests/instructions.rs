@@ -81,6 +81,28 @@ const WORKLOADS: &[Workload] = &[
         image_side: 96,
         change: orbit,
     },
+    // A pixel covers nearly three voxels: the same by cells, which the frame before has made.
+    Workload {
+        name: "cells",
+        method: Method::ImageAligned,
+        volume: ("sphere", 96),
+        stretch: DVec3::ONE,
+        eye: ASLANT,
+        opacity: 0.02,
+        image_side: 40,
+        change: orbit,
+    },
+    // And made anew, for another transfer function.
+    Workload {
+        name: "cells-anew",
+        method: Method::ImageAligned,
+        volume: ("sphere", 96),
+        stretch: DVec3::ONE,
+        eye: ASLANT,
+        opacity: 0.02,
+        image_side: 40,
+        change: |scene| scene.layers[0].transfer = transfer(0.025, 90.0),
+    },
     // Where slabs are tilted, and footprints sheared.
     Workload {
         name: "tilted",

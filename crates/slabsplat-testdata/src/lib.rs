@@ -23,8 +23,21 @@ use std::path::{Path, PathBuf};
 pub const VARIABLE: &str = "SLABSPLAT_DATA";
 
 /// The scenes, by the names that [`scene`] takes.
-pub const SCENES: &[&str] =
-    &["brain", "brain-haze", "embryo-perspective", "engine", "ct-head", "ct-thorax", "mr-head"];
+pub const SCENES: &[&str] = &[
+    "brain",
+    "brain-haze",
+    "embryo-perspective",
+    "engine",
+    "engine-shells",
+    "ct-head",
+    "ct-head-shells",
+    "ct-thorax",
+    "mr-head",
+    "mr-head-shells",
+];
+
+/// Those of 10⁹ voxels, which tests leave out.
+pub const LARGE_SCENES: &[&str] = &["brain-large", "brain-large-haze"];
 
 /// How scenes name the folder of volumes, as seen from `tests/scenes`.
 const DATA_FROM_SCENES: &str = "../data/";
@@ -119,7 +132,8 @@ mod tests {
         let mut names: Vec<String> =
             entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
-        let mut expected: Vec<String> = SCENES.iter().map(|name| format!("{name}.toml")).collect();
+        let all = SCENES.iter().chain(LARGE_SCENES);
+        let mut expected: Vec<String> = all.map(|name| format!("{name}.toml")).collect();
         expected.sort();
         assert_eq!(names, expected);
     }

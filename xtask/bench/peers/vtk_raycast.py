@@ -3,7 +3,7 @@
 
     python3 -m venv peers && peers/bin/pip install vtk
     peers/bin/python vtk_raycast.py scene.toml [--mapper cpu|gpu] [--sample 1.0] [--threads N]
-                                               [--frames 12] [-o out.png]
+                                               [--frames 12] [--width N] [--height N] [-o out.png]
 
 `cpu` is vtkFixedPointVolumeRayCastMapper, which VTK takes where there is no GPU.
 `gpu` is vtkOpenGLGPUVolumeRayCastMapper through EGL: with Mesa's software OpenGL a check, not a fair peer.
@@ -32,6 +32,8 @@ def parse_args():
     parser.add_argument("--sample", type=float, default=1.0, help="distance of samples, in voxels")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--frames", type=int, default=12)
+    parser.add_argument("--width", type=int, help="pixels, instead of the scene's")
+    parser.add_argument("--height", type=int)
     parser.add_argument("-o", "--output", help="a PNG of the last frame")
     return parser.parse_args()
 
@@ -140,7 +142,8 @@ def open_window(args, scene):
     renderer.AddVolume(volume)
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
-    window.SetSize(scene["image"]["width"], scene["image"]["height"])
+    image = scene["image"]
+    window.SetSize(args.width or image["width"], args.height or image["height"])
     window.AddRenderer(renderer)
     place_camera(renderer.GetActiveCamera(), scene["camera"])
     return window, renderer

@@ -5,7 +5,7 @@
 //! Where volumes are looked for is the business of `slabsplat-testdata`.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use xtask::process::{output, python};
@@ -19,14 +19,15 @@ const WHEEL: &str = "nilearn-0.14.1-py3-none-any.whl";
 
 /// The ICBM 2009a symmetric template, in the wheel and by the name that scenes have for it.
 const IN_WHEEL: &str = "nilearn/datasets/data/mni_icbm152_t1_tal_nlin_sym_09a_converted.nii.gz";
-const VOLUME: &str = "nifti/mni152_t1_1mm_uint8.nii.gz";
+pub(super) const VOLUME: &str = "nifti/mni152_t1_1mm_uint8.nii.gz";
 
-pub(super) fn fetch() -> Result<()> {
+/// The volume's file, which is there then.
+pub(super) fn fetch() -> Result<PathBuf> {
     let folder = slabsplat_testdata::fetched_folder();
     let path = folder.join(VOLUME);
     if path.is_file() {
         println!("{} is there", path.display());
-        return Ok(());
+        return Ok(path);
     }
     fetch_into(&path, &folder.join("fetching")).with_context(|| {
         format!(
@@ -36,7 +37,7 @@ pub(super) fn fetch() -> Result<()> {
         )
     })?;
     println!("{} is fetched", path.display());
-    Ok(())
+    Ok(path)
 }
 
 /// Leaves nothing in `path` that is not whole.

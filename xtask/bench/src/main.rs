@@ -2,7 +2,8 @@
 //!
 //! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another
 //! renderer, [`scaling`] shows how time grows, [`instructions`] and [`shaders`] guard against growth
-//! unnoticed, and [`data`] fetches a volume. Only instructions are judged: times are printed with what they
+//! unnoticed, and [`data`] fetches a volume, of which [`large`] makes one
+//! of 10⁹ voxels. Only instructions are judged: times are printed with what they
 //! were measured on, and never asserted.
 //!
 //! A program of its own, which `xtask` starts, so that `cargo xtask lint` and `test` need not build it.
@@ -10,6 +11,7 @@
 mod criterion;
 mod data;
 mod instructions;
+mod large;
 mod options;
 mod peers;
 mod program;
@@ -31,7 +33,7 @@ Usage: cargo xtask bench [KIND] [ARGS]
 
   [cpu|gpu] [ARGS]   `cargo bench ARGS` on every benchmark, or on those of one processor
   peers              frames of slabsplat and of VTK's ray caster alternately, and their ratios
-                     [--frames N] frames a run, [--pairs N] runs of each
+                     [--frames N] frames a run, [--pairs N] runs of each, [--side N] pixels, if not 512
   scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
                      [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
   instructions       count what small frames take and compare it with what is recorded, as `test` does
@@ -40,6 +42,7 @@ Usage: cargo xtask bench [KIND] [ARGS]
                      GPU, compared with what is recorded, as `test` does
                      [--record] instead of comparing
   data               fetch the brain that peers, scaling and some tests show, from PyPI into tests/data
+                     [--large] make one of 10⁹ voxels of it, for peers
   help               print this
 
 A filter for the benchmarks, or another option of theirs, follows `--`:
@@ -72,6 +75,7 @@ enum Task {
     Instructions(recorded::Task),
     Shaders(recorded::Task),
     Data,
+    LargeData,
     Help,
 }
 
@@ -82,7 +86,8 @@ fn run(task: &Task) -> Result<()> {
         Task::Scaling(options) => scaling::run(options),
         Task::Instructions(task) => instructions::run(*task),
         Task::Shaders(task) => shaders::run(*task),
-        Task::Data => data::fetch(),
+        Task::Data => data::fetch().map(|_| ()),
+        Task::LargeData => large::make(),
         Task::Help => {
             print!("{USAGE}");
             Ok(())
@@ -101,8 +106,11 @@ fn parse(mut args: Vec<OsString>) -> Result<Task, String> {
         "scaling" => Task::Scaling(scaling::parse(&rest())?),
         "instructions" => Task::Instructions(recorded::parse::<instructions::Record>(&rest())?),
         "shaders" => Task::Shaders(recorded::parse::<shaders::Record>(&rest())?),
-        "data" if rest().is_empty() => Task::Data,
-        "data" => return Err("`data` takes no arguments".to_owned()),
+        "data" => match rest().as_slice() {
+            [] => Task::Data,
+            [flag] if flag == "--large" => Task::LargeData,
+            _ => return Err("`data` takes only --large".to_owned()),
+        },
         "help" | "--help" | "-h" => Task::Help,
         _ => Task::Criterion(Processor::Any, args),
     })
@@ -131,8 +139,11 @@ mod tests {
 
     #[test]
     fn parse_options() {
-        let options = peers::Options { n_frames: 3, n_pairs: 7 };
+        let options = peers::Options { n_frames: 3, n_pairs: 7, side: None };
         assert_eq!(parsed(&["peers", "--frames", "3", "--pairs", "7"]), Ok(Task::Peers(options)));
+        let options = peers::Options { n_frames: 12, n_pairs: 5, side: Some(128) };
+        assert_eq!(parsed(&["peers", "--side", "128"]), Ok(Task::Peers(options)));
+        assert_eq!(parsed(&["data", "--large"]), Ok(Task::LargeData));
         let record = Task::Instructions(recorded::Task::Record);
         assert_eq!(parsed(&["instructions", "--record"]), Ok(record));
         assert_eq!(parsed(&["shaders"]), Ok(Task::Shaders(recorded::Task::Compare)));

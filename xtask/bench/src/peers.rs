@@ -28,6 +28,17 @@ use xtask::workspace::Workspace;
 pub(crate) struct Options {
     pub(super) n_frames: usize,
     pub(super) n_pairs: usize,
+    /// Pixels along a side, if not as many as scenes say.
+    pub(super) side: Option<usize>,
+}
+
+impl Options {
+    /// What all contenders are told.
+    fn flags(&self) -> Vec<String> {
+        let side = self.side.map(|side| side.to_string());
+        let flags = ["--width", "--height"].into_iter().zip(side.iter().cycle());
+        flags.flat_map(|(flag, side)| [flag.to_owned(), side.clone()]).collect()
+    }
 }
 
 /// A way in which slabsplat draws the scenes.
@@ -53,14 +64,28 @@ const OURS: &[Contender] = &[
 ];
 
 /// The peer knows no scene without `[classify]`, and no format but NIfTI, NRRD, MetaImage and raw bytes.
-const SCENES: &[&str] = &["brain", "brain-haze", "engine", "ct-head", "ct-thorax", "mr-head"];
+const SCENES: &[&str] = &[
+    "brain",
+    "brain-haze",
+    "engine",
+    "engine-shells",
+    "ct-head",
+    "ct-head-shells",
+    "ct-thorax",
+    "mr-head",
+    "mr-head-shells",
+    "brain-large",
+    "brain-large-haze",
+];
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/vtk_raycast.py");
 
 pub(super) fn parse(args: &[OsString]) -> Result<Options, String> {
-    let (mut n_frames, mut n_pairs) = (12, 5);
-    parse_counts(args, &mut [("--frames", &mut n_frames), ("--pairs", &mut n_pairs)])?;
-    Ok(Options { n_frames, n_pairs })
+    let (mut n_frames, mut n_pairs, mut side) = (12, 5, 0);
+    let counts =
+        &mut [("--frames", &mut n_frames), ("--pairs", &mut n_pairs), ("--side", &mut side)];
+    parse_counts(args, counts)?;
+    Ok(Options { n_frames, n_pairs, side: (side != 0).then_some(side) })
 }
 
 pub(super) fn run(options: &Options) -> Result<()> {
@@ -119,7 +144,7 @@ impl Arena {
         let ours = &OURS[nth - self.peers.len()];
         let run = Run {
             input: scene.into(),
-            flags: ours.flags.iter().map(ToString::to_string).collect(),
+            flags: ours.flags.iter().map(ToString::to_string).chain(self.options.flags()).collect(),
             n_frames: self.options.n_frames,
             n_threads: None,
         };
@@ -130,6 +155,7 @@ impl Arena {
         let mut command = Command::new(&peer.program);
         command.args(&peer.args).arg(scene);
         command.args(["--frames", &self.options.n_frames.to_string()]);
+        command.args(self.options.flags());
         peer_median_ms(&output(&mut command)?)
     }
 }

@@ -1,7 +1,7 @@
 //! The program `slabsplat`, built for release, and what its `bench` says of a scene.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
@@ -38,6 +38,11 @@ impl Program {
         run(cargo(workspace::root()).args(["build", "--release", "--package", "slabsplat-cli"]))?;
         let name = format!("slabsplat{}", std::env::consts::EXE_SUFFIX);
         Ok(Self { path: Workspace::read()?.target_directory.join("release").join(name) })
+    }
+
+    /// Writes a volume in another format.
+    pub(super) fn convert(&self, volume: &Path, to: &Path) -> Result<()> {
+        run(Command::new(&self.path).arg("convert").arg(volume).arg(to))
     }
 
     /// Frames on the CPU, whatever the scene says.
