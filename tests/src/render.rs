@@ -47,6 +47,19 @@ pub fn backends_in_turn(method: Method, number: usize) -> impl Iterator<Item = &
     cpu.into_iter().chain(others.into_iter().skip(number % n_others).take(1))
 }
 
+/// The pictures of a scene by some backends, each by its name. The CPU's, which others are compared with, comes
+/// first, and is drawn once.
+///
+/// # Panics
+/// As [`render`].
+pub fn pictures(
+    backends: impl IntoIterator<Item = &'static str>,
+    scene: &Scene,
+) -> Vec<(&'static str, Image)> {
+    let others = backends.into_iter().filter(|backend| *backend != "cpu");
+    std::iter::once("cpu").chain(others).map(|name| (name, render(name, scene))).collect()
+}
+
 /// What the backends say that they have, each asked once.
 static METHODS: LazyLock<BTreeMap<&str, &[Method]>> =
     LazyLock::new(|| backends().iter().map(|name| (*name, open(name).caps().methods)).collect());

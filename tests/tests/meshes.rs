@@ -11,7 +11,7 @@ use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_meshes};
 use slabsplat_tests::reference::{self, ReferenceImage, undecided_pixels};
-use slabsplat_tests::render::{backends, backends_in_turn, backends_with, open, render};
+use slabsplat_tests::render::{backends, backends_in_turn, backends_with, open, pictures, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -49,21 +49,22 @@ fn check_parity(method: Method) {
             }
             let expected = reference::render(&scene);
             let undecided = undecided_pixels(&scene);
-            let by_cpu = render("cpu", &scene);
             // Drivers that only play a device take longer than all else.
             let is_for_gpus = (number as u64 + seed).is_multiple_of(ONE_IN);
             let n_backends = if is_for_gpus { 2 } else { 1 };
-            for backend in backends_in_turn(method, number / ONE_IN as usize).take(n_backends) {
-                let image = render(backend, &scene);
-                let off = leaving(&undecided, expected.clone(), &image).compare(&image);
+            let backends = backends_in_turn(method, number / ONE_IN as usize).take(n_backends);
+            let pictures = pictures(backends, &scene);
+            let (_, by_cpu) = &pictures[0];
+            for (backend, image) in &pictures {
+                let off = leaving(&undecided, expected.clone(), image).compare(image);
                 // All find hits by the same code, so that nothing is undecided between them.
-                let from_cpu = image.max_difference(&by_cpu);
+                let from_cpu = image.max_difference(by_cpu);
                 let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
                 let Scene { meshes, .. } = &scene;
                 assert!(off.max < MAX_DIFFERENCE, "{off:?}: {what}, {meshes:?}");
                 assert!(off.mean < MEAN_DIFFERENCE, "{off:?}: {what}, {meshes:?}");
                 assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}, {meshes:?}");
-                let tally = tallies.iter_mut().find(|(name, _)| *name == backend);
+                let tally = tallies.iter_mut().find(|(name, _)| name == backend);
                 let tally = &mut tally.expect("it has a tally").1;
                 tally.n_scenes += 1;
                 tally.n_undecided += undecided.iter().filter(|is_undecided| **is_undecided).count();
