@@ -25,6 +25,8 @@ fn layered(n_layers: usize, side: usize, opacity: f64, width: u32, mode: Mode) -
     let volume = volume([side; 3]);
     let mut scene = scene(&volume, width, Method::PostClassified);
     scene.settings.mode = mode;
+    // Drivers that only play a device take the longer the more splats a tile has.
+    scene.settings.slab_width = 1.6;
     scene.layers = (0..n_layers).map(|idx| layer(&volume, idx, opacity)).collect();
     scene
 }
