@@ -47,8 +47,8 @@ pub fn backends_in_turn(method: Method, number: usize) -> impl Iterator<Item = &
     cpu.into_iter().chain(others.into_iter().skip(number % n_others).take(1))
 }
 
-/// The pictures of a scene by some backends, each by its name. The CPU's, which others are compared with, comes
-/// first, and is drawn once.
+/// The pictures of a scene by some backends, each by its name. The CPU's, which others are compared with,
+/// comes first, and is drawn once.
 ///
 /// # Panics
 /// As [`render`].
@@ -115,8 +115,8 @@ pub fn n_devices() -> usize {
     backends().len() - 1
 }
 
-/// One of those devices by its number, as others have left it: opened before, if nobody has it, with pipelines
-/// but without buffers.
+/// One of those devices by its number, as others have left it: opened before, if nobody has it, with
+/// pipelines but without buffers.
 ///
 /// # Panics
 /// If there is no such device, or one has opened before and does not now.
