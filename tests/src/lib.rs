@@ -16,6 +16,7 @@ mod guide;
 pub mod browser;
 pub mod caller;
 
+mod lent_device;
 pub mod on_devices;
 pub mod spy_device;
 

@@ -2,7 +2,7 @@
 //! their scenes.
 
 use crate::exact_settings;
-use crate::render::{devices, validation_messages};
+use crate::render::{n_devices, shared_device, validation_messages};
 use crate::spy_device::{Orders, SpyDevice};
 use slabsplat::glam::{DAffine3, DVec3};
 use slabsplat::{
@@ -10,7 +10,7 @@ use slabsplat::{
     LabelStyle, Labels, Layer, Method, Mode, PiecewiseLinear, Plane, Planner, Projection, Region,
     Scaling, Scene, TransferFunction, Volume,
 };
-use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend};
+use slabsplat_gpu::{DeviceInfo, DeviceKind, GpuBackend};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A ball of waves in 64-bit floats.
@@ -161,12 +161,12 @@ pub fn stretched(volume: &Arc<Volume>, by: f64) -> Arc<Volume> {
     Arc::new(volume.expect("there are as many samples"))
 }
 
-/// Runs a test on every device, with limits as `change` leaves them.
+/// Runs a test on every device, with limits as `change` leaves them, each by a backend that is new.
 pub fn on_devices(
     change: impl Fn(&mut DeviceInfo),
     test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
 ) {
-    devices().into_iter().for_each(|device| on_device(device, &change, &test));
+    (0..n_devices()).for_each(|number| on_device(number, &change, &test));
 }
 
 /// Runs it on one of them, in turn by `number`: enough of a test that has many cases, or that no device
@@ -176,17 +176,17 @@ pub fn on_a_device(
     change: impl Fn(&mut DeviceInfo),
     test: impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
 ) {
-    let mut devices = devices();
-    if !devices.is_empty() {
-        on_device(devices.swap_remove(number % devices.len()), &change, &test);
+    if 0 < n_devices() {
+        on_device(number % n_devices(), &change, &test);
     }
 }
 
 fn on_device(
-    (name, device): (&'static str, Box<dyn Device>),
+    number: usize,
     change: &impl Fn(&mut DeviceInfo),
     test: &impl Fn(&str, &mut dyn Backend, &Mutex<Orders>),
 ) {
+    let (name, device) = shared_device(number);
     let spy = SpyDevice::new(device, change);
     let orders = spy.orders();
     test(name, &mut GpuBackend::new(name, spy), &orders);

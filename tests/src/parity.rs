@@ -6,7 +6,7 @@ use slabsplat::Scene;
 use std::fmt::{self, Debug, Display, Formatter};
 
 use crate::reference;
-use crate::render::{backends, render};
+use crate::render::{backends, pictures};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -29,10 +29,11 @@ impl Parity {
     /// # Panics
     /// If a backend's picture differs by more than the tolerances.
     pub fn check(&mut self, rng: &mut Rng, kind: &impl Debug, scene: &Scene) {
-        let (expected, by_cpu) = (reference::render(scene), render("cpu", scene));
-        for backend in some_backends(rng) {
-            let image = render(backend, scene);
-            let (off, from_cpu) = (expected.compare(&image), image.max_difference(&by_cpu));
+        let expected = reference::render(scene);
+        let pictures = pictures(some_backends(rng), scene);
+        let (_, by_cpu) = &pictures[0];
+        for (backend, image) in &pictures {
+            let (off, from_cpu) = (expected.compare(image), image.max_difference(by_cpu));
             let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
             assert!(off.max < MAX_DIFFERENCE, "{:?}: {}: {what}", off.worst_pixel, off.max);
             assert!(off.mean < MEAN_DIFFERENCE, "{}: {what}", off.mean);

@@ -3,6 +3,7 @@
 //! The GPU backends are opened with the validation of their graphics interface on, where it is installed,
 //! and a test that makes it speak fails: a driver may forgive what the next one does not.
 
+use crate::lent_device::{Lender, LentDevice};
 use slabsplat::{Backend, Image, Method, Renderer, Scene, backend_named};
 use slabsplat_gpu::{Device, GpuBackend, OpenOptions, Unavailable};
 use std::collections::BTreeMap;
@@ -46,6 +47,19 @@ pub fn backends_in_turn(method: Method, number: usize) -> impl Iterator<Item = &
     cpu.into_iter().chain(others.into_iter().skip(number % n_others).take(1))
 }
 
+/// The pictures of a scene by some backends, each by its name. The CPU's, which others are compared with,
+/// comes first, and is drawn once.
+///
+/// # Panics
+/// As [`render`].
+pub fn pictures(
+    backends: impl IntoIterator<Item = &'static str>,
+    scene: &Scene,
+) -> Vec<(&'static str, Image)> {
+    let others = backends.into_iter().filter(|backend| *backend != "cpu");
+    std::iter::once("cpu").chain(others).map(|name| (name, render(name, scene))).collect()
+}
+
 /// What the backends say that they have, each asked once.
 static METHODS: LazyLock<BTreeMap<&str, &[Method]>> =
     LazyLock::new(|| backends().iter().map(|name| (*name, open(name).caps().methods)).collect());
@@ -69,15 +83,16 @@ pub fn render(backend: &str, scene: &Scene) -> Image {
     image
 }
 
-/// A backend of its own, which has drawn nothing yet.
+/// A backend of its own, which has drawn nothing yet; its device may have, for others.
 ///
 /// # Panics
 /// If there is no such backend.
 pub fn open(backend: &str) -> Box<dyn Backend> {
-    let Some((name, open)) = GPUS.iter().find(|(name, _)| *name == backend) else {
+    let Some(gpu) = GPUS.iter().position(|(name, _)| *name == backend) else {
         return backend_named(backend).expect("tests only name backends that there are");
     };
-    Box::new(GpuBackend::new(name, open().expect("tests only name backends that have opened")))
+    let (name, device) = lent_device(gpu);
+    Box::new(GpuBackend::new(name, device))
 }
 
 /// What the validation of the graphics interfaces has said in this process.
@@ -93,6 +108,29 @@ pub fn devices() -> Vec<(&'static str, Box<dyn Device>)> {
     let is_there = |(name, _): &&(&str, Open)| backends().contains(name);
     let opened = |(name, open): &(&'static str, Open)| (*name, open().expect("it opened before"));
     GPUS.iter().filter(is_there).map(opened).collect()
+}
+
+/// How many there are.
+pub fn n_devices() -> usize {
+    backends().len() - 1
+}
+
+/// One of those devices by its number, as others have left it: opened before, if nobody has it, with
+/// pipelines but without buffers.
+///
+/// # Panics
+/// If there is no such device, or one has opened before and does not now.
+pub fn shared_device(number: usize) -> (&'static str, Box<dyn Device>) {
+    let is_there = |gpu: &usize| backends().contains(&GPUS[*gpu].0);
+    let gpu = (0..GPUS.len()).filter(is_there).nth(number).expect("a number of a device");
+    let (name, device) = lent_device(gpu);
+    (name, Box::new(device))
+}
+
+fn lent_device(gpu: usize) -> (&'static str, LentDevice) {
+    static LENDERS: LazyLock<[Lender; GPUS.len()]> = LazyLock::new(Default::default);
+    let (name, open) = GPUS[gpu];
+    (name, LENDERS[gpu].lend(|| open().expect("it opened before")))
 }
 
 type Open = fn() -> Result<Box<dyn Device>, Unavailable>;

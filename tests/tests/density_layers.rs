@@ -10,8 +10,8 @@ use slabsplat::{
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_meshes, random_several_layers};
-use slabsplat_tests::reference::{self, ReferenceImage, undecided_pixels};
-use slabsplat_tests::render::{backends_in_turn, open, render};
+use slabsplat_tests::reference::{ReferenceImage, render_with_undecided};
+use slabsplat_tests::render::{backends_in_turn, open, pictures, render};
 use std::sync::Arc;
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
@@ -52,15 +52,14 @@ struct Tally {
 impl Tally {
     /// Compares pictures of a scene with the reference's, and with the CPU's.
     fn check(&mut self, scene: &Scene, kind: &SceneKind) {
-        let expected = reference::render(scene);
-        let undecided = undecided_pixels(scene);
-        let by_cpu = render("cpu", scene);
+        let (expected, undecided) = render_with_undecided(scene);
         let n_backends = if self.n_scenes.is_multiple_of(ONE_IN) { 2 } else { 1 };
         let backends = backends_in_turn(Method::PostClassified, self.n_scenes / ONE_IN);
-        for backend in backends.take(n_backends) {
-            let image = render(backend, scene);
-            let off = leaving(&undecided, expected.clone(), &image).compare(&image);
-            let from_cpu = leaving(&undecided, in_64_bits(&by_cpu), &image).compare(&image).max;
+        let pictures = pictures(backends.take(n_backends), scene);
+        let (_, by_cpu) = &pictures[0];
+        for (backend, image) in &pictures {
+            let off = leaving(&undecided, expected.clone(), image).compare(image);
+            let from_cpu = leaving(&undecided, in_64_bits(by_cpu), image).compare(image).max;
             let RenderSettings { mode, slab_width, .. } = scene.settings;
             let what = format!("{backend}, {kind:?}, {mode}, w {slab_width}");
             assert!(off.max < MAX_DIFFERENCE, "{:?} by {}: {what}", off.worst_pixel, off.max);

@@ -30,12 +30,12 @@ fn small_bindings_give_the_same_bits() {
     let [large, small] = [volume([44, 40, 36]), volume([9, 8, 7])];
     let chunks = METHODS_OF_COLORS.map(|method| (scene(&large, 40, method), 512 << 10));
     let bands = METHODS_OF_COLORS.map(|method| (scene(&small, 200, method), 128 << 10));
-    let densities = scene(&volume([24, 20, 36]), 40, Method::PostClassified);
+    let densities = scene(&volume([16, 14, 20]), 64, Method::PostClassified);
     // The second layer begins within a chunk, and ends in another.
-    let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 40);
+    let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 64);
     let mut by_host = layered_scene([&small, &stretched(&volume([34, 40, 36]), 0.3)], 40);
     by_host.layers[1] = listed_by_host(by_host.layers[1].clone());
-    let others = [(densities, 384 << 10), (layers, 512 << 10), (by_host, 512 << 10)];
+    let others = [(densities, 96 << 10), (layers, 512 << 10), (by_host, 512 << 10)];
     for (number, (scene, max_bytes)) in chunks.into_iter().chain(bands).chain(others).enumerate() {
         check_small_bindings(number, scene, max_bytes);
     }
@@ -270,7 +270,7 @@ fn little_moves_when_a_list_of_the_host_stays() {
 #[test]
 fn little_moves_when_one_layer_changes() {
     let _alone = alone();
-    let volume = volume([20, 20, 20]);
+    let volume = volume([12, 12, 12]);
     on_devices(as_it_is, |name, backend, orders| {
         let mut scene = layered_scene([&volume, &stretched(&volume, 0.7)], 32);
         scene.settings.sections = 16;
@@ -353,11 +353,11 @@ fn close_ups_find_room() {
 #[test]
 fn crowded_tiles_pause() {
     let _alone = alone();
-    let volume = volume([40, 40, 40]);
+    let volume = volume([24, 24, 24]);
     let of_method = |method| scene(&volume, 12, method);
     let layers = layered_scene([&volume, &stretched(&volume, 0.8)], 12);
     // What is summed again after a pause takes a program that plays a card too long, of more voxels.
-    let densities = scene(&self::volume([16; 3]), 12, Method::PostClassified);
+    let densities = scene(&self::volume([12; 3]), 12, Method::PostClassified);
     let scenes = METHODS_OF_COLORS.map(of_method).into_iter().chain([layers, densities]);
     for (number, mut scene) in scenes.enumerate() {
         let method = scene.settings.method;

@@ -9,7 +9,7 @@ use slabsplat::{
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_layers};
-use slabsplat_tests::reference::{self, undecided_pixels};
+use slabsplat_tests::reference::render_with_undecided;
 use slabsplat_tests::render::render;
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
@@ -29,8 +29,8 @@ fn parity_of_isosurfaces() {
             let scene = random_layers(&mut rng, &kind);
             let scene = with_random_isosurfaces(&mut rng, scene);
             let image = render("cpu", &scene);
-            let mut expected = reference::render(&scene);
-            for (idx, is_undecided) in undecided_pixels(&scene).into_iter().enumerate() {
+            let (mut expected, undecided) = render_with_undecided(&scene);
+            for (idx, is_undecided) in undecided.into_iter().enumerate() {
                 if is_undecided {
                     expected.pixels[idx] = image.pixels()[idx].map(f64::from);
                     n_undecided += 1;

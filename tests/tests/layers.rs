@@ -8,7 +8,7 @@ use slabsplat::{
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
 use slabsplat_tests::reference::{self, Difference, ReferenceImage, undecided_pixels};
-use slabsplat_tests::render::{backends, backends_in_turn, backends_with, render};
+use slabsplat_tests::render::{backends, backends_in_turn, backends_with, pictures, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -45,11 +45,11 @@ fn check_parity(method: Method) {
             let scene = random_layers(&mut rng, &kind);
             let expected = reference::render(&scene);
             let undecided = undecided_pixels(&scene);
-            let by_cpu = in_64_bits(&render("cpu", &scene));
-            for backend in backends_in_turn(method, number) {
-                let image = render(backend, &scene);
+            let pictures = pictures(backends_in_turn(method, number), &scene);
+            let by_cpu = in_64_bits(&pictures[0].1);
+            for (backend, image) in &pictures {
                 let compare = |expected: &ReferenceImage| {
-                    leaving(&undecided, expected.clone(), &image).compare(&image)
+                    leaving(&undecided, expected.clone(), image).compare(image)
                 };
                 let (off, from_cpu) = (compare(&expected), compare(&by_cpu).max);
                 let what = format!("{backend}, {}", what(&kind, &scene));
@@ -57,7 +57,7 @@ fn check_parity(method: Method) {
                 assert!(max < MAX_DIFFERENCE, "{worst_pixel:?} is off by {max}: {what}");
                 assert!(mean < MEAN_DIFFERENCE, "pixels are off by {mean}: {what}");
                 assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
-                let tally = tallies.iter_mut().find(|(name, _)| *name == backend);
+                let tally = tallies.iter_mut().find(|(name, _)| name == backend);
                 let tally = &mut tally.expect("it has a tally").1;
                 tally.add(&off, from_cpu);
                 tally.n_undecided += undecided.iter().filter(|is_undecided| **is_undecided).count();

@@ -9,7 +9,7 @@ use slabsplat_seeds::for_each_numbered_seed;
 use slabsplat_tests::exact_settings;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{self, Difference};
-use slabsplat_tests::render::{backends, backends_in_turn, render};
+use slabsplat_tests::render::{backends, backends_in_turn, pictures, render};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
 const MAX_DIFFERENCE: f64 = 1e-3;
@@ -27,15 +27,15 @@ fn parity_on_random_scenes() {
         for (number, kind) in SceneKind::share(seed).enumerate() {
             let scene = random_scene(&mut rng, &kind);
             let expected = reference::render(&scene);
-            let by_cpu = render("cpu", &scene);
-            for backend in backends_in_turn(kind.method, number) {
-                let image = render(backend, &scene);
-                let (from_cpu, off) = (image.max_difference(&by_cpu), expected.compare(&image));
+            let pictures = pictures(backends_in_turn(kind.method, number), &scene);
+            let (_, by_cpu) = &pictures[0];
+            for (backend, image) in &pictures {
+                let (from_cpu, off) = (image.max_difference(by_cpu), expected.compare(image));
                 let what = format!("{backend}, {kind:?}, w {}", scene.settings.slab_width);
                 assert!(from_cpu < FROM_CPU, "{from_cpu} off the CPU: {what}");
                 assert!(off.max < MAX_DIFFERENCE, "a pixel is off by {}: {what}", off.max);
                 assert!(off.mean < MEAN_DIFFERENCE, "pixels are off by {}: {what}", off.mean);
-                let tally = tallies.iter_mut().find(|(name, _)| *name == backend);
+                let tally = tallies.iter_mut().find(|(name, _)| name == backend);
                 tally.expect("it has a tally").1.add(&off, from_cpu);
             }
         }

@@ -4,6 +4,7 @@
 use super::GaussLegendre;
 use super::sheet::weight;
 use slabsplat_core::{Compositing, TransferFunction};
+use std::sync::LazyLock;
 
 /// What a part of a ray is in the mean.
 #[derive(Clone, Copy, Debug)]
@@ -22,22 +23,24 @@ pub(super) fn part(
     compositing: Compositing,
     [start, end]: [f64; 2],
 ) -> Option<Part> {
-    let (rule, pieces) = (GaussLegendre::new(N_NODES), pieces(transfer, [start, end]));
-    let mean_of = |term: &dyn Fn(f64, [f64; 3]) -> f64| -> f64 {
-        let at = |position: f64| {
-            let density = start + (end - start) * position;
-            weight(compositing, transfer.opacity(density)) * term(position, transfer.color(density))
-        };
-        pieces.iter().map(|&[from, to]| rule.integrate(from, to, at)).sum()
+    let at = |position: f64| {
+        let density = start + (end - start) * position;
+        let weight = weight(compositing, transfer.opacity(density));
+        let [r, g, b] = transfer.color(density);
+        [weight, weight * r, weight * g, weight * b, weight * position]
     };
-    let weight = mean_of(&|_, _| 1.0);
-    let color = [0, 1, 2].map(|channel| mean_of(&|_, color| color[channel]) / weight);
-    let position = mean_of(&|position, _| position) / weight;
-    (0.0 < weight).then_some(Part { weight, color, position })
+    let mut sums = [0.0; 5];
+    for [from, to] in pieces(transfer, [start, end]) {
+        let of_piece = RULE.integrate_each(from, to, at);
+        sums.iter_mut().zip(of_piece).for_each(|(sum, term)| *sum += term);
+    }
+    let [weight, r, g, b, position] = sums;
+    let color = [r, g, b].map(|sum| sum / weight);
+    (0.0 < weight).then_some(Part { weight, color, position: position / weight })
 }
 
-/// Nodes of a piece on which the transfer function has no point.
-const N_NODES: usize = 24;
+/// For a piece on which the transfer function has no point.
+static RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(24));
 
 /// The pieces between the points of the transfer function, as positions on the part.
 fn pieces(transfer: &TransferFunction, [start, end]: [f64; 2]) -> Vec<[f64; 2]> {

@@ -11,6 +11,7 @@ use super::slabs::Slabs;
 use super::statistic::{self, OneForAll};
 use super::view::View;
 use super::{Premultiplied, ReferenceImage, SheetSums};
+use rayon::prelude::*;
 use slabsplat_core::{Compositing, Layer, Mode, Scene, Statistic};
 
 /// What all pixels have in common.
@@ -53,33 +54,21 @@ pub(super) fn part_faces(scene: &Scene) -> Vec<[f64; 2]> {
 /// The picture of `scene`.
 pub(super) fn render(scene: &Scene) -> ReferenceImage {
     let frame = Frame::new(scene);
-    let sums = frame.sums();
-    let (width, height) = (scene.image.width, scene.image.height);
-    let pixels = frame.pixels().map(|at| frame.pixel(at, &sums, &Moved::none)).collect();
-    ReferenceImage { width, height, pixels }
+    frame.image(&frame.sums())
 }
 
 /// The pixels, row by row, that show another colour if what renderers round were a bit more or less: of all
 /// layers alike, or of each otherwise.
 pub(super) fn undecided_isosurfaces(scene: &Scene) -> Vec<bool> {
     let frame = Frame::new(scene);
+    frame.undecided(&frame.sums())
+}
+
+/// Both: the sums of sheets, which take the most time, are the same.
+pub(super) fn with_undecided_isosurfaces(scene: &Scene) -> (ReferenceImage, Vec<bool>) {
+    let frame = Frame::new(scene);
     let sums = frame.sums();
-    let is_undecided = |at: [i64; 2]| {
-        let pixel = frame.pixel(at, &sums, &Moved::none);
-        let differs = |moved: &dyn Fn(usize) -> Moved| {
-            let other = frame.pixel(at, &sums, moved);
-            (0..4).any(|i| ANOTHER < (other[i] - pixel[i]).abs())
-        };
-        [-1.0, 1.0].into_iter().any(|by| {
-            let value = by * VALUE_OF_A_SURFACE;
-            let plane = by * PLACE_OF_A_PLANE;
-            differs(&|_| Moved { value, plane: 0.0 })
-                || differs(&|_| Moved { value: 0.0, plane })
-                || 1 < frame.layers.len()
-                    && differs(&|layer| Moved { value: layer as f64 * value, plane: 0.0 })
-        })
-    };
-    frame.pixels().map(is_undecided).collect()
+    (frame.image(&sums), frame.undecided(&sums))
 }
 
 /// By how much of the range of values renderers may disagree on a density.
@@ -128,10 +117,29 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// The pixels, row by row.
-    fn pixels(&self) -> impl Iterator<Item = [i64; 2]> {
-        let [width, height] = self.image_size.map(|side| side as i64);
-        (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))
+    fn image(&self, sums: &[Sums]) -> ReferenceImage {
+        let [width, height] = self.image_size.map(|side| side as u32);
+        let pixels = self.view.pixels().map(|at| self.pixel(at, sums, &Moved::none)).collect();
+        ReferenceImage { width, height, pixels }
+    }
+
+    fn undecided(&self, sums: &[Sums]) -> Vec<bool> {
+        let is_undecided = |at: [i64; 2]| {
+            let pixel = self.pixel(at, sums, &Moved::none);
+            let differs = |moved: &dyn Fn(usize) -> Moved| {
+                let other = self.pixel(at, sums, moved);
+                (0..4).any(|i| ANOTHER < (other[i] - pixel[i]).abs())
+            };
+            [-1.0, 1.0].into_iter().any(|by| {
+                let value = by * VALUE_OF_A_SURFACE;
+                let plane = by * PLACE_OF_A_PLANE;
+                differs(&|_| Moved { value, plane: 0.0 })
+                    || differs(&|_| Moved { value: 0.0, plane })
+                    || 1 < self.layers.len()
+                        && differs(&|layer| Moved { value: layer as f64 * value, plane: 0.0 })
+            })
+        };
+        self.view.pixels().map(is_undecided).collect()
     }
 
     /// Of each layer.

@@ -125,9 +125,10 @@ impl<'a> DensityLayer<'a> {
     pub(super) fn sums(&self, image_size: [usize; 2], fronts: &[f64]) -> Sums {
         // Gradients reach a pixel beyond the image.
         let [n_columns, n_rows] = image_size.map(|side| side + 2);
+        let met: Vec<Vec<&Voxel>> = fronts.iter().map(|&front| self.met_by(front)).collect();
         let of_pixel = |idx: usize| {
             let at = [idx % n_columns, idx / n_columns].map(|c| c as i64 - 1);
-            fronts.iter().map(|&front| self.sum(at, front)).collect()
+            fronts.iter().zip(&met).map(|(&front, met)| self.sum(at, front, met)).collect()
         };
         let of_pixels = (0..n_columns * n_rows).into_par_iter().map(of_pixel).collect();
         Sums { of_pixels, n_columns }
@@ -157,8 +158,17 @@ impl<'a> DensityLayer<'a> {
         (0..here.len()).map(in_sheet).collect()
     }
 
-    /// The sum of one pixel in the sheet behind `front`.
-    fn sum(&self, at: [i64; 2], front: f64) -> Sum {
+    /// The voxels whose kernels meet the sheet behind `front`.
+    fn met_by(&self, front: f64) -> Vec<&Voxel> {
+        let half = 0.5 * self.width * self.unit;
+        let is_met = |voxel: &&Voxel| {
+            (voxel.center_in_view.z - (front + half)).abs() <= self.kernel.depth_reach + half
+        };
+        self.voxels.iter().filter(is_met).collect()
+    }
+
+    /// The sum of one pixel in the sheet behind `front`, over the voxels that it meets.
+    fn sum(&self, at: [i64; 2], front: f64, met: &[&Voxel]) -> Sum {
         let thickness = self.width * self.unit;
         if !self.view.draws_slab([front, front + thickness], self.unit) {
             return Sum::default();
@@ -169,12 +179,10 @@ impl<'a> DensityLayer<'a> {
         let reach = stretch * self.kernel.reach;
         let cut = Cut::Slab { front, width: self.width };
         let mut sum = Sum::default();
-        for voxel in &self.voxels {
+        for voxel in met {
             let center = voxel.center_in_view;
             let offset = [x - center.x, y - center.y];
-            let is_far = reach < offset[0].hypot(offset[1])
-                || self.kernel.depth_reach + 0.5 * thickness < (center.z - middle).abs();
-            if !is_far {
+            if offset[0] * offset[0] + offset[1] * offset[1] <= reach * reach {
                 let weight = self.kernel.stretched_weight(cut, offset, center.z, stretch);
                 sum.length += weight;
                 sum.weighted += weight * voxel.value;

@@ -5,6 +5,7 @@ use super::shaded_by_normals;
 use super::sheet::{Premultiplied, share_of_slab, splitting};
 use super::tube::{Tube, tubes};
 use super::view::View;
+use rayon::prelude::*;
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{Compositing, Light, MeshLayer, Region, Scene, Shading};
 
@@ -216,11 +217,10 @@ pub(super) fn undecided_pixels(scene: &Scene, slabs: &[[f64; 2]]) -> Vec<bool> {
                 || here.is_some_and(is_in_a_middle)
         })
     };
-    let (width, height) = (i64::from(scene.image.width), i64::from(scene.image.height));
     if scene.meshes.is_empty() {
-        return vec![false; (width * height) as usize];
+        return vec![false; view.pixels().len()];
     }
-    (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).map(is_undecided).collect()
+    view.pixels().map(is_undecided).collect()
 }
 
 /// Whether two rays that are next to each other end at different things: at colours that are not alike, or at

@@ -49,7 +49,7 @@ pub use shade::{shaded_by_normals, shaded_color};
 pub use sheet::{Premultiplied, SheetSums};
 
 use rayon::prelude::*;
-use slabsplat_core::{Method, Scene};
+use slabsplat_core::{Method, Mode, Scene};
 
 /// The picture of `scene`.
 ///
@@ -72,6 +72,17 @@ pub fn render_within_tolerance(scene: &Scene) -> ReferenceImage {
         return density::render(scene);
     }
     picture(&frame::Frame::new(scene, scene.settings.tolerance), scene)
+}
+
+/// Both the picture and its [`undecided_pixels`], in the time that one of them takes in isosurfaces.
+///
+/// # Panics
+/// As [`render`].
+pub fn render_with_undecided(scene: &Scene) -> (ReferenceImage, Vec<bool>) {
+    if scene.settings.mode == Mode::Isosurfaces && is_of_densities(scene) {
+        return density::with_undecided_isosurfaces(scene);
+    }
+    (render(scene), undecided_pixels(scene))
 }
 
 /// Whether sheets sum densities: for `post-classified`, and in the modes of §12.

@@ -20,8 +20,24 @@ impl GaussLegendre {
 
     /// `∫ f(x) dx` from `a` to `b`.
     pub fn integrate(&self, a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let [integral] = self.integrate_each(a, b, |x| [f(x)]);
+        integral
+    }
+
+    /// The same of several functions at a time.
+    pub fn integrate_each<const N: usize>(
+        &self,
+        a: f64,
+        b: f64,
+        f: impl Fn(f64) -> [f64; N],
+    ) -> [f64; N] {
         let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-        half * self.nodes.iter().map(|&(x, weight)| weight * f(middle + half * x)).sum::<f64>()
+        let mut sums = [0.0; N];
+        for &(x, weight) in &self.nodes {
+            let terms = f(middle + half * x);
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * term);
+        }
+        sums.map(|sum| half * sum)
     }
 }
 

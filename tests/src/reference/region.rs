@@ -5,6 +5,7 @@ use super::frame::Frame;
 use super::mesh;
 use super::sheet::{share_of_slab, splitting};
 use super::view::View;
+use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, Method, Mode, Region, Scene};
 
@@ -99,10 +100,9 @@ pub fn undecided_pixels(scene: &Scene) -> Vec<bool> {
             slabs.iter().any(|&faces| 0.5 < change(faces).abs())
         })
     };
-    let (width, height) = (i64::from(scene.image.width), i64::from(scene.image.height));
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
     let by_meshes = mesh::undecided_pixels(scene, &slabs);
-    pixels.zip(by_meshes).map(|(at, by_meshes)| by_meshes || is_undecided(at)).collect()
+    let pixels = view.pixels().zip(by_meshes);
+    pixels.map(|(at, by_meshes)| by_meshes || is_undecided(at)).collect()
 }
 
 #[cfg(test)]

@@ -80,7 +80,9 @@ fn layer_at(frame: &Frame, layer: &LayerInView, splats: &[Splat<'_>], x: u32) ->
         let center = splat.voxel.center_in_view;
         let offset_right = frame.view.column_in_view(x, splat.plane_depth) - center.x;
         let offset = [offset_right, splat.offset_up];
-        if splat.stretch * layer.kernel.reach < offset_right.hypot(splat.offset_up) {
+        // A root for each would take longer than most of the rest.
+        let distance_squared = offset_right * offset_right + splat.offset_up * splat.offset_up;
+        if (splat.stretch * layer.kernel.reach).powi(2) < distance_squared {
             continue;
         }
         let weight = layer.kernel.stretched_weight(splat.cut, offset, center.z, splat.stretch);

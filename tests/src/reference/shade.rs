@@ -27,17 +27,16 @@ pub fn shaded_by_normals(
         return color;
     };
     let weights: f64 = normals.iter().map(|(_, weight)| weight).sum();
-    std::array::from_fn(|channel| {
-        let (mut diffuse, mut specular) = (0.0, 0.0);
-        for (light, &(normal, weight)) in
-            lights.iter().flat_map(|l| normals.iter().map(move |n| (l, n)))
-        {
-            let (of_diffuse, of_specular) = light_terms(phong, light, normal, forward);
-            diffuse += weight / weights * light.color[channel] * of_diffuse;
-            specular += weight / weights * light.color[channel] * of_specular;
-        }
-        (color[channel] * (phong.ambient + diffuse) + specular).clamp(0.0, 1.0)
-    })
+    let (mut diffuse, mut specular) = (DVec3::ZERO, DVec3::ZERO);
+    for (light, &(normal, weight)) in
+        lights.iter().flat_map(|l| normals.iter().map(move |n| (l, n)))
+    {
+        let (of_diffuse, of_specular) = light_terms(phong, light, normal, forward);
+        diffuse += weight / weights * of_diffuse * DVec3::from(light.color);
+        specular += weight / weights * of_specular * DVec3::from(light.color);
+    }
+    let lit = DVec3::from(color) * (phong.ambient + diffuse) + specular;
+    lit.to_array().map(|channel| channel.clamp(0.0, 1.0))
 }
 
 /// `k_d·(n·l + k_0·(1 − |n|))` and `k_s·(n·h)^s`.

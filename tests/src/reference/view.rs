@@ -1,5 +1,6 @@
 //! Where things are in view space, and what a pixel covers there (model §§1, 5).
 
+use rayon::prelude::*;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Camera, ImageDesc, Projection, ViewAxes};
 
@@ -43,6 +44,13 @@ impl View {
     /// Pixels in a row.
     pub(super) fn width(&self) -> u32 {
         self.width
+    }
+
+    /// Column and row of every pixel, row by row.
+    pub(super) fn pixels(&self) -> impl IndexedParallelIterator<Item = [i64; 2]> + use<> {
+        let [width, height] = [self.width, self.height].map(|side| side as usize);
+        let pixel = move |idx: usize| [idx % width, idx / width].map(|coord| coord as i64);
+        (0..width * height).into_par_iter().map(pixel)
     }
 
     /// Where the rays of column `x` are at `depth`, in world units right of the image's middle.
