@@ -22,14 +22,16 @@ fn project_cells(
     let coords = coords_of(record.cell_idx, layers[step.layer].dims);
     let center = in_view(within_ends(coords));
     let color = lit_color(cell_of(record), center);
-    put_splat(record_of_pass, coords, center, summed_color(frame.compositing, color, record.extinction));
+    let summed = summed_color(frame.compositing, color, record.extinction);
+    put_splat(record_of_pass, coords, center, summed);
 }
 
 // Where a cell is: the first and the last along an axis lie further out than their indices say, so that the grid
 // ends where its voxels do.
 fn within_ends(coords: vec3<u32>) -> vec3<f32> {
     let layer = step.layer;
-    let last = vec3<f32>(coords) + select(vec3(0.0), layers[layer].last_out, coords + 1u == layers[layer].dims);
+    let is_last = coords + 1u == layers[layer].dims;
+    let last = vec3<f32>(coords) + select(vec3(0.0), layers[layer].last_out, is_last);
     return select(last, vec3<f32>(coords) - layers[layer].first_out, coords == vec3(0u));
 }
 

@@ -14,7 +14,8 @@ fn stretch_of(layer: u32, scale: f32) -> f32 {
     if layers[layer].spread == 0.0 {
         return max(1.0 / scale, 1.0);
     }
-    return sqrt(max(1.0 / (scale * scale) - layers[layer].spread, layers[layer].least_stretch_squared));
+    let squared = 1.0 / (scale * scale) - layers[layer].spread;
+    return sqrt(max(squared, layers[layer].least_stretch_squared));
 }
 
 // Where a point lies in the picture.

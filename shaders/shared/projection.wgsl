@@ -103,7 +103,8 @@ fn sheet_of(coords: vec3<u32>, depth: f32) -> u32 {
 // The rectangle of pixels that a whole kernel covers at a depth, as its least and its largest corner.
 fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
     let scale = scale_at(step.layer, depth);
-    let half = layers[step.layer].half_extent * (scale * stretch_of(step.layer, scale) * frame.radius);
+    let pixels = scale * stretch_of(step.layer, scale);
+    let half = layers[step.layer].half_extent * (pixels * frame.radius);
     let at = pixel_of(center, scale);
     return vec4(at - half, at + half);
 }

@@ -185,8 +185,8 @@ impl View {
         self.origin_in_world() + DMat3::from_cols(right, up, forward) * point
     }
 
-    /// No footprint of cells is narrower. A layer that would need it is not drawn by cells; but a slab may be a
-    /// little nearer to the eye than any voxel.
+    /// No footprint of cells is narrower. A layer that would need it is not drawn by cells; but a slab may
+    /// be a little nearer to the eye than any voxel.
     pub const LEAST_STRETCH_OF_CELLS: f64 = 0.5;
 
     /// By how much footprints are widened where a pixel covers more than a voxel step

@@ -1,5 +1,5 @@
-//! A layer where pixels are larger than voxels (model §16): bricks of voxels and of cells, which the host makes
-//! as the CPU backend does, and the records that it sends of them.
+//! A layer where pixels are larger than voxels (model §16): bricks of voxels and of cells, which the host
+//! makes as the CPU backend does, and the records that it sends of them.
 //!
 //! ```text
 //! from the coarsest level on:
@@ -15,14 +15,13 @@
 use crate::host_list::{RecordPiece, VOXELS_PER_PIECE, fill_brick, rules_of};
 use crate::known_volume::KnownVolume;
 use crate::params::CellRecord;
-use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, FramePlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Compositing, FrameHandle, IsoRange, StageError};
 use slabsplat_kernel::{CellLimits, turn_of_brick};
 use slabsplat_traverse::{
     Brick, BrickGrid, BrickLister, BrickMaker, BrickRoom, BricksOnDemand, CellBrick,
-    Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord,
+    Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord, map_with_room,
 };
 use std::sync::Arc;
 
@@ -113,7 +112,8 @@ impl DetailLists {
         (0..self.levels.len()).filter(|level| self.n_records(*level) != 0)
     }
 
-    /// Calls `send` with the records of all voxels, or of all cells of a level, made piece by piece for a frame.
+    /// Calls `send` with the records of all voxels, or of all cells of a level, made piece by piece for a
+    /// frame.
     pub(crate) fn for_each_piece<E>(
         &self,
         level: usize,
@@ -126,10 +126,9 @@ impl DetailLists {
         let mut pieces = self.levels[level].bricks.chunk_by(is_same_piece);
         self.with_maker(frame, |maker| {
             pieces.try_for_each(|bricks| {
-                let records = bricks.par_iter().map_init(Room::default, |room, brick| {
+                let records = map_with_room(bricks, |room: &mut Room, brick| {
                     self.records(maker, level, brick.brick_idx, room)
                 });
-                let records: Vec<_> = records.collect();
                 send(RecordPiece { first: bricks[0].first, records: records.concat() })
             })
         })
@@ -152,15 +151,14 @@ impl DetailLists {
             let mut here = std::mem::take(&mut left);
             here.extend(self.own_bricks(level as u32, maker.lister));
             here.sort_unstable();
-            let made = here.par_iter().map_init(Room::default, |room, brick_idx| {
+            let made = map_with_room(&here, |room: &mut Room, brick_idx| {
                 self.counts(maker, level, *brick_idx, room)
             });
-            let made: Vec<_> = made.collect();
             for (brick_idx, counts) in here.into_iter().zip(made) {
                 match counts {
                     Some(counts) => list.push(brick_idx, counts),
                     None => {
-                        left.extend(self.bricks.children(level as u32, brick_idx, maker.lister))
+                        left.extend(self.bricks.children(level as u32, brick_idx, maker.lister));
                     }
                 }
             }
@@ -178,7 +176,7 @@ impl DetailLists {
             let is_coarsest = self.cells.len() <= level as usize;
             has_turn(level, *brick_idx) && (is_coarsest || !has_turn(level + 1, parent()))
         };
-        self.bricks.may_hold(level, lister).par_iter().copied().filter(is_own).collect()
+        self.bricks.may_hold(level, lister).iter().copied().filter(is_own).collect()
     }
 
     fn share(&self, level: u32) -> f64 {

@@ -48,8 +48,8 @@ pub(crate) struct JobLayer {
 }
 
 impl Job {
-    /// What a plan asks for, whose layers and their levels are these, drawn so, with their voxels listed so, and with these
-    /// surfaces. All voxels together should stay below `most_voxels`, if they can.
+    /// What a plan asks for, whose layers and their levels are these, drawn so, with their voxels listed so,
+    /// and with these surfaces. All voxels together should stay below `most_voxels`, if they can.
     pub(crate) fn new(
         plan: &FramePlan<'_>,
         (layers, drawn_by): (&[SplatLayer<'_, '_>], DrawnBy),

@@ -37,7 +37,7 @@ pub(crate) enum HostRecords {
 pub(crate) enum ListingName {
     ByDevice(Arc<KnownVolume>, Classification),
     ByHost(ByIdentity<HostList>),
-    ByLevel(ByIdentity<DetailLists>, usize),
+    Level(ByIdentity<DetailLists>, usize),
 }
 
 impl Listing {
@@ -84,7 +84,7 @@ impl Listing {
             }
             Self::ByHost(HostRecords::Voxels(list)) => ListingName::ByHost(ByIdentity::of(list)),
             Self::ByHost(HostRecords::Level(lists, level)) => {
-                ListingName::ByLevel(ByIdentity::of(lists), *level)
+                ListingName::Level(ByIdentity::of(lists), *level)
             }
         }
     }
@@ -100,10 +100,10 @@ impl ListingName {
             (Self::ByHost(own), Listing::ByHost(HostRecords::Voxels(list))) => {
                 *own == ByIdentity::of(list)
             }
-            (Self::ByLevel(own, level), Listing::ByHost(HostRecords::Level(lists, other))) => {
+            (Self::Level(own, level), Listing::ByHost(HostRecords::Level(lists, other))) => {
                 *own == ByIdentity::of(lists) && level == other
             }
-            (Self::ByDevice(..) | Self::ByHost(_) | Self::ByLevel(..), _) => false,
+            (Self::ByDevice(..) | Self::ByHost(_) | Self::Level(..), _) => false,
         }
     }
 }

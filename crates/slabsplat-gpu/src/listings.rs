@@ -20,9 +20,9 @@ pub(crate) struct Listings {
 }
 
 impl Listings {
-    /// How the voxels of each layer of a plan are listed, and cells of them, if any may be drawn: the listings
-    /// of each layer's levels. What no layer needs is dropped before anything is made, as two lists need not
-    /// fit at a time.
+    /// How the voxels of each layer of a plan are listed, and cells of them, if any may be drawn: the
+    /// listings of each layer's levels. What no layer needs is dropped before anything is made, as two lists
+    /// need not fit at a time.
     pub(crate) fn of(
         &mut self,
         plan: &FramePlan<'_>,

@@ -1,5 +1,6 @@
 //! Work on much memory, in pieces between which a frame may be cancelled.
 
+use rayon::prelude::*;
 use slabsplat_core::{Cancelled, FrameHandle};
 
 /// Bytes that are filled between two looks at whether anyone still wants them: half a millisecond.
@@ -73,6 +74,14 @@ fn part<T: Ord + Copy>(items: &mut [T], pivot: T, frame: &FrameHandle) -> Result
         }
     }
     Ok(n_below)
+}
+
+/// What `of` makes of each item, in parallel, in the order of items. Each thread has a room of its own.
+pub fn map_with_room<T: Sync, Room: Default, U: Send>(
+    items: &[T],
+    of: impl Fn(&mut Room, &T) -> U + Sync,
+) -> Vec<U> {
+    items.par_iter().map_init(Room::default, |room, item| of(room, item)).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `cargo xtask bench data --large`: a brain of 10⁹ voxels, which takes a gigabyte.
 //!
-//! It is the brain of [`data`](super::data), interpolated five-fold along every axis, with noise where there
+//! It is the brain of [`super::data`], interpolated five-fold along every axis, with noise where there
 //! is anything: what a scan of that resolution would be like, of which no pixel of a window sees single
 //! voxels. The same bytes are made everywhere.
 
