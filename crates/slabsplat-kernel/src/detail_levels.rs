@@ -44,8 +44,8 @@ pub struct CellLimits {
 
 impl CellLimits {
     /// Whether a brick may be drawn whose cells differ so much in colours, normals and `noise`, and whose
-    /// most opaque one has that mean extinction per voxel step; lit colours differ by `lit` where colours do by 1,
-    /// and where normals do.
+    /// most opaque one has that mean extinction per voxel step; lit colours differ by `lit` where colours
+    /// do by 1, and where normals do.
     pub fn allow(&self, lit: [f64; 2], differ: [f32; 2], noise: f32, extinction: f32) -> bool {
         let contrast: f64 = lit.iter().zip(differ).map(|(lit, by)| lit * f64::from(by)).sum();
         contrast <= self.contrast
