@@ -69,7 +69,7 @@ struct Layer {
 
     // Blinn–Phong, too: the share of diffuse light on what has no gradient.
     zero_gradient: f32,
-    // Of cells, the square of the least by which footprints are widened; see `pixels.wgsl`.
+    // The square of the least by which footprints are widened: 1 of voxels; see `pixels.wgsl`.
     least_stretch_squared: f32,
     // Of cells, how much further out than their indices say the first and the last along each axis lie; and what
     // a cell adds to the variance of its voxels' footprints, over that of its own kernel: 0 of voxels.

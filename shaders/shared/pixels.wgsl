@@ -11,9 +11,6 @@ fn scale_at(layer: u32, depth: f32) -> f32 {
 // By how much footprints are widened where a pixel covers more than a unit; those of cells, so that they are as
 // wide as those of their voxels together.
 fn stretch_of(layer: u32, scale: f32) -> f32 {
-    if layers[layer].spread == 0.0 {
-        return max(1.0 / scale, 1.0);
-    }
     let squared = 1.0 / (scale * scale) - layers[layer].spread;
     return sqrt(max(squared, layers[layer].least_stretch_squared));
 }

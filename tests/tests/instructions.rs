@@ -31,6 +31,18 @@ struct Workload {
 
 const ASLANT: DVec3 = DVec3::new(3.0, 2.0, 1.0);
 
+/// A pixel covers nearly three voxels of a haze: cells stand for these, which the frame before has made.
+const CELLS: Workload = Workload {
+    name: "cells",
+    method: Method::ImageAligned,
+    volume: ("sphere", 96),
+    stretch: DVec3::ONE,
+    eye: ASLANT,
+    opacity: 0.02,
+    image_side: 40,
+    change: orbit,
+};
+
 const WORKLOADS: &[Workload] = &[
     // A new transfer function while the camera looks past the volume: list, shade, project. The picture
     // has as many pixels as the volume voxels: with fewer, cells stand for these, and what is not seen is not
@@ -81,27 +93,12 @@ const WORKLOADS: &[Workload] = &[
         image_side: 96,
         change: orbit,
     },
-    // A pixel covers nearly three voxels: the same by cells, which the frame before has made.
-    Workload {
-        name: "cells",
-        method: Method::ImageAligned,
-        volume: ("sphere", 96),
-        stretch: DVec3::ONE,
-        eye: ASLANT,
-        opacity: 0.02,
-        image_side: 40,
-        change: orbit,
-    },
+    CELLS,
     // And made anew, for another transfer function.
     Workload {
         name: "cells-anew",
-        method: Method::ImageAligned,
-        volume: ("sphere", 96),
-        stretch: DVec3::ONE,
-        eye: ASLANT,
-        opacity: 0.02,
-        image_side: 40,
         change: |scene| scene.layers[0].transfer = transfer(0.025, 90.0),
+        ..CELLS
     },
     // Where slabs are tilted, and footprints sheared.
     Workload {

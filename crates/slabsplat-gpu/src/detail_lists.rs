@@ -12,16 +12,16 @@
 //! however it is turned, turns of bricks are rounded to a sixteenth of all, and a list is made by limits that
 //! leave something for the next frame's.
 
+use crate::cells_to_list::{CellsToList, cells_to_list, serve};
 use crate::host_list::{RecordPiece, VOXELS_PER_PIECE, fill_brick, rules_of};
 use crate::known_volume::KnownVolume;
 use crate::params::CellRecord;
-use slabsplat_backend::{CellsPlan, FramePlan, LayerPlan};
-use slabsplat_core::glam::DVec3;
-use slabsplat_core::{Compositing, FrameHandle, IsoRange, StageError};
-use slabsplat_kernel::{CellLimits, turn_of_brick};
+use slabsplat_backend::{FramePlan, LayerPlan};
+use slabsplat_core::{Cancelled, Compositing, FrameHandle, IsoRange, StageError};
+use slabsplat_kernel::turn_of_brick;
 use slabsplat_traverse::{
     Brick, BrickGrid, BrickLister, BrickMaker, BrickRoom, BricksOnDemand, CellBrick,
-    Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord, map_with_room,
+    Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord, map_for_frame,
 };
 use std::sync::Arc;
 
@@ -39,13 +39,6 @@ pub(crate) struct DetailLists {
     levels: Vec<LevelList>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct CellsToList {
-    limits: CellLimits,
-    lit: [f64; 2],
-    share: f64,
-}
-
 #[derive(Debug, Default)]
 struct LevelList {
     /// In memory order.
@@ -61,14 +54,6 @@ struct ListedBrick {
     first: u64,
 }
 
-/// A frame's share of bricks is one of so many, or none.
-const N_SHARES: f64 = 16.0;
-
-/// By what share of a plan's limits lists are made, and the least of a later plan's by which these still are
-/// what it asks for: as rays cross unequal steps, kernels are more or less deep.
-const SHARE_OF_LIMITS: f64 = 0.95;
-const LEAST_SHARE_OF_LIMITS: f64 = 0.7;
-
 impl DetailLists {
     /// Lists the voxels and cells of a layer of a plan.
     pub(crate) fn new(
@@ -83,7 +68,8 @@ impl DetailLists {
         let bricks = BricksOnDemand::new(known.volume.grid(), 0, usize::MAX);
         let (cells, levels) = (cells_to_list(layer), Vec::new());
         let mut lists = Self { known, rules, compositing, ranges, cells, bricks, levels };
-        lists.levels = lists.with_maker(frame, |maker| lists.listed(maker));
+        lists.levels = lists.with_maker(frame, |maker| lists.listed(maker))?;
+        // A brick that was made of less than it holds is not retained, but may have been counted.
         frame.check()?;
         Ok(lists)
     }
@@ -114,7 +100,7 @@ impl DetailLists {
 
     /// Calls `send` with the records of all voxels, or of all cells of a level, made piece by piece for a
     /// frame.
-    pub(crate) fn for_each_piece<E>(
+    pub(crate) fn for_each_piece<E: From<Cancelled>>(
         &self,
         level: usize,
         frame: &FrameHandle,
@@ -126,9 +112,9 @@ impl DetailLists {
         let mut pieces = self.levels[level].bricks.chunk_by(is_same_piece);
         self.with_maker(frame, |maker| {
             pieces.try_for_each(|bricks| {
-                let records = map_with_room(bricks, |room: &mut Room, brick| {
+                let records = map_for_frame(bricks, frame, |room: &mut Room, brick| {
                     self.records(maker, level, brick.brick_idx, room)
-                });
+                })?;
                 send(RecordPiece { first: bricks[0].first, records: records.concat() })
             })
         })
@@ -144,16 +130,16 @@ impl DetailLists {
         with(BrickMaker { lister, lighting, moments_from: moments_from as f32, frame })
     }
 
-    fn listed(&self, maker: BrickMaker<'_>) -> Vec<LevelList> {
+    fn listed(&self, maker: BrickMaker<'_>) -> Result<Vec<LevelList>, Cancelled> {
         let mut levels: Vec<_> = (0..=self.cells.len()).map(|_| LevelList::default()).collect();
         let mut left = Vec::new();
         for (level, list) in levels.iter_mut().enumerate().rev() {
             let mut here = std::mem::take(&mut left);
             here.extend(self.own_bricks(level as u32, maker.lister));
             here.sort_unstable();
-            let made = map_with_room(&here, |room: &mut Room, brick_idx| {
+            let made = map_for_frame(&here, maker.frame, |room: &mut Room, brick_idx| {
                 self.counts(maker, level, *brick_idx, room)
-            });
+            })?;
             for (brick_idx, counts) in here.into_iter().zip(made) {
                 match counts {
                     Some(counts) => list.push(brick_idx, counts),
@@ -163,7 +149,7 @@ impl DetailLists {
                 }
             }
         }
-        levels
+        Ok(levels)
     }
 
     /// The bricks that no coarser level has a turn of.
@@ -241,42 +227,6 @@ impl LevelList {
     }
 }
 
-/// What a layer's cells are to be listed by, if they are.
-fn cells_to_list(layer: &LayerPlan<'_>) -> Vec<CellsToList> {
-    let to_list = |cells: &CellsPlan<'_>| {
-        let share = (cells.share_at(nearest_depth(&cells.plan)) * N_SHARES).floor() / N_SHARES;
-        CellsToList { limits: cells.limits.share(SHARE_OF_LIMITS), lit: cells.lit, share }
-    };
-    layer.cells().map(to_list).collect()
-}
-
-/// Whether what was listed by the first may be drawn where the others are asked for.
-fn serve(listed: &[CellsToList], asked: &[CellsToList]) -> bool {
-    let serves = |listed: &CellsToList, asked: &CellsToList| {
-        let most = asked.limits.share(1.0 / SHARE_OF_LIMITS);
-        let least = most.share(LEAST_SHARE_OF_LIMITS);
-        listed.share == asked.share
-            && listed.lit == asked.lit
-            && listed.limits.by_mean_normals == asked.limits.by_mean_normals
-            && listed.limits.are_within(&most)
-            && least.are_within(&listed.limits)
-    };
-    listed.len() == asked.len() && listed.iter().zip(asked).all(|(a, b)| serves(a, b))
-}
-
-/// The least depth of any kernel, were the volume a ball; not before the near depth.
-fn nearest_depth(plan: &LayerPlan<'_>) -> f64 {
-    let grid = plan.volume.grid();
-    let from_index = plan.view.from_index(grid);
-    let corners = [DVec3::new(1.0, 1.0, 1.0), DVec3::new(-1.0, 1.0, 1.0)];
-    let corners =
-        corners.into_iter().chain([DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0)]);
-    let half_diagonal =
-        corners.map(|sides| (from_index.matrix * (sides * from_index.center_in_index)).length());
-    let radius = half_diagonal.fold(0.0, f64::max);
-    (from_index.center_in_view.z - radius - plan.half_depth).max(plan.view.near_depth())
-}
-
 fn records_of_cells(cells: &CellBrick, grid: &BrickGrid, brick_idx: u32) -> Vec<[u32; 8]> {
     let slots: Vec<_> = cells.slots().collect();
     let brick = Brick { brick_idx, first: 0, n_voxels: slots.len() as u16 };
@@ -292,6 +242,7 @@ fn records_of_cells(cells: &CellBrick, grid: &BrickGrid, brick_idx: u32) -> Vec<
 mod tests {
     use super::*;
     use slabsplat_backend::Planner;
+    use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
         Camera, Grid, ImageDesc, Layer, Projection, Scaling, Scene, TransferFunction, Volume,
     };
@@ -352,7 +303,7 @@ mod tests {
                 let send = |piece: RecordPiece| {
                     assert_eq!(piece.first, n_records);
                     n_records += piece.records.len() as u64;
-                    Ok::<_, ()>(())
+                    Ok::<_, Cancelled>(())
                 };
                 lists.for_each_piece(level, &FrameHandle::new(), send).unwrap();
                 assert_eq!(n_records, lists.n_records(level));
@@ -378,16 +329,5 @@ mod tests {
                 assert!(!serve(&brighter));
             }
         });
-    }
-
-    #[test]
-    fn detail_lists_do_not_serve_by_other_limits() {
-        let limits =
-            CellLimits { contrast: 1.0, noise: 1.0, extinction: 1.0, by_mean_normals: 1.0 };
-        let of =
-            |share: f64| [CellsToList { limits: limits.share(share), lit: [1.0; 2], share: 1.0 }];
-        let serving = [0.9, 0.96, 1.0, 1.2, 1.3, 1.5].map(|asked| serve(&of(1.0), &of(asked)));
-        assert_eq!(serving, [false, true, true, true, true, false]);
-        assert!(!serve(&of(1.0), &[]));
     }
 }

@@ -136,10 +136,8 @@ impl Job {
         let is_perspective = self.frame.is_perspective == 1;
         let distance = if is_perspective { layer.eye_distance.max(1.0) } else { 1.0 };
         let scale = layer.pixels_per_unit / distance;
-        let stretch = match layer.spread {
-            0.0 => (1.0 / scale).max(1.0),
-            spread => (1.0 / (scale * scale) - spread).max(layer.least_stretch_squared).sqrt(),
-        };
+        let squared = 1.0 / (scale * scale) - layer.spread;
+        let stretch = squared.max(layer.least_stretch_squared).sqrt();
         let pixels = scale * stretch;
         let border = if self.densities.is_some() { 1.0 } else { 0.0 };
         let across = |half_extent: f32| {

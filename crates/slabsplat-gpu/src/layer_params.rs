@@ -63,11 +63,12 @@ fn put_view(plan: &LayerPlan<'_>, layer: &mut Layer) {
     layer.voxels_per_unit = (1_u32 << plan.level) as f32;
 }
 
-/// How cells differ from voxels; of those nothing.
+/// By how much footprints are widened, and where cells end; grids of voxels end with these.
 fn put_cells(plan: &LayerPlan<'_>, layer: &mut Layer) {
-    let Some(spread) = plan.view.spread_of_cells() else { return };
-    layer.spread = spread as f32;
-    layer.least_stretch_squared = View::LEAST_STRETCH_OF_CELLS.powi(2) as f32;
+    let spread = plan.view.spread_of_cells();
+    let least = if spread.is_some() { View::LEAST_STRETCH_OF_CELLS } else { 1.0 };
+    layer.least_stretch_squared = least.powi(2) as f32;
+    layer.spread = spread.unwrap_or(0.0) as f32;
     let ends = plan.volume.grid().ends_of_cells(plan.level);
     [layer.first_out, layer.last_out] = [0, 1].map(|end| ends.map(|of_axis| of_axis[end] as f32));
 }

@@ -41,12 +41,12 @@
 //! # Reading order
 //!
 //! `device`, `destination`; `listing`, which says who lists a layer's voxels, `listings`, `host_list`,
-//! `detail_lists` and `known_volume`; `voxel_lists`, `voxel_list`, `classifier`, `volumes`, `uploads`,
-//! `frame_passes`, `frame_memory` and `tables`, which are the frame, with `pass_list`, `sums`, `chunks`
-//! and `memory` below them; `backend` and `job`; `params`, `frame_params`, `layer_params`, `densities`,
-//! `density_elements`, `cell_record`, `regions`, `depth_params`, `classification`, `number`, `samples`,
-//! `section_table`, `drawn_by`, `surfaces` and `surface_elements`, which say a plan in the shaders'
-//! terms. The stages themselves are in `shaders/`.
+//! `detail_lists`, `cells_to_list` and `known_volume`; `voxel_lists`, `voxel_list`, `classifier`,
+//! `volumes`, `uploads`, `frame_passes`, `frame_memory` and `tables`, which are the frame, with
+//! `pass_list`, `sums`, `chunks` and `memory` below them; `backend` and `job`; `params`, `frame_params`,
+//! `layer_params`, `densities`, `density_elements`, `cell_record`, `regions`, `depth_params`,
+//! `classification`, `number`, `samples`, `section_table`, `drawn_by`, `surfaces` and `surface_elements`,
+//! which say a plan in the shaders' terms. The stages themselves are in `shaders/`.
 
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
@@ -75,6 +75,7 @@ mod memory;
 mod pass_list;
 mod sums;
 
+mod cells_to_list;
 mod detail_lists;
 mod host_list;
 mod known_volume;

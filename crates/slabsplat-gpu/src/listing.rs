@@ -11,7 +11,7 @@ use crate::detail_lists::DetailLists;
 use crate::host_list::{HostList, RecordPiece};
 use crate::known_volume::KnownVolume;
 use slabsplat_backend::ByIdentity;
-use slabsplat_core::FrameHandle;
+use slabsplat_core::{Cancelled, FrameHandle};
 use std::sync::Arc;
 
 /// How the relevant voxels of a layer are found, or the cells that stand for them.
@@ -118,7 +118,7 @@ impl HostRecords {
     }
 
     /// Calls `send` with the records of all of them, made piece by piece for a frame.
-    pub(crate) fn for_each_piece<E>(
+    pub(crate) fn for_each_piece<E: From<Cancelled>>(
         &self,
         frame: &FrameHandle,
         send: impl FnMut(RecordPiece) -> Result<(), E>,

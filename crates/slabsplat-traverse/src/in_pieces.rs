@@ -76,12 +76,18 @@ fn part<T: Ord + Copy>(items: &mut [T], pivot: T, frame: &FrameHandle) -> Result
     Ok(n_below)
 }
 
-/// What `of` makes of each item, in parallel, in the order of items. Each thread has a room of its own.
-pub fn map_with_room<T: Sync, Room: Default, U: Send>(
+/// What `of` makes of each item, in parallel and in the order of items, for a frame. Each thread has a room
+/// of its own; none should take more than half a millisecond for an item.
+///
+/// # Errors
+/// If the frame is cancelled.
+pub fn map_for_frame<T: Sync, Room: Default, U: Send>(
     items: &[T],
+    frame: &FrameHandle,
     of: impl Fn(&mut Room, &T) -> U + Sync,
-) -> Vec<U> {
-    items.par_iter().map_init(Room::default, |room, item| of(room, item)).collect()
+) -> Result<Vec<U>, Cancelled> {
+    let of_item = |room: &mut Room, item: &T| frame.check().map(|()| of(room, item));
+    items.par_iter().map_init(Room::default, of_item).collect()
 }
 
 #[cfg(test)]
@@ -123,5 +129,19 @@ mod tests {
         let mut falling: Vec<usize> = (0..2 * SORTED_AT_ONCE).rev().collect();
         sort_for_frame(&mut falling, &frame);
         assert!(falling.is_sorted_by(|a, b| b < a), "left as it was");
+    }
+
+    #[test]
+    fn map_for_frame_keeps_the_order_and_ends_when_nobody_waits() {
+        let items: Vec<u32> = (0..5000).collect();
+        let twice = |seen: &mut u32, item: &u32| {
+            *seen += 1;
+            2 * item
+        };
+        let frame = FrameHandle::new();
+        let expected: Vec<u32> = items.iter().map(|item| 2 * item).collect();
+        assert_eq!(map_for_frame(&items, &frame, twice), Ok(expected));
+        frame.cancel();
+        assert_eq!(map_for_frame(&items, &frame, twice), Err(Cancelled));
     }
 }

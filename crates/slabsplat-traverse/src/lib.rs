@@ -85,7 +85,7 @@ pub use cells::{
 };
 pub use classification::Classification;
 pub use depth_order::DepthOrder;
-pub use in_pieces::{map_with_room, resize_for_frame};
+pub use in_pieces::{map_for_frame, resize_for_frame};
 pub use project::{BrickBounds, BrickView};
 pub use relevant_list::{ListChange, RelevantList};
 pub use shade::VoxelLighting;

@@ -15,6 +15,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
+use slabsplat_testdata::{LARGE_SCENES, SCENES};
 
 use super::options::parse_counts;
 use super::program::{Program, Run};
@@ -63,20 +64,8 @@ const OURS: &[Contender] = &[
     Contender { name: "slabsplat, densities", flags: &["--method", "post-classified"] },
 ];
 
-/// The peer knows no scene without `[classify]`, and no format but NIfTI, NRRD, MetaImage and raw bytes.
-const SCENES: &[&str] = &[
-    "brain",
-    "brain-haze",
-    "engine",
-    "engine-shells",
-    "ct-head",
-    "ct-head-shells",
-    "ct-thorax",
-    "mr-head",
-    "mr-head-shells",
-    "brain-large",
-    "brain-large-haze",
-];
+/// The peer knows no scene without `[classify]`: it leaves this one out.
+const NO_SCENE_OF_PEERS: &str = "embryo-perspective";
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/vtk_raycast.py");
 
@@ -89,8 +78,9 @@ pub(super) fn parse(args: &[OsString]) -> Result<Options, String> {
 }
 
 pub(super) fn run(options: &Options) -> Result<()> {
-    let scenes: Vec<(&str, PathBuf)> =
-        SCENES.iter().filter_map(|&name| Some((name, slabsplat_testdata::scene(name)?))).collect();
+    let names = SCENES.iter().chain(LARGE_SCENES).filter(|name| **name != NO_SCENE_OF_PEERS);
+    let found = |name: &&'static str| Some((*name, slabsplat_testdata::scene(name)?));
+    let scenes: Vec<(&str, PathBuf)> = names.filter_map(found).collect();
     ensure!(!scenes.is_empty(), "there is no scene on which to compare");
     let arena = Arena { peers: peers()?, program: Program::built()?, options: *options };
     for (name, path) in scenes {
