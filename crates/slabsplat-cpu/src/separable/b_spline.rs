@@ -88,6 +88,8 @@ impl Coefficients {
 pub(crate) struct RowSpline {
     /// Rows of coefficients to a block of four rows of pixels.
     per_block: usize,
+    /// Rows of coefficients that a tile has.
+    n_rows: usize,
     /// Rows of coefficients above the tile that may be touched.
     pub(crate) n_above: usize,
     /// The first row of coefficients that counts for the first block of a tile.
@@ -117,6 +119,7 @@ impl RowSpline {
         let n_above = radius.ceil() as usize + 3;
         Some(Self {
             per_block,
+            n_rows: per_block * BLOCKS_ACROSS + 2 * n_above,
             n_above,
             first: (n_above as f64 + first) as usize,
             taps,
@@ -131,7 +134,7 @@ impl RowSpline {
 
     /// Rows of coefficients that a tile has.
     pub(crate) fn n_rows(&self) -> usize {
-        self.per_block * BLOCKS_ACROSS + 2 * self.n_above
+        self.n_rows
     }
 
     /// The first of the rows of coefficients that voxels add to, and how much of `factor` each of the rows
