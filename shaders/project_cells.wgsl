@@ -21,7 +21,7 @@ fn project_cells(
     let record = records[in_chunk(step.first + record_of_pass)];
     let coords = coords_of(record.cell_idx, layers[step.layer].dims);
     let center = in_view(within_ends(coords));
-    let color = lit_color(cell_of(record), center);
+    let color = lit_color(cell_of(record));
     let summed = summed_color(frame.compositing, color, record.extinction);
     put_splat(record_of_pass, coords, center, summed);
 }
@@ -35,25 +35,11 @@ fn within_ends(coords: vec3<u32>) -> vec3<f32> {
     return select(last, vec3<f32>(coords) - layers[layer].first_out, coords == vec3(0u));
 }
 
-fn lit_color(cell: CellValues, center: vec3<f32>) -> vec3<f32> {
+// No lit face is near, as bricks there are drawn by voxels.
+fn lit_color(cell: CellValues) -> vec3<f32> {
     if layers[step.layer].is_lit == 0u {
         return cell.color;
     }
-    let light = light_on_cell(step.layer, turned_by_faces(step.layer, center, cell));
+    let light = light_on_cell(step.layer, cell);
     return clamp(cell.color * light.diffuse + light.specular, vec3(0.0), vec3(1.0));
-}
-
-// What becomes of the normals of a cell that may be near a lit face.
-fn turned_by_faces(layer: u32, center: vec3<f32>, cell: CellValues) -> CellValues {
-    let face = face_near(layer, center);
-    if face.share == 0.0 {
-        return cell;
-    }
-    let n = face_of(layer, face.plane).xyz * outwards(layer);
-    var turned = cell;
-    turned.normal = mix(cell.normal, n, face.share);
-    turned.undirected = mix(cell.undirected, 0.0, face.share);
-    turned.squares = mix(cell.squares, n * n, face.share);
-    turned.products = mix(cell.products, vec3(n.x * n.yz, n.y * n.z), face.share);
-    return turned;
 }

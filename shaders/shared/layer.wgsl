@@ -76,6 +76,5 @@ struct Layer {
     first_out: vec3<f32>,
     spread: f32,
     last_out: vec3<f32>,
-    // Of cells, how many voxels they have along an edge.
-    voxels_per_unit: f32,
+    padding: u32,
 }

@@ -84,10 +84,10 @@ fn is_beyond(layer: u32, center: vec3<f32>) -> bool {
     return is_inverted && is_behind_all;
 }
 
-// How many `unit`s of voxels behind a face its normal counts for nothing; it counts in full up to one before that.
+// How many `unit`s behind a face its normal counts for nothing; it counts in full up to one before that.
 const DEEPEST: f32 = 1.75;
 
-// By how many of these a plane must be nearer than those before it to count as nearer.
+// By how many `unit`s a plane must be nearer than those before it to count as nearer.
 const HAIR: f32 = 1.0 / 1024.0;
 
 // A lit face that is near, and how much its normal counts; its plane is of no meaning where that is nothing.
@@ -101,8 +101,7 @@ fn face_near(layer: u32, center: vec3<f32>) -> NearFace {
     if layers[layer].has_lit_faces == 0u || layers[layer].n_planes == 0u {
         return NearFace(0u, 0.0);
     }
-    let thickness = layers[layer].slab_thickness * layers[layer].voxels_per_unit;
-    let hair = HAIR / thickness;
+    let hair = HAIR / layers[layer].slab_thickness;
     var nearest = 0u;
     var most = before_plane(plane_of(layer, 0u), layer, center);
     for (var n = 1u; n < layers[layer].n_planes; n++) {
@@ -112,7 +111,7 @@ fn face_near(layer: u32, center: vec3<f32>) -> NearFace {
             most = before;
         }
     }
-    let behind = -most * outwards(layer) * thickness;
+    let behind = -most * outwards(layer) * layers[layer].slab_thickness;
     return NearFace(nearest, clamp(DEEPEST - behind, 0.0, 1.0));
 }
 

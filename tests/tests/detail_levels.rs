@@ -108,7 +108,9 @@ fn opaque_ball(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
     Layer::new(volume, transfer.expect("the points rise"))
 }
 
-/// What is opaque is drawn by cells where these are alike, and by voxels elsewhere, within the tolerance.
+/// What is opaque is drawn by cells where these are alike, and by voxels elsewhere, within the tolerance. So it
+/// is where it is cut, and where the cut is lit, by a light in a layer thinner than cells: cells there were off
+/// by 0.098.
 #[test]
 fn detail_levels_of_opaque_layers() {
     let mut worst = 0.0_f64;
@@ -124,18 +126,19 @@ fn detail_levels_of_opaque_layers() {
         let projection = Projection::Orthographic { view_height: height };
         let camera = Camera::new(target - 200.0 * forward, target, up, projection);
         scene.camera = camera.expect("up is not forward");
-        if rng.bool() {
-            let cut = Plane::new(DVec3::new(0.3, -0.2, 1.0), 18.0).expect("it has a direction");
-            scene.layers[0].region = Region::new(vec![cut]).lit();
-        }
-        let (exact, by_cpu) = (render(&scene), by_backend("cpu", &scene));
-        for name in backends() {
-            let image = by_backend(name, &scene);
-            let off = exact.compare(&image).max;
-            assert!(off < scene.settings.tolerance, "{name} is {off} from voxels");
-            worst = worst.max(off);
-            let from_cpu = f64::from(image.max_difference(&by_cpu));
-            assert!(from_cpu < OF_FOOTPRINTS, "{name} is {from_cpu} from the CPU");
+        let cut = Plane::new(DVec3::new(0.3, -0.2, 1.0), 18.0).expect("it has a direction");
+        let cut = Region::new(vec![cut]);
+        for region in [scene.layers[0].region.clone(), cut.clone(), cut.lit()] {
+            scene.layers[0].region = region;
+            let (exact, by_cpu) = (render(&scene), by_backend("cpu", &scene));
+            for name in backends() {
+                let image = by_backend(name, &scene);
+                let off = exact.compare(&image).max;
+                assert!(off < scene.settings.tolerance, "{name} is {off} from voxels");
+                worst = worst.max(off);
+                let from_cpu = f64::from(image.max_difference(&by_cpu));
+                assert!(from_cpu < OF_FOOTPRINTS, "{name} is {from_cpu} from the CPU");
+            }
         }
     });
     println!("at most {worst:.4} from voxels");

@@ -6,9 +6,8 @@ use glam::DVec3;
 /// A region in view space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionInView {
+    in_world: Region,
     planes: Vec<PlaneInView>,
-    is_inverted: bool,
-    is_lit: bool,
 }
 
 /// A plane in view space; what lies behind it has `n·x ≤ d`.
@@ -36,6 +35,10 @@ impl RegionInView {
     /// ([model §11](crate::model)).
     pub const HAIR: f64 = 1.0 / 1024.0;
 
+    /// How many `unit`s behind a lit face its normal counts for nothing; it counts in full up to one before
+    /// that ([model §11](crate::model)).
+    pub const DEEPEST_LIT: f64 = 1.75;
+
     /// The region as `view` sees it.
     pub fn new(region: &Region, view: &View) -> Self {
         let axes = view.axes();
@@ -48,11 +51,12 @@ impl RegionInView {
                 distance: -plane.before(origin),
             }
         };
-        Self {
-            planes: region.planes().iter().map(seen).collect(),
-            is_inverted: region.is_inverted(),
-            is_lit: region.is_lit(),
-        }
+        Self { planes: region.planes().iter().map(seen).collect(), in_world: region.clone() }
+    }
+
+    /// What was seen.
+    pub fn in_world(&self) -> &Region {
+        &self.in_world
     }
 
     /// The planes of the convex set.
@@ -62,12 +66,18 @@ impl RegionInView {
 
     /// Whether the region is the complement of the convex set.
     pub fn is_inverted(&self) -> bool {
-        self.is_inverted
+        self.in_world.is_inverted()
     }
 
     /// Whether its faces are lit as surfaces.
     pub fn is_lit(&self) -> bool {
-        self.is_lit
+        self.in_world.is_lit()
+    }
+
+    /// Whether the normal of a lit face may count at any point of a box, for voxel steps of that length.
+    pub fn may_light(&self, center: DVec3, half_extents: DVec3, unit: f64) -> bool {
+        let reach = (Self::DEEPEST_LIT + Self::HAIR) * unit + half_extents.length();
+        self.is_lit() && self.face_near(center, 0.0).is_some_and(|(_, behind)| behind < reach)
     }
 
     /// The face nearest to a point: its normal, away from the region, and how far behind it the point lies in
@@ -84,7 +94,7 @@ impl RegionInView {
                 nearest = Some((*normal, before));
             }
         }
-        let out = if self.is_inverted { -1.0 } else { 1.0 };
+        let out = if self.is_inverted() { -1.0 } else { 1.0 };
         nearest.map(|(normal, before)| (normal * out, -before * out))
     }
 
@@ -118,7 +128,7 @@ impl RegionInView {
         let distance = |plane: &PlaneInView| plane.normal.dot(center) - plane.distance;
         let extent =
             |plane: &PlaneInView| plane.normal.abs().dot(half_extents) + reach(plane.normal);
-        if self.is_inverted {
+        if self.is_inverted() {
             self.planes.iter().all(|plane| distance(plane) < -extent(plane))
         } else {
             self.planes.iter().any(|plane| extent(plane) < distance(plane))

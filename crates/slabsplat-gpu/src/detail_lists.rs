@@ -17,11 +17,14 @@ use crate::host_list::{RecordPiece, VOXELS_PER_PIECE, fill_brick, rules_of};
 use crate::known_volume::KnownVolume;
 use crate::params::CellRecord;
 use slabsplat_backend::{FramePlan, LayerPlan};
-use slabsplat_core::{Cancelled, Compositing, FrameHandle, IsoRange, StageError};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{
+    Cancelled, Compositing, FrameHandle, IsoRange, Region, RegionInView, StageError,
+};
 use slabsplat_kernel::turn_of_brick;
 use slabsplat_traverse::{
-    Brick, BrickGrid, BrickLister, BrickMaker, BrickRoom, BricksOnDemand, CellBrick,
-    Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord, map_for_frame,
+    Brick, BrickBounds, BrickGrid, BrickLister, BrickMaker, BrickRoom, BrickView, BricksOnDemand,
+    CellBrick, Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord, map_for_frame,
 };
 use std::sync::Arc;
 
@@ -32,8 +35,9 @@ pub(crate) struct DetailLists {
     rules: OwnVoxelRules,
     compositing: Compositing,
     ranges: Vec<IsoRange>,
-    /// What decides which bricks of cells are listed, from level 1 on.
+    /// What decides which bricks of cells are listed, from level 1 on; and near whose faces none is.
     cells: Vec<CellsToList>,
+    lit_region: Option<Region>,
     bricks: BricksOnDemand,
     /// Voxels first.
     levels: Vec<LevelList>,
@@ -66,9 +70,11 @@ impl DetailLists {
         let (compositing, ranges) = (plan.compositing, layer.relevant.clone());
         // All that is made is listed, but for what may not be drawn.
         let bricks = BricksOnDemand::new(known.volume.grid(), 0, usize::MAX);
-        let (cells, levels) = (cells_to_list(layer), Vec::new());
-        let mut lists = Self { known, rules, compositing, ranges, cells, bricks, levels };
-        lists.levels = lists.with_maker(frame, |maker| lists.listed(maker))?;
+        let (cells, lit_region, levels) = (cells_to_list(layer), lit_region(layer), Vec::new());
+        let mut lists =
+            Self { known, rules, compositing, ranges, cells, lit_region, bricks, levels };
+        let faces = LitBricks::new(layer);
+        lists.levels = lists.with_maker(frame, |maker| lists.listed(maker, &faces))?;
         // A brick that was made of less than it holds is not retained, but may have been counted.
         frame.check()?;
         Ok(lists)
@@ -80,6 +86,7 @@ impl DetailLists {
             && self.compositing == plan.compositing
             && self.ranges == layer.relevant
             && serve(&self.cells, &cells_to_list(layer))
+            && self.lit_region == lit_region(layer)
             && self.rules.rules() == rules_of(layer)
     }
 
@@ -130,7 +137,11 @@ impl DetailLists {
         with(BrickMaker { lister, lighting, moments_from: moments_from as f32, frame })
     }
 
-    fn listed(&self, maker: BrickMaker<'_>) -> Result<Vec<LevelList>, Cancelled> {
+    fn listed(
+        &self,
+        maker: BrickMaker<'_>,
+        faces: &LitBricks<'_>,
+    ) -> Result<Vec<LevelList>, Cancelled> {
         let mut levels: Vec<_> = (0..=self.cells.len()).map(|_| LevelList::default()).collect();
         let mut left = Vec::new();
         for (level, list) in levels.iter_mut().enumerate().rev() {
@@ -138,7 +149,8 @@ impl DetailLists {
             here.extend(self.own_bricks(level as u32, maker.lister));
             here.sort_unstable();
             let made = map_for_frame(&here, maker.frame, |room: &mut Room, brick_idx| {
-                self.counts(maker, level, *brick_idx, room)
+                let is_lit = level != 0 && faces.may_light(level, *brick_idx);
+                if is_lit { None } else { self.counts(maker, level, *brick_idx, room) }
             })?;
             for (brick_idx, counts) in here.into_iter().zip(made) {
                 match counts {
@@ -210,6 +222,38 @@ impl DetailLists {
     }
 }
 
+/// Which bricks of cells may lie where the light of a lit face begins or ends, which cells would blur.
+struct LitBricks<'a> {
+    region: Option<&'a RegionInView>,
+    unit: f64,
+    levels: Vec<BrickView>,
+}
+
+impl<'a> LitBricks<'a> {
+    fn new(layer: &'a LayerPlan<'_>) -> Self {
+        let grid = layer.volume.grid();
+        let seen =
+            |plan: &LayerPlan<'_>| BrickView::of_cells(grid, plan.level, &plan.grid(), &plan.view);
+        let region = layer.region.as_ref().filter(|region| region.is_lit());
+        Self { region, unit: grid.unit(), levels: layer.levels().map(seen).collect() }
+    }
+
+    fn may_light(&self, level: usize, brick_idx: u32) -> bool {
+        self.region.is_some_and(|region| {
+            let brick = Brick { brick_idx, first: 0, n_voxels: 0 };
+            let BrickBounds { center, half_extents } = self.levels[level].bounds(&brick);
+            let [center, half_extents] =
+                [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
+            region.may_light(center, half_extents, self.unit)
+        })
+    }
+}
+
+fn lit_region(layer: &LayerPlan<'_>) -> Option<Region> {
+    let region = layer.region.as_ref().filter(|region| region.is_lit());
+    region.map(|region| region.in_world().clone())
+}
+
 /// What a thread needs to make bricks.
 #[derive(Default)]
 struct Room {
@@ -242,9 +286,8 @@ fn records_of_cells(cells: &CellBrick, grid: &BrickGrid, brick_idx: u32) -> Vec<
 mod tests {
     use super::*;
     use slabsplat_backend::Planner;
-    use slabsplat_core::glam::DVec3;
     use slabsplat_core::{
-        Camera, Grid, ImageDesc, Layer, Projection, Scaling, Scene, TransferFunction, Volume,
+        Camera, Grid, ImageDesc, Layer, Plane, Projection, Scaling, Scene, TransferFunction, Volume,
     };
     use slabsplat_seeds::for_each_seed;
 
@@ -323,6 +366,17 @@ mod tests {
                 for degrees in (0..most).step_by(most as usize / 5) {
                     assert!(serve(&turned(scene.clone(), degrees.into())), "{degrees} degrees");
                 }
+                let with_cut = |cut: Region| {
+                    let mut scene = scene.clone();
+                    scene.layers[0].region = cut;
+                    scene
+                };
+                let plane = Plane::new(DVec3::X, scene.layers[0].volume.grid().center_in_world().x);
+                let cut = Region::new(vec![plane.unwrap()]);
+                assert!(serve(&with_cut(cut.clone())), "a cut that is not lit");
+                assert!(!serve(&with_cut(cut.clone().lit())), "voxels near its face");
+                let lit = with_cut(cut.lit());
+                assert!(lists_of(&lit).n_records(0) > lists.n_records(0));
                 let mut brighter = scene;
                 brighter.layers[0].transfer =
                     TransferFunction::new(vec![(0.0, [0.01])], vec![(0.0, [1.0; 3])]).unwrap();

@@ -60,7 +60,6 @@ fn put_view(plan: &LayerPlan<'_>, layer: &mut Layer) {
     layer.near = (near / unit) as f32;
     let pixels_at_eye = if view.is_perspective() { step / unit } else { 1.0 };
     layer.pixels_per_unit = (view.pixels_per_world(near) * unit * pixels_at_eye) as f32;
-    layer.voxels_per_unit = (1_u32 << plan.level) as f32;
 }
 
 /// By how much footprints are widened, and where cells end; grids of voxels end with these.

@@ -101,7 +101,7 @@ pub(crate) struct Layer {
     pub(crate) first_out: [f32; 3],
     pub(crate) spread: f32,
     pub(crate) last_out: [f32; 3],
-    pub(crate) voxels_per_unit: f32,
+    pub(crate) padding: u32,
 }
 
 /// `shaders/shared/densities.wgsl`, likewise.
@@ -335,7 +335,7 @@ mod tests {
             first_out,
             spread,
             last_out,
-            voxels_per_unit,
+            padding,
         });
         check!(Densities {
             mode,

@@ -9,12 +9,8 @@ use slabsplat_core::{RegionInView, ViewAxes};
 pub(super) struct LitFaces<'a> {
     region: &'a RegionInView,
     axes: &'a ViewAxes,
-    per_unit: f64,
-    hair: f64,
+    unit: f64,
 }
-
-/// How many `unit`s behind a face its normal counts for nothing; it counts in full up to one before that.
-const DEEPEST: f64 = 1.75;
 
 /// A face's normal, and how much it counts.
 #[derive(Clone, Copy, Debug)]
@@ -29,22 +25,20 @@ impl<'a> LitFaces<'a> {
     pub(super) fn of(layer: &'a LayerPlan<'_>) -> Option<Self> {
         let region = layer.region.as_ref().filter(|region| region.is_lit())?;
         let unit = layer.volume.grid().unit();
-        let (per_unit, hair) = (1.0 / unit, RegionInView::HAIR * unit);
-        Some(Self { region, axes: layer.view.axes(), per_unit, hair })
+        Some(Self { region, axes: layer.view.axes(), unit })
     }
 
     /// The normal of the face near a point of view space, if it counts there.
     #[inline]
     pub(super) fn at(&self, point: DVec3) -> Option<FaceNormal> {
-        let (normal, behind) = self.region.face_near(point, self.hair)?;
-        let share = DEEPEST - behind * self.per_unit;
+        let (normal, behind) = self.region.face_near(point, RegionInView::HAIR * self.unit)?;
+        let share = RegionInView::DEEPEST_LIT - behind / self.unit;
         (0.0 < share).then_some(FaceNormal { normal, share: share.min(1.0) })
     }
 
     /// Whether the normal of a face counts at any point of a box.
     pub(super) fn may_be_in(&self, center: DVec3, half_extents: DVec3) -> bool {
-        let Some((_, behind)) = self.region.face_near(center, 0.0) else { return false };
-        behind * self.per_unit < DEEPEST + (half_extents.length() + self.hair) * self.per_unit
+        self.region.may_light(center, half_extents, self.unit)
     }
 
     /// The same direction in the world.
@@ -62,16 +56,6 @@ impl<'a> LitFaces<'a> {
 }
 
 impl FaceNormal {
-    /// In view space.
-    pub(super) fn normal(&self) -> DVec3 {
-        self.normal
-    }
-
-    /// How much it counts, up to 1.
-    pub(super) fn share(&self) -> f64 {
-        self.share
-    }
-
     /// What becomes of a normal of view space that may be shorter than 1.
     #[inline]
     pub(super) fn instead_of(&self, normal: [f32; 3]) -> [f32; 3] {

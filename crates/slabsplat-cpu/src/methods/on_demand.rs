@@ -126,22 +126,14 @@ impl<'a> LevelVoxels<'a> {
         })
     }
 
-    /// Takes the normals of lit faces where these count.
-    fn face(
-        &self,
-        faces: &LitFaces<'_>,
-        brick: &Brick,
-        records: &[VoxelRecord],
-        cells: &mut Cells8,
-    ) {
-        let mut points = [[0.0; 3]; AT_ONCE];
-        let points = &mut points[..records.len()];
-        self.seen.bricks.project_brick(brick, records, points);
-        for (idx, point) in points.iter().enumerate() {
-            if let Some(face) = faces.at(DVec3::from_array(point.map(f64::from))) {
-                cells.turn(idx, faces.in_world(face.normal()), face.share());
-            }
-        }
+    /// Whether a brick may lie where the light of a lit face begins or ends, which cells would blur.
+    fn is_near_lit_face(&self, brick: &Brick) -> bool {
+        self.faces.as_ref().is_some_and(|faces| {
+            let BrickBounds { center, half_extents } = self.seen.bricks.bounds(brick);
+            let [center, half_extents] =
+                [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
+            faces.may_be_in(center, half_extents)
+        })
     }
 
     /// Lights up to eight cells.
@@ -192,6 +184,9 @@ impl Voxels for LevelVoxels<'_> {
         if self.level == 0 {
             return Some(BrickVoxels::new(bricks.voxels(self.maker(), brick.brick_idx, records)));
         }
+        if self.is_near_lit_face(brick) {
+            return None;
+        }
         let cells = bricks.cells(self.maker(), self.level, brick.brick_idx, made);
         if !self.allows(cells) {
             return None;
@@ -216,10 +211,6 @@ impl Voxels for LevelVoxels<'_> {
             let faces = self.faces.as_ref();
             return self.stage.color(faces, brick, records, colors);
         };
-        let BrickBounds { center, half_extents } = self.seen.bricks.bounds(brick);
-        let [center, half_extents] =
-            [center, half_extents].map(|v| DVec3::from_array(v.map(f64::from)));
-        let faces = self.faces.as_ref().filter(|faces| faces.may_be_in(center, half_extents));
         // Those that were not culled, in the same order.
         let mut all = read.records.iter().enumerate();
         let mut idx_of = |record: &VoxelRecord| {
@@ -227,11 +218,7 @@ impl Voxels for LevelVoxels<'_> {
             found.map_or(0, |(idx, _)| idx)
         };
         for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
-            let mut eight = Cells8::of(cells, records.iter().map(&mut idx_of));
-            if let Some(faces) = faces {
-                self.face(faces, brick, records, &mut eight);
-            }
-            self.light(&eight, colors);
+            self.light(&Cells8::of(cells, records.iter().map(&mut idx_of)), colors);
         }
     }
 }

@@ -1,9 +1,7 @@
 //! Cells as light falls on them, eight at a time.
 
 use super::brick::CellBrick;
-use super::moments::of_normal;
 use super::record::CellValues;
-use slabsplat_core::glam::DVec3;
 
 /// Up to eight cells of a brick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,18 +26,5 @@ impl Cells8 {
         }
         eight.moments = (!brick.moments().is_empty()).then_some(moments);
         eight
-    }
-
-    /// Gives a share of one of the cells, 0 … 1, that normal of length 1.
-    pub fn turn(&mut self, idx: usize, normal: DVec3, share: f64) {
-        let (normal, share) = (normal.as_vec3().to_array(), share as f32);
-        let turned = |old: &mut f32, new: f32| *old += share * (new - *old);
-        let CellValues { normal: own, undirected, .. } = &mut self.values[idx];
-        own.iter_mut().zip(normal).for_each(|(old, new)| turned(old, new));
-        turned(undirected, 0.0);
-        if let Some(moments) = &mut self.moments {
-            let all = moments[idx].iter_mut().zip(of_normal(normal));
-            all.for_each(|(old, new)| turned(old, new));
-        }
     }
 }
