@@ -109,7 +109,7 @@ fn opaque_ball(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
 }
 
 /// What is opaque is drawn by cells where these are alike, and by voxels elsewhere, within the tolerance. So
-/// it is where it is cut, and where the cut is lit, by a light in a layer thinner than cells: cells there were
+/// it is where it is cut, and where the cut is lit, by light in a layer thinner than cells: cells there were
 /// off by 0.098.
 #[test]
 fn detail_levels_of_opaque_layers() {
