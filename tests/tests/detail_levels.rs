@@ -65,13 +65,26 @@ fn faint(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
     Layer::new(volume, transfer.expect("the points rise"))
 }
 
+/// Cuts a corner off, or nearly all, by a plane that is lit.
+fn cut_and_light(rng: &mut fastrand::Rng, scene: &mut Scene) {
+    let grid = scene.layers[0].volume.grid();
+    let (middle, half) = (grid.center_in_world(), 0.5 * grid.unit() * grid.dims()[0] as f64);
+    let normal = DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, rng.f64() - 0.5).normalize();
+    let distance = normal.dot(middle) + (1.6 * rng.f64() - 0.8) * half;
+    let cut = Plane::new(normal, distance).expect("it has a direction");
+    scene.layers[0].region = Region::new(vec![cut]).lit();
+}
+
 /// At most the tolerance from voxels; and all backends draw the cells of the definition.
 #[test]
 fn detail_levels_on_random_scenes() {
     let (mut worst, mut worst_of_backends, mut n_by_cells) = (0.0_f64, 0.0_f64, 0);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(may_merge) {
-            let scene = minified(&mut rng, &kind);
+            let mut scene = minified(&mut rng, &kind);
+            if rng.u32(..4) == 0 {
+                cut_and_light(&mut rng, &mut scene);
+            }
             let [exact, cells] = [render(&scene), render_within_tolerance(&scene)];
             let off = exact.compare_reference(&cells).max;
             assert!(off < scene.settings.tolerance, "{off} from voxels: {kind:?}");

@@ -94,7 +94,7 @@ impl SeenGrid {
         let view = self.view.of_cells(level, levels.kernel_variance());
         Some(SeenCells {
             grid: Self::new(level, &voxels.of_cells(level).ok()?, view, radius),
-            limits: levels.limits(level, self.shape.half_depth / voxels.unit(), lit[1]),
+            limits: levels.limits(level, voxels.longest_in_world() / voxels.unit(), lit[1]),
             lit,
         })
     }

@@ -148,6 +148,16 @@ impl Grid {
         self.spacing().into_iter().fold(f64::INFINITY, f64::min)
     }
 
+    /// How long in the world a step of whatever direction can be that is one step long in index space: the
+    /// longest step where axes are at right angles, and no more than a bound elsewhere (Gershgorin's, of the
+    /// matrix times its transpose).
+    pub fn longest_in_world(&self) -> f64 {
+        let m = self.world_from_index.matrix3;
+        let products = m.transpose() * m;
+        let row_sum = |axis: usize| products.row(axis).abs().element_sum();
+        [0, 1, 2].map(row_sum).into_iter().fold(0.0, f64::max).sqrt()
+    }
+
     /// The middle of the grid in index space.
     pub fn center_in_index(&self) -> DVec3 {
         DVec3::from_array(self.dims.map(|n| (n as f64 - 1.0) / 2.0))
@@ -258,6 +268,25 @@ mod tests {
         assert_eq!(y, [0.0625, 0.5 * (-0.5 + 0.25)], "a voxel alone");
         let [_, y, _] = grid.ends_of_cells(3);
         assert_eq!(y, [63.0 / 768.0; 2], "not further out than a whole one");
+    }
+
+    /// No direction is longer, and in orthogonal axes one is as long.
+    #[test]
+    fn grid_knows_its_longest_step() {
+        let grid = Grid::with_spacing([2; 3], [1.0, 3.0, 2.0]).unwrap();
+        assert!((grid.longest_in_world() - 3.0).abs() < 1e-12);
+        let columns = [DVec3::new(1.0, 0.2, 0.0), DVec3::new(-0.3, 2.0, 0.5), DVec3::Z];
+        let m = DMat3::from_cols(columns[0], columns[1], columns[2]);
+        let sheared = Grid::new([2; 3], DAffine3::from_mat3(m)).unwrap();
+        let mut longest = 0.0_f64;
+        for idx in 0..1000 {
+            let (azimuth, height) = (f64::from(idx) * 2.4, f64::from(idx) / 500.0 - 0.999);
+            let across = (1.0 - height * height).sqrt();
+            let step = DVec3::new(across * azimuth.cos(), across * azimuth.sin(), height);
+            longest = longest.max((m * step).length());
+        }
+        let bound = sheared.longest_in_world();
+        assert!((longest..1.2 * longest).contains(&bound), "{longest} {bound}");
     }
 
     #[test]

@@ -52,21 +52,6 @@ impl CellLimits {
             && f64::from(noise) <= self.noise
             && f64::from(extinction) <= self.extinction
     }
-
-    /// A share of what may be spent: of all but what decides whether cells have second moments.
-    #[must_use]
-    pub fn share(self, share: f64) -> Self {
-        let Self { contrast, noise, extinction, by_mean_normals } = self;
-        let [contrast, noise, extinction] = [contrast, noise, extinction].map(|all| share * all);
-        Self { contrast, noise, extinction, by_mean_normals }
-    }
-
-    /// Whether these allow no more than others do.
-    pub fn are_within(&self, others: &Self) -> bool {
-        self.contrast <= others.contrast
-            && self.noise <= others.noise
-            && self.extinction <= others.extinction
-    }
 }
 
 /// The coarsest level: a brick of cells has 64³ voxels.
@@ -253,8 +238,6 @@ mod tests {
         let CellLimits { contrast, noise, extinction, by_mean_normals } = at(1, 1.0);
         assert_eq!(by_mean_normals, f64::INFINITY, "no light");
         let (limits, lit) = (at(1, 1.0), [1.0, 0.5]);
-        let [half, all] = [0.5, 1.0].map(|share| limits.share(share));
-        assert!(half.are_within(&all) && !all.are_within(&half) && all.are_within(&limits));
         assert!(limits.allow(lit, [0.5, 0.5], 0.009, 0.49), "0.75 of 0.8");
         for (differ, noise, extinction) in
             [([0.5, 0.7], 0.0, 0.0), ([0.0; 2], 0.011, 0.0), ([0.0; 2], 0.0, 0.51)]

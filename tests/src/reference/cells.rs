@@ -1,12 +1,13 @@
 //! Levels of detail (model §16): cells of voxels, where a tolerance allows them.
 
 use super::frame::{LayerInView, Voxel};
+use super::region::lit_face;
 use super::section::KernelInView;
 use super::shade::{Directions, shaded_cell_color};
 use super::view::View;
 use super::{GaussLegendre, Kernel};
 use slabsplat_core::glam::{DMat3, DVec3};
-use slabsplat_core::{Grid, Light, Shading};
+use slabsplat_core::{Grid, Light, Region, Shading};
 use std::collections::BTreeMap;
 
 /// How far footprints are stretched in the image plane.
@@ -81,7 +82,9 @@ pub(super) fn within(
         let is_even = |&level: &usize| {
             let (of_brick, limits) =
                 (bricks[level][&cells[level].brick(voxel.coords)], limits[level]);
-            of_brick.noise <= limits.noise && of_brick.extinction <= limits.extinction
+            of_brick.noise <= limits.noise
+                && of_brick.extinction <= limits.extinction
+                && !cells[level].is_near_lit_face(voxel.coords, region)
         };
         (0..=of_depth).rev().find(is_even)
     };
@@ -106,6 +109,14 @@ pub(super) fn within(
         }
     };
     by_level.into_iter().map(drawn).collect()
+}
+
+/// The bound of model §16 on how long a step in the world is that is one step long in index space.
+fn longest_in_world(grid: &Grid) -> f64 {
+    let m = grid.world_from_index().matrix3;
+    let steps = [m.x_axis, m.y_axis, m.z_axis];
+    let sums = steps.map(|a| steps.map(|b| a.dot(b).abs()).iter().sum::<f64>());
+    sums.into_iter().fold(0.0, f64::max).sqrt()
 }
 
 /// A number from 0 to 1, of each brick another.
@@ -193,6 +204,20 @@ impl Cells<'_> {
         self.view.near_depth(self.unit) <= nearest && least <= self.stretch.at(self.view, nearest)
     }
 
+    /// Whether any cell of the brick that holds a voxel lies where a lit face has a say.
+    fn is_near_lit_face(&self, voxel: [usize; 3], region: &Region) -> bool {
+        let brick = self.brick(voxel);
+        let [xs, ys, zs] =
+            [0, 1, 2].map(|axis| 8 * brick[axis]..self.grid.dims()[axis].min(8 * brick[axis] + 8));
+        let to_world = self.grid.world_from_index();
+        let is_near = |[x, y, z]: [usize; 3]| {
+            let at = to_world.transform_point3(DVec3::new(x as f64, y as f64, z as f64));
+            lit_face(region, self.unit, at).is_some_and(|(_, behind)| behind < 1.75)
+        };
+        let mut rows = zs.flat_map(|z| ys.clone().map(move |y| [y, z]));
+        rows.any(|[y, z]| xs.clone().any(|x| is_near([x, y, z])))
+    }
+
     /// The brick that holds a voxel.
     fn brick(&self, voxel: [usize; 3]) -> [usize; 3] {
         voxel.map(|at| at / self.side / 8)
@@ -200,7 +225,7 @@ impl Cells<'_> {
 
     /// What a brick may not exceed, else a finer level draws it.
     fn limits(&self, layer: &LayerInView, tolerance: f64, lit: f64) -> OfBrick {
-        let layer_depth = layer.kernel.depth_reach / (layer.kernel.kernel().radius() * layer.unit);
+        let layer_depth = longest_in_world(&layer.grid) / layer.unit;
         let depth = 0.5 * (((self.side * self.side - 1) as f64) / 12.0).sqrt();
         let in_depth = tolerance / (depth * layer_depth);
         OfBrick {

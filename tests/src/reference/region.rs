@@ -58,8 +58,15 @@ impl RegionOnRay {
 /// What becomes of a normal, not longer than 1, at a point in the world where lit faces of a region are near:
 /// that of the face up to three quarters of a `unit` behind it, and a `unit` further itself.
 pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVec3) -> DVec3 {
+    let Some((face, behind)) = lit_face(region, unit, at) else { return normal };
+    let own = (behind - 0.75).clamp(0.0, 1.0);
+    (1.0 - own) * face + own * normal
+}
+
+/// The normal of the lit face that is nearest to a point in the world, and how many `unit`s behind it that is.
+pub(super) fn lit_face(region: &Region, unit: f64, at: DVec3) -> Option<(DVec3, f64)> {
     if !region.is_lit() || region.planes().is_empty() {
-        return normal;
+        return None;
     }
     let mut nearest = (DVec3::ZERO, f64::NEG_INFINITY);
     for plane in region.planes() {
@@ -68,10 +75,8 @@ pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVe
             nearest = (plane.normal(), before);
         }
     }
-    let (face, before) =
-        if region.is_inverted() { (-nearest.0, -nearest.1) } else { (nearest.0, nearest.1) };
-    let own = (-before / unit - 0.75).clamp(0.0, 1.0);
-    (1.0 - own) * face + own * normal
+    let out = if region.is_inverted() { -1.0 } else { 1.0 };
+    Some((out * nearest.0, -out * nearest.1 / unit))
 }
 
 /// By how many `unit`s renderers may disagree on where planes are.
