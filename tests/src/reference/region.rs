@@ -63,7 +63,8 @@ pub(super) fn normal_by_faces(region: &Region, unit: f64, at: DVec3, normal: DVe
     (1.0 - own) * face + own * normal
 }
 
-/// The normal of the lit face that is nearest to a point in the world, and how many `unit`s behind it that is.
+/// The normal of the lit face that is nearest to a point in the world, and how many `unit`s behind it that
+/// is.
 pub(super) fn lit_face(region: &Region, unit: f64, at: DVec3) -> Option<(DVec3, f64)> {
     if !region.is_lit() || region.planes().is_empty() {
         return None;
