@@ -5,8 +5,8 @@ use std::fs;
 
 use anyhow::{Result, ensure};
 
-/// What a relevant voxel takes at most, in bytes: the volume around it, its record, and its share of a range of
-/// depth. The haze of the largest balls, 100 to 240 million relevant voxels, takes 18.
+/// What a relevant voxel takes at most, in bytes: the volume around it, its record, and its share of a range
+/// of depth. The haze of the largest balls, 100 to 240 million relevant voxels, takes 18.
 const BYTES_PER_RELEVANT: u64 = 20;
 
 /// An error if so many relevant voxels are not likely to fit. Where nothing is known of memory, they are
