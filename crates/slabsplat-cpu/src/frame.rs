@@ -5,7 +5,7 @@ use crate::meshes;
 use crate::methods::{Stage, axis_aligned, densities, every_sample, image_aligned};
 use crate::pixels::tiles::Tiles;
 use crate::stopwatch::Stopwatch;
-use crate::voxels::relevant::Relevant;
+use crate::voxels::relevant::{Budget, Relevant};
 use fearless_simd::Level;
 use slabsplat_backend::{
     ByIdentity, Cached, ColorSplats, Frame, FrameCost, FramePlan, LayerPlan, Splats,
@@ -27,6 +27,7 @@ pub(crate) struct Buffers {
 
 #[derive(Debug, Default)]
 struct OfMethods {
+    budget: Budget,
     of_layers: Vec<OfLayer>,
     image_aligned: image_aligned::Buffers,
     axis_aligned: axis_aligned::Buffers,
@@ -98,7 +99,7 @@ impl OfMethods {
         watch: &mut Stopwatch<'_>,
     ) -> Result<Drawn, StageError> {
         let Some(first) = plan.layers.first() else {
-            *self = Self::default();
+            *self = Self { budget: self.budget, ..Self::default() };
             return Ok(Drawn { n_voxels: 0, n_occluded: 0 });
         };
         self.forget_others(&first.splats);
@@ -143,7 +144,7 @@ impl OfMethods {
         let of_layers = self.of_layers.iter_mut().zip(&plan.layers);
         let mut stages = Vec::with_capacity(plan.layers.len());
         for (of_layer, layer) in of_layers {
-            stages.push(of_layer.stage(plan, layer, level, watch.frame())?);
+            stages.push(of_layer.stage(plan, layer, level, self.budget, watch.frame())?);
         }
         watch.done("list")?;
         let n_voxels = stages.iter().map(|stage: &Stage<'_>| stage.relevant.n_voxels()).sum();
@@ -180,6 +181,7 @@ impl OfLayer {
         plan: &'a FramePlan<'a>,
         layer: &'a LayerPlan<'a>,
         level: Level,
+        budget: Budget,
         frame: &'a FrameHandle,
     ) -> Result<Stage<'a>, StageError> {
         let LayerPlan { volume, transfer, transfer_2d, colors, labels, gradient_opacity, .. } =
@@ -196,7 +198,7 @@ impl OfLayer {
             frame,
             level,
             raster: Raster::new(layer, 0),
-            relevant: self.relevant.voxels(layer, &layer.relevant, &rules, frame)?,
+            relevant: self.relevant.voxels(layer, &layer.relevant, &rules, budget, frame)?,
             bricks: self.bricks.insert(BrickView::new(volume.grid(), &layer.view)),
             lighting: VoxelLighting::new(classification, volume, rules, self.light.as_ref()),
         })
@@ -209,6 +211,12 @@ impl OfLayer {
 }
 
 impl Buffers {
+    /// Empty ones, whose lists of voxels have such a budget.
+    #[cfg(test)]
+    pub(crate) fn with_budget(budget: Budget) -> Self {
+        Self { of_methods: OfMethods { budget, ..OfMethods::default() }, ..Self::default() }
+    }
+
     fn resident_bytes(&self) -> u64 {
         let of_tiles = self.tiles.value().map_or(0, Tiles::resident_bytes);
         (of_tiles + self.meshes.resident_bytes() + self.of_methods.resident_bytes()) as u64

@@ -1,6 +1,7 @@
 //! The contract, and every set of instructions against the scalar one.
 
 use super::*;
+use crate::voxels::relevant::Budget;
 use fearless_simd::Level;
 use slabsplat_backend::Planner;
 use slabsplat_core::glam::DVec3;
@@ -60,13 +61,16 @@ fn scene(rng: &mut fastrand::Rng, volume: &Arc<Volume>, settings: RenderSettings
 }
 
 fn render(level: Level, scene: &Scene) -> Image {
-    let mut backend = CpuBackend { level, ..CpuBackend::new() };
+    draw(&mut CpuBackend { level, ..CpuBackend::new() }, scene).image
+}
+
+fn draw(backend: &mut CpuBackend, scene: &Scene) -> Frame {
     let mut planner = Planner::default();
     let plan = planner.plan(scene).unwrap();
     let frame = FrameHandle::new();
     backend.submit(&plan, &frame).unwrap();
     match backend.poll_image(&frame).unwrap() {
-        Poll::Ready(frame) => frame.image,
+        Poll::Ready(frame) => frame,
         Poll::Pending => panic!("a frame is done when it was submitted"),
     }
 }
@@ -168,6 +172,63 @@ fn cpu_buffers_do_not_grow_once_warm() {
             assert_eq!(turn(), [warm; 4], "{method:?}");
         }
     });
+}
+
+/// Voxels that are listed when they are seen, with room for some of them or for none, are those of a list of
+/// all: the pictures are the same bit for bit, over transfer functions that change.
+#[test]
+fn cpu_lists_on_demand_what_the_list_has() {
+    for_each_seed(1, |mut rng| {
+        for spacing in [[1.0; 3], [1.0, 0.6, 2.5]] {
+            let volume = noise(&mut rng, spacing);
+            let n_bytes = volume.grid().n_voxels() * 8;
+            let budgets = [usize::MAX, n_bytes / 3, 0].map(|least_bytes| Budget { least_bytes });
+            let new = |budget| CpuBackend {
+                buffers: frame::Buffers::with_budget(budget),
+                ..CpuBackend::new()
+            };
+            let mut backends = budgets.map(new);
+            for method in [Method::ImageAligned, Method::EverySample, Method::ImageAligned] {
+                let tolerance = [0.0, 0.05][rng.usize(..2)];
+                let settings = RenderSettings::default().method(method).tolerance(tolerance);
+                let scene = scene(&mut rng, &volume, settings);
+                let [listed, others @ ..] = &mut backends;
+                let expected = draw(listed, &scene);
+                for backend in others {
+                    let drawn = draw(backend, &scene);
+                    assert!(drawn.image == expected.image, "{method} {tolerance}");
+                    assert_eq!(drawn.stats, expected.stats);
+                }
+            }
+        }
+    });
+}
+
+/// What is retained of voxels that are listed when they are seen is within the budget, and less than a list
+/// takes.
+#[test]
+fn cpu_lists_on_demand_within_a_budget() {
+    let grid = Grid::with_spacing([70, 60, 50], [1.0; 3]).unwrap();
+    let samples: Vec<u8> = (0..grid.n_voxels()).map(|idx| (idx % 251) as u8).collect();
+    let volume = Arc::new(Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap());
+    // On one thread: which brick falls to which one is chance, and each has buffers.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let resident = [usize::MAX, 1 << 18, 0].map(|least_bytes| {
+        let buffers = frame::Buffers::with_budget(Budget { least_bytes });
+        let mut backend = CpuBackend { buffers, ..CpuBackend::new() };
+        let mut rng = fastrand::Rng::with_seed(1);
+        let settings = RenderSettings::default().tolerance(0.0);
+        let scene = scene(&mut rng, &volume, settings);
+        let mut resident = || pool.install(|| draw(&mut backend, &scene).cost.resident_bytes);
+        [resident(), resident(), resident()].into_iter().max().unwrap()
+    });
+    let of_list = 8 * volume.grid().n_voxels() as u64 * 3 / 4;
+    let [listed, some, least] = resident;
+    println!("{listed}, {some} and {least} bytes of a list of {of_list}");
+    // A quarter of the volume may be retained in any case.
+    let of_volume = volume.grid().n_voxels() as u64 / 4;
+    assert!(least + of_list - of_volume < listed + (1 << 17), "{least} of {listed}");
+    assert!(some < least + (1 << 18), "{some}, {least}");
 }
 
 /// Each method may hold all voxels, and a method that is not drawn any more holds none.

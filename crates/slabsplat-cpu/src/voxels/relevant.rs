@@ -1,10 +1,10 @@
 //! The relevant voxels of the last plan, cached for the next one: a list of all, or bricks that are made when
 //! they are seen.
 
-use slabsplat_backend::{ByIdentity, Cached, LayerPlan};
+use slabsplat_backend::{ByIdentity, Cached, ColorSplats, LayerPlan, Splats};
 use slabsplat_core::{Cancelled, FrameHandle, IsoRange, StageError, Volume};
 use slabsplat_traverse::{
-    BrickLister, BrickRanges, BricksOnDemand, OwnVoxelRules, RelevantList, VoxelRules,
+    BrickLister, BrickRanges, BricksOnDemand, OwnVoxelRules, RelevantList, VoxelRecord, VoxelRules,
 };
 use std::sync::Arc;
 
@@ -17,6 +17,7 @@ struct OfVolume {
     brick_ranges: BrickRanges,
     /// What decides beside ranges which voxels are listed.
     rules: Option<OwnVoxelRules>,
+    n_voxels: Cached<ListedBy, u64>,
     list: RelevantList,
     on_demand: Cached<MadeBy, BricksOnDemand>,
 }
@@ -26,7 +27,7 @@ struct OfVolume {
 pub(crate) enum RelevantVoxels<'a> {
     /// All of them, listed.
     Listed(&'a RelevantList),
-    /// Brick by brick, where cells may be drawn instead.
+    /// Brick by brick, where cells may be drawn instead, or a list would have no room.
     OnDemand(OnDemand<'a>),
 }
 
@@ -40,8 +41,11 @@ impl RelevantVoxels<'_> {
     }
 }
 
+/// What decides which voxels of a volume are relevant.
+type ListedBy = (OwnVoxelRules, Vec<IsoRange>);
+
 /// What bricks depend on beside the volume: rules, ranges, and which cells have second moments.
-type MadeBy = (OwnVoxelRules, Vec<IsoRange>, f32);
+type MadeBy = (ListedBy, f32);
 
 /// Bricks that are made when they are seen, and what makes them.
 #[derive(Debug)]
@@ -52,12 +56,31 @@ pub(crate) struct OnDemand<'a> {
     pub(crate) moments_from: f32,
 }
 
-/// What bricks that are made on demand may take: a quarter of what the volume does, so that they fit where
-/// that does.
-const BUDGET_SHARE: usize = 4;
+/// What may be retained of a volume's relevant voxels: a quarter of what the volume takes, so that it fits
+/// where that does, and as much of small ones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Budget {
+    pub(crate) least_bytes: usize,
+}
 
-/// And as much of small ones: some million cells.
-const LEAST_BUDGET_BYTES: usize = 64 << 20;
+impl Default for Budget {
+    /// Some million voxels or cells.
+    fn default() -> Self {
+        Self { least_bytes: 64 << 20 }
+    }
+}
+
+impl Budget {
+    fn bytes(self, volume: &Volume) -> usize {
+        let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
+        (of_samples / 4).max(self.least_bytes)
+    }
+
+    /// Whether a list of so many voxels may be retained.
+    fn has_room(self, volume: &Volume, n_voxels: u64) -> bool {
+        n_voxels * size_of::<VoxelRecord>() as u64 <= self.bytes(volume) as u64
+    }
+}
 
 impl Relevant {
     /// The voxels of a layer that are visible by these rules. The bricks of a new volume are looked through.
@@ -66,13 +89,19 @@ impl Relevant {
         layer: &LayerPlan<'a>,
         ranges: &'a [IsoRange],
         rules: &VoxelRules<'a>,
+        budget: Budget,
         frame: &FrameHandle,
     ) -> Result<RelevantVoxels<'a>, StageError> {
         let of_volume = self.of_volume(layer.volume, frame)?;
-        if let Some(cells) = &layer.coarser {
+        let takes_bricks = matches!(layer.splats, Splats::Colors(ColorSplats::Sections(_)));
+        let of_list = (layer.volume.as_ref(), ranges, rules);
+        let is_on_demand = takes_bricks
+            && (layer.coarser.is_some() || !of_volume.has_room_for_list(of_list, budget, frame)?);
+        if is_on_demand {
             // Of all levels it is the same.
-            let by = (rules, cells.limits.by_mean_normals as f32);
-            let on_demand = of_volume.on_demand(layer.volume, ranges, by, frame)?;
+            let by_mean_normals = layer.coarser.as_ref().map(|cells| cells.limits.by_mean_normals);
+            let moments_from = by_mean_normals.unwrap_or(f64::INFINITY) as f32;
+            let on_demand = of_volume.on_demand(of_list, moments_from, budget, frame)?;
             return Ok(RelevantVoxels::OnDemand(on_demand));
         }
         of_volume.listed(layer.volume, ranges, rules, frame).map(RelevantVoxels::Listed)
@@ -87,6 +116,7 @@ impl Relevant {
             Ok(OfVolume {
                 brick_ranges: BrickRanges::for_frame(volume, frame)?,
                 rules: None,
+                n_voxels: Cached::default(),
                 list: RelevantList::default(),
                 on_demand: Cached::default(),
             })
@@ -124,24 +154,56 @@ impl OfVolume {
         Ok(&self.list)
     }
 
+    /// Whether all relevant voxels may be listed. Of a small volume all may be, whichever they are.
+    fn has_room_for_list<'a>(
+        &mut self,
+        of_list: (&'a Volume, &'a [IsoRange], &VoxelRules<'a>),
+        budget: Budget,
+        frame: &FrameHandle,
+    ) -> Result<bool, Cancelled> {
+        let (volume, ..) = of_list;
+        let has_room = |n_voxels: u64| budget.has_room(volume, n_voxels);
+        if has_room(volume.grid().n_voxels() as u64) {
+            return Ok(true);
+        }
+        self.n_voxels(of_list, frame).map(has_room)
+    }
+
+    fn n_voxels<'a>(
+        &mut self,
+        (volume, ranges, rules): (&'a Volume, &'a [IsoRange], &VoxelRules<'a>),
+        frame: &FrameHandle,
+    ) -> Result<u64, Cancelled> {
+        let Self { n_voxels, brick_ranges, .. } = self;
+        let lister = lister(volume, brick_ranges, ranges, rules);
+        let listed_by = (OwnVoxelRules::new(rules), ranges.to_vec());
+        n_voxels.try_made_of(listed_by, |_| lister.count_all(frame)).copied()
+    }
+
     fn on_demand<'a>(
         &'a mut self,
-        volume: &'a Volume,
-        ranges: &'a [IsoRange],
-        (rules, moments_from): (&VoxelRules<'a>, f32),
+        of_list: (&'a Volume, &'a [IsoRange], &VoxelRules<'a>),
+        moments_from: f32,
+        budget: Budget,
         frame: &FrameHandle,
     ) -> Result<OnDemand<'a>, Cancelled> {
+        let n_voxels = self.n_voxels(of_list, frame)?;
+        let (volume, ranges, rules) = of_list;
         (self.rules, self.list) = (None, RelevantList::default());
-        let decide = (!rules.are_by_value()).then_some(rules);
-        let lister = BrickLister::new(volume, &self.brick_ranges, ranges, decide);
-        let made_by = (OwnVoxelRules::new(rules), ranges.to_vec(), moments_from);
-        let bricks = self.on_demand.try_made_of(made_by, |_| {
-            let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
-            let budget = (of_samples / BUDGET_SHARE).max(LEAST_BUDGET_BYTES);
-            let n_voxels = lister.count_all(frame)?;
-            Ok(BricksOnDemand::new(volume.grid(), n_voxels, budget))
-        })?;
+        let made_by = ((OwnVoxelRules::new(rules), ranges.to_vec()), moments_from);
+        let new = |_: &_| BricksOnDemand::new(volume.grid(), n_voxels, budget.bytes(volume));
+        let bricks = self.on_demand.made_of(made_by, new);
         bricks.start_frame();
+        let lister = lister(volume, &self.brick_ranges, ranges, rules);
         Ok(OnDemand { bricks, lister, moments_from })
     }
+}
+
+fn lister<'a>(
+    volume: &'a Volume,
+    brick_ranges: &'a BrickRanges,
+    ranges: &'a [IsoRange],
+    rules: &VoxelRules<'a>,
+) -> BrickLister<'a> {
+    BrickLister::new(volume, brick_ranges, ranges, (!rules.are_by_value()).then_some(rules))
 }

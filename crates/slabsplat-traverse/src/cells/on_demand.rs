@@ -52,6 +52,8 @@ pub struct BrickRoom {
     colors: Vec<[f32; 4]>,
     sums: CellSums,
     moments: MomentSums,
+    /// Bricks of voxels whose moments are not among these.
+    without_moments: Vec<u32>,
     /// What the budget has no room for.
     unretained: Option<CellBrick>,
 }
@@ -170,68 +172,68 @@ impl BricksOnDemand {
         room.unretained.insert(brick)
     }
 
+    /// A cell lies in one brick of voxels. Whether moments are needed is known once all sums are; they are
+    /// made beside these wherever a voxel is so opaque that a cell may be, and later of the others.
     fn made(
         &self,
         maker: BrickMaker<'_>,
         level: u32,
         brick_idx: u32,
-        BrickRoom { records, colors, sums, moments, .. }: &mut BrickRoom,
+        BrickRoom { records, colors, sums, moments, without_moments, .. }: &mut BrickRoom,
     ) -> CellBrick {
         let mut n_voxels = 0;
         sums.clear();
-        self.for_each_child(
-            maker,
-            level,
-            brick_idx,
-            (records, colors),
-            |first, records, colors| {
-                sums.add(level, first, records, colors);
-                n_voxels += records.len() as u32;
-            },
-        );
+        moments.clear();
+        without_moments.clear();
+        let children = within(self.grid(level), self.grid(0), brick_idx, level);
+        self.for_each(maker, children, (records, colors), |child, records, colors| {
+            let first = self.first_cell(level, brick_idx, child);
+            sums.add(level, first, records, colors);
+            n_voxels += records.len() as u32;
+            if colors.iter().any(|[.., mu]| maker.moments_from < *mu) {
+                moments.add(level, first, records, colors);
+            } else {
+                without_moments.push(child);
+            }
+        });
         let brick = CellBrick::new(sums, level, n_voxels);
         if brick.largest_of_voxels() <= maker.moments_from {
             return brick;
         }
-        moments.clear();
-        self.for_each_child(
-            maker,
-            level,
-            brick_idx,
-            (records, colors),
-            |first, records, colors| {
-                moments.add(level, first, records, colors);
-            },
-        );
+        let others = without_moments.drain(..);
+        self.for_each(maker, others, (records, colors), |child, records, colors| {
+            moments.add(level, self.first_cell(level, brick_idx, child), records, colors);
+        });
         brick.with_moments(sums, moments)
     }
 
-    /// Calls `with` for each brick of voxels in a brick of cells: where its first cell is, its voxels, and
-    /// these classified. If the frame is cancelled it does not go on.
-    fn for_each_child(
+    /// Where the first cell of a brick of voxels is in a brick of cells.
+    fn first_cell(&self, level: u32, brick_idx: u32, child: u32) -> [usize; 3] {
+        let first = self.grid(level).coords(brick_idx).map(|at| at << level);
+        let at = self.grid(0).coords(child);
+        [0, 1, 2].map(|axis| (at[axis] - first[axis]) * (BRICK_SIDE >> level))
+    }
+
+    /// Calls `with` for each of some bricks of voxels that holds any: its voxels, and these classified. If
+    /// the frame is cancelled it does not go on.
+    fn for_each(
         &self,
         BrickMaker { lister, lighting, frame, .. }: BrickMaker<'_>,
-        level: u32,
-        brick_idx: u32,
+        bricks: impl Iterator<Item = u32>,
         (records, colors): (&mut Vec<VoxelRecord>, &mut Vec<[f32; 4]>),
-        mut with: impl FnMut([usize; 3], &[VoxelRecord], &[[f32; 4]]),
+        mut with: impl FnMut(u32, &[VoxelRecord], &[[f32; 4]]),
     ) {
-        let (cell_bricks, voxel_bricks) = (self.grid(level), self.grid(0));
-        let first = cell_bricks.coords(brick_idx).map(|at| at << level);
-        let cells_along = BRICK_SIDE >> level;
-        for child in within(cell_bricks, voxel_bricks, brick_idx, level) {
+        for brick_idx in bricks {
             if frame.is_cancelled() {
                 break;
             }
             records.clear();
-            lister.list(child, records);
+            lister.list(brick_idx, records);
             if !records.is_empty() {
                 colors.resize(records.len(), [0.0; 4]);
-                let brick = Brick { brick_idx: child, first: 0, n_voxels: records.len() as u16 };
+                let brick = Brick { brick_idx, first: 0, n_voxels: records.len() as u16 };
                 lighting.classify_brick(&brick, records, colors);
-                let at = voxel_bricks.coords(child);
-                let first_cell = [0, 1, 2].map(|axis| (at[axis] - first[axis]) * cells_along);
-                with(first_cell, records, colors);
+                with(brick_idx, records, colors);
             }
         }
     }

@@ -23,14 +23,13 @@ type Sum = [f32; 8];
 #[derive(Clone, Debug, Default)]
 pub(super) struct CellSums(Vec<Sum>);
 
-/// The sums of a brick's moments, once they have been cleared.
+/// The sums of a brick's moments; while there are none, as of most bricks of a haze, they are not even zeros.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MomentSums(Vec<[f32; 6]>);
 
 impl MomentSums {
     pub(super) fn clear(&mut self) {
         self.0.clear();
-        self.0.resize(N_SLOTS, [0.0; 6]);
     }
 
     /// Adds voxels as [`CellSums::add`] does.
@@ -41,6 +40,7 @@ impl MomentSums {
         records: &[VoxelRecord],
         colors: &[[f32; 4]],
     ) {
+        self.0.resize(N_SLOTS, [0.0; 6]);
         for (record, [.., mu]) in records.iter().zip(colors) {
             let sum = &mut self.0[cell_slot(record, level, first)];
             for (sum, moment) in sum.iter_mut().zip(of_normal(normal_of(record))) {
