@@ -3,19 +3,22 @@
 //! The paper sorts all voxels by value and finds an iso-range by binary search (§4). That takes 4 bytes a
 //! voxel, 4 GiB for 1024³, and lists voxels in an order in which neighbours in the list are far apart in
 //! memory. Here a brick whose values miss an iso-range is skipped, and so is one for whose values a change
-//! of ranges changes nothing; only the others are looked at. That takes 16 bytes a brick, 1/32 byte a voxel,
-//! and one pass over the volume instead of a sort.
+//! of ranges changes nothing; only the others are looked at. That takes two samples a brick, 1/256 of the
+//! volume, and one pass over it instead of a sort.
 
 use crate::order::Ordered;
 use crate::{BRICK_SIDE, BrickGrid};
 use rayon::prelude::*;
-use slabsplat_core::{Cancelled, FrameHandle, IsoRange, Scaling, Volume, with_samples};
+use slabsplat_core::{
+    Cancelled, FrameHandle, IsoRange, Sample, Samples, Scaling, Volume, with_samples,
+};
 
 /// What values every brick of a volume holds.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BrickRanges {
-    /// By number of the brick. `hi < lo` where all voxels are NaN.
-    ranges: Vec<IsoRange>,
+    /// The least and the largest sample of each brick, by its number; the other way round where all are NaN.
+    ends: Samples,
+    scaling: Scaling,
 }
 
 impl BrickRanges {
@@ -29,55 +32,51 @@ impl BrickRanges {
     /// # Errors
     /// If that is cancelled.
     pub fn for_frame(volume: &Volume, frame: &FrameHandle) -> Result<Self, Cancelled> {
-        let (bricks, scaling) = (BrickGrid::new(volume.grid()), volume.scaling());
-        let ranges = with_samples!(volume.samples(), |s| ranges(s, &bricks, scaling, frame));
+        let bricks = BrickGrid::new(volume.grid());
+        let ends = with_samples!(volume.samples(), |s| ends(s, &bricks, frame).into());
         frame.check()?;
-        Ok(Self { ranges })
+        Ok(Self { ends, scaling: volume.scaling() })
     }
 
     /// The least and the largest value in the brick; `hi < lo` if all its voxels are NaN.
     #[inline]
     pub fn of_brick(&self, brick_idx: usize) -> IsoRange {
-        self.ranges[brick_idx]
+        let [least, most] = with_samples!(&self.ends, |s| {
+            [2 * brick_idx, 2 * brick_idx + 1].map(|idx| s[idx].to_f64())
+        });
+        if most < least {
+            return IsoRange { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
+        }
+        // Scaling keeps the order, or turns it.
+        let [a, b] = [least, most].map(|sample| self.scaling.apply(sample));
+        IsoRange { lo: a.min(b), hi: a.max(b) }
     }
 
     /// How many bricks there are.
     pub fn n_bricks(&self) -> usize {
-        self.ranges.len()
+        self.ends.len() / 2
     }
 
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
-        self.ranges.capacity() * size_of::<IsoRange>()
+        self.ends.len() * self.ends.sample_type().size_bytes()
     }
 }
 
 /// A row of bricks a task: its voxels are 64 runs of memory.
-fn ranges<T: Ordered>(
-    samples: &[T],
-    bricks: &BrickGrid,
-    scaling: Scaling,
-    frame: &FrameHandle,
-) -> Vec<IsoRange> {
-    let nothing = IsoRange { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
-    let mut ranges = vec![nothing; bricks.n_bricks()];
-    ranges.par_chunks_mut(bricks.n_along()[0]).enumerate().for_each_init(
+fn ends<T: Ordered>(samples: &[T], bricks: &BrickGrid, frame: &FrameHandle) -> Vec<T> {
+    let nothing = [T::MOST, T::LEAST];
+    let mut ends = vec![nothing; bricks.n_bricks()];
+    ends.par_chunks_mut(bricks.n_along()[0]).enumerate().for_each_init(
         || Extremes::new(bricks.dims()[0]),
-        |extremes, (row, ranges)| {
-            if frame.is_cancelled() {
-                return;
-            }
-            extremes.gather(samples, bricks, row);
-            for (range, [lo, hi]) in ranges.iter_mut().zip(extremes.of_bricks()) {
-                if lo <= hi {
-                    // Scaling keeps the order, or turns it.
-                    let [a, b] = [lo, hi].map(|sample| scaling.apply(sample.to_f64()));
-                    *range = IsoRange { lo: a.min(b), hi: a.max(b) };
-                }
+        |extremes, (row, ends)| {
+            if !frame.is_cancelled() {
+                extremes.gather(samples, bricks, row);
+                ends.iter_mut().zip(extremes.of_bricks()).for_each(|(ends, found)| *ends = found);
             }
         },
     );
-    ranges
+    ends.into_flattened()
 }
 
 /// The extremes of a row of bricks, column of voxels by column. Columns first, because the minimum of
@@ -160,12 +159,11 @@ mod tests {
     }
 
     #[test]
-    fn brick_ranges_take_two_numbers_a_brick() {
+    fn brick_ranges_take_two_samples_a_brick() {
         let grid = Grid::with_spacing([17, 8, 50], [1.0; 3]).unwrap();
         let volume = Volume::new(grid, vec![1_u8; 17 * 8 * 50].into(), Scaling::IDENTITY).unwrap();
         let ranges = BrickRanges::new(&volume);
         assert_eq!(ranges.n_bricks(), 3 * 7);
-        let least = ranges.n_bricks() * size_of::<[f64; 2]>();
-        assert!((least..2 * least).contains(&ranges.resident_bytes()));
+        assert_eq!(ranges.resident_bytes(), 2 * 3 * 7);
     }
 }
