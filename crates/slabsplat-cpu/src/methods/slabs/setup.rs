@@ -136,8 +136,7 @@ impl<'a> Setup<'a> {
         });
         let with_shapes = separable.as_ref().map(|(sections, shapes)| (*sections, shapes));
         prepared.shapes.update(raster, &layer.view, &slabs.grid, with_shapes);
-        let slabs =
-            SlabView::new(slabs, raster, &prepared.shapes, stage.plan.least_unit(), at_once);
+        let slabs = SlabView::new(slabs, raster, &prepared.shapes, stage.plan, at_once);
         Ok(Self {
             frame: stage.frame,
             spans: SpanFinder::new(&slabs, splits),

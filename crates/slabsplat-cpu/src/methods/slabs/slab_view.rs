@@ -3,13 +3,17 @@
 
 use super::slab_shapes::SlabShapes;
 use crate::footprints::raster::{PixelShape, Raster};
-use slabsplat_backend::Slabs;
+use slabsplat_backend::{FramePlan, Slabs};
 use slabsplat_core::SlabGrid;
 use slabsplat_traverse::BrickBounds;
 
 /// How thick a range of slabs is, in voxel steps: some three bricks. Thinner, and most voxels would wait for
 /// another range; thicker, and more is taken in that turns out to be occluded.
 const RANGE_THICKNESS: f64 = 32.0;
+
+/// The same of volumes of more than so many voxels, of which a range takes hundreds of megabytes.
+const OF_LARGE: f64 = 16.0;
+const LARGE: usize = 1 << 27;
 
 /// Slabs, and the shapes of footprints in them.
 pub(super) struct SlabView<'a> {
@@ -30,11 +34,11 @@ impl<'a> SlabView<'a> {
         slabs: &'a Slabs,
         raster: &'a Raster,
         shapes: &'a SlabShapes,
-        unit: f64,
+        plan: &FramePlan<'_>,
         at_once: usize,
     ) -> Self {
         let Slabs { grid, first_drawn, n_before, .. } = slabs;
-        let n_per_range = (RANGE_THICKNESS * unit / grid.thickness()) as usize;
+        let n_per_range = (range_thickness(plan) / grid.thickness()) as usize;
         Self {
             grid,
             raster,
@@ -91,6 +95,13 @@ impl<'a> SlabView<'a> {
         let [near, far] = [first, last].map(|slab| self.raster.bounds(&self.shape(slab), point));
         Some(union(near, far))
     }
+}
+
+/// The same in world units.
+fn range_thickness(plan: &FramePlan<'_>) -> f64 {
+    let n_voxels = plan.layers.iter().map(|layer| layer.volume.grid().n_voxels());
+    let is_large = n_voxels.fold(0, usize::saturating_add) > LARGE;
+    plan.least_unit() * if is_large { OF_LARGE } else { RANGE_THICKNESS }
 }
 
 /// The least rectangle around two.
