@@ -45,10 +45,12 @@ pub use transfer_image::TransferImageFile;
 pub(crate) use written::text_of;
 pub use written::{scene_text, write_scene};
 
+use crate::store::Store;
 use crate::transfer::{FitError, TransferFit, TransferSource};
+use crate::volume::read_raw_from;
 use crate::{
     ContentHash, IoError, LoadedVolume, RawDesc, VolumeFormat, VolumeOptions, builtin_volume,
-    read_raw, read_transfer, read_volume_with, text,
+    read_transfer, read_volume_with, text,
 };
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
@@ -319,7 +321,8 @@ impl LayerFile {
     pub fn load_volume(&self) -> Result<LoadedVolume, IoError> {
         if let (VolumeSource::File(path), Some(raw)) = (&self.volume, &self.raw) {
             let spacing = self.spacing.unwrap_or(raw.spacing);
-            return read_raw(path, &RawDesc { spacing, ..*raw });
+            let raw = RawDesc { spacing, ..*raw };
+            return read_raw_from(Store::Disk, path, &raw, &self.options);
         }
         let loaded = self.volume.load(&self.options)?;
         match self.spacing {
