@@ -98,4 +98,5 @@ pub use plan::{
 pub use plan_error::PlanError;
 pub use planner::Planner;
 pub use polynomial_pair::PolynomialPair;
+pub use scene_checks::check_parts;
 pub use slabs::Slabs;

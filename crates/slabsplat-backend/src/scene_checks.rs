@@ -40,8 +40,11 @@ pub(crate) fn check_method(scene: &Scene, method: Method) -> Result<(), PlanErro
     Ok(())
 }
 
-/// Whether a scene is drawn in parts (model §17).
-pub(crate) fn check_parts(scene: &Scene) -> Result<(), PlanError> {
+/// That a scene is drawn in parts ([model §17](slabsplat_core::model)).
+///
+/// # Errors
+/// If it is not, which says why.
+pub fn check_parts(scene: &Scene) -> Result<(), PlanError> {
     let RenderSettings { method, mode, .. } = scene.settings;
     let what = if is_of_densities(mode) {
         format!("the mode {mode}")

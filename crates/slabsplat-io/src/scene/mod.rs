@@ -343,6 +343,11 @@ impl VolumeSource {
         match self {
             Self::File(path) => read_volume_with(path, options),
             Self::Builtin { name, size } => {
+                if options.voxels.is_some() {
+                    let what = "a built-in volume is made whole, and not box by box: slabsplat convert \
+                            saves it as .raw, .nii or .zarr";
+                    return Err(IoError::unsupported(Path::new(name), what));
+                }
                 let volume = builtin_volume(name, *size)?.into();
                 let loaded = LoadedVolume::new(volume, VolumeFormat::Builtin, Vec::new());
                 options.check(Path::new(name), &loaded.choices)?;

@@ -51,7 +51,9 @@ impl Input<'_> {
 
 /// That a file is only read whole.
 pub(super) fn not_in_boxes(path: &Path, why: &str) -> IoError {
-    let what = format!("{why} cannot be read box by box: convert it to raw NRRD or OME-Zarr");
+    let what = format!(
+        "{why} cannot be read box by box: slabsplat convert makes .raw, .nii or .zarr of it"
+    );
     IoError::unsupported(path, what)
 }
 
