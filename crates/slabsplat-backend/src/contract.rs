@@ -74,18 +74,26 @@ pub struct Caps {
     ///
     /// [`LayerPlan::coarser`]: crate::LayerPlan::coarser
     pub draws_cells: bool,
+    /// Whether it draws parts of a scene ([`FramePlan::part`]); if not, it refuses their plans.
+    pub draws_parts: bool,
 }
 
 impl Caps {
     /// Those of a backend that draws voxels.
     pub fn new(name: &'static str, device: impl Into<String>, methods: &'static [Method]) -> Self {
-        Self { name, device: device.into(), methods, draws_cells: false }
+        Self { name, device: device.into(), methods, draws_cells: false, draws_parts: false }
     }
 
     /// The same of one that draws cells of them, too.
     #[must_use]
     pub fn with_cells(self) -> Self {
         Self { draws_cells: true, ..self }
+    }
+
+    /// The same of one that draws parts of a scene, too.
+    #[must_use]
+    pub fn with_parts(self) -> Self {
+        Self { draws_parts: true, ..self }
     }
 }
 

@@ -45,6 +45,9 @@
 //! - **Layers.** Every backend draws several layers of colours, and regions, as far as [`FramePlan`] allows
 //!   them; how many layers, may have a limit. One that draws densities may refuse more than one layer of
 //!   them.
+//! - **Parts.** A backend that [draws parts](Caps::draws_parts) of a scene shows the same of each as it would
+//!   of the whole, so that their pictures, laid over each other, are that of the whole up to rounding, and
+//!   begins with what lies in front. The others refuse such plans, as [`BackendError::Unable`].
 //! - **Errors.** [`BackendError`] is what a caller can act on. After an error the frame is gone and the
 //!   backend can still be used, unless it is [`BackendError::DeviceLost`]. A wrong picture is never
 //!   an acceptable answer.
@@ -58,7 +61,7 @@
 //! # Reading order
 //!
 //! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
-//! `meshes`, `seen_layer`, `layer_to_plan`, `planner`; `densities`; `contract`, `conformance`.
+//! `meshes`, `seen_layer`, `layer_to_plan`, `part_support`, `planner`; `densities`; `contract`, `conformance`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
@@ -68,6 +71,7 @@ mod contract;
 mod layer_order;
 mod layer_to_plan;
 mod meshes;
+mod part_support;
 mod plan;
 mod plan_error;
 mod planner;
@@ -86,6 +90,7 @@ pub mod conformance;
 
 pub use cached::{ByIdentity, Cached};
 pub use contract::{Backend, BackendError, Caps, Frame, FrameCost, FrameStats, StageTime};
+pub use part_support::SceneInParts;
 pub use plan::{
     CellsPlan, ColorSplats, DensitySplats, FramePlan, LayerPlan, MergedSections, MeshPlan,
     MeshesPlan, SectionSplats, SeparableDensities, ShownDensities, SmoothSections, Splats,
@@ -93,4 +98,5 @@ pub use plan::{
 pub use plan_error::PlanError;
 pub use planner::Planner;
 pub use polynomial_pair::PolynomialPair;
+pub use scene_checks::check_parts;
 pub use slabs::Slabs;

@@ -2,9 +2,9 @@
 
 use crate::Slabs;
 use slabsplat_core::{
-    BlinnPhong, Compositing, Grid, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
-    PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction, TransferFunction2d,
-    View, Volume, VoxelColors,
+    BlinnPhong, Compositing, Grid, Image, ImageDesc, IsoRange, Isosurface, Labels, MeshLayer, Mode,
+    PartInView, PiecewiseLinear, RegionInView, SliceOrder, Statistic, TransferFunction,
+    TransferFunction2d, View, Volume, VoxelColors,
 };
 use slabsplat_kernel::{
     CellLimits, CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable,
@@ -32,6 +32,13 @@ pub struct FramePlan<'a> {
     pub compositing: Compositing,
     /// Opacity from which a pixel counts as saturated.
     pub opacity_cutoff: f32,
+    /// What is drawn of it, if not all: what a slab holds at a pixel, of all layers together, is multiplied
+    /// with the share of the part ([model §17](slabsplat_core::model)). Only for [`ColorSplats::Sections`],
+    /// by backends that [draw parts](crate::Caps::draws_parts).
+    pub part: Option<PartInView>,
+    /// What lies in front of all that is drawn, premultiplied and of the picture's size: the picture begins
+    /// with it. Only where there is a part.
+    pub in_front: Option<&'a Image>,
 }
 
 impl FramePlan<'_> {

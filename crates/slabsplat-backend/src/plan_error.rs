@@ -138,6 +138,14 @@ pub enum PlanError {
     /// Of two surfaces that are one, neither is in front.
     #[error("there are two isosurfaces of the value {0}: leave one out")]
     IsosurfaceTwice(f64),
+    /// What it shows of a part depends on more than what is near.
+    #[error(
+        "a volume is drawn in parts by image-aligned sheets that are composited, without meshes: not {what}"
+    )]
+    NotInParts {
+        /// The method, the mode or the meshes.
+        what: String,
+    },
     /// The frame was cancelled before its tables were made ([`Planner::plan_for_frame`]).
     ///
     /// [`Planner::plan_for_frame`]: crate::Planner::plan_for_frame

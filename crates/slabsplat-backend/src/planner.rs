@@ -3,12 +3,14 @@
 use crate::layer_order::in_one_order;
 use crate::layer_to_plan::{FrameToPlan, TablesOfLayer};
 use crate::meshes;
-use crate::scene_checks::{check_method, is_of_densities};
+use crate::scene_checks::{check_method, check_parts, is_of_densities};
 use crate::seen_layer::SeenLayer;
 use crate::slabs::{Depths, check_sections};
 use crate::work::SlabWork;
-use crate::{DensitySplats, FramePlan, PlanError};
-use slabsplat_core::{Compositing, FrameHandle, Layer, Light, Method, Mode, Scene};
+use crate::{DensitySplats, FramePlan, PlanError, SceneInParts};
+use slabsplat_core::{
+    Compositing, FrameHandle, Grid, Layer, Light, Method, Mode, Part, PartInView, Scene,
+};
 use slabsplat_kernel::{DetailLevels, ErrorBudget, Kernel, KernelError, Kernels};
 use std::sync::Arc;
 
@@ -55,6 +57,45 @@ impl Planner {
         scene: &'a Scene,
         frame: &FrameHandle,
     ) -> Result<FramePlan<'a>, PlanError> {
+        self.plan_what_is_drawn(scene, None, frame)
+    }
+
+    /// How many steps along each axis of `grid`, which is of one of the layers of `scene`, its voxels may lie
+    /// outside of a part and have a share in its picture.
+    ///
+    /// # Errors
+    /// If the settings name no kernel, or the grid cannot be seen.
+    pub fn support_of_parts(
+        &self,
+        scene: &SceneInParts<'_>,
+        grid: &Grid,
+    ) -> Result<[f64; 3], PlanError> {
+        let kernel = self.kernels.named(&scene.settings.kernel.0)?;
+        scene.support(grid, kernel.radius())
+    }
+
+    /// Plans a frame of a part of a scene, whose layers need have no voxels but those
+    /// [around it](Self::support_of_parts), on grids of their own; all are drawn as voxels, none as cells
+    /// ([model §17](slabsplat_core::model)).
+    ///
+    /// # Errors
+    /// If the scene could not be drawn, or is not drawn in parts.
+    pub fn plan_part<'a>(
+        &mut self,
+        scene: &'a Scene,
+        part: &Part,
+        frame: &FrameHandle,
+    ) -> Result<FramePlan<'a>, PlanError> {
+        check_parts(scene)?;
+        self.plan_what_is_drawn(scene, Some(part), frame)
+    }
+
+    fn plan_what_is_drawn<'a>(
+        &mut self,
+        scene: &'a Scene,
+        part: Option<&Part>,
+        frame: &FrameHandle,
+    ) -> Result<FramePlan<'a>, PlanError> {
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
         Light::check_all(&scene.lights)?;
@@ -68,10 +109,12 @@ impl Planner {
         // What densities may be off is off in each layer by itself (model §10).
         let n_sharing = if method == Method::PostClassified { 1 } else { n_layers };
         let levels = DetailLevels::new(&*kernel, ErrorBudget::new(&settings).among(n_sharing));
-        let levels = (!self.leaves_out_cells).then_some(&levels);
+        let levels = (!self.leaves_out_cells && part.is_none()).then_some(&levels);
+        let grids = layers.iter().map(|layer| layer.volume.grid());
+        let center = part.map_or_else(|| Grid::center_of_all(grids.clone()), Part::center);
         let seen = layers
             .iter()
-            .map(|layer| SeenLayer::new(layer, &layers, scene, kernel.radius(), levels));
+            .map(|layer| SeenLayer::new(layer, center, scene, kernel.radius(), levels));
         let seen = collected(n_layers, seen)?;
         let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.voxels.view));
         let meshes = meshes::in_view(scene, views)?;
@@ -81,6 +124,10 @@ impl Planner {
             image: scene.image,
             compositing: scene.settings.mode.compositing().unwrap_or(Compositing::Extinction),
             opacity_cutoff: scene.settings.opacity_cutoff as f32,
+            part: part
+                .zip(seen.first())
+                .map(|(part, seen)| PartInView::new(part, &seen.voxels.view)),
+            in_front: None,
         };
         let has_meshes = without_layers.meshes.is_some();
         let Some(unit) = least_unit(&layers) else {
@@ -93,10 +140,9 @@ impl Planner {
             Method::AxisAligned | Method::EverySample => 1.0,
         };
         if has_slabs(method) {
-            layers.iter().map(|layer| layer.volume.grid()).try_for_each(|grid| {
+            grids.clone().try_for_each(|grid| {
                 check_sections(grid, kernel.radius(), width * unit, settings.slab_width)
             })?;
-            let grids = layers.iter().map(|layer| layer.volume.grid());
             let (slab_width, n_pixels) = (settings.slab_width, scene.image.n_pixels());
             let radius = kernel.radius();
             // Of densities it would show another picture.

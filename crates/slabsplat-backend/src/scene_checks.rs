@@ -1,7 +1,7 @@
 //! Which methods and modes draw which scenes.
 
 use crate::PlanError;
-use slabsplat_core::{Isosurface, Layer, Method, Mode, Scene, VoxelColors};
+use slabsplat_core::{Isosurface, Layer, Method, Mode, RenderSettings, Scene, VoxelColors};
 
 /// Whether a mode shows densities, whatever the method.
 pub(crate) fn is_of_densities(mode: Mode) -> bool {
@@ -38,6 +38,24 @@ pub(crate) fn check_method(scene: &Scene, method: Method) -> Result<(), PlanErro
         check_isosurfaces(&scene.layers)?;
     }
     Ok(())
+}
+
+/// That a scene is drawn in parts ([model §17](slabsplat_core::model)).
+///
+/// # Errors
+/// If it is not, which says why.
+pub fn check_parts(scene: &Scene) -> Result<(), PlanError> {
+    let RenderSettings { method, mode, .. } = scene.settings;
+    let what = if is_of_densities(mode) {
+        format!("the mode {mode}")
+    } else if method != Method::ImageAligned {
+        format!("the method {method}")
+    } else if !scene.meshes.is_empty() {
+        "meshes".to_owned()
+    } else {
+        return Ok(());
+    };
+    Err(PlanError::NotInParts { what })
 }
 
 /// Whether the method can tell voxels, where these have labels or opacities of their own.

@@ -31,10 +31,11 @@ pub(crate) struct SeenCells {
 }
 
 impl<'a> SeenLayer<'a> {
-    /// A layer of a scene that has all those, with kernels of that radius, and cells if there are levels.
+    /// A layer of a scene whose depths count from `center`, with kernels of that radius, and cells if there
+    /// are levels.
     pub(crate) fn new(
         layer: &'a Layer,
-        all: &[&Layer],
+        center: DVec3,
         scene: &Scene,
         radius: f64,
         levels: Option<&DetailLevels>,
@@ -43,7 +44,6 @@ impl<'a> SeenLayer<'a> {
             phong.checked()?;
         }
         let grid = layer.volume.grid();
-        let center = Grid::center_of_all(all.iter().map(|layer| layer.volume.grid()));
         let view = View::about(center, grid, &scene.camera, &scene.image)?;
         let voxels = SeenGrid::new(0, grid, view, radius);
         let cells = levels.map_or_else(Vec::new, |levels| {

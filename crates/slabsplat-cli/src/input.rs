@@ -80,6 +80,19 @@ fn of_picture(input: &Path) -> Result<SceneFile> {
 
 /// The volumes of `file`, the first of them as the flags describe it.
 pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedVolume>> {
+    describe(file, flags)?;
+    stdin::check(file)?;
+    io::check_memory(MemoryNeed::of_layers(&file.layers))?;
+    LayerFile::load_volumes(&file.layers, |layer| {
+        if stdin::is_stdin(layer) {
+            return stdin::load(layer, layer.raw.as_ref()).map_err(of_raw);
+        }
+        layer.load_volume().map_err(|error| of_raw(error.into()))
+    })
+}
+
+/// Lays over `file` what flags say of its first volume.
+pub(crate) fn describe(file: &mut SceneFile, flags: &RawFlags) -> Result<()> {
     let desc = flags.desc()?;
     let Some(first) = file.layers.first_mut() else {
         if !flags.are_silent() {
@@ -87,7 +100,7 @@ pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedV
                 "there is no volume that --spacing, --dims, --channel and the like could describe"
             );
         }
-        return Ok(Vec::new());
+        return Ok(());
     };
     if let Some(spacing) = flags.spacing {
         first.spacing = Some(spacing.to_array());
@@ -100,14 +113,7 @@ pub(crate) fn load(file: &mut SceneFile, flags: &RawFlags) -> Result<Vec<LoadedV
     // The same one for all, since layers of one volume and the same options share it.
     let reading = progress::reading();
     file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(reading.clone()));
-    stdin::check(file)?;
-    io::check_memory(MemoryNeed::of_layers(&file.layers))?;
-    LayerFile::load_volumes(&file.layers, |layer| {
-        if stdin::is_stdin(layer) {
-            return stdin::load(layer, layer.raw.as_ref()).map_err(of_raw);
-        }
-        layer.load_volume().map_err(|error| of_raw(error.into()))
-    })
+    Ok(())
 }
 
 /// What to do if a file is missing that a picture names.

@@ -21,6 +21,7 @@ mod bench;
 mod compare;
 mod convert;
 mod demo;
+mod divided;
 mod film;
 mod info;
 mod manual;

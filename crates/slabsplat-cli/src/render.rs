@@ -1,10 +1,10 @@
 //! `slabsplat render`: one picture.
 
-use crate::flags::{OutputFlags, SceneFlags, Written};
+use crate::flags::{OutputFlags, SceneFlags, Written, values};
 use crate::plain::counted;
 use crate::progress::Progress;
 use crate::terminal::{self, Loudness};
-use crate::{advice, stats};
+use crate::{advice, divided, stats};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
@@ -26,13 +26,20 @@ pub(crate) struct RenderArgs {
     #[arg(long)]
     json: bool,
 
+    /// Draw within so much memory, however large the volumes are, box by box on the CPU: as 800MiB or 2GiB
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = "Output")]
+    memory: Option<u64>,
+
     #[command(flatten)]
     scene: SceneFlags,
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let written = args.output.written(args.scene.input(), args.json)?;
-    let done = draw(&args.scene, &written, args.stats)?;
+    let done = match args.memory {
+        Some(memory_bytes) => divided::draw(&args.scene, &written, memory_bytes)?,
+        None => draw(&args.scene, &written, args.stats)?,
+    };
     if args.json { terminal::answer(&format!("{done:#}\n")) } else { Ok(()) }
 }
 

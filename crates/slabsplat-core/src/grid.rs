@@ -1,6 +1,7 @@
 //! The regular grid of a volume and its position in the world. Does not hold samples.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use std::ops::Range;
 use thiserror::Error;
 
 /// A grid of `nx × ny × nz` voxels, placed in the world by an affine map that may rotate, scale,
@@ -11,6 +12,16 @@ use thiserror::Error;
 pub struct Grid {
     dims: [usize; 3],
     world_from_index: DAffine3,
+    cropped_of: Option<Uncropped>,
+}
+
+/// The grid that another one has some of the voxels of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Uncropped {
+    dims: [usize; 3],
+    origin: DVec3,
+    /// The first of those voxels.
+    first: [usize; 3],
 }
 
 /// Why a grid cannot be made.
@@ -67,7 +78,7 @@ impl Grid {
         if !is_invertible(m) || !is_reachable(world_from_index) {
             return Err(GridError::Singular { x: m.x_axis, y: m.y_axis, z: m.z_axis });
         }
-        Ok(Self { dims, world_from_index })
+        Ok(Self { dims, world_from_index, cropped_of: None })
     }
 
     /// An axis-parallel grid with voxel `(0, 0, 0)` at the world's origin.
@@ -86,6 +97,42 @@ impl Grid {
         let grid = Self::with_spacing(dims, spacing)?;
         let centered = DAffine3 { translation: -grid.center_in_world(), ..grid.world_from_index };
         Self::new(dims, centered)
+    }
+
+    /// The grid of some of the voxels, where they are: views round their positions as those of all.
+    ///
+    /// # Panics
+    /// If there is none, or one of them is not in the grid.
+    #[must_use]
+    pub fn cropped(&self, voxels: &[Range<usize>; 3]) -> Self {
+        for (range, n) in voxels.iter().zip(self.dims) {
+            assert!(range.start < range.end && range.end <= n, "{range:?} of {n} voxels");
+        }
+        let (whole, mut first) = (self.uncropped(), self.first_voxel());
+        first.iter_mut().zip(voxels).for_each(|(first, range)| *first += range.start);
+        let at =
+            whole.world_from_index.transform_point3(DVec3::from_array(first.map(|c| c as f64)));
+        let origin = whole.world_from_index.translation;
+        Self {
+            dims: voxels.each_ref().map(Range::len),
+            world_from_index: DAffine3 { translation: at, ..self.world_from_index },
+            cropped_of: Some(Uncropped { dims: whole.dims, origin, first }),
+        }
+    }
+
+    /// The grid that this one was cropped of, or itself.
+    #[must_use]
+    pub fn uncropped(&self) -> Self {
+        self.cropped_of.map_or(*self, |Uncropped { dims, origin, .. }| Self {
+            dims,
+            world_from_index: DAffine3 { translation: origin, ..self.world_from_index },
+            cropped_of: None,
+        })
+    }
+
+    /// The index of the first voxel in the grid that this one was cropped of.
+    pub fn first_voxel(&self) -> [usize; 3] {
+        self.cropped_of.map_or([0; 3], |whole| whole.first)
     }
 
     /// The grid of cells that each hold `2^level` voxels along every axis, those at the ends perhaps fewer: a

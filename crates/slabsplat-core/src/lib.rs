@@ -19,8 +19,8 @@
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
 //! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `easing`,
 //! `turn_axis`, `settings`;
-//! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
-//! `slabs`, `slices`;
+//! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `part`,
+//! `part_tree`, `slabs`, `slices`;
 //! `image`, `image_difference`; `finish`, `ticks`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.
@@ -70,6 +70,8 @@ mod region;
 mod scene;
 mod voxel_colors;
 
+mod part;
+mod part_tree;
 mod region_in_view;
 mod slabs;
 mod slices;
@@ -108,6 +110,8 @@ pub use layer::Layer;
 pub use light::{Light, LightDirection, LightError, LightInView, LightSource};
 pub use mesh::{DroppedElements, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
+pub use part::{Part, PartInView};
+pub use part_tree::{PartBox, PartTree};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};

@@ -90,6 +90,12 @@ impl Plane {
         self.distance
     }
 
+    /// The same plane seen from its other side, bit by bit.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { normal: -self.normal, distance: -self.distance }
+    }
+
     /// How far a point lies before the plane, in world units; negative behind it.
     pub fn before(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.distance

@@ -1,6 +1,6 @@
 //! A region as a camera sees it: where rays enter and leave it (model §11).
 
-use crate::{Region, View};
+use crate::{Plane, Region, View};
 use glam::DVec3;
 
 /// A region in view space.
@@ -41,17 +41,8 @@ impl RegionInView {
 
     /// The region as `view` sees it.
     pub fn new(region: &Region, view: &View) -> Self {
-        let axes = view.axes();
-        let origin = view.origin_in_world();
-        let seen = |plane: &crate::Plane| {
-            let normal = plane.normal();
-            let along = |axis: DVec3| normal.dot(axis);
-            PlaneInView {
-                normal: DVec3::new(along(axes.right), along(axes.up), along(axes.forward)),
-                distance: -plane.before(origin),
-            }
-        };
-        Self { planes: region.planes().iter().map(seen).collect(), in_world: region.clone() }
+        let planes = region.planes().iter().map(|plane| PlaneInView::new(plane, view)).collect();
+        Self { planes, in_world: region.clone() }
     }
 
     /// What was seen.
@@ -103,9 +94,8 @@ impl RegionInView {
     #[inline]
     pub fn interval(&self, ray: &ViewRay) -> [f64; 2] {
         let [mut first, mut last] = [f64::NEG_INFINITY, f64::INFINITY];
-        for PlaneInView { normal, distance } in &self.planes {
-            // approach·z ≤ left
-            let (approach, left) = (normal.dot(ray.step), distance - normal.dot(ray.start));
+        for plane in &self.planes {
+            let (approach, left) = plane.approached_by(ray);
             if 0.0 < approach {
                 last = last.min(left / approach);
             } else if approach < 0.0 {
@@ -125,23 +115,61 @@ impl RegionInView {
         half_extents: DVec3,
         reach: impl Fn(DVec3) -> f64,
     ) -> bool {
-        let distance = |plane: &PlaneInView| plane.normal.dot(center) - plane.distance;
-        let extent =
-            |plane: &PlaneInView| plane.normal.abs().dot(half_extents) + reach(plane.normal);
         if self.is_inverted() {
-            self.planes.iter().all(|plane| distance(plane) < -extent(plane))
+            let extent = |plane: &PlaneInView| plane.extent(half_extents, &reach);
+            self.planes.iter().all(|plane| plane.before(center) < -extent(plane))
         } else {
-            self.planes.iter().any(|plane| extent(plane) < distance(plane))
+            is_beyond_any(self.planes.iter(), center, half_extents, reach)
         }
     }
 }
 
-const NEVER: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+impl PlaneInView {
+    /// A plane of the world as `view` sees it.
+    pub(crate) fn new(plane: &Plane, view: &View) -> Self {
+        let axes = view.axes();
+        let normal = plane.normal();
+        let along = |axis: DVec3| normal.dot(axis);
+        Self {
+            normal: DVec3::new(along(axes.right), along(axes.up), along(axes.forward)),
+            distance: -plane.before(view.origin_in_world()),
+        }
+    }
+
+    /// `(a, l)`: at depths `z` of a ray with `a·z ≤ l` it is behind the plane.
+    #[inline]
+    pub(crate) fn approached_by(&self, ray: &ViewRay) -> (f64, f64) {
+        (self.normal.dot(ray.step), self.distance - self.normal.dot(ray.start))
+    }
+
+    /// How far a point lies before it, in world units.
+    fn before(&self, point: DVec3) -> f64 {
+        self.normal.dot(point) - self.distance
+    }
+
+    /// How far a box and what a ball around each of its points adds reach along the normal.
+    fn extent(&self, half_extents: DVec3, reach: impl Fn(DVec3) -> f64) -> f64 {
+        self.normal.abs().dot(half_extents) + reach(self.normal)
+    }
+}
+
+/// Whether a box, and a ball around each of its points, lie before any of these planes.
+pub(crate) fn is_beyond_any<'a>(
+    mut planes: impl Iterator<Item = &'a PlaneInView>,
+    center: DVec3,
+    half_extents: DVec3,
+    reach: impl Fn(DVec3) -> f64,
+) -> bool {
+    planes.any(|plane| plane.extent(half_extents, &reach) < plane.before(center))
+}
+
+/// Of rays that never meet a set.
+pub(crate) const NEVER: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Camera, Grid, ImageDesc, Plane, Projection};
+    use crate::{Camera, Grid, ImageDesc, Projection};
 
     fn view(projection: Projection) -> View {
         let grid = Grid::with_spacing([5; 3], [1.0; 3]).unwrap();

@@ -107,6 +107,18 @@ impl Samples {
         self.len() == 0
     }
 
+    /// Adds others of the same type behind these.
+    ///
+    /// # Panics
+    /// If they are of another type.
+    pub fn append(&mut self, others: &Self) {
+        assert_eq!(self.sample_type(), others.sample_type(), "samples of one volume have one type");
+        fn append<T: Sample>(samples: &mut Vec<T>, others: &Samples) {
+            with_samples!(others, |s| samples.extend_from_slice(bytemuck::cast_slice(s)));
+        }
+        with_samples!(self, |s| append(s, others));
+    }
+
     /// The type of the samples.
     pub fn sample_type(&self) -> SampleType {
         fn type_of<T: Sample>(_: &[T]) -> SampleType {
@@ -148,6 +160,13 @@ mod tests {
             assert!(t.name().ends_with(&(8 * t.size_bytes()).to_string()));
         }
         assert!("complex64".parse::<SampleType>().is_err());
+    }
+
+    #[test]
+    fn samples_are_appended() {
+        let mut samples = Samples::from(vec![1_i16, -2]);
+        samples.append(&vec![3_i16].into());
+        assert_eq!(samples, vec![1_i16, -2, 3].into());
     }
 
     #[test]

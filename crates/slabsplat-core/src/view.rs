@@ -106,14 +106,21 @@ impl View {
     pub fn from_index(&self, grid: &Grid) -> ViewFromIndex {
         let ViewAxes { right, up, forward } = self.axes;
         let view_from_world = DMat3::from_cols(right, up, forward).transpose();
-        let center_in_index = grid.center_in_index();
-        let center_in_view = view_from_world * (grid.center_in_world() - self.eye);
-        let center_depth = (grid.center_in_world() - self.center).dot(forward);
+        let whole = grid.uncropped();
+        let first = DVec3::from_array(grid.first_voxel().map(|c| c as f64));
+        let center_in_index = whole.center_in_index() - first;
+        let center_in_view = view_from_world * (whole.center_in_world() - self.eye);
+        let center_depth = (whole.center_in_world() - self.center).dot(forward);
         ViewFromIndex {
             matrix: view_from_world * grid.world_from_index().matrix3,
             center_in_index,
             center_in_view: center_in_view.with_z(center_depth),
         }
+    }
+
+    /// The depth of the eye from the centre.
+    pub fn eye_depth(&self) -> f64 {
+        -self.center_depth
     }
 
     /// Least depth at which anything of the grid is drawn, from the centre: the eye's plane in an
@@ -215,15 +222,16 @@ impl View {
     }
 }
 
-/// Takes index space to view space; exact for voxels near the grid's centre.
+/// Takes index space to view space; exact for voxels near the centre of the grid, or of the one that it was
+/// cropped of, so that voxels of both have one position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(clippy::exhaustive_structs, reason = "it is an affine map")]
 pub struct ViewFromIndex {
     /// Takes steps in index space to steps in view space.
     pub matrix: DMat3,
-    /// The grid's centre in index space.
+    /// That centre in index space.
     pub center_in_index: DVec3,
-    /// The grid's centre in view space.
+    /// And in view space.
     pub center_in_view: DVec3,
 }
 
@@ -236,10 +244,9 @@ impl ViewFromIndex {
 
     /// The least and the largest depth of any voxel of `grid`.
     pub fn depth_range(&self, grid: &Grid) -> [f64; 2] {
-        let half = self.center_in_index.abs();
+        let half = grid.center_in_index();
         let depth_per_step = self.matrix.row(2).abs();
-        debug_assert_eq!(half, grid.center_in_index(), "the view belongs to another grid");
-        let (middle, reach) = (self.center_in_view.z, depth_per_step.dot(half));
+        let (middle, reach) = (self.transform(half).z, depth_per_step.dot(half));
         [middle - reach, middle + reach]
     }
 }

@@ -4,6 +4,7 @@
 use crate::GridError;
 use crate::{Grid, Sample, SampleType, Samples, with_samples};
 use std::fmt;
+use std::ops::Range;
 use thiserror::Error;
 
 /// Turns a stored sample into the value that it stands for: `value = slope · sample + intercept`.
@@ -188,6 +189,23 @@ impl Volume {
         Self::new(grid, self.samples, self.scaling)
     }
 
+    /// Some of the voxels, where they are.
+    ///
+    /// # Panics
+    /// If there is none, or one of them is not in the grid.
+    #[must_use]
+    pub fn cropped(&self, voxels: &[Range<usize>; 3]) -> Self {
+        let grid = self.grid.cropped(voxels);
+        let [x, y, z] = voxels.clone();
+        let rows = z.flat_map(|k| y.clone().map(move |j| [x.start, j, k]));
+        let starts = rows.map(|first| self.grid.voxel_idx(first));
+        let samples = with_samples!(&self.samples, |s| {
+            let rows = starts.flat_map(|start| &s[start..start + x.len()]);
+            rows.copied().collect::<Vec<_>>().into()
+        });
+        Self { grid, samples, scaling: self.scaling }
+    }
+
     /// Range of the values, and how many voxels have none that is finite.
     pub fn summary(&self) -> Summary {
         let mut summary = with_samples!(&self.samples, |s| summary_of(s));
@@ -262,6 +280,21 @@ mod tests {
             assert_eq!(volume.value(grid.voxel_idx([1, 2, 3])), 123.0);
             assert_eq!(volume.value(grid.voxel_idx([1, 0, 2])), 102.0);
         }
+    }
+
+    #[test]
+    fn volume_is_cropped_in_place() {
+        let grid = Grid::with_spacing([4, 3, 5], [1.0, 2.0, 0.5]).unwrap();
+        let volume = Volume::from_fn(grid, |[i, j, k]| (100 * i + 10 * j + k) as u16);
+        let cropped = volume.cropped(&[1..3, 2..3, 0..4]);
+        let of = cropped.grid();
+        assert_eq!((of.dims(), of.spacing()), ([2, 1, 4], grid.spacing()));
+        for voxel_idx in 0..of.n_voxels() {
+            let [i, j, k] = of.voxel_coords(voxel_idx);
+            assert_eq!(cropped.value(voxel_idx), (100 * (i + 1) + 10 * (j + 2) + k) as f64);
+        }
+        let first = of.world_from_index().translation;
+        assert_eq!(first, glam::DVec3::new(1.0, 4.0, 0.0));
     }
 
     #[test]

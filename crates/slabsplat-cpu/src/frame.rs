@@ -74,6 +74,9 @@ pub(crate) fn render(
     let new_tiles = |_: &_| Tiles::new(image_size, border, frame);
     let tiles = tiles.try_made_of((image_size, border), new_tiles)?;
     tiles.clear(frame);
+    if let Some(in_front) = plan.in_front {
+        tiles.begin_with(in_front, plan.opacity_cutoff);
+    }
     meshes::render(plan.meshes.as_ref(), tiles, meshes, &mut watch)?;
     let Drawn { n_voxels, n_occluded } = of_methods.draw(plan, level, tiles, &mut watch)?;
     tiles.end_rays_before(f32::INFINITY, plan.opacity_cutoff);

@@ -78,7 +78,8 @@ impl CpuBackend {
                 format!("{} CPU threads", rayon::current_num_threads()),
                 Method::ALL,
             )
-            .with_cells(),
+            .with_cells()
+            .with_parts(),
             level: Level::new(),
             buffers: frame::Buffers::default(),
             done: Vec::new(),

@@ -297,6 +297,9 @@ fn max_visits(kind: DeviceKind) -> u32 {
 
 /// Why there are no shaders for a plan.
 fn check_layers(plan: &FramePlan<'_>) -> Result<(), String> {
+    if plan.part.is_some() {
+        return Err("it draws no parts of a scene: the CPU does".to_owned());
+    }
     let n_layers = plan.layers.len();
     let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
     if MOST_DENSITY_LAYERS < n_layers && plan.layers.iter().any(is_of_densities) {

@@ -35,7 +35,7 @@ fn nearest_depth(plan: &LayerPlan<'_>) -> f64 {
     let corners =
         corners.into_iter().chain([DVec3::new(1.0, -1.0, 1.0), DVec3::new(1.0, 1.0, -1.0)]);
     let half_diagonal =
-        corners.map(|sides| (from_index.matrix * (sides * from_index.center_in_index)).length());
+        corners.map(|sides| (from_index.matrix * (sides * grid.center_in_index())).length());
     let radius = half_diagonal.fold(0.0, f64::max);
-    (from_index.center_in_view.z - radius - deepest).max(plan.view.near_depth())
+    (from_index.transform(grid.center_in_index()).z - radius - deepest).max(plan.view.near_depth())
 }

@@ -25,7 +25,7 @@ impl DepthSort {
         // Along each axis of the view, what half a voxel step adds.
         let half_steps =
             [0, 1, 2].map(|axis| from_index.matrix.row(axis) * (0.5 * steps_per_world));
-        let half_dims = from_index.center_in_index * 2.0;
+        let half_dims = grid.center_in_index() * 2.0;
         let reach = half_steps.map(|m| m.abs().dot(half_dims)).into_iter().fold(1.0, f64::max);
         let n_bits = (reach + 1.0).log2().ceil() as i32 + 1;
         let fraction_bits = (MAX_BITS - n_bits).clamp(1, 24);

@@ -79,7 +79,8 @@ impl FilesInMemory<'_> {
         path: impl AsRef<Path>,
         desc: &RawDesc,
     ) -> Result<LoadedVolume, IoError> {
-        volume::read_raw_from(Store::Memory(self), path.as_ref(), desc, None)
+        let options = VolumeOptions::default();
+        volume::read_raw_from(Store::Memory(self), path.as_ref(), desc, &options)
     }
 
     /// As [`read_mesh`](crate::read_mesh).

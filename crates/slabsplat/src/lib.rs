@@ -69,7 +69,7 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`; `popping`, `comparison`; [`paper`].
+//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`, `divided`; `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
@@ -87,6 +87,8 @@ mod render_thread;
 mod texture_renderer;
 
 mod automatic;
+#[cfg(feature = "files")]
+mod divided;
 mod framing;
 mod otsu;
 #[cfg(feature = "files")]
@@ -110,6 +112,8 @@ pub use comparison::{
 };
 #[cfg(feature = "annotations")]
 pub use comparison::{Pane, Sheet, SheetDesc};
+#[cfg(feature = "files")]
+pub use divided::{DividedError, DividedScene, NoRoom};
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;

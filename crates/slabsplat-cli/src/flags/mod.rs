@@ -29,11 +29,12 @@ pub(crate) use transfer::TransferFlags;
 
 use crate::input;
 use crate::progress::Progress;
+use crate::stdin;
 use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use slabsplat::io::{MeshFile, SceneFile};
-use slabsplat::{Aim, Camera, NoBackend, OpenError, OpenScene, Renderer, Scene};
+use slabsplat::{Aim, Camera, DividedScene, NoBackend, OpenError, OpenScene, Renderer, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
@@ -117,18 +118,44 @@ impl SceneFlags {
         let aim = self.how.camera.aim()?;
         let n_own = file.layers.len();
         self.in_scene(|| {
-            for path in &self.how.layers {
-                let other = input::scene_file(path)?;
-                file.layers.extend(other.layers);
-                file.meshes.extend(other.meshes);
-            }
-            file.meshes.extend(self.how.meshes.iter().map(MeshFile::new));
-            self.how.look.thicken(&mut file.meshes)?;
+            self.add_others(&mut file)?;
             let loaded = input::load(&mut file, &self.how.raw)?;
             loaded[..n_own].iter().try_for_each(|volume| self.how.look.check_against(volume))?;
             let mut opened = OpenScene::unframed(loaded, &file)?;
             frame(&mut opened, &file, &aim)?;
             Ok(opened)
+        })
+    }
+
+    /// Adds what other files show in the same picture.
+    fn add_others(&self, file: &mut SceneFile) -> Result<()> {
+        for path in &self.how.layers {
+            let other = input::scene_file(path)?;
+            file.layers.extend(other.layers);
+            file.meshes.extend(other.meshes);
+        }
+        file.meshes.extend(self.how.meshes.iter().map(MeshFile::new));
+        self.how.look.thicken(&mut file.meshes)
+    }
+
+    /// The scene for so many bytes of memory, of which no volume is read whole. What cannot be made of it
+    /// fails by `check` before.
+    pub(crate) fn divided(&self, check: Check<'_>, memory_bytes: u64) -> Result<DividedScene> {
+        let mut file = self.file()?;
+        check(&file)?;
+        let aim = self.how.camera.aim()?;
+        self.in_scene(|| {
+            self.add_others(&mut file)?;
+            input::describe(&mut file, &self.how.raw)?;
+            if file.layers.iter().any(stdin::is_stdin) {
+                bail!(
+                    "a volume on standard input is in memory whole: save it, or leave out --memory"
+                );
+            }
+            let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &aim);
+            let divided = DividedScene::open_framed(&file, memory_bytes, frame)?;
+            terminal::warn_all(&divided.opened().warnings);
+            Ok(divided)
         })
     }
 

@@ -50,6 +50,24 @@ pub(crate) fn spacing(text: &str) -> Result<DVec3, String> {
     Err("a spacing is three positive numbers".to_owned())
 }
 
+/// Bytes, as `800MiB` or `2GiB`.
+pub(crate) fn bytes(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, u64); 6] = [
+        ("KiB", 1 << 10),
+        ("MiB", 1 << 20),
+        ("GiB", 1 << 30),
+        ("TiB", 1 << 40),
+        ("MB", 1_000_000),
+        ("GB", 1_000_000_000),
+    ];
+    let parsed = UNITS.iter().find_map(|(unit, size)| {
+        let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
+        let bytes = number * *size as f64;
+        (1.0 <= bytes && bytes < 2_f64.powi(63)).then_some(bytes as u64)
+    });
+    parsed.ok_or_else(|| "memory is a number of MiB or GiB, as 800MiB or 2GiB".to_owned())
+}
+
 /// How thick something is, in world units.
 pub(crate) fn width(text: &str) -> Result<f64, String> {
     let width = text.parse().ok().filter(|width| 0.0 < *width && *width < f64::INFINITY);
@@ -166,6 +184,18 @@ pub(crate) fn sample_type(text: &str) -> Result<SampleType, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bytes_have_units() {
+        for (text, expected) in
+            [("1KiB", 1024), ("1.5 MiB", 3 << 19), ("2GiB", 2 << 30), ("3GB", 3_000_000_000)]
+        {
+            assert_eq!(bytes(text), Ok(expected), "{text}");
+        }
+        for text in ["2", "GiB", "-1GiB", "0MiB", "nanGiB", "1e300GiB", "2gib"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn values_parse() {

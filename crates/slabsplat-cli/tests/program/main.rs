@@ -14,6 +14,7 @@ mod gallery;
 mod help;
 mod info;
 mod manual;
+mod memory;
 mod pictures;
 mod popping;
 mod render;

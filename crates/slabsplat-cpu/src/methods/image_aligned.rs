@@ -165,7 +165,11 @@ impl Sheets for Composited<'_> {
 
     #[inline(always)]
     fn needed(&self, SlabOnTile { slab, regions }: SlabOnTile<'_>, layer: usize) -> Blocks {
-        regions.of(layer).map_or(Blocks::ALL, |region| region.showing(self.faces(slab)))
+        let faces = self.faces(slab);
+        if !regions.part_shows(faces) {
+            return Blocks::NONE;
+        }
+        regions.of(layer).map_or(Blocks::ALL, |region| region.showing(faces))
     }
 
     /// Those of one region are cut together.
@@ -201,6 +205,9 @@ impl Sheets for Composited<'_> {
         (): &mut (),
     ) {
         let sheet = if regions.is_only() { of_layer } else { joined };
+        if let Some(part) = regions.part() {
+            part.cut(sheet, self.faces(slab));
+        }
         let (compositing, cutoff) = (self.compositing, self.cutoff);
         tile.end_rays_in(SlabToEndIn { compositing, faces: self.faces(slab), cutoff }, sheet);
         tile.put_behind(simd, compositing, sheet, cutoff);

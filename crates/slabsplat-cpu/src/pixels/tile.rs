@@ -7,7 +7,7 @@ use super::rectangle::{PixelBox, TILE_SIDE};
 use super::sheet::{Pixels, Sheet};
 use super::surfaces::Surfaces;
 use fearless_simd::Simd;
-use slabsplat_core::{Compositing, over};
+use slabsplat_core::{Compositing, Image, over};
 use std::ops::Range;
 
 const _: () = assert!(BLOCK_SIDE == QUAD, "a block is a quad wide");
@@ -87,6 +87,20 @@ impl Tile {
         let end = [columns.end, rows.end].map(|end| end as u8);
         self.open = Blocks::meeting(&PixelBox { min, end });
         self.needed = self.needed_for(self.open);
+    }
+
+    /// Puts what is in front of all into an empty tile, and closes what is saturated by that.
+    pub(crate) fn begin_with(&mut self, in_front: &Image, cutoff: f32) {
+        let [left, top] = self.origin;
+        let [columns, rows] = self.inside.clone();
+        let width = in_front.width() as usize;
+        for (row, image_row) in rows.zip(top..) {
+            for (column, image_column) in columns.clone().zip(left..) {
+                let pixel = in_front.pixels()[image_row * width + image_column];
+                self.pixels[row][column / QUAD].set_pixel(column % QUAD, pixel);
+            }
+        }
+        self.close_saturated_blocks(cutoff);
     }
 
     /// The blocks whose sums are needed while those are open.

@@ -7,12 +7,14 @@
 //! Most slabs lie wholly within a region or wholly without, at all pixels of a tile or at all of a block:
 //! that is decided by the least and the greatest depths there, and only the others are looked at pixel by
 //! pixel.
+//!
+//! Where they are in a part of the world that is drawn alone (model §17) is the same.
 
 use super::blocks::{BLOCK_SIDE, BLOCKS_ACROSS, Blocks};
 use super::quad::{QUAD, Quad};
 use super::rectangle::TILE_SIDE;
 use super::sheet::Sheet;
-use slabsplat_core::{RegionInView, View};
+use slabsplat_core::{PartInView, RegionInView, View, ViewRay};
 
 /// A depth for each pixel.
 type Depths = [[f32; TILE_SIDE]; TILE_SIDE];
@@ -29,6 +31,29 @@ pub(crate) struct TileRegion {
     is_inverted: bool,
     /// Whether a slab has a part in a region; if not, it is in it or not by its middle.
     splits_slabs: bool,
+}
+
+/// What has one interval of each ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ConvexSet<'a> {
+    Region(&'a RegionInView),
+    Part(&'a PartInView),
+}
+
+impl ConvexSet<'_> {
+    fn is_inverted(&self) -> bool {
+        match self {
+            Self::Region(region) => region.is_inverted(),
+            Self::Part(_) => false,
+        }
+    }
+
+    fn interval(&self, ray: &ViewRay) -> [f64; 2] {
+        match self {
+            Self::Region(region) => region.interval(ray),
+            Self::Part(part) => part.interval(ray),
+        }
+    }
 }
 
 /// The least and the greatest of starts, and of ends.
@@ -57,19 +82,19 @@ impl TileRegion {
     /// Makes it that of the tile with that pixel of the image in its corner.
     pub(crate) fn update(
         &mut self,
-        region: &RegionInView,
+        set: &ConvexSet<'_>,
         view: &View,
         [left, top]: [i64; 2],
         splits_slabs: bool,
     ) {
-        self.is_inverted = region.is_inverted();
+        self.is_inverted = set.is_inverted();
         self.splits_slabs = splits_slabs;
         self.blocks = [Extremes::OF_NOTHING; BLOCKS_ACROSS * BLOCKS_ACROSS];
         self.all = Extremes::OF_NOTHING;
         for row in 0..TILE_SIDE {
             for column in 0..TILE_SIDE {
                 let pixel = [left + column as i64, top + row as i64].map(|p| p as f64 + 0.5);
-                let [start, end] = region.interval(&view.ray(pixel)).map(|depth| depth as f32);
+                let [start, end] = set.interval(&view.ray(pixel)).map(|depth| depth as f32);
                 (self.starts[row][column], self.ends[row][column]) = (start, end);
                 self.blocks[row / BLOCK_SIDE * BLOCKS_ACROSS + column / BLOCK_SIDE].add(start, end);
                 self.all.add(start, end);

@@ -38,6 +38,11 @@ impl Tiles {
         self.tiles.par_iter_mut().filter(|_| !frame.is_cancelled()).for_each(Tile::clear);
     }
 
+    /// Puts what is in front of all into empty tiles, and closes what is saturated by that.
+    pub(crate) fn begin_with(&mut self, in_front: &Image, cutoff: f32) {
+        self.tiles.par_iter_mut().for_each(|tile| tile.begin_with(in_front, cutoff));
+    }
+
     /// Makes their pixels empty again; what was counted stays.
     pub(crate) fn reopen(&mut self) {
         self.tiles.par_iter_mut().for_each(Tile::reopen);

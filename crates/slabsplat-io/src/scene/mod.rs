@@ -45,10 +45,12 @@ pub use transfer_image::TransferImageFile;
 pub(crate) use written::text_of;
 pub use written::{scene_text, write_scene};
 
+use crate::store::Store;
 use crate::transfer::{FitError, TransferFit, TransferSource};
+use crate::volume::read_raw_from;
 use crate::{
     ContentHash, IoError, LoadedVolume, RawDesc, VolumeFormat, VolumeOptions, builtin_volume,
-    read_raw, read_transfer, read_volume_with, text,
+    read_transfer, read_volume_with, text,
 };
 use diagnostic::{Diagnostic, from_toml};
 use document::Document;
@@ -319,7 +321,8 @@ impl LayerFile {
     pub fn load_volume(&self) -> Result<LoadedVolume, IoError> {
         if let (VolumeSource::File(path), Some(raw)) = (&self.volume, &self.raw) {
             let spacing = self.spacing.unwrap_or(raw.spacing);
-            return read_raw(path, &RawDesc { spacing, ..*raw });
+            let raw = RawDesc { spacing, ..*raw };
+            return read_raw_from(Store::Disk, path, &raw, &self.options);
         }
         let loaded = self.volume.load(&self.options)?;
         match self.spacing {
@@ -340,6 +343,11 @@ impl VolumeSource {
         match self {
             Self::File(path) => read_volume_with(path, options),
             Self::Builtin { name, size } => {
+                if options.voxels.is_some() {
+                    let what = "a built-in volume is made whole, and not box by box: slabsplat convert \
+                            saves it as .raw, .nii or .zarr";
+                    return Err(IoError::unsupported(Path::new(name), what));
+                }
                 let volume = builtin_volume(name, *size)?.into();
                 let loaded = LoadedVolume::new(volume, VolumeFormat::Builtin, Vec::new());
                 options.check(Path::new(name), &loaded.choices)?;

@@ -1,6 +1,7 @@
 //! Which volume is read of a file that holds several, and which there are.
 
 use std::fmt;
+use std::ops::Range;
 use std::path::Path;
 
 use super::LoadedVolume;
@@ -49,6 +50,9 @@ pub struct VolumeOptions {
     /// Whether a header may name files outside of its own folder; they are refused otherwise, since who
     /// wrote the header need not be who opens it.
     pub allow_external: bool,
+    /// Which voxels along x, y and z; by default all. Of raw data, be they in NRRD, NIfTI or a file of their
+    /// own, and of OME-Zarr, no others are held in memory; other files are not read so.
+    pub voxels: Option<[Range<usize>; 3]>,
     /// What hears how far reading is.
     pub progress: Option<ProgressCallback>,
 }
@@ -144,6 +148,12 @@ impl VolumeOptions {
     #[must_use]
     pub fn allow_external(self, allow_external: bool) -> Self {
         Self { allow_external, ..self }
+    }
+
+    /// Takes these voxels alone.
+    #[must_use]
+    pub fn voxels(self, voxels: [Range<usize>; 3]) -> Self {
+        Self { voxels: Some(voxels), ..self }
     }
 
     /// Tells `hear` how far reading is, as [`ProgressCallback::new`] says.

@@ -10,6 +10,7 @@ use super::data_files::DataFiles;
 use super::formats::Input;
 use super::stored::StoredType;
 use super::stream::DataStream;
+use super::window::{Window, not_in_boxes};
 use crate::IoError;
 use crate::printable::shown_path;
 use crate::progress::ReadMeter;
@@ -41,6 +42,8 @@ pub(super) struct Share {
 
 /// How the samples lie in their files.
 pub(super) struct Layout {
+    /// What is read of the volume, if not all.
+    pub(super) window: Option<Window>,
     /// Of the volume.
     pub(super) n_samples: usize,
     pub(super) share: Share,
@@ -77,6 +80,9 @@ pub(super) fn read(
         Encoding::Raw | Encoding::Packed | Encoding::PackedByBzip2 => layout.endian,
         Encoding::Text | Encoding::Hex => Endian::NATIVE,
     };
+    if let Some(window) = &layout.window {
+        return read_window(input, layout, files, window);
+    }
     let mut buffer = SampleBuffer::new(layout.stored, endian);
     let mut file_idx = first.checked_div(n_each).unwrap_or(0);
     let mut at = first;
@@ -101,6 +107,32 @@ pub(super) fn read(
         file_idx += 1;
     }
     Ok(buffer.finish(warnings))
+}
+
+/// Reads a box of a volume that lies in one file as it is.
+fn read_window(
+    input: &Input<'_>,
+    layout: &Layout,
+    files: &DataFiles,
+    window: &Window,
+) -> Result<Samples, IoError> {
+    let Share { n_channels, n_volumes, volume, .. } = layout.share;
+    if files.len() != 1 || n_channels != 1 || layout.encoding != Encoding::Raw {
+        return Err(not_in_boxes(
+            input.path,
+            "a volume that is packed, of several files or colours",
+        ));
+    }
+    let (path, offset) = files.get(0);
+    let mut stream = DataStream::open(input.store, &path, offset)?;
+    stream.skip_lines(layout.line_skip)?;
+    let n_bytes = (layout.n_samples as u64).saturating_mul(layout.stored.size_bytes() as u64);
+    let n_all = n_bytes.saturating_mul(n_volumes as u64);
+    let byte_skip = u64::try_from(layout.byte_skip);
+    stream.jump(byte_skip.unwrap_or_else(|_| stream.n_left_at_most().saturating_sub(n_all)))?;
+    stream.check_left(n_all)?;
+    stream.jump(n_bytes.saturating_mul(volume as u64))?;
+    window.read(&path, &mut stream, layout.stored, layout.endian)
 }
 
 /// A file, and which of its samples are read.

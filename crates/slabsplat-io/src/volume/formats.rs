@@ -133,6 +133,11 @@ pub(super) trait Reader: Sync {
         false
     }
 
+    /// Whether it reads some voxels without the others ([`VolumeOptions::voxels`]), if they are stored so.
+    fn reads_boxes(&self) -> bool {
+        false
+    }
+
     /// Reads what is asked for.
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError>;
 

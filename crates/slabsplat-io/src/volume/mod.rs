@@ -8,7 +8,7 @@
 //! (formats that are none of them), `choices` (what is read of several volumes); `stream` (bytes from files),
 //! `buffer` (bytes to samples); `header_fields`; `data_files`, `data`, `ascii` (samples in one file or many,
 //! however they are written), `names`, `units`; `stored`, `placed` (samples in any order of axes),
-//! `parallel`, `array_axes`, `colors`, `zip`; then a format each, and `write`.
+//! `parallel`, `array_axes`, `colors`, `window` (boxes of voxels), `zip`; then a format each, and `write`.
 
 mod choices;
 mod foreign;
@@ -29,6 +29,7 @@ mod colors;
 mod parallel;
 mod placed;
 mod stored;
+mod window;
 mod zip;
 
 mod dicom;
@@ -118,7 +119,12 @@ pub(crate) fn read_from(
     options: &VolumeOptions,
 ) -> Result<LoadedVolume, IoError> {
     let Found { reader, path, options } = formats::find(store, path, options)?;
-    let mut loaded = reader.read(&Input { store, path: &path, options: &options })?;
+    let input = Input { store, path: &path, options: &options };
+    if !reader.reads_boxes() {
+        let name = reader.listed().split(" (").next().unwrap_or_default();
+        input.refuse_window(&format!("a volume in the format {name}"))?;
+    }
+    let mut loaded = reader.read(&input)?;
     options.check(&path, &loaded.choices)?;
     loaded.warnings.extend(loaded.choices.warnings(&options));
     // They may cite the file, and one that lists a file again and again is warned of as often.
@@ -240,6 +246,13 @@ fn is_usually_metric(format: VolumeFormat) -> bool {
 }
 
 fn respaced(grid: &Grid, spacing: [f64; 3], keeps_center: bool) -> Result<Grid, GridError> {
+    let whole = grid.uncropped();
+    if whole != *grid {
+        let ends = grid.first_voxel().into_iter().zip(grid.dims());
+        let voxels: Vec<_> = ends.map(|(first, n)| first..first + n).collect();
+        let voxels = voxels.try_into().expect("a grid has three axes");
+        return Ok(respaced(&whole, spacing, keeps_center)?.cropped(&voxels));
+    }
     let mut world_from_index = grid.world_from_index();
     let center_in_world = grid.center_in_world();
     let m = world_from_index.matrix3;

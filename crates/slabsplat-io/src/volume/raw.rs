@@ -5,11 +5,12 @@ use std::path::Path;
 use slabsplat_core::{Grid, SampleType, Samples, Scaling};
 
 use super::buffer::{Endian, SampleBuffer};
+use super::formats::Input;
 use super::stream::DataStream;
-use super::{LoadedVolume, VolumeFormat, assemble};
-use crate::progress::ReadMeter;
+use super::window::Window;
+use super::{LoadedVolume, VolumeFormat, VolumeOptions, assemble};
+use crate::IoError;
 use crate::store::Store;
-use crate::{IoError, ProgressCallback};
 
 /// What a raw file holds: the header that it lacks.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,40 +66,45 @@ impl RawDesc {
 /// If the file cannot be read, or is not just as long as `desc` says: then the description is
 /// wrong, and the picture would be noise.
 pub fn read_raw(path: impl AsRef<Path>, desc: &RawDesc) -> Result<LoadedVolume, IoError> {
-    read_raw_from(Store::Disk, path.as_ref(), desc, None)
+    read_raw_from(Store::Disk, path.as_ref(), desc, &VolumeOptions::default())
 }
 
 pub(crate) fn read_raw_from(
     store: Store<'_>,
     path: &Path,
     desc: &RawDesc,
-    progress: Option<&ProgressCallback>,
+    options: &VolumeOptions,
 ) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing(desc.dims, desc.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let samples = read_samples(store, path, desc, progress)?;
+    let input = Input { store, path, options };
+    let (window, grid) = input.window(&grid)?;
+    let samples = read_samples(&input, path, desc, window.as_ref())?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume::new(volume, VolumeFormat::Raw, Vec::new()))
 }
 
 /// The samples alone, of a grid that there can be.
 pub(super) fn read_samples(
-    store: Store<'_>,
+    input: &Input<'_>,
     path: &Path,
     desc: &RawDesc,
-    progress: Option<&ProgressCallback>,
+    window: Option<&Window>,
 ) -> Result<Samples, IoError> {
     let n_voxels = desc.dims.iter().fold(1, |n: usize, len| n.saturating_mul(*len));
     let sample_bytes = desc.sample_type.size_bytes();
-    let mut stream = DataStream::open(store, path, desc.header_bytes)?;
+    let mut stream = DataStream::open(input.store, path, desc.header_bytes)?;
     let needed = desc.bytes();
     let found = stream.n_left_at_most();
     if needed != found {
         let what = format!("needs {needed} bytes of data, has {found}: {}", what_fits(desc, found));
         return Err(IoError::malformed(path, what));
     }
+    if let Some(window) = window {
+        return window.read(path, &mut stream, desc.sample_type.into(), desc.endian);
+    }
     let mut buffer = SampleBuffer::new(desc.sample_type, desc.endian);
-    let meter = ReadMeter::new(progress, needed);
+    let meter = input.meter(needed);
     stream.metered(&meter);
     stream.fill(&mut buffer, n_voxels, sample_bytes)?;
     Ok(buffer.finish(&mut Vec::new()))

@@ -42,6 +42,10 @@ impl Reader for RawName {
         Ok(path.to_owned())
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         let said = said_by(input)?;
         let Said { dims, sample_type, endian } = said;
@@ -52,8 +56,7 @@ impl Reader for RawName {
             spacing: [1.0; 3],
             header_bytes: 0,
         };
-        let mut loaded =
-            read_raw_from(input.store, input.path, &desc, input.options.progress.as_ref())?;
+        let mut loaded = read_raw_from(input.store, input.path, &desc, input.options)?;
         let [x, y, z] = dims;
         let is_guess = endian.is_none() && 1 < sample_type.size_bytes();
         let order = if is_guess { ", little-endian (which it does not say)" } else { "" };

@@ -51,6 +51,10 @@ impl Reader for Sidecar {
         Ok(if is_it { path.to_owned() } else { path.with_extension("json") })
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         read(input)
     }
@@ -133,7 +137,8 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     };
     let grid = placed(&desc, sidecar.origin, sidecar.affine)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let samples = read_samples(store, &data_path, &desc, input.options.progress.as_ref())?;
+    let (window, grid) = input.window(&grid)?;
+    let samples = read_samples(input, &data_path, &desc, window.as_ref())?;
     let scaling = Scaling { slope: sidecar.slope, intercept: sidecar.intercept };
     let volume = assemble(path, grid, samples, scaling)?;
     let unknown = sidecar.others.keys().filter(|key| !NOTES.contains(&key.as_str()));

@@ -119,6 +119,12 @@ impl<'p> DataStream<'p> {
         skipped.map(drop).map_err(IoError::read(path))
     }
 
+    /// Passes over `n_bytes` without reading them, if the file is plain, or to the end if there are fewer.
+    pub(super) fn jump(&mut self, n_bytes: u64) -> Result<(), IoError> {
+        let path = self.path;
+        self.pass_over(n_bytes).map_err(IoError::read(path))
+    }
+
     /// Passes over `n_lines` lines, or to the end if there are fewer.
     pub(super) fn skip_lines(&mut self, n_lines: u64) -> Result<(), IoError> {
         let path = self.path;

@@ -44,7 +44,7 @@ impl ParallelRays {
         Self {
             view,
             index_from_view: from_index.matrix.inverse(),
-            center_in_view: from_index.center_in_view,
+            center_in_view: from_index.transform(grid.center_in_index()),
             half_extents: grid.center_in_index() + margin * footprint,
             beyond: 2.0 * (half_depth + slabs.thickness()),
             unit: grid.unit(),

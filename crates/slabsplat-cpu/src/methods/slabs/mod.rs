@@ -125,7 +125,9 @@ fn render_with<'a, H: Sheets>(
     let OfAll { regions, scratches, occlusion, of_tiles, workspaces } = of_all;
     let n_layers = of_layers.len();
     let plans = layers.clone().map(|(stage, _)| stage.layer);
-    regions.update(plans, sheets.splits_slabs(), tiles);
+    if let Some((stage, _)) = layers.clone().next() {
+        regions.update(stage.plan, plans, sheets.splits_slabs(), tiles);
+    }
     let mut passes = Vec::with_capacity(n_layers);
     for ((stage, sections), of_layer) in layers.zip(of_layers) {
         let OfLayer { prepared, bricks, intake } = of_layer;

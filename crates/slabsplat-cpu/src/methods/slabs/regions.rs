@@ -1,10 +1,11 @@
-//! The regions of a frame's layers, on every tile.
+//! The regions of a frame's layers, and the part of it that is drawn, on every tile.
 
 use crate::pixels::blocks::Blocks;
-use crate::pixels::tile_region::TileRegion;
+use crate::pixels::tile_region::{ConvexSet, TileRegion};
 use crate::pixels::tiles::Tiles;
 use rayon::prelude::*;
-use slabsplat_backend::LayerPlan;
+use slabsplat_backend::{FramePlan, LayerPlan};
+use slabsplat_core::View;
 
 /// Made to be used again.
 #[derive(Debug, Default)]
@@ -13,6 +14,8 @@ pub(super) struct Regions {
     groups: Vec<Vec<TileRegion>>,
     /// The group of each layer.
     group_of: Vec<usize>,
+    /// The part of the frame that is drawn, on each tile; nothing if that is all of it.
+    part: Vec<TileRegion>,
 }
 
 /// The regions of all layers, on one tile.
@@ -26,11 +29,12 @@ impl Regions {
     /// Makes them those of a frame, and closes what none of them shows of its empty tiles.
     pub(super) fn update<'a>(
         &mut self,
+        plan: &FramePlan<'_>,
         layers: impl Iterator<Item = &'a LayerPlan<'a>>,
         splits_slabs: bool,
         tiles: &mut Tiles,
     ) {
-        let Self { groups, group_of } = self;
+        let Self { groups, group_of, part } = self;
         group_of.clear();
         let mut last = None;
         for layer in layers {
@@ -43,7 +47,13 @@ impl Regions {
             let group = group_of.last().map_or(0, |group| group + 1);
             group_of.push(group);
             groups.resize_with(groups.len().max(group + 1), Vec::new);
-            make(&mut groups[group], layer, splits_slabs, tiles);
+            let set = region.as_ref().map(ConvexSet::Region);
+            make(&mut groups[group], set, (&layer.view, splits_slabs), tiles);
+        }
+        let view = plan.layers.first().map(|layer| &layer.view);
+        if let Some(view) = view {
+            let set = plan.part.as_ref().map(ConvexSet::Part);
+            make(part, set, (view, splits_slabs), tiles);
         }
         let n_groups = group_of.last().map_or(0, |group| group + 1);
         groups.truncate(n_groups);
@@ -57,7 +67,8 @@ impl Regions {
     }
 
     pub(super) fn resident_bytes(&self) -> usize {
-        self.groups.iter().map(Vec::capacity).sum::<usize>() * TileRegion::BYTES
+        let n_regions = self.groups.iter().map(Vec::capacity).sum::<usize>();
+        (n_regions + self.part.capacity()) * TileRegion::BYTES
     }
 }
 
@@ -66,6 +77,19 @@ impl<'a> RegionsOnTile<'a> {
     #[inline]
     pub(in crate::methods) fn of(&self, layer: usize) -> Option<&'a TileRegion> {
         self.regions.groups[self.regions.group_of[layer]].get(self.tile_idx)
+    }
+
+    /// The part of the frame that is drawn; `None` if that is all of it.
+    #[inline]
+    pub(in crate::methods) fn part(&self) -> Option<&'a TileRegion> {
+        self.regions.part.get(self.tile_idx)
+    }
+
+    /// Whether any pixel may have a share of a slab in the part. Not block by block: where footprints are
+    /// separable, those of voxels in a block have a little to say in others, as they do in the whole.
+    #[inline]
+    pub(in crate::methods) fn part_shows(&self, faces: [f32; 2]) -> bool {
+        self.part().is_none_or(|part| !part.showing(faces).is_empty())
     }
 
     /// Whether the next layer has the same, so that their sums are cut at once.
@@ -81,9 +105,18 @@ impl<'a> RegionsOnTile<'a> {
         self.regions.groups.len() == 1
     }
 
-    /// The blocks in which nothing is seen behind a depth, as all regions end before.
+    /// The blocks in which nothing is seen behind a depth, as the part or all regions end before.
     #[inline]
     pub(super) fn over_from(&self, depth: f32) -> Blocks {
+        if self.part().is_some_and(|part| part.over_from(depth) == Blocks::ALL) {
+            return Blocks::ALL;
+        }
+        self.all_over_from(depth)
+    }
+
+    /// The same of all regions.
+    #[inline]
+    fn all_over_from(&self, depth: f32) -> Blocks {
         let mut over = Blocks::ALL;
         for group in &self.regions.groups {
             let Some(region) = group.get(self.tile_idx) else { return Blocks::NONE };
@@ -93,13 +126,18 @@ impl<'a> RegionsOnTile<'a> {
     }
 }
 
-/// Makes the region of a layer on each tile; none if it is everywhere.
-fn make(of_tiles: &mut Vec<TileRegion>, layer: &LayerPlan<'_>, splits_slabs: bool, tiles: &Tiles) {
-    let Some(region) = &layer.region else { return of_tiles.clear() };
+/// Makes a region, or a part, on each tile; none if it is everywhere.
+fn make(
+    of_tiles: &mut Vec<TileRegion>,
+    set: Option<ConvexSet<'_>>,
+    (view, splits_slabs): (&View, bool),
+    tiles: &Tiles,
+) {
+    let Some(set) = set else { return of_tiles.clear() };
     let border = tiles.grid.border() as i64;
     of_tiles.resize_with(tiles.tiles.len(), TileRegion::default);
     of_tiles.par_iter_mut().zip(&tiles.tiles).for_each(|(of_tile, tile)| {
         let corner = tile.origin.map(|pixel| pixel as i64 - border);
-        of_tile.update(region, &layer.view, corner, splits_slabs);
+        of_tile.update(&set, view, corner, splits_slabs);
     });
 }

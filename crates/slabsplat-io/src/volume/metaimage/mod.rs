@@ -63,6 +63,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let stored = stored_type(&header)?;
     let choices = choices(&header, input, &sizes)?;
     let layout = data::Layout {
+        window: None,
         n_samples: grid.n_voxels().saturating_mul(choices.n_read()),
         share: choices.share(),
         stored,

@@ -21,6 +21,7 @@ use super::colors::{Meaning, Values, Voxels};
 use super::formats::{Input, Reader, VolumeListing};
 use super::stored::StoredType;
 use super::stream::{DataStream, first_bytes, plain_extension};
+use super::window::not_in_boxes;
 use super::{LoadedVolume, VolumeChoices, VolumeFormat};
 use crate::IoError;
 use crate::printable::shown_path;
@@ -51,6 +52,10 @@ impl Reader for Nifti {
         Err(IoError::malformed(path, what))
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         read(input)
     }
@@ -75,12 +80,13 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let choices = choices(&header, input)?;
     let grid = orientation::grid(&header, dims, &mut warnings)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
+    let (window, grid) = input.window(&grid)?;
     let stored = stored(&header, path)?;
     let scaling = scaling(&header, &mut warnings);
     let image_path = if header.is_single_file { path.to_owned() } else { image_of(store, path)? };
 
     let mut stream = DataStream::open_unpacked(store, &image_path)?;
-    let n_bytes = (grid.n_voxels() as u64).saturating_mul(stored.voxel_bytes() as u64);
+    let n_bytes = (grid.uncropped().n_voxels() as u64).saturating_mul(stored.voxel_bytes() as u64);
     let [channel, time] = [&choices.channel, &choices.time];
     let Stored { each, n_channels } = stored;
     let (n_before, color) =
@@ -90,7 +96,18 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let n_before = n_before.saturating_add(time.chosen as u64);
     let n_before = n_before.saturating_mul(n_bytes);
     let meter = input.meter(n_before.saturating_add(n_bytes));
-    stream.skip(data_offset(&header, path)?)?;
+    let offset = data_offset(&header, path)?;
+    if let Some(window) = window {
+        if 1 < n_channels || choices.is_color {
+            return Err(not_in_boxes(path, "a volume of colours"));
+        }
+        stream.jump(offset.saturating_add(n_before))?;
+        let samples = window.read(&image_path, &mut stream, each, header.endian)?;
+        let voxels = Voxels { grid, samples, scaling, choices };
+        let loaded = voxels.load(input, header.format(), warnings)?;
+        return Ok(loaded.standing(orientation::orientation(&header)));
+    }
+    stream.skip(offset)?;
     stream.metered(&meter);
     stream.skip(n_before)?;
     let mut buffer = SampleBuffer::new(each, header.endian);

@@ -39,6 +39,10 @@ impl Reader for Nrrd {
         start.starts_with(b"NRRD00")
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         read(input)
     }
@@ -64,8 +68,10 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let stored = stored_type(&header)?;
     let choices = axes.choices(input, stored)?;
+    let (window, grid) = input.window(&grid)?;
     let layout = data::Layout {
-        n_samples: grid.n_voxels().saturating_mul(choices.n_read()),
+        window,
+        n_samples: axes.dims.iter().product::<usize>().saturating_mul(choices.n_read()),
         share: choices.share(),
         stored,
         encoding: encoding(&header)?,

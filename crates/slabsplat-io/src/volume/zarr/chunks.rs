@@ -93,7 +93,7 @@ pub(super) fn read(
     let is_zero = image.array.fill.iter().all(|byte| *byte == 0);
     let mut keys = all.clone().map(|index| key(image, &index));
     // Zeros take no memory until something else is written over them.
-    if !is_zero && !keys.any(|key| tree.has(&key)) {
+    if !is_zero && !image.is_box && !keys.any(|key| tree.has(&key)) {
         return Err(IoError::malformed(input.path, "no chunk of the array is there"));
     }
     let n_bytes =
@@ -110,7 +110,7 @@ pub(super) fn read(
     let meter = input.meter((all.len().unwrap_or(0) as u64).saturating_mul(chunk_bytes(image)));
     let mut reading = Reading { tree, image, meter: &meter, samples, n_bytes, n_found: 0 };
     reading.read_all(&all.collect::<Vec<_>>())?;
-    if reading.n_found == 0 {
+    if reading.n_found == 0 && !image.is_box {
         warnings.push("no chunk of the array is there: all voxels have its fill value".to_owned());
     }
     Ok(reading.samples.finish(warnings))

@@ -9,7 +9,9 @@ use super::super::choices::{Choice, Part, VolumeChoices};
 use super::super::colors::{Meaning, Values};
 use super::super::formats::Input;
 use super::super::placed::Axis;
+use super::super::stored::StoredType;
 use super::super::units;
+use super::super::window::Window;
 use super::meta::{ArrayMeta, shown};
 use super::tree::{Tree, joined};
 use crate::IoError;
@@ -28,6 +30,8 @@ pub(super) struct Image {
     origin: [f64; 3],
     pub(super) choices: VolumeChoices,
     pub(super) warnings: Vec<String>,
+    /// Whether no more than a box of the volume is kept, which need not have a chunk.
+    pub(super) is_box: bool,
 }
 
 /// A folder with an array, with several levels of an image, or with images.
@@ -99,6 +103,38 @@ impl Image {
             .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })
     }
 
+    /// Keeps of the volume no more than a box.
+    ///
+    /// # Errors
+    /// If it has to be looked at whole, which says what it is.
+    pub(super) fn keep(&mut self, window: &Window) -> Result<(), &'static str> {
+        if self.choices.is_color {
+            return Err("a volume of colours");
+        }
+        if let StoredType::I64 | StoredType::U64 = self.array.stored {
+            return Err("an array of 64-bit integers");
+        }
+        let mut stride = 1;
+        let strides = self.dims.map(|n| {
+            let before = stride;
+            stride *= n;
+            before
+        });
+        for axis in &mut self.axes {
+            let of_volume = (0..3).find(|&of| {
+                1 < axis.kept.len()
+                    && strides[of] == axis.stride
+                    && self.dims[of] == axis.kept.len()
+            });
+            let Some(of_volume) = of_volume else { continue };
+            let Axis { kept, stride, .. } = window.axis(of_volume);
+            let first = axis.kept.start;
+            *axis = Axis { len: axis.len, kept: first + kept.start..first + kept.end, stride };
+        }
+        self.is_box = true;
+        Ok(())
+    }
+
     /// An array by itself: z, y, x.
     fn of_array(input: &Input<'_>, key: String, array: ArrayMeta) -> Result<Self, IoError> {
         let VolumeAxes { dims, mut axes, choices } =
@@ -107,7 +143,7 @@ impl Image {
         let what = "the array does not say how large its voxels are: 1 x 1 x 1 was assumed";
         let warnings = vec![what.to_owned()];
         let (spacing, origin) = ([1.0; 3], [0.0; 3]);
-        Ok(Self { key, array, axes, dims, spacing, origin, choices, warnings })
+        Ok(Self { key, array, axes, dims, spacing, origin, choices, warnings, is_box: false })
     }
 
     fn of_levels(
@@ -130,7 +166,9 @@ impl Image {
             let array = Node::read(input, tree, &key)?.array;
             levels.push((key, array.ok_or_else(|| malformed("a level of the image is no array"))?));
         }
-        let finest = levels.iter().position(|(_, array)| has_room(array, image));
+        // Boxes are there to have room.
+        let is_box = input.options.voxels.is_some();
+        let finest = levels.iter().position(|(_, array)| is_box || has_room(array, image));
         let chosen = finest.unwrap_or(levels.len().saturating_sub(1));
         let level = Choice { n: levels.len().max(1), names: Vec::new(), chosen };
         let level = input.choose_of(Part::Level, level)?;
@@ -207,7 +245,7 @@ impl Image {
             Role::Other => Axis::one(len, 0),
         });
         let axes = kept.collect();
-        Ok(Self { key, array, axes, dims, spacing, origin, choices, warnings })
+        Ok(Self { key, array, axes, dims, spacing, origin, choices, warnings, is_box: false })
     }
 }
 

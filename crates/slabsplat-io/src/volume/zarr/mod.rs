@@ -26,6 +26,7 @@ use slabsplat_core::Scaling;
 
 use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
+use super::window::not_in_boxes;
 use super::zip::is_zip;
 use super::{LoadedVolume, VolumeFormat};
 use crate::IoError;
@@ -70,10 +71,17 @@ impl Reader for Zarr {
         true
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         let tree = Tree::open(input)?;
-        let image = Image::find(input, &tree)?;
-        let grid = image.grid(input)?;
+        let mut image = Image::find(input, &tree)?;
+        let (window, grid) = input.window(&image.grid(input)?)?;
+        if let Some(window) = &window {
+            image.keep(window).map_err(|why| not_in_boxes(input.path, why))?;
+        }
         let n_samples = grid.n_voxels().saturating_mul(image.choices.n_read());
         let mut warnings = image.warnings.clone();
         let samples = chunks::read(input, &tree, &image, n_samples, &mut warnings)?;

@@ -1,0 +1,71 @@
+//! `slabsplat render --memory`: a picture of volumes that need not fit the memory.
+
+use crate::flags::{SceneFlags, Written};
+use crate::plain::counted;
+use crate::progress::Progress;
+use crate::terminal;
+use anyhow::{Result, bail};
+use serde_json::{Value, json};
+use slabsplat::DividedScene;
+use slabsplat::io::SceneFile;
+use std::time::Instant;
+
+/// Draws a scene within so many bytes, writes what is to be written of it, and tells what was done: in lines
+/// on stderr, and in JSON, which is returned.
+pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, memory_bytes: u64) -> Result<Value> {
+    let started = Instant::now();
+    let progress = Progress::start("reading", 0);
+    let check = |file: &SceneFile| check(file, written);
+    let divided = scene.divided(&check, memory_bytes)?;
+    let watched = progress.frame("rendering");
+    let picture = scene.in_scene(|| Ok(divided.picture(&watched)?))?;
+    progress.stage("writing");
+    let mut file = written.has_scene().then(|| divided.to_file()).transpose()?;
+    if let Some(file) = &mut file {
+        "cpu".clone_into(&mut file.backend);
+    }
+    let image = &picture.frame.image;
+    written.write(image, file.as_ref())?;
+    drop(progress);
+    terminal::warn_all(&picture.notes);
+    if picture.is_blank {
+        terminal::warn(
+            "nothing is visible: no voxel that is seen has an opacity, or all is cut off",
+        );
+    }
+    terminal::say(format_args!(
+        "{}: {} x {} pixels, {}, {} ms",
+        written.target.name(),
+        image.width(),
+        image.height(),
+        counted(divided.n_boxes(), "part"),
+        started.elapsed().as_millis(),
+    ));
+    Ok(json!({
+        "picture": written.target.name(),
+        "format": written.target.format.name(),
+        "width": image.width(),
+        "height": image.height(),
+        "scene_file": written.scene.map(|path| path.display().to_string()),
+        "seconds": started.elapsed().as_secs_f64(),
+        "backend": "cpu",
+        "threads": rayon::current_num_threads(),
+        "warnings": terminal::take_warnings(),
+        "n_boxes": divided.n_boxes(),
+        "volumes": volumes(&divided),
+    }))
+}
+
+/// Whole, on their grids.
+fn volumes(divided: &DividedScene) -> Vec<Value> {
+    divided.grids().iter().map(|grid| json!({ "dims": grid.dims() })).collect()
+}
+
+/// What is known before anything is read.
+fn check(file: &SceneFile, written: &Written<'_>) -> Result<()> {
+    written.target.format.check(file)?;
+    if !matches!(file.backend.as_str(), "auto" | "cpu") {
+        bail!("--memory draws on the CPU, not by {}: leave one of them out", file.backend);
+    }
+    Ok(())
+}

@@ -1,0 +1,150 @@
+//! How large boxes may be within a budget of memory.
+
+use super::DividedError;
+use slabsplat_core::{Camera, Grid, ImageDesc, PartTree, SampleType, Scene};
+use std::ops::Range;
+use thiserror::Error;
+
+/// The memory is too little to draw anything.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error(
+    "{memory_bytes} bytes of memory are too few to draw a picture of this size box by box: it takes {needed_bytes}"
+)]
+#[non_exhaustive]
+pub struct NoRoom {
+    /// What there is.
+    pub memory_bytes: u64,
+    /// What it takes at least.
+    pub needed_bytes: u64,
+}
+
+/// What boxes may take.
+pub(super) struct Budget {
+    memory_bytes: u64,
+    /// What there is beside them.
+    fixed_bytes: u64,
+    camera: Camera,
+}
+
+/// The program, its tables, and the stacks of threads.
+const OF_PROGRAM: u64 = 48 << 20;
+
+/// A picture that is drawn, what is in front of it, tiles, and where their rays are in a part and in regions.
+const OF_PIXEL: u64 = 112;
+
+/// Of a voxel that is read, beside its sample: its record, if it is relevant, and its brick's.
+const OF_VOXEL: u64 = 9;
+
+/// Of a voxel in the range of depth that is drawn: projected and shaded, and on its tiles.
+const OF_VOXEL_IN_RANGE: u64 = 56;
+
+/// How many voxel steps are in such a range, what waits for the next one included.
+const IN_RANGE: u64 = 36;
+
+/// The least side of a box.
+const LEAST_SIDE: usize = 8;
+
+impl Budget {
+    pub(super) fn new(
+        scene: &Scene,
+        image: &ImageDesc,
+        memory_bytes: u64,
+    ) -> Result<Self, DividedError> {
+        let overviews = scene.layers.iter().map(|layer| {
+            let volume = &layer.volume;
+            (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
+        });
+        let fixed_bytes = OF_PROGRAM + OF_PIXEL * image.n_pixels() as u64 + overviews.sum::<u64>();
+        if memory_bytes <= fixed_bytes {
+            return Err(NoRoom { memory_bytes, needed_bytes: fixed_bytes }.into());
+        }
+        Ok(Self { memory_bytes, fixed_bytes, camera: scene.camera })
+    }
+
+    /// Cuts the largest grid into boxes of which each fits, of all layers together.
+    pub(super) fn boxes(
+        &self,
+        grids: &[Grid],
+        steps: &[[f64; 3]],
+        types: impl Iterator<Item = SampleType> + Clone,
+    ) -> Result<PartTree, DividedError> {
+        let layers: Vec<(&Grid, [f64; 3], u64)> = grids
+            .iter()
+            .zip(steps)
+            .zip(types)
+            .map(|((grid, steps), of)| (grid, *steps, of.size_bytes() as u64))
+            .collect();
+        let largest = layers.iter().max_by_key(|(grid, ..)| grid.n_voxels());
+        let Some(&(grid, steps, _)) = largest else {
+            return Err(slabsplat_backend::PlanError::NoLayers.into());
+        };
+        let room = self.memory_bytes - self.fixed_bytes;
+        let widest = layers.iter().map(|(.., size)| *size).max().unwrap_or(1);
+        // Of the largest layer alone at first; where others are finer, boxes get smaller until all fit.
+        let mut of_one = room;
+        loop {
+            let tree = PartTree::new(grid, Grid::center_of_all(grids), |voxels| {
+                let near = [0, 1, 2].map(|axis| voxels[axis].len() + 2 * steps[axis] as usize + 14);
+                if needed_bytes(near, widest) <= of_one { None } else { cut(voxels) }
+            });
+            let most = tree.seen_by(&self.camera).into_iter().map(|of| {
+                let near = layers.iter().map(|(grid, steps, size)| {
+                    let voxels = tree.voxels_near(of, grid, *steps);
+                    needed_bytes(voxels.each_ref().map(Range::len), *size)
+                });
+                near.sum::<u64>()
+            });
+            let most = most.max().unwrap_or(0);
+            if most <= room {
+                return Ok(tree);
+            }
+            if of_one < room / 64 {
+                let needed_bytes = self.fixed_bytes + most;
+                return Err(NoRoom { memory_bytes: self.memory_bytes, needed_bytes }.into());
+            }
+            of_one = of_one / 4 * 3;
+        }
+    }
+}
+
+/// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.
+fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
+    let [mut x, mut y, mut z] = dims.map(|n| n as u64);
+    // A range lies across the two longest sides: of a cube, at worst, across a hexagon of 1.3 of its side's area.
+    if x < z {
+        (x, z) = (z, x);
+    }
+    if y < z {
+        (y, z) = (z, y);
+    }
+    let n_voxels = x * y * z;
+    let in_range = (x * y * IN_RANGE * 13 / 10).min(n_voxels);
+    n_voxels * (sample_bytes + OF_VOXEL) + in_range * OF_VOXEL_IN_RANGE
+}
+
+/// Across the longest side, between bricks, as near to its middle as that is.
+fn cut(voxels: &[Range<usize>; 3]) -> Option<(usize, usize)> {
+    let axis = (0..3).max_by_key(|axis| voxels[*axis].len())?;
+    let Range { start, end } = voxels[axis].clone();
+    let at = start.midpoint(end).next_multiple_of(LEAST_SIDE);
+    (start < at && at < end).then_some((axis, at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budget_counts_more_for_more() {
+        let small = needed_bytes([64, 64, 64], 1);
+        assert!(small < needed_bytes([64, 64, 64], 4) && small < needed_bytes([64, 65, 64], 1));
+        assert_eq!(needed_bytes([10, 20, 300], 2), needed_bytes([300, 10, 20], 2));
+    }
+
+    #[test]
+    fn budget_cuts_between_bricks() {
+        assert_eq!(cut(&[0..100, 0..30, 0..99]), Some((0, 56)));
+        assert_eq!(cut(&[0..4, 8..16, 0..4]), None, "a brick is not cut");
+        assert_eq!(cut(&[0..4, 8..17, 0..4]), Some((1, 16)));
+    }
+}

@@ -1,0 +1,117 @@
+//! A frame box by box, from the eye.
+
+use super::{DividedError, DividedScene, overview};
+use crate::{RenderError, backend_named, frame_scene};
+use slabsplat_backend::{Frame, FrameCost, FrameStats, Planner};
+use slabsplat_core::{
+    FrameHandle, Image, ImageDesc, PartBox, PartInView, Region, RegionInView, Scene, View, over,
+};
+
+impl DividedScene {
+    /// Draws all boxes, one behind the other.
+    pub(super) fn frame(&self, frame: &FrameHandle) -> Result<Frame, DividedError> {
+        let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
+        let ImageDesc { width, height, .. } = drawn.image;
+        let behind = drawn.image.premultiplied_background();
+        let mut scene = drawn.into_owned();
+        scene.image.background = [0.0; 4];
+        let mut image = Image::filled(width, height, [0.0; 4]);
+        let mut stats = FrameStats::default();
+        let mut planner = Planner::default();
+        let boxes = self.boxes.seen_by(&scene.camera);
+        for (idx, of) in boxes.iter().enumerate() {
+            frame.check().map_err(RenderError::from)?;
+            if self.is_to_be_seen(of, &scene, &image)? {
+                let drawn = self.draw(of, &mut scene, &mut planner, &image)?;
+                add(&mut stats, &drawn.stats);
+                image = drawn.image;
+            }
+            frame.reach((idx + 1) as f32 / boxes.len() as f32);
+        }
+        image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
+        Ok(Frame::new(image, stats, FrameCost::default()))
+    }
+
+    /// Draws a box behind what is there; its voxels are in memory no longer than that.
+    fn draw(
+        &self,
+        of: &PartBox,
+        scene: &mut Scene,
+        planner: &mut Planner,
+        in_front: &Image,
+    ) -> Result<Frame, DividedError> {
+        let overviews: Vec<_> = scene.layers.iter().map(|layer| layer.volume.clone()).collect();
+        for (idx, layer) in scene.layers.iter_mut().enumerate() {
+            let voxels = self.boxes.voxels_near(of, &self.grids[idx], self.steps[idx]);
+            let loaded = overview::read(&self.sources[idx], voxels)?;
+            layer.volume = loaded.volume;
+        }
+        let drawn = draw_part(scene, of, planner, in_front);
+        let layers = scene.layers.iter_mut().zip(overviews);
+        layers.for_each(|(layer, overview)| layer.volume = overview);
+        drawn
+    }
+
+    /// Whether any pixel that is not saturated may show anything of a box.
+    fn is_to_be_seen(
+        &self,
+        of: &PartBox,
+        scene: &Scene,
+        image: &Image,
+    ) -> Result<bool, DividedError> {
+        let cutoff = scene.settings.opacity_cutoff as f32;
+        let width = image.width() as usize;
+        for (grid, steps) in self.grids.iter().zip(&self.steps) {
+            let view = View::about(of.part.center(), grid, &scene.camera, &scene.image)
+                .map_err(slabsplat_backend::PlanError::from)?;
+            let near = self.boxes.voxels_near(of, grid, *steps);
+            let ends = [
+                near.each_ref().map(|range| range.start as f64 - steps_around(steps)),
+                near.each_ref().map(|range| range.end as f64 + steps_around(steps)),
+            ];
+            let Ok(extent) = Region::in_index_box(grid, ends) else { return Ok(true) };
+            let (extent, part) =
+                (RegionInView::new(&extent, &view), PartInView::new(&of.part, &view));
+            let is_seen = |(idx, pixel): (usize, &[f32; 4])| {
+                let at = [idx % width, idx / width].map(|p| p as f64 + 0.5);
+                let ray = view.ray(at);
+                let [[a, b], [c, d]] = [extent.interval(&ray), part.interval(&ray)];
+                pixel[3] < cutoff && a.max(c) < b.min(d)
+            };
+            if image.pixels().iter().enumerate().any(is_seen) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+}
+
+/// How far around the voxels that are read anything of them may be seen, generously.
+fn steps_around(steps: &[f64; 3]) -> f64 {
+    steps.iter().copied().fold(0.0, f64::max)
+}
+
+fn draw_part(
+    scene: &Scene,
+    of: &PartBox,
+    planner: &mut Planner,
+    in_front: &Image,
+) -> Result<Frame, DividedError> {
+    // A new one for each box: what it caches of one is of no use for the next.
+    let mut backend = backend_named("cpu").map_err(RenderError::from)?;
+    let frame = FrameHandle::new();
+    let mut plan = planner.plan_part(scene, &of.part, &frame)?;
+    plan.in_front = Some(in_front);
+    backend.submit(&plan, &frame).map_err(RenderError::from)?;
+    Ok(backend.wait_image(&frame).map_err(RenderError::from)?)
+}
+
+/// Counts what a box drew, whose voxels around it are counted by others, too.
+fn add(all: &mut FrameStats, of: &FrameStats) {
+    all.n_voxels += of.n_voxels;
+    all.n_occluded += of.n_occluded;
+    all.n_splats += of.n_splats;
+    all.n_culled += of.n_culled;
+    all.n_tiles += of.n_tiles;
+    all.n_saturated_tiles += of.n_saturated_tiles;
+}

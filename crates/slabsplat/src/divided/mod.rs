@@ -1,0 +1,193 @@
+//! Scenes of which no volume need fit the memory: drawn box by box, from the eye, as parts of the whole
+//! (model §17).
+//!
+//! ```text
+//! what the scene file leaves open is found of overviews, every so manieth voxel of each volume
+//! cut the largest volume into boxes, by a k-d tree, until one fits the memory with what it takes to draw it
+//! for each box, from the eye:
+//!     unless all pixels that it may touch are saturated:
+//!         read its voxels, and those around it that have a share in its picture
+//!         draw it behind what is there
+//! ```
+//!
+//! Reading order: `overview`, `budget`, `drawing`.
+
+mod budget;
+mod drawing;
+mod overview;
+
+use crate::framing::Aim;
+use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
+use overview::Overview;
+use slabsplat_backend::{PlanError, Planner, SceneInParts, check_parts};
+use slabsplat_core::{FrameHandle, Grid, PartTree};
+use slabsplat_io::{IoError, LayerFile, SceneFile};
+use thiserror::Error;
+
+pub use budget::NoRoom;
+
+/// A scene that is drawn within a budget of memory, however large its volumes are.
+///
+/// The picture is that of the scene with all voxels in memory, up to rounding, if the scene file says its
+/// transfer functions and its camera; what it leaves open is found of an overview of each volume, of two
+/// million voxels at most. Cells that stand for voxels under a tolerance are not drawn.
+///
+/// ```no_run
+/// use slabsplat::DividedScene;
+///
+/// let file = slabsplat::io::read_scene("large.toml")?;
+/// let scene = DividedScene::open(&file, 2 << 30)?;
+/// let picture = scene.picture(&Default::default())?;
+/// assert_eq!(picture.frame.image.width(), scene.opened().scene.image.width);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct DividedScene {
+    /// With overviews for volumes.
+    opened: OpenScene,
+    /// Where the volumes are.
+    sources: Vec<LayerFile>,
+    /// Of the volumes, whole.
+    grids: Vec<Grid>,
+    boxes: PartTree,
+    /// How many voxels around a box have a share in its picture, of each layer.
+    steps: Vec<[f64; 3]>,
+    memory_bytes: u64,
+}
+
+/// Why a scene cannot be drawn within its memory.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DividedError {
+    /// It cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A volume cannot be read, or not box by box.
+    #[error(transparent)]
+    Io(#[from] IoError),
+    /// It cannot be drawn, or not in parts.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Not even the smallest boxes have room.
+    #[error(transparent)]
+    NoRoom(#[from] NoRoom),
+    /// What is in memory whole could be more than there is.
+    #[error("a volume is not drawn box by box with {0}: leave them out, or leave out the memory")]
+    Whole(&'static str),
+}
+
+impl From<PlanError> for DividedError {
+    fn from(error: PlanError) -> Self {
+        Self::Render(error.into())
+    }
+}
+
+impl DividedScene {
+    /// Opens the scene of `file` for so many bytes of memory.
+    ///
+    /// # Errors
+    /// If it cannot be opened, read or drawn box by box, or not within so little memory.
+    pub fn open(file: &SceneFile, memory_bytes: u64) -> Result<Self, DividedError> {
+        Self::open_framed(file, memory_bytes, |opened, file| opened.frame(file, &Aim::default()))
+    }
+
+    /// The same with a camera that `frame` finds, as [`OpenScene::frame`] does.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), and `frame`.
+    pub fn open_framed(
+        file: &SceneFile,
+        memory_bytes: u64,
+        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
+    ) -> Result<Self, DividedError> {
+        if file.layers.iter().any(|layer| layer.labels.is_some()) {
+            return Err(DividedError::Whole("labels"));
+        }
+        let sources = file.layers.clone();
+        let (mut file, mut grids, mut loaded) = (file.clone(), Vec::new(), Vec::new());
+        for layer in &mut file.layers {
+            let overview = Overview::of(layer)?;
+            overview.stand_in(layer);
+            grids.push(overview.whole);
+            loaded.push(overview.loaded);
+        }
+        let mut opened = OpenScene::unframed(loaded, &file)?;
+        check_parts(&opened.scene)?;
+        frame(&mut opened, &file)?;
+        for ((layer, of_file), grid) in opened.scene.layers.iter_mut().zip(&sources).zip(&grids) {
+            layer.region = of_file.region.on(grid).map_err(OpenError::from)?;
+        }
+        Self::divided(opened, sources, grids, memory_bytes)
+    }
+
+    fn divided(
+        opened: OpenScene,
+        sources: Vec<LayerFile>,
+        grids: Vec<Grid>,
+        memory_bytes: u64,
+    ) -> Result<Self, DividedError> {
+        let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
+        let in_parts = SceneInParts {
+            grids: &grids,
+            camera: &drawn.camera,
+            image: &drawn.image,
+            settings: &drawn.settings,
+        };
+        let planner = Planner::default();
+        let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
+        let steps = steps.collect::<Result<Vec<_>, _>>()?;
+        let boxes = budget::Budget::new(&opened.scene, &drawn.image, memory_bytes)?.boxes(
+            &grids,
+            &steps,
+            drawn.layers.iter().map(|layer| layer.volume.sample_type()),
+        )?;
+        drop(drawn);
+        Ok(Self { opened, sources, grids, boxes, steps, memory_bytes })
+    }
+
+    /// The scene as it was opened, whose volumes are overviews: their grids have longer steps.
+    pub fn opened(&self) -> &OpenScene {
+        &self.opened
+    }
+
+    /// The same for who changes how it is finished. Volumes, camera, picture and settings have to stay.
+    pub fn opened_mut(&mut self) -> &mut OpenScene {
+        &mut self.opened
+    }
+
+    /// The grids of the volumes, layer by layer.
+    pub fn grids(&self) -> &[Grid] {
+        &self.grids
+    }
+
+    /// The memory that it was opened for.
+    pub fn memory_bytes(&self) -> u64 {
+        self.memory_bytes
+    }
+
+    /// How many boxes there are.
+    pub fn n_boxes(&self) -> usize {
+        self.boxes.seen_by(&self.opened.scene.camera).len()
+    }
+
+    /// The scene as a scene file that leaves nothing open, as [`OpenScene::to_file`], without hashes of
+    /// volumes.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn to_file(&self) -> Result<SceneFile, IoError> {
+        let mut file = self.opened.to_file()?;
+        file.layers.iter_mut().for_each(|layer| layer.hash = None);
+        Ok(file)
+    }
+
+    /// Draws the scene and finishes it, as [`Renderer::picture_as`](crate::Renderer::picture_as) does, on the
+    /// CPU.
+    ///
+    /// # Errors
+    /// If a volume cannot be read any more, or the frame is cancelled.
+    pub fn picture(&self, frame: &FrameHandle) -> Result<Picture, DividedError> {
+        let drawn = self.frame(frame)?;
+        Ok(finished(drawn, &self.opened.scene, self.opened.acquisition))
+    }
+}

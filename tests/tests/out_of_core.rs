@@ -1,0 +1,153 @@
+//! Scenes that are drawn box by box from their files (`DividedScene`): the picture is that of all voxels in
+//! memory, and the heap stays within what was asked for.
+//!
+//! It is on its own, as the heap is counted for the whole process.
+
+use fastrand::Rng;
+use slabsplat::{DividedScene, Image, OpenScene, Renderer, backend_named, io};
+use slabsplat_seeds::for_each_seed;
+use std::fs;
+use std::path::Path;
+
+#[global_allocator]
+static HEAP: dhat::Alloc = dhat::Alloc;
+
+/// What a picture may differ by of which each part is rounded on its own.
+const ROUNDED_TWICE: f32 = 1e-5;
+
+/// What the program is granted beside what it has on its heap.
+const BESIDE_HEAP: u64 = 40 << 20;
+
+/// Blobs, noise, and nothing between them.
+fn write_volume(folder: &Path, dims: [usize; 3], rng: &mut Rng) {
+    let [nx, ny, nz] = dims;
+    let blobs = [0; 6].map(|_| dims.map(|n| rng.f64() * n as f64));
+    let mut samples = Vec::with_capacity(nx * ny * nz);
+    for (k, j, i) in
+        (0..nz).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i))))
+    {
+        let from = |at: &[f64; 3]| {
+            let [x, y, z] = [i as f64 - at[0], j as f64 - at[1], k as f64 - at[2]];
+            (x * x + y * y + z * z).sqrt()
+        };
+        let nearest = blobs.iter().map(from).fold(f64::INFINITY, f64::min);
+        let noise = if nearest < 20.0 { rng.f64() * 20.0 } else { 0.0 };
+        samples.push((230.0 - 9.0 * nearest + noise).clamp(0.0, 255.0) as u8);
+    }
+    let header = format!(
+        "NRRD0004\ntype: uint8\ndimension: 3\nsizes: {nx} {ny} {nz}\nspacings: 1 1.3 0.8\n\
+         encoding: raw\ndata file: volume.raw\n"
+    );
+    fs::write(folder.join("volume.nhdr"), header).unwrap();
+    fs::write(folder.join("volume.raw"), samples).unwrap();
+}
+
+fn scene_text(rng: &mut Rng, opacity: f64, render: &str) -> String {
+    let eye = [0; 3].map(|_| 400.0 * (rng.f64() - 0.5));
+    let is_far = eye.iter().any(|c| 80.0 < c.abs());
+    let size = if rng.bool() || !is_far {
+        "projection = \"perspective\"\nfov_y = 40.0"
+    } else {
+        "projection = \"orthographic\"\nview_height = 140.0"
+    };
+    format!(
+        "[volume]\npath = \"volume.nhdr\"\n[classify]\nopacity = [[60.0, 0.0], [200.0, {opacity}]]\n\
+         color = [[60.0, 1.0, 0.2, 0.1], [200.0, 0.3, 0.9, 1.0]]\n[camera]\neye = {eye:?}\n\
+         target = [48.0, 45.0, 40.0]\nup = [0.1, 0.2, 1.0]\n{size}\n[image]\nwidth = 72\nheight = 60\n\
+         background = [0.1, 0.2, 0.3, 1.0]\n[render]\n{render}\n"
+    )
+}
+
+fn whole(file: &io::SceneFile) -> Image {
+    let opened = OpenScene::open(file).unwrap();
+    let mut renderer = Renderer::new(backend_named("cpu").unwrap());
+    renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image
+}
+
+fn opened(folder: &Path, text: &str) -> io::SceneFile {
+    let path = folder.join("scene.toml");
+    fs::write(&path, text).unwrap();
+    io::read_scene(&path).unwrap()
+}
+
+/// As large as it needs to be for so many bytes in boxes.
+fn divided(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
+    let refused = DividedScene::open(file, 1).unwrap_err();
+    let text = refused.to_string();
+    let fixed: u64 = text.rsplit(' ').next().unwrap().parse().unwrap();
+    DividedScene::open(file, fixed + of_boxes).unwrap()
+}
+
+#[test]
+fn out_of_core_is_in_core_within_its_memory() {
+    for_each_seed(4, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [97, 70, 101], &mut rng);
+        let opacity = [0.02, 0.3, 0.95][rng.usize(..3)];
+        let text = scene_text(&mut rng, opacity, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let file = opened(folder.path(), &text);
+        let expected = whole(&file);
+        for of_boxes in [12 << 20, 24 << 20] {
+            let scene = divided(&file, of_boxes);
+            let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+            let off = expected.max_difference(&picture);
+            assert!(off < ROUNDED_TWICE, "{} boxes: {off}, {text}", scene.n_boxes());
+            assert!(1 < scene.n_boxes(), "{} boxes", scene.n_boxes());
+        }
+        // By default rays end at an opacity, which may be in another slab.
+        let text = text.replace("opacity_cutoff = 1.0", "opacity_cutoff = 0.998");
+        let file = opened(folder.path(), &text);
+        let scene = divided(&file, 12 << 20);
+        let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+        let off = whole(&file).max_difference(&picture);
+        assert!(off <= 2e-3 + ROUNDED_TWICE, "{off}, {text}");
+    });
+    check_memory();
+}
+
+/// Everything is relevant, and faint.
+fn check_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(3);
+    write_volume(folder.path(), [190, 180, 170], &mut rng);
+    let text = "[volume]\npath = \"volume.nhdr\"\n[classify]\nopacity = [[0.0, 0.01], [255.0, 0.02]]\n\
+                color = [[0.0, 1.0, 0.2, 0.1]]\n[camera]\neye = [400.0, 300.0, 200.0]\n\
+                target = [95.0, 117.0, 68.0]\nup = [0.0, 0.0, 1.0]\nprojection = \"orthographic\"\n\
+                view_height = 280.0\n[image]\nwidth = 400\nheight = 400\n";
+    let file = opened(folder.path(), text);
+    let profiler = dhat::Profiler::builder().testing().build();
+    for of_boxes in [16_u64 << 20, 40 << 20] {
+        let scene = divided(&file, of_boxes);
+        let memory = scene.memory_bytes();
+        let before = dhat::HeapStats::get();
+        scene.picture(&slabsplat::FrameHandle::new()).unwrap();
+        let after = dhat::HeapStats::get();
+        let most = after.max_bytes as u64;
+        println!("{} boxes: {most} bytes on the heap, {memory} granted", scene.n_boxes());
+        assert!(before.curr_bytes < after.max_bytes);
+        assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
+    }
+    drop(profiler);
+}
+
+#[test]
+fn out_of_core_says_what_it_cannot() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(5);
+    write_volume(folder.path(), [20, 20, 20], &mut rng);
+    let text = scene_text(&mut rng, 0.5, "tolerance = 0.0");
+    let error = |text: &str, memory| {
+        let file = opened(folder.path(), text);
+        DividedScene::open(&file, memory).unwrap_err().to_string()
+    };
+    let check = |found: String, expected: &str| assert!(found.contains(expected), "{found}");
+    check(error(&text, 1 << 20), "too few");
+    let method = text.replace("tolerance", "method = \"post-classified\"\ntolerance");
+    check(error(&method, 1 << 30), "not the method post-classified");
+    let mode = text.replace("tolerance", "mode = \"maximum\"\ntolerance");
+    check(error(&mode, 1 << 30), "not the mode maximum");
+    let builtin = text.replace("path = \"volume.nhdr\"", "generate = \"cube\"");
+    check(error(&builtin, 1 << 30), "made whole");
+    fs::write(folder.path().join("volume.raw"), [0; 7999]).unwrap();
+    check(error(&text, 1 << 30), "cut off");
+}

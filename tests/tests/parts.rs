@@ -1,0 +1,178 @@
+//! Parts of a scene (model §17): pictures of boxes, each drawn of its own voxels and those around it, laid
+//! over each other as the eye has them, are the picture of the undivided scene, on scenes at random.
+
+use fastrand::Rng;
+use slabsplat::backend::{Backend, FramePlan, Planner, SceneInParts};
+use slabsplat::{
+    Compositing, FrameHandle, Grid, Image, ImageDesc, Layer, Method, PartTree, RenderSettings,
+    Scene, Volume,
+};
+use slabsplat_core::glam::{DAffine3, DVec3};
+use slabsplat_core::{over, with_samples};
+use slabsplat_seeds::for_each_numbered_seed;
+use slabsplat_tests::random_scene::{SceneKind, add_gradient_opacity, random_layers};
+use slabsplat_tests::render::open;
+use std::ops::Range;
+
+/// What a picture may differ by of which each part is rounded on its own.
+const ROUNDED_TWICE: f32 = 1e-5;
+
+/// By every kernel, compositing, normalisation, projection and grid, with regions, lit ones among them, and up
+/// to three layers.
+#[test]
+fn parts_are_the_whole() {
+    check_parts(|rng, scene| {
+        if rng.bool() {
+            add_gradient_opacity(rng, scene);
+        }
+        scene.settings.opacity_cutoff = 1.0;
+    });
+}
+
+/// Merged sections, separable footprints and voxels that are drawn in other slabs are the same in a part.
+#[test]
+fn parts_with_a_tolerance_are_the_whole() {
+    check_parts(|rng, scene| {
+        scene.settings.tolerance = [0.01, 0.05, 0.2][rng.usize(..3)];
+        scene.settings.opacity_cutoff = 1.0;
+        let [width, height] = [0; 2].map(|_| rng.u32(20..=70));
+        (scene.image.width, scene.image.height) = (width, height);
+    });
+}
+
+fn check_parts(mut change: impl FnMut(&mut Rng, &mut Scene)) {
+    let mut worst = 0.0_f32;
+    for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
+        let kinds = SceneKind::share(seed).filter(|kind| kind.method == Method::ImageAligned);
+        for kind in kinds {
+            let mut scene = random_layers(&mut rng, &kind);
+            change(&mut rng, &mut scene);
+            if rng.bool() {
+                scene.layers.iter_mut().for_each(grow);
+            }
+            let tree = random_tree(&mut rng, &scene);
+            let [whole, laid_over, one_by_one] = pictures(&scene, &tree);
+            for (how, picture) in [("laid over", &laid_over), ("one by one", &one_by_one)] {
+                let off = whole.max_difference(picture);
+                worst = worst.max(off);
+                let n_boxes = tree.seen_by(&scene.camera).len();
+                let RenderSettings { slab_width, .. } = scene.settings;
+                assert!(
+                    off < ROUNDED_TWICE,
+                    "{how}, {n_boxes} boxes, w {slab_width}: {off}, {kind:?}"
+                );
+            }
+        }
+    });
+    println!("off by {worst} at most");
+}
+
+/// Makes a volume one of four times as many voxels along each axis where it is, so that boxes of it have
+/// neighbours that they need not know.
+fn grow(layer: &mut Layer) {
+    let (grid, scaling) = (*layer.volume.grid(), layer.volume.scaling());
+    let finer = DAffine3::from_scale(DVec3::splat(0.25));
+    let larger = Grid::new(grid.dims().map(|n| 4 * n), grid.world_from_index() * finer).unwrap();
+    let [nx, ny, nz] = grid.dims();
+    let sources = (0..larger.n_voxels()).map(|voxel_idx| {
+        let [i, j, k] = larger.voxel_coords(voxel_idx);
+        grid.voxel_idx([i % nx, j % ny, k % nz])
+    });
+    let samples = with_samples!(layer.volume.samples(), |s| {
+        sources.map(|idx| s[idx]).collect::<Vec<_>>().into()
+    });
+    layer.volume = Volume::new(larger, samples, scaling).unwrap().into();
+}
+
+/// Up to twelve boxes of one of the layers' grids, cut anywhere.
+fn random_tree(rng: &mut Rng, scene: &Scene) -> PartTree {
+    let grids = grids(scene);
+    let grid = grids[rng.usize(..grids.len())];
+    let mut n_more = rng.usize(1..12);
+    PartTree::new(&grid, Grid::center_of_all(&grids), |voxels: &[Range<usize>; 3]| {
+        let longer: Vec<usize> = (0..3).filter(|axis| 1 < voxels[*axis].len()).collect();
+        if n_more == 0 || longer.is_empty() {
+            return None;
+        }
+        n_more -= 1;
+        let axis = longer[rng.usize(..longer.len())];
+        Some((axis, rng.usize(voxels[axis].start + 1..voxels[axis].end)))
+    })
+}
+
+fn grids(scene: &Scene) -> Vec<Grid> {
+    scene.layers.iter().map(|layer| *layer.volume.grid()).collect()
+}
+
+/// The undivided picture, that of parts which know nothing of each other, and that of parts of which each
+/// begins with those in front of it.
+fn pictures(scene: &Scene, tree: &PartTree) -> [Image; 3] {
+    let mut planner = Planner::default();
+    planner.plan_cells(false);
+    let mut backend = open("cpu");
+    let frame = FrameHandle::new();
+    let whole = drawn(&mut *backend, &planner.plan_for_frame(scene, &frame).unwrap());
+    let background = scene.image.premultiplied_background();
+    let ImageDesc { width, height, .. } = scene.image;
+    let mut laid_over = Image::filled(width, height, [0.0; 4]);
+    let mut one_by_one = laid_over.clone();
+    let grids = grids(scene);
+    let in_parts = SceneInParts {
+        grids: &grids,
+        camera: &scene.camera,
+        image: &scene.image,
+        settings: &scene.settings,
+    };
+    for of in tree.seen_by(&scene.camera) {
+        let mut part = scene.clone();
+        part.image.background = [0.0; 4];
+        for layer in &mut part.layers {
+            let grid = layer.volume.grid();
+            let steps = planner.support_of_parts(&in_parts, grid).unwrap();
+            layer.volume = layer.volume.cropped(&tree.voxels_near(of, grid, steps)).into();
+        }
+        let mut plan = planner.plan_part(&part, &of.part, &frame).unwrap();
+        let alone = drawn(&mut *backend, &plan);
+        lay_behind(&mut laid_over, &alone);
+        plan.in_front = Some(&one_by_one);
+        one_by_one = drawn(&mut *backend, &plan);
+    }
+    let behind = Image::filled(width, height, background);
+    lay_behind(&mut laid_over, &behind);
+    lay_behind(&mut one_by_one, &behind);
+    [whole, laid_over, one_by_one]
+}
+
+fn lay_behind(front: &mut Image, behind: &Image) {
+    for (front, behind) in front.pixels_mut().iter_mut().zip(behind.pixels()) {
+        *front = over(*front, *behind);
+    }
+}
+
+fn drawn(backend: &mut dyn Backend, plan: &FramePlan<'_>) -> Image {
+    let frame = FrameHandle::new();
+    backend.submit(plan, &frame).unwrap();
+    backend.wait_image(&frame).unwrap().image
+}
+
+/// What cannot be drawn in parts says so.
+#[test]
+fn parts_are_refused_where_they_would_not_be_the_whole() {
+    let kind = SceneKind::all().swap_remove(0);
+    let mut rng = Rng::with_seed(7);
+    let scene = random_layers(&mut rng, &kind);
+    let tree = random_tree(&mut rng, &scene);
+    let part = &tree.seen_by(&scene.camera)[0].part;
+    for method in Method::ALL.iter().filter(|method| **method != Method::ImageAligned) {
+        let mut scene = scene.clone();
+        scene.settings.method = *method;
+        let error = Planner::default().plan_part(&scene, part, &FrameHandle::new()).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("in parts") && text.contains(method.name()), "{text}");
+    }
+    assert!(Compositing::ALL.iter().all(|compositing| {
+        let mut scene = scene.clone();
+        scene.settings.mode = (*compositing).into();
+        Planner::default().plan_part(&scene, part, &FrameHandle::new()).is_ok()
+    }));
+}
