@@ -17,8 +17,8 @@ use std::ops::Range;
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
 
-/// By every kernel, compositing, normalisation, projection and grid, with regions, lit ones among them, and up
-/// to three layers.
+/// By every kernel, compositing, normalisation, projection and grid, with regions, lit ones among them, and
+/// up to three layers.
 #[test]
 fn parts_are_the_whole() {
     check_parts(|rng, scene| {

@@ -31,6 +31,27 @@ fn memory_changes_no_picture() {
     }
 }
 
+/// A gigabyte of voxels in half of that, if it is there.
+#[test]
+fn memory_of_the_large_brain() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes");
+    if !scenes.join("../data/large/brain_985x1165x945_uint8.raw").is_file() {
+        return println!("skipped: there is no brain of 10⁹ voxels in tests/data/large");
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let scene = scenes.join("brain-large.toml");
+    let scene = format!("{} --tolerance 0 --opacity-cutoff 1", scene.display());
+    let done = json(dir.path(), &format!("render {scene} --memory 512MiB --json -o parts.exr"));
+    if let Some(peak) = done["peak_bytes"].as_u64() {
+        assert!(peak < 512 << 20, "{done}");
+    }
+    answer(dir.path(), &format!("render {scene} --backend cpu -o whole.exr"));
+    let [whole, parts] = ["whole.exr", "parts.exr"].map(|name| pixels(&dir.path().join(name)));
+    let off = whole.iter().zip(&parts).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    println!("{done}: off by {off}");
+    assert!(whole.len() == parts.len() && off < 1e-5, "{off}");
+}
+
 /// All values of a picture in EXR.
 fn pixels(path: &Path) -> Vec<f32> {
     image::open(path).unwrap().to_rgba32f().into_raw()

@@ -36,7 +36,7 @@ const OF_PIXEL: u64 = 112;
 const OF_VOXEL: u64 = 9;
 
 /// Of a voxel in the range of depth that is drawn: projected and shaded, and on its tiles.
-const OF_VOXEL_IN_RANGE: u64 = 56;
+const OF_VOXEL_IN_RANGE: u64 = 64;
 
 /// How many voxel steps are in such a range, what waits for the next one included.
 const IN_RANGE: u64 = 36;
@@ -110,7 +110,7 @@ impl Budget {
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.
 fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
     let [mut x, mut y, mut z] = dims.map(|n| n as u64);
-    // A range lies across the two longest sides: of a cube, at worst, across a hexagon of 1.3 of its side's area.
+    // A range lies across the two longest sides: of a cube, at worst, in a hexagon of 1.3 of a side's area.
     if x < z {
         (x, z) = (z, x);
     }
