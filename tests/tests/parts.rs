@@ -1,6 +1,8 @@
 //! Parts of a scene (model §17): pictures of boxes, each drawn of its own voxels and those around it, laid
 //! over each other as the eye has them, are the picture of the undivided scene, on scenes at random.
 
+#![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
+
 use fastrand::Rng;
 use slabsplat::backend::{Backend, FramePlan, Planner, SceneInParts};
 use slabsplat::{

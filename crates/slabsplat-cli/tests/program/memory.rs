@@ -12,7 +12,8 @@ const SCENE: &str = "[volume]\npath = \"FILE\"\n[classify]\nopacity = [[20.0, 0.
 /// Writes a volume in that format, and its scene.
 fn write(folder: &Path, file: &str) {
     answer(folder, &format!("convert builtin:sphere:64 {file}"));
-    std::fs::write(folder.join("scene.toml"), SCENE.replace("FILE", file)).unwrap();
+    let scene = SCENE.replace("FILE", file);
+    std::fs::write(folder.join("scene.toml"), scene).expect("the folder can be written to");
 }
 
 /// By the program's own comparison of two pictures.
@@ -54,7 +55,7 @@ fn memory_of_the_large_brain() {
 
 /// All values of a picture in EXR.
 fn pixels(path: &Path) -> Vec<f32> {
-    image::open(path).unwrap().to_rgba32f().into_raw()
+    image::open(path).expect("a picture was written").to_rgba32f().into_raw()
 }
 
 /// A volume without a scene is found out about by an overview.

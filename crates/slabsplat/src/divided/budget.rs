@@ -26,8 +26,11 @@ pub(super) struct Budget {
     camera: Camera,
 }
 
-/// The program, its tables, and the stacks of threads.
-const OF_PROGRAM: u64 = 48 << 20;
+/// The program and its tables.
+const OF_PROGRAM: u64 = 40 << 20;
+
+/// A thread's stack, its tile's sheets, and what it takes in at once.
+const OF_THREAD: u64 = 4 << 20;
 
 /// A picture that is drawn, what is in front of it, tiles, and where their rays are in a part and in regions.
 const OF_PIXEL: u64 = 112;
@@ -54,7 +57,9 @@ impl Budget {
             let volume = &layer.volume;
             (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
         });
-        let fixed_bytes = OF_PROGRAM + OF_PIXEL * image.n_pixels() as u64 + overviews.sum::<u64>();
+        let of_threads = OF_THREAD * rayon::current_num_threads() as u64;
+        let of_pixels = OF_PIXEL * image.n_pixels() as u64;
+        let fixed_bytes = OF_PROGRAM + of_threads + of_pixels + overviews.sum::<u64>();
         if memory_bytes <= fixed_bytes {
             return Err(NoRoom { memory_bytes, needed_bytes: fixed_bytes }.into());
         }
