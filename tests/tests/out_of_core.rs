@@ -3,6 +3,8 @@
 //!
 //! It is on its own, as the heap is counted for the whole process.
 
+#![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
+
 use fastrand::Rng;
 use slabsplat::{DividedScene, Image, OpenScene, Renderer, backend_named, io};
 use slabsplat_seeds::for_each_seed;
@@ -103,6 +105,56 @@ fn out_of_core_is_in_core_within_its_memory() {
         assert!(off <= 2e-3 + ROUNDED_TWICE, "{off}, {text}");
     });
     check_memory();
+}
+
+/// Two layers, cut by regions, of which one counts voxels of its grid; samples of a pixel, and a gradient.
+#[test]
+fn out_of_core_draws_layers_and_regions() {
+    for_each_seed(2, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [57, 70, 61], &mut rng);
+        for name in ["volume.nhdr", "volume.raw"] {
+            let other = name.replace("volume", "other");
+            let bytes = fs::read(folder.path().join(name)).unwrap();
+            let bytes = if name == "volume.nhdr" {
+                let header = String::from_utf8(bytes).unwrap().replace("volume.raw", "other.raw");
+                header.replace("1 1.3 0.8", "1.4 1.1 0.7").into_bytes()
+            } else {
+                bytes
+            };
+            fs::write(folder.path().join(other), bytes).unwrap();
+        }
+        let text = scene_text(&mut rng, 0.2, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let (_, behind) = text.split_once("[camera]").unwrap();
+        let layer = |file: &str, opacity: f64, region: &str| {
+            format!(
+                "[[layers]]\n[layers.volume]\npath = \"{file}.nhdr\"\n[layers.classify]\n\
+                 opacity = [[90.0, 0.0], [220.0, {opacity}]]\ncolor = [[90.0, 1.0, 0.2, 0.1]]\n{region}\n"
+            )
+        };
+        let layers = [
+            layer(
+                "volume",
+                0.3,
+                "[layers.region]\nbox = [[0.0, 5.0, 3.0], [40.0, 60.0, 44.0]]\nindex = true\nlit = true",
+            ),
+            layer(
+                "other",
+                0.05,
+                "[layers.region]\nplanes = [[0.6, 0.8, 0.1, 60.0]]\ninvert = true",
+            ),
+        ];
+        let text = format!(
+            "{}[camera]{}",
+            layers.concat(),
+            behind.replace("height = 60", "height = 60\nsamples = 4")
+        );
+        let file = opened(folder.path(), &text);
+        let scene = divided(&file, 24 << 20);
+        let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+        let off = whole(&file).max_difference(&picture);
+        assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{} boxes: {off}", scene.n_boxes());
+    });
 }
 
 /// Everything is relevant, and faint.

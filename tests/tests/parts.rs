@@ -1,6 +1,8 @@
 //! Parts of a scene (model §17): pictures of boxes, each drawn of its own voxels and those around it, laid
 //! over each other as the eye has them, are the picture of the undivided scene, on scenes at random.
 
+#![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
+
 use fastrand::Rng;
 use slabsplat::backend::{Backend, FramePlan, Planner, SceneInParts};
 use slabsplat::{
@@ -17,8 +19,8 @@ use std::ops::Range;
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
 
-/// By every kernel, compositing, normalisation, projection and grid, with regions, lit ones among them, and up
-/// to three layers.
+/// By every kernel, compositing, normalisation, projection and grid, with regions, lit ones among them, and
+/// up to three layers.
 #[test]
 fn parts_are_the_whole() {
     check_parts(|rng, scene| {

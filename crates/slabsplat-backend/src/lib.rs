@@ -61,7 +61,8 @@
 //! # Reading order
 //!
 //! `plan`, `slabs`, `cached`, `tables`; `plan_error`, `scene_checks`, `layer_order`, `shown_values`,
-//! `meshes`, `seen_layer`, `layer_to_plan`, `part_support`, `planner`; `densities`; `contract`, `conformance`.
+//! `meshes`, `seen_layer`, `layer_to_plan`, `part_support`, `planner`; `densities`; `contract`,
+//! `conformance`.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]

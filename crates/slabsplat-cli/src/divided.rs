@@ -52,8 +52,17 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, memory_bytes: u64)
         "threads": rayon::current_num_threads(),
         "warnings": terminal::take_warnings(),
         "n_boxes": divided.n_boxes(),
+        "peak_bytes": peak_bytes(),
         "volumes": volumes(&divided),
     }))
+}
+
+/// The most memory that the program has had so far, where the system tells.
+fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let (_, peak) = status.split_once("VmHWM:")?;
+    let kib: u64 = peak.split_whitespace().next()?.parse().ok()?;
+    Some(kib << 10)
 }
 
 /// Whole, on their grids.

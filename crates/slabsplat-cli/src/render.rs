@@ -27,7 +27,10 @@ pub(crate) struct RenderArgs {
     json: bool,
 
     /// Draw within so much memory, however large the volumes are, box by box on the CPU: as 800MiB or 2GiB
-    #[arg(long, value_name = "SIZE", value_parser = values::bytes, help_heading = "Output")]
+    #[arg(
+        long, value_name = "SIZE", value_parser = values::bytes, help_heading = "Output",
+        conflicts_with = "stats"
+    )]
     memory: Option<u64>,
 
     #[command(flatten)]

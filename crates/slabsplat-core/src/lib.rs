@@ -19,8 +19,8 @@
 //! `grid`, `sample`, `volume`; `camera`; `transfer`, `transfer_2d`, `transfer_image`, `isosurface`;
 //! `compositing`, `unit_vector`, `light`, `shading`; `settings_table`, `interval`, `choices`, `easing`,
 //! `turn_axis`, `settings`;
-//! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`, `part`,
-//! `part_tree`, `slabs`, `slices`;
+//! `mesh`; `region`, `labels`, `voxel_colors`, `layer`, `mesh_layer`, `scene`; `view`, `region_in_view`,
+//! `part`, `part_tree`, `slabs`, `slices`;
 //! `image`, `image_difference`; `finish`, `ticks`; `frame_handle`; `serialized`.
 //!
 //! What all of it means for a picture is the page [`model`]; "model §3" is its third section.

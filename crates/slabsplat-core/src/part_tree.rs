@@ -81,8 +81,8 @@ impl PartTree {
         })
     }
 
-    /// The least and the greatest corner, in the index space of `grid`, of what a box holds of all that lies no
-    /// more than so many steps of that grid outside of it.
+    /// The least and the greatest corner, in the index space of `grid`, of what a box holds of all that lies
+    /// no more than so many steps of that grid outside of it.
     fn ends_in(&self, of: &PartBox, grid: &Grid, steps: [f64; 3]) -> [DVec3; 2] {
         let voxels = of.voxels.each_ref().map(|range| [range.start as f64, range.end as f64]);
         let [first, end] = [0, 1].map(|side| DVec3::from_array(voxels.map(|ends| ends[side])));

@@ -1,6 +1,8 @@
 //! Volumes of which a box of voxels is read: what comes is what the whole volume has there, and where files
 //! lack it they say so.
 
+#![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
+
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Grid, SampleType, Samples, Volume};
 use slabsplat_io::{

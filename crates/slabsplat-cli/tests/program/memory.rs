@@ -12,7 +12,8 @@ const SCENE: &str = "[volume]\npath = \"FILE\"\n[classify]\nopacity = [[20.0, 0.
 /// Writes a volume in that format, and its scene.
 fn write(folder: &Path, file: &str) {
     answer(folder, &format!("convert builtin:sphere:64 {file}"));
-    std::fs::write(folder.join("scene.toml"), SCENE.replace("FILE", file)).unwrap();
+    let scene = SCENE.replace("FILE", file);
+    std::fs::write(folder.join("scene.toml"), scene).expect("the folder can be written to");
 }
 
 /// By the program's own comparison of two pictures.
@@ -31,9 +32,30 @@ fn memory_changes_no_picture() {
     }
 }
 
+/// A gigabyte of voxels in half of that, if it is there.
+#[test]
+fn memory_of_the_large_brain() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes");
+    if !scenes.join("../data/large/brain_985x1165x945_uint8.raw").is_file() {
+        return println!("skipped: there is no brain of 10⁹ voxels in tests/data/large");
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let scene = scenes.join("brain-large.toml");
+    let scene = format!("{} --tolerance 0 --opacity-cutoff 1", scene.display());
+    let done = json(dir.path(), &format!("render {scene} --memory 512MiB --json -o parts.exr"));
+    if let Some(peak) = done["peak_bytes"].as_u64() {
+        assert!(peak < 512 << 20, "{done}");
+    }
+    answer(dir.path(), &format!("render {scene} --backend cpu -o whole.exr"));
+    let [whole, parts] = ["whole.exr", "parts.exr"].map(|name| pixels(&dir.path().join(name)));
+    let off = whole.iter().zip(&parts).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    println!("{done}: off by {off}");
+    assert!(whole.len() == parts.len() && off < 1e-5, "{off}");
+}
+
 /// All values of a picture in EXR.
 fn pixels(path: &Path) -> Vec<f32> {
-    image::open(path).unwrap().to_rgba32f().into_raw()
+    image::open(path).expect("a picture was written").to_rgba32f().into_raw()
 }
 
 /// A volume without a scene is found out about by an overview.

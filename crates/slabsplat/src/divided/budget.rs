@@ -26,8 +26,11 @@ pub(super) struct Budget {
     camera: Camera,
 }
 
-/// The program, its tables, and the stacks of threads.
-const OF_PROGRAM: u64 = 48 << 20;
+/// The program and its tables.
+const OF_PROGRAM: u64 = 40 << 20;
+
+/// A thread's stack, its tile's sheets, and what it takes in at once.
+const OF_THREAD: u64 = 4 << 20;
 
 /// A picture that is drawn, what is in front of it, tiles, and where their rays are in a part and in regions.
 const OF_PIXEL: u64 = 112;
@@ -36,7 +39,7 @@ const OF_PIXEL: u64 = 112;
 const OF_VOXEL: u64 = 9;
 
 /// Of a voxel in the range of depth that is drawn: projected and shaded, and on its tiles.
-const OF_VOXEL_IN_RANGE: u64 = 56;
+const OF_VOXEL_IN_RANGE: u64 = 64;
 
 /// How many voxel steps are in such a range, what waits for the next one included.
 const IN_RANGE: u64 = 36;
@@ -54,7 +57,9 @@ impl Budget {
             let volume = &layer.volume;
             (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
         });
-        let fixed_bytes = OF_PROGRAM + OF_PIXEL * image.n_pixels() as u64 + overviews.sum::<u64>();
+        let of_threads = OF_THREAD * rayon::current_num_threads() as u64;
+        let of_pixels = OF_PIXEL * image.n_pixels() as u64;
+        let fixed_bytes = OF_PROGRAM + of_threads + of_pixels + overviews.sum::<u64>();
         if memory_bytes <= fixed_bytes {
             return Err(NoRoom { memory_bytes, needed_bytes: fixed_bytes }.into());
         }
@@ -110,7 +115,7 @@ impl Budget {
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.
 fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
     let [mut x, mut y, mut z] = dims.map(|n| n as u64);
-    // A range lies across the two longest sides: of a cube, at worst, across a hexagon of 1.3 of its side's area.
+    // A range lies across the two longest sides: of a cube, at worst, in a hexagon of 1.3 of a side's area.
     if x < z {
         (x, z) = (z, x);
     }
