@@ -8,7 +8,9 @@ use thiserror::Error;
 /// The memory is too little to draw anything.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error(
-    "{memory_bytes} bytes of memory are too few to draw a picture of this size box by box: it takes {needed_bytes}"
+    "{} of memory are too few to draw a picture of this size box by box: it takes {}",
+    in_mib(*.memory_bytes),
+    in_mib(*.needed_bytes)
 )]
 #[non_exhaustive]
 pub struct NoRoom {
@@ -16,6 +18,11 @@ pub struct NoRoom {
     pub memory_bytes: u64,
     /// What it takes at least.
     pub needed_bytes: u64,
+}
+
+/// Rounded up, as what is needed has to suffice.
+fn in_mib(n_bytes: u64) -> String {
+    format!("{} MiB", n_bytes.div_ceil(1 << 20))
 }
 
 /// What boxes may take.

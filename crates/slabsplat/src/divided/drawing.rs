@@ -2,10 +2,14 @@
 
 use super::{DividedError, DividedScene, overview};
 use crate::{RenderError, backend_named, frame_scene};
+use rayon::prelude::*;
 use slabsplat_backend::{Frame, FrameCost, FrameStats, Planner};
+use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    FrameHandle, Image, ImageDesc, PartBox, PartInView, Region, RegionInView, Scene, View, over,
+    FrameHandle, Grid, Image, ImageDesc, PartBox, PartInView, Region, RegionInView, Scene, View,
+    over,
 };
+use std::ops::Range;
 
 impl DividedScene {
     /// Draws all boxes, one behind the other.
@@ -60,7 +64,7 @@ impl DividedScene {
         image: &Image,
     ) -> Result<bool, DividedError> {
         let cutoff = scene.settings.opacity_cutoff as f32;
-        let width = image.width() as usize;
+        let [width, height] = [image.width(), image.height()].map(|n| n as usize);
         for (grid, steps) in self.grids.iter().zip(&self.steps) {
             let view = View::about(of.part.center(), grid, &scene.camera, &scene.image)
                 .map_err(slabsplat_backend::PlanError::from)?;
@@ -72,18 +76,50 @@ impl DividedScene {
             let Ok(extent) = Region::in_index_box(grid, ends) else { return Ok(true) };
             let (extent, part) =
                 (RegionInView::new(&extent, &view), PartInView::new(&of.part, &view));
-            let is_seen = |(idx, pixel): (usize, &[f32; 4])| {
-                let at = [idx % width, idx / width].map(|p| p as f64 + 0.5);
-                let ray = view.ray(at);
+            let shows = |[x, y]: [usize; 2]| {
+                if cutoff <= image.pixels()[y * width + x][3] {
+                    return false;
+                }
+                let ray = view.ray([x, y].map(|p| p as f64 + 0.5));
                 let [[a, b], [c, d]] = [extent.interval(&ray), part.interval(&ray)];
-                pixel[3] < cutoff && a.max(c) < b.min(d)
+                a.max(c) < b.min(d)
             };
-            if image.pixels().iter().enumerate().any(is_seen) {
+            let [columns, rows] = pixels_around(&view, grid, ends, [width, height]);
+            if rows.into_par_iter().any(|y| columns.clone().any(|x| shows([x, y]))) {
                 return Ok(true);
             }
         }
         Ok(false)
     }
+}
+
+/// The columns and rows of pixels that may show anything of what lies between two corners in the index space
+/// of `grid`: all of them where that reaches before the eye.
+fn pixels_around(
+    view: &View,
+    grid: &Grid,
+    ends: [[f64; 3]; 2],
+    n_pixels: [usize; 2],
+) -> [Range<usize>; 2] {
+    let from_index = view.from_index(grid);
+    let [mut least, mut most] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    for corner in 0..8_usize {
+        let at = [0, 1, 2].map(|axis| ends[corner >> axis & 1][axis]);
+        let point = from_index.transform(DVec3::from_array(at));
+        if point.z < view.near_depth() {
+            return n_pixels.map(|n| 0..n);
+        }
+        let pixels_per_world = view.pixels_per_world(point.z);
+        let from_middle = [point.x, -point.y].map(|world| world * pixels_per_world);
+        for axis in 0..2 {
+            let pixel = 0.5 * n_pixels[axis] as f64 + from_middle[axis];
+            (least[axis], most[axis]) = (least[axis].min(pixel), most[axis].max(pixel));
+        }
+    }
+    [0, 1].map(|axis| {
+        let end = (most[axis].ceil().max(0.0) as usize).min(n_pixels[axis]);
+        (least[axis].floor().max(0.0) as usize).min(end)..end
+    })
 }
 
 /// How far around the voxels that are read anything of them may be seen, generously.
