@@ -19,7 +19,11 @@ fn splat_table_sections(
 // Stages the section of the splat at a place of the list; 1 if the slab holds it.
 fn stage(place: u32, end: u32, slab: u32, thread: u32) -> u32 {
     staged[thread].sheet = NO_SHEET;
+    // What is not to be seen has a ρ² of 0 everywhere: before it is written, workgroup memory may hold
+    // anything, and so could make a ρ² of less.
     staged[thread].rho_squared_max = -1.0;
+    staged[thread].across = 0.0;
+    staged[thread].along = 0.0;
     if end <= place {
         return 0u;
     }

@@ -7,7 +7,8 @@ struct Footprint {
     color: vec4<f32>,
     // In pixels from the image's upper left corner.
     center: vec2<f32>,
-    // ρ² at which it ends; negative if it is not to be seen, and the rest is not set then.
+    // ρ² at which it ends; negative if it is not to be seen. Then nothing else need be set, and may
+    // be anything.
     rho_squared_max: f32,
     row_t: f32,
     // The quadratic form in pixels.

@@ -7,10 +7,10 @@ use slabsplat_core::{
     Camera, Compositing, Grid, Layer, Method, Normalization, Plane, Projection, Region,
     RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
-use slabsplat_seeds::for_each_numbered_seed;
+use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{render, render_within_tolerance};
-use slabsplat_tests::render::{backends, render as by_backend};
+use slabsplat_tests::render::{backends, open, render as by_backend};
 
 /// What simpler footprints may add to 10⁻³, as in `tolerance.rs`: 0.15 of the tolerance.
 const OF_FOOTPRINTS: f64 = 1e-3 + 0.15 * 0.05;
@@ -99,6 +99,34 @@ fn detail_levels_on_random_scenes() {
     });
     println!("at most {worst:.4} from voxels, {worst_of_backends:.1e} from the reference");
     assert!(3 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
+}
+
+/// What a workgroup's memory holds before it is written is what frames of other scenes left there: splats that
+/// are staged and not seen must not be told by it. On a driver that plays a device it depends on which thread
+/// draws which tile, so that a mistake shows once in some tens of frames; these are many small ones.
+#[test]
+fn detail_levels_in_turn_with_others_do_not_change_a_bit() {
+    for_each_seed(1, |mut rng| {
+        let is_tabled = |kind: &SceneKind| may_merge(kind) && kind.kernel == "crawfis-max";
+        let kinds: Vec<SceneKind> = SceneKind::all().into_iter().filter(is_tabled).collect();
+        let scenes = [0; 4].map(|_| {
+            let kind = rng.usize(..kinds.len());
+            let mut scene = minified(&mut rng, &kinds[kind]);
+            cut_and_light(&mut rng, &mut scene);
+            scene
+        });
+        for &name in backends() {
+            let mut renderer = Renderer::new(open(name));
+            let mut turn = || {
+                let frames = scenes.iter().map(|scene| renderer.render(scene));
+                frames.map(|frame| frame.expect("the scene is valid").image).collect::<Vec<_>>()
+            };
+            let first = turn();
+            for step in 0..20 {
+                assert!(turn() == first, "{name}, turn {step}");
+            }
+        }
+    });
 }
 
 /// A ball of two colours with a hard border between them, smooth in itself and as opaque as scans are, so

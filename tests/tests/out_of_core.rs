@@ -6,7 +6,7 @@
 #![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
 
 use fastrand::Rng;
-use slabsplat::{DividedScene, Image, OpenScene, Renderer, backend_named, io};
+use slabsplat::{DividedError, DividedScene, Image, OpenScene, Renderer, backend_named, io};
 use slabsplat_seeds::for_each_seed;
 use std::fs;
 use std::path::Path;
@@ -74,9 +74,10 @@ fn opened(folder: &Path, text: &str) -> io::SceneFile {
 
 /// As large as it needs to be for so many bytes in boxes.
 fn divided(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
-    let refused = DividedScene::open(file, 1).unwrap_err();
-    let text = refused.to_string();
-    let fixed: u64 = text.rsplit(' ').next().unwrap().parse().unwrap();
+    let fixed = match DividedScene::open(file, 1) {
+        Err(DividedError::NoRoom(no_room)) => no_room.needed_bytes,
+        other => panic!("a byte is too little: {other:?}"),
+    };
     DividedScene::open(file, fixed + of_boxes).unwrap()
 }
 

@@ -154,6 +154,7 @@ fn scene_flags_are_all_tried() {
         "width",
         "height",
         "backend",
+        "memory",
     ];
     let help = answer(Path::new("."), "render --help");
     let flags = help.split("--").skip(1).map(|rest| {
