@@ -101,9 +101,9 @@ fn detail_levels_on_random_scenes() {
     assert!(3 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
 }
 
-/// What a workgroup's memory holds before it is written is what frames of other scenes left there: splats that
-/// are staged and not seen must not be told by it. On a driver that plays a device it depends on which thread
-/// draws which tile, so that a mistake shows once in some tens of frames; these are many small ones.
+/// What a workgroup's memory holds before it is written is what frames of other scenes left there: splats
+/// that are staged and not seen must not be told by it. On a driver that plays a device it depends on which
+/// thread draws which tile, so that a mistake shows once in some tens of frames; these are many small ones.
 #[test]
 fn detail_levels_in_turn_with_others_do_not_change_a_bit() {
     for_each_seed(1, |mut rng| {
