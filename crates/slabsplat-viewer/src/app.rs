@@ -220,6 +220,7 @@ impl Viewer {
         }
         let asks = context.input(|input| input.key_pressed(Key::Questionmark));
         self.shows_help ^= asks || pressed(Key::F1);
+        self.shows_help &= !pressed(Key::Escape);
     }
 
     fn camera_keys(&mut self, context: &Context) {
@@ -335,7 +336,13 @@ impl Viewer {
             if ui.selectable_label(self.ruler.is_on, "Measure").on_hover_text("M").clicked() {
                 self.ruler.toggle();
             }
-            egui::global_theme_preference_buttons(ui);
+            let (other, name) = match ui.ctx().theme() {
+                egui::Theme::Dark => (egui::Theme::Light, "Light"),
+                egui::Theme::Light => (egui::Theme::Dark, "Dark"),
+            };
+            if ui.button(name).clicked() {
+                ui.ctx().set_theme(other);
+            }
             if ui.button("?").clicked() {
                 self.shows_help ^= true;
             }
@@ -507,7 +514,7 @@ impl eframe::App for Viewer {
         Bar::top("bar").show(ui, |ui| self.bar(ui));
         Bar::bottom("status").show(ui, |ui| self.status(ui));
         if let Some(document) = &mut self.document {
-            let panel = Bar::right("controls").default_size(310.0).size_range(240.0..=520.0);
+            let panel = Bar::right("controls").default_size(330.0).size_range(330.0..=520.0);
             let said = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
             said.into_iter().for_each(|what| self.say(what));
         }

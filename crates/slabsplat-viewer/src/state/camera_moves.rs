@@ -211,11 +211,11 @@ mod tests {
             let from = seen_at(&camera, point).unwrap();
             for direction in [DVec3::Y, DVec3::new(0.3, 0.8, 0.5).normalize()] {
                 let far = seen_at(&camera, point + 0.1 * direction).unwrap() - from;
-                let slid = slid(&camera, point, direction, far);
-                assert!((slid - 0.1).abs() < 0.01, "{slid}");
+                let by = slid(&camera, point, direction, far);
+                assert!((by - 0.1).abs() < 0.01, "{by}");
             }
             let end_on = camera.axes().forward;
-            assert_eq!(super::slid(&camera, camera.target(), end_on, DVec2::ONE), 0.0);
+            assert_eq!(slid(&camera, camera.target(), end_on, DVec2::ONE), 0.0);
         }
     }
 

@@ -122,8 +122,8 @@ mod tests {
     #[test]
     fn maps_are_stretched() {
         let map = slabsplat::io::colormap("gray").unwrap();
-        let stretched = stretched(&map, [-10.0, 30.0]);
-        assert_eq!(stretched.span(), [-10.0, 30.0]);
-        assert_eq!(stretched.at(10.0), map.at(0.5));
+        let wide = stretched(&map, [-10.0, 30.0]);
+        assert_eq!(wide.span(), [-10.0, 30.0]);
+        assert_eq!(wide.at(10.0), map.at(0.5));
     }
 }

@@ -149,27 +149,27 @@ mod tests {
 
     #[test]
     fn the_nearest_side_of_what_is_opaque_is_seen() {
-        let picked = picked(&scene(1.0), from_the_right()).unwrap();
-        assert_eq!((picked.voxel, picked.value), ([7, 2, 2], 100.0));
-        assert!((picked.point.x - 15.0).abs() < 1.0, "{picked:?}");
-        assert_eq!(super::picked(&scene(1.0), [DVec3::splat(90.0), DVec3::Y]), None);
+        let wall = picked(&scene(1.0), from_the_right()).unwrap();
+        assert_eq!((wall.voxel, wall.value), ([7, 2, 2], 100.0));
+        assert!((wall.point.x - 15.0).abs() < 1.0, "{wall:?}");
+        assert_eq!(picked(&scene(1.0), [DVec3::splat(90.0), DVec3::Y]), None);
         let away = [DVec3::new(40.0, 4.0, 4.0), DVec3::X];
-        assert_eq!(super::picked(&scene(1.0), away), None);
+        assert_eq!(picked(&scene(1.0), away), None);
     }
 
     #[test]
     fn what_is_faint_is_seen_where_it_is_densest() {
-        let picked = picked(&scene(0.1), from_the_right()).unwrap();
-        assert_eq!(picked.value, 100.0);
-        assert_eq!(super::picked(&scene(0.0), from_the_right()), None);
+        let wall = picked(&scene(0.1), from_the_right()).unwrap();
+        assert_eq!(wall.value, 100.0);
+        assert_eq!(picked(&scene(0.0), from_the_right()), None);
     }
 
     #[test]
     fn what_is_cut_off_is_not_seen() {
         let mut cut = scene(1.0);
         cut.layers[0].region = Region::in_box([[0.0; 3], [12.5, 9.0, 9.0]]).unwrap();
-        let picked = picked(&cut, from_the_right()).unwrap();
-        assert_eq!(picked.voxel, [6, 2, 2]);
+        let wall = picked(&cut, from_the_right()).unwrap();
+        assert_eq!(wall.voxel, [6, 2, 2]);
     }
 
     #[test]

@@ -185,7 +185,7 @@ pub(crate) fn pointer(ui: &Ui, frame: &Frame, response: &Response, document: &mu
         });
     }
     // Ctrl turns the wheel into a pinch.
-    let factor = f64::from(wheel / 300.0).exp() * f64::from(pinch);
+    let factor = f64::from(wheel / 400.0).exp() * f64::from(pinch);
     if let Some(at) = at.filter(|_| factor != 1.0 && response.hovered()) {
         document.move_camera(|camera| state::zoomed(camera, at, factor));
     }

@@ -18,7 +18,7 @@ pub(crate) fn dress(context: &Context) {
     for theme in [Theme::Dark, Theme::Light] {
         context.style_mut_of(theme, |style| {
             style.spacing.item_spacing = vec2(6.0, 4.0);
-            style.spacing.slider_width = 92.0;
+            style.spacing.slider_width = 70.0;
             for font in style.text_styles.values_mut() {
                 font.size *= 0.94;
             }

@@ -229,8 +229,7 @@ impl Editor {
                     }
                 }
                 _ => {
-                    let help = "drag points; double click adds one, right click removes it";
-                    ui.weak(help);
+                    ui.weak("drag; double click adds, right click removes");
                 }
             }
             if self.selected.is_some() && ui.small_button("remove").clicked() {
