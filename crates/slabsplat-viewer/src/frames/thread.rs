@@ -125,26 +125,38 @@ struct Painter {
 }
 
 impl Painter {
+    /// Each pane has a renderer, as what one keeps for its next frame is of no use to a frame that is made
+    /// otherwise.
     fn paint_all(&self, backend: &str) {
-        let Some(mut renderer) = self.opened(backend) else { return };
+        let Some(first) = self.opened(backend) else { return };
+        let mut renderers = vec![first];
         while let Some((request, frame)) = self.shared.next() {
-            let result = drawn(&mut renderer, &request, &frame);
+            while renderers.len() <= request.pane {
+                let Some(another) = self.opened(backend) else { return };
+                renderers.push(another);
+            }
+            let renderer = &mut renderers[request.pane];
+            let result = drawn(renderer, &request, &frame);
             self.shared.locked().under_way = None;
             // With `auto` it may have gone on with the CPU.
-            self.name(&renderer);
+            self.name(renderer);
             let has_panicked = matches!(result, Err(RenderError::Panicked { .. }));
-            match result {
-                Ok(drawn) => self.tell(Event::Drawn(Box::new(drawn))),
-                Err(error) if error.is_cancelled() => (self.wake)(),
-                Err(error) => {
-                    let Request { pane, number, .. } = request;
-                    self.tell(Event::Failed { pane, number, why: error.to_string() });
-                }
-            }
+            self.tell_of(result, &request);
             if has_panicked {
                 // Nothing is used again that may be half done.
                 let Some(another) = self.opened(backend) else { return };
-                renderer = another;
+                *renderer = another;
+            }
+        }
+    }
+
+    fn tell_of(&self, result: Result<Drawn, RenderError>, request: &Request) {
+        match result {
+            Ok(drawn) => self.tell(Event::Drawn(Box::new(drawn))),
+            Err(error) if error.is_cancelled() => (self.wake)(),
+            Err(error) => {
+                let (pane, number) = (request.pane, request.number);
+                self.tell(Event::Failed { pane, number, why: error.to_string() });
             }
         }
     }
@@ -203,4 +215,84 @@ fn drawn(
         notes: picture.notes,
         ms: Some(started.elapsed().as_secs_f64() * 1e3),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat::io::{SceneFile, VolumeSource};
+    use slabsplat::{Mode, OpenScene};
+    use std::time::Duration;
+
+    fn scene() -> OpenScene {
+        let source = VolumeSource::Builtin { name: "sphere".to_owned(), size: Some(24) };
+        let mut file = SceneFile::of_volume(source);
+        [file.image.width, file.image.height] = [32, 24];
+        OpenScene::open(&file).unwrap()
+    }
+
+    fn thread() -> (RenderingThread, Receiver<()>) {
+        let (sender, woken) = mpsc::channel();
+        let sender = Mutex::new(sender);
+        let wake: Wake = Arc::new(move || _ = sender.lock().unwrap().send(()));
+        (RenderingThread::spawn("cpu".to_owned(), wake).unwrap(), woken)
+    }
+
+    /// Events until `n` of them have come.
+    fn events(thread: &mut RenderingThread, woken: &Receiver<()>, n: usize) -> Vec<Event> {
+        let mut events = Vec::new();
+        while events.len() < n {
+            woken.recv_timeout(Duration::from_secs(60)).unwrap();
+            events.extend(thread.events());
+        }
+        events
+    }
+
+    fn request(number: u64, opened: &OpenScene, urgency: Urgency) -> Request {
+        Request { pane: 0, number, opened: opened.clone(), urgency }
+    }
+
+    #[test]
+    fn pictures_are_those_of_a_renderer() {
+        let (mut thread, woken) = thread();
+        let opened = scene();
+        thread.ask(request(1, &opened, Urgency::AtRest));
+        let events = events(&mut thread, &woken, 1);
+        let [Event::Drawn(drawn)] = &events[..] else { panic!("{events:?}") };
+        let mut renderer = Renderer::open("cpu", |_| {}).unwrap();
+        let picture = renderer.picture(&opened.scene, opened.acquisition).unwrap();
+        assert_eq!(drawn.image, picture.frame.image);
+        assert_eq!(thread.drawn_by(), "CPU");
+    }
+
+    #[test]
+    fn the_newest_request_is_drawn() {
+        let (mut thread, woken) = thread();
+        let mut opened = scene();
+        for number in 1..=200 {
+            opened.scene.camera = opened.scene.camera.orbited(0.01);
+            thread.ask(request(number, &opened, Urgency::Moving));
+        }
+        let mut numbers = Vec::new();
+        while numbers.last() != Some(&200) {
+            for event in events(&mut thread, &woken, 1) {
+                let Event::Drawn(drawn) = event else { panic!("{event:?}") };
+                numbers.push(drawn.number);
+            }
+        }
+        assert!(numbers.is_sorted() && numbers.len() < 200, "{numbers:?}");
+    }
+
+    #[test]
+    fn a_scene_that_cannot_be_drawn_is_an_error_and_the_next_is_not() {
+        let (mut thread, woken) = thread();
+        let mut opened = scene();
+        opened.scene.settings.mode = Mode::Isosurfaces;
+        thread.ask(request(1, &opened, Urgency::AtRest));
+        let failed = events(&mut thread, &woken, 1);
+        assert!(matches!(&failed[..], [Event::Failed { number: 1, .. }]), "{failed:?}");
+        thread.ask(request(2, &scene(), Urgency::AtRest));
+        let drawn = events(&mut thread, &woken, 1);
+        assert!(matches!(&drawn[..], [Event::Drawn(_)]), "{drawn:?}");
+    }
 }

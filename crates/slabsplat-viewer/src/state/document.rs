@@ -4,7 +4,7 @@ use super::History;
 use slabsplat::io::{IoError, SceneFile, scene_text};
 use slabsplat::{
     Aim, CameraError, Framing, Labels, Layer, OpenError, OpenScene, RenderSettings,
-    ValueCounts, Viewpoint,
+    Scene, ValueCounts, Viewpoint,
 };
 use std::path::Path;
 
@@ -100,16 +100,18 @@ impl Document {
         self.revision
     }
 
-    /// What is shown is as large as the view. That is nothing to be undone.
+    /// What is shown is as large as the view, and holds what it held. That is nothing to be undone.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         let image = self.state().opened.scene.image;
         if [image.width, image.height] == [width, height] {
             return;
         }
         self.revision += 1;
+        let factor = share_of_square([width, height]) / share_of_square([image.width, image.height]);
         self.history.amend(|state| {
-            let image = &mut state.opened.scene.image;
+            let Scene { image, camera, .. } = &mut state.opened.scene;
             (image.width, image.height) = (width, height);
+            *camera = camera.magnified(factor).unwrap_or(*camera);
         });
     }
 
@@ -160,5 +162,78 @@ impl Document {
     /// As [`OpenScene::to_file`].
     pub fn scene_text(&self, path: &Path) -> Result<String, IoError> {
         scene_text(&self.state().opened.to_file()?, path)
+    }
+}
+
+/// The share of a view's height that the largest square in it has.
+fn share_of_square([width, height]: [u32; 2]) -> f64 {
+    f64::from(width.min(height)) / f64::from(height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::height_at_target;
+    use slabsplat::io::VolumeSource;
+
+    fn document() -> Document {
+        let source = VolumeSource::Builtin { name: "neuron".to_owned(), size: Some(16) };
+        Document::open(&SceneFile::of_volume(source), "neuron".to_owned(), [80, 60]).unwrap()
+    }
+
+    #[test]
+    fn every_state_is_a_scene_file() {
+        let mut document = document();
+        document.move_camera(|camera| crate::state::zoomed(camera, [0.1, 0.2].into(), 1.3));
+        document.aim(Some(Viewpoint::Left)).unwrap();
+        document.change("slab width", |state| state.opened.scene.settings.slab_width = 0.5);
+        let text = document.scene_text(Path::new("scene.toml")).unwrap();
+        let again = slabsplat::io::parse_scene(&text, "scene.toml").unwrap();
+        let again = OpenScene::open(&again).unwrap();
+        assert_eq!(again.scene.camera, document.state().opened.scene.camera);
+        assert_eq!(again.scene.settings, document.state().opened.scene.settings);
+        assert_eq!(again.scene.image, document.state().opened.scene.image);
+    }
+
+    #[test]
+    fn all_is_undone() {
+        let mut document = document();
+        let before = document.state().opened.scene.clone();
+        let revision = document.revision();
+        document.move_camera(|camera| camera.orbited(0.3));
+        document.move_camera(|camera| camera.orbited(0.3));
+        document.change("panes", |state| {
+            state.compared.push(state.opened.scene.settings.clone());
+        });
+        assert_eq!((document.n_panes(), document.has_steps()), (2, [true, false]));
+        document.undo();
+        document.undo();
+        assert_eq!((document.n_panes(), document.has_steps()), (1, [false, true]));
+        assert_eq!(document.state().opened.scene.camera, before.camera);
+        assert!(revision < document.revision());
+        document.redo();
+        assert_ne!(document.state().opened.scene.camera, before.camera);
+    }
+
+    #[test]
+    fn views_of_other_sizes_hold_what_they_held() {
+        let mut document = document();
+        let height = |document: &Document| height_at_target(&document.state().opened.scene.camera);
+        let before = height(&document);
+        document.resize([60, 120]);
+        assert!((height(&document) / before - 2.0).abs() < 1e-9);
+        document.resize([600, 120]);
+        assert!((height(&document) / before - 1.0).abs() < 1e-9);
+        assert_eq!(document.has_steps(), [false, false]);
+    }
+
+    #[test]
+    fn panes_differ_in_their_settings_alone() {
+        let mut document = document();
+        let other = RenderSettings::default().slab_width(2.0);
+        document.change("panes", |state| state.compared.push(other.clone()));
+        assert_eq!(document.pane(1).scene.settings, other);
+        assert_eq!(document.pane(1).scene.camera, document.pane(0).scene.camera);
+        assert_ne!(document.pane(0).scene.settings, other);
     }
 }

@@ -41,14 +41,12 @@ impl Pacing {
             (self.revision, self.changed_at) = (revision, now);
         }
         self.panes.resize(n_panes, Pane::default());
-        let is_first = self.panes.iter().all(|pane| pane.last.is_none());
-        let urgency = if self.is_at_rest(now, is_held) || is_first {
-            Urgency::AtRest
-        } else {
-            Urgency::Moving
-        };
+        let is_at_rest = self.is_at_rest(now, is_held);
         let mut asked = Vec::new();
         for (idx, pane) in self.panes.iter_mut().enumerate() {
+            // Whoever opens something sees a small picture of it first.
+            let is_whole = is_at_rest && pane.last.is_some();
+            let urgency = if is_whole { Urgency::AtRest } else { Urgency::Moving };
             let is_shown = pane.last.is_some_and(|(of, how)| {
                 of == revision && (how == urgency || how == Urgency::AtRest)
             });
@@ -110,20 +108,32 @@ impl Pacing {
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_is_opened_is_drawn_at_once() {
+    /// One that has shown all of a picture.
+    fn at_rest(n_panes: usize) -> Pacing {
         let mut pacing = Pacing::default();
-        let asked = pacing.step(1, 1, 0.0, false);
-        assert_eq!(asked, [Asked { pane: 0, number: 1, urgency: Urgency::AtRest }]);
-        assert_eq!(pacing.step(1, 1, 9.0, false), []);
+        for now in [0.0, 1.0] {
+            for Asked { pane, number, .. } in pacing.step(0, n_panes, now, false) {
+                assert!(pacing.came(pane, number));
+            }
+        }
+        pacing
+    }
+
+    #[test]
+    fn what_is_opened_is_drawn_at_once_and_then_whole() {
+        let mut pacing = Pacing::default();
+        let asked = pacing.step(1, 1, 5.0, false);
+        assert_eq!(asked, [Asked { pane: 0, number: 1, urgency: Urgency::Moving }]);
+        assert_eq!(pacing.step(1, 1, 5.1, false), []);
         assert!(!pacing.is_done() && pacing.came(0, 1) && pacing.is_done());
+        let asked = pacing.step(1, 1, 6.0, false);
+        assert_eq!(asked, [Asked { pane: 0, number: 2, urgency: Urgency::AtRest }]);
+        assert_eq!(pacing.step(1, 1, 9.0, false), []);
     }
 
     #[test]
     fn what_moves_is_drawn_frame_by_frame_and_then_whole() {
-        let mut pacing = Pacing::default();
-        pacing.step(0, 1, 0.0, false);
-        pacing.came(0, 1);
+        let mut pacing = at_rest(1);
         let first = pacing.step(1, 1, 1.0, true);
         assert_eq!(first[0].urgency, Urgency::Moving);
         for revision in 2..20 {
@@ -143,9 +153,11 @@ mod tests {
 
     #[test]
     fn whole_pictures_are_given_up_for_what_moves() {
-        let mut pacing = Pacing::default();
-        let whole = pacing.step(0, 2, 1.0, false);
-        let moving = pacing.step(1, 2, 1.1, false);
+        let mut pacing = at_rest(2);
+        let changed = pacing.step(1, 2, 2.0, false);
+        changed.iter().for_each(|asked| assert!(pacing.came(asked.pane, asked.number)));
+        let whole = pacing.step(1, 2, 3.0, false);
+        let moving = pacing.step(2, 2, 3.1, false);
         assert_eq!((whole.len(), moving.len()), (2, 2));
         assert!(!pacing.came(0, whole[0].number), "that one is out of date");
         assert!(pacing.came(0, moving[0].number) && pacing.came(1, moving[1].number));

@@ -141,12 +141,14 @@ fn set_texture(
 /// The rectangles of so many panes.
 pub(crate) fn rects(all: Rect, n_panes: usize) -> Vec<Rect> {
     const GAP: f32 = 2.0;
-    let is_wide = all.height() < all.width();
-    let (columns, rows) = match n_panes {
-        4 => (2, 2),
-        n if is_wide => (n, 1),
-        n => (1, n),
+    // The rows by which the largest square fits into each.
+    let square = |rows: usize| {
+        let columns = n_panes.div_ceil(rows);
+        (all.width() / columns as f32).min(all.height() / rows as f32)
     };
+    let rows = (1..=n_panes).max_by(|&a, &b| square(a).total_cmp(&square(b)).then(b.cmp(&a)));
+    let rows = rows.unwrap_or(1);
+    let columns = n_panes.div_ceil(rows);
     let size = vec2(
         (all.width() - GAP * (columns - 1) as f32) / columns as f32,
         (all.height() - GAP * (rows - 1) as f32) / rows as f32,
@@ -229,4 +231,34 @@ pub(crate) fn title(painter: &Painter, rect: Rect, text: &str) {
     let font = FontId::proportional(13.0);
     painter.text(at + vec2(1.0, 1.0), Align2::LEFT_TOP, text, font.clone(), Color32::BLACK);
     painter.text(at, Align2::LEFT_TOP, text, font, Color32::WHITE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panes_fill_the_view() {
+        let wide = Rect::from_min_size(pos2(0.0, 20.0), vec2(1000.0, 800.0));
+        assert_eq!(rects(wide, 1), [wide]);
+        for n_panes in 1..=4 {
+            for all in [wide, Rect::from_min_size(Pos2::ZERO, vec2(300.0, 1000.0))] {
+                let rects = rects(all, n_panes);
+                assert_eq!(rects.len(), n_panes);
+                assert!(rects.iter().all(|rect| all.expand(0.5).contains_rect(*rect)), "{rects:?}");
+                let apart = |a: &Rect, b: &Rect| a == b || !a.intersects(*b);
+                assert!(rects.iter().all(|a| rects.iter().all(|b| apart(a, b))));
+            }
+        }
+        assert!((rects(wide, 3)[0].width() - 499.0).abs() < 1.0, "two by two");
+        assert!((rects(wide, 2)[0].height() - 800.0).abs() < 1.0, "side by side");
+    }
+
+    #[test]
+    fn points_of_the_view_are_where_they_are_seen() {
+        let frame = Frame { rect: Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 200.0)) };
+        assert_eq!(frame.to_view(pos2(160.0, 20.0)), DVec2::new(0.0, 0.5));
+        assert_eq!(frame.to_screen(DVec2::new(0.25, -0.5)), pos2(210.0, 220.0));
+        assert_eq!(frame.drag(vec2(20.0, 20.0)), DVec2::new(0.1, -0.1));
+    }
 }
