@@ -1,7 +1,9 @@
 //! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
-use crate::jobs::{self, Job, Opener, Opening};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::jobs::Opening;
+use crate::jobs::{self, Job, Opener};
 use crate::state::{self, Asked, Document, FrameBudget, Pacing, Picked};
 use crate::ui::{self, Files, Pane, Panel, Pointed, Ruler, Wish};
 use eframe::egui::{
@@ -73,12 +75,20 @@ impl Viewer {
         }
     }
 
+    /// Opens what a job opens, of views of a size.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn begin(&mut self, job: impl FnOnce([u32; 2], &Wake) -> Job<Document>) {
+        self.opening = Some(job(self.view, &self.wake));
+    }
+
     /// Opens something instead of what is open; `name` is what it is called.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn open(&mut self, name: String, opening: Opening) {
         self.opening = Some(jobs::begin(name, opening, self.view, &self.wake));
     }
 
     /// What was opened before, the newest first.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn set_recent(&mut self, recent: Vec<std::path::PathBuf>) {
         self.files.recent = recent;
     }
@@ -259,7 +269,8 @@ impl Viewer {
     fn dropped(&mut self, context: &Context) {
         let dropped = context.input(|input| input.raw.dropped_files.clone());
         if let Some(file) = dropped.first() {
-            self.grant(Wish::Open(file.path().to_owned()));
+            let opener = self.opener.clone();
+            self.opening = Some(jobs::open_dropped(opener, file, self.view, &self.wake));
         }
     }
 
@@ -271,6 +282,10 @@ impl Viewer {
             Some(opened)
         };
         match wish {
+            #[cfg(target_arch = "wasm32")]
+            Wish::OpenBytes(name, bytes) => {
+                self.opening = Some(jobs::open_bytes(name, bytes, self.view, &self.wake));
+            }
             Wish::Open(path) => {
                 self.files.opened(&path);
                 let job = jobs::open(self.opener.clone(), path, self.view, &self.wake);

@@ -17,22 +17,33 @@
 //! ```
 //!
 //! Reading order: `state` (what is open, without a window), `frames` (where pictures come from), `jobs`, `ui`,
-//! `app` (all of it), `window`.
+//! `app` (all of it), `window`; in a browser `page` and `received`.
 
 pub mod state;
 
 mod frames;
 
 mod jobs;
+#[cfg(not(target_arch = "wasm32"))]
 mod recent;
+#[cfg(any(target_arch = "wasm32", test))]
+mod received;
+#[cfg(target_arch = "wasm32")]
+mod page;
 
 mod ui;
 
 mod app;
 
+#[cfg(not(target_arch = "wasm32"))]
 mod window;
 
 pub use app::Viewer;
-pub use frames::{Drawn, Event, FrameSource, RenderingThread, Request, Urgency, Wake};
+#[cfg(not(target_arch = "wasm32"))]
+pub use frames::RenderingThread;
+pub use frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
 pub use jobs::{Opener, Opening};
+#[cfg(target_arch = "wasm32")]
+pub use page::show_in_page;
+#[cfg(not(target_arch = "wasm32"))]
 pub use window::{Start, WindowError, show};

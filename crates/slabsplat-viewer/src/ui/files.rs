@@ -1,14 +1,17 @@
 //! What is opened and saved: names, sizes, and the system's dialogs.
 
 use eframe::egui::{Context, DragValue, Key, Ui, Window};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 
 /// Something that is to be opened or saved.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Wish {
-    /// A volume, a scene, a picture that says what it shows.
+    /// A volume, a scene, a picture that says what it shows; in a page what is under an address.
     Open(PathBuf),
+    /// A file that was chosen in a page.
+    #[cfg(target_arch = "wasm32")]
+    OpenBytes(String, Vec<u8>),
     /// The scene, as a file.
     SaveScene(PathBuf),
     /// The picture, in pixels.
@@ -23,7 +26,7 @@ pub(crate) struct Files {
     asked: Option<Asked>,
     /// What was opened before, the newest first.
     pub(crate) recent: Vec<PathBuf>,
-    dialog: Option<Receiver<Option<PathBuf>>>,
+    dialog: Option<Receiver<Chosen>>,
 }
 
 /// What is asked for.
@@ -67,9 +70,15 @@ impl What {
 
 impl Files {
     /// Remembers what was opened.
-    pub(crate) fn opened(&mut self, path: &std::path::Path) {
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn opened(&mut self, path: &Path) {
         self.recent = crate::recent::add(&self.recent, path);
     }
+
+    /// A page remembers nothing.
+    #[cfg(target_arch = "wasm32")]
+    #[expect(clippy::unused_self, reason = "a desktop remembers")]
+    pub(crate) fn opened(&mut self, _: &Path) {}
 
     /// Asks what to open.
     pub(crate) fn ask_open(&mut self) {
@@ -100,8 +109,15 @@ impl Files {
     pub(crate) fn show(&mut self, context: &Context) -> Option<Wish> {
         if let Some(chosen) = self.dialog.as_ref().and_then(|dialog| dialog.try_recv().ok()) {
             self.dialog = None;
-            if let (Some(asked), Some(path)) = (&mut self.asked, chosen) {
-                asked.name = path.display().to_string();
+            match (chosen, &mut self.asked) {
+                #[cfg(not(target_arch = "wasm32"))]
+                (Chosen::Path(path), Some(asked)) => asked.name = path.display().to_string(),
+                #[cfg(target_arch = "wasm32")]
+                (Chosen::Bytes(name, bytes), _) => {
+                    self.asked = None;
+                    return Some(Wish::OpenBytes(name, bytes));
+                }
+                _ => {}
             }
         }
         let asked = self.asked.as_mut()?;
@@ -151,13 +167,14 @@ impl Asked {
 fn name(ui: &mut Ui, asked: &mut Asked) -> (bool, bool) {
     ui.horizontal(|ui| {
         let field = eframe::egui::TextEdit::singleline(&mut asked.name).desired_width(340.0);
-        let response = ui.add(field.hint_text("path"));
+        let response = ui.add(field.hint_text(if cfg!(target_arch = "wasm32") { "address" } else { "path" }));
         if asked.is_new {
             response.request_focus();
             asked.is_new = false;
         }
         let is_entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        (is_entered, ui.button("browse…").clicked())
+        let has_dialog = asked.what == What::Open || cfg!(not(target_arch = "wasm32"));
+        (is_entered, has_dialog && ui.button("browse…").clicked())
     })
     .inner
 }
@@ -179,8 +196,19 @@ fn details(ui: &mut Ui, asked: &mut Asked) {
     });
 }
 
+/// What was chosen in a dialog of the system's.
+#[derive(Clone, Debug)]
+enum Chosen {
+    Nothing,
+    #[cfg(not(target_arch = "wasm32"))]
+    Path(PathBuf),
+    #[cfg(target_arch = "wasm32")]
+    Bytes(String, Vec<u8>),
+}
+
 /// The system's own dialog, on a thread of its own where that may be.
-fn browse(what: What, context: Context) -> Receiver<Option<PathBuf>> {
+#[cfg(not(target_arch = "wasm32"))]
+fn browse(what: What, context: Context) -> Receiver<Chosen> {
     let (sender, receiver) = mpsc::channel();
     let ask = move || {
         let dialog = rfd::FileDialog::new().set_title(what.title());
@@ -188,7 +216,7 @@ fn browse(what: What, context: Context) -> Receiver<Option<PathBuf>> {
             What::Open => dialog.pick_file(),
             _ => dialog.set_file_name(what.usual_name()).save_file(),
         };
-        drop(sender.send(chosen));
+        drop(sender.send(chosen.map_or(Chosen::Nothing, Chosen::Path)));
         context.request_repaint();
     };
     if cfg!(target_os = "macos") {
@@ -197,5 +225,20 @@ fn browse(what: What, context: Context) -> Receiver<Option<PathBuf>> {
     } else {
         std::thread::spawn(ask);
     }
+    receiver
+}
+
+/// The browser's own dialog. What is saved goes where the browser has its downloads.
+#[cfg(target_arch = "wasm32")]
+fn browse(_: What, context: Context) -> Receiver<Chosen> {
+    let (sender, receiver) = mpsc::channel();
+    wasm_bindgen_futures::spawn_local(async move {
+        let chosen = match rfd::AsyncFileDialog::new().pick_file().await {
+            Some(file) => Chosen::Bytes(file.file_name(), file.read().await),
+            None => Chosen::Nothing,
+        };
+        drop(sender.send(chosen));
+        context.request_repaint();
+    });
     receiver
 }

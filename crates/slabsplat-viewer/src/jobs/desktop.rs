@@ -1,62 +1,14 @@
-//! Work that takes its time: files that are opened, pictures and films that are written. Each is on a thread
-//! of its own, says how far it is, and can be given up.
+//! Work on threads: files of the disk.
 
+use super::{Job, Opener, Opening, Progress};
 use crate::frames::Wake;
 use crate::state::Document;
+use eframe::egui::DroppedFileHandle;
 use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate, Turn};
 use slabsplat::io::{PictureFormat, ProgressCallback, Provenance, SceneFile, write_scene};
-use slabsplat::{FrameHandle, OpenScene, Renderer, TurnAxis};
+use slabsplat::{OpenScene, Renderer, TurnAxis};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::mpsc::{self, Receiver, TryRecvError};
-use std::sync::{Arc, Mutex, PoisonError};
-
-/// What a scene file makes of a name: a volume, a scene, a picture that says what it shows.
-pub type Opener = Arc<dyn Fn(&Path) -> Result<SceneFile, String> + Send + Sync>;
-
-/// Work that goes on.
-#[derive(Debug)]
-pub(crate) struct Job<T> {
-    /// What it is, for people.
-    pub(crate) title: String,
-    progress: Progress,
-    result: Receiver<Result<T, String>>,
-}
-
-/// How far work is, for those who do it and those who watch. It is given up when nobody watches.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Progress {
-    thousandths: Arc<AtomicU32>,
-    is_cancelled: Arc<AtomicU32>,
-    frame: Arc<Mutex<Option<FrameHandle>>>,
-}
-
-impl Progress {
-    fn reach(&self, share: f64) {
-        self.thousandths.store((1000.0 * share) as u32, Ordering::Relaxed);
-    }
-
-    /// A frame that is part of it: it is cancelled with the rest.
-    fn frame(&self) -> FrameHandle {
-        let frame = FrameHandle::new();
-        *self.frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame.clone());
-        if self.is_cancelled() {
-            frame.cancel();
-        }
-        frame
-    }
-
-    fn is_cancelled(&self) -> bool {
-        self.is_cancelled.load(Ordering::Relaxed) != 0
-    }
-
-    fn cancel(&self) {
-        self.is_cancelled.store(1, Ordering::Relaxed);
-        if let Some(frame) = &*self.frame.lock().unwrap_or_else(PoisonError::into_inner) {
-            frame.cancel();
-        }
-    }
-}
+use std::sync::mpsc;
 
 impl<T: Send + 'static> Job<T> {
     /// Begins work. `wake` is called when it is done, and may be whenever it has got further.
@@ -79,29 +31,6 @@ impl<T: Send + 'static> Job<T> {
         }
         Self { title, progress, result }
     }
-
-    /// What came of it, once it is done.
-    pub(crate) fn done(&self) -> Option<Result<T, String>> {
-        match self.result.try_recv() {
-            Ok(result) => Some(result),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => Some(Err("it stopped in the middle".to_owned())),
-        }
-    }
-
-    /// How far it is, 0 … 1.
-    pub(crate) fn share(&self) -> f32 {
-        let frame = self.progress.frame.lock().unwrap_or_else(PoisonError::into_inner);
-        let of_frame = frame.as_ref().map_or(0.0, FrameHandle::progress);
-        let share = self.progress.thousandths.load(Ordering::Relaxed) as f32 / 1000.0;
-        if share == 0.0 { of_frame } else { share }
-    }
-}
-
-impl<T> Drop for Job<T> {
-    fn drop(&mut self) {
-        self.progress.cancel();
-    }
 }
 
 /// Opens what `opener` makes of a name, for views of that size.
@@ -114,8 +43,15 @@ pub(crate) fn open(opener: Opener, path: PathBuf, size: [u32; 2], wake: &Wake) -
     })
 }
 
-/// What opens something for views of a size, in pixels, on a thread of its own.
-pub type Opening = Box<dyn FnOnce([u32; 2]) -> Result<OpenScene, String> + Send>;
+/// Opens what was dropped onto the window.
+pub(crate) fn open_dropped(
+    opener: Opener,
+    file: &DroppedFileHandle,
+    size: [u32; 2],
+    wake: &Wake,
+) -> Job<Document> {
+    open(opener, file.path().to_owned(), size, wake)
+}
 
 /// Opens what `opening` opens.
 pub(crate) fn begin(name: String, opening: Opening, size: [u32; 2], wake: &Wake) -> Job<Document> {
