@@ -93,13 +93,13 @@ fn build(web: Web) -> Result<PathBuf> {
     let site = workspace.target_directory.join("web");
     let modules = outside.target.join(WASM).join("release");
     let of_viewer = |page: &&&str| **page == VIEWER;
-    let (viewer, others): (Vec<_>, Vec<_>) = PAGES.iter().partition(of_viewer);
+    let (viewer, others): (Vec<&&str>, Vec<&&str>) = PAGES.iter().partition(of_viewer);
     let folders = [(site.clone(), others, FILES), (site.join(VIEWER), viewer, VIEWER_FILES)];
     for (folder, pages, files) in folders {
         // Not optimised, as among the tests of `outside`: to run it takes less than to build it once more.
         let mut bindgen = outside.cargo("run");
         bindgen.args(["--package", "bindgen", "--"]).arg(&folder);
-        bindgen.args(pages.iter().map(|page| modules.join(page).with_extension("wasm")));
+        bindgen.args(pages.iter().map(|page| modules.join(**page).with_extension("wasm")));
         run_command(&mut bindgen)?;
         for file in files.iter().map(|file| programs().join(file)) {
             let name = file.file_name().context("each has a name")?;

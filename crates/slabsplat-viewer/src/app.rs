@@ -1,15 +1,18 @@
 //! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
+//!
+//! Reading order: here, `view`, `keys`, `bars`.
+
+mod bars;
+mod keys;
+mod view;
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::jobs::Opening;
 use crate::jobs::{self, Job, Opener};
-use crate::state::{self, Asked, Document, FrameBudget, Pacing, Picked};
-use crate::ui::{self, Files, Pane, Panel, Pointed, Ruler, Wish};
-use eframe::egui::{
-    self, CentralPanel, Context, Key, KeyboardShortcut, Modifiers, Panel as Bar, Rect, Ui,
-};
-use slabsplat::glam::DVec2;
+use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
+use crate::ui::{self, Files, Pane, Panel, Ruler, Wish};
+use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
 use slabsplat::{Finish, ImageDesc, OpenScene, Viewpoint};
 
 /// A viewer of volumes, an app of eframe's.
@@ -42,16 +45,17 @@ impl std::fmt::Debug for Viewer {
     }
 }
 
-/// Degrees of a step of a turn, and of an arrow key.
+/// Degrees of a step of a turn.
 const TURN_STEP: f64 = 0.5;
-const ARROW_STEP: f64 = 5.0;
-
-/// Larger views are shown by fewer pixels.
-const MAX_SIDE: u32 = 8192;
 
 impl Viewer {
     /// A viewer in a window of egui's, on frames of `source`, that opens what `opener` makes of names.
-    pub fn new(context: &Context, source: Box<dyn FrameSource>, opener: Opener, wake: Wake) -> Self {
+    pub fn new(
+        context: &Context,
+        source: Box<dyn FrameSource>,
+        opener: Opener,
+        wake: Wake,
+    ) -> Self {
         ui::dress(context);
         Self {
             opener,
@@ -185,78 +189,6 @@ impl Viewer {
         }
     }
 
-    fn keys(&mut self, context: &Context) {
-        let shortcut = |modifiers, key| {
-            let shortcut = KeyboardShortcut::new(modifiers, key);
-            context.input_mut(|input| input.consume_shortcut(&shortcut))
-        };
-        if shortcut(Modifiers::COMMAND, Key::O) {
-            self.files.ask_open();
-        }
-        let redoes = shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-            || shortcut(Modifiers::COMMAND, Key::Y);
-        let undoes = shortcut(Modifiers::COMMAND, Key::Z);
-        let saves = [Key::S, Key::E].map(|key| shortcut(Modifiers::COMMAND, key));
-        let Some(document) = &mut self.document else { return };
-        match (redoes, undoes, saves) {
-            (true, ..) => document.redo(),
-            (_, true, _) => document.undo(),
-            (_, _, [true, _]) => self.files.ask_scene(),
-            (_, _, [_, true]) => self.files.ask_picture(self.view),
-            _ => {}
-        }
-        // Whoever writes a number does not turn the camera.
-        if context.egui_wants_keyboard_input() {
-            return;
-        }
-        let pressed = |key| context.input(|input| input.key_pressed(key) && !input.modifiers.any());
-        let viewpoints = ui::SIDES;
-        let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
-        for (key, viewpoint) in keys.into_iter().zip(viewpoints) {
-            if pressed(key) {
-                self.aim(Some(viewpoint));
-            }
-        }
-        if pressed(Key::Num0) {
-            self.aim(None);
-        }
-        self.camera_keys(context);
-        if pressed(Key::M) {
-            self.ruler.toggle();
-        }
-        if pressed(Key::T) {
-            self.panel.comparison.is_turning ^= true;
-            self.panel.comparison.clear();
-        }
-        let asks = context.input(|input| input.key_pressed(Key::Questionmark));
-        self.shows_help ^= asks || pressed(Key::F1);
-        self.shows_help &= !pressed(Key::Escape);
-    }
-
-    fn camera_keys(&mut self, context: &Context) {
-        let Some(document) = &mut self.document else { return };
-        let pressed = |key| context.input(|input| input.key_pressed(key));
-        let step = ARROW_STEP / 180.0;
-        let arrows = [
-            (Key::ArrowLeft, DVec2::new(-step, 0.0)),
-            (Key::ArrowRight, DVec2::new(step, 0.0)),
-            (Key::ArrowUp, DVec2::new(0.0, step)),
-            (Key::ArrowDown, DVec2::new(0.0, -step)),
-        ];
-        for (_, drag) in arrows.into_iter().filter(|(key, _)| pressed(*key)) {
-            document.move_camera(|camera| state::orbited(camera, drag));
-        }
-        let factor = ui::zoom_of_keys(context);
-        if factor != 1.0 {
-            document.move_camera(|camera| state::zoomed(camera, DVec2::ZERO, factor));
-        }
-        if pressed(Key::P) {
-            document.settle();
-            document.move_camera(state::with_projection_switched);
-            document.settle();
-        }
-    }
-
     fn aim(&mut self, viewpoint: Option<Viewpoint>) {
         let Some(document) = &mut self.document else { return };
         document.settle();
@@ -304,192 +236,6 @@ impl Viewer {
                 self.jobs.extend(opened.map(|it| jobs::film(it, path, seconds, &self.wake)));
             }
         }
-    }
-
-    fn bar(&mut self, ui: &mut Ui) {
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Open…").clicked() {
-                self.files.ask_open();
-            }
-            let Some(document) = &mut self.document else { return };
-            if ui.button("Save picture…").clicked() {
-                self.files.ask_picture(self.view);
-            }
-            if ui.button("Save scene…").clicked() {
-                self.files.ask_scene();
-            }
-            if ui.button("Film…").clicked() {
-                self.files.ask_film(self.view);
-            }
-            ui.separator();
-            let [has_undo, has_redo] = document.has_steps();
-            if ui.add_enabled(has_undo, egui::Button::new("← Undo")).clicked() {
-                document.undo();
-            }
-            if ui.add_enabled(has_redo, egui::Button::new("Redo →")).clicked() {
-                document.redo();
-            }
-            ui.separator();
-            if ui.button("Perspective").on_hover_text("P").clicked() {
-                document.settle();
-                document.move_camera(state::with_projection_switched);
-                document.settle();
-            }
-            let mut aims = None;
-            for viewpoint in ui::SIDES {
-                if ui.button(viewpoint.name()).clicked() {
-                    aims = Some(Some(viewpoint));
-                }
-            }
-            if ui.button("fill").on_hover_text("0").clicked() {
-                aims = Some(None);
-            }
-            if let Some(viewpoint) = aims {
-                self.aim(viewpoint);
-            }
-            ui.separator();
-            if ui.selectable_label(self.ruler.is_on, "Measure").on_hover_text("M").clicked() {
-                self.ruler.toggle();
-            }
-            let (other, name) = match ui.ctx().theme() {
-                egui::Theme::Dark => (egui::Theme::Light, "Light"),
-                egui::Theme::Light => (egui::Theme::Dark, "Dark"),
-            };
-            if ui.button(name).clicked() {
-                ui.ctx().set_theme(other);
-            }
-            if ui.button("?").clicked() {
-                self.shows_help ^= true;
-            }
-        });
-    }
-
-    fn status(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            if let (Some(picked), Some(document)) = (&self.pointed, &self.document) {
-                ui.label(told(picked, document));
-            } else if let Some(document) = &self.document {
-                ui.weak(&document.name);
-            }
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.weak(self.source.drawn_by());
-                if let Some((ms, [width, height])) = self.shown {
-                    ui.weak(format!("{width} x {height}, {ms:.0} ms"));
-                }
-                match self.source.progress() {
-                    Some(share) if !self.pacing.is_done() => {
-                        ui.add(egui::ProgressBar::new(share).desired_width(80.0));
-                    }
-                    _ => {}
-                }
-            });
-        });
-    }
-
-    /// Work that goes on, and what was said, over the picture.
-    fn notices(&mut self, context: &Context) {
-        let (mut dropped, mut dropped_job, mut drops_opening) = (None, None, false);
-        let area = egui::Area::new(egui::Id::unique("notices"));
-        area.anchor(egui::Align2::LEFT_BOTTOM, [8.0, -34.0]).show(context, |ui| {
-            ui.set_max_width(520.0);
-            let line = |ui: &mut Ui, text: &str, share: Option<f32>| {
-                let frame = egui::Frame::popup(ui.style());
-                let inner = frame.show(ui, |ui| {
-                    ui.horizontal(|ui| {
-                        let is_closed = ui.small_button("×").clicked();
-                        if let Some(share) = share {
-                            ui.add(egui::ProgressBar::new(share).desired_width(90.0));
-                        }
-                        ui.add(egui::Label::new(text).wrap());
-                        is_closed
-                    })
-                });
-                inner.inner.inner
-            };
-            if let Some(opening) = &self.opening {
-                drops_opening = line(ui, &opening.title, Some(opening.share()));
-            }
-            for (idx, job) in self.jobs.iter().enumerate() {
-                if line(ui, &job.title, Some(job.share())) {
-                    dropped_job = Some(idx);
-                }
-            }
-            for (idx, message) in self.messages.iter().enumerate() {
-                if line(ui, message, None) {
-                    dropped = Some(idx);
-                }
-            }
-        });
-        if drops_opening {
-            self.opening = None;
-        }
-        dropped_job.map(|idx| self.jobs.remove(idx));
-        dropped.map(|idx| self.messages.remove(idx));
-    }
-
-    /// The view: all panes, and what the pointer does in them.
-    fn view(&mut self, ui: &mut Ui) {
-        let all = ui.available_rect_before_wrap();
-        let Some(document) = &mut self.document else {
-            return nothing_open(ui, all, self.opening.is_some());
-        };
-        let n_panes = document.n_panes();
-        self.panes.resize_with(n_panes, Pane::default);
-        if self.budgets.len() != n_panes {
-            let budget = FrameBudget::new(FrameBudget::USUAL_MS / n_panes as f64);
-            self.budgets = vec![budget; n_panes];
-        }
-        let rects = ui::rects(all, n_panes);
-        self.view = pixels(rects[0], ui.ctx());
-        document.resize(self.view);
-        (self.pointed, self.is_held) = (None, false);
-        for (pane_idx, rect) in rects.into_iter().enumerate() {
-            self.show_pane(ui, pane_idx, rect);
-        }
-    }
-
-    fn show_pane(&mut self, ui: &mut Ui, pane_idx: usize, rect: Rect) {
-        let Some(document) = &mut self.document else { return };
-        let frame = ui::Frame { rect };
-        let response = ui::sensed(ui, rect, pane_idx);
-        let pane = &mut self.panes[pane_idx];
-        pane.paint(ui, rect);
-        let now = ui.input(|input| input.time);
-        if self.pacing.is_moving(now, self.is_held) {
-            let opened = document.pane(pane_idx);
-            let revision = document.revision();
-            pane.paint_annotations(ui, rect, revision, &opened.scene, opened.acquisition);
-        }
-        let pointed = ui::pointer(ui, &frame, &response, document);
-        self.is_held |= pointed.is_held;
-        if self.panel.edits_region {
-            self.is_held |= ui::show_handles(ui, &frame, document, self.panel.layer_idx);
-        }
-        if 1 < document.n_panes() {
-            let method = document.pane(pane_idx).scene.settings.method;
-            ui::title(&ui.painter_at(rect), rect, method.name());
-        }
-        self.point(ui, &frame, &response, pointed);
-    }
-
-    /// What is under the pointer, and what clicks do with it.
-    fn point(&mut self, ui: &Ui, frame: &ui::Frame, response: &egui::Response, pointed: Pointed) {
-        let Some(document) = &mut self.document else { return };
-        if let Some(at) = pointed.at {
-            self.pointed = ui::under(document, at);
-        }
-        let clicked = pointed.clicked.and_then(|at| ui::under(document, at));
-        if let Some(picked) = clicked.filter(|_| self.ruler.is_on) {
-            self.ruler.click(picked.point);
-        } else if let (true, Some(picked)) = (response.double_clicked(), clicked) {
-            document.settle();
-            document.move_camera(|camera| state::centered_on(camera, picked.point));
-            document.settle();
-        }
-        let opened = &document.state().opened;
-        let painter = ui.painter_at(frame.rect);
-        let (camera, acquisition) = (&opened.scene.camera, opened.acquisition);
-        self.ruler.paint(&painter, camera, acquisition, |at| frame.to_screen(at));
     }
 
     /// Asks for pictures of what is shown now.
@@ -553,29 +299,7 @@ fn preview(mut opened: OpenScene, [width, height]: [u32; 2]) -> OpenScene {
     let image = &mut opened.scene.image;
     (image.width, image.height) = (width, height);
     let below = opened.scene.finish.background_below;
-    opened.scene.finish = below.map_or_else(Finish::default, |color| {
-        Finish::default().background_below(color)
-    });
+    opened.scene.finish =
+        below.map_or_else(Finish::default, |color| Finish::default().background_below(color));
     opened
-}
-
-/// The pixels of a part of the window.
-fn pixels(rect: Rect, context: &Context) -> [u32; 2] {
-    let size = rect.size() * context.pixels_per_point();
-    [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
-}
-
-/// What is under the pointer, for people.
-fn told(picked: &Picked, document: &Document) -> String {
-    let [i, j, k] = picked.voxel;
-    let unit = if document.state().opened.acquisition.is_metric { " mm" } else { "" };
-    let [x, y, z] = picked.point.to_array().map(ui::number);
-    format!("{} at voxel {i}, {j}, {k}, ({x}, {y}, {z}){unit}", ui::number(picked.value))
-}
-
-fn nothing_open(ui: &Ui, all: Rect, is_opening: bool) {
-    let text = if is_opening { "opening…" } else { "drop a volume or a scene here, or open one" };
-    let font = egui::FontId::proportional(18.0);
-    let color = ui.visuals().weak_text_color();
-    ui.painter().text(all.center(), egui::Align2::CENTER_CENTER, text, font, color);
 }

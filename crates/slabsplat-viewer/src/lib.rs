@@ -24,12 +24,12 @@ pub mod state;
 mod frames;
 
 mod jobs;
-#[cfg(not(target_arch = "wasm32"))]
-mod recent;
-#[cfg(any(target_arch = "wasm32", test))]
-mod received;
 #[cfg(target_arch = "wasm32")]
 mod page;
+#[cfg(any(target_arch = "wasm32", test))]
+mod received;
+#[cfg(not(target_arch = "wasm32"))]
+mod recent;
 
 mod ui;
 

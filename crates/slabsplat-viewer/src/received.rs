@@ -6,8 +6,8 @@
 
 use crate::frames::{Drawn, Event, Request, Urgency};
 use serde::{Deserialize, Serialize};
-use slabsplat::{Image, OpenScene, ValueCounts};
 use slabsplat::io::scene_text;
+use slabsplat::{Image, OpenScene, ValueCounts};
 
 #[derive(Serialize)]
 struct Asked<'a> {
@@ -64,9 +64,8 @@ impl Session {
 
     /// How many voxels of each layer have which values.
     pub(crate) fn counts(&self) -> Vec<Option<ValueCounts>> {
-        let of_layer = |layer: &SessionLayer| {
-            Some(ValueCounts::of_counts(layer.range?, layer.counts.clone()))
-        };
+        let of_layer =
+            |layer: &SessionLayer| Some(ValueCounts::of_counts(layer.range?, layer.counts.clone()));
         self.layers.iter().map(of_layer).collect()
     }
 }
@@ -142,7 +141,8 @@ mod tests {
     #[test]
     fn pictures_come_as_they_were_sent() {
         let image = Image::filled(3, 2, [0.2, 0.4, 0.6, 1.0]);
-        let header = r#"{"pane":1,"number":7,"urgency":"rest","format":"png","ms":2.5,"n_voxels":9}"#;
+        let header =
+            r#"{"pane":1,"number":7,"urgency":"rest","format":"png","ms":2.5,"n_voxels":9}"#;
         let mut bytes = (header.len() as u32).to_le_bytes().to_vec();
         bytes.extend_from_slice(header.as_bytes());
         bytes.extend(png_bytes(&image).unwrap());

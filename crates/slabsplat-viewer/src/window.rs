@@ -46,15 +46,15 @@ pub enum WindowError {
 pub fn show(start: Start) -> Result<(), WindowError> {
     let mut options = eframe::NativeOptions::default();
     let viewport = options.viewport.with_app_id("slabsplat").with_title("slabsplat");
-    options.viewport = viewport.with_inner_size([1280.0, 800.0]).with_min_inner_size([480.0, 320.0]);
+    options.viewport =
+        viewport.with_inner_size([1280.0, 800.0]).with_min_inner_size([480.0, 320.0]);
     // Pixels are shown as they were drawn.
     options.dithering = false;
     let create = move |context: &eframe::CreationContext<'_>| {
         let egui = context.egui_ctx.clone();
         let wake: Wake = Arc::new(move || egui.request_repaint());
         let source = RenderingThread::spawn(start.backend, wake.clone())?;
-        let mut viewer =
-            Viewer::new(&context.egui_ctx, Box::new(source), start.opener, wake);
+        let mut viewer = Viewer::new(&context.egui_ctx, Box::new(source), start.opener, wake);
         viewer.set_recent(crate::recent::read());
         if let Some((name, opening)) = start.scene {
             viewer.open(name, opening);

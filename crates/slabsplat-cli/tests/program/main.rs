@@ -24,6 +24,8 @@ mod scene;
 mod signals;
 mod stdin;
 mod transfer;
+#[cfg(feature = "viewer")]
+mod view;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

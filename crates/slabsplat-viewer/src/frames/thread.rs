@@ -174,7 +174,8 @@ impl Painter {
             self.tell(Event::Note(format!("{error}; the CPU draws")));
             Renderer::open("cpu", teller())
         });
-        let renderer = opened.inspect_err(|error| self.tell(Event::Note(error.to_string()))).ok()?;
+        let renderer =
+            opened.inspect_err(|error| self.tell(Event::Note(error.to_string()))).ok()?;
         self.name(&renderer);
         Some(renderer)
     }
@@ -202,7 +203,8 @@ fn drawn(
     let started = Instant::now();
     let opened = &request.opened;
     // What panics once would do so again, and the thread goes on.
-    let drawing = AssertUnwindSafe(|| renderer.picture_as(&opened.scene, opened.acquisition, frame));
+    let drawing =
+        AssertUnwindSafe(|| renderer.picture_as(&opened.scene, opened.acquisition, frame));
     let picture = catch_unwind(drawing).unwrap_or_else(|_| {
         Err(RenderError::Panicked { message: "the renderer stopped in the middle".to_owned() })
     })?;

@@ -89,9 +89,8 @@ pub(crate) fn save_picture(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job
         let mut opened = opened;
         let mut renderer = Renderer::open(&opened.backend, |_| {}).map_err(|e| text(&e))?;
         let (scene, acquisition) = (&opened.scene, opened.acquisition);
-        let picture = renderer
-            .picture_as(scene, acquisition, &progress.frame())
-            .map_err(|e| text(&e))?;
+        let picture =
+            renderer.picture_as(scene, acquisition, &progress.frame()).map_err(|e| text(&e))?;
         renderer.caps().name.clone_into(&mut opened.backend);
         let file = opened.to_file().map_err(|e| text(&e))?;
         let provenance = Provenance::of_scene(&file, &path).map_err(|e| text(&e))?;
@@ -118,7 +117,9 @@ pub(crate) fn film(opened: OpenScene, path: PathBuf, seconds: f64, wake: &Wake) 
     let shown = path.display().to_string();
     Job::begin(format!("filming {shown}"), wake, move |progress| {
         make_film(&opened, &path, seconds, progress).map_err(|error| match error {
-            FilmingError::Cancelled => format!("the film was given up; its frames are in {shown}.frames"),
+            FilmingError::Cancelled => {
+                format!("the film was given up; its frames are in {shown}.frames")
+            }
             FilmingError::Other(why) => why,
         })
     })
@@ -142,7 +143,9 @@ fn make_film(
     progress: &Progress,
 ) -> Result<String, FilmingError> {
     let format = FilmFormat::of_name(path).ok_or_else(|| {
-        FilmingError::Other("the name of a film ends in .mp4, .webm, .gif, .webp or .apng".to_owned())
+        FilmingError::Other(
+            "the name of a film ends in .mp4, .webm, .gif, .webp or .apng".to_owned(),
+        )
     })?;
     format.check_program()?;
     let rate = FrameRate::new(FRAMES_PER_SECOND)?;

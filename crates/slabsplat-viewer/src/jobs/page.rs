@@ -63,8 +63,17 @@ pub(crate) fn open_dropped(
 }
 
 /// Opens bytes that are there.
-pub(crate) fn open_bytes(name: String, bytes: Vec<u8>, size: [u32; 2], wake: &Wake) -> Job<Document> {
-    Job::of_future(format!("opening {name}"), wake, async move { document(&name, bytes, size).await })
+pub(crate) fn open_bytes(
+    name: String,
+    bytes: Vec<u8>,
+    size: [u32; 2],
+    wake: &Wake,
+) -> Job<Document> {
+    Job::of_future(
+        format!("opening {name}"),
+        wake,
+        async move { document(&name, bytes, size).await },
+    )
 }
 
 /// Opens a built-in volume.
@@ -80,7 +89,8 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
     Job::of_future("asking the server".to_owned(), wake, async move {
         let session = bytes_of(&format!("session?token={token}")).await?;
         let session = Session::of_json(&session)?;
-        let mut file = parse_scene(&session.scene, "scene.toml").map_err(|error| error.to_string())?;
+        let mut file =
+            parse_scene(&session.scene, "scene.toml").map_err(|error| error.to_string())?;
         let n_meshes = file.meshes.len();
         let meshes = std::mem::take(&mut file.meshes);
         let mut volumes = Vec::new();
@@ -101,7 +111,8 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
 }
 
 async fn document(name: &str, bytes: Vec<u8>, size: [u32; 2]) -> Result<Document, String> {
-    if !Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+    if !Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
+    {
         let file = SceneFile::of_volume(VolumeSource::File(name.into()));
         let volume = read(name, &bytes, &VolumeOptions::default())?;
         return Ok(Document::of(with_volumes(vec![volume], &file, size)?, name.to_owned()));

@@ -1,9 +1,9 @@
 //! Bytes that come into a page, and files that leave it.
 
 use eframe::wasm_bindgen::{JsCast, JsValue};
-use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Response, Url, window};
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen_futures::JsFuture;
+use web_sys::{Blob, BlobPropertyBag, HtmlAnchorElement, Response, Url, window};
 
 /// What a server has under an address.
 pub(crate) async fn bytes_of(url: &str) -> Result<Vec<u8>, String> {

@@ -17,8 +17,8 @@ pub(crate) use fetch::{bytes_of, download};
 use crate::app::Viewer;
 use crate::frames::{FrameSource, Wake};
 use crate::jobs;
-use web_sys::HtmlCanvasElement;
 use std::sync::Arc;
+use web_sys::HtmlCanvasElement;
 
 /// Shows the viewer in a canvas, for as long as the page is there.
 ///

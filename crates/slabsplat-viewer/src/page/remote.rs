@@ -5,10 +5,10 @@ use crate::frames::{Event, FrameSource, Request, Wake};
 use crate::received::{Answer, drawn_of, request_text};
 use eframe::wasm_bindgen::JsCast;
 use eframe::wasm_bindgen::closure::Closure;
-use web_sys::{BinaryType, CloseEvent, MessageEvent, WebSocket};
 use js_sys::{ArrayBuffer, Uint8Array};
 use std::cell::RefCell;
 use std::rc::Rc;
+use web_sys::{BinaryType, CloseEvent, MessageEvent, WebSocket};
 
 /// A server that draws.
 pub(super) struct Remote {

@@ -121,7 +121,8 @@ mod tests {
         cut.ends[0] = [2.0, 5.0];
         let region = cut.region(&grid);
         for i in 0..10 {
-            let point = grid.world_from_index().transform_point3(DVec3::new(f64::from(i), 3.0, 4.0));
+            let point =
+                grid.world_from_index().transform_point3(DVec3::new(f64::from(i), 3.0, 4.0));
             // At its very ends anything goes.
             if i != 2 && i != 5 {
                 assert_eq!(region.contains(point), (2..=5).contains(&i), "{i}");

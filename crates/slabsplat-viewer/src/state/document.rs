@@ -3,8 +3,8 @@
 use super::History;
 use slabsplat::io::{IoError, SceneFile, scene_text};
 use slabsplat::{
-    Aim, CameraError, Framing, Labels, Layer, OpenError, OpenScene, RenderSettings,
-    Scene, ValueCounts, Viewpoint,
+    Aim, CameraError, Framing, Labels, Layer, OpenError, OpenScene, RenderSettings, Scene,
+    ValueCounts, Viewpoint,
 };
 use std::path::Path;
 
@@ -107,7 +107,8 @@ impl Document {
             return;
         }
         self.revision += 1;
-        let factor = share_of_square([width, height]) / share_of_square([image.width, image.height]);
+        let factor =
+            share_of_square([width, height]) / share_of_square([image.width, image.height]);
         self.history.amend(|state| {
             let Scene { image, camera, .. } = &mut state.opened.scene;
             (image.width, image.height) = (width, height);

@@ -36,9 +36,8 @@ pub fn picked(scene: &Scene, [from, along]: [DVec3; 2]) -> Option<Picked> {
         Some((picked, is_seen, (picked.point - from).dot(along)))
     });
     // What hides what is behind it, or else what is only faint.
-    let order = |a: &(Picked, bool, f64), b: &(Picked, bool, f64)| {
-        b.1.cmp(&a.1).then(a.2.total_cmp(&b.2))
-    };
+    let order =
+        |a: &(Picked, bool, f64), b: &(Picked, bool, f64)| b.1.cmp(&a.1).then(a.2.total_cmp(&b.2));
     found.min_by(order).map(|(picked, ..)| picked)
 }
 

@@ -21,7 +21,12 @@ fn bytes(color: [f64; 3]) -> [u8; 3] {
 }
 
 /// Colours of values from the left to the right of a rectangle.
-pub(crate) fn strip(painter: &Painter, rect: Rect, colors: &PiecewiseLinear<3>, [lo, hi]: [f64; 2]) {
+pub(crate) fn strip(
+    painter: &Painter,
+    rect: Rect,
+    colors: &PiecewiseLinear<3>,
+    [lo, hi]: [f64; 2],
+) {
     const N_STEPS: u32 = 64;
     let mut mesh = Mesh::default();
     for step in 0..=N_STEPS {

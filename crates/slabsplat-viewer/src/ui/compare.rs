@@ -109,7 +109,10 @@ impl Comparison {
         for (changes, color) in self.changes.iter().zip(COLORS) {
             let at = |(idx, change): (usize, &f64)| {
                 let x = rect.left() + rect.width() * idx as f32 / (N_SHOWN - 1) as f32;
-                pos2(x, rect.bottom() - 4.0 - (rect.height() - 8.0) * (change / most.max(1e-12)) as f32)
+                pos2(
+                    x,
+                    rect.bottom() - 4.0 - (rect.height() - 8.0) * (change / most.max(1e-12)) as f32,
+                )
             };
             let line: Vec<_> = changes.iter().enumerate().map(at).collect();
             painter.line(line, Stroke::new(1.5, color));

@@ -167,7 +167,8 @@ impl Asked {
 fn name(ui: &mut Ui, asked: &mut Asked) -> (bool, bool) {
     ui.horizontal(|ui| {
         let field = eframe::egui::TextEdit::singleline(&mut asked.name).desired_width(340.0);
-        let response = ui.add(field.hint_text(if cfg!(target_arch = "wasm32") { "address" } else { "path" }));
+        let response =
+            ui.add(field.hint_text(if cfg!(target_arch = "wasm32") { "address" } else { "path" }));
         if asked.is_new {
             response.request_focus();
             asked.is_new = false;

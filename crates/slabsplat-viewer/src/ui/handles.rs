@@ -23,7 +23,9 @@ pub(crate) fn show(ui: &Ui, frame: &Frame, document: &mut Document, layer_idx: u
             let mut at = DVec3::from_array(cut.ends.map(|[lo, hi]| 0.5 * (lo + hi)));
             at[axis] = cut.ends[axis][side];
             let point = to_world.transform_point3(at);
-            let Some(drag) = handle(ui, frame, &camera, point, ("face", axis, side)) else { continue };
+            let Some(drag) = handle(ui, frame, &camera, point, ("face", axis, side)) else {
+                continue;
+            };
             is_dragged = true;
             let voxels = slid(&camera, point, along.normalize(), drag) / along.length();
             let whole = [-0.5, grid.dims()[axis] as f64 - 0.5];

@@ -44,7 +44,8 @@ pub(crate) fn region(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
     });
     planes(ui, &mut edited, document);
     ui.horizontal(|ui| {
-        ui.checkbox(&mut edited.is_inverted, "inverted").on_hover_text("cut off what would be left");
+        ui.checkbox(&mut edited.is_inverted, "inverted")
+            .on_hover_text("cut off what would be left");
         ui.checkbox(&mut edited.is_lit, "lit faces").on_hover_text("light faces as surfaces");
         if ui.button("whole").on_hover_text("cut nothing off").clicked() {
             edited = Cut::of(&slabsplat::Region::default(), &grid);

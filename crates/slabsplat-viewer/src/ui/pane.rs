@@ -3,8 +3,8 @@
 use crate::frames::Drawn;
 use crate::state::{self, Document, Picked, ViewPoint};
 use eframe::egui::{
-    Align2, Color32, ColorImage, Context, FontId, Key, Painter, PointerButton, Pos2, Rect, Response,
-    Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, Context, FontId, Key, Painter, PointerButton, Pos2, Rect,
+    Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
 };
 use slabsplat::glam::DVec2;
 use slabsplat::{Image, Scene};
@@ -161,11 +161,15 @@ pub(crate) fn rects(all: Rect, n_panes: usize) -> Vec<Rect> {
 }
 
 /// What pointer, touch and wheel do to the camera.
-pub(crate) fn pointer(ui: &Ui, frame: &Frame, response: &Response, document: &mut Document) -> Pointed {
+pub(crate) fn pointer(
+    ui: &Ui,
+    frame: &Frame,
+    response: &Response,
+    document: &mut Document,
+) -> Pointed {
     let at = response.hover_pos().map(|at| frame.to_view(at));
-    let (modifiers, wheel, pinch) = ui.input(|input| {
-        (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta())
-    });
+    let (modifiers, wheel, pinch) =
+        ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
     let drag = frame.drag(response.drag_delta());
     let is_dragged = response.dragged() && drag != DVec2::ZERO;
     if let Some(touch) = ui.input(|input| input.multi_touch()).filter(|_| response.hovered()) {
@@ -218,9 +222,8 @@ pub(crate) fn sensed(ui: &mut Ui, rect: Rect, pane: usize) -> Response {
 
 /// By how much + and − magnify in this frame.
 pub(crate) fn zoom_of_keys(context: &Context) -> f64 {
-    let pressed = |keys: [Key; 2]| {
-        context.input(|input| keys.iter().any(|key| input.key_pressed(*key)))
-    };
+    let pressed =
+        |keys: [Key; 2]| context.input(|input| keys.iter().any(|key| input.key_pressed(*key)));
     let larger = if pressed([Key::Plus, Key::Equals]) { 1.25 } else { 1.0 };
     if pressed([Key::Minus, Key::Minus]) { larger / 1.25 } else { larger }
 }

@@ -3,8 +3,8 @@
 use super::colors::{self, shown};
 use crate::state::{Curve, Document, span, stretched, with_result};
 use eframe::egui::{
-    Align2, Color32, DragValue, FontId, Painter, Pos2, Rect, Response, ScrollArea, Sense,
-    Stroke, Ui, Vec2, pos2, vec2,
+    Align2, Color32, DragValue, FontId, Painter, Pos2, Rect, Response, ScrollArea, Sense, Stroke,
+    Ui, Vec2, pos2, vec2,
 };
 use slabsplat::io::{COLORMAP_NAMES, PRESET_NAMES, colormap, preset};
 use slabsplat::{PiecewiseLinear, TransferFunction, ValueCounts};
@@ -101,7 +101,10 @@ impl Editor {
         let points = transfer.opacity_points().points();
         let mut outline: Vec<Pos2> = points.iter().map(|&(v, [a])| plot.at(v, a)).collect();
         if let (Some(first), Some(last)) = (outline.first(), outline.last()) {
-            let ends = [pos2(plot.rect.left().min(first.x), first.y), pos2(plot.rect.right().max(last.x), last.y)];
+            let ends = [
+                pos2(plot.rect.left().min(first.x), first.y),
+                pos2(plot.rect.right().max(last.x), last.y),
+            ];
             outline.insert(0, ends[0]);
             outline.push(ends[1]);
         }
@@ -115,7 +118,13 @@ impl Editor {
         let clipped = painter.with_clip_rect(painter.clip_rect().intersect(plot.strip.expand(6.0)));
         for (idx, &(value, color)) in transfer.color_points().points().iter().enumerate() {
             let is_selected = self.selected == Some(Selected::Color(idx));
-            point(&clipped, pos2(plot.x(value), plot.strip.center().y), shown(color), is_selected, ui);
+            point(
+                &clipped,
+                pos2(plot.x(value), plot.strip.center().y),
+                shown(color),
+                is_selected,
+                ui,
+            );
         }
         ends(painter, plot, visuals.weak_text_color());
     }
@@ -174,7 +183,9 @@ impl Editor {
             Selected::Opacity(idx) => {
                 TransferFunction::of_curves(opacity.without(idx), color.clone())
             }
-            Selected::Color(idx) => TransferFunction::of_curves(opacity.clone(), color.without(idx)),
+            Selected::Color(idx) => {
+                TransferFunction::of_curves(opacity.clone(), color.without(idx))
+            }
         })
     }
 
@@ -264,11 +275,9 @@ pub(crate) fn strips(ui: &mut Ui, document: &mut Document, layer_idx: usize) -> 
     if let Some(preset) =
         strip_of(ui, "presets", PRESET_NAMES, colors_of).and_then(|name| preset(name).ok())
     {
-        document.change("preset", |state| {
-            match state.opened.show_by(layer_idx, preset.source) {
-                Ok(warnings) => said = warnings,
-                Err(error) => said.push(error.to_string()),
-            }
+        document.change("preset", |state| match state.opened.show_by(layer_idx, preset.source) {
+            Ok(warnings) => said = warnings,
+            Err(error) => said.push(error.to_string()),
         });
         document.settle();
     }
@@ -337,7 +346,8 @@ fn nearest(plot: &Plot, transfer: &TransferFunction, pointer: Pos2) -> Option<Se
 
 fn point(painter: &Painter, at: Pos2, fill: Color32, is_selected: bool, ui: &Ui) {
     let visuals = ui.visuals();
-    let ring = if is_selected { visuals.selection.stroke.color } else { visuals.strong_text_color() };
+    let ring =
+        if is_selected { visuals.selection.stroke.color } else { visuals.strong_text_color() };
     let width = if is_selected { 2.5 } else { 1.2 };
     painter.circle(at, POINT_RADIUS, fill, Stroke::new(width, ring));
 }
@@ -363,7 +373,8 @@ fn histogram(painter: &Painter, plot: &Plot, counts: &ValueCounts, color: Color3
 /// The values at the ends of the plot.
 fn ends(painter: &Painter, plot: &Plot, color: Color32) {
     let font = FontId::proportional(10.0);
-    let sides = [(Align2::LEFT_TOP, plot.rect.left_top()), (Align2::RIGHT_TOP, plot.rect.right_top())];
+    let sides =
+        [(Align2::LEFT_TOP, plot.rect.left_top()), (Align2::RIGHT_TOP, plot.rect.right_top())];
     for ((align, at), value) in sides.into_iter().zip(plot.values) {
         let inward = Vec2::new(if align == Align2::LEFT_TOP { 3.0 } else { -3.0 }, 2.0);
         painter.text(at + inward, align, super::number(value), font.clone(), color);
