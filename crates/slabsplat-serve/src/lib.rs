@@ -1,0 +1,1 @@
+//! Scenes in a browser: a server that opens a scene, renders what its viewers ask for, and sends pictures.
