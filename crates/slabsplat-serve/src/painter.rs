@@ -1,0 +1,118 @@
+//! Who draws: one renderer on a thread of its own, for all viewers.
+//!
+//! Scenes are texts until it is their turn, so that those that are never drawn cost nothing.
+
+use crate::hub::{Hub, Turn};
+use crate::message::{Encoded, Urgency};
+use slabsplat::io::{jpeg_bytes, parse_scene_alone, png_bytes};
+use slabsplat::{Image, OpenScene, Renderer, Scene};
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::thread::{Builder, JoinHandle};
+use std::time::Instant;
+
+/// Of pictures that are seen for a moment.
+const JPEG_QUALITY: u8 = 80;
+
+/// What a viewer may ask for at once: pixels, and samples of all of them.
+const MAX_PIXELS: u64 = 16 << 20;
+const MAX_SAMPLES: u64 = 64 << 20;
+
+/// Draws what viewers of a hub ask for, until that ends.
+pub(crate) fn spawn(hub: Arc<Hub>, opened: Arc<OpenScene>) -> io::Result<JoinHandle<()>> {
+    let thread = Builder::new().name("slabsplat-serve-frames".to_owned());
+    thread.spawn(move || Painter { hub, opened }.paint_all())
+}
+
+struct Painter {
+    hub: Arc<Hub>,
+    opened: Arc<OpenScene>,
+}
+
+/// Why there is no picture.
+enum NoPicture {
+    /// Nobody wants it any more, or not now.
+    Cancelled,
+    /// For people.
+    Failed(String),
+}
+
+impl Painter {
+    fn paint_all(&self) {
+        let mut renderer = self.open();
+        while let Some(turn) = self.hub.next() {
+            let Some(drawing) = &mut renderer else {
+                self.hub.done(&turn, &Err("nothing here can draw".to_owned()));
+                continue;
+            };
+            // What panics once would do so again, and the thread goes on.
+            let result = catch_unwind(AssertUnwindSafe(|| self.paint(drawing, &turn)));
+            match result {
+                Ok(Ok(encoded)) => self.hub.done(&turn, &Ok(encoded)),
+                Ok(Err(NoPicture::Cancelled)) => self.hub.put_off(turn),
+                Ok(Err(NoPicture::Failed(why))) => self.hub.done(&turn, &Err(why)),
+                Err(_) => {
+                    let why = "the renderer stopped in the middle";
+                    self.hub.done(&turn, &Err(why.to_owned()));
+                    // Nothing is used again that may be half done.
+                    renderer = self.open();
+                }
+            }
+        }
+    }
+
+    /// A renderer on the scene's backend, or on the CPU where that cannot be had, which is said.
+    fn open(&self) -> Option<Renderer> {
+        let teller = || {
+            let hub = self.hub.clone();
+            move |note: &str| hub.tell_all(note)
+        };
+        let opened = Renderer::open(&self.opened.backend, teller()).or_else(|error| {
+            self.hub.tell_all(&format!("{error}; the CPU draws"));
+            Renderer::open("cpu", teller())
+        });
+        opened.inspect_err(|error| self.hub.tell_all(&error.to_string())).ok()
+    }
+
+    fn paint(&self, renderer: &mut Renderer, turn: &Turn) -> Result<Encoded, NoPicture> {
+        let started = Instant::now();
+        let failed = |why: String| NoPicture::Failed(why);
+        let file = parse_scene_alone(&turn.ask.scene, "scene.toml");
+        let file = file.map_err(|error| failed(error.to_string()))?;
+        let shown = self.opened.shown_as(&file).map_err(|error| failed(error.to_string()))?;
+        check_size(&shown.scene).map_err(failed)?;
+        let picture = renderer.picture_as(&shown.scene, shown.acquisition, &turn.frame);
+        let picture = picture.map_err(|error| match error.is_cancelled() {
+            true => NoPicture::Cancelled,
+            false => failed(error.to_string()),
+        })?;
+        let ms = started.elapsed().as_secs_f64() * 1e3;
+        let (format, bytes) = encode(&picture.frame.image, turn.ask.urgency).map_err(failed)?;
+        let n_voxels = picture.frame.stats.n_voxels;
+        Ok(Encoded { format, bytes, ms, n_voxels, notes: picture.notes })
+    }
+}
+
+fn check_size(scene: &Scene) -> Result<(), String> {
+    let [width, height] = [scene.image.width, scene.image.height].map(u64::from);
+    let n_pixels = width * height;
+    if MAX_PIXELS < n_pixels || MAX_SAMPLES < n_pixels * u64::from(scene.finish.samples) {
+        return Err(format!(
+            "a picture of {width} x {height} pixels with {} samples each is too large for this server",
+            scene.finish.samples
+        ));
+    }
+    Ok(())
+}
+
+/// What shines through stays so.
+fn encode(image: &Image, urgency: Urgency) -> Result<(&'static str, Vec<u8>), String> {
+    let is_opaque = || image.pixels().iter().all(|pixel| 1.0 <= pixel[3]);
+    let encoded = if urgency == Urgency::Moving && is_opaque() {
+        jpeg_bytes(image, JPEG_QUALITY).map(|bytes| ("jpeg", bytes))
+    } else {
+        png_bytes(image).map(|bytes| ("png", bytes))
+    };
+    encoded.map_err(|error| error.to_string())
+}
