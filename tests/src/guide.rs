@@ -16,6 +16,7 @@ chapters! {
     films = "films.md",
     windows = "windows.md",
     browsers = "browsers.md",
+    serve = "serve.md",
     own_kernel = "own-kernel.md",
     own_backend = "own-backend.md",
     performance = "performance.md",

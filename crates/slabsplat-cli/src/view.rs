@@ -23,9 +23,7 @@ pub(crate) struct ViewArgs {
 }
 
 pub(crate) fn run(args: ViewArgs) -> Result<()> {
-    let opener = |path: &Path| {
-        input::scene_file(path).map_err(|error| terminal::one_line(&error))
-    };
+    let opener = |path: &Path| input::scene_file(path).map_err(|error| terminal::one_line(&error));
     let mut start = Start::new(Arc::new(opener));
     if let Some(backend) = args.how.backend() {
         backend.clone_into(&mut start.backend);
@@ -38,9 +36,8 @@ pub(crate) fn run(args: ViewArgs) -> Result<()> {
         if start.backend == "auto" {
             start.backend.clone_from(&file.backend);
         }
-        let opening: Opening = Box::new(move |size| {
-            scene.open_for(size).map_err(|error| terminal::one_line(&error))
-        });
+        let opening: Opening =
+            Box::new(move |size| scene.open_for(size).map_err(|error| terminal::one_line(&error)));
         start.scene = Some((name, opening));
     }
     Ok(slabsplat_viewer::show(start)?)

@@ -3,8 +3,8 @@
 use crate::{ServeError, overview};
 use axum::body::Bytes;
 use serde_json::{Value, json};
-use slabsplat::io::scene_text;
-use slabsplat::{Layer, OpenScene, ValueCounts};
+use slabsplat::io::{SceneFile, scene_text};
+use slabsplat::{Layer, OpenScene, Scene, ValueCounts};
 use std::sync::{Arc, OnceLock};
 
 /// A scene, and what is told of it. What goes through all voxels is made when it is first asked for.
@@ -21,15 +21,13 @@ pub(crate) struct Described {
 const N_BINS: usize = 256;
 
 impl Described {
-    pub(crate) fn new(opened: Arc<OpenScene>, name: String) -> Result<Self, ServeError> {
-        let mut file = opened.to_file()?;
-        // Nothing is read by them, and a small volume in their place has other hashes.
-        for layer in &mut file.layers {
-            layer.hash = None;
-            layer.labels.iter_mut().for_each(|labels| labels.hash = None);
-        }
-        file.meshes.iter_mut().for_each(|mesh| mesh.hash = None);
-        let text = scene_text(&file, "scene.toml")?;
+    /// A scene, as `file` says it.
+    pub(crate) fn new(
+        opened: Arc<OpenScene>,
+        file: &SceneFile,
+        name: String,
+    ) -> Result<Self, ServeError> {
+        let text = scene_text(&shown_to_viewers(&opened.scene, file), "scene.toml")?;
         let overviews = opened.scene.layers.iter().map(|_| OnceLock::new()).collect();
         Ok(Self { opened, name, text, session: OnceLock::new(), overviews })
     }
@@ -58,6 +56,25 @@ impl Described {
         let make = || overview::overview_of(&layer.volume);
         Some(self.overviews[layer_idx].get_or_init(make).clone())
     }
+}
+
+/// The scene as it can be read without its files, and over volumes that are smaller.
+fn shown_to_viewers(scene: &Scene, file: &SceneFile) -> SceneFile {
+    let mut file = file.clone();
+    for (of_file, layer) in file.layers.iter_mut().zip(&scene.layers) {
+        of_file.hash = None;
+        of_file.labels.iter_mut().for_each(|labels| labels.hash = None);
+        // Its pixels are in the text instead.
+        of_file.transfer_image = None;
+        if of_file.region.is_index {
+            // A smaller volume has other voxels there.
+            of_file.region.is_index = false;
+            of_file.region.ends = None;
+            of_file.region.planes = layer.region.planes().to_vec();
+        }
+    }
+    file.meshes.iter_mut().for_each(|mesh| mesh.hash = None);
+    file
 }
 
 fn described(layer: &Layer) -> Value {

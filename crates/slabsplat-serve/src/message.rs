@@ -103,8 +103,8 @@ mod tests {
             Ask { pane: 3, number: u64::MAX, urgency: Urgency::AtRest, scene: "a\nb".to_owned() };
         assert_eq!(Ask::parse(text), Ok(expected));
         for (from, to, expected) in [
-            ("3", "4", "pane must be 0 to 3"),
-            ("3", "-1", "pane must be 0 to 3"),
+            (":3", ":4", "pane must be 0 to 3"),
+            (":3", ":-1", "pane must be 0 to 3"),
             ("18446744073709551615", "1.5", "number must be"),
             ("\"rest\"", "\"soon\"", "urgency must be"),
             ("\"a\\nb\"", "7", "scene must be"),

@@ -91,7 +91,7 @@ mod tests {
         let value = |[i, j, k]: [usize; 3]| (i + 1000 * j) as f32 + 0.5 * k as f32;
         let volume = Volume::from_fn(grid, value);
         let bytes = overview_of(&volume);
-        let files = FilesInMemory::from([("a.nrrd".into(), bytes.to_vec())]);
+        let files = FilesInMemory::from_iter([("a.nrrd", &bytes[..])]);
         let small = files.read_volume("a.nrrd").unwrap().volume;
         assert_eq!(small.grid().dims(), [44, 5, 64]);
         let at = small.grid().world_from_index().transform_point3(DVec3::new(2.0, 3.0, 4.0));

@@ -4,7 +4,7 @@
 
 use crate::hub::{Hub, Turn};
 use crate::message::{Encoded, Urgency};
-use slabsplat::io::{jpeg_bytes, parse_scene_alone, png_bytes};
+use slabsplat::io::{SceneFile, jpeg_bytes, parse_scene_alone, png_bytes};
 use slabsplat::{Image, OpenScene, Renderer, Scene};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,14 +20,20 @@ const MAX_PIXELS: u64 = 16 << 20;
 const MAX_SAMPLES: u64 = 64 << 20;
 
 /// Draws what viewers of a hub ask for, until that ends.
-pub(crate) fn spawn(hub: Arc<Hub>, opened: Arc<OpenScene>) -> io::Result<JoinHandle<()>> {
+pub(crate) fn spawn(
+    hub: Arc<Hub>,
+    opened: Arc<OpenScene>,
+    file: SceneFile,
+) -> io::Result<JoinHandle<()>> {
     let thread = Builder::new().name("slabsplat-serve-frames".to_owned());
-    thread.spawn(move || Painter { hub, opened }.paint_all())
+    thread.spawn(move || Painter { hub, opened, file }.paint_all())
 }
 
 struct Painter {
     hub: Arc<Hub>,
     opened: Arc<OpenScene>,
+    /// The scene as a scene file says it.
+    file: SceneFile,
 }
 
 /// Why there is no picture.
@@ -77,10 +83,8 @@ impl Painter {
 
     fn paint(&self, renderer: &mut Renderer, turn: &Turn) -> Result<Encoded, NoPicture> {
         let started = Instant::now();
-        let failed = |why: String| NoPicture::Failed(why);
-        let file = parse_scene_alone(&turn.ask.scene, "scene.toml");
-        let file = file.map_err(|error| failed(error.to_string()))?;
-        let shown = self.opened.shown_as(&file).map_err(|error| failed(error.to_string()))?;
+        let failed = NoPicture::Failed;
+        let shown = self.shown(&turn.ask.scene).map_err(failed)?;
         check_size(&shown.scene).map_err(failed)?;
         let picture = renderer.picture_as(&shown.scene, shown.acquisition, &turn.frame);
         let picture = picture.map_err(|error| match error.is_cancelled() {
@@ -91,6 +95,21 @@ impl Painter {
         let (format, bytes) = encode(&picture.frame.image, turn.ask.urgency).map_err(failed)?;
         let n_voxels = picture.frame.stats.n_voxels;
         Ok(Encoded { format, bytes, ms, n_voxels, notes: picture.notes })
+    }
+}
+
+impl Painter {
+    /// The scene as a viewer wants it. Viewers have neither meshes nor labels of voxels, so that meshes look
+    /// as they do here, and so do labels of which nothing is said.
+    fn shown(&self, text: &str) -> Result<OpenScene, String> {
+        let mut file = parse_scene_alone(text, "scene.toml").map_err(|error| error.to_string())?;
+        if file.meshes.len() == self.file.meshes.len() {
+            file.meshes.clone_from(&self.file.meshes);
+        }
+        for (layer, here) in file.layers.iter_mut().zip(&self.file.layers) {
+            layer.labels = layer.labels.take().or_else(|| here.labels.clone());
+        }
+        self.opened.shown_as(&file).map_err(|error| error.to_string())
     }
 }
 
@@ -106,13 +125,12 @@ fn check_size(scene: &Scene) -> Result<(), String> {
     Ok(())
 }
 
-/// What shines through stays so.
+/// What moves is a JPEG, unless it is one of those that cannot be, as something shines through.
 fn encode(image: &Image, urgency: Urgency) -> Result<(&'static str, Vec<u8>), String> {
-    let is_opaque = || image.pixels().iter().all(|pixel| 1.0 <= pixel[3]);
-    let encoded = if urgency == Urgency::Moving && is_opaque() {
-        jpeg_bytes(image, JPEG_QUALITY).map(|bytes| ("jpeg", bytes))
-    } else {
-        png_bytes(image).map(|bytes| ("png", bytes))
-    };
-    encoded.map_err(|error| error.to_string())
+    if urgency == Urgency::Moving
+        && let Ok(bytes) = jpeg_bytes(image, JPEG_QUALITY)
+    {
+        return Ok(("jpeg", bytes));
+    }
+    png_bytes(image).map(|bytes| ("png", bytes)).map_err(|error| error.to_string())
 }

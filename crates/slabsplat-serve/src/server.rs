@@ -153,7 +153,8 @@ pub fn serve(opened: OpenScene, config: ServeConfig) -> Result<Server, ServeErro
     let site = Site::read(config.site.as_deref())?;
     let name = config.name.unwrap_or_else(|| name_of(&opened));
     let opened = Arc::new(opened);
-    let described = Described::new(opened.clone(), name)?;
+    let file = opened.to_file()?;
+    let described = Described::new(opened.clone(), &file, name)?;
     let failed =
         |source| ServeError::Listen { host: config.host.clone(), port: config.port, source };
     let listener = listen(&config.host, config.port).map_err(failed)?;
@@ -169,7 +170,7 @@ pub fn serve(opened: OpenScene, config: ServeConfig) -> Result<Server, ServeErro
     let free_sessions = Arc::new(Semaphore::new(config.max_sessions.min(Semaphore::MAX_PERMITS)));
     let served = Served { token, site, described, hub: hub.clone(), free_sessions };
     let router = routes::router(Arc::new(served));
-    let painter = painter::spawn(hub, opened).map_err(ServeError::Thread)?;
+    let painter = painter::spawn(hub, opened, file).map_err(ServeError::Thread)?;
     let server = Server { url, address, shared, threads: Mutex::new(vec![painter]) };
     server.listen(runtime, listener, router)?;
     Ok(server)

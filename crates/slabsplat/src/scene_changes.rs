@@ -126,3 +126,6 @@ fn mesh_as(mesh: &MeshLayer, file: &MeshFile) -> Result<MeshLayer, OpenError> {
     (mesh.line_width, mesh.point_size) = (file.line_width, file.point_size);
     Ok(mesh)
 }
+
+#[cfg(test)]
+mod tests;

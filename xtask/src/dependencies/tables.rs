@@ -132,8 +132,13 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "the facade joins the libraries, and programs stand on top of it",
     },
     Layer {
-        name: "slabsplat-cli",
+        name: "slabsplat-serve",
         may_use: &["slabsplat"],
+        why: "it hands out pictures that any program could make, and shows none",
+    },
+    Layer {
+        name: "slabsplat-cli",
+        may_use: &["slabsplat", "slabsplat-serve"],
         why: "what the program can do, any downstream crate must be able to do",
     },
     Layer {
@@ -276,6 +281,9 @@ pub(super) const EXTERNALS: &[External] = &[
         users: Users::Only(&["slabsplat-bench"]),
         why: "plots are for the documentation, and no program carries them",
     },
+    External { name: "axum", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
+    External { name: "tokio", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
+    External { name: "futures-util", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
     External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "signal-hook", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
@@ -295,5 +303,6 @@ pub(super) const EXTERNALS: &[External] = &[
 const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
 const CODECS: &str = "file formats stay in one crate";
 const FILMS: &str = "who makes no films compiles no encoder of them";
+const SERVER: &str = "who serves nobody compiles no server";
 const CODERS: &[&str] = &["slabsplat-core", "slabsplat-io", "xtask", "slabsplat-bench"];
 const TERMINAL: &str = "only the program talks to a terminal";
