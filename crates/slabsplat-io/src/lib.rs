@@ -102,8 +102,8 @@ pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{
-    PictureFormat, PictureScene, Provenance, jpeg_bytes, png_bytes, read_picture_scene,
-    write_picture, write_png, write_whole,
+    PictureFormat, PictureScene, Provenance, jpeg_bytes, png_bytes, quick_png_bytes,
+    read_picture_scene, write_picture, write_png, write_whole,
 };
 #[cfg(feature = "exr")]
 pub use picture::{exr_bytes, write_exr};

@@ -1,8 +1,9 @@
 //! Whose turn it is: what viewers ask for and have not got, on one side of a thread that draws.
 //!
-//! A viewer has a place for one request a pane, and for one picture. While a picture waits to be sent to it,
-//! nothing is drawn for it, so that whoever does not read costs no more than that, and gets the newest when
-//! it does. Viewers have their turns one after the other, and so have a viewer's panes.
+//! A viewer has a place for one request a pane, and for two pictures, of different panes: one may be drawn
+//! while the other is encoded. While pictures wait to be sent to it, nothing is drawn for it, so that whoever
+//! does not read costs no more than that, and gets the newest when it does. Viewers have their turns one
+//! after the other, and so have a viewer's panes.
 
 use crate::message::{Ask, Encoded, Urgency, note};
 use slabsplat::FrameHandle;
@@ -46,7 +47,10 @@ struct UnderWay {
 struct Viewer {
     /// The newest request of each pane, in the order in which panes have their turns.
     waiting: Vec<Ask>,
-    picture: Option<Vec<u8>>,
+    /// How many requests have had their turn, of which nothing has come yet.
+    n_begun: usize,
+    /// Panes and messages.
+    pictures: VecDeque<(usize, Vec<u8>)>,
     texts: VecDeque<String>,
     end: Option<End>,
     wake: Arc<Notify>,
@@ -74,6 +78,9 @@ pub(crate) struct Turn {
     pub(crate) ask: Ask,
     pub(crate) frame: FrameHandle,
 }
+
+/// Pictures of a viewer that are drawn, encoded or wait to be sent.
+const MAX_PICTURES: usize = 2;
 
 /// Texts that wait for a viewer; of more, the oldest are dropped.
 const MAX_TEXTS: usize = 16;
@@ -152,7 +159,7 @@ impl Hub {
         if let Some(text) = viewer.texts.pop_front() {
             return Some(Outgoing::Text(text));
         }
-        let picture = viewer.picture.take()?;
+        let (_, picture) = viewer.pictures.pop_front()?;
         drop(state);
         self.has_changed.notify_one();
         Some(Outgoing::Picture(picture))
@@ -172,18 +179,23 @@ impl Hub {
         }
     }
 
-    /// What came of a request.
+    /// A request was drawn, and can no longer be given up.
+    pub(crate) fn drawn(&self) {
+        self.locked().under_way = None;
+    }
+
+    /// What came of a request that was drawn.
     pub(crate) fn done(&self, turn: &Turn, result: &Result<Encoded, String>) {
+        let message = result.as_ref().map(|encoded| encoded.message(&turn.ask));
         let mut state = self.locked();
-        state.under_way = None;
         let Some(viewer) = state.viewers.get_mut(&turn.viewer.0) else { return };
-        match result {
-            Ok(encoded) => {
-                viewer.picture = Some(encoded.message(&turn.ask));
-                viewer.wake.notify_one();
-            }
+        viewer.n_begun -= 1;
+        match message {
+            Ok(message) => viewer.show(turn.ask.pane, message),
             Err(why) => viewer.tell(turn.ask.failed(why)),
         }
+        drop(state);
+        self.has_changed.notify_one();
     }
 
     /// A request was given up; unless there is a newer one for its pane, it has another turn.
@@ -191,6 +203,7 @@ impl Hub {
         let mut state = self.locked();
         state.under_way = None;
         let Some(viewer) = state.viewers.get_mut(&turn.viewer.0) else { return };
+        viewer.n_begun -= 1;
         if !viewer.waiting.iter().any(|waiting| waiting.pane == turn.ask.pane) {
             viewer.waiting.push(turn.ask);
         }
@@ -222,11 +235,10 @@ impl State {
     fn next(&mut self) -> Option<Turn> {
         let after = self.viewers.range((Excluded(self.served), Unbounded));
         let mut in_order = after.chain(self.viewers.range(..=self.served));
-        let is_ready = |viewer: &Viewer| {
-            viewer.picture.is_none() && viewer.end.is_none() && !viewer.waiting.is_empty()
-        };
-        let id = in_order.find_map(|(id, viewer)| is_ready(viewer).then_some(*id))?;
-        let ask = self.viewers.get_mut(&id)?.waiting.remove(0);
+        let id = in_order.find_map(|(id, viewer)| viewer.is_ready().then_some(*id))?;
+        let viewer = self.viewers.get_mut(&id)?;
+        viewer.n_begun += 1;
+        let ask = viewer.waiting.remove(0);
         let frame = FrameHandle::new();
         let (pane, urgency) = (ask.pane, ask.urgency);
         self.under_way = Some(UnderWay { viewer: id, pane, urgency, frame: frame.clone() });
@@ -242,6 +254,18 @@ impl UnderWay {
 }
 
 impl Viewer {
+    fn is_ready(&self) -> bool {
+        let has_room = self.n_begun + self.pictures.len() < MAX_PICTURES;
+        has_room && self.end.is_none() && !self.waiting.is_empty()
+    }
+
+    /// Has a picture sent, instead of an older one of the same pane that still waits.
+    fn show(&mut self, pane: usize, message: Vec<u8>) {
+        self.pictures.retain(|(other, _)| *other != pane);
+        self.pictures.push_back((pane, message));
+        self.wake.notify_one();
+    }
+
     fn ask(&mut self, ask: Ask) {
         match self.waiting.iter_mut().find(|waiting| waiting.pane == ask.pane) {
             Some(place) => *place = ask,
@@ -278,6 +302,7 @@ mod tests {
     /// What has its turn next: pane and number.
     fn draw(hub: &Hub) -> (ViewerId, usize, u64) {
         let turn = hub.next().unwrap();
+        hub.drawn();
         hub.done(&turn, &Ok(encoded()));
         (turn.viewer, turn.ask.pane, turn.ask.number)
     }
@@ -293,11 +318,22 @@ mod tests {
         hub.ask(b, ask(0, 9, Urgency::Moving));
         assert_eq!(draw(&hub), (a, 0, 4));
         assert_eq!(draw(&hub), (b, 0, 9));
+        assert_eq!(draw(&hub), (a, 1, 4));
         // Nobody has taken a picture, so that nothing is drawn until somebody does.
+        hub.ask(a, ask(1, 5, Urgency::Moving));
         assert!(hub.locked().next().is_none());
         assert!(matches!(hub.take(a), Some(Outgoing::Picture(_))));
+        assert_eq!(draw(&hub), (a, 1, 5));
+        // It replaces the other one of its pane.
+        assert!(matches!(hub.take(a), Some(Outgoing::Picture(_))));
         assert_eq!(hub.take(a), None);
-        assert_eq!(draw(&hub), (a, 1, 4));
+        // One may be drawn while the other is encoded, but no third.
+        (0..3).for_each(|pane| hub.ask(a, ask(pane, 6, Urgency::Moving)));
+        let turns = [hub.next().unwrap(), hub.next().unwrap()];
+        assert!(hub.locked().next().is_none());
+        hub.done(&turns[0], &Err("no".to_owned()));
+        assert!(matches!(hub.take(a), Some(Outgoing::Text(_))));
+        assert_eq!(draw(&hub), (a, 2, 6));
     }
 
     #[test]

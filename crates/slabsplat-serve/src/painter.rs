@@ -1,14 +1,17 @@
-//! Who draws: one renderer on a thread of its own, for all viewers.
+//! Who draws: one renderer on a thread of its own, for all viewers, and who makes files of its pictures.
 //!
 //! Scenes are texts until it is their turn, so that those that are never drawn cost nothing.
 
 use crate::hub::{Hub, Turn};
 use crate::message::{Encoded, Urgency};
-use slabsplat::io::{SceneFile, jpeg_bytes, parse_scene_alone, png_bytes};
-use slabsplat::{Image, OpenScene, Renderer, Scene};
+use slabsplat::io::{
+    IoError, SceneFile, jpeg_bytes, parse_scene_alone, png_bytes, quick_png_bytes,
+};
+use slabsplat::{Image, OpenScene, Picture, Renderer, Scene};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::{Builder, JoinHandle};
 use std::time::Instant;
 
@@ -19,14 +22,20 @@ const JPEG_QUALITY: u8 = 80;
 const MAX_PIXELS: u64 = 16 << 20;
 const MAX_SAMPLES: u64 = 64 << 20;
 
-/// Draws what viewers of a hub ask for, until that ends.
+/// Draws what viewers of a hub ask for, until that ends, on one thread, and encodes it on another.
 pub(crate) fn spawn(
     hub: Arc<Hub>,
     opened: Arc<OpenScene>,
     file: SceneFile,
-) -> io::Result<JoinHandle<()>> {
-    let thread = Builder::new().name("slabsplat-serve-frames".to_owned());
-    thread.spawn(move || Painter { hub, opened, file }.paint_all())
+) -> io::Result<[JoinHandle<()>; 2]> {
+    // Who draws waits for who encodes.
+    let (sender, pictures) = mpsc::sync_channel(0);
+    let of_encoder = hub.clone();
+    let encoder = Builder::new().name("slabsplat-serve-pictures".to_owned());
+    let encoder = encoder.spawn(move || encode_all(&of_encoder, &pictures))?;
+    let painter = Builder::new().name("slabsplat-serve-frames".to_owned());
+    let painter = painter.spawn(move || Painter { hub, opened, file }.paint_all(&sender))?;
+    Ok([encoder, painter])
 }
 
 struct Painter {
@@ -34,6 +43,13 @@ struct Painter {
     opened: Arc<OpenScene>,
     /// The scene as a scene file says it.
     file: SceneFile,
+}
+
+/// A picture that is to be encoded.
+struct Drawn {
+    turn: Turn,
+    picture: Picture,
+    ms: f64,
 }
 
 /// Why there is no picture.
@@ -45,17 +61,19 @@ enum NoPicture {
 }
 
 impl Painter {
-    fn paint_all(&self) {
+    fn paint_all(&self, sender: &SyncSender<Drawn>) {
         let mut renderer = self.open();
         while let Some(turn) = self.hub.next() {
-            let Some(drawing) = &mut renderer else {
-                self.hub.done(&turn, &Err("nothing here can draw".to_owned()));
-                continue;
-            };
+            let started = Instant::now();
             // What panics once would do so again, and the thread goes on.
-            let result = catch_unwind(AssertUnwindSafe(|| self.paint(drawing, &turn)));
+            let result = catch_unwind(AssertUnwindSafe(|| self.paint(renderer.as_mut(), &turn)));
+            self.hub.drawn();
             match result {
-                Ok(Ok(encoded)) => self.hub.done(&turn, &Ok(encoded)),
+                Ok(Ok(picture)) => {
+                    let ms = started.elapsed().as_secs_f64() * 1e3;
+                    // It ends after this thread.
+                    drop(sender.send(Drawn { turn, picture, ms }));
+                }
                 Ok(Err(NoPicture::Cancelled)) => self.hub.put_off(turn),
                 Ok(Err(NoPicture::Failed(why))) => self.hub.done(&turn, &Err(why)),
                 Err(_) => {
@@ -81,24 +99,18 @@ impl Painter {
         opened.inspect_err(|error| self.hub.tell_all(&error.to_string())).ok()
     }
 
-    fn paint(&self, renderer: &mut Renderer, turn: &Turn) -> Result<Encoded, NoPicture> {
-        let started = Instant::now();
+    fn paint(&self, renderer: Option<&mut Renderer>, turn: &Turn) -> Result<Picture, NoPicture> {
         let failed = NoPicture::Failed;
+        let renderer = renderer.ok_or_else(|| failed("nothing here can draw".to_owned()))?;
         let shown = self.shown(&turn.ask.scene).map_err(failed)?;
         check_size(&shown.scene).map_err(failed)?;
         let picture = renderer.picture_as(&shown.scene, shown.acquisition, &turn.frame);
-        let picture = picture.map_err(|error| match error.is_cancelled() {
+        picture.map_err(|error| match error.is_cancelled() {
             true => NoPicture::Cancelled,
             false => failed(error.to_string()),
-        })?;
-        let ms = started.elapsed().as_secs_f64() * 1e3;
-        let (format, bytes) = encode(&picture.frame.image, turn.ask.urgency).map_err(failed)?;
-        let n_voxels = picture.frame.stats.n_voxels;
-        Ok(Encoded { format, bytes, ms, n_voxels, notes: picture.notes })
+        })
     }
-}
 
-impl Painter {
     /// The scene as a viewer wants it. Viewers have neither meshes nor labels of voxels, so that meshes look
     /// as they do here, and so do labels of which nothing is said.
     fn shown(&self, text: &str) -> Result<OpenScene, String> {
@@ -125,12 +137,27 @@ fn check_size(scene: &Scene) -> Result<(), String> {
     Ok(())
 }
 
-/// What moves is a JPEG, unless it is one of those that cannot be, as something shines through.
-fn encode(image: &Image, urgency: Urgency) -> Result<(&'static str, Vec<u8>), String> {
-    if urgency == Urgency::Moving
-        && let Ok(bytes) = jpeg_bytes(image, JPEG_QUALITY)
-    {
-        return Ok(("jpeg", bytes));
+/// Encodes pictures until no more come.
+fn encode_all(hub: &Hub, pictures: &Receiver<Drawn>) {
+    for Drawn { turn, picture, ms } in pictures {
+        let Picture { frame, notes, .. } = picture;
+        let n_voxels = frame.stats.n_voxels;
+        let encoding = AssertUnwindSafe(|| encode(&frame.image, turn.ask.urgency));
+        let result = match catch_unwind(encoding) {
+            Ok(Ok((format, bytes))) => Ok(Encoded { format, bytes, ms, n_voxels, notes }),
+            Ok(Err(error)) => Err(error.to_string()),
+            Err(_) => Err("the encoder stopped in the middle".to_owned()),
+        };
+        hub.done(&turn, &result);
     }
-    png_bytes(image).map(|bytes| ("png", bytes)).map_err(|error| error.to_string())
+}
+
+/// What moves is a JPEG, unless it is one of those that cannot be, as something shines through.
+fn encode(image: &Image, urgency: Urgency) -> Result<(&'static str, Vec<u8>), IoError> {
+    match urgency {
+        Urgency::AtRest => png_bytes(image).map(|bytes| ("png", bytes)),
+        Urgency::Moving => jpeg_bytes(image, JPEG_QUALITY)
+            .map(|bytes| ("jpeg", bytes))
+            .or_else(|_| quick_png_bytes(image).map(|bytes| ("png", bytes))),
+    }
 }

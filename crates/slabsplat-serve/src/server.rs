@@ -170,8 +170,8 @@ pub fn serve(opened: OpenScene, config: ServeConfig) -> Result<Server, ServeErro
     let free_sessions = Arc::new(Semaphore::new(config.max_sessions.min(Semaphore::MAX_PERMITS)));
     let served = Served { token, site, described, hub: hub.clone(), free_sessions };
     let router = routes::router(Arc::new(served));
-    let painter = painter::spawn(hub, opened, file).map_err(ServeError::Thread)?;
-    let server = Server { url, address, shared, threads: Mutex::new(vec![painter]) };
+    let painters = painter::spawn(hub, opened, file).map_err(ServeError::Thread)?;
+    let server = Server { url, address, shared, threads: Mutex::new(painters.into()) };
     server.listen(runtime, listener, router)?;
     Ok(server)
 }

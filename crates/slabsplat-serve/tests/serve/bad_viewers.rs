@@ -13,7 +13,7 @@ fn bad_requests_are_answered() {
     let good = turned(0.0, [64, 48]);
     let no_layer = "mesh = { path = \"a.ply\" }".to_owned();
     let large = turned(0.0, [8192, 4096]);
-    let sampled = turned(0.0, [4000, 4000]).replace("samples = 1\n", "samples = 64\n");
+    let sampled = turned(0.0, [2500, 2500]).replace("samples = 1\n", "samples = 16\n");
     block_on(async {
         let mut viewer = Viewer::connect(&server).await;
         for (number, (scene, expected)) in (0..).zip([

@@ -17,7 +17,7 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 pub(crate) const LONG: Duration = Duration::from_secs(120);
 
 pub(crate) const SCENE: &str = "volume = { generate = \"sphere\", size = 16 }\n\
-                                image = { width = 64, height = 48 }\nrender = { backend = \"cpu\" }\n";
+                                image = { width = 64, height = 48, background = [0.1, 0.1, 0.2, 1] }\nrender = { backend = \"cpu\" }\n";
 
 /// The scene that is served.
 pub(crate) fn opened() -> OpenScene {
