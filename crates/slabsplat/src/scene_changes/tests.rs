@@ -122,7 +122,7 @@ fn change(rng: &mut Rng, scene: &mut Scene) {
     let light = |rng: &mut Rng| Light::towards(vector(rng)).unwrap().color(color(rng));
     scene.lights = (0..rng.u8(..3)).map(|_| light(rng)).collect();
     let background = [(); 4].map(|()| rng.f32());
-    scene.image = ImageDesc::new(rng.u32(1..5000), rng.u32(1..5000)).background(background);
+    scene.image = ImageDesc::new(rng.u32(1..900), rng.u32(1..900)).background(background);
     scene.settings = RenderSettings::default()
         .slab_width(0.1 + rng.f64())
         .method(*rng.choice(Method::ALL).unwrap())
