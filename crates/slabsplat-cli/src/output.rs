@@ -64,6 +64,7 @@ pub(crate) fn say_when_interrupted(line: Option<String>) {
 }
 
 /// What a signal does instead of ending the program, once.
+#[cfg(any(unix, feature = "serve"))]
 static INSTEAD: Mutex<Option<Box<dyn FnOnce() + Send>>> = Mutex::new(None);
 
 /// The next signal that would end the program does this instead; the one after it ends it.

@@ -93,17 +93,17 @@ fn large_messages_are_refused() {
 
 /// A raw connection, past the handshake.
 fn upgraded(server: &Server) -> TcpStream {
-    let mut stream = TcpStream::connect(server.address()).unwrap();
-    stream.set_read_timeout(Some(LONG)).unwrap();
+    let mut stream = TcpStream::connect(server.address()).expect("it listens");
+    stream.set_read_timeout(Some(LONG)).expect("it can be set");
     let request = format!(
         "GET /frames?token=secret HTTP/1.1\r\nHost: {}\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
          Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n",
         server.address()
     );
-    stream.write_all(request.as_bytes()).unwrap();
+    stream.write_all(request.as_bytes()).expect("it reads");
     let (mut head, mut byte) = (Vec::new(), [0]);
     while !head.ends_with(b"\r\n\r\n") {
-        stream.read_exact(&mut byte).unwrap();
+        stream.read_exact(&mut byte).expect("it answers");
         head.push(byte[0]);
     }
     assert!(head.starts_with(b"HTTP/1.1 101"));
@@ -113,9 +113,10 @@ fn upgraded(server: &Server) -> TcpStream {
 /// Bytes of memory that this process, server and all, has taken at most.
 #[cfg(target_os = "linux")]
 fn peak_bytes() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
-    1024 * line.trim().trim_end_matches(" kB").parse::<u64>().unwrap()
+    let status = fs::read_to_string("/proc/self/status").expect("it is Linux");
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let line = line.expect("it has a line of it");
+    1024 * line.trim().trim_end_matches(" kB").parse::<u64>().expect("it is a number")
 }
 
 /// Whatever a frame says of its length, and in however many frames a message comes.
