@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 /// Look at a volume or a scene in a browser, also on another machine
 ///
-/// It is opened and rendered here, and the browser gets pictures. The link that is printed is the key: who has
-/// it may look, and change how things look, and nobody else. To look from another machine, have ssh forward the
-/// port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE. Ctrl-C ends it.
+/// It is opened and rendered here, and the browser gets pictures. The link that is printed is the key: who
+/// has it may look, and change how things look, and nobody else. To look from another machine, have ssh
+/// forward the port: ssh -L 8080:127.0.0.1:8080 THIS-MACHINE. Ctrl-C ends it.
 #[derive(Args)]
 pub(crate) struct ServeArgs {
     /// The port that is listened to; 0 for any that is free
