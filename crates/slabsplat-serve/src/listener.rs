@@ -78,3 +78,36 @@ impl AsyncWrite for Connection {
         Pin::new(&mut self.stream).poll_shutdown(context)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use axum::serve::Listener as _;
+    use std::future::poll_fn;
+    use tokio::runtime::Builder;
+    use tokio::time::{Instant, pause};
+
+    /// The clock jumps to whatever is waited for.
+    #[test]
+    fn connection_that_takes_nothing_is_broken() {
+        let runtime = Builder::new_current_thread().enable_all().build().unwrap();
+        let error = runtime.block_on(async {
+            let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+            let _deaf = TcpStream::connect(listener.local_addr().unwrap()).await.unwrap();
+            let (mut connection, _) = Listener(listener).accept().await;
+            pause();
+            let started = Instant::now();
+            let chunk = vec![7; 1 << 20];
+            let error = loop {
+                let written =
+                    poll_fn(|context| Pin::new(&mut connection).poll_write(context, &chunk));
+                if let Err(error) = written.await {
+                    break error;
+                }
+            };
+            assert!(STALLED_AFTER <= started.elapsed());
+            error
+        });
+        assert_eq!(error.kind(), io::ErrorKind::TimedOut);
+    }
+}
