@@ -2,8 +2,8 @@
 
 use crate::client::{Viewer, block_on, get, opened, session, started, turned};
 use serde_json::json;
-use slabsplat::{Renderer, io};
-use slabsplat_serve::ServeConfig;
+use slabsplat::{OpenScene, Renderer, io};
+use slabsplat_serve::{ServeConfig, serve};
 
 /// The picture of a scene, as bytes of straight red, green, blue and opacity.
 fn rendered(scene: &str) -> Vec<u8> {
@@ -88,4 +88,45 @@ fn session_tells_of_the_scene() {
     for (path, expected) in [("/overview/1", 404), ("/overview/x", 404), ("/overview/", 404)] {
         assert_eq!(get(&server, &format!("{path}?token=secret")).0, expected, "{path}");
     }
+}
+
+/// A viewer has neither meshes nor labels of voxels, and does not take them away.
+#[test]
+fn labels_and_meshes_stay() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+               property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+               -30 -30 0\n30 0 0\n0 30 4\n3 0 1 2\n";
+    std::fs::write(path("a.ply"), ply).unwrap();
+    io::write_volume(path("labels.nrrd"), &io::builtin_volume("cube", Some(16)).unwrap()).unwrap();
+    let text = format!(
+        "image = {{ width = 64, height = 48, background = [0, 0, 0, 1] }}\nrender = {{ backend = \"cpu\" }}\n\
+         [[layers]]\nvolume = {{ generate = \"sphere\", size = 16 }}\nlabels = {{ path = {:?} }}\n\
+         [[layers]]\nmesh = {{ path = {:?}, color = [1, 0, 0] }}\n",
+        path("labels.nrrd"),
+        path("a.ply")
+    );
+    let opened = OpenScene::open(&io::parse_scene(&text, "scene.toml").unwrap()).unwrap();
+    let mut renderer = Renderer::open("cpu", |_| {}).unwrap();
+    let expected = renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image;
+    let mut file = opened.to_file().unwrap();
+    let without_labels = {
+        let mut scene = opened.scene.clone();
+        scene.layers[0].labels = None;
+        renderer.picture(&scene, opened.acquisition).unwrap().frame.image
+    };
+    assert!(without_labels.to_rgba8() != expected.to_rgba8(), "labels are seen");
+    file.layers[0].labels = None;
+    (file.meshes[0].color, file.meshes[0].name) = (None, Some("mesh".to_owned()));
+    let scene = io::scene_text(&file, "scene.toml").unwrap();
+    let server = serve(opened, ServeConfig::default().token("secret")).unwrap();
+    assert!(session(&server)["layers"][0]["labels"].as_array().is_some_and(|it| 1 < it.len()));
+    block_on(async {
+        let mut viewer = Viewer::connect(&server).await;
+        viewer.ask(0, 1, "rest", &scene).await;
+        let (_, bytes) = viewer.picture().await;
+        let image = image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8();
+        assert!(image.into_raw() == expected.to_rgba8());
+    });
 }
