@@ -1,6 +1,6 @@
-//! `cargo xtask msrv`: whether the oldest Rust that the manifests promise builds what promises it: the libraries.
-//! Windows need a younger one, and with them the program; that one is not tested apart, as it is hardly older than
-//! the one that builds everything.
+//! `cargo xtask msrv`: whether the oldest Rust that the manifests promise builds what promises it: the
+//! libraries. Windows need a younger one, and with them the program; that one is not tested apart, as it is
+//! hardly older than the one that builds everything.
 //!
 //! That toolchain comes by rustup. Where it is not installed a line says so, and nothing is tested; with
 //! `--install` rustup is asked for it first.

@@ -16,8 +16,8 @@
 //! # Ok::<(), slabsplat_viewer::WindowError>(())
 //! ```
 //!
-//! Reading order: `state` (what is open, without a window), `frames` (where pictures come from), `jobs`, `ui`,
-//! `app` (all of it), `window`; in a browser `page` and `received`.
+//! Reading order: `state` (what is open, without a window), `frames` (where pictures come from), `jobs`,
+//! `ui`, `app` (all of it), `window`; in a browser `page` and `received`.
 
 pub mod state;
 

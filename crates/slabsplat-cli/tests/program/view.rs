@@ -194,7 +194,8 @@ impl Window<'_> {
     /// What `render` draws of the scene that was saved.
     fn rendered(&self, name: &str) -> RgbaImage {
         answer(&self.folder, &format!("render saved-{name}.toml -o rendered-{name}.png"));
-        image::open(self.folder.join(format!("rendered-{name}.png"))).unwrap().into_rgba8()
+        let picture = image::open(self.folder.join(format!("rendered-{name}.png")));
+        picture.expect("render wrote it").into_rgba8()
     }
 
     /// That the window has the picture in its view. Its panels may cover the lower edge, where it says what
@@ -203,13 +204,14 @@ impl Window<'_> {
         let began = Instant::now();
         loop {
             let screen = self.screen();
-            let off = (20..80).map(|top| off_from(&screen, picture, top)).min().unwrap();
+            let offs = (20..80).map(|top| off_from(&screen, picture, top));
+            let off = offs.min().expect("there are some");
             if off <= 1 {
                 return;
             }
             let shot = std::env::temp_dir().join("slabsplat-view.png");
             if PATIENCE < began.elapsed() {
-                screen.save(&shot).unwrap();
+                drop(screen.save(&shot));
                 panic!("the window shows something else, off by {off}: {}", shot.display());
             }
             sleep(Duration::from_millis(200));

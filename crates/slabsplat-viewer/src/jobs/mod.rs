@@ -1,5 +1,6 @@
-//! Work that takes its time: files that are opened, pictures and films that are written. It says how far it is,
-//! and can be given up. On a desktop each has a thread of its own; in a page it takes turns with all else.
+//! Work that takes its time: files that are opened, pictures and films that are written. It says how far it
+//! is, and can be given up. On a desktop each has a thread of its own; in a page it takes turns with all
+//! else.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod desktop;

@@ -1,5 +1,5 @@
-//! The viewer in a page of a browser: on files that are dropped there, nothing of which is sent anywhere, or on
-//! frames of a server.
+//! The viewer in a page of a browser: on files that are dropped there, nothing of which is sent anywhere, or
+//! on frames of a server.
 //!
 //! The page's address may say `?url=` of a volume, `?scene=` of a scene file, `?builtin=` a built-in volume,
 //! `?backend=` what draws, and `?token=` that a server draws.

@@ -1,4 +1,5 @@
-//! A renderer in the page: by WebGPU where the browser has it, and else by the CPU, on the page's only thread.
+//! A renderer in the page: by WebGPU where the browser has it, and else by the CPU, on the page's only
+//! thread.
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
 use slabsplat::{FrameHandle, RenderError, Renderer, finished, frame_scene};

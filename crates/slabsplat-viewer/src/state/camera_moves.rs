@@ -29,7 +29,7 @@ pub fn panned(camera: &Camera, drag: DVec2) -> Camera {
 /// The camera that shows all so many times as large; what is under the pointer stays there.
 pub fn zoomed(camera: &Camera, at: ViewPoint, factor: f64) -> Camera {
     let moved = Aim::default().zoom(factor).pan((at * (1.0 - factor)).into()).moved(camera, 1.0);
-    moved.ok().filter(|zoomed| is_sensible(zoomed)).unwrap_or(*camera)
+    moved.ok().filter(is_sensible).unwrap_or(*camera)
 }
 
 /// The camera that has a point of the world in the middle, seen from where it was seen from.
@@ -94,8 +94,8 @@ pub fn seen_at(camera: &Camera, point: DVec3) -> Option<ViewPoint> {
     }
 }
 
-/// How far a point goes along a direction of the world if it is dragged by parts of the view's height; 0 where
-/// the direction is seen end on.
+/// How far a point goes along a direction of the world if it is dragged by parts of the view's height; 0
+/// where the direction is seen end on.
 pub fn slid(camera: &Camera, point: DVec3, direction: DVec3, drag: DVec2) -> f64 {
     let step = 1e-3 * height_at_target(camera);
     let ends = [point, point + direction * step].map(|point| seen_at(camera, point));

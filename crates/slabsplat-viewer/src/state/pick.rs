@@ -1,7 +1,7 @@
 //! What is under the pointer: the first thing on a ray that hides half of what is behind it.
 
 use slabsplat::glam::DVec3;
-use slabsplat::{Layer, Mode, Scene};
+use slabsplat::{Isosurface, Layer, Mode, Scene};
 
 /// A point of the world that is seen, and the voxel next to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +98,7 @@ fn opacity(layer: &Layer, mode: Mode, value: f64) -> f64 {
     match mode {
         // All that lies within a surface counts for it.
         Mode::Isosurfaces => {
-            let least = layer.isosurfaces.iter().map(|surface| surface.value());
+            let least = layer.isosurfaces.iter().map(Isosurface::value);
             let is_within = least.fold(f64::INFINITY, f64::min) <= value;
             f64::from(u8::from(is_within))
         }

@@ -3,8 +3,8 @@
 use crate::frames::Drawn;
 use crate::state::{self, Document, Picked, ViewPoint};
 use eframe::egui::{
-    Align2, Color32, ColorImage, Context, FontId, Key, Painter, PointerButton, Pos2, Rect,
-    Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, Context, FontId, InputState, Key, Painter, PointerButton, Pos2,
+    Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
 };
 use slabsplat::glam::DVec2;
 use slabsplat::{Image, Scene};
@@ -18,18 +18,18 @@ pub(crate) struct Frame {
 
 impl Frame {
     /// Where a point of the view is on the screen.
-    pub(crate) fn to_screen(&self, at: ViewPoint) -> Pos2 {
+    pub(crate) fn to_screen(self, at: ViewPoint) -> Pos2 {
         let offset = vec2(at.x as f32, -at.y as f32) * self.rect.height();
         self.rect.center() + offset
     }
 
     /// Which point of the view is there on the screen.
-    pub(crate) fn to_view(&self, at: Pos2) -> ViewPoint {
+    pub(crate) fn to_view(self, at: Pos2) -> ViewPoint {
         self.drag(at - self.rect.center())
     }
 
     /// By how much a pointer moves, in parts of the view's height.
-    pub(crate) fn drag(&self, by: Vec2) -> DVec2 {
+    pub(crate) fn drag(self, by: Vec2) -> DVec2 {
         let height = f64::from(self.rect.height()).max(1.0);
         DVec2::new(f64::from(by.x), f64::from(-by.y)) / height
     }
@@ -172,7 +172,7 @@ pub(crate) fn pointer(
         ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
     let drag = frame.drag(response.drag_delta());
     let is_dragged = response.dragged() && drag != DVec2::ZERO;
-    if let Some(touch) = ui.input(|input| input.multi_touch()).filter(|_| response.hovered()) {
+    if let Some(touch) = ui.input(InputState::multi_touch).filter(|_| response.hovered()) {
         let center = frame.to_view(touch.center_pos);
         let moved = frame.drag(touch.translation_delta);
         document.move_camera(|camera| {
