@@ -37,8 +37,13 @@ pub(crate) fn region(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
             let whole = [-0.5, grid.dims()[axis] as f64 - 0.5];
             let [lo, hi] = edited.ends[axis];
             ui.label(name).on_hover_text("where the box begins and ends, in voxels");
-            ui.add(Slider::new(&mut edited.ends[axis][0], whole[0]..=hi).max_decimals(1));
-            ui.add(Slider::new(&mut edited.ends[axis][1], lo..=whole[1]).max_decimals(1));
+            for (side, range) in [whole[0]..=hi, lo..=whole[1]].into_iter().enumerate() {
+                // A slider rounds what it shows, whether it is touched or not.
+                let mut end = edited.ends[axis][side];
+                if ui.add(Slider::new(&mut end, range).max_decimals(1)).changed() {
+                    edited.ends[axis][side] = end;
+                }
+            }
             ui.end_row();
         }
     });
