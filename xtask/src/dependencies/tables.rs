@@ -132,8 +132,13 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "the facade joins the libraries, and programs stand on top of it",
     },
     Layer {
-        name: "slabsplat-cli",
+        name: "slabsplat-mpi",
         may_use: &["slabsplat"],
+        why: "ranks draw what any program draws, and share what they have drawn",
+    },
+    Layer {
+        name: "slabsplat-cli",
+        may_use: &["slabsplat", "slabsplat-mpi"],
         why: "what the program can do, any downstream crate must be able to do",
     },
     Layer {

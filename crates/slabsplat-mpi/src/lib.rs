@@ -1,0 +1,30 @@
+//! Volumes that several computers draw together.
+//!
+//! Each **rank**, a process of an MPI, reads and draws one box of the volumes; the pictures of all are laid
+//! over each other as the eye has them (model §17), and rank 0 has the picture.
+//!
+//! Without the feature `mpi` ranks are threads ([`ThreadRank`]), for tests.
+//!
+//! # Features
+//!
+//! - `mpi`: ranks that are processes of an MPI. It is found by `mpicc` when this is built; where there is none
+//!   it builds all the same, and says so when it is asked for ranks.
+//!
+//! # Reading order
+//!
+//! `communicator`, `collective`, `threads`; `piece`, `compositing`.
+
+#![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
+
+mod collective;
+mod communicator;
+mod compositing;
+mod error;
+mod piece;
+mod threads;
+
+pub use collective::agree;
+pub use communicator::{Communicator, Tag, Traffic};
+pub use compositing::composite;
+pub use error::MpiError;
+pub use threads::ThreadRank;
