@@ -106,7 +106,7 @@ pub(crate) fn receive(comm: &dyn Communicator, from: usize, tag: Tag) -> Result<
 ///
 /// Ranks that work for long are waited for by rank 0, and all others wait for that one: so a rank beats to
 /// rank 0, and rank 0 to all. Where any other waits for another, both have just heard that all are well.
-pub(crate) struct Wait<'a> {
+struct Wait<'a> {
     comm: &'a dyn Communicator,
     heard: Instant,
     beaten: Option<Instant>,
@@ -114,34 +114,55 @@ pub(crate) struct Wait<'a> {
 }
 
 impl<'a> Wait<'a> {
-    pub(crate) fn new(comm: &'a dyn Communicator) -> Self {
+    fn new(comm: &'a dyn Communicator) -> Self {
         Self { comm, heard: Instant::now(), beaten: None, n_pauses: 0 }
     }
 
-    /// Sleeps for a moment: a rank that spun would take the core of one that works.
-    pub(crate) fn pause(&mut self, from: usize) -> Result<(), MpiError> {
-        self.beat()?;
-        while self.comm.try_receive(from, Tag::Beat)?.is_some() {
-            self.heard = Instant::now();
-        }
+    /// Sleeps for a moment.
+    fn pause(&mut self, from: usize) -> Result<(), MpiError> {
+        self.beat(from)?;
         if limit(self.comm) < self.heard.elapsed() {
             return Err(MpiError::Silent { rank: from, seconds: self.heard.elapsed().as_secs() });
         }
-        self.n_pauses += 1;
-        thread::sleep(Duration::from_micros(u64::from(self.n_pauses.min(100)) * 10));
+        self.sleep();
         Ok(())
     }
 
-    /// Says that this rank lives, if it is time to.
-    pub(crate) fn beat(&mut self) -> Result<(), MpiError> {
+    /// A rank that spun would take the core of one that works.
+    fn sleep(&mut self) {
+        self.n_pauses += 1;
+        thread::sleep(Duration::from_micros(u64::from(self.n_pauses.min(100)) * 10));
+    }
+
+    /// Says that this rank lives, if it is time to, and listens to those who say so.
+    fn beat(&mut self, awaited: usize) -> Result<(), MpiError> {
         if self.beaten.is_some_and(|beaten| beaten.elapsed() < BETWEEN_BEATS) {
             return Ok(());
         }
         self.beaten = Some(Instant::now());
         let comm = self.comm;
-        let listeners = if comm.rank() == 0 { 1..comm.n_ranks() } else { 0..1 };
-        listeners.into_iter().try_for_each(|to| comm.send(to, Tag::Beat, Vec::new()))
+        for peer in peers(comm) {
+            comm.send(peer, Tag::Beat, Vec::new())?;
+            if hear_beats(comm, peer)? && peer == awaited {
+                self.heard = Instant::now();
+            }
+        }
+        Ok(())
     }
+}
+
+/// Who beats to this rank, and hears it.
+fn peers(comm: &dyn Communicator) -> std::ops::Range<usize> {
+    if comm.rank() == 0 { 1..comm.n_ranks() } else { 0..1 }
+}
+
+/// Takes in the beats of a rank; whether there were any.
+fn hear_beats(comm: &dyn Communicator, peer: usize) -> Result<bool, MpiError> {
+    let mut has_any = false;
+    while comm.try_receive(peer, Tag::Beat)?.is_some() {
+        has_any = true;
+    }
+    Ok(has_any)
 }
 
 /// Others wait a little longer than rank 0, and each its own time, so that one of them speaks.
@@ -166,9 +187,8 @@ pub(crate) fn while_beating<T: Send>(
         let mut wait = Wait::new(comm);
         let mut beaten = Ok(());
         while !worker.is_finished() {
-            beaten = beaten.and_then(|()| wait.beat());
-            wait.n_pauses += 1;
-            thread::sleep(Duration::from_micros(u64::from(wait.n_pauses.min(100)) * 20));
+            beaten = beaten.and_then(|()| wait.beat(comm.rank()));
+            wait.sleep();
         }
         match worker.join() {
             Ok(done) => beaten.map(|()| done),

@@ -12,19 +12,31 @@
 //!
 //! # Reading order
 //!
-//! `communicator`, `collective`, `threads`; `piece`, `compositing`.
+//! `communicator`, `collective`, `threads`, `world`; `piece`, `compositing`; `distributed`, `report`,
+//! `threads_of_rank`.
 
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
 mod collective;
 mod communicator;
 mod compositing;
+mod distributed;
 mod error;
 mod piece;
+mod report;
+mod samples;
 mod threads;
+mod threads_of_rank;
+#[cfg(feature = "mpi")]
+mod world;
 
 pub use collective::agree;
 pub use communicator::{Communicator, Tag, Traffic};
 pub use compositing::composite;
+pub use distributed::{DistributedPicture, DistributedScene};
 pub use error::MpiError;
+pub use report::RankReport;
 pub use threads::ThreadRank;
+pub use threads_of_rank::threads_of_rank;
+#[cfg(feature = "mpi")]
+pub use world::World;
