@@ -21,6 +21,7 @@ mod bench;
 mod compare;
 mod convert;
 mod demo;
+mod distributed;
 mod divided;
 mod film;
 mod info;
@@ -91,7 +92,9 @@ fn main() -> ExitCode {
     match running.start().and_then(|()| run(command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            terminal::report(format_args!("error: {}", terminal::one_line(&error)));
+            if !terminal::is_unsaid(&error) {
+                terminal::report(format_args!("error: {}", terminal::one_line(&error)));
+            }
             ExitCode::FAILURE
         }
     }

@@ -1,5 +1,6 @@
 //! `slabsplat render`: one picture.
 
+use crate::distributed::{self, Distributed};
 use crate::flags::{OutputFlags, SceneFlags, Written, values};
 use crate::plain::counted;
 use crate::progress::Progress;
@@ -33,11 +34,33 @@ pub(crate) struct RenderArgs {
     )]
     memory: Option<u64>,
 
+    /// Draw on all ranks that mpirun starts, each a box of the volumes; --memory is then each one's. It takes
+    /// a program that was built with the feature mpi
+    #[arg(long, help_heading = "Output")]
+    distributed: bool,
+
+    /// Seconds for which a rank may be silent before all end
+    #[arg(
+        long, value_name = "SECONDS", default_value = "120", requires = "distributed",
+        value_parser = clap::value_parser!(u64).range(1..=86400), help_heading = "Output"
+    )]
+    patience: u64,
+
     #[command(flatten)]
     scene: SceneFlags,
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    if args.distributed {
+        return distributed::run(&Distributed {
+            scene: &args.scene,
+            output: &args.output,
+            memory_bytes: args.memory,
+            patience_secs: args.patience,
+            has_stats: args.stats,
+            has_json: args.json,
+        });
+    }
     let written = args.output.written(args.scene.input(), args.json)?;
     let done = match args.memory {
         Some(memory_bytes) => divided::draw(&args.scene, &written, memory_bytes)?,

@@ -86,6 +86,24 @@ pub(crate) fn take_warnings() -> Vec<String> {
     mem::take(&mut WARNINGS.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
+/// A failure that another process has reported.
+#[derive(Debug)]
+#[cfg_attr(not(feature = "mpi"), expect(dead_code, reason = "only ranks have others"))]
+pub(crate) struct Unsaid;
+
+impl std::fmt::Display for Unsaid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("another rank says why")
+    }
+}
+
+impl std::error::Error for Unsaid {}
+
+/// Whether somebody else reports an error.
+pub(crate) fn is_unsaid(error: &anyhow::Error) -> bool {
+    error.is::<Unsaid>()
+}
+
 /// An error and its causes on one line. Many a message already ends with its cause; it is said once.
 pub(crate) fn one_line(error: &anyhow::Error) -> String {
     let mut line = String::new();
