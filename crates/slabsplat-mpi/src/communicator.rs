@@ -57,6 +57,8 @@ pub enum Tag {
     Band,
     /// Voxels of a simulation that neighbours need.
     Ghosts,
+    /// What the program sends that has the ranks.
+    Program,
 }
 
 /// What a rank has sent.
@@ -92,7 +94,7 @@ const BETWEEN_BEATS: Duration = Duration::from_millis(500);
 ///
 /// # Errors
 /// If the network fails, or the rank has been silent for too long.
-pub(crate) fn receive(comm: &dyn Communicator, from: usize, tag: Tag) -> Result<Vec<u8>, MpiError> {
+pub fn receive(comm: &dyn Communicator, from: usize, tag: Tag) -> Result<Vec<u8>, MpiError> {
     let mut wait = Wait::new(comm);
     loop {
         if let Some(bytes) = comm.try_receive(from, tag)? {

@@ -3,6 +3,9 @@
 //! Each **rank**, a process of an MPI, reads and draws one box of the volumes; the pictures of all are laid
 //! over each other as the eye has them (model §17), and rank 0 has the picture.
 //!
+//! A scene's files are drawn by a [`DistributedScene`]; a simulation hands over what it has in memory to an
+//! [`InSitu`], from C too (`include/slabsplat_mpi.h`).
+//!
 //! Without the feature `mpi` ranks are threads ([`ThreadRank`]), for tests.
 //!
 //! # Features
@@ -13,7 +16,7 @@
 //! # Reading order
 //!
 //! `communicator`, `collective`, `threads`, `world`; `piece`, `compositing`; `distributed`, `report`,
-//! `threads_of_rank`.
+//! `threads_of_rank`; `in_situ`.
 
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
@@ -22,6 +25,7 @@ mod communicator;
 mod compositing;
 mod distributed;
 mod error;
+mod in_situ;
 mod piece;
 mod report;
 mod samples;
@@ -31,10 +35,13 @@ mod threads_of_rank;
 mod world;
 
 pub use collective::agree;
-pub use communicator::{Communicator, Tag, Traffic};
+pub use communicator::{Communicator, Tag, Traffic, receive};
 pub use compositing::composite;
 pub use distributed::{DistributedPicture, DistributedScene};
 pub use error::MpiError;
+#[cfg(feature = "mpi")]
+pub use in_situ::c;
+pub use in_situ::{BoxError, Field, FieldError, InSitu, InSituError, SceneText, Values, VoxelBox};
 pub use report::RankReport;
 pub use threads::ThreadRank;
 pub use threads_of_rank::threads_of_rank;

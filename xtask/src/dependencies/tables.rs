@@ -157,6 +157,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-wgpu",
             "slabsplat-ash",
             "slabsplat",
+            "slabsplat-mpi",
             "slabsplat-cli",
             "slabsplat-seeds",
             "slabsplat-testdata",
