@@ -31,6 +31,7 @@ mod report;
 mod samples;
 mod threads;
 mod threads_of_rank;
+pub mod time_model;
 #[cfg(feature = "mpi")]
 mod world;
 

@@ -123,15 +123,21 @@ fn distributed_changes_no_picture() {
     assert!(dir.path().join("found.png").is_file());
 }
 
-/// The brain, where it is.
+/// The brain, where it is: unpacked, as packed files are not read in boxes.
 #[test]
 fn distributed_brain() {
+    const PACKED: &str = "nifti/mni152_t1_1mm_uint8.nii.gz";
     if !has_ranks() {
         return;
     }
-    let Some(scene) = slabsplat_testdata::scene("brain") else { return };
+    let Some(volume) = slabsplat_testdata::volume(PACKED) else { return };
     let dir = tempfile::tempdir().unwrap();
-    let args = format!("render {} --tolerance 0 --opacity-cutoff 1", scene.display());
+    answer(dir.path(), &format!("convert {} brain.nii", volume.display()));
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes");
+    let scene = std::fs::read_to_string(scenes.join("brain.toml")).unwrap();
+    let scene = scene.replace(&format!("../data/{PACKED}"), "brain.nii");
+    std::fs::write(dir.path().join("brain.toml"), scene).unwrap();
+    let args = "render brain.toml --tolerance 0 --opacity-cutoff 1 --width 300 --height 300";
     answer(dir.path(), &format!("{args} --backend cpu -o whole.exr"));
     for n_ranks in [2, 5] {
         distributed(dir.path(), n_ranks, &format!("{args} -o ranks.exr"));
