@@ -35,7 +35,7 @@ static size_t at(int i, int j, int k, int n, int depth)
 /* A plane of an array to a neighbour, and the neighbour's into another plane. */
 static void swap(double *heat, int n, int depth, int from, int to, int rank_to, int rank_from)
 {
-    double *sent = malloc(sizeof(double) * n * n), *received = calloc((size_t)n * n, sizeof(double));
+    double *sent = calloc((size_t)n * n, sizeof(double)), *received = calloc((size_t)n * n, sizeof(double));
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             sent[i * n + j] = heat[at(i, j, from, n, depth)];
