@@ -1,6 +1,6 @@
 //! Finds MPI by `mpicc`, if the feature `mpi` asks for it, and has that compile the few functions of C that
-//! are called of it (`src/world/mpi.c`). An MPI's types differ from one to the next; that file has none in its
-//! interface, so that nothing has to read headers.
+//! are called of it (`src/world/mpi.c`). An MPI's types differ from one to the next; that file has none in
+//! its interface, so that nothing has to read headers.
 //!
 //! Where there is no `mpicc` the crate builds without MPI, and says so when it runs: `--all-features` builds
 //! everywhere.

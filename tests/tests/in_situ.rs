@@ -1,5 +1,5 @@
-//! Simulations that ranks draw (`slabsplat-mpi`): boxes in memory, with ghosts or without, give the picture of
-//! the whole, on scenes at random.
+//! Simulations that ranks draw (`slabsplat-mpi`): boxes in memory, with ghosts or without, give the picture
+//! of the whole, on scenes at random.
 
 #![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
 

@@ -7,10 +7,10 @@
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`batch`],
 //! [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`compare`],
-//! [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are made;
-//! [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with, [`output`] is
-//! how pictures are written, [`advice`] what helps where a backend does not, [`help`] what stands in help
-//! beside the flags, and [`environment`] what drivers find.
+//! [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are made, [`ranks`]
+//! who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with,
+//! [`output`] is how pictures are written, [`advice`] what helps where a backend does not, [`help`] what
+//! stands in help beside the flags, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -21,6 +21,7 @@ mod bench;
 mod compare;
 mod convert;
 mod demo;
+#[cfg(feature = "mpi")]
 mod distributed;
 mod divided;
 mod film;
@@ -44,6 +45,7 @@ mod mesh_info;
 mod meter;
 mod output;
 mod progress;
+mod ranks;
 mod stats;
 mod stdin;
 mod terminal;

@@ -1,9 +1,11 @@
 //! `slabsplat render`: one picture.
 
+#[cfg(feature = "mpi")]
 use crate::distributed::{self, Distributed};
 use crate::flags::{OutputFlags, SceneFlags, Written, values};
 use crate::plain::counted;
 use crate::progress::Progress;
+use crate::ranks::{RankFlags, Ranks};
 use crate::terminal::{self, Loudness};
 use crate::{advice, divided, stats};
 use anyhow::Result;
@@ -34,32 +36,16 @@ pub(crate) struct RenderArgs {
     )]
     memory: Option<u64>,
 
-    /// Draw on all ranks that mpirun starts, each a box of the volumes; --memory is then each one's. It takes
-    /// a program that was built with the feature mpi
-    #[arg(long, help_heading = "Output")]
-    distributed: bool,
-
-    /// Seconds for which a rank may be silent before all end
-    #[arg(
-        long, value_name = "SECONDS", default_value = "120", requires = "distributed",
-        value_parser = clap::value_parser!(u64).range(1..=86400), help_heading = "Output"
-    )]
-    patience: u64,
+    #[command(flatten)]
+    ranks: RankFlags,
 
     #[command(flatten)]
     scene: SceneFlags,
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
-    if args.distributed {
-        return distributed::run(&Distributed {
-            scene: &args.scene,
-            output: &args.output,
-            memory_bytes: args.memory,
-            patience_secs: args.patience,
-            has_stats: args.stats,
-            has_json: args.json,
-        });
+    if let Some(ranks) = args.ranks.start()? {
+        return on_ranks(args, ranks);
     }
     let written = args.output.written(args.scene.input(), args.json)?;
     let done = match args.memory {
@@ -67,6 +53,29 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
         None => draw(&args.scene, &written, args.stats)?,
     };
     if args.json { terminal::answer(&format!("{done:#}\n")) } else { Ok(()) }
+}
+
+/// Draws a picture together with all other ranks.
+#[cfg(feature = "mpi")]
+fn on_ranks(args: &RenderArgs, ranks: Ranks) -> Result<()> {
+    let distributed = Distributed {
+        scene: &args.scene,
+        output: &args.output,
+        memory_bytes: args.memory,
+        has_stats: args.stats,
+        has_json: args.json,
+    };
+    let done = distributed::draw(&distributed, &ranks);
+    match ranks.ended(done)? {
+        Some(done) if args.json => terminal::answer(&format!("{done:#}\n")),
+        _ => Ok(()),
+    }
+}
+
+/// There are no others.
+#[cfg(not(feature = "mpi"))]
+fn on_ranks(_: &RenderArgs, ranks: Ranks) -> Result<()> {
+    match ranks {}
 }
 
 /// Draws a scene, writes what is to be written of it, and tells what was done: in lines on stderr, and in

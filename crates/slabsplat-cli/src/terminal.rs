@@ -88,7 +88,6 @@ pub(crate) fn take_warnings() -> Vec<String> {
 
 /// A failure that another process has reported.
 #[derive(Debug)]
-#[cfg_attr(not(feature = "mpi"), expect(dead_code, reason = "only ranks have others"))]
 pub(crate) struct Unsaid;
 
 impl std::fmt::Display for Unsaid {

@@ -1,14 +1,14 @@
-//! Heat that spreads and is blown along, on all ranks, and a picture of it every few steps while it runs.
+//! Heat that spreads and is blown along, on all ranks, and a film of it that is made while it runs.
 //!
 //! ```sh
 //! cargo build --release -p slabsplat-mpi --features mpi --example heat
-//! mpirun -n 4 target/release/examples/heat 48 frames
+//! mpirun -n 4 target/release/examples/heat 48 heat.gif
 //! ```
 //!
-//! It takes the voxels of a side, and a folder, which gets `0000.png`, `0001.png` and so on.
+//! It takes the voxels of a side, and the film's name: `.gif`, `.webp`, or with ffmpeg `.mp4`.
 
-use slabsplat::Grid;
-use slabsplat::io::PictureFormat;
+use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate};
+use slabsplat::{Grid, Image};
 use slabsplat_mpi::{
     Communicator, Field, InSitu, SceneText, Tag, Values, VoxelBox, agree, receive,
 };
@@ -16,51 +16,58 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Duration;
 
-const N_FRAMES: usize = 24;
+/// What anything fails by, on whatever rank.
+type AnyError = Box<dyn Error + Send + Sync>;
+
+const N_FRAMES: u32 = 24;
 const STEPS_A_FRAME: usize = 8;
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> Result<(), AnyError> {
     let args: Vec<String> = std::env::args().collect();
     let n = args.get(1).map_or(Ok(48), |n| n.parse::<usize>())?.max(8);
-    let folder = Path::new(args.get(2).map_or(".", String::as_str));
-    run(n, folder)
+    run(n, Path::new(args.get(2).map_or("heat.gif", String::as_str)))
 }
 
 #[cfg(not(feature = "mpi"))]
-fn run(n: usize, folder: &Path) -> Result<(), Box<dyn Error>> {
-    let ranks = slabsplat_mpi::ThreadRank::run(3, Duration::from_secs(60), |comm| {
-        simulate(comm, n, folder).map_err(|error| error.to_string())
-    });
-    Ok(ranks.into_iter().collect::<Result<(), String>>()?)
+fn run(n: usize, film: &Path) -> Result<(), AnyError> {
+    let limit = Duration::from_secs(60);
+    let ranks = slabsplat_mpi::ThreadRank::run(3, limit, |comm| simulate(comm, n, film));
+    ranks.into_iter().collect()
 }
 
 #[cfg(feature = "mpi")]
-fn run(n: usize, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn run(n: usize, film: &Path) -> Result<(), AnyError> {
     let world = slabsplat_mpi::World::start(Duration::from_secs(60))?;
-    simulate(&world, n, folder)
+    simulate(&world, n, film)
 }
 
-fn simulate(comm: &dyn Communicator, n: usize, folder: &Path) -> Result<(), Box<dyn Error>> {
+fn simulate(comm: &dyn Communicator, n: usize, path: &Path) -> Result<(), AnyError> {
     let mut heat = Heat::new(comm, n);
     let grid = Grid::with_spacing([n; 3], [1.0; 3])?;
     let in_situ = InSitu::new(comm, grid, heat.own.clone())?;
-    let scene = SceneText::parse(&scene_text(n)).map_err(|error| error.to_string())?;
-    for frame in 0..N_FRAMES {
+    let scene = SceneText::parse(&scene_text(n))?;
+    let mut frame = || -> Result<Option<Image>, AnyError> {
         for _ in 0..STEPS_A_FRAME {
             heat.step(comm, n)?;
         }
         let field = Field::packed(Values::F32(&heat.values), heat.own.clone())?;
         let picture = in_situ.picture(comm, &[field], |volumes| scene.scene(volumes))?;
-        let written = picture.map_or(Ok(()), |picture| {
-            PictureFormat::Png.write(
-                &folder.join(format!("{frame:04}.png")),
-                &picture.frame.image,
-                None,
-            )
-        });
-        agree(comm, written)?;
-    }
+        Ok(picture.map(|picture| picture.frame.image))
+    };
+    let film = (comm.rank() == 0).then(|| begin(path, scene.size())).transpose();
+    let Some(film) = agree(comm, film)? else {
+        return (0..N_FRAMES).try_for_each(|_| frame().map(|_| ()));
+    };
+    let first = |_| Ok::<_, AnyError>(frame()?.ok_or("rank 0 has the picture")?);
+    film.make(first, |_| {})?;
     Ok(())
+}
+
+/// A film that goes on as the simulation does, and begins anew with it.
+fn begin(path: &Path, [width, height]: [u32; 2]) -> Result<FilmWriter, AnyError> {
+    let format = FilmFormat::of_name(path).ok_or("name the film .gif")?;
+    let desc = FilmDesc::new(width, height, N_FRAMES, FrameRate::new(12.0)?)?;
+    Ok(FilmWriter::begin_anew(path, format, desc, "heat that is blown along")?)
 }
 
 fn scene_text(n: usize) -> String {
@@ -89,7 +96,7 @@ impl Heat {
     }
 
     /// Two sources heat, all of it spreads and is blown along z.
-    fn step(&mut self, comm: &dyn Communicator, n: usize) -> Result<(), Box<dyn Error>> {
+    fn step(&mut self, comm: &dyn Communicator, n: usize) -> Result<(), AnyError> {
         for source in [[n / 3, n / 3, n / 4], [2 * n / 3, n / 2, n / 3]] {
             self.heat(source, n);
         }
@@ -122,11 +129,7 @@ impl Heat {
     }
 
     /// The planes below and above; at the ends of the grid its own.
-    fn neighbours(
-        &self,
-        comm: &dyn Communicator,
-        plane: usize,
-    ) -> Result<[Vec<f32>; 2], Box<dyn Error>> {
+    fn neighbours(&self, comm: &dyn Communicator, plane: usize) -> Result<[Vec<f32>; 2], AnyError> {
         let ends = [&self.values[..plane], &self.values[self.values.len() - plane..]];
         let below = comm.rank().checked_sub(1);
         let above = Some(comm.rank() + 1).filter(|rank| *rank < comm.n_ranks());

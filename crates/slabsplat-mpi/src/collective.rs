@@ -6,7 +6,8 @@ use crate::{Communicator, MpiError, Tag};
 
 /// Whether all ranks succeeded; if not, all get the same error, which names the first that failed.
 ///
-/// Rank 0 hears each, and tells all. That is 2(n − 1) messages of some bytes, and waits for who works longest.
+/// Rank 0 hears each, and tells all. That is 2(n − 1) messages of some bytes, and waits for who works
+/// longest.
 ///
 /// # Errors
 /// If any rank's `own` is an error, or the network fails.

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 /// Ranks that send each other messages, seen from one of them.
 ///
-/// Messages with one tag from one rank to another arrive in the order in which they were sent. Nothing blocks,
-/// and whoever waits does so by [`receive`], which ends.
-pub trait Communicator {
+/// Messages with one tag from one rank to another arrive in the order in which they were sent. Nothing
+/// blocks, and whoever waits does so by [`receive`], which ends.
+pub trait Communicator: std::fmt::Debug {
     /// Which rank this is, from 0.
     fn rank(&self) -> usize;
 
@@ -57,6 +57,10 @@ pub enum Tag {
     Band,
     /// Voxels of a simulation that neighbours need.
     Ghosts,
+    /// Which frame of a film a rank is to draw.
+    FrameAsked,
+    /// A frame of a film.
+    Frame,
     /// What the program sends that has the ranks.
     Program,
 }

@@ -19,8 +19,8 @@ use crate::{Communicator, MpiError, Tag};
 use slabsplat::{Image, over};
 use std::ops::Range;
 
-/// Composites what ranks have drawn before nothing. `order` has the ranks from the eye. The picture is on rank
-/// 0; others get nothing. All have to be about to call it, as after [`agree`](crate::agree).
+/// Composites what ranks have drawn before nothing. `order` has the ranks from the eye. The picture is on
+/// rank 0; others get nothing. All have to be about to call it, as after [`agree`](crate::agree).
 ///
 /// # Errors
 /// If the network fails, or a rank is silent for too long.

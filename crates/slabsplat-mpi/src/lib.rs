@@ -10,13 +10,13 @@
 //!
 //! # Features
 //!
-//! - `mpi`: ranks that are processes of an MPI. It is found by `mpicc` when this is built; where there is none
-//!   it builds all the same, and says so when it is asked for ranks.
+//! - `mpi`: ranks that are processes of an MPI. It is found by `mpicc` when this is built; where there is
+//!   none it builds all the same, and says so when it is asked for ranks.
 //!
 //! # Reading order
 //!
 //! `communicator`, `collective`, `threads`, `world`; `piece`, `compositing`; `distributed`, `report`,
-//! `threads_of_rank`; `in_situ`.
+//! `threads_of_rank`; `frames`; `in_situ`.
 
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
@@ -25,6 +25,7 @@ mod communicator;
 mod compositing;
 mod distributed;
 mod error;
+mod frames;
 mod in_situ;
 mod piece;
 mod report;
@@ -40,6 +41,7 @@ pub use communicator::{Communicator, Tag, Traffic, receive};
 pub use compositing::composite;
 pub use distributed::{DistributedPicture, DistributedScene};
 pub use error::MpiError;
+pub use frames::{DrawnFrame, FrameTeam, draw_frames};
 #[cfg(feature = "mpi")]
 pub use in_situ::c;
 pub use in_situ::{BoxError, Field, FieldError, InSitu, InSituError, SceneText, Values, VoxelBox};

@@ -5,8 +5,8 @@
 //!     pixels that are empty (u16), pixels that follow (u16), and these, 16 bytes each, as they are
 //! ```
 //!
-//! A picture of a part of a volume is mostly empty, and what is not lies in rows side by side. Pixels are sent
-//! as they are, all 16 bytes, so that the picture does not depend on the number of ranks.
+//! A picture of a part of a volume is mostly empty, and what is not lies in rows side by side. Pixels are
+//! sent as they are, all 16 bytes, so that the picture does not depend on the number of ranks.
 
 use slabsplat::Image;
 use std::ops::Range;

@@ -1,5 +1,7 @@
 //! How long a picture takes on how many computers, from what each rank has to do: for machines that are not
-//! here. `docs/scaling.md` has what comes out.
+//! here. [What comes out] is in the repository.
+//!
+//! [What comes out]: https://github.com/slabsplat/slabsplat/blob/main/docs/scaling.md
 //!
 //! ```text
 //! reading  = bytes of the rank that reads most / what a rank gets of the file system
@@ -108,8 +110,8 @@ impl PictureSecs {
 
 impl RankWork {
     /// Of a volume of `side`³ voxels of a byte of which `shown` are relevant, each with so many splats, on a
-    /// picture of `n_pixels`, of which a part is not empty in each rank's; boxes are read with `halo` voxels on
-    /// each side, and the rank with most work has `largest` times the mean.
+    /// picture of `n_pixels`, of which a part is not empty in each rank's; boxes are read with `halo` voxels
+    /// on each side, and the rank with most work has `largest` times the mean.
     pub fn of_cube(side: f64, n_ranks: f64, scene: &CubeScene) -> Self {
         let of_box = side / n_ranks.cbrt();
         let near = ((of_box + 2.0 * scene.halo) / of_box).powi(3).min(n_ranks);

@@ -36,8 +36,8 @@ fn write_scene(folder: &Path) {
     std::fs::write(folder.join("scene.toml"), SCENE).expect("the folder can be written to");
 }
 
-/// `mpirun` with ranks of several kinds: how many, and which command of a shell each runs, in which `$SLABSPLAT`
-/// is the program.
+/// `mpirun` with ranks of several kinds: how many, and which command of a shell each runs, in which
+/// `$SLABSPLAT` is the program.
 fn mpirun(folder: &Path, kinds: &[(usize, &str)]) -> Output {
     let mut command = Command::new("mpirun");
     command
@@ -204,6 +204,26 @@ fn distributed_ranks_die() {
     let little = format!("ulimit -v 450000; {scene}");
     let stderr = fail(dir.path(), &[(2, scene), (1, &little)]);
     assert!(stderr.contains("memory"), "{stderr}");
+}
+
+/// Frames come from all ranks, and are those of one process; what one cannot draw ends all.
+#[test]
+fn distributed_films_are_those_of_one_process() {
+    if !has_ranks() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let args = "turntable builtin:sphere:24 --frames 7 --width 40 --height 40 --backend cpu";
+    answer(dir.path(), &format!("{args} -o one.png-sequence --no-metadata"));
+    distributed(dir.path(), 3, &format!("{args} -o ranks.png-sequence --no-metadata"));
+    let names = names_in(&dir.path().join("one.png-sequence"));
+    assert_eq!(names, names_in(&dir.path().join("ranks.png-sequence")));
+    for name in names.iter().filter(|name| name.ends_with(".png")) {
+        let frame = |film: &str| std::fs::read(dir.path().join(film).join(name)).unwrap();
+        assert!(frame("one.png-sequence") == frame("ranks.png-sequence"), "{name}");
+    }
+    let bad = "exec $SLABSPLAT turntable none.nii -o out.gif --distributed";
+    assert!(said(&fail(dir.path(), &[(3, bad)])).contains("none.nii"));
 }
 
 #[test]

@@ -121,8 +121,8 @@ pub unsafe extern "C" fn slabsplat_simulation_draw(
     unsafe { drawn(simulation, fields, n_fields, &to_memory) }
 }
 
-/// Draws the simulation, and has rank 0 write the picture to a file, in the format that its name says. Returns 0
-/// if all is well, on all ranks or on none.
+/// Draws the simulation, and has rank 0 write the picture to a file, in the format that its name says.
+/// Returns 0 if all is well, on all ranks or on none.
 ///
 /// # Safety
 /// - As those of `slabsplat_simulation_draw`, but for `pixels`.

@@ -98,12 +98,12 @@ impl From<PlanError> for InSituError {
     }
 }
 
-/// What makes a scene of the volumes, as a rank has them, one for each field.
+/// Why a scene could not be made.
 type AnyError = Box<dyn std::error::Error + Send + Sync>;
 
 impl InSitu {
-    /// A simulation's grid, of which this rank has the voxels `own`; a rank without any has an empty box. Boxes
-    /// are those of a k-d tree, as of any regular division, and are all of the grid together.
+    /// A simulation's grid, of which this rank has the voxels `own`; a rank without any has an empty box.
+    /// Boxes are those of a k-d tree, as of any regular division, and are all of the grid together.
     ///
     /// # Errors
     /// If they are not, on all ranks.
@@ -126,9 +126,9 @@ impl InSitu {
         &self.boxes
     }
 
-    /// Draws the simulation as it is. `look` makes a scene of a volume for each of the fields, in their order:
-    /// what a rank has of it, with ghosts, so that it may use no more of a volume than its type. All ranks have
-    /// to make the same scene of it. The picture is on rank 0; others get nothing.
+    /// Draws the simulation as it is. `look` makes a scene of a volume for each of the fields, in their
+    /// order: what a rank has of it, with ghosts, so that it may use no more of a volume than its type. All
+    /// ranks have to make the same scene of it. The picture is on rank 0; others get nothing.
     ///
     /// # Errors
     /// If any rank cannot, on all.

@@ -86,7 +86,8 @@ impl Mpi {
     /// The ranks of a communicator, by its number in Fortran. MPI has to be started.
     pub(super) fn of(comm: c_int) -> Result<Self, MpiError> {
         let (mut own, mut rank, mut n_ranks) = (0, 0, 0);
-        // SAFETY: all three are where an integer may be written; a number that is no communicator is an error.
+        // SAFETY: all three are where an integer may be written; a number that is no communicator is an
+        // error.
         let code =
             unsafe { slabsplat_mpi_dup(comm, &raw mut own, &raw mut rank, &raw mut n_ranks) };
         check("name the ranks", code)?;

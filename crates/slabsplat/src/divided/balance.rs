@@ -160,7 +160,10 @@ impl WorkCells {
 
 /// The values of which voxels are drawn, as far as values alone say.
 fn relevant(layer: &Layer) -> Vec<IsoRange> {
-    layer.transfer_2d.as_ref().map_or_else(|| layer.transfer.iso_ranges(), |of| of.iso_ranges())
+    match &layer.transfer_2d {
+        Some(transfer) => transfer.iso_ranges(),
+        None => layer.transfer.iso_ranges(),
+    }
 }
 
 #[cfg(test)]

@@ -28,9 +28,9 @@ pub trait Exchange {
 
 /// A share of a scene that several programs draw.
 ///
-/// All of them open the same scene. The largest volume is cut into as many boxes by a k-d tree, such that each
-/// has as many relevant voxels, as far as an overview tells, of which each reads some planes. A share is then
-/// drawn like a [`DividedScene`], within its memory.
+/// All of them open the same scene. The largest volume is cut into as many boxes by a k-d tree, such that
+/// each has as many relevant voxels, as far as an overview tells, of which each reads some planes. A share is
+/// then drawn like a [`DividedScene`], within its memory.
 #[derive(Debug)]
 pub struct SharedScene {
     pub(super) divided: DividedScene,
