@@ -103,7 +103,7 @@ fn by_ranks(rng: &mut Rng, scene: &Scene, boxes: &[VoxelBox]) -> Image {
             volume.cropped(held).samples().clone()
         };
         let Samples::F64(values) = samples else { panic!("they are doubles") };
-        let in_situ = InSitu::new(comm, grid, own.clone()).unwrap();
+        let in_situ = InSitu::new(comm, grid, own).unwrap();
         let field = Field::packed(Values::F64(&values), held.clone()).unwrap();
         let look = |volumes: Vec<_>| {
             let mut scene = scene.clone();

@@ -44,7 +44,7 @@ fn run(n: usize, film: &Path) -> Result<(), AnyError> {
 fn simulate(comm: &dyn Communicator, n: usize, path: &Path) -> Result<(), AnyError> {
     let mut heat = Heat::new(comm, n);
     let grid = Grid::with_spacing([n; 3], [1.0; 3])?;
-    let in_situ = InSitu::new(comm, grid, heat.own.clone())?;
+    let in_situ = InSitu::new(comm, grid, &heat.own)?;
     let scene = SceneText::parse(&scene_text(n))?;
     let mut frame = || -> Result<Option<Image>, AnyError> {
         for _ in 0..STEPS_A_FRAME {

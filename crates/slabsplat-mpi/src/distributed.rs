@@ -78,9 +78,8 @@ impl DistributedScene {
         let image = composite(comm, &drawn.image, &self.shared.order())?;
         report.compositing_secs = started.elapsed().as_secs_f64();
         report.add_sent(comm.traffic().since(before));
-        let stats = drawn.stats.clone();
         let ranks = reports(comm, &report)?;
-        let stats = all_stats(comm, &stats)?;
+        let stats = all_stats(comm, &drawn.stats)?;
         let picture = image.map(|image| self.shared.finished(image, stats)).transpose();
         let picture = agreed(comm, picture)?;
         Ok(picture.map(|picture| DistributedPicture { picture, ranks }))

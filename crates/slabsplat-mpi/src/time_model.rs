@@ -111,22 +111,25 @@ impl PictureSecs {
 impl RankWork {
     /// Of a volume of `side`³ voxels of a byte of which `shown` are relevant, each with so many splats, on a
     /// picture of `n_pixels`, of which a part is not empty in each rank's; boxes are read with `halo` voxels
-    /// on each side, and the rank with most work has `largest` times the mean.
+    /// on each side, and of several ranks the one with most work has `largest` times the mean.
     pub fn of_cube(side: f64, n_ranks: f64, scene: &CubeScene) -> Self {
         let of_box = side / n_ranks.cbrt();
         let near = ((of_box + 2.0 * scene.halo) / of_box).powi(3).min(n_ranks);
         let n_voxels = side.powi(3) / n_ranks;
+        let is_alone = n_ranks <= 1.0;
+        let [largest, largest_read] =
+            if is_alone { [1.0; 2] } else { [scene.largest, scene.largest_read] };
         // A box is seen as large as its face, n^(2/3) of them beside each other.
         let n_pixels_of_box = (1.5 * scene.n_pixels / n_ranks.powf(2.0 / 3.0)).min(scene.n_pixels);
         // Voxels around a box are drawn where it shows them: a step on each side.
         let drawn = ((of_box + 2.0) / of_box).powi(3);
         Self {
             n_ranks,
-            n_bytes_read: n_voxels * near * scene.largest,
+            n_bytes_read: n_voxels * near * largest_read,
             n_bytes_read_by_all: n_voxels * near * n_ranks,
-            n_voxels_read: n_voxels * near * scene.largest,
-            n_splats: n_voxels * scene.shown * scene.splats_a_voxel * drawn * scene.largest,
-            n_bytes_sent: 16.0 * n_pixels_of_box * scene.largest,
+            n_voxels_read: n_voxels * near * largest_read,
+            n_splats: n_voxels * scene.shown * scene.splats_a_voxel * drawn * largest,
+            n_bytes_sent: 16.0 * n_pixels_of_box * largest,
             n_bytes_of_picture: 16.0 * scene.n_pixels,
         }
     }
@@ -144,8 +147,10 @@ pub struct CubeScene {
     pub halo: f64,
     /// Pixels of the picture.
     pub n_pixels: f64,
-    /// The most work of a rank over the mean.
+    /// The most splats of a rank over the mean.
     pub largest: f64,
+    /// The most voxels that a rank reads over the mean; boxes of much that is empty are large.
+    pub largest_read: f64,
 }
 
 #[cfg(test)]
@@ -160,8 +165,14 @@ mod tests {
         all_read_bytes_per_sec: 100e9,
         n_threads: 32.0,
     };
-    const SCENE: CubeScene =
-        CubeScene { shown: 0.2, splats_a_voxel: 5.0, halo: 8.0, n_pixels: 1e6, largest: 1.1 };
+    const SCENE: CubeScene = CubeScene {
+        shown: 0.2,
+        splats_a_voxel: 5.0,
+        halo: 8.0,
+        n_pixels: 1e6,
+        largest: 1.1,
+        largest_read: 2.0,
+    };
     const SPEED: ThreadSpeed = ThreadSpeed { voxel_secs: 2e-9, splat_secs: 30e-9 };
 
     #[test]
@@ -175,6 +186,6 @@ mod tests {
         }
         assert!(secs(64.0, 1e6).total() > secs(64.0, 8.0).total());
         let one = RankWork::of_cube(100.0, 1.0, &SCENE);
-        assert_eq!((one.n_ranks, one.n_bytes_read_by_all), (1.0, 1e6));
+        assert_eq!((one.n_ranks, one.n_bytes_read_by_all, one.n_voxels_read), (1.0, 1e6, 1e6));
     }
 }

@@ -84,7 +84,7 @@ pub unsafe extern "C" fn slabsplat_simulation_new(
             Ok::<_, AnyError>((grid_of(grid)?, voxels_of(own)?, SceneText::parse(scene.to_str()?)?))
         };
         let (grid, own, scene) = agree(&world, given())?;
-        let in_situ = InSitu::new(&world, grid, own)?;
+        let in_situ = InSitu::new(&world, grid, &own)?;
         Ok((world, in_situ, scene))
     });
     let (parts, error) = match made {

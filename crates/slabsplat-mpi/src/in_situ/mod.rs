@@ -43,7 +43,7 @@ use thiserror::Error;
 ///     // Each has a half, without ghosts.
 ///     let own = [0..8, 0..8, 4 * comm.rank()..4 * comm.rank() + 4];
 ///     let temperature = vec![1.0_f32; 8 * 8 * 4];
-///     let in_situ = InSitu::new(comm, grid, own.clone())?;
+///     let in_situ = InSitu::new(comm, grid, &own)?;
 ///     let field = Field::packed(Values::F32(&temperature), own)?;
 ///     let look = |volumes: Vec<_>| {
 ///         let transfer = TransferFunction::new([(0.0, 0.0), (1.0, 0.5)], [(0.0, [1.0, 0.3, 0.1])])?;
@@ -107,8 +107,8 @@ impl InSitu {
     ///
     /// # Errors
     /// If they are not, on all ranks.
-    pub fn new(comm: &dyn Communicator, grid: Grid, own: VoxelBox) -> Result<Self, InSituError> {
-        let bytes = boxes::to_bytes(&own, &grid);
+    pub fn new(comm: &dyn Communicator, grid: Grid, own: &VoxelBox) -> Result<Self, InSituError> {
+        let bytes = boxes::to_bytes(own, &grid);
         let all = all_gather(comm, agree(comm, Ok::<_, MpiError>(bytes))?)?;
         let boxes = boxes::from_bytes(&all, &grid);
         let boxes = agree(comm, boxes)?;
