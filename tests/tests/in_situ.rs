@@ -10,6 +10,7 @@ use slabsplat_mpi::{Communicator, Field, InSitu, ThreadRank, Values, VoxelBox};
 use slabsplat_seeds::for_each_numbered_seed;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::render::open;
+use std::ops::Range;
 use std::time::Duration;
 
 /// What a picture may differ by of which each part is rounded on its own.
@@ -85,7 +86,7 @@ fn by_ranks(rng: &mut Rng, scene: &Scene, boxes: &[VoxelBox]) -> Image {
         .iter()
         .map(|own| {
             let n_ghosts = [0, 0, 2, 100][rng.usize(..4)];
-            if own.iter().any(|range| range.is_empty()) {
+            if own.iter().any(Range::is_empty) {
                 return own.clone();
             }
             [0, 1, 2].map(|axis| {
@@ -96,7 +97,7 @@ fn by_ranks(rng: &mut Rng, scene: &Scene, boxes: &[VoxelBox]) -> Image {
         .collect();
     let pictures = ThreadRank::run(boxes.len(), LIMIT, |comm| {
         let (own, held) = (&boxes[comm.rank()], &held[comm.rank()]);
-        let is_empty = held.iter().any(|range| range.is_empty());
+        let is_empty = held.iter().any(Range::is_empty);
         let samples = if is_empty {
             Vec::<f64>::new().into()
         } else {

@@ -136,7 +136,7 @@ mod tests {
         let other = Grid::with_spacing([4, 4, 4], [2.0; 3]).unwrap();
         let bytes = |of: VoxelBox| to_bytes(&of, &grid);
         let inside = bytes([0..4, 1..2, 3..3]);
-        assert_eq!(from_bytes(&[inside.clone()], &grid), Ok(vec![[0..4, 1..2, 3..3]]));
+        assert_eq!(from_bytes(std::slice::from_ref(&inside), &grid), Ok(vec![[0..4, 1..2, 3..3]]));
         let outside = from_bytes(&[inside.clone(), bytes([0..5, 1..2, 3..3])], &grid);
         assert!(matches!(outside, Err(BoxError::Outside { rank: 1, .. })));
         let of_other = from_bytes(&[inside, to_bytes(&[0..4, 1..2, 3..3], &other)], &grid);
