@@ -14,6 +14,7 @@ chapters! {
     scenes_as_text = "scenes-as-text.md",
     pictures = "pictures.md",
     films = "films.md",
+    viewer = "viewer.md",
     windows = "windows.md",
     browsers = "browsers.md",
     own_kernel = "own-kernel.md",

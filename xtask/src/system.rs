@@ -48,6 +48,20 @@ pub(crate) const TESTS: &[Need] = &[
         packages: &["openmpi-bin", "libopenmpi-dev", "gcc", "libc6-dev"],
         is_there: has_mpi,
     },
+    Need {
+        // For a window that nobody sees, and who uses it and looks at it.
+        name: "a display in memory",
+        packages: &[
+            "xvfb",
+            "xdotool",
+            "imagemagick",
+            "libxkbcommon-x11-0",
+            "libxcursor1",
+            "libxi6",
+            "libxrandr2",
+        ],
+        is_there: || is_in_path("Xvfb") && is_in_path("xdotool") && is_in_path("import"),
+    },
 ];
 
 /// What `cargo xtask web` needs. It has a Vulkan driver of its own.
@@ -86,6 +100,12 @@ pub(crate) fn has_mpi() -> bool {
 /// Whether there is a browser.
 pub(crate) fn has_chromium() -> bool {
     starts("chromium")
+}
+
+/// Whether there is a program of that name; what some of them say of themselves opens displays.
+fn is_in_path(program: &str) -> bool {
+    let is_there = |folder: PathBuf| folder.join(program).is_file();
+    env::var_os("PATH").is_some_and(|path| env::split_paths(&path).any(is_there))
 }
 
 fn missing(needs: &'static [Need]) -> Vec<&'static Need> {

@@ -21,10 +21,14 @@ use crate::outside::{Outside, packages, programs};
 use crate::system;
 
 /// Those that are pages; another is what writes their JavaScript.
-pub(crate) const PAGES: &[&str] = &["browser", "page"];
+pub(crate) const PAGES: &[&str] = &["browser", "page", VIEWER];
+
+/// The one that has a folder of its own, which is served as it is.
+const VIEWER: &str = "viewer";
 
 /// What is served as it is.
 const FILES: &[&str] = &["browser/site/test.html", "browser/site/test.js", "page/index.html"];
+const VIEWER_FILES: &[&str] = &["viewer/index.html", "viewer/start.js", "viewer/viewer.css"];
 
 /// Tells the test where the pages are.
 const SITE: &str = "SLABSPLAT_SITE";
@@ -88,14 +92,19 @@ fn build(web: Web) -> Result<PathBuf> {
     run_command(&mut outside.pages())?;
     let site = workspace.target_directory.join("web");
     let modules = outside.target.join(WASM).join("release");
-    // Not optimised, as among the tests of `outside`: to run it takes less than to build it once more.
-    let mut bindgen = outside.cargo("run");
-    bindgen.args(["--package", "bindgen", "--"]).arg(&site);
-    bindgen.args(PAGES.iter().map(|page| modules.join(page).with_extension("wasm")));
-    run_command(&mut bindgen)?;
-    for file in FILES.iter().map(|file| programs().join(file)) {
-        let name = file.file_name().context("each has a name")?;
-        fs::copy(&file, site.join(name)).with_context(|| file.display().to_string())?;
+    let of_viewer = |page: &&&str| **page == VIEWER;
+    let (viewer, others): (Vec<&&str>, Vec<&&str>) = PAGES.iter().partition(of_viewer);
+    let folders = [(site.clone(), others, FILES), (site.join(VIEWER), viewer, VIEWER_FILES)];
+    for (folder, pages, files) in folders {
+        // Not optimised, as among the tests of `outside`: to run it takes less than to build it once more.
+        let mut bindgen = outside.cargo("run");
+        bindgen.args(["--package", "bindgen", "--"]).arg(&folder);
+        bindgen.args(pages.iter().map(|page| modules.join(**page).with_extension("wasm")));
+        run_command(&mut bindgen)?;
+        for file in files.iter().map(|file| programs().join(file)) {
+            let name = file.file_name().context("each has a name")?;
+            fs::copy(&file, folder.join(name)).with_context(|| file.display().to_string())?;
+        }
     }
     Ok(site)
 }
@@ -113,7 +122,7 @@ mod tests {
 
     #[test]
     fn pages_and_their_files_are_there() {
-        for file in FILES {
+        for file in FILES.iter().chain(VIEWER_FILES) {
             assert!(programs().join(file).is_file(), "{file}");
         }
         for page in PAGES {

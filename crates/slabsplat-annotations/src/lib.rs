@@ -53,4 +53,4 @@ pub use annotate::{annotate, draw_behind};
 pub use axes::axes_box;
 pub use ink::Ink;
 pub use room::{Insets, insets};
-pub use text::{Label, draw_text, lacks, measure_text, text_size};
+pub use text::{FONT, Label, draw_text, lacks, measure_text, text_size};

@@ -8,7 +8,8 @@ use slabsplat_core::Image;
 use crate::Ink;
 use crate::coverage::Coverage;
 
-static FONT: &[u8] = include_bytes!("../fonts/DejaVuSans-subset.ttf");
+/// The font, as a file of TrueType outlines, for programs that write with it elsewhere.
+pub const FONT: &[u8] = include_bytes!("../fonts/DejaVuSans-subset.ttf");
 
 /// A line of text at its place.
 #[derive(Clone, Copy, Debug, PartialEq)]

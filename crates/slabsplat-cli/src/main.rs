@@ -5,7 +5,7 @@
 //!
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
-//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], [`batch`],
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], `view`, [`batch`],
 //! [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`compare`],
 //! [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are made, [`ranks`]
 //! who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with,
@@ -35,6 +35,8 @@ mod reproduce;
 mod scene;
 mod tf;
 mod turntable;
+#[cfg(feature = "viewer")]
+mod view;
 
 mod advice;
 mod columns;
@@ -68,6 +70,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    #[cfg(feature = "viewer")]
+    View(Box<view::ViewArgs>),
     Batch(Box<batch::BatchArgs>),
     Turntable(Box<turntable::TurntableArgs>),
     Film(Box<film::FilmArgs>),
@@ -116,6 +120,8 @@ fn command_line() -> clap::Command {
 fn run(command: Command) -> Result<()> {
     match command {
         Command::Render(args) => render::run(&args),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => view::run(*args),
         Command::Batch(args) => batch::run(*args),
         Command::Turntable(args) => turntable::run(&args),
         Command::Film(args) => film::run(&args),

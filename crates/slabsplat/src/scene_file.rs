@@ -11,7 +11,7 @@ use slabsplat_core::{
 };
 use slabsplat_io::{
     CameraDesc, FilmFile, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
-    OpacitySource, SceneFile, TransferFit, check_memory,
+    OpacitySource, SceneFile, TransferFit, TransferSource, check_memory,
 };
 use std::cell::{Cell, OnceCell};
 use thiserror::Error;
@@ -188,20 +188,58 @@ impl OpenScene {
         self.frame_for(file, aim, Some(views))
     }
 
+    /// What pictures of the scene are to hold, for cameras from other sides: beside what annotations take of
+    /// them. It looks at the voxels of all layers.
+    pub fn framing(&self) -> Framing {
+        let Scene { layers, meshes, settings, .. } = &self.scene;
+        let framing = Framing::new(layers, meshes, settings.mode, self.facing);
+        with_room_for_annotations(framing, &self.scene)
+    }
+
+    /// Shows a layer by a transfer function from elsewhere, as a preset or a file has it, which is fitted to
+    /// the layer's volume as scene files have theirs fitted. Warnings are returned, a line each.
+    ///
+    /// # Errors
+    /// If it cannot be stretched to the volume's values.
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn show_by(
+        &mut self,
+        layer_idx: usize,
+        source: TransferSource,
+    ) -> Result<Vec<String>, FitError> {
+        let layer = &mut self.scene.layers[layer_idx];
+        let mut file = self.sources.layers[layer_idx].clone();
+        file.fit = TransferFit::default();
+        file.gradient_opacity = None;
+        let has_shading = source.shading.is_none();
+        file.begin_with(source, has_shading);
+        let found = || Look::of(&layer.volume, self.acquisition);
+        let Fitted { transfer, gradient_opacity, warnings } =
+            fitted(&file, &layer.volume, || found().transfer, || found().kind.water())?;
+        layer.transfer = transfer;
+        layer.gradient_opacity = gradient_opacity.filter(|_| takes_gradients(&self.scene.settings));
+        layer.transfer_2d = None;
+        if !has_shading {
+            layer.shading = file.shading;
+        }
+        Ok(warnings)
+    }
+
     fn frame_for(
         &mut self,
         file: &SceneFile,
         aim: &Aim,
         views: Option<Views<'_>>,
     ) -> Result<(), OpenError> {
-        let Scene { layers, meshes, image, settings, .. } = &self.scene;
+        let image = &self.scene.image;
         let given = &file.camera;
         let is_alone = is_whole(given) && *aim == Aim::default();
         let camera = if is_alone {
             given.complete(&placeholder())?
         } else {
-            let framing = Framing::new(layers, meshes, settings.mode, self.facing);
-            let framing = with_room_for_annotations(framing, &self.scene);
+            let framing = self.framing();
             let mut projection = usual_projection(given.is_perspective());
             if let (Projection::Perspective { fov_y_radians }, Some(degrees)) =
                 (&mut projection, given.fov_y)

@@ -137,8 +137,13 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "ranks draw what any program draws, and share what they have drawn",
     },
     Layer {
+        name: "slabsplat-viewer",
+        may_use: &["slabsplat"],
+        why: "a window shows what any program can have drawn, and nothing below knows of windows",
+    },
+    Layer {
         name: "slabsplat-cli",
-        may_use: &["slabsplat", "slabsplat-mpi"],
+        may_use: &["slabsplat", "slabsplat-mpi", "slabsplat-viewer"],
         why: "what the program can do, any downstream crate must be able to do",
     },
     Layer {
@@ -176,7 +181,7 @@ const EXECUTOR: &[&str] = &["slabsplat-gpu", "slabsplat-shaders"];
 const EXECUTES: &str = "it executes frames that are data, and sees no plan and no other executor";
 
 /// Crates that even a dev-dependency reaches only from above.
-pub(super) const TOP: &[&str] = &["slabsplat", "slabsplat-cli"];
+pub(super) const TOP: &[&str] = &["slabsplat", "slabsplat-viewer", "slabsplat-cli"];
 
 /// The only crates of others that a crate may use.
 pub(super) struct Closed {
@@ -234,7 +239,7 @@ pub(super) const EXTERNALS: &[External] = &[
     },
     External {
         name: "wgpu",
-        users: Users::Only(&["slabsplat-wgpu"]),
+        users: Users::Only(&["slabsplat-wgpu", "slabsplat-viewer"]),
         why: "whoever wants another interface must not compile this one",
     },
     External {
@@ -256,7 +261,7 @@ pub(super) const EXTERNALS: &[External] = &[
     },
     External {
         name: "image",
-        users: Users::Only(&["slabsplat-core", "slabsplat-io"]),
+        users: Users::Only(&["slabsplat-core", "slabsplat-io", "slabsplat-viewer"]),
         why: CODECS,
     },
     External { name: "serde", users: Users::Only(CODERS), why: CODECS },
@@ -282,6 +287,9 @@ pub(super) const EXTERNALS: &[External] = &[
         users: Users::Only(&["slabsplat-bench"]),
         why: "plots are for the documentation, and no program carries them",
     },
+    External { name: "eframe", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
+    External { name: "winit", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
+    External { name: "rfd", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
     External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "signal-hook", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
@@ -301,5 +309,7 @@ pub(super) const EXTERNALS: &[External] = &[
 const UNSAFE: &str = "raw Vulkan is unsafe, and only one crate may contain unsafe code";
 const CODECS: &str = "file formats stay in one crate";
 const FILMS: &str = "who makes no films compiles no encoder of them";
-const CODERS: &[&str] = &["slabsplat-core", "slabsplat-io", "xtask", "slabsplat-bench"];
+const CODERS: &[&str] =
+    &["slabsplat-core", "slabsplat-io", "slabsplat-viewer", "xtask", "slabsplat-bench"];
+const WINDOWS: &str = "whoever draws without a display compiles no window";
 const TERMINAL: &str = "only the program talks to a terminal";

@@ -93,6 +93,14 @@ type Check<'a> = &'a dyn Fn(&SceneFile) -> Result<()>;
 /// What finds the camera of a scene that is open.
 type Frame<'a> = &'a dyn Fn(&mut OpenScene, &SceneFile, &Aim) -> Result<(), OpenError>;
 
+impl HowFlags {
+    /// The backend that a flag names.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn backend(&self) -> Option<&str> {
+        self.settings.backend()
+    }
+}
+
 impl SceneFlags {
     /// What is named, with the flags laid over it; no volume is read.
     pub(crate) fn file(&self) -> Result<SceneFile> {
@@ -110,6 +118,16 @@ impl SceneFlags {
     /// Reads what is named, and lays the flags over it.
     pub(crate) fn open(&self) -> Result<OpenScene> {
         self.open_framed(&|_| Ok(()), &|opened, file, aim| opened.frame(file, aim))
+    }
+
+    /// The same for pictures of another size.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn open_for(&self, [width, height]: [u32; 2]) -> Result<OpenScene> {
+        self.open_framed(&|_| Ok(()), &|opened, file, aim| {
+            let image = &mut opened.scene.image;
+            (image.width, image.height) = (width, height);
+            opened.frame(file, aim)
+        })
     }
 
     fn open_framed(&self, check: Check<'_>, frame: Frame<'_>) -> Result<OpenScene> {

@@ -39,6 +39,12 @@ impl SettingsFlags {
         Ok(())
     }
 
+    /// The backend that a flag names.
+    #[cfg(feature = "viewer")]
+    pub(super) fn backend(&self) -> Option<&str> {
+        self.backend.as_deref()
+    }
+
     /// Whether a flag names the backend.
     pub(super) fn names_backend(&self) -> bool {
         self.backend.is_some()

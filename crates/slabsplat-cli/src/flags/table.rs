@@ -16,7 +16,7 @@ struct Given<S: 'static> {
 }
 
 /// Writes a value that it knows into settings.
-type Set<S> = Box<dyn Fn(&mut S)>;
+type Set<S> = Box<dyn Fn(&mut S) + Send>;
 
 impl<S: Settings> TableFlags<S> {
     /// The settings, with what flags say instead; not checked.
@@ -95,6 +95,6 @@ fn set_by<S>(row: &'static Setting<S>, matches: &ArgMatches) -> Option<Set<S>> {
     })
 }
 
-fn write<S, T: Clone + 'static>(access: &'static Access<S, T>, value: T) -> Set<S> {
+fn write<S, T: Clone + Send + 'static>(access: &'static Access<S, T>, value: T) -> Set<S> {
     Box::new(move |settings| (access.set)(settings, value.clone()))
 }

@@ -25,6 +25,8 @@ mod scene;
 mod signals;
 mod stdin;
 mod transfer;
+#[cfg(feature = "viewer")]
+mod view;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

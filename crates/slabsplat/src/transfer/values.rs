@@ -27,6 +27,11 @@ impl ValueCounts {
         let bins = Bins { range: volume.summary().range?, n_bins };
         Some(Self { range: bins.range, counts: bins.counts(volume) })
     }
+
+    /// Those that somebody else has counted, in bins of equal width from the least value on.
+    pub fn of_counts(range: [f64; 2], counts: Vec<u64>) -> Self {
+        Self { range, counts }
+    }
 }
 
 /// A range of values, cut into bins of equal width.

@@ -1,0 +1,305 @@
+//! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
+//!
+//! Reading order: here, `view`, `keys`, `bars`.
+
+mod bars;
+mod keys;
+mod view;
+
+use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::jobs::Opening;
+use crate::jobs::{self, Job, Opener};
+use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
+use crate::ui::{self, Files, Pane, Panel, Ruler, Wish};
+use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
+use slabsplat::{Finish, ImageDesc, OpenScene, Viewpoint};
+
+/// A viewer of volumes, an app of eframe's.
+pub struct Viewer {
+    opener: Opener,
+    wake: Wake,
+    source: Box<dyn FrameSource>,
+    pacing: Pacing,
+    budgets: Vec<FrameBudget>,
+    document: Option<Document>,
+    opening: Option<Job<Document>>,
+    jobs: Vec<Job<String>>,
+    panel: Panel,
+    files: Files,
+    ruler: Ruler,
+    panes: Vec<Pane>,
+    /// The size of a pane, in pixels.
+    view: [u32; 2],
+    messages: Vec<String>,
+    pointed: Option<Picked>,
+    is_held: bool,
+    shows_help: bool,
+    /// What the frames that are shown took, and how large they were.
+    shown: Option<(f64, [u32; 2])>,
+}
+
+impl std::fmt::Debug for Viewer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Viewer").field("view", &self.view).finish_non_exhaustive()
+    }
+}
+
+/// Degrees of a step of a turn.
+const TURN_STEP: f64 = 0.5;
+
+impl Viewer {
+    /// A viewer in a window of egui's, on frames of `source`, that opens what `opener` makes of names.
+    pub fn new(
+        context: &Context,
+        source: Box<dyn FrameSource>,
+        opener: Opener,
+        wake: Wake,
+    ) -> Self {
+        ui::dress(context);
+        Self {
+            opener,
+            wake,
+            source,
+            pacing: Pacing::default(),
+            budgets: Vec::new(),
+            document: None,
+            opening: None,
+            jobs: Vec::new(),
+            panel: Panel::default(),
+            files: Files::default(),
+            ruler: Ruler::default(),
+            panes: Vec::new(),
+            view: [960, 720],
+            messages: Vec::new(),
+            pointed: None,
+            is_held: false,
+            shows_help: false,
+            shown: None,
+        }
+    }
+
+    /// Opens what a job opens, of views of a size.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn begin(&mut self, job: impl FnOnce([u32; 2], &Wake) -> Job<Document>) {
+        self.opening = Some(job(self.view, &self.wake));
+    }
+
+    /// Opens something instead of what is open; `name` is what it is called.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn open(&mut self, name: String, opening: Opening) {
+        self.opening = Some(jobs::begin(name, opening, self.view, &self.wake));
+    }
+
+    /// What was opened before, the newest first.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn set_recent(&mut self, recent: Vec<std::path::PathBuf>) {
+        self.files.recent = recent;
+    }
+
+    /// Says something to the user.
+    pub fn say(&mut self, what: impl Into<String>) {
+        let what = what.into();
+        if self.messages.last() != Some(&what) {
+            self.messages.push(what);
+        }
+    }
+
+    fn hear_jobs(&mut self) {
+        if let Some(result) = self.opening.as_ref().and_then(Job::done) {
+            self.opening = None;
+            match result {
+                Ok(document) => self.show_document(document),
+                Err(why) => self.say(why),
+            }
+        }
+        let done: Vec<_> = self.jobs.iter().map(Job::done).collect();
+        let mut is_done = done.iter().map(Option::is_some);
+        self.jobs.retain(|_| !is_done.next().unwrap_or(false));
+        for result in done.into_iter().flatten() {
+            self.say(result.unwrap_or_else(|why| why));
+        }
+    }
+
+    fn show_document(&mut self, document: Document) {
+        let opened = &document.state().opened;
+        let said: Vec<String> = opened.found.iter().chain(&opened.warnings).cloned().collect();
+        said.into_iter().for_each(|what| self.say(what));
+        self.document = Some(document);
+        self.panes.clear();
+        self.pacing.forget();
+        self.ruler = Ruler::default();
+        self.panel = Panel::default();
+    }
+
+    fn hear_frames(&mut self, context: &Context) {
+        for event in self.source.events() {
+            match event {
+                Event::Drawn(drawn) => self.show_frame(context, *drawn),
+                Event::Failed { pane, number, why } => {
+                    if self.pacing.came(pane, number)
+                        && let Some(pane) = self.panes.get_mut(pane)
+                    {
+                        pane.error = Some(why);
+                    }
+                }
+                Event::Note(note) => self.say(note),
+            }
+        }
+    }
+
+    fn show_frame(&mut self, context: &Context, drawn: Drawn) {
+        let (pane_idx, urgency) = (drawn.pane, drawn.urgency);
+        if !self.pacing.came(pane_idx, drawn.number) || self.panes.len() <= pane_idx {
+            return;
+        }
+        let size = [drawn.image.width(), drawn.image.height()];
+        if let Some(ms) = drawn.ms {
+            self.shown = Some((ms, size));
+            if urgency == Urgency::Moving {
+                self.budgets[pane_idx].took(ms);
+            }
+        }
+        drawn.notes.iter().for_each(|note| self.say(note.clone()));
+        let comparison = &mut self.panel.comparison;
+        if comparison.is_turning
+            && let Some(before) = &self.panes[pane_idx].image
+            && [before.width(), before.height()] == size
+        {
+            comparison.add(pane_idx, drawn.image.mean_difference(before));
+        }
+        self.panes[pane_idx].set(context, pane_idx, drawn);
+        if self.panel.comparison.shows_difference {
+            self.show_difference(context);
+        }
+    }
+
+    /// Panes beside the first show by how much they differ from it.
+    fn show_difference(&mut self, context: &Context) {
+        let Some((first, others)) = self.panes.split_first_mut() else { return };
+        let Some(reference) = &first.image else { return };
+        for (idx, pane) in others.iter_mut().enumerate() {
+            let Some(image) = &pane.image else { continue };
+            if (image.width(), image.height()) == (reference.width(), reference.height()) {
+                let largest = image.max_color_difference(reference);
+                let gain = slabsplat::gain_for(f64::from(largest));
+                let picture = slabsplat::difference_picture(image, reference, gain);
+                pane.show_instead(context, idx + 1, &picture);
+            }
+        }
+    }
+
+    fn aim(&mut self, viewpoint: Option<Viewpoint>) {
+        let Some(document) = &mut self.document else { return };
+        document.settle();
+        if let Err(error) = document.aim(viewpoint) {
+            self.say(error.to_string());
+        }
+    }
+
+    /// What was dropped onto the window.
+    fn dropped(&mut self, context: &Context) {
+        let dropped = context.input(|input| input.raw.dropped_files.clone());
+        if let Some(file) = dropped.first() {
+            let opener = self.opener.clone();
+            self.opening = Some(jobs::open_dropped(opener, file, self.view, &self.wake));
+        }
+    }
+
+    fn grant(&mut self, wish: Wish) {
+        let pane = |[width, height]: [u32; 2]| {
+            let mut opened = self.document.as_ref()?.pane(0);
+            let image = ImageDesc::new(width, height);
+            opened.scene.image = image.background(opened.scene.image.background);
+            Some(opened)
+        };
+        match wish {
+            #[cfg(target_arch = "wasm32")]
+            Wish::OpenBytes(name, bytes) => {
+                self.opening = Some(jobs::open_bytes(name, bytes, self.view, &self.wake));
+            }
+            Wish::Open(path) => {
+                self.files.opened(&path);
+                let job = jobs::open(self.opener.clone(), path, self.view, &self.wake);
+                self.opening = Some(job);
+            }
+            Wish::SaveScene(path) => {
+                let opened = pane(self.view);
+                self.jobs.extend(opened.map(|it| jobs::save_scene(it, path, &self.wake)));
+            }
+            Wish::SavePicture(path, size) => {
+                let opened = pane(size);
+                self.jobs.extend(opened.map(|it| jobs::save_picture(it, path, &self.wake)));
+            }
+            Wish::Film(path, size, seconds) => {
+                let opened = pane(size);
+                self.jobs.extend(opened.map(|it| jobs::film(it, path, seconds, &self.wake)));
+            }
+        }
+    }
+
+    /// Asks for pictures of what is shown now.
+    fn ask(&mut self, context: &Context) {
+        let Some(document) = &mut self.document else { return };
+        if self.panel.comparison.is_turning && self.pacing.is_done() {
+            document.move_camera(|camera| camera.orbited(TURN_STEP.to_radians()));
+        }
+        let now = context.input(|input| input.time);
+        let is_held = self.is_held || self.panel.comparison.is_turning;
+        let asked = self.pacing.step(document.revision(), document.n_panes(), now, is_held);
+        for Asked { pane, number, urgency } in asked {
+            let opened = document.pane(pane);
+            let opened = match urgency {
+                Urgency::AtRest => opened,
+                Urgency::Moving => preview(opened, self.budgets[pane].size(self.view)),
+            };
+            self.source.ask(Request { pane, number, opened, urgency });
+        }
+        if let Some(seconds) = self.pacing.wake_in(now).filter(|_| !is_held) {
+            context.request_repaint_after(std::time::Duration::from_secs_f64(seconds));
+        }
+        if !self.pacing.is_done() || self.opening.is_some() || !self.jobs.is_empty() {
+            // For progress bars: what is done wakes the window by itself.
+            context.request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+}
+
+impl eframe::App for Viewer {
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        let context = ui.ctx().clone();
+        self.hear_jobs();
+        self.hear_frames(&context);
+        self.dropped(&context);
+        self.keys(&context);
+        Bar::top("bar").show(ui, |ui| self.bar(ui));
+        Bar::bottom("status").show(ui, |ui| self.status(ui));
+        if let Some(document) = &mut self.document {
+            let panel = Bar::right("controls").default_size(330.0).size_range(330.0..=520.0);
+            let said = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
+            said.into_iter().for_each(|what| self.say(what));
+        }
+        CentralPanel::no_frame().show(ui, |ui| self.view(ui));
+        self.notices(&context);
+        ui::show_help(&context, &mut self.shows_help);
+        if let Some(wish) = self.files.show(&context) {
+            self.grant(wish);
+        }
+        if context.input(|input| input.pointer.any_released())
+            && let Some(document) = &mut self.document
+        {
+            document.settle();
+        }
+        self.ask(&context);
+    }
+}
+
+/// A scene as it is shown while it moves: small, and with nothing drawn on it.
+fn preview(mut opened: OpenScene, [width, height]: [u32; 2]) -> OpenScene {
+    let image = &mut opened.scene.image;
+    (image.width, image.height) = (width, height);
+    let below = opened.scene.finish.background_below;
+    opened.scene.finish =
+        below.map_or_else(Finish::default, |color| Finish::default().background_below(color));
+    opened
+}

@@ -1,0 +1,170 @@
+//! Work on threads: files of the disk.
+
+use super::{Job, Opener, Opening, Progress};
+use crate::frames::Wake;
+use crate::state::Document;
+use eframe::egui::DroppedFileHandle;
+use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate, Turn};
+use slabsplat::io::{PictureFormat, ProgressCallback, Provenance, SceneFile, write_scene};
+use slabsplat::{OpenScene, Renderer, TurnAxis};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+
+impl<T: Send + 'static> Job<T> {
+    /// Begins work. `wake` is called when it is done, and may be whenever it has got further.
+    pub(crate) fn begin(
+        title: String,
+        wake: &Wake,
+        work: impl FnOnce(&Progress) -> Result<T, String> + Send + 'static,
+    ) -> Self {
+        let progress = Progress::default();
+        let (sender, result) = mpsc::channel();
+        let (of_work, wake) = (progress.clone(), wake.clone());
+        let thread = std::thread::Builder::new().name("slabsplat-job".to_owned());
+        let failed = sender.clone();
+        let spawned = thread.spawn(move || {
+            drop(sender.send(work(&of_work)));
+            wake();
+        });
+        if let Err(error) = spawned {
+            drop(failed.send(Err(error.to_string())));
+        }
+        Self { title, progress, result }
+    }
+}
+
+/// Opens what `opener` makes of a name, for views of that size.
+pub(crate) fn open(opener: Opener, path: PathBuf, size: [u32; 2], wake: &Wake) -> Job<Document> {
+    let title = format!("opening {}", path.display());
+    let wake_of_work = wake.clone();
+    Job::begin(title, wake, move |progress| {
+        let file = opener(&path)?;
+        open_file(file, name_of(&path), size, progress, wake_of_work)
+    })
+}
+
+/// Opens what was dropped onto the window.
+pub(crate) fn open_dropped(
+    opener: Opener,
+    file: &DroppedFileHandle,
+    size: [u32; 2],
+    wake: &Wake,
+) -> Job<Document> {
+    open(opener, file.path().to_owned(), size, wake)
+}
+
+/// Opens what `opening` opens.
+pub(crate) fn begin(name: String, opening: Opening, size: [u32; 2], wake: &Wake) -> Job<Document> {
+    let title = format!("opening {name}");
+    Job::begin(title, wake, move |_| Ok(Document::of(opening(size)?, name)))
+}
+
+fn open_file(
+    mut file: SceneFile,
+    name: String,
+    size: [u32; 2],
+    progress: &Progress,
+    wake: Wake,
+) -> Result<Document, String> {
+    let reading = progress.clone();
+    let heard = ProgressCallback::new(move |read| {
+        reading.reach(0.9 * read.share());
+        wake();
+    });
+    file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(heard.clone()));
+    Document::open(&file, name, size).map_err(|error| error.to_string())
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |it| it.to_string_lossy().into())
+}
+
+/// Writes the picture of a scene, of any size, with what it was made of. Returns a sentence.
+pub(crate) fn save_picture(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
+    Job::begin(format!("drawing {}", path.display()), wake, move |progress| {
+        let text = |error: &dyn std::fmt::Display| error.to_string();
+        let endings = PictureFormat::endings;
+        let format = PictureFormat::of_name(&path)
+            .ok_or_else(|| format!("the name of a picture ends in {}", endings()))?;
+        let mut opened = opened;
+        let mut renderer = Renderer::open(&opened.backend, |_| {}).map_err(|e| text(&e))?;
+        let (scene, acquisition) = (&opened.scene, opened.acquisition);
+        let picture =
+            renderer.picture_as(scene, acquisition, &progress.frame()).map_err(|e| text(&e))?;
+        renderer.caps().name.clone_into(&mut opened.backend);
+        let file = opened.to_file().map_err(|e| text(&e))?;
+        let provenance = Provenance::of_scene(&file, &path).map_err(|e| text(&e))?;
+        let image = &picture.frame.image;
+        format.write(&path, image, Some(&provenance)).map_err(|e| text(&e))?;
+        Ok(format!("{}: {} x {} pixels", path.display(), image.width(), image.height()))
+    })
+}
+
+/// Writes a scene file. Returns a sentence.
+pub(crate) fn save_scene(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
+    Job::begin(format!("writing {}", path.display()), wake, move |_| {
+        let file = opened.to_file().map_err(|error| error.to_string())?;
+        write_scene(&path, &file).map_err(|error| error.to_string())?;
+        Ok(format!("{}: the scene", path.display()))
+    })
+}
+
+/// Frames a second of a turntable.
+const FRAMES_PER_SECOND: f64 = 30.0;
+
+/// Films a whole turn. Returns a sentence.
+pub(crate) fn film(opened: OpenScene, path: PathBuf, seconds: f64, wake: &Wake) -> Job<String> {
+    let shown = path.display().to_string();
+    Job::begin(format!("filming {shown}"), wake, move |progress| {
+        make_film(&opened, &path, seconds, progress).map_err(|error| match error {
+            FilmingError::Cancelled => {
+                format!("the film was given up; its frames are in {shown}.frames")
+            }
+            FilmingError::Other(why) => why,
+        })
+    })
+}
+
+enum FilmingError {
+    Cancelled,
+    Other(String),
+}
+
+impl<E: std::error::Error> From<E> for FilmingError {
+    fn from(error: E) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+fn make_film(
+    opened: &OpenScene,
+    path: &Path,
+    seconds: f64,
+    progress: &Progress,
+) -> Result<String, FilmingError> {
+    let format = FilmFormat::of_name(path).ok_or_else(|| {
+        FilmingError::Other(
+            "the name of a film ends in .mp4, .webm, .gif, .webp or .apng".to_owned(),
+        )
+    })?;
+    format.check_program()?;
+    let rate = FrameRate::new(FRAMES_PER_SECOND)?;
+    let n_frames = FilmDesc::n_frames_of(seconds, rate)?;
+    let image = opened.scene.image;
+    let has_opacity = format.has_opacity() && image.background[3] < 1.0;
+    let desc = FilmDesc::new(image.width, image.height, n_frames, rate)?.has_opacity(has_opacity);
+    format.check(&desc)?;
+    let turn = Turn::new(TurnAxis::Up, 360.0, n_frames);
+    let mut renderer = Renderer::open(&opened.backend, |_| {})?;
+    let film = FilmWriter::begin_anew(path, format, desc, "a turn")?;
+    let render = |frame_idx: u32| {
+        if progress.is_cancelled() {
+            return Err(FilmingError::Cancelled);
+        }
+        progress.reach(f64::from(frame_idx) / f64::from(n_frames));
+        let scene = turn.scene_at(&opened.scene, frame_idx)?;
+        Ok(renderer.picture(&scene, opened.acquisition)?.frame.image)
+    };
+    let report = film.make::<FilmingError, _>(render, |_| {})?;
+    Ok(format!("{}: {} frames", path.display(), report.n_frames))
+}

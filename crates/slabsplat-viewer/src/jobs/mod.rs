@@ -1,0 +1,97 @@
+//! Work that takes its time: files that are opened, pictures and films that are written. It says how far it is,
+//! and can be given up. On a desktop each has a thread of its own; in a page it takes turns with all else.
+
+#[cfg(not(target_arch = "wasm32"))]
+mod desktop;
+#[cfg(target_arch = "wasm32")]
+mod page;
+
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use desktop::*;
+#[cfg(target_arch = "wasm32")]
+pub(crate) use page::*;
+
+use slabsplat::io::SceneFile;
+use slabsplat::{FrameHandle, OpenScene};
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What a scene file makes of a name: a volume, a scene, a picture that says what it shows.
+pub type Opener = Arc<dyn Fn(&Path) -> Result<SceneFile, String> + Send + Sync>;
+
+/// What opens something for views of a size, in pixels, on a thread of its own.
+pub type Opening = Box<dyn FnOnce([u32; 2]) -> Result<OpenScene, String> + Send>;
+
+/// Work that goes on.
+#[derive(Debug)]
+pub(crate) struct Job<T> {
+    /// What it is, for people.
+    pub(crate) title: String,
+    progress: Progress,
+    result: Receiver<Result<T, String>>,
+}
+
+/// How far work is, for those who do it and those who watch. It is given up when nobody watches.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Progress {
+    thousandths: Arc<AtomicU32>,
+    is_cancelled: Arc<AtomicU32>,
+    frame: Arc<Mutex<Option<FrameHandle>>>,
+}
+
+impl Progress {
+    #[cfg(not(target_arch = "wasm32"))]
+    fn reach(&self, share: f64) {
+        self.thousandths.store((1000.0 * share) as u32, Ordering::Relaxed);
+    }
+
+    /// A frame that is part of it: it is cancelled with the rest.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn frame(&self) -> FrameHandle {
+        let frame = FrameHandle::new();
+        *self.frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame.clone());
+        if self.is_cancelled() {
+            frame.cancel();
+        }
+        frame
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn is_cancelled(&self) -> bool {
+        self.is_cancelled.load(Ordering::Relaxed) != 0
+    }
+
+    fn cancel(&self) {
+        self.is_cancelled.store(1, Ordering::Relaxed);
+        if let Some(frame) = &*self.frame.lock().unwrap_or_else(PoisonError::into_inner) {
+            frame.cancel();
+        }
+    }
+}
+
+impl<T> Job<T> {
+    /// What came of it, once it is done.
+    pub(crate) fn done(&self) -> Option<Result<T, String>> {
+        match self.result.try_recv() {
+            Ok(result) => Some(result),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(Err("it stopped in the middle".to_owned())),
+        }
+    }
+
+    /// How far it is, 0 … 1.
+    pub(crate) fn share(&self) -> f32 {
+        let frame = self.progress.frame.lock().unwrap_or_else(PoisonError::into_inner);
+        let of_frame = frame.as_ref().map_or(0.0, FrameHandle::progress);
+        let share = self.progress.thousandths.load(Ordering::Relaxed) as f32 / 1000.0;
+        if share == 0.0 { of_frame } else { share }
+    }
+}
+
+impl<T> Drop for Job<T> {
+    fn drop(&mut self) {
+        self.progress.cancel();
+    }
+}

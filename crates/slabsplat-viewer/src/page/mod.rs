@@ -1,0 +1,56 @@
+//! The viewer in a page of a browser: on files that are dropped there, nothing of which is sent anywhere, or on
+//! frames of a server.
+//!
+//! The page's address may say `?url=` of a volume, `?scene=` of a scene file, `?builtin=` a built-in volume,
+//! `?backend=` what draws, and `?token=` that a server draws.
+//!
+//! Reading order: `address` and `fetch` (what the page asks for), `renderer` (frames drawn in the page),
+//! `remote` (frames of a server).
+
+mod address;
+mod fetch;
+mod remote;
+mod renderer;
+
+pub(crate) use fetch::{bytes_of, download};
+
+use crate::app::Viewer;
+use crate::frames::{FrameSource, Wake};
+use crate::jobs;
+use std::sync::Arc;
+use web_sys::HtmlCanvasElement;
+
+/// Shows the viewer in a canvas, for as long as the page is there.
+///
+/// # Errors
+/// If the browser draws nothing in it, in a sentence for people.
+pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
+    let mut options = eframe::WebOptions::default();
+    options.dithering = false;
+    let create = |context: &eframe::CreationContext<'_>| {
+        let app: Box<dyn eframe::App> = Box::new(viewer(&context.egui_ctx)?);
+        Ok(app)
+    };
+    let started = eframe::WebRunner::new().start(canvas, options, Box::new(create)).await;
+    started.map_err(|error| format!("the browser draws nothing: {error:?}"))
+}
+
+fn viewer(egui: &eframe::egui::Context) -> Result<Viewer, String> {
+    let of_wake = egui.clone();
+    let wake: Wake = Arc::new(move || of_wake.request_repaint());
+    let token = address::parameter("token");
+    let source: Box<dyn FrameSource> = match &token {
+        Some(token) => Box::new(remote::Remote::connect(token, wake.clone())?),
+        None => Box::new(renderer::PageRenderer::open(address::parameter("backend"), wake.clone())),
+    };
+    let mut viewer = Viewer::new(egui, source, jobs::opener(), wake);
+    if let Some(token) = token {
+        viewer.begin(|size, wake| jobs::open_session(token, size, wake));
+    } else if let Some(url) = address::parameter("scene").or_else(|| address::parameter("url")) {
+        viewer.begin(|size, wake| jobs::open(jobs::opener(), url.into(), size, wake));
+    } else {
+        let name = address::parameter("builtin").unwrap_or_else(|| "neuron".to_owned());
+        viewer.begin(|size, wake| jobs::open_builtin(name, size, wake));
+    }
+    Ok(viewer)
+}

@@ -1,0 +1,189 @@
+//! What page and server say to each other: scenes as text, pictures as files with a header.
+//!
+//! A request is JSON: `pane`, `number`, `urgency` (`moving` or `rest`), and `scene`, the text of a scene file.
+//! An answer in bytes is the length of a header (32 bits, little-endian), the header in JSON and the picture
+//! as JPEG or PNG; an answer in text is JSON with an `error`, of a pane and a number, or with a `note`.
+
+use crate::frames::{Drawn, Event, Request, Urgency};
+use serde::{Deserialize, Serialize};
+use slabsplat::io::scene_text;
+use slabsplat::{Image, OpenScene, ValueCounts};
+
+#[derive(Serialize)]
+struct Asked<'a> {
+    pane: usize,
+    number: u64,
+    urgency: &'a str,
+    scene: String,
+}
+
+/// What is said before a picture.
+#[derive(Deserialize)]
+struct Header {
+    pane: usize,
+    number: u64,
+    urgency: String,
+    ms: f64,
+    n_voxels: u64,
+    #[serde(default)]
+    notes: Vec<String>,
+}
+
+/// What a server shows, without its volumes.
+#[derive(Deserialize)]
+pub(crate) struct Session {
+    pub(crate) name: String,
+    pub(crate) scene: String,
+    is_metric: bool,
+    #[serde(default)]
+    warnings: Vec<String>,
+    #[serde(default)]
+    found: Vec<String>,
+    layers: Vec<SessionLayer>,
+}
+
+#[derive(Deserialize)]
+struct SessionLayer {
+    range: Option<[f64; 2]>,
+    counts: Vec<u64>,
+}
+
+impl Session {
+    pub(crate) fn of_json(json: &[u8]) -> Result<Self, String> {
+        serde_json::from_slice(json).map_err(|error| format!("the server says nothing: {error}"))
+    }
+
+    /// Has a scene of overviews say what the server knows of the volumes.
+    pub(crate) fn tell(&self, opened: &mut OpenScene) {
+        opened.warnings.clone_from(&self.warnings);
+        opened.found.clone_from(&self.found);
+        if self.is_metric {
+            opened.acquisition = opened.acquisition.metric();
+        }
+    }
+
+    /// How many voxels of each layer have which values.
+    pub(crate) fn counts(&self) -> Vec<Option<ValueCounts>> {
+        let of_layer =
+            |layer: &SessionLayer| Some(ValueCounts::of_counts(layer.range?, layer.counts.clone()));
+        self.layers.iter().map(of_layer).collect()
+    }
+}
+
+/// What a server says in words.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(crate) enum Answer {
+    Failed { pane: usize, number: u64, error: String },
+    Note { note: String },
+}
+
+impl Answer {
+    /// What a text says, if it is an answer.
+    pub(crate) fn of_text(text: &str) -> Option<Self> {
+        serde_json::from_str(text).ok()
+    }
+
+    pub(crate) fn into_event(self) -> Event {
+        match self {
+            Self::Failed { pane, number, error } => Event::Failed { pane, number, why: error },
+            Self::Note { note } => Event::Note(note),
+        }
+    }
+}
+
+/// What is sent for a request.
+pub(crate) fn request_text(request: &Request) -> Result<String, String> {
+    let file = request.opened.to_file().map_err(|error| error.to_string())?;
+    let scene = scene_text(&file, "scene.toml").map_err(|error| error.to_string())?;
+    let urgency = match request.urgency {
+        Urgency::Moving => "moving",
+        Urgency::AtRest => "rest",
+    };
+    let asked = Asked { pane: request.pane, number: request.number, urgency, scene };
+    serde_json::to_string(&asked).map_err(|error| error.to_string())
+}
+
+/// The picture that came.
+pub(crate) fn drawn_of(bytes: &[u8]) -> Result<Drawn, String> {
+    const SHORT: &str = "the server sent half a picture";
+    let (length, rest) = bytes.split_first_chunk::<4>().ok_or(SHORT)?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let (header, picture) = rest.split_at_checked(length).ok_or(SHORT)?;
+    let header: Header = serde_json::from_slice(header).map_err(|error| error.to_string())?;
+    Ok(Drawn {
+        pane: header.pane,
+        number: header.number,
+        urgency: if header.urgency == "moving" { Urgency::Moving } else { Urgency::AtRest },
+        image: decoded(picture)?,
+        notes: header.notes,
+        ms: Some(header.ms),
+        n_voxels: header.n_voxels,
+    })
+}
+
+/// A file's pixels, premultiplied.
+fn decoded(bytes: &[u8]) -> Result<Image, String> {
+    let picture = image::load_from_memory(bytes).map_err(|error| error.to_string())?.into_rgba8();
+    let premultiplied = |pixel: &image::Rgba<u8>| {
+        let [r, g, b, a] = pixel.0.map(|byte| f32::from(byte) / 255.0);
+        [r * a, g * a, b * a, a]
+    };
+    let pixels = picture.pixels().map(premultiplied).collect();
+    Ok(Image::from_pixels(picture.width(), picture.height(), pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat::io::{SceneFile, VolumeSource, png_bytes};
+
+    #[test]
+    fn pictures_come_as_they_were_sent() {
+        let image = Image::filled(3, 2, [0.2, 0.4, 0.6, 1.0]);
+        let header =
+            r#"{"pane":1,"number":7,"urgency":"rest","format":"png","ms":2.5,"n_voxels":9}"#;
+        let mut bytes = (header.len() as u32).to_le_bytes().to_vec();
+        bytes.extend_from_slice(header.as_bytes());
+        bytes.extend(png_bytes(&image).unwrap());
+        let drawn = drawn_of(&bytes).unwrap();
+        assert_eq!((drawn.pane, drawn.number, drawn.urgency), (1, 7, Urgency::AtRest));
+        assert!(drawn.image.max_difference(&image) < 1e-6);
+        for length in 0..bytes.len() {
+            assert!(drawn_of(&bytes[..length]).is_err(), "{length} bytes");
+        }
+    }
+
+    #[test]
+    fn a_session_says_what_is_shown() {
+        let json = r#"{"name":"head","scene":"","is_metric":true,"layers":[
+            {"range":[0,8],"counts":[3,1],"labels":[]},{"range":null,"counts":[],"labels":[]}]}"#;
+        let session = Session::of_json(json.as_bytes()).unwrap();
+        let counts = session.counts();
+        assert_eq!(counts[0].as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
+        assert_eq!(counts[1], None);
+        assert!(Session::of_json(b"{}").is_err());
+    }
+
+    #[test]
+    fn words_are_errors_and_notes() {
+        let failed = Answer::of_text(r#"{"pane":2,"number":5,"error":"no"}"#).unwrap().into_event();
+        assert!(matches!(failed, Event::Failed { pane: 2, number: 5, .. }));
+        let note = Answer::of_text(r#"{"note":"hm"}"#).unwrap().into_event();
+        assert!(matches!(note, Event::Note(_)));
+        assert!(Answer::of_text("hm").is_none());
+    }
+
+    #[test]
+    fn a_request_has_the_scene() {
+        let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
+        let opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
+        let request = Request { pane: 0, number: 3, opened, urgency: Urgency::Moving };
+        let text = request_text(&request).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+        assert_eq!((&value["number"], &value["urgency"]), (&3.into(), &"moving".into()));
+        let scene = value["scene"].as_str().unwrap();
+        let again = slabsplat::io::parse_scene(scene, "scene.toml").unwrap();
+        assert_eq!(again.settings, request.opened.scene.settings);
+    }
+}

@@ -1,0 +1,24 @@
+//! All that a viewer knows without a window: what is open and what becomes of it.
+//!
+//! Reading order: `history`, `document`; `camera_moves`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`.
+
+mod camera_moves;
+mod curve;
+mod cut;
+mod document;
+mod frame_budget;
+mod history;
+mod pacing;
+mod pick;
+
+pub use camera_moves::{
+    ViewPoint, centered_on, height_at_target, orbited, panned, ray, rolled, seen_at, slid,
+    with_projection_switched, zoomed,
+};
+pub use curve::{Curve, span, stretched, with_result};
+pub use cut::Cut;
+pub use document::{Document, State};
+pub use frame_budget::FrameBudget;
+pub use history::History;
+pub use pacing::{Asked, Pacing};
+pub use pick::{Picked, picked};

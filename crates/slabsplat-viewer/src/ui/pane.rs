@@ -1,0 +1,267 @@
+//! A pane of the view: the picture that is there, and what mouse, touch and wheel do on it.
+
+use crate::frames::Drawn;
+use crate::state::{self, Document, Picked, ViewPoint};
+use eframe::egui::{
+    Align2, Color32, ColorImage, Context, FontId, Key, Painter, PointerButton, Pos2, Rect,
+    Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+};
+use slabsplat::glam::DVec2;
+use slabsplat::{Image, Scene};
+
+/// Where a view is in the window.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    /// The part of the window.
+    pub(crate) rect: Rect,
+}
+
+impl Frame {
+    /// Where a point of the view is on the screen.
+    pub(crate) fn to_screen(&self, at: ViewPoint) -> Pos2 {
+        let offset = vec2(at.x as f32, -at.y as f32) * self.rect.height();
+        self.rect.center() + offset
+    }
+
+    /// Which point of the view is there on the screen.
+    pub(crate) fn to_view(&self, at: Pos2) -> ViewPoint {
+        self.drag(at - self.rect.center())
+    }
+
+    /// By how much a pointer moves, in parts of the view's height.
+    pub(crate) fn drag(&self, by: Vec2) -> DVec2 {
+        let height = f64::from(self.rect.height()).max(1.0);
+        DVec2::new(f64::from(by.x), f64::from(-by.y)) / height
+    }
+}
+
+/// A picture that is shown.
+#[derive(Default)]
+pub(crate) struct Pane {
+    /// The picture as it came.
+    pub(crate) image: Option<Image>,
+    texture: Option<TextureHandle>,
+    /// Why there is no picture of what is shown.
+    pub(crate) error: Option<String>,
+    overlay: Option<(u64, TextureHandle)>,
+}
+
+impl std::fmt::Debug for Pane {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Pane").field("error", &self.error).finish_non_exhaustive()
+    }
+}
+
+/// What a pointer does in a pane.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pointed {
+    /// Where it is in the view, if it is there.
+    pub(crate) at: Option<ViewPoint>,
+    /// Where it was clicked.
+    pub(crate) clicked: Option<ViewPoint>,
+    /// Whether something is dragged.
+    pub(crate) is_held: bool,
+}
+
+impl Pane {
+    /// A picture has come.
+    pub(crate) fn set(&mut self, context: &Context, pane: usize, drawn: Drawn) {
+        set_texture(context, &mut self.texture, format!("pane {pane}"), &drawn.image);
+        self.error = None;
+        self.image = Some(drawn.image);
+    }
+
+    /// Shows another picture than the one that came, as a difference.
+    pub(crate) fn show_instead(&mut self, context: &Context, pane: usize, image: &Image) {
+        set_texture(context, &mut self.texture, format!("pane {pane}"), image);
+    }
+
+    /// Paints the picture all over a rectangle.
+    pub(crate) fn paint(&self, ui: &Ui, rect: Rect) {
+        let painter = ui.painter_at(rect);
+        if let Some(texture) = &self.texture {
+            let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            painter.image(texture.id(), rect, all, Color32::WHITE);
+        }
+        if let Some(error) = &self.error {
+            let font = FontId::proportional(15.0);
+            let color = ui.visuals().error_fg_color;
+            let galley = painter.layout(error.clone(), font, color, rect.width() * 0.8);
+            let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+            painter.rect_filled(place.expand(8.0), 4.0, ui.visuals().window_fill);
+            painter.galley(place.min, galley, color);
+        }
+    }
+
+    /// Paints what is drawn on pictures of a scene, which pictures that move do not have.
+    pub(crate) fn paint_annotations(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        revision: u64,
+        scene: &Scene,
+        acquisition: slabsplat::Acquisition,
+    ) {
+        if scene.finish.annotations.is_empty() {
+            return;
+        }
+        if self.overlay.as_ref().is_none_or(|(of, _)| *of != revision) {
+            let mut image = Image::filled(scene.image.width, scene.image.height, [0.0; 4]);
+            // What has no room is told of with the whole picture.
+            drop(slabsplat::annotations::annotate(&mut image, scene, acquisition));
+            let mut texture = self.overlay.take().map(|(_, texture)| texture);
+            set_texture(ui.ctx(), &mut texture, "annotations".to_owned(), &image);
+            self.overlay = texture.map(|texture| (revision, texture));
+        }
+        if let Some((_, texture)) = &self.overlay {
+            let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter_at(rect).image(texture.id(), rect, all, Color32::WHITE);
+        }
+    }
+}
+
+fn set_texture(
+    context: &Context,
+    texture: &mut Option<TextureHandle>,
+    name: String,
+    image: &Image,
+) {
+    let size = [image.width() as usize, image.height() as usize];
+    let pixels = image.pixels().iter().map(|pixel| {
+        let [r, g, b, a] = pixel.map(|part| (255.0 * part + 0.5) as u8);
+        Color32::from_rgba_premultiplied(r, g, b, a)
+    });
+    let image = ColorImage::new(size, pixels.collect());
+    match texture {
+        Some(texture) => texture.set(image, TextureOptions::LINEAR),
+        None => *texture = Some(context.load_texture(name, image, TextureOptions::LINEAR)),
+    }
+}
+
+/// The rectangles of so many panes.
+pub(crate) fn rects(all: Rect, n_panes: usize) -> Vec<Rect> {
+    const GAP: f32 = 2.0;
+    // The rows by which the largest square fits into each.
+    let square = |rows: usize| {
+        let columns = n_panes.div_ceil(rows);
+        (all.width() / columns as f32).min(all.height() / rows as f32)
+    };
+    let rows = (1..=n_panes).max_by(|&a, &b| square(a).total_cmp(&square(b)).then(b.cmp(&a)));
+    let rows = rows.unwrap_or(1);
+    let columns = n_panes.div_ceil(rows);
+    let size = vec2(
+        (all.width() - GAP * (columns - 1) as f32) / columns as f32,
+        (all.height() - GAP * (rows - 1) as f32) / rows as f32,
+    );
+    let of = |idx: usize| {
+        let place = vec2((idx % columns) as f32, (idx / columns) as f32);
+        Rect::from_min_size(all.min + place * (size + Vec2::splat(GAP)), size)
+    };
+    (0..n_panes).map(of).collect()
+}
+
+/// What pointer, touch and wheel do to the camera.
+pub(crate) fn pointer(
+    ui: &Ui,
+    frame: &Frame,
+    response: &Response,
+    document: &mut Document,
+) -> Pointed {
+    let at = response.hover_pos().map(|at| frame.to_view(at));
+    let (modifiers, wheel, pinch) =
+        ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
+    let drag = frame.drag(response.drag_delta());
+    let is_dragged = response.dragged() && drag != DVec2::ZERO;
+    if let Some(touch) = ui.input(|input| input.multi_touch()).filter(|_| response.hovered()) {
+        let center = frame.to_view(touch.center_pos);
+        let moved = frame.drag(touch.translation_delta);
+        document.move_camera(|camera| {
+            let camera = state::zoomed(camera, center, f64::from(touch.zoom_delta));
+            let camera = state::rolled(&camera, -f64::from(touch.rotation_delta));
+            state::panned(&camera, moved)
+        });
+    } else if is_dragged {
+        let pans = modifiers.shift
+            || response.dragged_by(PointerButton::Secondary)
+            || response.dragged_by(PointerButton::Middle);
+        document.move_camera(|camera| match (modifiers.command, pans) {
+            (true, _) => state::rolled(camera, roll_of(frame, response)),
+            (_, true) => state::panned(camera, drag),
+            _ => state::orbited(camera, drag),
+        });
+    }
+    // Ctrl turns the wheel into a pinch.
+    let factor = f64::from(wheel / 400.0).exp() * f64::from(pinch);
+    if let Some(at) = at.filter(|_| factor != 1.0 && response.hovered()) {
+        document.move_camera(|camera| state::zoomed(camera, at, factor));
+    }
+    if response.drag_stopped() {
+        document.settle();
+    }
+    let clicked = response.clicked().then_some(()).and(at);
+    Pointed { at, clicked, is_held: response.dragged() }
+}
+
+/// The angle about the middle by which a pointer was dragged, counter-clockwise.
+fn roll_of(frame: &Frame, response: &Response) -> f64 {
+    let Some(now) = response.interact_pointer_pos() else { return 0.0 };
+    let arm = |at: Pos2| frame.to_view(at);
+    arm(now - response.drag_delta()).angle_to(arm(now))
+}
+
+/// What is under a point of the view.
+pub(crate) fn under(document: &Document, at: ViewPoint) -> Option<Picked> {
+    let scene = &document.state().opened.scene;
+    state::picked(scene, state::ray(&scene.camera, at))
+}
+
+/// Senses a pane's pointer.
+pub(crate) fn sensed(ui: &mut Ui, rect: Rect, pane: usize) -> Response {
+    ui.interact(rect, ui.scope_id().with(("pane", pane)), Sense::click_and_drag())
+}
+
+/// By how much + and − magnify in this frame.
+pub(crate) fn zoom_of_keys(context: &Context) -> f64 {
+    let pressed =
+        |keys: [Key; 2]| context.input(|input| keys.iter().any(|key| input.key_pressed(*key)));
+    let larger = if pressed([Key::Plus, Key::Equals]) { 1.25 } else { 1.0 };
+    if pressed([Key::Minus, Key::Minus]) { larger / 1.25 } else { larger }
+}
+
+/// What a pane shows, where there are several.
+pub(crate) fn title(painter: &Painter, rect: Rect, text: &str) {
+    let at = rect.left_top() + vec2(8.0, 6.0);
+    let font = FontId::proportional(13.0);
+    painter.text(at + vec2(1.0, 1.0), Align2::LEFT_TOP, text, font.clone(), Color32::BLACK);
+    painter.text(at, Align2::LEFT_TOP, text, font, Color32::WHITE);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panes_fill_the_view() {
+        let wide = Rect::from_min_size(pos2(0.0, 20.0), vec2(1000.0, 800.0));
+        assert_eq!(rects(wide, 1), [wide]);
+        for n_panes in 1..=4 {
+            for all in [wide, Rect::from_min_size(Pos2::ZERO, vec2(300.0, 1000.0))] {
+                let rects = rects(all, n_panes);
+                assert_eq!(rects.len(), n_panes);
+                assert!(rects.iter().all(|rect| all.expand(0.5).contains_rect(*rect)), "{rects:?}");
+                let apart = |a: &Rect, b: &Rect| a == b || !a.intersects(*b);
+                assert!(rects.iter().all(|a| rects.iter().all(|b| apart(a, b))));
+            }
+        }
+        assert!((rects(wide, 3)[0].width() - 499.0).abs() < 1.0, "two by two");
+        assert!((rects(wide, 2)[0].height() - 800.0).abs() < 1.0, "side by side");
+    }
+
+    #[test]
+    fn points_of_the_view_are_where_they_are_seen() {
+        let frame = Frame { rect: Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 200.0)) };
+        assert_eq!(frame.to_view(pos2(160.0, 20.0)), DVec2::new(0.0, 0.5));
+        assert_eq!(frame.to_screen(DVec2::new(0.25, -0.5)), pos2(210.0, 220.0));
+        assert_eq!(frame.drag(vec2(20.0, 20.0)), DVec2::new(0.1, -0.1));
+    }
+}

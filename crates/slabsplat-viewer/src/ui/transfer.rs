@@ -1,0 +1,382 @@
+//! The editor of a transfer function: opacities over a histogram, colours below.
+
+use super::colors::{self, shown};
+use crate::state::{Curve, Document, span, stretched, with_result};
+use eframe::egui::{
+    Align2, Color32, DragValue, FontId, Painter, Pos2, Rect, Response, ScrollArea, Sense, Stroke,
+    Ui, Vec2, pos2, vec2,
+};
+use slabsplat::io::{COLORMAP_NAMES, PRESET_NAMES, colormap, preset};
+use slabsplat::{PiecewiseLinear, TransferFunction, ValueCounts};
+
+const PLOT_HEIGHT: f32 = 130.0;
+const STRIP_HEIGHT: f32 = 18.0;
+const POINT_RADIUS: f32 = 4.5;
+/// How near to a point the pointer takes hold of it.
+const REACH: f32 = 9.0;
+
+/// What of the editor is no part of the scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Editor {
+    /// The point whose numbers are shown.
+    selected: Option<Selected>,
+    /// What is dragged.
+    held: Option<Selected>,
+    /// The values that the plot goes over, if not all.
+    shown: Option<[f64; 2]>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Selected {
+    Opacity(usize),
+    Color(usize),
+}
+
+/// The part of the window that is the plot, and the values that it goes over.
+#[derive(Clone, Copy)]
+struct Plot {
+    rect: Rect,
+    strip: Rect,
+    values: [f64; 2],
+}
+
+impl Plot {
+    fn x(&self, value: f64) -> f32 {
+        let [lo, hi] = self.values;
+        self.rect.left() + (((value - lo) / (hi - lo)) as f32) * self.rect.width()
+    }
+
+    fn at(&self, value: f64, opacity: f64) -> Pos2 {
+        pos2(self.x(value), self.rect.bottom() - opacity as f32 * self.rect.height())
+    }
+
+    fn value(&self, x: f32) -> f64 {
+        let [lo, hi] = self.values;
+        lo + (hi - lo) * f64::from((x - self.rect.left()) / self.rect.width())
+    }
+
+    fn opacity(&self, y: f32) -> f64 {
+        f64::from((self.rect.bottom() - y) / self.rect.height()).clamp(0.0, 1.0)
+    }
+}
+
+impl Editor {
+    /// Shows the transfer function of a layer and lets it be changed.
+    pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document, layer_idx: usize) {
+        let layer = &document.state().opened.scene.layers[layer_idx];
+        let transfer = layer.transfer.clone();
+        let counts = document.counts[layer_idx].clone();
+        let values = self.shown.unwrap_or_else(|| all_values(&transfer, counts.as_ref()));
+        let size = vec2(ui.available_width(), PLOT_HEIGHT + STRIP_HEIGHT + 2.0);
+        let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
+        let all = response.rect.shrink2(vec2(6.0, 2.0));
+        let plot = Plot {
+            rect: Rect::from_min_size(all.min, vec2(all.width(), PLOT_HEIGHT - 4.0)),
+            strip: Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max),
+            values,
+        };
+        self.paint(&painter, &plot, &transfer, counts.as_ref(), ui);
+        if let Some(edited) = self.dragged(ui, &response, &plot, &transfer) {
+            set(document, layer_idx, "transfer function", edited);
+        }
+        self.zoom(ui, &response, &plot);
+        self.selected_numbers(ui, document, layer_idx);
+    }
+
+    fn paint(
+        &self,
+        painter: &Painter,
+        plot: &Plot,
+        transfer: &TransferFunction,
+        counts: Option<&ValueCounts>,
+        ui: &Ui,
+    ) {
+        let visuals = ui.visuals();
+        painter.rect_filled(plot.rect, 2.0, visuals.extreme_bg_color);
+        if let Some(counts) = counts {
+            histogram(painter, plot, counts, visuals.weak_text_color().gamma_multiply(0.45));
+        }
+        let clipped = painter.with_clip_rect(painter.clip_rect().intersect(plot.rect.expand(6.0)));
+        let line = Stroke::new(1.5, visuals.strong_text_color());
+        let points = transfer.opacity_points().points();
+        let mut outline: Vec<Pos2> = points.iter().map(|&(v, [a])| plot.at(v, a)).collect();
+        if let (Some(first), Some(last)) = (outline.first(), outline.last()) {
+            let ends = [
+                pos2(plot.rect.left().min(first.x), first.y),
+                pos2(plot.rect.right().max(last.x), last.y),
+            ];
+            outline.insert(0, ends[0]);
+            outline.push(ends[1]);
+        }
+        clipped.line(outline, line);
+        for (idx, &(value, [opacity])) in points.iter().enumerate() {
+            let fill = shown(transfer.color(value));
+            let is_selected = self.selected == Some(Selected::Opacity(idx));
+            point(&clipped, plot.at(value, opacity), fill, is_selected, ui);
+        }
+        colors::strip(painter, plot.strip, transfer.color_points(), plot.values);
+        let clipped = painter.with_clip_rect(painter.clip_rect().intersect(plot.strip.expand(6.0)));
+        for (idx, &(value, color)) in transfer.color_points().points().iter().enumerate() {
+            let is_selected = self.selected == Some(Selected::Color(idx));
+            point(
+                &clipped,
+                pos2(plot.x(value), plot.strip.center().y),
+                shown(color),
+                is_selected,
+                ui,
+            );
+        }
+        ends(painter, plot, visuals.weak_text_color());
+    }
+
+    /// What the pointer does to points; the transfer function that comes of it, if it is another.
+    fn dragged(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        plot: &Plot,
+        transfer: &TransferFunction,
+    ) -> Option<TransferFunction> {
+        let pointer = response.interact_pointer_pos()?;
+        if response.drag_started() || response.clicked() || response.secondary_clicked() {
+            let origin = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
+            self.selected = nearest(plot, transfer, origin);
+            self.held = self.selected;
+        }
+        let (opacity, color) = (transfer.opacity_points(), transfer.color_points());
+        if response.double_clicked() && self.selected.is_none() {
+            let value = plot.value(pointer.x);
+            if plot.strip.contains(pointer) {
+                let (color, idx) = color.with_point(value);
+                self.selected = Some(Selected::Color(idx));
+                return Some(TransferFunction::of_curves(opacity.clone(), color));
+            }
+            let (opacity, idx) = opacity.with_point(value);
+            self.selected = Some(Selected::Opacity(idx));
+            let opacity = with_result(&opacity, idx, [plot.opacity(pointer.y)]);
+            return Some(TransferFunction::of_curves(opacity, color.clone()));
+        }
+        if response.secondary_clicked() {
+            return self.remove(transfer);
+        }
+        if response.dragged() {
+            let value = plot.value(pointer.x);
+            return match self.held? {
+                Selected::Opacity(idx) => {
+                    let moved = opacity.point_moved(idx, value);
+                    let moved = with_result(&moved, idx, [plot.opacity(pointer.y)]);
+                    Some(TransferFunction::of_curves(moved, color.clone()))
+                }
+                Selected::Color(idx) => {
+                    let moved = color.point_moved(idx, value);
+                    Some(TransferFunction::of_curves(opacity.clone(), moved))
+                }
+            };
+        }
+        None
+    }
+
+    /// The transfer function without what is selected.
+    fn remove(&mut self, transfer: &TransferFunction) -> Option<TransferFunction> {
+        let (opacity, color) = (transfer.opacity_points(), transfer.color_points());
+        Some(match self.selected.take()? {
+            Selected::Opacity(idx) => {
+                TransferFunction::of_curves(opacity.without(idx), color.clone())
+            }
+            Selected::Color(idx) => {
+                TransferFunction::of_curves(opacity.clone(), color.without(idx))
+            }
+        })
+    }
+
+    /// The wheel looks closer at the values under the pointer.
+    fn zoom(&mut self, ui: &Ui, response: &Response, plot: &Plot) {
+        let Some(pointer) = response.hover_pos() else { return };
+        let wheel = ui.input(|input| input.smooth_scroll_delta().y);
+        if wheel == 0.0 {
+            return;
+        }
+        let (at, shrunk) = (plot.value(pointer.x), f64::from(-wheel / 300.0).exp());
+        let [lo, hi] = plot.values.map(|end| at + (end - at) * shrunk);
+        if lo.is_finite() && hi.is_finite() && lo < hi {
+            self.shown = Some([lo, hi]);
+        }
+    }
+
+    /// The numbers of the point that is selected.
+    fn selected_numbers(&mut self, ui: &mut Ui, document: &mut Document, layer_idx: usize) {
+        let transfer = document.state().opened.scene.layers[layer_idx].transfer.clone();
+        let (opacity, color) = (transfer.opacity_points(), transfer.color_points());
+        let [lo, hi] = span(&transfer);
+        let speed = ((hi - lo) / 400.0).max(1e-6);
+        let mut edited = None;
+        ui.horizontal(|ui| {
+            match self.selected {
+                Some(Selected::Opacity(idx)) if idx < opacity.points().len() => {
+                    let (mut value, [mut alpha]) = opacity.points()[idx];
+                    ui.label("value");
+                    let is_moved = ui.add(DragValue::new(&mut value).speed(speed)).changed();
+                    ui.label("opacity");
+                    let drag = DragValue::new(&mut alpha).speed(0.002).range(0.0..=1.0);
+                    if ui.add(drag.max_decimals(4)).changed() || is_moved {
+                        let moved = with_result(&opacity.point_moved(idx, value), idx, [alpha]);
+                        edited = Some(TransferFunction::of_curves(moved, color.clone()));
+                    }
+                }
+                Some(Selected::Color(idx)) if idx < color.points().len() => {
+                    let (mut value, rgb) = color.points()[idx];
+                    ui.label("value");
+                    let mut moved = color.clone();
+                    let is_moved = ui.add(DragValue::new(&mut value).speed(speed)).changed();
+                    if is_moved {
+                        moved = moved.point_moved(idx, value);
+                    }
+                    let chosen = colors::button(ui, rgb);
+                    if let Some(chosen) = chosen {
+                        moved = with_result(&moved, idx, chosen);
+                    }
+                    if is_moved || chosen.is_some() {
+                        edited = Some(TransferFunction::of_curves(opacity.clone(), moved));
+                    }
+                }
+                _ => {
+                    ui.weak("drag; double click adds, right click removes");
+                }
+            }
+            if self.selected.is_some() && ui.small_button("remove").clicked() {
+                edited = self.remove(&transfer);
+            }
+            if self.shown.is_some() && ui.small_button("all values").clicked() {
+                self.shown = None;
+            }
+        });
+        if let Some(edited) = edited {
+            set(document, layer_idx, "point of a transfer function", edited);
+        }
+    }
+}
+
+/// Strips of colour maps and presets; a click takes one. Returns what has to be said of it.
+pub(crate) fn strips(ui: &mut Ui, document: &mut Document, layer_idx: usize) -> Vec<String> {
+    let mut said = Vec::new();
+    ui.label("colour maps");
+    if let Some(name) = strip_of(ui, "maps", COLORMAP_NAMES, |name| colormap(name).ok()) {
+        let layer = &document.state().opened.scene.layers[layer_idx];
+        let transfer = layer.transfer.clone();
+        let range = transfer.opacity_points().span();
+        if let Ok(map) = colormap(name) {
+            let opacity = transfer.opacity_points().clone();
+            let edited = TransferFunction::of_curves(opacity, stretched(&map, range));
+            set(document, layer_idx, "colour map", edited);
+        }
+    }
+    ui.label("presets");
+    let colors_of = |name: &str| Some(preset(name).ok()?.source.transfer.color_points().clone());
+    if let Some(preset) =
+        strip_of(ui, "presets", PRESET_NAMES, colors_of).and_then(|name| preset(name).ok())
+    {
+        document.change("preset", |state| match state.opened.show_by(layer_idx, preset.source) {
+            Ok(warnings) => said = warnings,
+            Err(error) => said.push(error.to_string()),
+        });
+        document.settle();
+    }
+    said
+}
+
+/// Buttons that show colours. The name of the one that was clicked.
+fn strip_of(
+    ui: &mut Ui,
+    id: &str,
+    names: &[&'static str],
+    colors_of: impl Fn(&str) -> Option<PiecewiseLinear<3>>,
+) -> Option<&'static str> {
+    let mut clicked = None;
+    ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            for name in names {
+                let Some(colors) = colors_of(name) else { continue };
+                let (rect, response) = ui.allocate_exact_size(vec2(64.0, 34.0), Sense::click());
+                let bar = Rect::from_min_size(rect.min, vec2(64.0, 18.0));
+                colors::strip(ui.painter(), bar, &colors, colors.span());
+                let stroke = ui.style().interact(&response).fg_stroke;
+                ui.painter().rect_stroke(bar, 2.0, stroke, eframe::egui::StrokeKind::Inside);
+                let below = pos2(rect.center().x, rect.bottom());
+                let font = FontId::proportional(9.0);
+                let text = ui.visuals().text_color();
+                let painter = ui.painter().with_clip_rect(ui.clip_rect().intersect(rect));
+                painter.text(below, Align2::CENTER_BOTTOM, *name, font, text);
+                if response.on_hover_text(*name).clicked() {
+                    clicked = Some(*name);
+                }
+            }
+        });
+    });
+    clicked
+}
+
+fn set(document: &mut Document, layer_idx: usize, kind: &'static str, transfer: TransferFunction) {
+    document.change(kind, |state| {
+        state.opened.scene.layers[layer_idx].transfer = transfer;
+    });
+}
+
+/// All values that there are, and that a transfer function speaks of.
+fn all_values(transfer: &TransferFunction, counts: Option<&ValueCounts>) -> [f64; 2] {
+    let of_points = span(transfer);
+    let [lo, hi] = counts.map_or(of_points, |counts| {
+        [counts.range[0].min(of_points[0]), counts.range[1].max(of_points[1])]
+    });
+    if lo < hi { [lo, hi] } else { [lo - 0.5, lo + 0.5] }
+}
+
+/// What the pointer would take hold of.
+fn nearest(plot: &Plot, transfer: &TransferFunction, pointer: Pos2) -> Option<Selected> {
+    let opacities = transfer.opacity_points().points().iter().enumerate();
+    let opacities = opacities
+        .map(|(idx, &(value, [opacity]))| (Selected::Opacity(idx), plot.at(value, opacity)));
+    let colors = transfer.color_points().points().iter().enumerate();
+    let colors = colors.map(|(idx, &(value, _))| {
+        (Selected::Color(idx), pos2(plot.x(value), plot.strip.center().y))
+    });
+    let near = opacities.chain(colors).map(|(what, at)| (what, at.distance(pointer)));
+    let near = near.filter(|(_, distance)| *distance < REACH);
+    near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(what, _)| what)
+}
+
+fn point(painter: &Painter, at: Pos2, fill: Color32, is_selected: bool, ui: &Ui) {
+    let visuals = ui.visuals();
+    let ring =
+        if is_selected { visuals.selection.stroke.color } else { visuals.strong_text_color() };
+    let width = if is_selected { 2.5 } else { 1.2 };
+    painter.circle(at, POINT_RADIUS, fill, Stroke::new(width, ring));
+}
+
+/// Bars of a histogram, by the logarithm of what they count.
+fn histogram(painter: &Painter, plot: &Plot, counts: &ValueCounts, color: Color32) {
+    let most = counts.counts.iter().copied().max().unwrap_or(0);
+    let height_of = |n: u64| ((1 + n) as f32).ln() / ((1 + most) as f32).ln();
+    let [lo, hi] = counts.range;
+    let n_bins = counts.counts.len() as f64;
+    let edge = |bin: usize| plot.x(lo + (hi - lo) * bin as f64 / n_bins);
+    let painter = painter.with_clip_rect(painter.clip_rect().intersect(plot.rect));
+    for (bin, &n) in counts.counts.iter().enumerate().filter(|(_, n)| 0 < **n) {
+        let top = plot.rect.bottom() - plot.rect.height() * height_of(n);
+        let bar = Rect::from_min_max(
+            pos2(edge(bin), top),
+            pos2(edge(bin + 1).max(edge(bin) + 1.0), plot.rect.bottom()),
+        );
+        painter.rect_filled(bar, 0.0, color);
+    }
+}
+
+/// The values at the ends of the plot.
+fn ends(painter: &Painter, plot: &Plot, color: Color32) {
+    let font = FontId::proportional(10.0);
+    let sides =
+        [(Align2::LEFT_TOP, plot.rect.left_top()), (Align2::RIGHT_TOP, plot.rect.right_top())];
+    for ((align, at), value) in sides.into_iter().zip(plot.values) {
+        let inward = Vec2::new(if align == Align2::LEFT_TOP { 3.0 } else { -3.0 }, 2.0);
+        painter.text(at + inward, align, super::number(value), font.clone(), color);
+    }
+}
