@@ -5,12 +5,12 @@
 //!
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
-//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], `view`, [`batch`],
-//! [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`], [`compare`],
-//! [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are made, [`ranks`]
-//! who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print with,
-//! [`output`] is how pictures are written, [`advice`] what helps where a backend does not, [`help`] what
-//! stands in help beside the flags, and [`environment`] what drivers find.
+//! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], `view`,
+//! [`batch`], [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`],
+//! [`compare`], [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are
+//! made, [`ranks`] who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what
+//! they print with, [`output`] is how pictures are written, [`advice`] what helps where a backend does not,
+//! [`help`] what stands in help beside the flags, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
