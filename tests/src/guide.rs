@@ -17,6 +17,7 @@ chapters! {
     viewer = "viewer.md",
     windows = "windows.md",
     browsers = "browsers.md",
+    serve = "serve.md",
     own_kernel = "own-kernel.md",
     own_backend = "own-backend.md",
     performance = "performance.md",

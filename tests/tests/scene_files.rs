@@ -32,6 +32,9 @@ fn scene_files_give_the_same_picture() {
             assert_eq!(opened.warnings.iter().find(is_other), None, "{kind:?}");
             assert_same(&opened.scene, &scene);
             assert_eq!(opened.to_file().expect("labels are from files"), read, "{kind:?}");
+            // Over what is open already it is the same, too.
+            let plain = OpenScene::open(&sources).expect("its files are there");
+            assert_same(&plain.shown_as(&read).expect("it is of this scene").scene, &scene);
             assert!(render("cpu", &opened.scene) == render("cpu", &scene), "{kind:?}");
         }
     });

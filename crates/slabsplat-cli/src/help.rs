@@ -51,6 +51,14 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
             "slabsplat render ct-folder --preset ct-bone --view front --clip 1,0,0,20 -o cut.png",
         ],
     ),
+    #[cfg(feature = "serve")]
+    (
+        "serve",
+        [
+            "slabsplat serve head.nii.gz",
+            "slabsplat serve ct-folder --preset ct-bone --port 0 --sessions 2",
+        ],
+    ),
     (
         "batch",
         [
@@ -192,11 +200,14 @@ mod tests {
             include_str!("../../../docs/guide/src/pictures.md"),
             include_str!("../../../docs/guide/src/films.md"),
             include_str!("../../../docs/guide/src/methods.md"),
+            include_str!("../../../docs/guide/src/serve.md"),
         ] {
             let listings =
                 text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
             let lines = listings.flat_map(str::lines).filter(|line| line.starts_with("slabsplat "));
-            lines.for_each(check_line);
+            let is_here =
+                |line: &&str| cfg!(feature = "serve") || !line.starts_with("slabsplat serve ");
+            lines.filter(is_here).for_each(check_line);
         }
     }
 

@@ -6,11 +6,11 @@
 //! Exit codes: 0 done, 1 it could not be done (one line on stderr says why), 2 wrong usage.
 //!
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], `view`,
-//! [`batch`], [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`], [`popping`],
-//! [`compare`], [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is how films are
-//! made, [`ranks`] who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what
-//! they print with, [`output`] is how pictures are written, [`advice`] what helps where a backend does not,
-//! [`help`] what stands in help beside the flags, and [`environment`] what drivers find.
+//! `serve`, [`batch`], [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`],
+//! [`popping`], [`compare`], [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is
+//! how films are made, [`ranks`] who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and
+//! [`meter`] are what they print with, [`output`] is how pictures are written, [`advice`] what helps where a
+//! backend does not, [`help`] what stands in help beside the flags, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -33,6 +33,8 @@ mod presets;
 mod render;
 mod reproduce;
 mod scene;
+#[cfg(feature = "serve")]
+mod serve;
 mod tf;
 mod turntable;
 #[cfg(feature = "viewer")]
@@ -72,6 +74,8 @@ enum Command {
     Render(Box<render::RenderArgs>),
     #[cfg(feature = "viewer")]
     View(Box<view::ViewArgs>),
+    #[cfg(feature = "serve")]
+    Serve(Box<serve::ServeArgs>),
     Batch(Box<batch::BatchArgs>),
     Turntable(Box<turntable::TurntableArgs>),
     Film(Box<film::FilmArgs>),
@@ -122,6 +126,8 @@ fn run(command: Command) -> Result<()> {
         Command::Render(args) => render::run(&args),
         #[cfg(feature = "viewer")]
         Command::View(args) => view::run(*args),
+        #[cfg(feature = "serve")]
+        Command::Serve(args) => serve::run(*args),
         Command::Batch(args) => batch::run(*args),
         Command::Turntable(args) => turntable::run(&args),
         Command::Film(args) => film::run(&args),

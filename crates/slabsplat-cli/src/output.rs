@@ -63,6 +63,16 @@ pub(crate) fn say_when_interrupted(line: Option<String>) {
     *INTERRUPTED.lock().unwrap_or_else(PoisonError::into_inner) = line;
 }
 
+/// What a signal does instead of ending the program, once.
+#[cfg(any(unix, feature = "serve"))]
+static INSTEAD: Mutex<Option<Box<dyn FnOnce() + Send>>> = Mutex::new(None);
+
+/// The next signal that would end the program does this instead; the one after it ends it.
+#[cfg(feature = "serve")]
+pub(crate) fn when_interrupted(work: impl FnOnce() + Send + 'static) {
+    *INSTEAD.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(work));
+}
+
 fn writing() -> MutexGuard<'static, ()> {
     WRITING.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -82,6 +92,11 @@ pub(crate) fn end_between_pictures() {
     let Ok(mut signals) = Signals::new(ending.chain([SIGXFSZ])) else { return };
     std::thread::spawn(move || {
         for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
+            let instead = INSTEAD.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(work) = instead {
+                work();
+                continue;
+            }
             let _not_interrupted = writing();
             let line = INTERRUPTED.lock().unwrap_or_else(PoisonError::into_inner).take();
             if let Some(line) = line {

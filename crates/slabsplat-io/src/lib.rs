@@ -102,8 +102,8 @@ pub use error::IoError;
 pub use memory::{MemoryNeed, MemoryNeeds, check_memory};
 pub use mesh::{LoadedMesh, MeshFormat, is_mesh_name, read_mesh};
 pub use picture::{
-    PictureFormat, PictureScene, Provenance, png_bytes, read_picture_scene, write_picture,
-    write_png, write_whole,
+    PictureFormat, PictureScene, Provenance, jpeg_bytes, png_bytes, quick_png_bytes,
+    read_picture_scene, write_picture, write_png, write_whole,
 };
 #[cfg(feature = "exr")]
 pub use picture::{exr_bytes, write_exr};
@@ -111,7 +111,7 @@ pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelColors, LabelsFile, LayerFile,
     MeshFile, RegionDesc, SceneFile, TransferImageFile, TurnFile, Unsaid, VolumeSource,
-    parse_scene, read_scene, scene_text, write_scene,
+    parse_scene, parse_scene_alone, read_scene, scene_text, write_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;

@@ -31,7 +31,7 @@ pub struct Viewer {
     panes: Vec<Pane>,
     /// The size of a pane, in pixels.
     view: [u32; 2],
-    messages: Vec<String>,
+    messages: Vec<Message>,
     pointed: Option<Picked>,
     is_held: bool,
     shows_help: bool,
@@ -44,6 +44,16 @@ impl std::fmt::Debug for Viewer {
         f.debug_struct("Viewer").field("view", &self.view).finish_non_exhaustive()
     }
 }
+
+/// Something that is said.
+struct Message {
+    text: String,
+    /// When it goes away by itself, in seconds of egui's clock, if it does.
+    until: Option<f64>,
+}
+
+/// Seconds for which is said what went well.
+const BRIEF_S: f64 = 4.0;
 
 /// Degrees of a step of a turn.
 const TURN_STEP: f64 = 0.5;
@@ -97,15 +107,15 @@ impl Viewer {
         self.files.recent = recent;
     }
 
-    /// Says something to the user.
-    pub fn say(&mut self, what: impl Into<String>) {
-        let what = what.into();
-        if self.messages.last() != Some(&what) {
-            self.messages.push(what);
+    /// Says something to the user, until that is closed.
+    pub fn say(&mut self, text: impl Into<String>) {
+        let text = text.into();
+        if self.messages.iter().all(|message| message.text != text) {
+            self.messages.push(Message { text, until: None });
         }
     }
 
-    fn hear_jobs(&mut self) {
+    fn hear_jobs(&mut self, now: f64) {
         if let Some(result) = self.opening.as_ref().and_then(Job::done) {
             self.opening = None;
             match result {
@@ -116,8 +126,12 @@ impl Viewer {
         let done: Vec<_> = self.jobs.iter().map(Job::done).collect();
         let mut is_done = done.iter().map(Option::is_some);
         self.jobs.retain(|_| !is_done.next().unwrap_or(false));
+        self.messages.retain(|message| message.until.is_none_or(|until| now < until));
         for result in done.into_iter().flatten() {
-            self.say(result.unwrap_or_else(|why| why));
+            match result {
+                Ok(text) => self.messages.push(Message { text, until: Some(now + BRIEF_S) }),
+                Err(why) => self.say(why),
+            }
         }
     }
 
@@ -258,7 +272,9 @@ impl Viewer {
         if let Some(seconds) = self.pacing.wake_in(now).filter(|_| !is_held) {
             context.request_repaint_after(std::time::Duration::from_secs_f64(seconds));
         }
-        if !self.pacing.is_done() || self.opening.is_some() || !self.jobs.is_empty() {
+        let is_brief = |message: &Message| message.until.is_some();
+        let has_brief = self.messages.iter().any(is_brief);
+        if !self.pacing.is_done() || self.opening.is_some() || !self.jobs.is_empty() || has_brief {
             // For progress bars: what is done wakes the window by itself.
             context.request_repaint_after(std::time::Duration::from_millis(100));
         }
@@ -268,7 +284,7 @@ impl Viewer {
 impl eframe::App for Viewer {
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
-        self.hear_jobs();
+        self.hear_jobs(context.input(|input| input.time));
         self.hear_frames(&context);
         self.dropped(&context);
         self.keys(&context);

@@ -69,7 +69,8 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_film`, `divided`; `popping`, `comparison`; [`paper`].
+//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_changes`, `scene_film`, `divided`; `popping`,
+//! `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
@@ -91,6 +92,8 @@ mod automatic;
 mod divided;
 mod framing;
 mod otsu;
+#[cfg(feature = "files")]
+mod scene_changes;
 #[cfg(feature = "files")]
 mod scene_file;
 #[cfg(all(feature = "files", feature = "film"))]

@@ -6,14 +6,15 @@ use crate::transfer::{Fitted, fitted};
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Acquisition, Camera, CameraError, Fit, Layer, MeshLayer, Orientation, PiecewiseLinear,
-    Projection, RegionError, Scene, Shading, TransferFunction,
+    Acquisition, Camera, CameraError, Fit, Layer, MeshError, MeshLayer, Orientation,
+    PiecewiseLinear, Projection, RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
     CameraDesc, FilmFile, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
     OpacitySource, SceneFile, TransferFit, TransferSource, check_memory,
 };
 use std::cell::{Cell, OnceCell};
+use std::path::PathBuf;
 use thiserror::Error;
 
 /// A scene, ready to be rendered.
@@ -61,6 +62,29 @@ pub enum OpenError {
     /// There is nothing to draw.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// A mesh cannot be where it should.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A scene file is of another scene than the one that is to be shown as it says.
+    #[error("it is of another scene: this one has {n_layers} layers and {n_meshes} meshes")]
+    OtherScene {
+        /// How many layers there are.
+        n_layers: usize,
+        /// How many meshes there are.
+        n_meshes: usize,
+    },
+    /// A scene file that is shown over another scene has labels where that has none.
+    #[error("the layer {layer_idx}, counted from 0, has no labels here")]
+    NoLabels {
+        /// Which layer, counted from 0.
+        layer_idx: usize,
+    },
+    /// A scene file that is shown over another scene names a file that would have to be read.
+    #[error("{} is not read for a scene that is open already", path.display())]
+    NotRead {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl OpenScene {

@@ -142,8 +142,13 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "a window shows what any program can have drawn, and nothing below knows of windows",
     },
     Layer {
+        name: "slabsplat-serve",
+        may_use: &["slabsplat"],
+        why: "it hands out pictures that any program could make, and shows none",
+    },
+    Layer {
         name: "slabsplat-cli",
-        may_use: &["slabsplat", "slabsplat-mpi", "slabsplat-viewer"],
+        may_use: &["slabsplat", "slabsplat-mpi", "slabsplat-serve", "slabsplat-viewer"],
         why: "what the program can do, any downstream crate must be able to do",
     },
     Layer {
@@ -290,6 +295,9 @@ pub(super) const EXTERNALS: &[External] = &[
     External { name: "eframe", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
     External { name: "winit", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
     External { name: "rfd", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
+    External { name: "axum", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
+    External { name: "tokio", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
+    External { name: "futures-util", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
     External { name: "clap", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "indicatif", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
     External { name: "signal-hook", users: Users::Only(&["slabsplat-cli"]), why: TERMINAL },
@@ -312,4 +320,5 @@ const FILMS: &str = "who makes no films compiles no encoder of them";
 const CODERS: &[&str] =
     &["slabsplat-core", "slabsplat-io", "slabsplat-viewer", "xtask", "slabsplat-bench"];
 const WINDOWS: &str = "whoever draws without a display compiles no window";
+const SERVER: &str = "who serves nobody compiles no server";
 const TERMINAL: &str = "only the program talks to a terminal";

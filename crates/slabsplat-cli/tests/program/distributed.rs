@@ -223,7 +223,8 @@ fn distributed_films_are_those_of_one_process() {
         assert!(frame("one.png-sequence") == frame("ranks.png-sequence"), "{name}");
     }
     let bad = "exec $SLABSPLAT turntable none.nii -o out.gif --distributed";
-    assert!(said(&fail(dir.path(), &[(3, bad)])).contains("none.nii"));
+    let stderr = fail(dir.path(), &[(3, bad)]);
+    assert!(said(&stderr).contains("none.nii"), "{stderr}");
 }
 
 #[test]

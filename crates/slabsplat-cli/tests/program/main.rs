@@ -21,6 +21,8 @@ mod popping;
 mod render;
 mod reproduce;
 mod scene;
+#[cfg(feature = "serve")]
+mod serve;
 #[cfg(unix)]
 mod signals;
 mod stdin;

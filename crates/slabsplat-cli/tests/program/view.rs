@@ -44,7 +44,10 @@ fn a_window_opens_other_files_and_says_what_is_wrong_with_them() {
     let Some(display) = Display::open() else { return };
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("broken.nrrd"), "NRRD0004\nsizes: 9999999 9999999\n").unwrap();
-    answer(dir.path(), "render builtin:sphere:24 -W 64 -H 48 -o ball.png --save-scene ball.toml");
+    answer(
+        dir.path(),
+        "render builtin:sphere:24 --width 64 --height 48 -o ball.png --save-scene ball.toml",
+    );
     let mut window = display.view(dir.path(), "builtin:cube:16");
     let cube = window.saved("cube");
     window.open("broken.nrrd");
@@ -104,7 +107,7 @@ impl Display {
         program.env("XDG_STATE_HOME", folder.join("state"));
         let child = program.spawn().expect("it starts");
         let window = Window { display: self, child, folder: folder.to_owned() };
-        window.xdotool("search --sync --name slabsplat windowfocus --sync");
+        window.xdotool("search --sync --onlyvisible --name slabsplat windowfocus --sync");
         window
     }
 }
@@ -200,7 +203,7 @@ impl Window<'_> {
         let began = Instant::now();
         loop {
             let screen = self.screen();
-            let off = (20..48).map(|top| off_from(&screen, picture, top)).min().unwrap();
+            let off = (20..80).map(|top| off_from(&screen, picture, top)).min().unwrap();
             if off <= 1 {
                 return;
             }

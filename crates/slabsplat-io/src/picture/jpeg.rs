@@ -10,6 +10,7 @@ use image::{ExtendedColorType, ImageError};
 use slabsplat_core::Image;
 
 use super::{Provenance, has_pixels};
+use crate::IoError;
 
 /// Nobody sees what is lost at this quality, and files are a tenth of a PNG.
 const QUALITY: u8 = 95;
@@ -29,11 +30,35 @@ const PIECE_BYTES: usize = 65_000;
 /// What is read of a picture to find them.
 const MAX_BYTES: u64 = 8 << 20;
 
+/// A picture that is seen for a moment: JPEG of that quality, 1 … 100, without what it was made of.
+///
+/// ```
+/// let image = slabsplat_core::Image::filled(64, 48, [0.2, 0.3, 0.4, 1.0]);
+/// assert!(slabsplat_io::jpeg_bytes(&image, 80)?.starts_with(&[0xff, 0xd8]));
+/// # Ok::<(), slabsplat_io::IoError>(())
+/// ```
+///
+/// # Errors
+/// If the picture has no pixels, or anything shines through it.
+pub fn jpeg_bytes(image: &Image, quality: u8) -> Result<Vec<u8>, IoError> {
+    encoded(image, quality).map_err(|source| IoError::Encode { source })
+}
+
 pub(super) fn encode(
     mut writer: impl Write,
     image: &Image,
     provenance: &Provenance,
 ) -> io::Result<()> {
+    let bytes = encoded(image, QUALITY)?;
+    let (start, rest) = bytes.split_at(2);
+    writer.write_all(start)?;
+    for (name, text) in [(PROGRAM, &provenance.program), (SCENE, &provenance.scene)] {
+        write_comments(&mut writer, name, text.as_deref())?;
+    }
+    writer.write_all(rest)
+}
+
+fn encoded(image: &Image, quality: u8) -> io::Result<Vec<u8>> {
     has_pixels(image)?;
     let rgba = image.to_rgba8();
     let (pixels, _) = rgba.as_chunks::<4>();
@@ -43,15 +68,10 @@ pub(super) fn encode(
     let rgb: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
     let mut bytes = Vec::new();
     let (width, height) = (image.width(), image.height());
-    JpegEncoder::new_with_quality(&mut bytes, QUALITY)
+    JpegEncoder::new_with_quality(&mut bytes, quality)
         .encode(&rgb, width, height, ExtendedColorType::Rgb8)
         .map_err(to_io_error)?;
-    let (start, rest) = bytes.split_at(2);
-    writer.write_all(start)?;
-    for (name, text) in [(PROGRAM, &provenance.program), (SCENE, &provenance.scene)] {
-        write_comments(&mut writer, name, text.as_deref())?;
-    }
-    writer.write_all(rest)
+    Ok(bytes)
 }
 
 fn to_io_error(error: ImageError) -> io::Error {

@@ -21,7 +21,8 @@ pub use atomic::write_whole;
 #[cfg(feature = "exr")]
 pub use exr::{exr_bytes, write_exr};
 pub use format::PictureFormat;
-pub use png::{png_bytes, write_png};
+pub use jpeg::jpeg_bytes;
+pub use png::{png_bytes, quick_png_bytes, write_png};
 pub use provenance::{PictureScene, Provenance, read_picture_scene};
 
 use crate::IoError;

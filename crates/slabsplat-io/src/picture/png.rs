@@ -5,7 +5,9 @@ use std::io::{self, BufRead, Seek, Write};
 use std::path::Path;
 
 use png::text_metadata::ITXtChunk;
-use png::{BitDepth, ColorType, Decoder, Encoder, EncodingError, Filter, Info, Limits};
+use png::{
+    BitDepth, ColorType, Compression, Decoder, Encoder, EncodingError, Filter, Info, Limits,
+};
 use slabsplat_core::Image;
 
 use super::{PictureFormat, Provenance, has_pixels};
@@ -36,13 +38,34 @@ pub fn png_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
     PictureFormat::Png.bytes(image, None)
 }
 
+/// A picture that is seen for a moment: as [`png_bytes`], packed in a fraction of the time, and less.
+///
+/// # Errors
+/// If the picture has no pixels.
+pub fn quick_png_bytes(image: &Image) -> Result<Vec<u8>, IoError> {
+    let mut bytes = Vec::new();
+    let encoded = encode_by(&mut bytes, image, &Provenance::NONE, Compression::Fast);
+    encoded.map_err(|source| IoError::Encode { source })?;
+    Ok(bytes)
+}
+
 pub(super) fn encode(writer: impl Write, image: &Image, provenance: &Provenance) -> io::Result<()> {
+    encode_by(writer, image, provenance, Compression::default())
+}
+
+fn encode_by(
+    writer: impl Write,
+    image: &Image,
+    provenance: &Provenance,
+    compression: Compression,
+) -> io::Result<()> {
     has_pixels(image)?;
     let mut info = Info::with_size(image.width(), image.height());
     info.color_type = ColorType::Rgba;
     info.bit_depth = BitDepth::Eight;
     info.utf8_text.extend(texts(provenance).map(|(keyword, text)| chunk(keyword, text)));
     let mut encoder = Encoder::with_info(writer, info).map_err(to_io_error)?;
+    encoder.set_compression(compression);
     encoder.set_filter(Filter::Adaptive);
     let mut writer = encoder.write_header().map_err(to_io_error)?;
     writer.write_image_data(&image.to_rgba8()).map_err(to_io_error)?;
@@ -99,5 +122,7 @@ mod tests {
         assert_eq!(read.dimensions(), (3, 2));
         assert_eq!(read.get_pixel(0, 0).0, [51, 102, 153, 255]);
         assert_eq!(read.get_pixel(1, 1).0, [0, 0, 128, 102]);
+        let quick = image::load_from_memory(&quick_png_bytes(&image).unwrap()).unwrap();
+        assert_eq!(quick.into_rgba8(), read);
     }
 }

@@ -97,6 +97,20 @@ impl LabelsFile {
         Ok((labels, warnings))
     }
 
+    /// The labels of voxels that are there already, as this file has them look; nothing is read.
+    ///
+    /// # Errors
+    /// If their colours come from a table, or a style cannot be.
+    pub fn styled(&self, labels: &Labels) -> Result<Labels, IoError> {
+        if let Some(LabelColors::Table(path)) = &self.colors {
+            let what = "a table of colours is not read again: give labels their colours by styles";
+            return Err(IoError::unsupported(path.as_path(), what));
+        }
+        let styles = self.styles_of(labels.map().labels())?;
+        let unlabelled = |source: LabelError| IoError::Labels { path: self.path.clone(), source };
+        labels.with_styles(styles).map_err(unlabelled)
+    }
+
     fn styles_of(&self, labels: &[i64]) -> Result<BTreeMap<i64, LabelStyle>, IoError> {
         let says_nothing = self.styles.is_empty() && self.only.is_none();
         let mut styles = match &self.colors {

@@ -190,9 +190,7 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
 pub fn parse_scene(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
     let path = path.as_ref();
     let in_file = |diagnostic: Diagnostic| diagnostic.in_file(path, text);
-    let document: Document =
-        toml::from_str(text).map_err(|error| in_file(from_toml(&error, text)))?;
-    let (mut scene, look_files) = document.into_scene(folder_of(path)).map_err(in_file)?;
+    let (mut scene, look_files) = parsed(text, path).map_err(in_file)?;
     for (layer, files) in scene.layers.iter_mut().zip(look_files) {
         let LookFiles { transfer, has_shading, transfer_image } = files;
         if let Some(path) = transfer {
@@ -206,6 +204,38 @@ pub fn parse_scene(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoEr
         }
     }
     Ok(scene)
+}
+
+/// The scene that a stranger's text says, of which no file is looked at: not even those that
+/// [`parse_scene`] reads at once, as they say how layers look. Of a two-dimensional transfer function in a
+/// picture there is only the picture's name.
+///
+/// ```
+/// let text = "volume = { path = \"a.nii\" }\nclassify = { file = \"/etc/passwd\" }";
+/// let error = slabsplat_io::parse_scene_alone(text, "from the web").unwrap_err().to_string();
+/// assert!(error.contains("no file is read"), "{error}");
+/// ```
+///
+/// # Errors
+/// As [`read_scene`], and if a layer has its transfer function from a file.
+pub fn parse_scene_alone(text: &str, path: impl AsRef<Path>) -> Result<SceneFile, IoError> {
+    let path = path.as_ref();
+    let in_file = |diagnostic: Diagnostic| diagnostic.in_file(path, text);
+    let (mut scene, look_files) = parsed(text, path).map_err(in_file)?;
+    for (layer, files) in scene.layers.iter_mut().zip(look_files) {
+        if files.transfer.is_some() {
+            let what = "no file is read for this scene: give opacity and color instead";
+            return Err(in_file(Diagnostic::at("classify", "file", what)));
+        }
+        layer.transfer_image = files.transfer_image;
+    }
+    Ok(scene)
+}
+
+/// What a text says, and which files say how layers look.
+fn parsed(text: &str, path: &Path) -> Result<(SceneFile, Vec<LookFiles>), Diagnostic> {
+    let document: Document = toml::from_str(text).map_err(|error| from_toml(&error, text))?;
+    document.into_scene(folder_of(path))
 }
 
 impl SceneFile {

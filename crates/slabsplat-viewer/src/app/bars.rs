@@ -115,7 +115,7 @@ impl Viewer {
                 }
             }
             for (idx, message) in self.messages.iter().enumerate() {
-                if line(ui, message, None) {
+                if line(ui, &message.text, None) {
                     dropped = Some(idx);
                 }
             }

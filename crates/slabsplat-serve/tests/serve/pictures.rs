@@ -1,0 +1,132 @@
+//! Viewers that behave well get what they ask for.
+
+use crate::client::{Viewer, block_on, get, opened, session, started, turned};
+use serde_json::json;
+use slabsplat::{OpenScene, Renderer, io};
+use slabsplat_serve::{ServeConfig, serve};
+
+/// The picture of a scene, as bytes of straight red, green, blue and opacity.
+fn rendered(scene: &str) -> Vec<u8> {
+    let file = io::parse_scene(scene, "scene.toml").expect("it is a scene");
+    let opened = opened().shown_as(&file).expect("it is of this scene");
+    let mut renderer = Renderer::open("cpu", |_| {}).expect("the CPU is always there");
+    let picture = renderer.picture(&opened.scene, opened.acquisition).expect("it can be drawn");
+    picture.frame.image.to_rgba8()
+}
+
+#[test]
+fn two_viewers_get_their_pictures() {
+    let server = started(ServeConfig::default());
+    block_on(async {
+        let (mut a, mut b) = (Viewer::connect(&server).await, Viewer::connect(&server).await);
+        let scenes = [turned(0.4, [64, 48]), turned(-1.1, [50, 70])];
+        a.ask(0, 7, "rest", &scenes[0]).await;
+        b.ask(3, 8, "rest", &scenes[1]).await;
+        for (viewer, scene, pane, number) in
+            [(&mut a, &scenes[0], 0, 7), (&mut b, &scenes[1], 3, 8)]
+        {
+            let (header, bytes) = viewer.picture().await;
+            assert_eq!((&header["pane"], &header["number"]), (&json!(pane), &json!(number)));
+            assert_eq!((&header["urgency"], &header["format"]), (&json!("rest"), &json!("png")));
+            assert!(header["ms"].is_f64() && header["n_voxels"].is_u64(), "{header}");
+            assert_eq!(header["notes"], json!([]));
+            let image = image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8();
+            assert!(image.into_raw() == rendered(scene), "to the byte");
+        }
+        a.ask(0, 9, "moving", &scenes[1]).await;
+        let (header, bytes) = a.picture().await;
+        assert_eq!((&header["format"], &header["number"]), (&json!("jpeg"), &json!(9)));
+        let image = image::load_from_memory(&bytes).expect("it is a JPEG").into_rgba8();
+        assert_eq!(image.dimensions(), (50, 70));
+        let expected = rendered(&scenes[1]);
+        let difference = |(a, b): (&u8, &u8)| f64::from(a.abs_diff(*b));
+        let sum: f64 = image.as_raw().iter().zip(&expected).map(difference).sum();
+        assert!(sum / (expected.len() as f64) < 3.0, "{sum}");
+    });
+}
+
+/// What shines through cannot be a JPEG.
+#[test]
+fn transparent_pictures_stay_so() {
+    let server = started(ServeConfig::default());
+    let mut opened = opened();
+    opened.scene.image.background = [0.2, 0.3, 0.4, 0.5];
+    let scene = io::scene_text(&opened.to_file().unwrap(), "scene.toml").unwrap();
+    block_on(async {
+        let mut viewer = Viewer::connect(&server).await;
+        viewer.ask(0, 1, "moving", &scene).await;
+        let (header, bytes) = viewer.picture().await;
+        assert_eq!(header["format"], json!("png"));
+        let image = image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8();
+        assert_eq!(image.get_pixel(0, 0).0, [51, 77, 102, 128]);
+    });
+}
+
+#[test]
+fn session_tells_of_the_scene() {
+    let server = started(ServeConfig::default().name("a ball"));
+    let session = session(&server);
+    assert_eq!((&session["name"], &session["is_metric"]), (&json!("a ball"), &json!(false)));
+    assert_eq!(session["warnings"], json!([]));
+    assert_eq!(session["found"].as_array().map(Vec::len), Some(1));
+    let layer = &session["layers"][0];
+    assert_eq!((&layer["range"], &layer["labels"]), (&json!([0.0, 255.0]), &json!([])));
+    let counts: Vec<u64> =
+        layer["counts"].as_array().unwrap().iter().map(|it| it.as_u64().unwrap()).collect();
+    assert_eq!((counts.len(), counts.iter().sum::<u64>()), (256, 16 * 16 * 16));
+    let text = session["scene"].as_str().unwrap();
+    assert!(!text.contains("hash"), "{text}");
+    let file = io::parse_scene(text, "scene.toml").unwrap();
+    assert_eq!(opened().shown_as(&file).unwrap().scene.camera, opened().scene.camera);
+    let (status, head, body) = get(&server, "/overview/0?token=secret");
+    assert!(status == 200 && head.contains("no-cache"), "{head}");
+    let files = io::FilesInMemory::from_iter([("a.nrrd", body.as_slice())]);
+    let volume = files.read_volume("a.nrrd").unwrap().volume;
+    let original = opened().scene.layers.remove(0).volume;
+    assert_eq!(volume.grid(), original.grid());
+    assert!((0..original.grid().n_voxels()).all(|idx| volume.value(idx) == original.value(idx)));
+    for (path, expected) in [("/overview/1", 404), ("/overview/x", 404), ("/overview/", 404)] {
+        assert_eq!(get(&server, &format!("{path}?token=secret")).0, expected, "{path}");
+    }
+}
+
+/// A viewer has neither meshes nor labels of voxels, and does not take them away.
+#[test]
+fn labels_and_meshes_stay() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+               property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+               -30 -30 0\n30 0 0\n0 30 4\n3 0 1 2\n";
+    std::fs::write(path("a.ply"), ply).unwrap();
+    io::write_volume(path("labels.nrrd"), &io::builtin_volume("cube", Some(16)).unwrap()).unwrap();
+    let text = format!(
+        "image = {{ width = 64, height = 48, background = [0, 0, 0, 1] }}\nrender = {{ backend = \"cpu\" }}\n\
+         [[layers]]\nvolume = {{ generate = \"sphere\", size = 16 }}\nlabels = {{ path = {:?} }}\n\
+         [[layers]]\nmesh = {{ path = {:?}, color = [1, 0, 0] }}\n",
+        path("labels.nrrd"),
+        path("a.ply")
+    );
+    let opened = OpenScene::open(&io::parse_scene(&text, "scene.toml").unwrap()).unwrap();
+    let mut renderer = Renderer::open("cpu", |_| {}).unwrap();
+    let expected = renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image;
+    let mut file = opened.to_file().unwrap();
+    let without_labels = {
+        let mut scene = opened.scene.clone();
+        scene.layers[0].labels = None;
+        renderer.picture(&scene, opened.acquisition).unwrap().frame.image
+    };
+    assert!(without_labels.to_rgba8() != expected.to_rgba8(), "labels are seen");
+    file.layers[0].labels = None;
+    (file.meshes[0].color, file.meshes[0].name) = (None, Some("mesh".to_owned()));
+    let scene = io::scene_text(&file, "scene.toml").unwrap();
+    let server = serve(opened, ServeConfig::default().token("secret")).unwrap();
+    assert!(session(&server)["layers"][0]["labels"].as_array().is_some_and(|it| 1 < it.len()));
+    block_on(async {
+        let mut viewer = Viewer::connect(&server).await;
+        viewer.ask(0, 1, "rest", &scene).await;
+        let (_, bytes) = viewer.picture().await;
+        let image = image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8();
+        assert!(image.into_raw() == expected.to_rgba8());
+    });
+}
