@@ -64,9 +64,11 @@ pub(crate) fn detail(line: Arguments<'_>) {
     }
 }
 
-/// Prints a line on stderr. If that fails, there is nobody to report it to.
+/// Prints a line on stderr, in one piece, as `mpirun` may put its own words between two. If that fails, there
+/// is nobody to report it to.
 pub(crate) fn report(line: Arguments<'_>) {
-    let _ = progress::suspended(|| writeln!(io::stderr().lock(), "{line}"));
+    let line = format!("{line}\n");
+    let _ = progress::suspended(|| io::stderr().lock().write_all(line.as_bytes()));
 }
 
 /// Reports what was assumed about a file.
