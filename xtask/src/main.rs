@@ -63,6 +63,7 @@ Usage: cargo xtask COMMAND
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
 with SLABSPLAT_REQUIRE_GPU in the environment they fail, and so does `web` without Chromium.
+So are those that need MPI, with SLABSPLAT_REQUIRE_MPI.
 ";
 
 fn main() -> ExitCode {

@@ -4,7 +4,7 @@
 //! missing.
 //! No graphics card is needed: Mesa's lavapipe, a Vulkan driver that draws on the CPU, does.
 //! Whether a driver finds a device is not asked here: the tests say so when they run, and fail for want of
-//! one if `SLABSPLAT_REQUIRE_GPU` is set.
+//! one if `SLABSPLAT_REQUIRE_GPU` is set, and for want of MPI if `SLABSPLAT_REQUIRE_MPI` is.
 //! Only Linux is looked after: elsewhere drivers come with the system, and the tests skip by themselves.
 
 use std::env;
@@ -43,6 +43,11 @@ pub(crate) const TESTS: &[Need] = &[
         is_there: || starts("spirv-val"),
     },
     Need { name: "valgrind", packages: &["valgrind"], is_there: has_valgrind },
+    Need {
+        name: "MPI",
+        packages: &["openmpi-bin", "libopenmpi-dev", "gcc", "libc6-dev"],
+        is_there: has_mpi,
+    },
     Need {
         // For a window that nobody sees, and who uses it and looks at it.
         name: "a display in memory",
@@ -85,6 +90,11 @@ pub(crate) fn set_up(command: &str, needs: &'static [Need], is_told_to: bool) {
 /// Whether instructions can be counted.
 pub(crate) fn has_valgrind() -> bool {
     starts("valgrind")
+}
+
+/// Whether ranks can be built and started.
+pub(crate) fn has_mpi() -> bool {
+    starts("mpicc") && starts("mpirun")
 }
 
 /// Whether there is a browser.

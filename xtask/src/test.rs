@@ -1,6 +1,6 @@
 //! `cargo xtask test`: the tests of all crates, on a machine that has only Rust.
 //!
-//! Cargo fetches what all of them need. Some need system packages beside, a Vulkan driver and valgrind:
+//! Cargo fetches what all of them need. Some need system packages beside, a Vulkan driver, MPI and valgrind:
 //! [`system`] says what is missing, and installs it if `--install` says so. Once all tests have passed,
 //! instructions are counted, those of shaders too.
 //!
@@ -53,6 +53,9 @@ impl std::fmt::Display for Seeds {
     }
 }
 
+/// What is built with MPI, where there is one.
+const MPI: &str = "slabsplat-cli/mpi,slabsplat-mpi/mpi";
+
 /// Our own flags come first; what follows them is for cargo.
 pub(crate) fn parse(args: &[OsString]) -> Result<Test, String> {
     match args {
@@ -87,6 +90,9 @@ pub(crate) fn run(Test { installs, seeds, args }: &Test) -> Result<()> {
     // Cargo takes both without an error, and then tests all packages.
     if !names_package(args) {
         test.arg("--workspace");
+        if system::has_mpi() {
+            test.args(["--features", MPI]);
+        }
     }
     run_command(test.args(args))?;
     if counts {

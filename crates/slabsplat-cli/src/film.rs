@@ -3,6 +3,7 @@
 use crate::filming::Filming;
 use crate::flags::{FilmFlags, SceneFlags};
 use crate::progress::Progress;
+use crate::ranks::{self, Ranks};
 use crate::turntable::USUAL_SECONDS;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -31,14 +32,21 @@ const SECONDS: &str = "How long the film is, in seconds [default: as the scene f
                        key; of a turn 6]";
 
 pub(crate) fn run(args: &FilmArgs) -> Result<()> {
+    let others = args.film.ranks.start()?;
+    let done = film(args, others.as_ref());
+    ranks::ended(others, done)
+}
+
+fn film(args: &FilmArgs, others: Option<&Ranks>) -> Result<()> {
     let started = Instant::now();
-    let (path, format) = args.film.target(args.scene.input())?;
+    let (path, format) = ranks::all_can(others, args.film.target(args.scene.input()))?;
     let check = |file: &SceneFile| {
         let of_file = file.film.as_ref().and_then(|film| film.frames_per_second);
         args.film.check(format, file, args.film.rate(of_file)?)
     };
     let progress = Progress::start("reading", 0);
-    let (renderer, mut opened) = args.scene.opened_around(&progress, &check, &views)?;
+    let opened = args.scene.opened_around(&progress, &check, &views);
+    let (renderer, mut opened) = ranks::all_can(others, opened)?;
     drop(progress);
     let Some(file) = &mut opened.sources.film else { return no_film(args) };
     let rate = args.film.rate(file.frames_per_second)?;
@@ -58,6 +66,7 @@ pub(crate) fn run(args: &FilmArgs) -> Result<()> {
         renderer,
         opened,
         length: (n_frames, rate),
+        ranks: others,
     };
     match (turn, film) {
         (Some(turn), _) => filming.run_turn(turn),

@@ -3,6 +3,7 @@
 use crate::flags::{FilmFlags, SceneFlags};
 use crate::plain::counted;
 use crate::progress::Progress;
+use crate::ranks::{Drawn, Ranks, Team};
 use crate::render::nothing_visible;
 use crate::{advice, columns, output, terminal};
 use anyhow::{Error, Result, anyhow};
@@ -11,7 +12,7 @@ use slabsplat::film::{
     FilmDesc, FilmError, FilmFormat, FilmFrame, FilmReport, FrameRate, Step, Turn,
 };
 use slabsplat::io::{self, Provenance, SceneFile};
-use slabsplat::{Caps, FrameHandle, OpenScene, Renderer, Scene};
+use slabsplat::{Acquisition, Caps, FrameHandle, OpenScene, Renderer, Scene};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -25,11 +26,33 @@ pub(crate) struct Filming<'a> {
     pub(crate) renderer: Renderer,
     pub(crate) opened: OpenScene,
     pub(crate) length: (u32, FrameRate),
+    /// Who else draws frames.
+    pub(crate) ranks: Option<&'a Ranks>,
 }
 
 impl Filming<'_> {
-    /// Makes the film, of which `scene_at` tells the scene of each frame.
-    pub(crate) fn run(mut self, scene_at: impl Fn(u32) -> Result<Scene>) -> Result<()> {
+    /// Makes the film, of which `scene_at` tells the scene of each frame. Of several ranks the first makes
+    /// it, and the others draw frames for it.
+    pub(crate) fn run(mut self, scene_at: impl Fn(u32) -> Result<Scene> + Sync) -> Result<()> {
+        let Some(ranks) = self.ranks else { return self.make(scene_at, None) };
+        let done = if ranks.is_first() {
+            let mut team = ranks.team(self.length.0);
+            let made = self.make(scene_at, Some(&mut team));
+            team.end().and(made)
+        } else {
+            ranks.draw_frames(|frame_idx| {
+                let scene = scene_at(frame_idx)?;
+                drawn(&mut self.renderer, &scene, self.opened.acquisition)
+            })
+        };
+        ranks.all_can(done)
+    }
+
+    fn make(
+        mut self,
+        scene_at: impl Fn(u32) -> Result<Scene> + Sync,
+        mut team: Option<&mut Team<'_>>,
+    ) -> Result<()> {
         let desc = self.flags.desc(self.format, &self.opened.scene, self.length)?;
         self.renderer.caps().name.clone_into(&mut self.opened.backend);
         let file = self.opened.to_file()?;
@@ -50,20 +73,24 @@ impl Filming<'_> {
         let mut notes: Vec<String> = Vec::new();
         let (mut why_blank, mut is_seen) = (None, false);
         let render = |frame_idx| {
-            let (scene, watched) = (scene_at(frame_idx)?, FrameHandle::new());
-            let picture = advice::picture(&mut self.renderer, &scene, acquisition, &watched)?;
+            let scene = scene_at(frame_idx)?;
+            let mut draw = |_| drawn(&mut self.renderer, &scene, acquisition);
+            let drawn = match &mut team {
+                Some(team) => team.frame(frame_idx, &mut draw)?,
+                None => draw(frame_idx)?,
+            };
             // What is said of a frame is said once.
-            for note in picture.notes {
+            for note in drawn.notes {
                 if !notes.contains(&note) {
                     terminal::warn(&note);
                     notes.push(note);
                 }
             }
-            match picture.is_blank {
-                true => why_blank = Some(nothing_visible(&scene, &picture.frame)),
-                false => is_seen = true,
+            match drawn.why_blank {
+                Some(why) => why_blank = Some(why),
+                None => is_seen = true,
             }
-            let frame = FilmFrame::from(picture.frame.image);
+            let frame = FilmFrame::from(drawn.image);
             if self.format != FilmFormat::PngSequence {
                 return Ok::<_, Error>(frame);
             }
@@ -127,6 +154,13 @@ impl Filming<'_> {
         let answer = json_of(self, desc, report, self.renderer.caps());
         if self.flags.json { terminal::answer(&format!("{answer:#}\n")) } else { Ok(()) }
     }
+}
+
+/// Draws a frame.
+fn drawn(renderer: &mut Renderer, scene: &Scene, acquisition: Acquisition) -> Result<Drawn> {
+    let picture = advice::picture(renderer, scene, acquisition, &FrameHandle::new())?;
+    let why_blank = picture.is_blank.then(|| nothing_visible(scene, &picture.frame));
+    Ok(Drawn { image: picture.frame.image, why_blank, notes: picture.notes })
 }
 
 /// What to do where the disk is full, or ffmpeg fails: nothing that was rendered is lost.

@@ -8,9 +8,9 @@
 //! Reading order: [`input`] and [`flags`] (what is drawn), then a command each: [`render`], `view`,
 //! `serve`, [`batch`], [`turntable`], [`film`], [`scene`], [`info`], [`convert`], [`tf`], [`presets`],
 //! [`popping`], [`compare`], [`bench`], [`demo`], [`reproduce`], [`backends`], [`manual`]; [`filming`] is
-//! how films are made; [`terminal`], [`progress`], [`columns`], [`stats`] and [`meter`] are what they print
-//! with, [`output`] is how pictures are written, [`advice`] what helps where a backend does not, [`help`]
-//! what stands in help beside the flags, and [`environment`] what drivers find.
+//! how films are made, [`ranks`] who else draws; [`terminal`], [`progress`], [`columns`], [`stats`] and
+//! [`meter`] are what they print with, [`output`] is how pictures are written, [`advice`] what helps where a
+//! backend does not, [`help`] what stands in help beside the flags, and [`environment`] what drivers find.
 
 mod flags;
 mod input;
@@ -21,6 +21,8 @@ mod bench;
 mod compare;
 mod convert;
 mod demo;
+#[cfg(feature = "mpi")]
+mod distributed;
 mod divided;
 mod film;
 mod info;
@@ -47,6 +49,7 @@ mod mesh_info;
 mod meter;
 mod output;
 mod progress;
+mod ranks;
 mod stats;
 mod stdin;
 mod terminal;
@@ -99,7 +102,9 @@ fn main() -> ExitCode {
     match running.start().and_then(|()| run(command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            terminal::report(format_args!("error: {}", terminal::one_line(&error)));
+            if !terminal::is_unsaid(&error) {
+                terminal::report(format_args!("error: {}", terminal::one_line(&error)));
+            }
             ExitCode::FAILURE
         }
     }

@@ -1,8 +1,11 @@
 //! `slabsplat render`: one picture.
 
+#[cfg(feature = "mpi")]
+use crate::distributed::{self, Distributed};
 use crate::flags::{OutputFlags, SceneFlags, Written, values};
 use crate::plain::counted;
 use crate::progress::Progress;
+use crate::ranks::{RankFlags, Ranks};
 use crate::terminal::{self, Loudness};
 use crate::{advice, divided, stats};
 use anyhow::Result;
@@ -34,16 +37,45 @@ pub(crate) struct RenderArgs {
     memory: Option<u64>,
 
     #[command(flatten)]
+    ranks: RankFlags,
+
+    #[command(flatten)]
     scene: SceneFlags,
 }
 
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    if let Some(ranks) = args.ranks.start()? {
+        return on_ranks(args, ranks);
+    }
     let written = args.output.written(args.scene.input(), args.json)?;
     let done = match args.memory {
         Some(memory_bytes) => divided::draw(&args.scene, &written, memory_bytes)?,
         None => draw(&args.scene, &written, args.stats)?,
     };
     if args.json { terminal::answer(&format!("{done:#}\n")) } else { Ok(()) }
+}
+
+/// Draws a picture together with all other ranks.
+#[cfg(feature = "mpi")]
+fn on_ranks(args: &RenderArgs, ranks: Ranks) -> Result<()> {
+    let distributed = Distributed {
+        scene: &args.scene,
+        output: &args.output,
+        memory_bytes: args.memory,
+        has_stats: args.stats,
+        has_json: args.json,
+    };
+    let done = distributed::draw(&distributed, &ranks);
+    match ranks.ended(done)? {
+        Some(done) if args.json => terminal::answer(&format!("{done:#}\n")),
+        _ => Ok(()),
+    }
+}
+
+/// There are no others.
+#[cfg(not(feature = "mpi"))]
+fn on_ranks(_: &RenderArgs, ranks: Ranks) -> Result<()> {
+    match ranks {}
 }
 
 /// Draws a scene, writes what is to be written of it, and tells what was done: in lines on stderr, and in

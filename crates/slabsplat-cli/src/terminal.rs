@@ -64,9 +64,11 @@ pub(crate) fn detail(line: Arguments<'_>) {
     }
 }
 
-/// Prints a line on stderr. If that fails, there is nobody to report it to.
+/// Prints a line on stderr, in one piece, as `mpirun` may put its own words between two. If that fails, there
+/// is nobody to report it to.
 pub(crate) fn report(line: Arguments<'_>) {
-    let _ = progress::suspended(|| writeln!(io::stderr().lock(), "{line}"));
+    let line = format!("{line}\n");
+    let _ = progress::suspended(|| io::stderr().lock().write_all(line.as_bytes()));
 }
 
 /// Reports what was assumed about a file.
@@ -84,6 +86,23 @@ pub(crate) fn warn(warning: &str) {
 /// All warnings that there have been since they were asked for.
 pub(crate) fn take_warnings() -> Vec<String> {
     mem::take(&mut WARNINGS.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// A failure that another process has reported.
+#[derive(Debug)]
+pub(crate) struct Unsaid;
+
+impl std::fmt::Display for Unsaid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("another rank says why")
+    }
+}
+
+impl std::error::Error for Unsaid {}
+
+/// Whether somebody else reports an error.
+pub(crate) fn is_unsaid(error: &anyhow::Error) -> bool {
+    error.is::<Unsaid>()
 }
 
 /// An error and its causes on one line. Many a message already ends with its cause; it is said once.

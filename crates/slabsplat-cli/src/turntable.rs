@@ -3,6 +3,7 @@
 use crate::filming::Filming;
 use crate::flags::{FilmFlags, SceneFlags};
 use crate::progress::Progress;
+use crate::ranks::{self, Ranks};
 use anyhow::{Result, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -45,15 +46,21 @@ fn axis_parser() -> impl TypedValueParser<Value = TurnAxis> {
 pub(crate) const USUAL_SECONDS: f64 = 6.0;
 
 pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
+    let others = args.film.ranks.start()?;
+    let done = turn(args, others.as_ref());
+    ranks::ended(others, done)
+}
+
+fn turn(args: &TurntableArgs, others: Option<&Ranks>) -> Result<()> {
     let started = Instant::now();
-    let (path, format) = args.film.target(args.scene.input())?;
+    let (path, format) = ranks::all_can(others, args.film.target(args.scene.input()))?;
     let rate = args.film.rate(None)?;
     let n_frames = args.film.n_frames(rate, USUAL_SECONDS)?;
     let turn = args.turn(n_frames)?;
     let check = |file: &SceneFile| args.film.check(format, file, rate);
     let progress = Progress::start("reading", 0);
-    let (renderer, mut opened) =
-        args.scene.opened_around(&progress, &check, &|_, camera| turn.views(camera))?;
+    let opened = args.scene.opened_around(&progress, &check, &|_, camera| turn.views(camera));
+    let (renderer, mut opened) = ranks::all_can(others, opened)?;
     drop(progress);
     let Turn { axis, degrees, is_rocking, .. } = turn;
     let mut film = FilmFile::default();
@@ -70,6 +77,7 @@ pub(crate) fn run(args: &TurntableArgs) -> Result<()> {
         renderer,
         opened,
         length: (n_frames, rate),
+        ranks: others,
     };
     filming.run_turn(turn)
 }

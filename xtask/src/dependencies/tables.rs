@@ -132,6 +132,11 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "the facade joins the libraries, and programs stand on top of it",
     },
     Layer {
+        name: "slabsplat-mpi",
+        may_use: &["slabsplat"],
+        why: "ranks draw what any program draws, and share what they have drawn",
+    },
+    Layer {
         name: "slabsplat-viewer",
         may_use: &["slabsplat"],
         why: "a window shows what any program can have drawn, and nothing below knows of windows",
@@ -143,7 +148,7 @@ pub(super) const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "slabsplat-cli",
-        may_use: &["slabsplat", "slabsplat-serve", "slabsplat-viewer"],
+        may_use: &["slabsplat", "slabsplat-mpi", "slabsplat-serve", "slabsplat-viewer"],
         why: "what the program can do, any downstream crate must be able to do",
     },
     Layer {
@@ -162,6 +167,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-wgpu",
             "slabsplat-ash",
             "slabsplat",
+            "slabsplat-mpi",
             "slabsplat-cli",
             "slabsplat-seeds",
             "slabsplat-testdata",

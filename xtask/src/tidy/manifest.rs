@@ -5,9 +5,9 @@ use toml::{Table, Value};
 
 use super::{File, Finding};
 
-/// The only crate that may contain unsafe code, and so cannot inherit the lints, which forbid it.
-/// It repeats all others.
-const UNSAFE_CRATE: &str = "slabsplat-ash";
+/// The only crates that may contain unsafe code, and so cannot inherit the lints, which forbid it.
+/// They repeat all others.
+const UNSAFE_CRATES: &[&str] = &["slabsplat-ash", "slabsplat-mpi"];
 const UNSAFE_LINT: &str = "unsafe_code";
 
 /// Whoever knows a crate's name knows its directory.
@@ -58,7 +58,7 @@ pub(super) fn lints(files: &[File]) -> Vec<Finding> {
 fn other_lints(file: &File, of_workspace: &Table) -> Option<Finding> {
     let name = package(file)?;
     let lints = manifest(file)?.remove("lints");
-    let (expected, message) = if name == UNSAFE_CRATE {
+    let (expected, message) = if UNSAFE_CRATES.contains(&&*name) {
         (but_unsafe(of_workspace), "`[lints]` must be the workspace's, but for unsafe code")
     } else {
         let inherited = Table::from_iter([("workspace".to_owned(), Value::Boolean(true))]);
@@ -132,8 +132,8 @@ mod tests {
         check("a", "", 1);
         check("a", "[dependencies]\nworkspace = true\n", 1);
         check("a", repeated, 1);
-        check(UNSAFE_CRATE, repeated, 0);
-        check(UNSAFE_CRATE, "[lints.rust]\nmissing_docs = \"deny\"\n", 1);
+        UNSAFE_CRATES.iter().for_each(|name| check(name, repeated, 0));
+        check(UNSAFE_CRATES[0], "[lints.rust]\nmissing_docs = \"deny\"\n", 1);
     }
 
     #[test]

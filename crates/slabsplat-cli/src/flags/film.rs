@@ -1,6 +1,7 @@
 //! Flags of what a film is written as, and how long it is.
 
 use super::output::{check_folder, check_scene_name, is_same_file};
+use crate::ranks::RankFlags;
 use crate::terminal;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
@@ -54,6 +55,9 @@ pub(crate) struct FilmFlags {
     /// Answer in JSON: what was written, frames, time, warnings
     #[arg(long)]
     pub(crate) json: bool,
+
+    #[command(flatten)]
+    pub(crate) ranks: RankFlags,
 }
 
 fn format_parser() -> impl TypedValueParser<Value = FilmFormat> {

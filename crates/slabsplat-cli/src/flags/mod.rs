@@ -159,6 +159,17 @@ impl SceneFlags {
     /// The scene for so many bytes of memory, of which no volume is read whole. What cannot be made of it
     /// fails by `check` before.
     pub(crate) fn divided(&self, check: Check<'_>, memory_bytes: u64) -> Result<DividedScene> {
+        let (file, aim) = self.in_parts(check)?;
+        self.in_scene(|| {
+            let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &aim);
+            let divided = DividedScene::open_framed(&file, memory_bytes, frame)?;
+            terminal::warn_all(&divided.opened().warnings);
+            Ok(divided)
+        })
+    }
+
+    /// What is named, with all flags laid over it, to be read in parts: no volume is read.
+    pub(crate) fn in_parts(&self, check: Check<'_>) -> Result<(SceneFile, Aim)> {
         let mut file = self.file()?;
         check(&file)?;
         let aim = self.how.camera.aim()?;
@@ -166,14 +177,9 @@ impl SceneFlags {
             self.add_others(&mut file)?;
             input::describe(&mut file, &self.how.raw)?;
             if file.layers.iter().any(stdin::is_stdin) {
-                bail!(
-                    "a volume on standard input is in memory whole: save it, or leave out --memory"
-                );
+                bail!("a volume on standard input is in memory whole: save it to draw it in parts");
             }
-            let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &aim);
-            let divided = DividedScene::open_framed(&file, memory_bytes, frame)?;
-            terminal::warn_all(&divided.opened().warnings);
-            Ok(divided)
+            Ok((file, aim))
         })
     }
 

@@ -8,6 +8,7 @@ mod colors;
 mod compare;
 mod convert;
 mod demo;
+mod distributed;
 mod errors;
 mod film;
 mod gallery;

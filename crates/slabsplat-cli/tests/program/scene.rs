@@ -155,6 +155,8 @@ fn scene_flags_are_all_tried() {
         "height",
         "backend",
         "memory",
+        "distributed",
+        "patience",
     ];
     let help = answer(Path::new("."), "render --help");
     let flags = help.split("--").skip(1).map(|rest| {

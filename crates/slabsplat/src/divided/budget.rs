@@ -1,6 +1,7 @@
 //! How large boxes may be within a budget of memory.
 
 use super::DividedError;
+use super::shares::Shares;
 use slabsplat_core::{Camera, Grid, ImageDesc, PartTree, SampleType, Scene};
 use std::ops::Range;
 use thiserror::Error;
@@ -51,6 +52,9 @@ const OF_VOXEL_IN_RANGE: u64 = 64;
 /// How many voxel steps are in such a range, what waits for the next one included.
 const IN_RANGE: u64 = 36;
 
+/// What a share has for voxels, at least.
+const OF_SHARE: u64 = 64 << 20;
+
 /// The least side of a box.
 const LEAST_SIDE: usize = 8;
 
@@ -60,25 +64,42 @@ impl Budget {
         image: &ImageDesc,
         memory_bytes: u64,
     ) -> Result<Self, DividedError> {
-        let overviews = scene.layers.iter().map(|layer| {
-            let volume = &layer.volume;
-            (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
-        });
-        let of_threads = OF_THREAD * rayon::current_num_threads() as u64;
-        let of_pixels = OF_PIXEL * image.n_pixels() as u64;
-        let fixed_bytes = OF_PROGRAM + of_threads + of_pixels + overviews.sum::<u64>();
+        let fixed_bytes = fixed_bytes(scene, image);
         if memory_bytes <= fixed_bytes {
             return Err(NoRoom { memory_bytes, needed_bytes: fixed_bytes }.into());
         }
         Ok(Self { memory_bytes, fixed_bytes, camera: scene.camera })
     }
 
-    /// Cuts the largest grid into boxes of which each fits, of all layers together.
+    /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
+    pub(super) fn of_share(
+        scene: &Scene,
+        image: &ImageDesc,
+        grids: &[Grid],
+        n_shares: usize,
+    ) -> Self {
+        let fixed_bytes = fixed_bytes(scene, image);
+        let of_volumes = scene.layers.iter().zip(grids).map(|(layer, grid)| {
+            grid.n_voxels() as u64 * layer.volume.sample_type().size_bytes() as u64
+        });
+        let of_share = of_volumes.sum::<u64>() / n_shares as u64;
+        let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
+        Self { memory_bytes, fixed_bytes, camera: scene.camera }
+    }
+
+    /// All that there is.
+    pub(super) fn memory_bytes(&self) -> u64 {
+        self.memory_bytes
+    }
+
+    /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
+    /// layers together.
     pub(super) fn boxes(
         &self,
         grids: &[Grid],
         steps: &[[f64; 3]],
         types: impl Iterator<Item = SampleType> + Clone,
+        shares: &mut Shares,
     ) -> Result<PartTree, DividedError> {
         let layers: Vec<(&Grid, [f64; 3], u64)> = grids
             .iter()
@@ -95,11 +116,16 @@ impl Budget {
         // Of the largest layer alone at first; where others are finer, boxes get smaller until all fit.
         let mut of_one = room;
         loop {
+            let mut deal = shares.deal();
             let tree = PartTree::new(grid, Grid::center_of_all(grids), |voxels| {
-                let near = [0, 1, 2].map(|axis| voxels[axis].len() + 2 * steps[axis] as usize + 14);
-                if needed_bytes(near, widest) <= of_one { None } else { cut(voxels) }
+                deal.cut(voxels, |voxels| {
+                    let near =
+                        [0, 1, 2].map(|axis| voxels[axis].len() + 2 * steps[axis] as usize + 14);
+                    if needed_bytes(near, widest) <= of_one { None } else { cut(voxels) }
+                })
             });
-            let most = tree.seen_by(&self.camera).into_iter().map(|of| {
+            let own = tree.seen_by(&self.camera).into_iter();
+            let most = own.filter(|of| shares.are_own(&of.voxels)).map(|of| {
                 let near = layers.iter().map(|(grid, steps, size)| {
                     let voxels = tree.voxels_near(of, grid, *steps);
                     needed_bytes(voxels.each_ref().map(Range::len), *size)
@@ -117,6 +143,17 @@ impl Budget {
             of_one = of_one / 4 * 3;
         }
     }
+}
+
+/// What there is beside the voxels of a box.
+fn fixed_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
+    let overviews = scene.layers.iter().map(|layer| {
+        let volume = &layer.volume;
+        (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
+    });
+    let of_threads = OF_THREAD * rayon::current_num_threads() as u64;
+    let of_pixels = OF_PIXEL * image.n_pixels() as u64;
+    OF_PROGRAM + of_threads + of_pixels + overviews.sum::<u64>()
 }
 
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.

@@ -1,6 +1,6 @@
 //! A frame box by box, from the eye.
 
-use super::{DividedError, DividedScene, overview};
+use super::{DividedError, DividedScene, ShareCost, overview};
 use crate::{RenderError, backend_named, frame_scene};
 use rayon::prelude::*;
 use slabsplat_backend::{Frame, FrameCost, FrameStats, Planner};
@@ -10,30 +10,44 @@ use slabsplat_core::{
     over,
 };
 use std::ops::Range;
+use std::time::Instant;
 
 impl DividedScene {
-    /// Draws all boxes, one behind the other.
+    /// Draws all boxes, before the background.
     pub(super) fn frame(&self, frame: &FrameHandle) -> Result<Frame, DividedError> {
         let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
-        let ImageDesc { width, height, .. } = drawn.image;
         let behind = drawn.image.premultiplied_background();
+        drop(drawn);
+        let (Frame { mut image, stats, cost, .. }, _) = self.boxes_drawn(frame)?;
+        image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
+        Ok(Frame::new(image, stats, cost))
+    }
+
+    /// Draws the own boxes, one behind the other, before nothing.
+    pub(super) fn boxes_drawn(
+        &self,
+        frame: &FrameHandle,
+    ) -> Result<(Frame, ShareCost), DividedError> {
+        let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
+        let ImageDesc { width, height, .. } = drawn.image;
         let mut scene = drawn.into_owned();
         scene.image.background = [0.0; 4];
         let mut image = Image::filled(width, height, [0.0; 4]);
-        let mut stats = FrameStats::default();
+        let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
         let mut planner = Planner::default();
-        let boxes = self.boxes.seen_by(&scene.camera);
+        let boxes = self.own_boxes();
         for (idx, of) in boxes.iter().enumerate() {
             frame.check().map_err(RenderError::from)?;
-            if self.is_to_be_seen(of, &scene, &image)? {
-                let drawn = self.draw(of, &mut scene, &mut planner, &image)?;
+            let is_seen = self.is_to_be_seen(of, &scene, &image)?;
+            if is_seen {
+                let drawn = self.draw(of, &mut scene, (&mut planner, &mut cost), &image)?;
                 add(&mut stats, &drawn.stats);
                 image = drawn.image;
             }
+            cost.n_boxes[usize::from(!is_seen)] += 1;
             frame.reach((idx + 1) as f32 / boxes.len() as f32);
         }
-        image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
-        Ok(Frame::new(image, stats, FrameCost::default()))
+        Ok((Frame::new(image, stats, FrameCost::default()), cost))
     }
 
     /// Draws a box behind what is there; its voxels are in memory no longer than that.
@@ -41,15 +55,21 @@ impl DividedScene {
         &self,
         of: &PartBox,
         scene: &mut Scene,
-        planner: &mut Planner,
+        (planner, cost): (&mut Planner, &mut ShareCost),
         in_front: &Image,
     ) -> Result<Frame, DividedError> {
+        // A page has no clock.
+        let started = cfg!(not(target_arch = "wasm32")).then(Instant::now);
         let overviews: Vec<_> = scene.layers.iter().map(|layer| layer.volume.clone()).collect();
         for (idx, layer) in scene.layers.iter_mut().enumerate() {
             let voxels = self.boxes.voxels_near(of, &self.grids[idx], self.steps[idx]);
             let loaded = overview::read(&self.sources[idx], voxels)?;
             layer.volume = loaded.volume;
+            let n_voxels = layer.volume.grid().n_voxels() as u64;
+            cost.n_voxels_read += n_voxels;
+            cost.n_bytes_read += n_voxels * layer.volume.sample_type().size_bytes() as u64;
         }
+        cost.reading_secs += started.map_or(0.0, |started| started.elapsed().as_secs_f64());
         let drawn = draw_part(scene, of, planner, in_front);
         let layers = scene.layers.iter_mut().zip(overviews);
         layers.for_each(|(layer, overview)| layer.volume = overview);

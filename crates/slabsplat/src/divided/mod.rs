@@ -10,21 +10,30 @@
 //!         draw it behind what is there
 //! ```
 //!
-//! Reading order: `overview`, `budget`, `drawing`.
+//! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
+//! draws its own boxes.
+//!
+//! Reading order: `overview`, `balance`, `shares`, `budget`, `drawing`, `shared`.
 
+mod balance;
 mod budget;
 mod drawing;
 mod overview;
+mod shared;
+mod shares;
 
 use crate::framing::Aim;
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
+use budget::Budget;
 use overview::Overview;
+use shares::Shares;
 use slabsplat_backend::{PlanError, Planner, SceneInParts, check_parts};
-use slabsplat_core::{FrameHandle, Grid, PartTree};
+use slabsplat_core::{FrameHandle, Grid, PartBox, PartTree};
 use slabsplat_io::{IoError, LayerFile, SceneFile};
 use thiserror::Error;
 
 pub use budget::NoRoom;
+pub use shared::{Exchange, ShareCost, SharedScene};
 
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
@@ -50,6 +59,8 @@ pub struct DividedScene {
     /// Of the volumes, whole.
     grids: Vec<Grid>,
     boxes: PartTree,
+    /// Those that are drawn here, of all shares.
+    own: Option<shares::VoxelBox>,
     /// How many voxels around a box have a share in its picture, of each layer.
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
@@ -74,6 +85,12 @@ pub enum DividedError {
     /// What is in memory whole could be more than there is.
     #[error("a volume is not drawn box by box with {0}: leave them out, or leave out the memory")]
     Whole(&'static str),
+    /// Another share of the scene failed.
+    #[error(transparent)]
+    Elsewhere(Box<dyn std::error::Error + Send + Sync>),
+    /// What shares read of a volume does not fit together.
+    #[error("not all read the same volume: it has another size or type for some of them")]
+    Differing,
 }
 
 impl From<PlanError> for DividedError {
@@ -100,13 +117,28 @@ impl DividedScene {
         memory_bytes: u64,
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
+        let (opened, sources, grids) = Self::overviews(file, &mut shared::Alone, frame)?;
+        let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
+        let budget = Budget::new(&opened.scene, &drawn.image, memory_bytes)?;
+        drop(drawn);
+        let (divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
+        Ok(divided)
+    }
+
+    /// The scene with overviews, of which each share reads some planes, where its volumes are, and their
+    /// grids.
+    fn overviews(
+        file: &SceneFile,
+        others: &mut dyn Exchange,
+        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
+    ) -> Result<(OpenScene, Vec<LayerFile>, Vec<Grid>), DividedError> {
         if file.layers.iter().any(|layer| layer.labels.is_some()) {
             return Err(DividedError::Whole("labels"));
         }
         let sources = file.layers.clone();
         let (mut file, mut grids, mut loaded) = (file.clone(), Vec::new(), Vec::new());
         for layer in &mut file.layers {
-            let overview = Overview::of(layer)?;
+            let overview = Overview::of(layer, others)?;
             overview.stand_in(layer);
             grids.push(overview.whole);
             loaded.push(overview.loaded);
@@ -117,15 +149,15 @@ impl DividedScene {
         for ((layer, of_file), grid) in opened.scene.layers.iter_mut().zip(&sources).zip(&grids) {
             layer.region = of_file.region.on(grid).map_err(OpenError::from)?;
         }
-        Self::divided(opened, sources, grids, memory_bytes)
+        Ok((opened, sources, grids))
     }
 
     fn divided(
         opened: OpenScene,
         sources: Vec<LayerFile>,
         grids: Vec<Grid>,
-        memory_bytes: u64,
-    ) -> Result<Self, DividedError> {
+        (budget, mut shares): (&Budget, Shares),
+    ) -> Result<(Self, Shares), DividedError> {
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let in_parts = SceneInParts {
             grids: &grids,
@@ -136,13 +168,12 @@ impl DividedScene {
         let planner = Planner::default();
         let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
         let steps = steps.collect::<Result<Vec<_>, _>>()?;
-        let boxes = budget::Budget::new(&opened.scene, &drawn.image, memory_bytes)?.boxes(
-            &grids,
-            &steps,
-            drawn.layers.iter().map(|layer| layer.volume.sample_type()),
-        )?;
+        let types = drawn.layers.iter().map(|layer| layer.volume.sample_type());
+        let boxes = budget.boxes(&grids, &steps, types, &mut shares)?;
         drop(drawn);
-        Ok(Self { opened, sources, grids, boxes, steps, memory_bytes })
+        let memory_bytes = budget.memory_bytes();
+        let own = shares.own_box();
+        Ok((Self { opened, sources, grids, boxes, own, steps, memory_bytes }, shares))
     }
 
     /// The scene as it was opened, whose volumes are overviews: their grids have longer steps.
@@ -167,7 +198,14 @@ impl DividedScene {
 
     /// How many boxes there are.
     pub fn n_boxes(&self) -> usize {
-        self.boxes.seen_by(&self.opened.scene.camera).len()
+        self.own_boxes().len()
+    }
+
+    /// The boxes that are drawn here, the nearest first.
+    fn own_boxes(&self) -> Vec<&PartBox> {
+        let mut boxes = self.boxes.seen_by(&self.opened.scene.camera);
+        boxes.retain(|of| self.own.as_ref().is_some_and(|own| shares::holds(own, &of.voxels)));
+        boxes
     }
 
     /// The scene as a scene file that leaves nothing open, as [`OpenScene::to_file`], without hashes of

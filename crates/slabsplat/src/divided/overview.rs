@@ -1,5 +1,6 @@
 //! What stands for a volume while the scene is opened: every so manieth of its voxels.
 
+use super::{DividedError, Exchange};
 use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{Grid, Samples, Volume, with_samples};
 use slabsplat_io::{IoError, LayerFile, LoadedVolume};
@@ -19,27 +20,26 @@ pub(super) struct Overview {
 }
 
 impl Overview {
-    /// Reads the overview of a layer's volume, plane by plane.
-    pub(super) fn of(layer: &LayerFile) -> Result<Self, IoError> {
-        let mut loaded = read(layer, [0..1, 0..1, 0..1])?;
-        let whole = loaded.volume.grid().uncropped();
-        let [nx, ny, nz] = whole.dims();
-        let step = step_of(whole.dims());
-        let mut samples: Option<Samples> = None;
-        for k in (0..nz).step_by(step) {
-            let plane = read(layer, [0..nx, 0..ny, k..k + 1])?.volume;
-            let plane = every(plane.samples(), [nx, ny], step);
-            match &mut samples {
-                None => samples = Some(plane),
-                Some(samples) => samples.append(&plane),
+    /// Reads the overview of a layer's volume: of its planes some, and of `others` the rest.
+    pub(super) fn of(layer: &LayerFile, others: &mut dyn Exchange) -> Result<Self, DividedError> {
+        let [first, n_shares] = [others.share_idx(), others.n_shares()];
+        let read = OwnPlanes::read(layer, first, n_shares);
+        let (own, samples) = match read {
+            Ok((own, samples)) => (own, samples),
+            Err(error) => {
+                others.all(Err(error))?;
+                return Err(DividedError::Differing);
             }
-        }
-        let coarse = DAffine3::from_scale(DVec3::splat(step as f64));
+        };
+        let all = others.all(Ok(samples))?;
+        let OwnPlanes { mut loaded, whole, step } = own;
         let dims = whole.dims().map(|n| n.div_ceil(step));
+        let samples = Self::joined(&all, dims[2], dims[0] * dims[1])?;
+        drop(all);
+        let coarse = DAffine3::from_scale(DVec3::splat(step as f64));
         let path = || layer.volume.to_string().into();
         let grid = Grid::new(dims, whole.world_from_index() * coarse)
             .map_err(|source| IoError::Grid { path: path(), source })?;
-        let samples = samples.expect("a grid has a plane");
         let volume = Volume::new(grid, samples, loaded.volume.scaling())
             .map_err(|source| IoError::Volume { path: path(), source })?;
         loaded.volume = Arc::new(volume);
@@ -53,6 +53,30 @@ impl Overview {
         if let Some(distance) = &mut layer.fit.unit_distance {
             *distance *= self.step as f64;
         }
+    }
+}
+
+/// Some planes of a volume, and what they are of.
+struct OwnPlanes {
+    /// One voxel.
+    loaded: LoadedVolume,
+    whole: Grid,
+    step: usize,
+}
+
+impl OwnPlanes {
+    /// Of the planes of an overview every `n`th, from `first` on, plane by plane.
+    fn read(layer: &LayerFile, first: usize, n: usize) -> Result<(Self, Samples), IoError> {
+        let loaded = read(layer, [0..1, 0..1, 0..1])?;
+        let whole = loaded.volume.grid().uncropped();
+        let [nx, ny, nz] = whole.dims();
+        let step = step_of(whole.dims());
+        let mut samples = every(loaded.volume.samples(), [0, 0], 1);
+        for k in (0..nz).step_by(step).skip(first).step_by(n) {
+            let plane = read(layer, [0..nx, 0..ny, k..k + 1])?.volume;
+            samples.append(&every(plane.samples(), [nx, ny], step));
+        }
+        Ok((Self { loaded, whole, step }, samples))
     }
 }
 

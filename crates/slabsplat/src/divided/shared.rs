@@ -1,0 +1,171 @@
+//! Scenes of which each of several programs draws a share: a box of the volumes, of which it alone reads the
+//! voxels.
+
+use super::balance::WorkCells;
+use super::budget::Budget;
+use super::overview::Overview;
+use super::shares::Shares;
+use super::{DividedError, DividedScene};
+use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
+use slabsplat_backend::{Frame, FrameCost, FrameStats};
+use slabsplat_core::{FrameHandle, Image, Samples, over};
+use slabsplat_io::{IoError, SceneFile};
+
+/// What joins those who each draw a share of a scene. All call the same, in one order.
+pub trait Exchange {
+    /// How many there are.
+    fn n_shares(&self) -> usize;
+
+    /// Which of them this is, from 0.
+    fn share_idx(&self) -> usize;
+
+    /// Hands in samples, or why there are none, and returns those of all, in order.
+    ///
+    /// # Errors
+    /// If any of them failed, on all, as [`DividedError::Elsewhere`] or as the error that was handed in.
+    fn all(&mut self, own: Result<Samples, IoError>) -> Result<Vec<Samples>, DividedError>;
+}
+
+/// A share of a scene that several programs draw.
+///
+/// All of them open the same scene. The largest volume is cut into as many boxes by a k-d tree, such that
+/// each has as many relevant voxels, as far as an overview tells, of which each reads some planes. A share is
+/// then drawn like a [`DividedScene`], within its memory.
+#[derive(Debug)]
+pub struct SharedScene {
+    pub(super) divided: DividedScene,
+    shares: Shares,
+}
+
+/// What a share took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct ShareCost {
+    /// Boxes that were drawn, and that were not, as what is before them is opaque.
+    pub n_boxes: [usize; 2],
+    /// Voxels that were read, those around boxes included.
+    pub n_voxels_read: u64,
+    /// Bytes of their samples.
+    pub n_bytes_read: u64,
+    /// Seconds that reading took.
+    pub reading_secs: f64,
+}
+
+impl SharedScene {
+    /// Opens the scene of `file`. Without a number of bytes a share has as many as 1.3 times its part of all
+    /// volumes takes, but 64 MiB at least, and what it takes beside voxels.
+    ///
+    /// # Errors
+    /// As [`DividedScene::open`], and if another share fails while planes are exchanged.
+    pub fn open(
+        file: &SceneFile,
+        memory_bytes: Option<u64>,
+        others: &mut dyn Exchange,
+        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
+    ) -> Result<Self, DividedError> {
+        let (opened, sources, grids) = DividedScene::overviews(file, others, frame)?;
+        let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
+        let n_shares = others.n_shares();
+        let budget = match memory_bytes {
+            Some(memory_bytes) => Budget::new(&opened.scene, &drawn.image, memory_bytes)?,
+            None => Budget::of_share(&opened.scene, &drawn.image, &grids, n_shares),
+        };
+        drop(drawn);
+        let cells = WorkCells::of(&opened.scene, &grids);
+        let shares = Shares::new(n_shares, others.share_idx(), cells);
+        let (divided, shares) = DividedScene::divided(opened, sources, grids, (&budget, shares))?;
+        Ok(Self { divided, shares })
+    }
+
+    /// The scene as it was opened, as [`DividedScene::opened`].
+    pub fn scene(&self) -> &DividedScene {
+        &self.divided
+    }
+
+    /// The shares that have a box, the nearest first.
+    pub fn order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = Vec::new();
+        for of in self.divided.boxes.seen_by(&self.divided.opened.scene.camera) {
+            if let Some(share) = self.shares.holding(&of.voxels)
+                && order.last() != Some(&share)
+            {
+                order.push(share);
+            }
+        }
+        order
+    }
+
+    /// Voxels of a share's box, along each axis; nothing if there are more shares than boxes.
+    pub fn box_of(&self, share_idx: usize) -> Option<[std::ops::Range<usize>; 3]> {
+        self.shares.boxes[share_idx].clone()
+    }
+
+    /// Draws the share before nothing.
+    ///
+    /// # Errors
+    /// If a volume cannot be read any more, or the frame is cancelled.
+    pub fn frame(&self, frame: &FrameHandle) -> Result<(Frame, ShareCost), DividedError> {
+        self.divided.boxes_drawn(frame)
+    }
+
+    /// Makes the picture of all shares' frames, laid over each other in [order](Self::order), of which
+    /// `stats` is what all drew.
+    ///
+    /// # Errors
+    /// None that [`open`](Self::open) would not have had.
+    ///
+    /// # Panics
+    /// If the image is of another size.
+    pub fn finished(&self, mut image: Image, stats: FrameStats) -> Result<Picture, DividedError> {
+        let scene = &self.divided.opened.scene;
+        let drawn = frame_scene(scene).map_err(RenderError::from)?;
+        let behind = drawn.image.premultiplied_background();
+        image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
+        let frame = Frame::new(image, stats, FrameCost::default());
+        Ok(finished(frame, scene, self.divided.opened.acquisition))
+    }
+}
+
+/// Nobody else.
+pub(super) struct Alone;
+
+impl Exchange for Alone {
+    fn n_shares(&self) -> usize {
+        1
+    }
+
+    fn share_idx(&self) -> usize {
+        0
+    }
+
+    fn all(&mut self, own: Result<Samples, IoError>) -> Result<Vec<Samples>, DividedError> {
+        Ok(vec![own?])
+    }
+}
+
+impl Overview {
+    /// Whether what all handed in is `n_planes` planes of so many samples, in one type.
+    pub(super) fn joined(
+        all: &[Samples],
+        n_planes: usize,
+        n_in_plane: usize,
+    ) -> Result<Samples, DividedError> {
+        let planes = (0..n_planes).map(|idx| (&all[idx % all.len()], idx / all.len()));
+        let mut joined: Option<Samples> = None;
+        for (of_share, idx) in planes {
+            let plane = idx * n_in_plane..(idx + 1) * n_in_plane;
+            let is_there = plane.end <= of_share.len()
+                && all.iter().all(|other| other.sample_type() == of_share.sample_type());
+            if !is_there {
+                return Err(DividedError::Differing);
+            }
+            let plane: Samples =
+                slabsplat_core::with_samples!(of_share, |s| s[plane].to_vec().into());
+            match &mut joined {
+                None => joined = Some(plane),
+                Some(joined) => joined.append(&plane),
+            }
+        }
+        joined.ok_or(DividedError::Differing)
+    }
+}
