@@ -1,8 +1,9 @@
 //! What page and server say to each other: scenes as text, pictures as files with a header.
 //!
 //! A request is JSON: `pane`, `number`, `urgency` (`moving` or `rest`), and `scene`, the text of a scene
-//! file. An answer in bytes is the length of a header (32 bits, little-endian), the header in JSON and the picture
-//! as JPEG or PNG; an answer in text is JSON with an `error`, of a pane and a number, or with a `note`.
+//! file. An answer in bytes is the length of a header (32 bits, little-endian), the header in JSON and the
+//! picture as JPEG or PNG; an answer in text is JSON with an `error`, of a pane and a number, or with a
+//! `note`.
 
 use crate::frames::{Drawn, Event, Request, Urgency};
 use serde::{Deserialize, Serialize};
@@ -160,6 +161,11 @@ mod tests {
         let json = r#"{"name":"head","scene":"","is_metric":true,"layers":[
             {"range":[0,8],"counts":[3,1],"labels":[]},{"range":null,"counts":[],"labels":[]}]}"#;
         let session = Session::of_json(json.as_bytes()).unwrap();
+        assert_eq!((session.name.as_str(), session.scene.as_str()), ("head", ""));
+        let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
+        let mut opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
+        session.tell(&mut opened);
+        assert!(opened.acquisition.is_metric && opened.found.is_empty());
         let counts = session.counts();
         assert_eq!(counts[0].as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
         assert_eq!(counts[1], None);
