@@ -293,7 +293,6 @@ pub(super) const EXTERNALS: &[External] = &[
         why: "plots are for the documentation, and no program carries them",
     },
     External { name: "eframe", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
-    External { name: "winit", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
     External { name: "rfd", users: Users::Only(&["slabsplat-viewer"]), why: WINDOWS },
     External { name: "axum", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
     External { name: "tokio", users: Users::Only(&["slabsplat-serve"]), why: SERVER },
