@@ -51,6 +51,11 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
             "slabsplat render ct-folder --preset ct-bone --view front --clip 1,0,0,20 -o cut.png",
         ],
     ),
+    #[cfg(feature = "viewer")]
+    (
+        "view",
+        ["slabsplat view head.nii.gz", "slabsplat view ct-folder --preset ct-bone --backend cpu"],
+    ),
     #[cfg(feature = "serve")]
     (
         "serve",
@@ -205,8 +210,11 @@ mod tests {
             let listings =
                 text.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
             let lines = listings.flat_map(str::lines).filter(|line| line.starts_with("slabsplat "));
-            let is_here =
-                |line: &&str| cfg!(feature = "serve") || !line.starts_with("slabsplat serve ");
+            let is_of = |line: &str, name: &str| line.starts_with(&format!("slabsplat {name} "));
+            let is_here = |line: &&str| {
+                (cfg!(feature = "serve") || !is_of(line, "serve"))
+                    && (cfg!(feature = "viewer") || !is_of(line, "view"))
+            };
             lines.filter(is_here).for_each(check_line);
         }
     }

@@ -8,6 +8,9 @@ use slabsplat_mpi::{
 };
 use std::time::Duration;
 
+/// For what a line takes from a rank to the terminal.
+const TO_HEAR: Duration = Duration::from_millis(300);
+
 /// All ranks, seen from one of them.
 pub(crate) struct Ranks {
     pub(crate) world: World,
@@ -47,15 +50,30 @@ impl Ranks {
 
     /// Ends this rank as all end: the first reports the error that all have.
     pub(crate) fn ended<T>(self, done: Result<T>) -> Result<T> {
-        done.map_err(|error| match error.downcast_ref::<MpiError>() {
-            // The others do not know of it.
-            Some(error) if !error.is_shared() => {
+        done.map_err(|error| {
+            let of_ranks = error.downcast_ref::<MpiError>();
+            if let Some(error) = of_ranks.filter(|error| !error.is_shared()) {
+                // The others do not know of it.
                 terminal::report(format_args!("error: {error}"));
                 self.world.abort()
             }
-            _ if self.is_first() => error,
-            _ => Unsaid.into(),
+            if self.is_first() {
+                terminal::report(format_args!("error: {}", terminal::one_line(&error)));
+            }
+            if of_ranks.is_some() {
+                self.leave_after_the_first();
+            }
+            Unsaid.into()
         })
+    }
+
+    /// `mpirun` ends all ranks as soon as one has failed, and forgets what it has not yet heard of them: so
+    /// nobody leaves before the first has spoken.
+    fn leave_after_the_first(&self) {
+        drop(agree(&self.world, Ok::<(), MpiError>(())));
+        if !self.is_first() {
+            std::thread::sleep(TO_HEAR);
+        }
     }
 
     /// All ranks for the frames of a film.

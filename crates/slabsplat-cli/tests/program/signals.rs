@@ -39,7 +39,7 @@ fn interrupted(signal: i32, directory: &Path) -> ExitStatus {
 
 /// Whether these tests, and so the programs that they start, are run by something that has a signal ignored,
 /// as `nohup` has the first and a shell the second of what it runs in the background.
-fn is_ignored(signal: i32) -> bool {
+pub(crate) fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok());

@@ -1,11 +1,13 @@
 //! Viewers that behave badly, and what they cannot do.
 
 use crate::client::{Answer, LONG, Viewer, block_on, started, turned};
+use futures_util::SinkExt;
 use serde_json::json;
 use slabsplat_serve::{ServeConfig, Server};
 use std::fs;
 use std::io::{Read, Write};
 use std::net::TcpStream;
+use tokio_tungstenite::tungstenite::Message;
 
 #[test]
 fn bad_requests_are_answered() {
@@ -81,10 +83,13 @@ fn large_messages_are_refused() {
     let server = started(ServeConfig::default());
     block_on(async {
         let mut viewer = Viewer::connect(&server).await;
-        viewer.ask(0, 1, "rest", &" ".repeat(1 << 20)).await;
+        let large = Message::text(" ".repeat((1 << 20) + 1));
+        // The server hangs up at the first bytes. What it says then may be lost, as all that a network has is
+        // when there is more to come than anybody reads.
+        drop(viewer.socket.send(large).await);
         loop {
             match viewer.answer().await {
-                Answer::Closed(code) => break assert_eq!(code, Some(1009)),
+                Answer::Closed(code) => break assert!(code.is_none_or(|code| code == 1009)),
                 Answer::Text(_) | Answer::Picture { .. } => {}
             }
         }

@@ -101,13 +101,22 @@ impl WorkCells {
             Some((off + FOR_LONG_SIDES * shortness, Cut { axis, at, n_near }))
         });
         let best = between_cells.min_by(|(a, _), (b, _)| a.total_cmp(b));
-        best.map(|(_, cut)| cut).or_else(|| {
+        let cut = best.map(|(_, cut)| cut).or_else(|| {
             // Of a cell that is shared nobody knows where its work is.
             let axis = (0..3).rev().max_by_key(|axis| voxels[*axis].len())?;
             let Range { start, end } = voxels[axis];
             let at = start + (part * (end - start) as f64).round() as usize;
             (1 < end - start).then(|| Cut { axis, at: at.clamp(start + 1, end - 1), n_near })
-        })
+        })?;
+        // Nobody gets a side that has no voxel left for him while the other side has.
+        let n_voxels = |range: Range<usize>| {
+            let others = (0..3).filter(|axis| *axis != cut.axis).map(|axis| voxels[axis].len());
+            range.len() * others.product::<usize>()
+        };
+        let near = n_voxels(voxels[cut.axis].start..cut.at);
+        let far = n_voxels(cut.at..voxels[cut.axis].end);
+        let n_near = n_near.max(n.saturating_sub(far)).min(near).min(n - 1);
+        Some(Cut { n_near, ..cut })
     }
 
     /// Where to cut across an axis between cells, and by which part of the work that is off.
