@@ -158,21 +158,27 @@ impl Window<'_> {
 
     /// The picture and the scene, as the window saves them under a name.
     fn saved(&self, name: &str) -> RgbaImage {
-        let [picture, scene] = ["png", "toml"].map(|ending| format!("{name}.{ending}"));
-        self.enter("ctrl+s", &format!("saved-{scene}"));
-        self.enter("ctrl+e", &format!("saved-{picture}"));
+        let [picture, scene] = ["png", "toml"].map(|ending| format!("saved-{name}.{ending}"));
+        self.save("ctrl+s", &scene, |path| path.exists().then_some(()));
+        // It is there whole or not at all.
+        self.save("ctrl+e", &picture, |path| image::open(path).ok()).into_rgba8()
+    }
+
+    /// Has a file saved; more than once if the window was too busy to hear all that was typed.
+    fn save<T>(&self, key: &str, name: &str, read: impl Fn(&Path) -> Option<T>) -> T {
         let began = Instant::now();
-        loop {
-            // Both are there whole or not at all.
-            let scene = self.folder.join(format!("saved-{scene}"));
-            if let (true, Ok(picture)) =
-                (scene.exists(), image::open(self.folder.join(format!("saved-{picture}"))))
-            {
-                return picture.into_rgba8();
+        while began.elapsed() < PATIENCE {
+            self.enter(key, name);
+            let entered = Instant::now();
+            while entered.elapsed() < PATIENCE / 6 {
+                if let Some(saved) = read(&self.folder.join(name)) {
+                    return saved;
+                }
+                sleep(Duration::from_millis(100));
             }
-            assert!(began.elapsed() < PATIENCE, "{name} was not saved");
-            sleep(Duration::from_millis(100));
+            self.key("Escape");
         }
+        panic!("{name} was not saved");
     }
 
     /// The same once it is another: what is opened takes its time.
