@@ -1,5 +1,5 @@
-//! How soon the viewer shows something, and how fast frames come while a camera goes around: all of it but the
-//! window, which is the system's to draw.
+//! How soon the viewer shows something, and how fast frames come while a camera goes around: all of it but
+//! the window, which is the system's to draw.
 //!
 //! ```sh
 //! cargo run --release -p slabsplat-viewer --example pace -- head.nii.gz [WIDTH HEIGHT [BACKEND]]
@@ -30,9 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (sender, woken) = mpsc::channel();
     let sender = Mutex::new(sender);
     let wake: Wake = Arc::new(move || {
-        if let Ok(sender) = sender.lock() {
-            drop(sender.send(()));
-        }
+        // Nobody is there to be woken once the last frame is seen.
+        let _sent = sender.lock().map(|sender| sender.send(()));
     });
     let mut source = RenderingThread::spawn(backend.to_owned(), wake)?;
     let file = SceneFile::of_volume(VolumeSource::File(path.into()));
@@ -62,7 +61,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let (pane, number, urgency) = (asked.pane, asked.number, asked.urgency);
             source.ask(Request { pane, number, opened, urgency });
         }
-        drop(woken.recv_timeout(Duration::from_millis(4)));
+        // Woken or not, there is the next pointer event to be told.
+        let _woken = woken.recv_timeout(Duration::from_millis(4));
         for event in source.events() {
             let Event::Drawn(drawn) = event else { continue };
             pacing.came(drawn.pane, drawn.number);

@@ -36,7 +36,9 @@ use thiserror::Error;
 ///
 /// ```
 /// use slabsplat_mpi::{Communicator, Field, InSitu, ThreadRank, Values};
-/// use slabsplat::{Camera, Grid, ImageDesc, Layer, Projection, Scene, TransferFunction, glam::DVec3};
+/// use slabsplat::{Camera, Grid, ImageDesc, Layer, Projection, Scene, TransferFunction, Volume};
+/// use slabsplat::glam::DVec3;
+/// use std::sync::Arc;
 ///
 /// let grid = Grid::with_spacing([8, 8, 8], [1.0; 3])?;
 /// let pictures = ThreadRank::run(2, std::time::Duration::from_secs(9), |comm| {
@@ -45,7 +47,7 @@ use thiserror::Error;
 ///     let temperature = vec![1.0_f32; 8 * 8 * 4];
 ///     let in_situ = InSitu::new(comm, grid, &own)?;
 ///     let field = Field::packed(Values::F32(&temperature), own)?;
-///     let look = |volumes: Vec<_>| {
+///     let look = |volumes: Vec<Arc<Volume>>| {
 ///         let transfer = TransferFunction::new([(0.0, 0.0), (1.0, 0.5)], [(0.0, [1.0, 0.3, 0.1])])?;
 ///         let middle = DVec3::splat(3.5);
 ///         let camera = Camera::new(
