@@ -16,7 +16,8 @@
 //
 // The splats of all layers are in one list. Those that begin in one sheet come layer by layer, and layers of
 // one region follow each other: so a pixel has sums of one region at a time. Where the next splat has another
-// region, they are multiplied by their region's share of the sheet, and put aside.
+// region, they are multiplied by their region's share of the sheet, and put aside. All of them together are
+// multiplied by the share of the part of the frame that is drawn.
 //
 // Where opaque surfaces are, rays of a pixel's samples end on their way from sheet to sheet, also between
 // those that any splat reaches into, and behind them.
@@ -193,6 +194,9 @@ fn composite(
         is_whole = is_whole && is_last;
         if has_regions {
             sums = joined + sums * share_of(region, interval, sheet);
+        }
+        if METHOD == METHOD_SECTIONS {
+            sums *= share_in_part(corner + at, sheet);
         }
         next_sheet = select(next_sheet, sheet + 1u, 0u < n_alive);
         if has_surfaces() && any_ends_before(next_sheet) {

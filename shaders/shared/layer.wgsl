@@ -76,5 +76,6 @@ struct Layer {
     first_out: vec3<f32>,
     spread: f32,
     last_out: vec3<f32>,
-    padding: u32,
+    // Planes behind those of the region: of the part of the frame that is drawn, the same of all layers.
+    n_part_planes: u32,
 }

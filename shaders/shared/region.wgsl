@@ -1,8 +1,10 @@
-// Where a layer is seen (model §11): behind all of some planes, or not behind all of them.
+// Where a layer is seen (model §11): behind all of some planes, or not behind all of them. And the part of a
+// frame that is drawn (model §17), behind planes of which some belong to it.
 //
 // A plane takes two elements of `table`: its normal in view space and its distance from the centre of all
 // layers; then its normal in the world, and how far before it a voxel may be that adds to anything behind it.
-// Distances are in thicknesses of a slab, which all layers share.
+// Distances are in thicknesses of a slab, which all layers share. Planes of the part follow those of each
+// layer's region; instead of the normal in the world they have whether they belong to it.
 //
 // Whoever includes this declares `table`, which holds other things too, and so is of words.
 
@@ -27,23 +29,55 @@ fn face_of(layer: u32, n: u32) -> vec4<f32> {
 // Where the ray of a pixel is in the convex set, from the first depth to the second: nowhere if it ends before
 // it begins.
 fn interval_of(layer: u32, at: vec2<f32>) -> vec2<f32> {
-    let from_axis = vec2(at.x - frame.image_center.x, frame.image_center.y - at.y);
     var interval = vec2(NEAREST, FARTHEST);
     for (var n = 0u; n < layers[layer].n_planes; n++) {
-        let plane = plane_of(layer, n);
-        let across = dot(plane.xy, from_axis);
-        // approach·z ≤ left
-        let approach = across * frame.ray_step + plane.z;
-        let left = plane.w - across * frame.ray_start;
-        if LEAST_APPROACH < approach {
-            interval.y = min(interval.y, left / approach);
-        } else if approach < -LEAST_APPROACH {
-            interval.x = max(interval.x, left / approach);
-        } else if left < 0.0 {
-            interval.y = NEAREST;
-        }
+        interval = behind_plane(interval, plane_of(layer, n), at, true);
     }
     return interval;
+}
+
+// What of an interval of a pixel's ray is behind a plane, or in it, if it `is_held`.
+fn behind_plane(interval: vec2<f32>, plane: vec4<f32>, at: vec2<f32>, is_held: bool) -> vec2<f32> {
+    let from_axis = vec2(at.x - frame.image_center.x, frame.image_center.y - at.y);
+    let across = dot(plane.xy, from_axis);
+    // approach·z ≤ left
+    let approach = across * frame.ray_step + plane.z;
+    let left = plane.w - across * frame.ray_start;
+    if LEAST_APPROACH < approach {
+        return vec2(interval.x, min(interval.y, left / approach));
+    }
+    if approach < -LEAST_APPROACH {
+        return vec2(max(interval.x, left / approach), interval.y);
+    }
+    let is_before = left < 0.0 || (left == 0.0 && !is_held);
+    return vec2(interval.x, select(interval.y, NEAREST, is_before));
+}
+
+// Where the ray of a pixel is in the part of the frame that is drawn: at its first depth, but not at its last
+// one. What lies before the eye belongs to the part in which the eye is.
+fn part_interval(at: vec2<f32>) -> vec2<f32> {
+    var interval = vec2(NEAREST, FARTHEST);
+    for (var n = 0u; n < layers[0].n_part_planes; n++) {
+        let idx = layers[0].n_planes + n;
+        interval = behind_plane(interval, plane_of(0u, idx), at, face_of(0u, idx).x == 1.0);
+    }
+    if frame.is_perspective == 1u {
+        let eye = -layers[0].eye_distance / layers[0].slab_thickness;
+        if interval.y <= eye {
+            return vec2(FARTHEST, NEAREST);
+        }
+        interval.x = select(interval.x, NEAREST, interval.x <= eye);
+    }
+    return interval;
+}
+
+// What part of a slab lies in the part that is drawn.
+fn share_in_part(at: vec2<f32>, slab: u32) -> f32 {
+    if layers[0].n_part_planes == 0u {
+        return 1.0;
+    }
+    let front = f32(frame.first_slab + i32(slab));
+    return share_within(part_interval(at), front, sums_extinction(frame.compositing));
 }
 
 // What part of a slab lies in the region of a layer, given where the ray is in its convex set.
@@ -54,14 +88,17 @@ fn share_of(layer: u32, interval: vec2<f32>, slab: u32) -> f32 {
 
 // What part of one thickness behind a depth lies there; all of it or nothing, if only its middle decides.
 fn share_behind(layer: u32, interval: vec2<f32>, front: f32, is_split: bool) -> f32 {
-    var share = 0.0;
-    if is_split {
-        share = max(min(interval.y, front + 1.0) - max(interval.x, front), 0.0);
-    } else {
-        let middle = front + 0.5;
-        share = select(0.0, 1.0, interval.x <= middle && middle < interval.y);
-    }
+    let share = share_within(interval, front, is_split);
     return select(share, 1.0 - share, layers[layer].is_inverted == 1u);
+}
+
+// The same of an interval.
+fn share_within(interval: vec2<f32>, front: f32, is_split: bool) -> f32 {
+    if is_split {
+        return max(min(interval.y, front + 1.0) - max(interval.x, front), 0.0);
+    }
+    let middle = front + 0.5;
+    return select(0.0, 1.0, interval.x <= middle && middle < interval.y);
 }
 
 // How far before a plane a voxel of a layer lies.
@@ -71,6 +108,21 @@ fn before_plane(plane: vec4<f32>, layer: u32, center: vec3<f32>) -> f32 {
 
 // Whether a voxel of a layer adds to nothing that is seen of it.
 fn is_beyond(layer: u32, center: vec3<f32>) -> bool {
+    return is_beyond_region(layer, center) || is_beyond_part(layer, center);
+}
+
+// Whether it adds to nothing of the part that is drawn.
+fn is_beyond_part(layer: u32, center: vec3<f32>) -> bool {
+    for (var n = 0u; n < layers[layer].n_part_planes; n++) {
+        let idx = layers[layer].n_planes + n;
+        if face_of(layer, idx).w < before_plane(plane_of(layer, idx), layer, center) {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn is_beyond_region(layer: u32, center: vec3<f32>) -> bool {
     let is_inverted = layers[layer].is_inverted == 1u;
     var is_behind_all = true;
     for (var n = 0u; n < layers[layer].n_planes; n++) {

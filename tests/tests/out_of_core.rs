@@ -8,6 +8,7 @@
 use fastrand::Rng;
 use slabsplat::{DividedError, DividedScene, Image, OpenScene, Renderer, backend_named, io};
 use slabsplat_seeds::for_each_seed;
+use slabsplat_tests::render::backends;
 use std::fs;
 use std::path::Path;
 
@@ -62,7 +63,8 @@ fn scene_text(rng: &mut Rng, opacity: f64, render: &str) -> String {
 
 fn whole(file: &io::SceneFile) -> Image {
     let opened = OpenScene::open(file).unwrap();
-    let mut renderer = Renderer::new(backend_named("cpu").unwrap());
+    let name = if file.backend == "auto" { "cpu" } else { &file.backend };
+    let mut renderer = Renderer::new(backend_named(name).unwrap());
     renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image
 }
 
@@ -106,6 +108,26 @@ fn out_of_core_is_in_core_within_its_memory() {
         assert!(off <= 2e-3 + ROUNDED_TWICE, "{off}, {text}");
     });
     check_memory();
+}
+
+/// By the GPU backend that the facade is built with here, against its own picture of the whole.
+#[test]
+fn out_of_core_by_a_gpu_is_in_core() {
+    if !backends().contains(&"wgpu") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(11);
+    write_volume(folder.path(), [47, 40, 53], &mut rng);
+    let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+    let mut file = opened(folder.path(), &text);
+    "wgpu".clone_into(&mut file.backend);
+    let scene = divided(&file, 4 << 20);
+    assert!(1 < scene.n_boxes() && scene.backend() == "wgpu", "{} boxes", scene.n_boxes());
+    let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+    let off = whole(&file).max_difference(&picture);
+    assert!(off < ROUNDED_TWICE, "{off}, {text}");
+    assert_eq!(scene.to_file().unwrap().backend, "wgpu");
 }
 
 /// Two layers, cut by regions, of which one counts voxels of its grid; samples of a pixel, and a gradient.

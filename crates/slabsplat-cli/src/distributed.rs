@@ -6,7 +6,7 @@ use crate::plain::counted;
 use crate::progress::Progress;
 use crate::ranks::Ranks;
 use crate::terminal::{self, Loudness};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use serde_json::{Value, json};
 use slabsplat::io::SceneFile;
 use slabsplat::{Aim, OpenScene};
@@ -46,20 +46,13 @@ pub(crate) fn draw(args: &Distributed<'_>, ranks: &Ranks) -> Result<Option<Value
     drop(progress);
     let Some((drawn, written)) = drawn.zip(written) else { return Ok(None) };
     tell(args, &written, &drawn, started);
-    Ok(Some(answer(&written, &drawn, started)))
+    Ok(Some(answer(&scene, &written, &drawn, started)))
 }
 
 /// What is known before anything is read.
 fn prepared(args: &Distributed<'_>, written: Option<&Written<'_>>) -> Result<(SceneFile, Aim)> {
-    args.scene.in_parts(&|file| {
-        if let Some(written) = written {
-            written.target.format.check(file)?;
-        }
-        if !matches!(file.backend.as_str(), "auto" | "cpu") {
-            bail!("--distributed draws on the CPU, not by {}: leave one of them out", file.backend);
-        }
-        Ok(())
-    })
+    args.scene
+        .in_parts(&|file| Ok(written.map_or(Ok(()), |written| written.target.format.check(file))?))
 }
 
 fn open(
@@ -78,10 +71,7 @@ fn write(
     drawn: &DistributedPicture,
 ) -> Result<()> {
     let divided = scene.shared().scene();
-    let mut file = written.has_scene().then(|| divided.to_file()).transpose()?;
-    if let Some(file) = &mut file {
-        "cpu".clone_into(&mut file.backend);
-    }
+    let file = written.has_scene().then(|| divided.to_file()).transpose()?;
     written.write(&drawn.picture.frame.image, file.as_ref())
 }
 
@@ -155,7 +145,12 @@ fn largest_over_mean(ranks: &[RankReport], number: fn(&RankReport) -> f64) -> f6
     if sum == 0.0 { 1.0 } else { largest * ranks.len() as f64 / sum }
 }
 
-fn answer(written: &Written<'_>, drawn: &DistributedPicture, started: Instant) -> Value {
+fn answer(
+    scene: &DistributedScene,
+    written: &Written<'_>,
+    drawn: &DistributedPicture,
+    started: Instant,
+) -> Value {
     let image = &drawn.picture.frame.image;
     json!({
         "picture": written.target.name(),
@@ -164,7 +159,7 @@ fn answer(written: &Written<'_>, drawn: &DistributedPicture, started: Instant) -
         "height": image.height(),
         "scene_file": written.scene.map(|path| path.display().to_string()),
         "seconds": started.elapsed().as_secs_f64(),
-        "backend": "cpu",
+        "backend": scene.shared().scene().backend(),
         "warnings": terminal::take_warnings(),
         "n_ranks": drawn.ranks.len(),
         "ranks": drawn.ranks.iter().map(of_rank).collect::<Vec<_>>(),

@@ -4,7 +4,7 @@ use crate::flags::{SceneFlags, Written};
 use crate::plain::counted;
 use crate::progress::Progress;
 use crate::terminal;
-use anyhow::{Result, bail};
+use anyhow::Result;
 use serde_json::{Value, json};
 use slabsplat::DividedScene;
 use slabsplat::io::SceneFile;
@@ -20,10 +20,7 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, memory_bytes: u64)
     let watched = progress.frame("rendering");
     let picture = scene.in_scene(|| Ok(divided.picture(&watched)?))?;
     progress.stage("writing");
-    let mut file = written.has_scene().then(|| divided.to_file()).transpose()?;
-    if let Some(file) = &mut file {
-        "cpu".clone_into(&mut file.backend);
-    }
+    let file = written.has_scene().then(|| divided.to_file()).transpose()?;
     let image = &picture.frame.image;
     written.write(image, file.as_ref())?;
     drop(progress);
@@ -48,7 +45,7 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, memory_bytes: u64)
         "height": image.height(),
         "scene_file": written.scene.map(|path| path.display().to_string()),
         "seconds": started.elapsed().as_secs_f64(),
-        "backend": "cpu",
+        "backend": divided.backend(),
         "threads": rayon::current_num_threads(),
         "warnings": terminal::take_warnings(),
         "n_boxes": divided.n_boxes(),
@@ -72,9 +69,5 @@ fn volumes(divided: &DividedScene) -> Vec<Value> {
 
 /// What is known before anything is read.
 fn check(file: &SceneFile, written: &Written<'_>) -> Result<()> {
-    written.target.format.check(file)?;
-    if !matches!(file.backend.as_str(), "auto" | "cpu") {
-        bail!("--memory draws on the CPU, not by {}: leave one of them out", file.backend);
-    }
-    Ok(())
+    Ok(written.target.format.check(file)?)
 }

@@ -87,6 +87,11 @@ impl PartInView {
         }
     }
 
+    /// The planes behind which it lies, each with whether it belongs to the part.
+    pub fn faces(&self) -> &[(PlaneInView, bool)] {
+        &self.faces
+    }
+
     /// The depths at which a ray enters and leaves it, as [`RegionInView::interval`] has them, of which the
     /// first belongs to it and the last does not: of all parts, one alone has any depth.
     ///

@@ -27,7 +27,7 @@ use slabsplat_backend::{
     Backend, BackendError, Caps, Frame, FrameCost, FramePlan, FrameStats, LayerPlan, Splats,
     StageTime,
 };
-use slabsplat_core::{Cancelled, FrameHandle, Image, ImageDesc, Method};
+use slabsplat_core::{Cancelled, FrameHandle, Image, ImageDesc, Method, over};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::task::{Poll, Waker};
@@ -70,7 +70,7 @@ impl<D: Device> GpuBackend<D> {
     pub fn new(name: &'static str, device: D) -> Self {
         let info = device.info();
         Self {
-            caps: Caps::new(name, info.name.clone(), Method::ALL).with_cells(),
+            caps: Caps::new(name, info.name.clone(), Method::ALL).with_cells().with_parts(),
             memory: Memory::default(),
             listings: Listings::default(),
             lists: VoxelLists::new(),
@@ -103,6 +103,9 @@ impl<D: Device> GpuBackend<D> {
     ) -> Result<(), BackendError> {
         let ImageDesc { width, height, .. } = plan.image;
         to.check_size([width, height]).map_err(|reason| self.unable(&reason))?;
+        if plan.in_front.is_some() {
+            return Err(self.unable("what lies in front of a picture is not on the device"));
+        }
         let job = self.job_of(plan, frame)?;
         let (work, picture) = self.begin(&job, frame, false)?;
         let taken = to.take(&mut self.device, &picture);
@@ -265,7 +268,10 @@ impl<D: Device> GpuBackend<D> {
 
     fn frame_of(&self, job: &UnderWay<D>, mut done: Done, counts: &Counts) -> Frame {
         let [width, height] = if job.to.is_none() { job.job.frame.image_size } else { [0; 2] };
-        let image = Image::from_pixels(width, height, pixels_of(done.reads.split_off(1)));
+        let mut image = Image::from_pixels(width, height, pixels_of(done.reads.split_off(1)));
+        if let Some(in_front) = &job.job.in_front {
+            lay_behind(in_front, &mut image);
+        }
         let wide = |[low, high]: [u32; 2]| u64::from(high) << 32 | u64::from(low);
         let mut stats = FrameStats::default();
         stats.n_voxels = u64::from(counts.n_voxels).saturating_add_signed(job.job.n_more_voxels());
@@ -275,6 +281,13 @@ impl<D: Device> GpuBackend<D> {
         stats.n_saturated_tiles = counts.n_saturated_tiles.into();
         let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime::new(name, ms)).collect();
         Frame::new(image, stats, FrameCost::new(stages, self.memory.resident_bytes()))
+    }
+}
+
+/// Lays a picture behind another one of its size.
+fn lay_behind(in_front: &Image, image: &mut Image) {
+    for (pixel, front) in image.pixels_mut().iter_mut().zip(in_front.pixels()) {
+        *pixel = over(*front, *pixel);
     }
 }
 
@@ -297,9 +310,6 @@ fn max_visits(kind: DeviceKind) -> u32 {
 
 /// Why there are no shaders for a plan.
 fn check_layers(plan: &FramePlan<'_>) -> Result<(), String> {
-    if plan.part.is_some() {
-        return Err("it draws no parts of a scene: the CPU does".to_owned());
-    }
     let n_layers = plan.layers.len();
     let is_of_densities = |layer: &LayerPlan<'_>| matches!(layer.splats, Splats::Densities(_));
     if MOST_DENSITY_LAYERS < n_layers && plan.layers.iter().any(is_of_densities) {

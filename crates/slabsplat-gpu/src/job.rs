@@ -8,10 +8,11 @@ use crate::frame_params::{SplatLayer, frame_params, slabs_of};
 use crate::layer_params::layer_params;
 use crate::listing::Listing;
 use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, NO_SURFACES, TILE_SIDE};
-use crate::regions::{self, ELEMENTS_OF_PLANE, Element};
+use crate::regions::{self, ELEMENTS_OF_PLANE, Element, Plane};
 use crate::surfaces::Surfaces;
 use crate::tables::Table;
 use slabsplat_backend::{ColorSplats, FramePlan, Splats};
+use slabsplat_core::Image;
 use slabsplat_shaders::{PROJECT, PROJECT_CELLS, Shader};
 use std::sync::Arc;
 
@@ -23,8 +24,8 @@ pub(crate) struct Job {
     pub(crate) layers: Vec<JobLayer>,
     /// What the shaders read of them.
     pub(crate) params: Vec<Layer>,
-    /// The planes of all regions.
-    pub(crate) planes: Vec<[Element; ELEMENTS_OF_PLANE as usize]>,
+    /// The planes of all regions, and of the part that is drawn.
+    pub(crate) planes: Vec<Plane>,
     /// What sheets of densities are shown by, if they are of densities.
     pub(crate) densities: Option<DensityJob>,
     /// Where rays end, if there are meshes.
@@ -33,6 +34,8 @@ pub(crate) struct Job {
     pub(crate) depth_sort: Option<DepthSort>,
     /// The stage that splats.
     pub(crate) splats_by: &'static Shader,
+    /// What the picture is laid behind once it is there.
+    pub(crate) in_front: Option<Arc<Image>>,
 }
 
 /// A layer of a frame, or one level of it.
@@ -65,7 +68,7 @@ impl Job {
         };
         let mut job_layers: Vec<_> = listings.into_iter().zip(tables).map(job_layer).collect();
         leave_room(&mut job_layers, most_voxels);
-        let (params, planes) = placed(layers, &job_layers);
+        let (params, planes) = placed(plan, layers, &job_layers);
         let depth_sort = match layers {
             [(layer, Splats::Colors(ColorSplats::Voxels { .. }))] => Some(DepthSort::new(layer)),
             _ => None,
@@ -76,8 +79,9 @@ impl Job {
         let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
         let frame = frame_params(plan, layers, row_len);
         let splats_by = densities.as_ref().map_or(shader, |densities| densities.stage.shader);
+        let in_front = plan.in_front.cloned().map(Arc::new);
         let layers = job_layers;
-        Self { frame, layers, params, planes, densities, surfaces, depth_sort, splats_by }
+        Self { frame, layers, params, planes, densities, surfaces, depth_sort, splats_by, in_front }
     }
 
     /// Elements of the shaders' `table` that section tables take, planes behind those, and what densities are
@@ -163,9 +167,12 @@ fn leave_room(layers: &mut [JobLayer], most_voxels: u64) {
 
 /// What the shaders read of layers, their voxels, tables and planes one after the other; and the planes.
 fn placed(
+    plan: &FramePlan<'_>,
     layers: &[SplatLayer<'_, '_>],
     job_layers: &[JobLayer],
-) -> (Vec<Layer>, Vec<[Element; ELEMENTS_OF_PLANE as usize]>) {
+) -> (Vec<Layer>, Vec<Plane>) {
+    let part = plan.part.as_ref();
+    let n_part_planes = part.map_or(0, |part| part.faces().len() as u32);
     let n_quads: u32 = job_layers.iter().map(|layer| layer.table.n_quads()).sum();
     let (mut params, mut planes): (Vec<Layer>, Vec<_>) = Default::default();
     let (mut first_voxel, mut first_element, mut region) = (0, 0, 0);
@@ -176,10 +183,11 @@ fn placed(
         }
         let first_plane = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32;
         if let Some(slabs) = slabs_of(splats) {
-            planes.extend(regions::planes(layer, slabs));
+            planes.extend(regions::planes(layer, slabs, part));
         }
         let own = layer_params(layer, splats);
-        params.push(Layer { first_voxel, first_element, region, first_plane, ..own });
+        let placed = Layer { first_voxel, first_element, region, first_plane, ..own };
+        params.push(Layer { n_part_planes, ..placed });
         first_voxel += job_layer.max_voxels as u32;
         first_element += job_layer.table.n_quads();
     }

@@ -11,14 +11,15 @@
 //!    So it does where pixels are larger than voxels, and cells of these may be drawn (model §16): a list for
 //!    each level, which is a layer from there on.
 //! 2. *Project*: every relevant voxel is shaded and projected, into one list for all layers; those beyond
-//!    their layer's region are tossed nowhere. A new camera sends 112 bytes, 256 a layer, 32 for each plane
-//!    of a region, and 40 for each pass.
+//!    their layer's region, or the part that is drawn (model §17), are tossed nowhere. A new camera sends 112
+//!    bytes, 256 a layer, 32 for each plane of a region and of the part, and 40 for each pass.
 //! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
 //! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
 //!    keeps the order from front to back within each.
 //! 5. *Splat*: a workgroup renders a tile, sheet by sheet, in registers, and stops when all pixels are
-//!    saturated. Sums of a slab are cut by the region of what they are of. Where there are opaque meshes,
-//!    rays end at surfaces, which the host has found and sends when they change, 16 bytes each.
+//!    saturated. Sums of a slab are cut by the region of what they are of, and by the part that is drawn;
+//!    what lies in front of a part is laid over its picture once that was read back. Where there are opaque
+//!    meshes, rays end at surfaces, which the host has found and sends when they change, 16 bytes each.
 //!
 //! Densities (model §§8, 12) go the same way: all voxels are listed, with their values, and what splats them
 //! shows what lies between sheets, of a layer that is alone, or of up to four and beside meshes.

@@ -101,7 +101,7 @@ pub(crate) struct Layer {
     pub(crate) first_out: [f32; 3],
     pub(crate) spread: f32,
     pub(crate) last_out: [f32; 3],
-    pub(crate) padding: u32,
+    pub(crate) n_part_planes: u32,
 }
 
 /// `shaders/shared/densities.wgsl`, likewise.
@@ -335,7 +335,7 @@ mod tests {
             first_out,
             spread,
             last_out,
-            padding,
+            n_part_planes,
         });
         check!(Densities {
             mode,

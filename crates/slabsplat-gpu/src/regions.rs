@@ -1,8 +1,8 @@
-//! Regions as the shaders read them: `shaders/shared/region.wgsl`.
+//! Regions, and the part of a frame that is drawn, as the shaders read them: `shaders/shared/region.wgsl`.
 
 use slabsplat_backend::{LayerPlan, Slabs, Splats};
-use slabsplat_core::glam::DMat3;
-use slabsplat_core::{PlaneInView, RegionInView, View};
+use slabsplat_core::glam::{DMat3, DVec3};
+use slabsplat_core::{PartInView, PlaneInView, RegionInView, View};
 
 /// An element of the shaders' `table`.
 pub(crate) type Element = [f32; 4];
@@ -10,22 +10,29 @@ pub(crate) type Element = [f32; 4];
 /// Elements that a plane takes.
 pub(crate) const ELEMENTS_OF_PLANE: u32 = 2;
 
-/// The planes of a layer's region, none if it is everywhere.
+/// A plane as the shaders read it.
+pub(crate) type Plane = [Element; ELEMENTS_OF_PLANE as usize];
+
+/// The planes of a layer's region, none if it is everywhere, and behind these those of the part that is
+/// drawn, none if that is all of the frame.
 pub(crate) fn planes<'a>(
     layer: &'a LayerPlan<'_>,
     slabs: &'a Slabs,
-) -> impl Iterator<Item = [Element; ELEMENTS_OF_PLANE as usize]> + 'a {
-    let view = &layer.view;
-    let axes = view.axes();
+    part: Option<&'a PartInView>,
+) -> impl Iterator<Item = Plane> + 'a {
+    let axes = layer.view.axes();
     let world_from_view = DMat3::from_cols(axes.right, axes.up, axes.forward);
     let reach = Reach::new(layer, slabs);
-    let planes = layer.region.as_ref().map_or(&[][..], RegionInView::planes);
-    planes.iter().map(move |plane| {
+    let in_thicknesses = move |plane: &PlaneInView, said: DVec3| {
         let distance = plane.distance / slabs.grid.thickness();
-        let in_world = world_from_view * plane.normal;
-        [plane.normal.extend(distance), in_world.extend(reach.before(plane))]
+        [plane.normal.extend(distance), said.extend(reach.before(plane))]
             .map(|element| element.as_vec4().to_array())
-    })
+    };
+    let of_region = layer.region.as_ref().map_or(&[][..], RegionInView::planes).iter();
+    let of_region = of_region.map(move |plane| (plane, world_from_view * plane.normal));
+    let of_part = part.map_or(&[][..], PartInView::faces).iter();
+    let of_part = of_part.map(|(plane, is_held)| (plane, DVec3::X * f64::from(*is_held)));
+    of_region.chain(of_part).map(move |(plane, said)| in_thicknesses(plane, said))
 }
 
 /// How far a voxel of a layer adds to what is drawn.

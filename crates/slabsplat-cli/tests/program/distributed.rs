@@ -160,7 +160,6 @@ fn distributed_failures_are_said_once() {
         ("none.toml -o out.exr", "none.toml"),
         ("scene.toml -o none/out.exr", "none"),
         ("scene.toml -o out.exr --mode maximum", "not the mode maximum"),
-        ("scene.toml -o out.exr --backend wgpu", "not by wgpu"),
         ("scene.toml -o out.exr --memory 1MiB", "too few"),
     ] {
         let stderr = fail(dir.path(), &[(3, &run(args))]);

@@ -79,7 +79,7 @@ fn memory_says_what_it_cannot() {
     for (args, expected) in [
         ("scene.toml --memory 1GiB", "box by box: slabsplat convert"),
         ("builtin:cube --memory 1GiB", "made whole"),
-        ("builtin:cube --memory 1GiB --backend wgpu", "not by wgpu"),
+        ("scene.toml --memory 1GiB --backend none", "none"),
         ("- --memory 1GiB", "standard input"),
     ] {
         let said = diagnostic(dir.path(), &format!("render {args} -o a.png"));

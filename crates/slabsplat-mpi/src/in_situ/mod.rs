@@ -71,6 +71,7 @@ pub struct InSitu {
     /// Of all ranks; empty ones have no voxels.
     boxes: Vec<VoxelBox>,
     tree: PartTree,
+    backend: String,
 }
 
 /// Why a rank cannot draw what it has.
@@ -115,7 +116,15 @@ impl InSitu {
         let boxes = boxes::from_bytes(&all, &grid);
         let boxes = agree(comm, boxes)?;
         let tree = agree(comm, boxes::tree(&grid, &boxes))?;
-        Ok(Self { grid, boxes, tree })
+        Ok(Self { grid, boxes, tree, backend: "cpu".to_owned() })
+    }
+
+    /// Has this rank draw by the backend of that name, a GPU's for instance, instead of on the CPU. Ranks may
+    /// differ: pictures of several backends are one up to rounding.
+    #[must_use]
+    pub fn drawn_by(mut self, backend: impl Into<String>) -> Self {
+        self.backend = backend.into();
+        self
     }
 
     /// The grid of all.
@@ -224,7 +233,7 @@ impl InSitu {
             return Ok(Image::filled(scene.image.width, scene.image.height, [0.0; 4]));
         };
         scene.layers.iter_mut().zip(volumes).for_each(|(layer, volume)| layer.volume = volume);
-        let mut backend = backend_named("cpu").map_err(RenderError::from)?;
+        let mut backend = backend_named(&self.backend).map_err(RenderError::from)?;
         let (mut planner, frame) = (Planner::default(), FrameHandle::new());
         let plan = planner.plan_part(&scene, &leaf.part, &frame)?;
         backend.submit(&plan, &frame).map_err(RenderError::from)?;

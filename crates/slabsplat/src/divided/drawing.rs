@@ -1,9 +1,9 @@
 //! A frame box by box, from the eye.
 
-use super::{DividedError, DividedScene, ShareCost, overview};
+use super::{CPU, DividedError, DividedScene, ShareCost, overview};
 use crate::{RenderError, backend_named, frame_scene};
 use rayon::prelude::*;
-use slabsplat_backend::{Frame, FrameCost, FrameStats, Planner};
+use slabsplat_backend::{Backend, Frame, FrameCost, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     FrameHandle, Grid, Image, ImageDesc, PartBox, PartInView, Region, RegionInView, Scene, View,
@@ -34,13 +34,13 @@ impl DividedScene {
         scene.image.background = [0.0; 4];
         let mut image = Image::filled(width, height, [0.0; 4]);
         let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
-        let mut planner = Planner::default();
+        let mut painter = Painter::new(&self.backend);
         let boxes = self.own_boxes();
         for (idx, of) in boxes.iter().enumerate() {
             frame.check().map_err(RenderError::from)?;
             let is_seen = self.is_to_be_seen(of, &scene, &image)?;
             if is_seen {
-                let drawn = self.draw(of, &mut scene, (&mut planner, &mut cost), &image)?;
+                let drawn = self.draw(of, &mut scene, (&mut painter, &mut cost), &image)?;
                 add(&mut stats, &drawn.stats);
                 image = drawn.image;
             }
@@ -55,7 +55,7 @@ impl DividedScene {
         &self,
         of: &PartBox,
         scene: &mut Scene,
-        (planner, cost): (&mut Planner, &mut ShareCost),
+        (painter, cost): (&mut Painter<'_>, &mut ShareCost),
         in_front: &Image,
     ) -> Result<Frame, DividedError> {
         // A page has no clock.
@@ -70,7 +70,7 @@ impl DividedScene {
             cost.n_bytes_read += n_voxels * layer.volume.sample_type().size_bytes() as u64;
         }
         cost.reading_secs += started.map_or(0.0, |started| started.elapsed().as_secs_f64());
-        let drawn = draw_part(scene, of, planner, in_front);
+        let drawn = painter.draw(scene, of, in_front);
         let layers = scene.layers.iter_mut().zip(overviews);
         layers.for_each(|(layer, overview)| layer.volume = overview);
         drawn
@@ -147,19 +147,38 @@ fn steps_around(steps: &[f64; 3]) -> f64 {
     steps.iter().copied().fold(0.0, f64::max)
 }
 
-fn draw_part(
-    scene: &Scene,
-    of: &PartBox,
-    planner: &mut Planner,
-    in_front: &Image,
-) -> Result<Frame, DividedError> {
-    // A new one for each box: what it caches of one is of no use for the next.
-    let mut backend = backend_named("cpu").map_err(RenderError::from)?;
-    let frame = FrameHandle::new();
-    let mut plan = planner.plan_part(scene, &of.part, &frame)?;
-    plan.in_front = Some(in_front);
-    backend.submit(&plan, &frame).map_err(RenderError::from)?;
-    Ok(backend.wait_image(&frame).map_err(RenderError::from)?)
+/// What draws boxes.
+struct Painter<'a> {
+    planner: Planner,
+    backend_name: &'a str,
+    /// If it is not made anew for each box.
+    backend: Option<Box<dyn Backend>>,
+}
+
+impl<'a> Painter<'a> {
+    fn new(backend_name: &'a str) -> Self {
+        Self { planner: Planner::default(), backend_name, backend: None }
+    }
+
+    fn draw(
+        &mut self,
+        scene: &Scene,
+        of: &PartBox,
+        in_front: &Image,
+    ) -> Result<Frame, DividedError> {
+        let backend = match &mut self.backend {
+            Some(backend) => backend,
+            none => none.insert(backend_named(self.backend_name).map_err(RenderError::from)?),
+        };
+        let frame = FrameHandle::new();
+        let mut plan = self.planner.plan_part(scene, &of.part, &frame)?;
+        plan.in_front = Some(in_front);
+        backend.submit(&plan, &frame).map_err(RenderError::from)?;
+        let drawn = backend.wait_image(&frame).map_err(RenderError::from)?;
+        // What the CPU caches of one box is of no use for the next; devices take long to open.
+        self.backend.take_if(|_| self.backend_name == CPU);
+        Ok(drawn)
+    }
 }
 
 /// Counts what a box drew, whose voxels around it are counted by others, too.

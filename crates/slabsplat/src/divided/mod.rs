@@ -35,6 +35,9 @@ use thiserror::Error;
 pub use budget::NoRoom;
 pub use shared::{Exchange, ShareCost, SharedScene};
 
+/// The backend that keeps to a budget of memory.
+const CPU: &str = "cpu";
+
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
 /// The picture is that of the scene with all voxels in memory, up to rounding, if the scene file says its
@@ -64,6 +67,8 @@ pub struct DividedScene {
     /// How many voxels around a box have a share in its picture, of each layer.
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
+    /// By name.
+    backend: String,
 }
 
 /// Why a scene cannot be drawn within its memory.
@@ -121,7 +126,8 @@ impl DividedScene {
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let budget = Budget::new(&opened.scene, &drawn.image, memory_bytes)?;
         drop(drawn);
-        let (divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
+        let (mut divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
+        divided.draw_by(file);
         Ok(divided)
     }
 
@@ -173,7 +179,9 @@ impl DividedScene {
         drop(drawn);
         let memory_bytes = budget.memory_bytes();
         let own = shares.own_box();
-        Ok((Self { opened, sources, grids, boxes, own, steps, memory_bytes }, shares))
+        let backend = CPU.to_owned();
+        let divided = Self { opened, sources, grids, boxes, own, steps, memory_bytes, backend };
+        Ok((divided, shares))
     }
 
     /// The scene as it was opened, whose volumes are overviews: their grids have longer steps.
@@ -196,6 +204,18 @@ impl DividedScene {
         self.memory_bytes
     }
 
+    /// Has it drawn by the backend that a scene file names.
+    fn draw_by(&mut self, file: &SceneFile) {
+        let named = if file.backend == "auto" { CPU } else { &file.backend };
+        named.clone_into(&mut self.backend);
+    }
+
+    /// The name of the backend that draws it: the one of the scene file, and the CPU if that is `auto`. What
+    /// others have on their device is beside the memory that it was opened for.
+    pub fn backend(&self) -> &str {
+        &self.backend
+    }
+
     /// How many boxes there are.
     pub fn n_boxes(&self) -> usize {
         self.own_boxes().len()
@@ -208,22 +228,23 @@ impl DividedScene {
         boxes
     }
 
-    /// The scene as a scene file that leaves nothing open, as [`OpenScene::to_file`], without hashes of
-    /// volumes.
+    /// The scene as a scene file that leaves nothing open, not even what draws it, as
+    /// [`OpenScene::to_file`], without hashes of volumes.
     ///
     /// # Errors
     /// As there.
     pub fn to_file(&self) -> Result<SceneFile, IoError> {
         let mut file = self.opened.to_file()?;
+        self.backend.clone_into(&mut file.backend);
         file.layers.iter_mut().for_each(|layer| layer.hash = None);
         Ok(file)
     }
 
-    /// Draws the scene and finishes it, as [`Renderer::picture_as`](crate::Renderer::picture_as) does, on the
-    /// CPU.
+    /// Draws the scene and finishes it, as [`Renderer::picture_as`](crate::Renderer::picture_as) does.
     ///
     /// # Errors
-    /// If a volume cannot be read any more, or the frame is cancelled.
+    /// If its [backend](Self::backend) is not there or cannot draw it, a volume cannot be read any more, or
+    /// the frame is cancelled.
     pub fn picture(&self, frame: &FrameHandle) -> Result<Picture, DividedError> {
         let drawn = self.frame(frame)?;
         Ok(finished(drawn, &self.opened.scene, self.opened.acquisition))

@@ -73,7 +73,9 @@ impl SharedScene {
         drop(drawn);
         let cells = WorkCells::of(&opened.scene, &grids);
         let shares = Shares::new(n_shares, others.share_idx(), cells);
-        let (divided, shares) = DividedScene::divided(opened, sources, grids, (&budget, shares))?;
+        let (mut divided, shares) =
+            DividedScene::divided(opened, sources, grids, (&budget, shares))?;
+        divided.draw_by(file);
         Ok(Self { divided, shares })
     }
 
