@@ -29,37 +29,48 @@ fn face_of(layer: u32, n: u32) -> vec4<f32> {
 // Where the ray of a pixel is in the convex set, from the first depth to the second: nowhere if it ends before
 // it begins.
 fn interval_of(layer: u32, at: vec2<f32>) -> vec2<f32> {
+    let from_axis = beside_axis(at);
     var interval = vec2(NEAREST, FARTHEST);
     for (var n = 0u; n < layers[layer].n_planes; n++) {
-        interval = behind_plane(interval, plane_of(layer, n), at, true);
+        interval = behind_plane(interval, plane_of(layer, n), from_axis, true);
     }
     return interval;
 }
 
+fn beside_axis(at: vec2<f32>) -> vec2<f32> {
+    return vec2(at.x - frame.image_center.x, frame.image_center.y - at.y);
+}
+
 // What of an interval of a pixel's ray is behind a plane, or in it, if it `is_held`.
-fn behind_plane(interval: vec2<f32>, plane: vec4<f32>, at: vec2<f32>, is_held: bool) -> vec2<f32> {
-    let from_axis = vec2(at.x - frame.image_center.x, frame.image_center.y - at.y);
+fn behind_plane(
+    interval: vec2<f32>,
+    plane: vec4<f32>,
+    from_axis: vec2<f32>,
+    is_held: bool,
+) -> vec2<f32> {
     let across = dot(plane.xy, from_axis);
     // approach·z ≤ left
     let approach = across * frame.ray_step + plane.z;
     let left = plane.w - across * frame.ray_start;
+    var behind = interval;
     if LEAST_APPROACH < approach {
-        return vec2(interval.x, min(interval.y, left / approach));
+        behind.y = min(behind.y, left / approach);
+    } else if approach < -LEAST_APPROACH {
+        behind.x = max(behind.x, left / approach);
+    } else if left < 0.0 || (left == 0.0 && !is_held) {
+        behind.y = NEAREST;
     }
-    if approach < -LEAST_APPROACH {
-        return vec2(max(interval.x, left / approach), interval.y);
-    }
-    let is_before = left < 0.0 || (left == 0.0 && !is_held);
-    return vec2(interval.x, select(interval.y, NEAREST, is_before));
+    return behind;
 }
 
 // Where the ray of a pixel is in the part of the frame that is drawn: at its first depth, but not at its last
 // one. What lies before the eye belongs to the part in which the eye is.
 fn part_interval(at: vec2<f32>) -> vec2<f32> {
+    let from_axis = beside_axis(at);
     var interval = vec2(NEAREST, FARTHEST);
     for (var n = 0u; n < layers[0].n_part_planes; n++) {
         let idx = layers[0].n_planes + n;
-        interval = behind_plane(interval, plane_of(0u, idx), at, face_of(0u, idx).x == 1.0);
+        interval = behind_plane(interval, plane_of(0u, idx), from_axis, face_of(0u, idx).x == 1.0);
     }
     if frame.is_perspective == 1u {
         let eye = -layers[0].eye_distance / layers[0].slab_thickness;
