@@ -6,13 +6,25 @@
 #![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
 
 use fastrand::Rng;
-use slabsplat::{DividedError, DividedScene, Image, OpenScene, Renderer, backend_named, io};
+use slabsplat::{
+    DividedDesc, DividedError, DividedScene, Grid, Image, OpenScene, Renderer, Scaling, Volume,
+    backend_named, io,
+};
 use slabsplat_seeds::for_each_seed;
 use std::fs;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 #[global_allocator]
 static HEAP: dhat::Alloc = dhat::Alloc;
+
+/// One test at a time: the heap is all of the process's.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
@@ -83,6 +95,7 @@ fn divided(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
 
 #[test]
 fn out_of_core_is_in_core_within_its_memory() {
+    let _alone = alone();
     for_each_seed(4, |mut rng| {
         let folder = tempfile::tempdir().unwrap();
         write_volume(folder.path(), [97, 70, 101], &mut rng);
@@ -108,9 +121,56 @@ fn out_of_core_is_in_core_within_its_memory() {
     check_memory();
 }
 
+/// Two layers of one packed volume share its scratch, and it is never in memory whole.
+#[test]
+fn out_of_core_unpacks_what_is_packed() {
+    let _alone = alone();
+    for_each_seed(2, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [97, 70, 101], &mut rng);
+        let volume = io::read_volume(folder.path().join("volume.nhdr")).unwrap().volume;
+        io::write_volume(folder.path().join("volume.nii.gz"), &volume).unwrap();
+        let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let text = text.replace("volume.nhdr", "volume.nii.gz");
+        let file = opened(folder.path(), &text);
+        let scene = divided(&file, 12 << 20);
+        let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+        let off = whole(&file).max_difference(&picture);
+        assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{} boxes: {off}", scene.n_boxes());
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let grid = Grid::with_spacing([300, 290, 280], [1.0; 3]).unwrap();
+    let samples: Vec<u8> = (0..grid.n_voxels()).map(|idx| (idx % 251) as u8).collect();
+    let n_bytes = samples.len();
+    let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+    io::write_volume(folder.path().join("volume.nrrd"), &volume).unwrap();
+    drop(volume);
+    let text = scene_text(&mut Rng::with_seed(1), 0.3, "tolerance = 0.0");
+    let mut file = opened(folder.path(), &text.replace("volume.nhdr", "volume.nrrd"));
+    file.layers.push(file.layers[0].clone());
+    let profiler = dhat::Profiler::builder().testing().build();
+    let n_told = Arc::new(AtomicUsize::new(0));
+    let counted = n_told.clone();
+    let scratch = io::ScratchDesc::default().folder(folder.path()).on_use(move |of| {
+        counted.fetch_add(of.n_bytes as usize, Ordering::Relaxed);
+    });
+    let desc = DividedDesc::new(1 << 30).scratch(scratch);
+    let scene = DividedScene::open_framed(&file, &desc, |opened, file| {
+        opened.frame(file, &slabsplat::Aim::default())
+    });
+    let scene = scene.unwrap();
+    let most = dhat::HeapStats::get().max_bytes;
+    println!("{most} bytes on the heap, of a volume of {n_bytes}");
+    assert!(most < n_bytes / 2, "{most} of {n_bytes}");
+    assert_eq!(n_told.load(Ordering::Relaxed), n_bytes);
+    assert_eq!(scene.sources()[1].scratch().map(|of| of.n_bytes), Some(n_bytes as u64));
+    drop((scene, profiler));
+}
+
 /// Two layers, cut by regions, of which one counts voxels of its grid; samples of a pixel, and a gradient.
 #[test]
 fn out_of_core_draws_layers_and_regions() {
+    let _alone = alone();
     for_each_seed(2, |mut rng| {
         let folder = tempfile::tempdir().unwrap();
         write_volume(folder.path(), [57, 70, 61], &mut rng);
@@ -185,6 +245,7 @@ fn check_memory() {
 
 #[test]
 fn out_of_core_says_what_it_cannot() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let mut rng = Rng::with_seed(5);
     write_volume(folder.path(), [20, 20, 20], &mut rng);

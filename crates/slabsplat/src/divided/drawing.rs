@@ -1,6 +1,6 @@
 //! A frame box by box, from the eye.
 
-use super::{DividedError, DividedScene, ShareCost, overview};
+use super::{DividedError, DividedScene, ShareCost};
 use crate::{RenderError, backend_named, frame_scene};
 use rayon::prelude::*;
 use slabsplat_backend::{Frame, FrameCost, FrameStats, Planner};
@@ -63,7 +63,7 @@ impl DividedScene {
         let overviews: Vec<_> = scene.layers.iter().map(|layer| layer.volume.clone()).collect();
         for (idx, layer) in scene.layers.iter_mut().enumerate() {
             let voxels = self.boxes.voxels_near(of, &self.grids[idx], self.steps[idx]);
-            let loaded = overview::read(&self.sources[idx], voxels)?;
+            let loaded = self.sources[idx].read(voxels)?;
             layer.volume = loaded.volume;
             let n_voxels = layer.volume.grid().n_voxels() as u64;
             cost.n_voxels_read += n_voxels;

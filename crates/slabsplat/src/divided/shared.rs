@@ -9,7 +9,7 @@ use super::{DividedError, DividedScene};
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use slabsplat_backend::{Frame, FrameCost, FrameStats};
 use slabsplat_core::{FrameHandle, Image, Samples, over};
-use slabsplat_io::{IoError, SceneFile};
+use slabsplat_io::{IoError, SceneFile, ScratchDesc};
 
 /// What joins those who each draw a share of a scene. All call the same, in one order.
 pub trait Exchange {
@@ -55,6 +55,8 @@ impl SharedScene {
     /// Opens the scene of `file`. Without a number of bytes a share has as many as 1.3 times its part of all
     /// volumes takes, but 64 MiB at least, and what it takes beside voxels.
     ///
+    /// Volumes have to be stored so that boxes can be read of them: nothing is unpacked.
+    ///
     /// # Errors
     /// As [`DividedScene::open`], and if another share fails while planes are exchanged.
     pub fn open(
@@ -63,7 +65,9 @@ impl SharedScene {
         others: &mut dyn Exchange,
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
-        let (opened, sources, grids) = DividedScene::overviews(file, others, frame)?;
+        // Each share would unpack a copy of its own, and those of one computer onto one disk.
+        let scratch = ScratchDesc::default().refused();
+        let (opened, sources, grids) = DividedScene::overviews(file, &scratch, others, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let n_shares = others.n_shares();
         let budget = match memory_bytes {
