@@ -91,7 +91,13 @@ fn peak_bytes() -> Option<u64> {
 fn volumes(divided: &DividedScene) -> Vec<Value> {
     let of = |source: &VolumeBoxes| {
         let scratch = source.scratch().map(|scratch| scratch.n_bytes);
-        json!({ "dims": source.grid().dims(), "scratch_bytes": scratch })
+        let chunks = source.is_in_chunks().then(|| source.chunk_counts());
+        json!({
+            "dims": source.grid().dims(),
+            "scratch_bytes": scratch,
+            "n_chunks_unpacked": chunks.map(|[unpacked, _]| unpacked),
+            "n_chunks_retained": chunks.map(|[_, retained]| retained),
+        })
     };
     divided.sources().iter().map(of).collect()
 }

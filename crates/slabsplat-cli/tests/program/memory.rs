@@ -102,6 +102,32 @@ fn memory_says_what_it_cannot() {
     assert!(!names_in(dir.path()).contains(&"a.png".to_owned()), "nothing is half written");
 }
 
+/// Chunks that are damaged are named, and raw files that are cut off; those that are missing are filled.
+#[test]
+fn memory_of_damaged_files() {
+    let dir = tempfile::tempdir().unwrap();
+    write(dir.path(), "ball.zarr");
+    let args = "render scene.toml --memory 65MiB -o parts.exr";
+    let chunk = dir.path().join("ball.zarr/0/0/0/0");
+    let chunk = if chunk.is_file() { chunk } else { dir.path().join("ball.zarr/0/0.0.0") };
+    let bytes = std::fs::read(&chunk).expect("the ball has a chunk");
+    for damaged in [&bytes[..bytes.len() / 2], b"no chunk at all"] {
+        std::fs::write(&chunk, damaged).unwrap();
+        let said = diagnostic(dir.path(), args);
+        assert!(said.contains("ball.zarr/0/0") && said.contains("a chunk"), "{said}");
+        assert!(!names_in(dir.path()).contains(&"parts.exr".to_owned()));
+    }
+    std::fs::remove_file(&chunk).unwrap();
+    let said = text(&slabsplat(dir.path(), args).stderr);
+    assert!(said.contains("nothing is visible"), "{said}");
+    write(dir.path(), "ball.raw");
+    let bytes = std::fs::read(dir.path().join("ball.raw")).unwrap();
+    std::fs::write(dir.path().join("ball.raw"), &bytes[1..]).unwrap();
+    let said = diagnostic(dir.path(), &args.replace("parts", "raw"));
+    assert!(said.contains("needs 262144 bytes of data, has 262143"), "{said}");
+    assert!(!names_in(dir.path()).contains(&"raw.exr".to_owned()));
+}
+
 /// What is said of scratch, and that none is there which may not be.
 #[test]
 fn memory_tells_of_scratch() {

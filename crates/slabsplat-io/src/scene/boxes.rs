@@ -7,8 +7,8 @@ use std::sync::Arc;
 use slabsplat_core::Grid;
 
 use super::{LayerFile, VolumeSource};
-use crate::volume::Scratch;
-use crate::{IoError, LoadedVolume, ScratchDesc, ScratchUse};
+use crate::volume::{ChunkCache, Scratch};
+use crate::{IoError, LoadedVolume, ScratchDesc, ScratchUse, VolumeFormat};
 
 /// A volume of which boxes of voxels are read, one after the other, and the rest is never in memory: from its
 /// file, or from a scratch file where that is packed. A clone shares the scratch file, which is gone with the
@@ -19,6 +19,7 @@ pub struct VolumeBoxes {
     /// The first voxel, with all that the file says.
     first: LoadedVolume,
     scratch: Option<Arc<Scratch>>,
+    chunks: ChunkCache,
 }
 
 impl LayerFile {
@@ -45,9 +46,10 @@ impl LayerFile {
     /// If it cannot be read, or only with all of it in memory ([`IoError::NotInBoxes`]); if there is no room
     /// for scratch ([`IoError::NoScratch`]), or the disk fails ([`IoError::Scratch`]).
     pub fn open_boxes(&self, scratch: &ScratchDesc) -> Result<VolumeBoxes, IoError> {
-        let layer = self.clone();
+        let (mut layer, chunks) = (self.clone(), ChunkCache::default());
+        layer.options.chunks = Some(chunks.clone());
         match (layer.read_box([0..1, 0..1, 0..1]), &self.volume) {
-            (Ok(first), _) => Ok(VolumeBoxes { layer, first, scratch: None }),
+            (Ok(first), _) => Ok(VolumeBoxes { layer, first, scratch: None, chunks }),
             (Err(IoError::NotInBoxes { .. }), VolumeSource::File(path))
                 if !scratch.is_refused() =>
             {
@@ -55,7 +57,8 @@ impl LayerFile {
                 options.voxels = None;
                 let unpacked = Scratch::unpack(path, &options, scratch)?;
                 let first = self.spaced(unpacked.first().clone())?;
-                Ok(VolumeBoxes { layer, first, scratch: Some(Arc::new(unpacked)) })
+                let scratch = Some(Arc::new(unpacked));
+                Ok(VolumeBoxes { layer, first, scratch, chunks })
             }
             (Err(error), _) => Err(error),
         }
@@ -88,6 +91,22 @@ impl VolumeBoxes {
             Some(scratch) => self.layer.spaced(scratch.read(&voxels)?),
             None => self.layer.read_box(voxels),
         }
+    }
+
+    /// Whether it is stored in chunks, which are unpacked whole: several boxes may meet one.
+    pub fn is_in_chunks(&self) -> bool {
+        self.first.format == VolumeFormat::Zarr
+    }
+
+    /// Retains unpacked chunks up to so many bytes for the boxes that are read next, of all clones; none at
+    /// first. Those that were used last stay.
+    pub fn retain_chunks(&self, most_bytes: u64) {
+        self.chunks.set_room(most_bytes);
+    }
+
+    /// How many chunks had to be unpacked, and how many were there, of those that were looked for.
+    pub fn chunk_counts(&self) -> [u64; 2] {
+        self.chunks.counts()
     }
 
     /// What it takes on a disk, if it had to be unpacked.

@@ -8,6 +8,7 @@ use super::LoadedVolume;
 use super::colors::{ColorUse, LoadedColors, OpacitySource};
 use super::data::Share;
 use super::formats::Input;
+use super::zarr::ChunkCache;
 use crate::printable::printable;
 use crate::progress::ReadMeter;
 use crate::{IoError, ProgressCallback, ReadProgress};
@@ -56,6 +57,8 @@ pub struct VolumeOptions {
     pub voxels: Option<[Range<usize>; 3]>,
     /// What hears how far reading is.
     pub progress: Option<ProgressCallback>,
+    /// What several boxes of a store of chunks need of it.
+    pub(crate) chunks: Option<ChunkCache>,
 }
 
 /// A way in which a file may hold several volumes.

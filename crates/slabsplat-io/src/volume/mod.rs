@@ -70,6 +70,7 @@ pub use raw::{RawDesc, read_raw};
 pub(crate) use scratch::Scratch;
 pub use scratch::{ScratchDesc, ScratchUse};
 pub use write::{VolumeOutput, write_colored_volume, write_volume};
+pub(crate) use zarr::ChunkCache;
 
 use crate::IoError;
 use crate::printable::shown;

@@ -52,6 +52,10 @@ const OF_VOXEL_IN_RANGE: u64 = 64;
 /// How many voxel steps are in such a range, what waits for the next one included.
 const IN_RANGE: u64 = 36;
 
+/// The part of what is there for voxels that chunks have which several boxes meet: of a box of 264³ voxels a
+/// side of chunks of 64³ is a fortieth.
+const OF_CHUNKS: u64 = 8;
+
 /// What a share has for voxels, at least.
 const OF_SHARE: u64 = 64 << 20;
 
@@ -93,14 +97,15 @@ impl Budget {
     }
 
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
-    /// layers together.
+    /// layers together. Returns what is left for chunks that several boxes meet, too: always some, if there
+    /// are chunks.
     pub(super) fn boxes(
         &self,
         grids: &[Grid],
         steps: &[[f64; 3]],
         types: impl Iterator<Item = SampleType> + Clone,
-        shares: &mut Shares,
-    ) -> Result<PartTree, DividedError> {
+        (shares, has_chunks): (&mut Shares, bool),
+    ) -> Result<(PartTree, u64), DividedError> {
         let layers: Vec<(&Grid, [f64; 3], u64)> = grids
             .iter()
             .zip(steps)
@@ -111,7 +116,8 @@ impl Budget {
         let Some(&(grid, steps, _)) = largest else {
             return Err(slabsplat_backend::PlanError::NoLayers.into());
         };
-        let room = self.memory_bytes - self.fixed_bytes;
+        let all = self.memory_bytes - self.fixed_bytes;
+        let room = if has_chunks { all - all / OF_CHUNKS } else { all };
         let widest = layers.iter().map(|(.., size)| *size).max().unwrap_or(1);
         // Of the largest layer alone at first; where others are finer, boxes get smaller until all fit.
         let mut of_one = room;
@@ -121,20 +127,23 @@ impl Budget {
                 deal.cut(voxels, |voxels| {
                     let near =
                         [0, 1, 2].map(|axis| voxels[axis].len() + 2 * steps[axis] as usize + 14);
-                    if needed_bytes(near, widest) <= of_one { None } else { cut(voxels) }
+                    let needed = needed_bytes(near, widest) + sample_bytes(near, widest);
+                    if needed <= of_one { None } else { cut(voxels) }
                 })
             });
             let own = tree.seen_by(&self.camera).into_iter();
-            let most = own.filter(|of| shares.are_own(&of.voxels)).map(|of| {
+            let [mut most, mut ahead] = [0, 0];
+            for of in own.filter(|of| shares.are_own(&of.voxels)) {
                 let near = layers.iter().map(|(grid, steps, size)| {
-                    let voxels = tree.voxels_near(of, grid, *steps);
-                    needed_bytes(voxels.each_ref().map(Range::len), *size)
+                    (tree.voxels_near(of, grid, *steps).map(|range| range.len()), *size)
                 });
-                near.sum::<u64>()
-            });
-            let most = most.max().unwrap_or(0);
+                most = most.max(near.clone().map(|(near, size)| needed_bytes(near, size)).sum());
+                ahead = ahead.max(near.map(|(near, size)| sample_bytes(near, size)).sum());
+            }
+            // While a box is drawn the voxels of another one are read.
+            let most = most + ahead;
             if most <= room {
-                return Ok(tree);
+                return Ok((tree, all - most));
             }
             if of_one < room / 64 {
                 let needed_bytes = self.fixed_bytes + most;
@@ -169,6 +178,11 @@ fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
     let n_voxels = x * y * z;
     let in_range = (x * y * IN_RANGE * 13 / 10).min(n_voxels);
     n_voxels * (sample_bytes + OF_VOXEL) + in_range * OF_VOXEL_IN_RANGE
+}
+
+/// What the voxels of a box take that is not drawn yet.
+fn sample_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
+    dims.iter().map(|n| *n as u64).product::<u64>() * sample_bytes
 }
 
 /// Across the longest side, between bricks, as near to its middle as that is.

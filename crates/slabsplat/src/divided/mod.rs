@@ -7,15 +7,17 @@
 //! cut the largest volume into boxes, by a k-d tree, until one fits the memory with what it takes to draw it
 //! for each box, from the eye:
 //!     unless all pixels that it may touch are saturated:
-//!         read its voxels, and those around it that have a share in its picture
+//!         read its voxels, and those around it that have a share in its picture: while the one before is
+//!             drawn, if that does not hide it
 //!         draw it behind what is there
 //! ```
 //!
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `overview`, `balance`, `shares`, `budget`, `drawing`, `shared`.
+//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `drawing`, `shared`.
 
+mod ahead;
 mod balance;
 mod budget;
 mod drawing;
@@ -65,6 +67,9 @@ pub struct DividedScene {
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
 }
+
+/// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
+const OF_OVERVIEW: u64 = 4;
 
 /// What a scene may take that is drawn box by box.
 #[derive(Clone, Debug)]
@@ -146,7 +151,7 @@ impl DividedScene {
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
         let alone = &mut shared::Alone;
-        let (opened, sources, grids) = Self::overviews(file, &desc.scratch, alone, frame)?;
+        let (opened, sources, grids) = Self::overviews(file, desc, alone, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let budget = Budget::new(&opened.scene, &drawn.image, desc.memory_bytes)?;
         drop(drawn);
@@ -158,7 +163,7 @@ impl DividedScene {
     /// grids.
     fn overviews(
         file: &SceneFile,
-        scratch: &ScratchDesc,
+        desc: &DividedDesc,
         others: &mut dyn Exchange,
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<(OpenScene, Vec<VolumeBoxes>, Vec<Grid>), DividedError> {
@@ -172,9 +177,14 @@ impl DividedScene {
             let before = layers.iter().zip(&sources).find(|(of, _)| layer.shares_volume(of));
             let source = match before {
                 Some((_, source)) => Ok(source.clone()),
-                None => layer.open_boxes(scratch),
+                None => layer.open_boxes(&desc.scratch),
             };
+            if let Ok(source) = &source {
+                // Planes of an overview meet the same chunks.
+                source.retain_chunks(desc.memory_bytes / OF_OVERVIEW);
+            }
             let (source, overview) = Overview::of(source, others)?;
+            source.retain_chunks(0);
             overview.stand_in(layer);
             grids.push(overview.whole);
             loaded.push(overview.loaded);
@@ -206,8 +216,11 @@ impl DividedScene {
         let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
         let steps = steps.collect::<Result<Vec<_>, _>>()?;
         let types = drawn.layers.iter().map(|layer| layer.volume.sample_type());
-        let boxes = budget.boxes(&grids, &steps, types, &mut shares)?;
+        let has_chunks = sources.iter().any(VolumeBoxes::is_in_chunks);
+        let (boxes, of_chunks) = budget.boxes(&grids, &steps, types, (&mut shares, has_chunks))?;
         drop(drawn);
+        let n_sources = sources.len().max(1) as u64;
+        sources.iter().for_each(|source| source.retain_chunks(of_chunks / n_sources));
         let memory_bytes = budget.memory_bytes();
         let own = shares.own_box();
         Ok((Self { opened, sources, grids, boxes, own, steps, memory_bytes }, shares))

@@ -5,7 +5,7 @@ use super::balance::WorkCells;
 use super::budget::Budget;
 use super::overview::Overview;
 use super::shares::Shares;
-use super::{DividedError, DividedScene};
+use super::{DividedDesc, DividedError, DividedScene};
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use slabsplat_backend::{Frame, FrameCost, FrameStats};
 use slabsplat_core::{FrameHandle, Image, Samples, over};
@@ -47,8 +47,10 @@ pub struct ShareCost {
     pub n_voxels_read: u64,
     /// Bytes of their samples.
     pub n_bytes_read: u64,
-    /// Seconds that reading took.
+    /// Seconds that reading took, on a thread beside drawing.
     pub reading_secs: f64,
+    /// Seconds of these in which nothing was drawn, as the voxels were not there yet.
+    pub waiting_secs: f64,
 }
 
 impl SharedScene {
@@ -66,8 +68,9 @@ impl SharedScene {
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
         // Each share would unpack a copy of its own, and those of one computer onto one disk.
-        let scratch = ScratchDesc::default().refused();
-        let (opened, sources, grids) = DividedScene::overviews(file, &scratch, others, frame)?;
+        let desc = DividedDesc::new(memory_bytes.unwrap_or(LEAST_BYTES));
+        let desc = desc.scratch(ScratchDesc::default().refused());
+        let (opened, sources, grids) = DividedScene::overviews(file, &desc, others, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let n_shares = others.n_shares();
         let budget = match memory_bytes {
@@ -129,6 +132,9 @@ impl SharedScene {
         Ok(finished(frame, scene, self.divided.opened.acquisition))
     }
 }
+
+/// What a share has at least, before it is known how large its box is.
+const LEAST_BYTES: u64 = 128 << 20;
 
 /// Nobody else.
 pub(super) struct Alone;
