@@ -6,14 +6,26 @@
 #![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
 
 use fastrand::Rng;
-use slabsplat::{DividedError, DividedScene, Image, OpenScene, Renderer, backend_named, io};
+use slabsplat::{
+    DividedDesc, DividedError, DividedScene, Grid, Image, OpenScene, Renderer, Scaling, Volume,
+    backend_named, io,
+};
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::backends;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 #[global_allocator]
 static HEAP: dhat::Alloc = dhat::Alloc;
+
+/// One test at a time: the heap is all of the process's.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
@@ -85,6 +97,7 @@ fn divided(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
 
 #[test]
 fn out_of_core_is_in_core_within_its_memory() {
+    let _alone = alone();
     for_each_seed(4, |mut rng| {
         let folder = tempfile::tempdir().unwrap();
         write_volume(folder.path(), [97, 70, 101], &mut rng);
@@ -116,6 +129,7 @@ fn out_of_core_by_a_gpu_is_in_core() {
     if !backends().contains(&"wgpu") {
         return;
     }
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let mut rng = Rng::with_seed(11);
     write_volume(folder.path(), [47, 40, 53], &mut rng);
@@ -130,9 +144,56 @@ fn out_of_core_by_a_gpu_is_in_core() {
     assert_eq!(scene.to_file().unwrap().backend, "wgpu");
 }
 
+/// Two layers of one packed volume share its scratch, and it is never in memory whole.
+#[test]
+fn out_of_core_unpacks_what_is_packed() {
+    let _alone = alone();
+    for_each_seed(2, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [97, 70, 101], &mut rng);
+        let volume = io::read_volume(folder.path().join("volume.nhdr")).unwrap().volume;
+        io::write_volume(folder.path().join("volume.nii.gz"), &volume).unwrap();
+        let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let text = text.replace("volume.nhdr", "volume.nii.gz");
+        let file = opened(folder.path(), &text);
+        let scene = divided(&file, 12 << 20);
+        let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+        let off = whole(&file).max_difference(&picture);
+        assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{} boxes: {off}", scene.n_boxes());
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let grid = Grid::with_spacing([300, 290, 280], [1.0; 3]).unwrap();
+    let samples: Vec<u8> = (0..grid.n_voxels()).map(|idx| (idx % 251) as u8).collect();
+    let n_bytes = samples.len();
+    let volume = Volume::new(grid, samples.into(), Scaling::IDENTITY).unwrap();
+    io::write_volume(folder.path().join("volume.nrrd"), &volume).unwrap();
+    drop(volume);
+    let text = scene_text(&mut Rng::with_seed(1), 0.3, "tolerance = 0.0");
+    let mut file = opened(folder.path(), &text.replace("volume.nhdr", "volume.nrrd"));
+    file.layers.push(file.layers[0].clone());
+    let profiler = dhat::Profiler::builder().testing().build();
+    let n_told = Arc::new(AtomicUsize::new(0));
+    let counted = n_told.clone();
+    let scratch = io::ScratchDesc::default().folder(folder.path()).on_use(move |of| {
+        counted.fetch_add(of.n_bytes as usize, Ordering::Relaxed);
+    });
+    let desc = DividedDesc::new(1 << 30).scratch(scratch);
+    let scene = DividedScene::open_framed(&file, &desc, |opened, file| {
+        opened.frame(file, &slabsplat::Aim::default())
+    });
+    let scene = scene.unwrap();
+    let most = dhat::HeapStats::get().max_bytes;
+    println!("{most} bytes on the heap, of a volume of {n_bytes}");
+    assert!(most < n_bytes / 2, "{most} of {n_bytes}");
+    assert_eq!(n_told.load(Ordering::Relaxed), n_bytes);
+    assert_eq!(scene.sources()[1].scratch().map(|of| of.n_bytes), Some(n_bytes as u64));
+    drop((scene, profiler));
+}
+
 /// Two layers, cut by regions, of which one counts voxels of its grid; samples of a pixel, and a gradient.
 #[test]
 fn out_of_core_draws_layers_and_regions() {
+    let _alone = alone();
     for_each_seed(2, |mut rng| {
         let folder = tempfile::tempdir().unwrap();
         write_volume(folder.path(), [57, 70, 61], &mut rng);
@@ -185,28 +246,146 @@ fn check_memory() {
     let folder = tempfile::tempdir().unwrap();
     let mut rng = Rng::with_seed(3);
     write_volume(folder.path(), [190, 180, 170], &mut rng);
+    let volume = io::read_volume(folder.path().join("volume.nhdr")).unwrap().volume;
+    io::write_volume(folder.path().join("volume.zarr"), &volume).unwrap();
+    drop(volume);
     let text = "[volume]\npath = \"volume.nhdr\"\n[classify]\nopacity = [[0.0, 0.01], [255.0, 0.02]]\n\
                 color = [[0.0, 1.0, 0.2, 0.1]]\n[camera]\neye = [400.0, 300.0, 200.0]\n\
                 target = [95.0, 117.0, 68.0]\nup = [0.0, 0.0, 1.0]\nprojection = \"orthographic\"\n\
                 view_height = 280.0\n[image]\nwidth = 400\nheight = 400\n";
-    let file = opened(folder.path(), text);
-    let profiler = dhat::Profiler::builder().testing().build();
-    for of_boxes in [16_u64 << 20, 40 << 20] {
-        let scene = divided(&file, of_boxes);
-        let memory = scene.memory_bytes();
-        let before = dhat::HeapStats::get();
-        scene.picture(&slabsplat::FrameHandle::new()).unwrap();
-        let after = dhat::HeapStats::get();
-        let most = after.max_bytes as u64;
-        println!("{} boxes: {most} bytes on the heap, {memory} granted", scene.n_boxes());
-        assert!(before.curr_bytes < after.max_bytes);
-        assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
+    for name in ["volume.nhdr", "volume.zarr"] {
+        let file = opened(folder.path(), &text.replace("volume.nhdr", name));
+        let profiler = dhat::Profiler::builder().testing().build();
+        for of_boxes in [16_u64 << 20, 40 << 20] {
+            let scene = divided(&file, of_boxes);
+            assert_eq!(scene.n_threads(), 1);
+            let memory = scene.memory_bytes();
+            let before = dhat::HeapStats::get();
+            scene.picture(&slabsplat::FrameHandle::new()).unwrap();
+            let after = dhat::HeapStats::get();
+            let most = after.max_bytes as u64;
+            let chunks = scene.sources()[0].chunk_counts();
+            let n_boxes = scene.n_boxes();
+            println!("{name}, {n_boxes} boxes: {most} bytes, {memory} granted; chunks {chunks:?}");
+            assert!(before.curr_bytes < after.max_bytes);
+            assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
+        }
+        drop(profiler);
     }
-    drop(profiler);
+}
+
+/// A thread counts for 16 MiB, and one in any case; boxes have at least as much as all of them.
+#[test]
+fn out_of_core_has_the_threads_that_memory_pays_for() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(9);
+    write_volume(folder.path(), [97, 70, 101], &mut rng);
+    let text = scene_text(&mut rng, 0.02, "tolerance = 0.0\nopacity_cutoff = 1.0");
+    let file = opened(folder.path(), &text);
+    let expected = whole(&file);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(16).build().unwrap();
+    for (of_boxes, n_threads) in [(12 << 20, 1), (112 << 20, 4), (1 << 30, 16)] {
+        let profiler = dhat::Profiler::builder().testing().build();
+        let scene = pool.install(|| divided(&file, of_boxes));
+        assert_eq!(scene.n_threads(), n_threads);
+        let frame = slabsplat::FrameHandle::new();
+        let picture = pool.install(|| scene.picture(&frame)).unwrap().frame.image;
+        let (most, memory) = (dhat::HeapStats::get().max_bytes as u64, scene.memory_bytes());
+        assert!(most + BESIDE_HEAP <= memory, "{n_threads} threads: {most} of {memory}");
+        let off = expected.max_difference(&picture);
+        assert!(off < ROUNDED_TWICE, "{n_threads} threads: {off}, {text}");
+        drop(profiler);
+    }
+}
+
+/// Files of an array in a folder, and chunks among them.
+fn zarr_of(folder: &Path, rng: &mut Rng) -> (io::SceneFile, Vec<PathBuf>) {
+    write_volume(folder, [97, 70, 101], rng);
+    let volume = io::read_volume(folder.join("volume.nhdr")).unwrap().volume;
+    io::write_volume(folder.join("volume.zarr"), &volume).unwrap();
+    let text = scene_text(rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+    let file = opened(folder, &text.replace("volume.nhdr", "volume.zarr"));
+    let entries = fs::read_dir(folder.join("volume.zarr/0")).unwrap();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    let mut chunks = Vec::new();
+    while let Some(path) = paths.pop() {
+        if path.is_dir() {
+            paths.extend(fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path()));
+        } else if path.file_name().unwrap() != ".zarray" {
+            chunks.push(path);
+        }
+    }
+    chunks.sort();
+    (file, chunks)
+}
+
+/// Chunks that are not there have the fill value, which shows.
+#[test]
+fn out_of_core_fills_missing_chunks() {
+    let _alone = alone();
+    for_each_seed(2, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, chunks) = zarr_of(folder.path(), &mut rng);
+        let meta = folder.path().join("volume.zarr/0/.zarray");
+        let text = fs::read_to_string(&meta).unwrap();
+        assert!(text.contains("\"fill_value\": 0"), "{text}");
+        fs::write(&meta, text.replace("\"fill_value\": 0", "\"fill_value\": 130")).unwrap();
+        let all = whole(&file);
+        for path in chunks.iter().filter(|_| rng.bool()) {
+            fs::remove_file(path).unwrap();
+        }
+        let expected = whole(&file);
+        let scene = divided(&file, 12 << 20);
+        let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+        let off = expected.max_difference(&picture);
+        assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{} boxes: {off}", scene.n_boxes());
+        assert!(0.01 < expected.max_difference(&all), "nothing is missing");
+    });
+}
+
+/// What was whole when the scene was opened, and is not when it is drawn: the error names the file.
+#[test]
+fn out_of_core_names_damaged_files() {
+    let _alone = alone();
+    let mut rng = Rng::with_seed(8);
+    let folder = tempfile::tempdir().unwrap();
+    let (file, chunks) = zarr_of(folder.path(), &mut rng);
+    let scene = divided(&file, 12 << 20);
+    let middle = &chunks[chunks.len() / 2];
+    let bytes = fs::read(middle).unwrap();
+    let flipped: Vec<u8> = bytes.iter().map(|byte| byte ^ 0x5a).collect();
+    let cut_off = &bytes[..bytes.len() / 2];
+    let name = middle.strip_prefix(folder.path()).unwrap().to_str().unwrap();
+    for damaged in [&flipped[..], cut_off, &[]] {
+        fs::write(middle, damaged).unwrap();
+        // Those that are retained are whole.
+        scene.sources()[0].retain_chunks(0);
+        let drawn = scene.picture(&slabsplat::FrameHandle::new()).unwrap_err().to_string();
+        assert!(drawn.contains(name) && drawn.contains("a chunk"), "{drawn}");
+        let opened = DividedScene::open(&file, 1 << 30).unwrap_err().to_string();
+        assert!(opened.contains(name) && !opened.contains('\n'), "{opened}");
+    }
+    fs::write(middle, &bytes).unwrap();
+    scene.picture(&slabsplat::FrameHandle::new()).unwrap();
+    let raw = opened(folder.path(), &scene_text(&mut rng, 0.3, "tolerance = 0.0"));
+    let scene = divided(&raw, 12 << 20);
+    let path = folder.path().join("volume.raw");
+    let bytes = fs::read(&path).unwrap();
+    for n_left in [0, bytes.len() / 2, bytes.len() - 1] {
+        fs::write(&path, &bytes[..n_left]).unwrap();
+        let drawn = scene.picture(&slabsplat::FrameHandle::new()).unwrap_err().to_string();
+        let expected = format!("volume.raw: needs {} bytes of data, has {n_left}", bytes.len());
+        assert!(drawn.contains(&expected), "{drawn}");
+    }
+    fs::remove_file(&path).unwrap();
+    let drawn = scene.picture(&slabsplat::FrameHandle::new()).unwrap_err().to_string();
+    assert!(drawn.contains("cannot read") && drawn.contains("volume.raw"), "{drawn}");
 }
 
 #[test]
 fn out_of_core_says_what_it_cannot() {
+    let _alone = alone();
     let folder = tempfile::tempdir().unwrap();
     let mut rng = Rng::with_seed(5);
     write_volume(folder.path(), [20, 20, 20], &mut rng);

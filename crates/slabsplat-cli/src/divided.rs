@@ -1,22 +1,44 @@
 //! `slabsplat render --memory`: a picture of volumes that need not fit the memory.
 
+use crate::columns::bytes;
 use crate::flags::{SceneFlags, Written};
 use crate::plain::counted;
 use crate::progress::Progress;
 use crate::terminal;
 use anyhow::Result;
 use serde_json::{Value, json};
-use slabsplat::DividedScene;
-use slabsplat::io::SceneFile;
+use slabsplat::io::{SceneFile, ScratchDesc, VolumeBoxes};
+use slabsplat::{DividedDesc, DividedScene};
+use std::path::Path;
 use std::time::Instant;
+
+/// What a picture may take; volumes that are unpacked are told of before.
+pub(crate) fn desc(memory_bytes: u64, scratch: Option<&Path>) -> DividedDesc {
+    let told = ScratchDesc::default().on_use(|of| {
+        let [file, folder] = [&of.path, &of.folder].map(|path| path.display().to_string());
+        let [file, folder] = [file, folder].map(|path| terminal::flattened(&path));
+        let size = bytes(of.n_bytes);
+        terminal::say(format_args!(
+            "{file} is unpacked into {folder} first: {size} there, until the program ends"
+        ));
+        if of.is_in_memory {
+            terminal::warn(&format!("{folder} lies in memory: --scratch names another folder"));
+        }
+    });
+    let scratch = match scratch {
+        Some(folder) => told.folder(folder),
+        None => told,
+    };
+    DividedDesc::new(memory_bytes).scratch(scratch)
+}
 
 /// Draws a scene within so many bytes, writes what is to be written of it, and tells what was done: in lines
 /// on stderr, and in JSON, which is returned.
-pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, memory_bytes: u64) -> Result<Value> {
+pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, desc: &DividedDesc) -> Result<Value> {
     let started = Instant::now();
     let progress = Progress::start("reading", 0);
     let check = |file: &SceneFile| check(file, written);
-    let divided = scene.divided(&check, memory_bytes)?;
+    let divided = scene.divided(&check, desc)?;
     let watched = progress.frame("rendering");
     let picture = scene.in_scene(|| Ok(divided.picture(&watched)?))?;
     progress.stage("writing");
@@ -46,7 +68,7 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, memory_bytes: u64)
         "scene_file": written.scene.map(|path| path.display().to_string()),
         "seconds": started.elapsed().as_secs_f64(),
         "backend": divided.backend(),
-        "threads": rayon::current_num_threads(),
+        "threads": divided.n_threads(),
         "warnings": terminal::take_warnings(),
         "n_boxes": divided.n_boxes(),
         "peak_bytes": peak_bytes(),
@@ -64,7 +86,17 @@ fn peak_bytes() -> Option<u64> {
 
 /// Whole, on their grids.
 fn volumes(divided: &DividedScene) -> Vec<Value> {
-    divided.grids().iter().map(|grid| json!({ "dims": grid.dims() })).collect()
+    let of = |source: &VolumeBoxes| {
+        let scratch = source.scratch().map(|scratch| scratch.n_bytes);
+        let chunks = source.is_in_chunks().then(|| source.chunk_counts());
+        json!({
+            "dims": source.grid().dims(),
+            "scratch_bytes": scratch,
+            "n_chunks_unpacked": chunks.map(|[unpacked, _]| unpacked),
+            "n_chunks_retained": chunks.map(|[_, retained]| retained),
+        })
+    };
+    divided.sources().iter().map(of).collect()
 }
 
 /// What is known before anything is read.

@@ -13,6 +13,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use slabsplat::io::SceneFile;
 use slabsplat::{Caps, Frame, Layer, Mode, OpenScene, Scene};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Render a scene or a volume into a picture
@@ -36,6 +37,17 @@ pub(crate) struct RenderArgs {
     )]
     memory: Option<u64>,
 
+    /// Where --memory unpacks volumes that cannot be read box by box; by default in the system's folder for
+    /// temporary files
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        help_heading = "Output",
+        requires = "memory",
+        conflicts_with = "distributed"
+    )]
+    scratch: Option<PathBuf>,
+
     #[command(flatten)]
     ranks: RankFlags,
 
@@ -49,7 +61,10 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     let written = args.output.written(args.scene.input(), args.json)?;
     let done = match args.memory {
-        Some(memory_bytes) => divided::draw(&args.scene, &written, memory_bytes)?,
+        Some(memory_bytes) => {
+            let desc = divided::desc(memory_bytes, args.scratch.as_deref());
+            divided::draw(&args.scene, &written, &desc)?
+        }
         None => draw(&args.scene, &written, args.stats)?,
     };
     if args.json { terminal::answer(&format!("{done:#}\n")) } else { Ok(()) }

@@ -120,7 +120,7 @@ pub(crate) fn one_line(error: &anyhow::Error) -> String {
 }
 
 /// On one line, without what would command the terminal: names of files may hold that.
-fn flattened(text: &str) -> String {
+pub(crate) fn flattened(text: &str) -> String {
     let line =
         text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
     line.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()

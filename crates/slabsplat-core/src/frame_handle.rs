@@ -1,5 +1,6 @@
 //! The name of a frame, by which it is watched and cancelled while others make it.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use thiserror::Error;
@@ -28,6 +29,8 @@ struct State {
     is_cancelled: AtomicBool,
     /// The bits of the share that is done: those of floats from 0 on rise as the floats do.
     progress: AtomicU32,
+    /// The frame that it is a part of, and from which share to which.
+    whole: Option<(FrameHandle, Range<f32>)>,
 }
 
 /// The frame was cancelled before it was done.
@@ -59,6 +62,26 @@ impl FrameHandle {
         Self::default()
     }
 
+    /// Names a part of the frame, which is made as a frame is: it is cancelled with the frame, and as it is
+    /// made the frame proceeds from the first of these shares to the last.
+    ///
+    /// ```
+    /// use slabsplat_core::FrameHandle;
+    ///
+    /// let frame = FrameHandle::new();
+    /// let second_half = frame.part(0.5..1.0);
+    /// second_half.reach(0.5);
+    /// assert_eq!(frame.progress(), 0.75);
+    ///
+    /// frame.cancel();
+    /// assert!(second_half.is_cancelled());
+    /// ```
+    #[must_use]
+    pub fn part(&self, shares: Range<f32>) -> Self {
+        let whole = Some((self.clone(), shares));
+        Self(Arc::new(State { whole, ..State::default() }))
+    }
+
     /// Asks for the frame to be dropped, as soon as whoever makes it looks: on the CPU within milliseconds,
     /// on a GPU when what was sent to it is done. It is then never delivered.
     pub fn cancel(&self) {
@@ -69,6 +92,7 @@ impl FrameHandle {
     #[inline]
     pub fn is_cancelled(&self) -> bool {
         self.0.is_cancelled.load(Ordering::Relaxed)
+            || self.0.whole.as_ref().is_some_and(|(whole, _)| whole.is_cancelled())
     }
 
     /// How much of the frame is drawn, 0 … 1, as the share of its slabs; it never falls. A GPU does not say
@@ -90,6 +114,9 @@ impl FrameHandle {
     pub fn reach(&self, share: f32) {
         if 0.0 < share {
             self.0.progress.fetch_max(share.min(1.0).to_bits(), Ordering::Relaxed);
+            if let Some((whole, shares)) = &self.0.whole {
+                whole.reach(shares.start + share.min(1.0) * (shares.end - shares.start));
+            }
         }
     }
 
@@ -133,6 +160,20 @@ mod tests {
         assert_eq!(a.check(), Ok(()));
         a.clone().cancel();
         assert_eq!((a.check(), b.check()), (Err(Cancelled), Ok(())));
+    }
+
+    #[test]
+    fn frame_handle_of_a_part_is_its_own() {
+        let frame = FrameHandle::new();
+        let [near, far] = [0.0..0.5, 0.5..1.0].map(|shares| frame.part(shares));
+        near.cancel();
+        assert!(near.is_cancelled() && !frame.is_cancelled() && !far.is_cancelled());
+        far.part(0.0..0.5).reach(7.0);
+        near.reach(0.25);
+        assert_eq!([near.progress(), far.progress(), frame.progress()], [0.25, 0.5, 0.75]);
+        frame.cancel();
+        assert_eq!(far.part(0.0..1.0).check(), Err(Cancelled));
+        assert!(far != frame && far.n_handles() == 1);
     }
 
     #[test]

@@ -67,6 +67,19 @@ impl PartTree {
         boxes
     }
 
+    /// The same in at most so many groups, one at least, of as many boxes as can be: each with the part of
+    /// the world that its boxes are together.
+    pub fn groups_seen_by(&self, camera: &Camera, n_most: usize) -> Vec<(Part, Vec<&PartBox>)> {
+        let mut groups = vec![Group::of(Part::whole(self.root.center()), &self.root, camera)];
+        while groups.len() < n_most {
+            let largest = (0..groups.len()).rev().max_by_key(|idx| groups[*idx].boxes.len());
+            let idx = largest.expect("there is one group at least");
+            let Some(sides) = groups[idx].split(camera) else { break };
+            groups.splice(idx..=idx, sides);
+        }
+        groups.into_iter().map(|group| (group.part, group.boxes)).collect()
+    }
+
     /// The voxels of `grid`, which may be that of another layer, that lie within a box or so many steps of
     /// that grid around it, and all of the bricks of 8³ that these are of, since what is rounded is rounded
     /// brick by brick; always some, the nearest if there is none.
@@ -131,7 +144,48 @@ fn bounds(points: impl Iterator<Item = DVec3>) -> [DVec3; 2] {
     points.fold(nothing, |[min, max], at| [min.min(at), max.max(at)])
 }
 
+/// All boxes below a node.
+struct Group<'a> {
+    part: Part,
+    node: &'a Node,
+    boxes: Vec<&'a PartBox>,
+}
+
+impl<'a> Group<'a> {
+    fn of(part: Part, node: &'a Node, camera: &Camera) -> Self {
+        let mut boxes = Vec::new();
+        node.add_seen_by(camera, &mut boxes);
+        Self { part, node, boxes }
+    }
+
+    /// Both sides, the nearer one first; nothing if it is one box.
+    fn split(&self, camera: &Camera) -> Option<[Self; 2]> {
+        let Node::Split { plane, sides } = self.node else { return None };
+        let [near, far] = &**sides;
+        let [near_part, far_part] = self.part.split(*plane);
+        let near = Self::of(near_part, near, camera);
+        let far = Self::of(far_part, far, camera);
+        Some(if is_reversed(plane, camera) { [far, near] } else { [near, far] })
+    }
+}
+
+/// Whether a camera sees the far side of a plane before the near one.
+fn is_reversed(plane: &Plane, camera: &Camera) -> bool {
+    match camera.projection() {
+        Projection::Orthographic { .. } => plane.normal().dot(camera.axes().forward) < 0.0,
+        Projection::Perspective { .. } => 0.0 < plane.before(camera.eye()),
+    }
+}
+
 impl Node {
+    /// Of all of the world.
+    fn center(&self) -> DVec3 {
+        match self {
+            Self::Leaf(leaf) => leaf.part.center(),
+            Self::Split { sides, .. } => sides[0].center(),
+        }
+    }
+
     fn cut(
         grid: &Grid,
         whole: PartBox,
@@ -157,13 +211,7 @@ impl Node {
             Self::Leaf(leaf) => boxes.push(leaf),
             Self::Split { plane, sides } => {
                 let [near, far] = &**sides;
-                let is_reversed = match camera.projection() {
-                    Projection::Orthographic { .. } => {
-                        plane.normal().dot(camera.axes().forward) < 0.0
-                    }
-                    Projection::Perspective { .. } => 0.0 < plane.before(camera.eye()),
-                };
-                let order = if is_reversed { [far, near] } else { [near, far] };
+                let order = if is_reversed(plane, camera) { [far, near] } else { [near, far] };
                 order.into_iter().for_each(|side| side.add_seen_by(camera, boxes));
             }
         }
@@ -198,6 +246,30 @@ mod tests {
             let axis = (0..3).max_by_key(|axis| voxels[*axis].len()).unwrap();
             (50 < n).then(|| (axis, voxels[axis].start.midpoint(voxels[axis].end)))
         })
+    }
+
+    /// Groups are the boxes in their order, each with all of the world that is theirs.
+    #[test]
+    fn part_tree_has_groups_of_boxes() {
+        let grid = sheared();
+        let tree = tree(&grid);
+        for eye in [[90.0, 20.0, 5.0], [-7.0, -90.0, 30.0]] {
+            let camera = Camera::new(eye, [0.0; 3], DVec3::Y, parallel()).unwrap();
+            let boxes = tree.seen_by(&camera);
+            for n_most in [1, 2, 5, boxes.len(), 100] {
+                let groups = tree.groups_seen_by(&camera, n_most);
+                assert_eq!(groups.len(), n_most.min(boxes.len()));
+                let in_groups: Vec<&PartBox> =
+                    groups.iter().flat_map(|(_, boxes)| boxes.iter().copied()).collect();
+                assert_eq!(in_groups, boxes);
+                for at in grid.corners_in_world().into_iter().chain([grid.center_in_world()]) {
+                    for (part, boxes) in &groups {
+                        let is_in_box = boxes.iter().any(|of| of.part.contains(at));
+                        assert_eq!(part.contains(at), is_in_box, "{at}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

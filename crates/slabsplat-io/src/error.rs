@@ -107,6 +107,49 @@ pub enum IoError {
         /// Which part, and what to do.
         what: String,
     },
+    /// The file is only read whole, and a box of its voxels was asked for.
+    #[error(
+        "{}: {what} cannot be read box by box: slabsplat convert makes .raw, .nii or .zarr of it",
+        shown_path(path)
+    )]
+    NotInBoxes {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        what: String,
+    },
+    /// There is no room to unpack a volume on a disk, so that boxes of it could be read.
+    #[error(
+        "{}: to read it box by box takes {} of scratch, and {} are there for it in {}: choose another folder",
+        shown_path(path),
+        in_units(*needed_bytes),
+        in_units(*room_bytes),
+        shown_path(folder)
+    )]
+    NoScratch {
+        /// The volume.
+        path: PathBuf,
+        /// Where it was to be unpacked.
+        folder: PathBuf,
+        /// What it takes.
+        needed_bytes: u64,
+        /// What is free there, or permitted.
+        room_bytes: u64,
+    },
+    /// The operating system did not let us unpack a volume on a disk; nothing is left behind.
+    #[error(
+        "{}: it cannot be unpacked into {}: {source}: choose another folder",
+        shown_path(path),
+        shown_path(folder)
+    )]
+    Scratch {
+        /// The volume.
+        path: PathBuf,
+        /// Where it was to be unpacked.
+        folder: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The data are shorter (or, in a plain raw file, longer) than the header promises.
     #[error("{}: needs {needed} bytes of data, has {found}: {hint}", shown_path(path))]
     WrongLength {

@@ -36,6 +36,9 @@
 //! | NRRD, NIfTI, MetaImage, NumPy, raw, OME-Zarr | [`write_volume`], [`write_colored_volume`] |
 //! | ParaView colour maps, volume properties of 3D Slicer, sections of scenes | [`write_transfer`] |
 //!
+//! Volumes that do not fit the memory: [`LayerFile::open_boxes`] reads boxes of them, and unpacks what is
+//! packed into a scratch file.
+//!
 //! Files may be in memory: [`FilesInMemory`] reads volumes and meshes, [`png_bytes`] writes.
 //! [`read_stream`] puts there what comes by a pipe.
 //!
@@ -110,8 +113,8 @@ pub use picture::{exr_bytes, write_exr};
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
     CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelColors, LabelsFile, LayerFile,
-    MeshFile, RegionDesc, SceneFile, TransferImageFile, TurnFile, Unsaid, VolumeSource,
-    parse_scene, parse_scene_alone, read_scene, scene_text, write_scene,
+    MeshFile, RegionDesc, SceneFile, TransferImageFile, TurnFile, Unsaid, VolumeBoxes,
+    VolumeSource, parse_scene, parse_scene_alone, read_scene, scene_text, write_scene,
 };
 pub use store::FilesInMemory;
 pub use stream::read_stream;
@@ -122,6 +125,7 @@ pub use transfer::{
 };
 pub use volume::{
     Choice, ColorUse, Endian, LoadedColors, LoadedVolume, OpacitySource, Part, RawDesc,
-    VolumeChoices, VolumeFormat, VolumeListing, VolumeOptions, VolumeOutput, list_volume, read_raw,
-    read_volume, read_volume_with, write_colored_volume, write_volume,
+    ScratchDesc, ScratchUse, VolumeChoices, VolumeFormat, VolumeListing, VolumeOptions,
+    VolumeOutput, list_volume, read_raw, read_volume, read_volume_with, write_colored_volume,
+    write_volume,
 };

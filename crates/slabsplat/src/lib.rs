@@ -116,7 +116,9 @@ pub use comparison::{
 #[cfg(feature = "annotations")]
 pub use comparison::{Pane, Sheet, SheetDesc};
 #[cfg(feature = "files")]
-pub use divided::{DividedError, DividedScene, Exchange, NoRoom, ShareCost, SharedScene};
+pub use divided::{
+    DividedDesc, DividedError, DividedScene, Exchange, NoRoom, ShareCost, SharedScene,
+};
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]
 pub use pending_frame::PendingFrame;

@@ -34,7 +34,9 @@ use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use slabsplat::io::{MeshFile, SceneFile};
-use slabsplat::{Aim, Camera, DividedScene, NoBackend, OpenError, OpenScene, Renderer, Scene};
+use slabsplat::{
+    Aim, Camera, DividedDesc, DividedScene, NoBackend, OpenError, OpenScene, Renderer, Scene,
+};
 use std::path::{Path, PathBuf};
 
 /// What is drawn, and all flags about how.
@@ -156,13 +158,13 @@ impl SceneFlags {
         self.how.look.thicken(&mut file.meshes)
     }
 
-    /// The scene for so many bytes of memory, of which no volume is read whole. What cannot be made of it
-    /// fails by `check` before.
-    pub(crate) fn divided(&self, check: Check<'_>, memory_bytes: u64) -> Result<DividedScene> {
+    /// The scene for what it may take, of which no volume is read whole. What cannot be made of it fails by
+    /// `check` before.
+    pub(crate) fn divided(&self, check: Check<'_>, desc: &DividedDesc) -> Result<DividedScene> {
         let (file, aim) = self.in_parts(check)?;
         self.in_scene(|| {
             let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &aim);
-            let divided = DividedScene::open_framed(&file, memory_bytes, frame)?;
+            let divided = DividedScene::open_framed(&file, desc, frame)?;
             terminal::warn_all(&divided.opened().warnings);
             Ok(divided)
         })

@@ -156,11 +156,13 @@ fn distributed_failures_are_said_once() {
     write_scene(dir.path());
     let run = |args: &str| format!("exec $SLABSPLAT render {args} --distributed");
     let scene = run("scene.toml -o out.exr");
+    answer(dir.path(), "convert ball.nii ball.nii.gz");
     for (args, expected) in [
         ("none.toml -o out.exr", "none.toml"),
         ("scene.toml -o none/out.exr", "none"),
         ("scene.toml -o out.exr --mode maximum", "not the mode maximum"),
         ("scene.toml -o out.exr --memory 1MiB", "too few"),
+        ("ball.nii.gz -o out.exr", "cannot be read box by box: slabsplat convert"),
     ] {
         let stderr = fail(dir.path(), &[(3, &run(args))]);
         let line = said(&stderr);

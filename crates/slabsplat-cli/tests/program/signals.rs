@@ -1,6 +1,7 @@
 //! Interrupted: nothing half-written is left behind.
 
-use crate::{names_in, program};
+use crate::{answer, names_in, program};
+use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -70,6 +71,29 @@ fn signal_while_writing_leaves_a_whole_picture() {
         let bytes = std::fs::read(dir.path().join("large.png")).unwrap();
         assert!(bytes.starts_with(b"\x89PNG") && bytes.ends_with(b"IEND\xaeB\x60\x82"), "{signal}");
     }
+}
+
+/// A volume that is being unpacked is gone with the program, however that ends.
+#[test]
+fn signal_while_unpacking_leaves_no_scratch() {
+    const SIGKILL: i32 = 9;
+    let dir = tempfile::tempdir().unwrap();
+    answer(dir.path(), "convert builtin:sphere:256 ball.nii.gz");
+    std::fs::create_dir(dir.path().join("scratch")).unwrap();
+    let args =
+        "render ball.nii.gz -o a.png --memory 1GiB --scratch scratch --width 2000 --height 2000";
+    for signal in [SIGINT, SIGTERM, SIGKILL].into_iter().filter(|signal| !is_ignored(*signal)) {
+        let mut command = program(dir.path(), args);
+        let mut child = command.stderr(Stdio::piped()).spawn().expect("the program starts");
+        let mut stderr = BufReader::new(child.stderr.take().expect("it is piped"));
+        let mut line = String::new();
+        stderr.read_line(&mut line).unwrap();
+        assert!(line.contains("is unpacked into scratch"), "{line}");
+        send(signal, &child);
+        assert_eq!(child.wait().unwrap().signal(), Some(signal));
+        assert_eq!(names_in(&dir.path().join("scratch")), [""; 0]);
+    }
+    assert!(!names_in(dir.path()).contains(&"a.png".to_owned()));
 }
 
 #[test]

@@ -24,6 +24,7 @@ mod transfer_image;
 
 mod diagnostic;
 
+mod boxes;
 mod completed;
 mod paths;
 mod written;
@@ -36,6 +37,7 @@ use slabsplat_core::{
     TransferFunction, TransferFunction2d,
 };
 
+pub use boxes::VolumeBoxes;
 pub use camera::CameraDesc;
 pub use film::{FilmFile, KeyFile, KeyLayerFile, KeyLook, TurnFile};
 pub use labels::{LabelColors, LabelsFile};
@@ -354,7 +356,11 @@ impl LayerFile {
             let raw = RawDesc { spacing, ..*raw };
             return read_raw_from(Store::Disk, path, &raw, &self.options);
         }
-        let loaded = self.volume.load(&self.options)?;
+        self.spaced(self.volume.load(&self.options)?)
+    }
+
+    /// A volume of the file with the layer's spacing, if it has one.
+    fn spaced(&self, loaded: LoadedVolume) -> Result<LoadedVolume, IoError> {
         match self.spacing {
             None => Ok(loaded),
             Some(spacing) => loaded

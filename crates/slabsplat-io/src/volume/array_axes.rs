@@ -126,7 +126,7 @@ mod tests {
         let mut options = VolumeOptions::default();
         (options.channel, options.time) = (channel, time);
         let path = Path::new("a.npy");
-        let input = Input { store: Store::Disk, path, options: &options };
+        let input = Input { store: Store::Disk, path, options: &options, spill: None };
         let axes =
             VolumeAxes::of(&input, shape, StoredType::F16).map_err(|error| error.to_string())?;
         let [x, y, z] = axes.dims;

@@ -2,9 +2,11 @@
 
 use std::collections::TryReserveError;
 use std::io::{self, Read};
+use std::sync::Arc;
 
 use slabsplat_core::{Sample, SampleType, Samples, with_samples};
 
+use super::spill::Spill;
 use super::stored::{Narrowed, StoredType, half, integer, reserve};
 
 /// The order of a number's bytes in a file.
@@ -28,6 +30,13 @@ pub(super) struct SampleBuffer {
     stored: StoredType,
     endian: Endian,
     target: Target,
+    spilling: Option<Spilling>,
+}
+
+/// Where samples go that are in memory no longer than it takes.
+struct Spilling {
+    to: Arc<Spill>,
+    n_spilled: usize,
 }
 
 enum Target {
@@ -47,22 +56,47 @@ pub(super) enum ReadFailure {
 /// Memory grows by at least so much.
 const CHUNK_BYTES: usize = 1 << 20;
 
+/// Samples that are in memory before they are spilled.
+const N_SPILLED_AT_ONCE: usize = 1 << 18;
+
 /// Items that are converted at a time.
 const N_AT_ONCE: usize = 1 << 13;
 
 impl SampleBuffer {
     pub(super) fn new(stored: impl Into<StoredType>, endian: Endian) -> Self {
         let stored = stored.into();
-        let target = match stored {
-            StoredType::Sample(sample_type) => Target::Same(no_samples(sample_type)),
-            StoredType::F16 => Target::Half(Vec::new()),
-            StoredType::I64 | StoredType::U64 => Target::Wide(Narrowed::new(Vec::new())),
-        };
-        Self { stored, endian, target }
+        Self { stored, endian, target: Target::empty(stored), spilling: None }
+    }
+
+    /// The same that writes samples there, and holds some of them alone.
+    pub(super) fn spilling(self, to: Option<Arc<Spill>>) -> Self {
+        Self { spilling: to.map(|to| Spilling { to, n_spilled: 0 }), ..self }
     }
 
     /// Takes `n_samples` more from `reader`. With `is_backed`, so many bytes are known to be there.
     pub(super) fn append(
+        &mut self,
+        reader: &mut impl Read,
+        n_samples: usize,
+        is_backed: bool,
+    ) -> Result<(), ReadFailure> {
+        if self.spilling.is_none() {
+            return self.append_here(reader, n_samples, is_backed);
+        }
+        for first in (0..n_samples).step_by(N_SPILLED_AT_ONCE) {
+            let n_now = N_SPILLED_AT_ONCE.min(n_samples - first);
+            self.append_here(reader, n_now, true).map_err(|failure| match failure {
+                ReadFailure::TooShort(n_found) => {
+                    ReadFailure::TooShort((first * self.stored.size_bytes()) as u64 + n_found)
+                }
+                other @ ReadFailure::Io(_) => other,
+            })?;
+            self.spill().map_err(ReadFailure::Io)?;
+        }
+        Ok(())
+    }
+
+    fn append_here(
         &mut self,
         reader: &mut impl Read,
         n_samples: usize,
@@ -135,6 +169,7 @@ impl SampleBuffer {
                 narrowed.append(std::iter::once(number), 0).ok()?;
             }
         }
+        self.spill_if_many();
         Some(())
     }
 
@@ -143,10 +178,32 @@ impl SampleBuffer {
         match &mut self.target {
             Target::Same(samples) => {
                 with_samples!(samples, |s| s.push(bytemuck::pod_read_unaligned(bytes)));
-                Ok(())
             }
-            Target::Half(_) | Target::Wide(_) => self.push_items(bytes, Endian::NATIVE, 0),
+            Target::Half(_) | Target::Wide(_) => self.push_items(bytes, Endian::NATIVE, 0)?,
         }
+        self.spill_if_many();
+        Ok(())
+    }
+
+    /// What fails is remembered by the spill, whoever reads on.
+    fn spill_if_many(&mut self) {
+        if self.spilling.is_some() && N_SPILLED_AT_ONCE <= self.target.len() {
+            let _ = self.spill();
+        }
+    }
+
+    /// Writes what is here, if it is to be written, and forgets it.
+    fn spill(&mut self) -> io::Result<()> {
+        let Some(Spilling { to, n_spilled }) = &mut self.spilling else { return Ok(()) };
+        if let Target::Wide(_) = self.target {
+            // What they become is known when all have been looked at.
+            return Err(to.refuse("a volume of 64-bit integers"));
+        }
+        let target = std::mem::replace(&mut self.target, Target::empty(self.stored));
+        let samples = target.finish(self.stored, self.endian, &mut Vec::new());
+        to.write(*n_spilled as u64, &samples)?;
+        *n_spilled += samples.len();
+        Ok(())
     }
 
     /// Bytes of a sample in the file.
@@ -155,26 +212,60 @@ impl SampleBuffer {
     }
 
     pub(super) fn len(&self) -> usize {
-        match &self.target {
-            Target::Same(samples) => samples.len(),
-            Target::Half(samples) => samples.len(),
-            Target::Wide(narrowed) => narrowed.len(),
+        self.spilling.as_ref().map_or(0, |spilling| spilling.n_spilled) + self.target.len()
+    }
+
+    /// The samples, and a warning if they are of another type than in the file; one alone, a zero, if they
+    /// are spilled.
+    pub(super) fn finish(mut self, warnings: &mut Vec<String>) -> Samples {
+        // What fails here is remembered, too.
+        let _ = self.spill();
+        match self.spilling {
+            None => self.target.finish(self.stored, self.endian, warnings),
+            Some(Spilling { to, n_spilled }) => {
+                to.end(n_spilled as u64);
+                one_zero(self.stored)
+            }
+        }
+    }
+}
+
+impl Target {
+    fn empty(stored: StoredType) -> Self {
+        match stored {
+            StoredType::Sample(sample_type) => Self::Same(no_samples(sample_type)),
+            StoredType::F16 => Self::Half(Vec::new()),
+            StoredType::I64 | StoredType::U64 => Self::Wide(Narrowed::new(Vec::new())),
         }
     }
 
-    /// The samples, and a warning if they are of another type than in the file.
-    pub(super) fn finish(self, warnings: &mut Vec<String>) -> Samples {
-        match self.target {
-            Target::Same(mut samples) => {
-                if self.endian != Endian::NATIVE {
+    fn len(&self) -> usize {
+        match self {
+            Self::Same(samples) => samples.len(),
+            Self::Half(samples) => samples.len(),
+            Self::Wide(narrowed) => narrowed.len(),
+        }
+    }
+
+    fn finish(self, stored: StoredType, endian: Endian, warnings: &mut Vec<String>) -> Samples {
+        match self {
+            Self::Same(mut samples) => {
+                if endian != Endian::NATIVE {
                     with_samples!(&mut samples, |s| swap_bytes(s));
                 }
                 samples
             }
-            Target::Half(samples) => Samples::F32(samples),
-            Target::Wide(narrowed) => narrowed.finish(self.stored, warnings),
+            Self::Half(samples) => Samples::F32(samples),
+            Self::Wide(narrowed) => narrowed.finish(stored, warnings),
         }
     }
+}
+
+/// What stands for samples that are spilled.
+pub(super) fn one_zero(stored: StoredType) -> Samples {
+    let mut samples = no_samples(stored.widest());
+    with_samples!(&mut samples, |s| s.resize(1, bytemuck::Zeroable::zeroed()));
+    samples
 }
 
 fn no_samples(sample_type: SampleType) -> Samples {

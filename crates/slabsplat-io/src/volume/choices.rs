@@ -8,6 +8,7 @@ use super::LoadedVolume;
 use super::colors::{ColorUse, LoadedColors, OpacitySource};
 use super::data::Share;
 use super::formats::Input;
+use super::zarr::ChunkCache;
 use crate::printable::printable;
 use crate::progress::ReadMeter;
 use crate::{IoError, ProgressCallback, ReadProgress};
@@ -50,11 +51,14 @@ pub struct VolumeOptions {
     /// Whether a header may name files outside of its own folder; they are refused otherwise, since who
     /// wrote the header need not be who opens it.
     pub allow_external: bool,
-    /// Which voxels along x, y and z; by default all. Of raw data, be they in NRRD, NIfTI or a file of their
-    /// own, and of OME-Zarr, no others are held in memory; other files are not read so.
+    /// Which voxels along x, y and z; by default all. Of raw data, be they in NRRD, NIfTI, MetaImage, MRC,
+    /// NumPy or a file of their own, and of OME-Zarr, no others are held in memory; other files are not read
+    /// so ([`IoError::NotInBoxes`]).
     pub voxels: Option<[Range<usize>; 3]>,
     /// What hears how far reading is.
     pub progress: Option<ProgressCallback>,
+    /// What several boxes of a store of chunks need of it.
+    pub(crate) chunks: Option<ChunkCache>,
 }
 
 /// A way in which a file may hold several volumes.
@@ -386,7 +390,8 @@ mod tests {
     #[test]
     fn choices_are_what_is_there() {
         let options = VolumeOptions::default().channel(2);
-        let input = Input { store: Store::Disk, path: Path::new("a.tif"), options: &options };
+        let input =
+            Input { store: Store::Disk, path: Path::new("a.tif"), options: &options, spill: None };
         assert_eq!(input.choose(Part::Channel, 3).unwrap().chosen, 2);
         assert_eq!(input.choose(Part::Time, 3).unwrap().chosen, 0);
         let largest = Choice { n: 4, names: vec![], chosen: 3 };

@@ -187,7 +187,11 @@ impl Voxels {
         format: VolumeFormat,
         mut warnings: Vec<String>,
     ) -> Result<LoadedVolume, IoError> {
-        let Self { grid, samples, scaling, choices } = self;
+        let Self { mut grid, samples, scaling, choices } = self;
+        if input.spill.is_some() {
+            // One voxel stands for all.
+            grid = grid.cropped(&[0..1, 0..1, 0..1]);
+        }
         if !choices.is_color {
             let volume = assemble(input.path, grid, samples, scaling)?;
             return Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, format, warnings) });

@@ -83,7 +83,7 @@ pub(super) fn read(
     if let Some(window) = &layout.window {
         return read_window(input, layout, files, window);
     }
-    let mut buffer = SampleBuffer::new(layout.stored, endian);
+    let mut buffer = input.buffer(layout.stored, endian);
     let mut file_idx = first.checked_div(n_each).unwrap_or(0);
     let mut at = first;
     // What comes before the volume in its first file has to be unpacked, too.

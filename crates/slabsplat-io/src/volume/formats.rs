@@ -5,10 +5,12 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use slabsplat_core::SampleType;
 
 use super::choices::{VolumeChoices, VolumeOptions};
+use super::spill::Spill;
 use super::{
     LoadedVolume, dicom, foreign, hdf5, images, metaimage, mrc, nifti, npy, nrrd, raw_name,
     sidecar, stream, tiff, vtk, zarr,
@@ -161,6 +163,8 @@ pub(super) struct Input<'a> {
     /// The file that says what the volume is like, or the folder that is one.
     pub(super) path: &'a Path,
     pub(super) options: &'a VolumeOptions,
+    /// Where samples go instead of into memory.
+    pub(super) spill: Option<Arc<Spill>>,
 }
 
 /// What a file says that it holds, before any sample is read.
@@ -345,7 +349,8 @@ mod tests {
     fn beside_a_header_and_nowhere_else() {
         let mut options = VolumeOptions::default();
         let beside = |options: &VolumeOptions, name: &str| {
-            let input = Input { store: Store::Disk, path: Path::new("in/a.nhdr"), options };
+            let input =
+                Input { store: Store::Disk, path: Path::new("in/a.nhdr"), options, spill: None };
             input.beside(name).map_err(|error| error.to_string())
         };
         assert_eq!(beside(&options, "b.raw").unwrap(), Path::new("in/b.raw"));

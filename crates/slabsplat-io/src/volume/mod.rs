@@ -8,7 +8,8 @@
 //! (formats that are none of them), `choices` (what is read of several volumes); `stream` (bytes from files),
 //! `buffer` (bytes to samples); `header_fields`; `data_files`, `data`, `ascii` (samples in one file or many,
 //! however they are written), `names`, `units`; `stored`, `placed` (samples in any order of axes),
-//! `parallel`, `array_axes`, `colors`, `window` (boxes of voxels), `zip`; then a format each, and `write`.
+//! `parallel`, `array_axes`, `colors`, `window` (boxes of voxels), `spill` and `scratch` (boxes of what is
+//! packed), `zip`; then a format each, and `write`.
 
 mod choices;
 mod foreign;
@@ -28,6 +29,8 @@ mod array_axes;
 mod colors;
 mod parallel;
 mod placed;
+mod scratch;
+mod spill;
 mod stored;
 mod window;
 mod zip;
@@ -64,12 +67,15 @@ pub use colors::{ColorUse, LoadedColors, OpacitySource};
 pub use formats::{VolumeFormat, VolumeListing};
 pub(crate) use raw::read_raw_from;
 pub use raw::{RawDesc, read_raw};
+pub(crate) use scratch::Scratch;
+pub use scratch::{ScratchDesc, ScratchUse};
 pub use write::{VolumeOutput, write_colored_volume, write_volume};
+pub(crate) use zarr::ChunkCache;
 
 use crate::IoError;
 use crate::printable::shown;
 use crate::store::Store;
-use formats::{Found, Input};
+use formats::{Found, Input, Reader};
 
 /// A volume, and what is worth knowing about where it came from.
 #[derive(Clone, Debug)]
@@ -119,14 +125,19 @@ pub(crate) fn read_from(
     options: &VolumeOptions,
 ) -> Result<LoadedVolume, IoError> {
     let Found { reader, path, options } = formats::find(store, path, options)?;
-    let input = Input { store, path: &path, options: &options };
+    let input = Input { store, path: &path, options: &options, spill: None };
+    read_by(reader, &input)
+}
+
+fn read_by(reader: &dyn Reader, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
+    let &Input { path, options, .. } = input;
     if !reader.reads_boxes() {
         let name = reader.listed().split(" (").next().unwrap_or_default();
         input.refuse_window(&format!("a volume in the format {name}"))?;
     }
-    let mut loaded = reader.read(&input)?;
-    options.check(&path, &loaded.choices)?;
-    loaded.warnings.extend(loaded.choices.warnings(&options));
+    let mut loaded = reader.read(input)?;
+    options.check(path, &loaded.choices)?;
+    loaded.warnings.extend(loaded.choices.warnings(options));
     // They may cite the file, and one that lists a file again and again is warned of as often.
     let mut said = BTreeSet::new();
     loaded.warnings.retain(|warning| said.insert(warning.clone()));
@@ -151,7 +162,7 @@ pub(crate) fn list_from(
     options: &VolumeOptions,
 ) -> Result<VolumeListing, IoError> {
     let Found { reader, path, options } = formats::find(store, path, options)?;
-    let listing = reader.list(&Input { store, path: &path, options: &options })?;
+    let listing = reader.list(&Input { store, path: &path, options: &options, spill: None })?;
     options.check(&path, &listing.choices)?;
     Ok(listing)
 }

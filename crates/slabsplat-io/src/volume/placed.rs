@@ -8,11 +8,13 @@
 
 use std::io::{self, Read};
 use std::ops::Range;
+use std::sync::Arc;
 
 use slabsplat_core::{Sample, SampleType, Samples, with_samples};
 
 use super::Endian;
-use super::buffer::ReadFailure;
+use super::buffer::{ReadFailure, one_zero};
+use super::spill::Spill;
 use super::stored::{Narrowed, StoredType, half, integer};
 use crate::progress::ReadMeter;
 
@@ -40,6 +42,8 @@ enum Target {
     Same(Samples),
     Half(Vec<f32>),
     Wide(Narrowed),
+    /// They are in memory no longer than it takes to write them there.
+    Spilled(Arc<Spill>),
 }
 
 /// Bytes that are read at once where they cannot go to their place directly.
@@ -138,6 +142,11 @@ impl PlacedSamples {
         Ok(Self { stored, endian, target, n_read: 0 })
     }
 
+    /// The same that writes them there.
+    pub(super) fn spilled(stored: StoredType, endian: Endian, to: Arc<Spill>) -> Self {
+        Self { stored, endian, target: Target::Spilled(to), n_read: 0 }
+    }
+
     /// Puts an array, of which `axes` are the axes with the fastest first, with its first kept item at the
     /// voxel `first`.
     pub(super) fn place(
@@ -153,7 +162,8 @@ impl PlacedSamples {
     /// Puts one number, as it would be stored, into voxels `stride` apart.
     pub(super) fn fill(&mut self, item: &[u8], first: usize, stride: usize, n: usize) {
         for idx in 0..n {
-            self.put(item, 1, 0, first + idx * stride, 1);
+            // Nothing is filled that is spilled.
+            let _ = self.put(item, 1, 0, first + idx * stride, 1);
         }
     }
 
@@ -162,6 +172,7 @@ impl PlacedSamples {
             Target::Same(samples) => samples,
             Target::Half(samples) => Samples::F32(samples),
             Target::Wide(narrowed) => narrowed.finish(self.stored, warnings),
+            Target::Spilled(_) => one_zero(self.stored),
         }
     }
 
@@ -254,14 +265,22 @@ impl PlacedSamples {
             if is_far_apart {
                 self.pass_over(source, (n_each - pick - 1) as u64)?;
             }
-            self.put(bytes, n_group, pick_in_group, first + n_done * run.stride, run.stride);
+            let first = first + n_done * run.stride;
+            self.put(bytes, n_group, pick_in_group, first, run.stride).map_err(ReadFailure::Io)?;
             n_done += n_now;
         }
         Ok(())
     }
 
     /// Puts one item of each group of `n_each` into the volume.
-    fn put(&mut self, bytes: &[u8], n_each: usize, pick: usize, first: usize, stride: usize) {
+    fn put(
+        &mut self,
+        bytes: &[u8],
+        n_each: usize,
+        pick: usize,
+        first: usize,
+        stride: usize,
+    ) -> io::Result<()> {
         let (stored, endian) = (self.stored, self.endian);
         let item_bytes = stored.size_bytes();
         let groups = bytes.chunks_exact(n_each * item_bytes);
@@ -278,7 +297,20 @@ impl PlacedSamples {
             Target::Wide(narrowed) => {
                 narrowed.put(first, stride, items.map(|item| integer(item, stored, endian)));
             }
+            Target::Spilled(spill) => {
+                if 1 < stride {
+                    return Err(spill.refuse("an array whose rows do not lie along x"));
+                }
+                if let StoredType::I64 | StoredType::U64 = stored {
+                    return Err(spill.refuse("an array of 64-bit integers"));
+                }
+                let here = Self::new(stored, endian, items.len());
+                let mut here = here.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
+                here.put(bytes, n_each, pick, 0, 1)?;
+                spill.write(first as u64, &here.finish(&mut Vec::new()))?;
+            }
         }
+        Ok(())
     }
 
     fn pass_over(&mut self, source: &mut impl Source, n_items: u64) -> Result<(), ReadFailure> {

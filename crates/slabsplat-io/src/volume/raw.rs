@@ -77,7 +77,7 @@ pub(crate) fn read_raw_from(
 ) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing(desc.dims, desc.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let input = Input { store, path, options };
+    let input = Input { store, path, options, spill: None };
     let (window, grid) = input.window(&grid)?;
     let samples = read_samples(&input, path, desc, window.as_ref())?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;

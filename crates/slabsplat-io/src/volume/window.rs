@@ -2,7 +2,8 @@
 //!
 //! A plain file is read at the rows that a box has, from wherever they are; of a store of chunks those are
 //! unpacked that the box meets (`zarr`). Memory grows with the box, and the file is checked to be as long as
-//! the whole volume needs before that.
+//! the whole volume needs before that. What is only read from front to back goes through a file that is not
+//! packed first (`scratch`).
 
 use std::io;
 use std::ops::Range;
@@ -12,8 +13,9 @@ use slabsplat_core::{Grid, Samples};
 
 use super::Endian;
 use super::buffer::ReadFailure;
+use super::choices::VolumeChoices;
 use super::formats::Input;
-use super::placed::{Axis, PlacedSamples};
+use super::placed::{Axis, PlacedSamples, Source};
 use super::stored::StoredType;
 use super::stream::DataStream;
 use crate::IoError;
@@ -32,12 +34,8 @@ impl Input<'_> {
     /// If the volume has no such voxels.
     pub(super) fn window(&self, grid: &Grid) -> Result<(Option<Window>, Grid), IoError> {
         let Some(voxels) = &self.options.voxels else { return Ok((None, *grid)) };
-        let dims = grid.dims();
-        if voxels.iter().zip(dims).any(|(range, n)| range.is_empty() || n < range.end) {
-            let what = format!("there are no voxels {voxels:?} among {dims:?}");
-            return Err(IoError::malformed(self.path, what));
-        }
-        Ok((Some(Window { dims, voxels: voxels.clone() }), grid.cropped(voxels)))
+        let window = Window::of(self.path, grid, voxels)?;
+        Ok((Some(window), grid.cropped(voxels)))
     }
 
     /// Refuses boxes of what cannot be read in boxes.
@@ -49,15 +47,29 @@ impl Input<'_> {
     }
 }
 
-/// That a file is only read whole.
-pub(super) fn not_in_boxes(path: &Path, why: &str) -> IoError {
-    let what = format!(
-        "{why} cannot be read box by box: slabsplat convert makes .raw, .nii or .zarr of it"
-    );
-    IoError::unsupported(path, what)
+/// That a file is only read whole; `what` says what it is.
+pub(super) fn not_in_boxes(path: &Path, what: &str) -> IoError {
+    IoError::NotInBoxes { path: path.to_owned(), what: what.to_owned() }
 }
 
 impl Window {
+    /// A box of a volume on that grid.
+    ///
+    /// # Errors
+    /// If the volume has no such voxels.
+    pub(super) fn of(
+        path: &Path,
+        grid: &Grid,
+        voxels: &[Range<usize>; 3],
+    ) -> Result<Self, IoError> {
+        let dims = grid.dims();
+        if voxels.iter().zip(dims).any(|(range, n)| range.is_empty() || n < range.end) {
+            let what = format!("there are no voxels {voxels:?} among {dims:?}");
+            return Err(IoError::malformed(path, what));
+        }
+        Ok(Self { dims, voxels: voxels.clone() })
+    }
+
     /// Voxels of the box.
     pub(super) fn n_voxels(&self) -> usize {
         self.voxels.iter().map(Range::len).product()
@@ -67,6 +79,42 @@ impl Window {
     pub(super) fn axis(&self, axis: usize) -> Axis {
         let stride = self.voxels[..axis].iter().map(Range::len).product();
         Axis { len: self.dims[axis], kept: self.voxels[axis].clone(), stride }
+    }
+
+    /// Keeps of an array, whose axes are those of the whole volume and maybe others, no more than the box.
+    ///
+    /// # Errors
+    /// If it has to be looked at whole, which says what it is.
+    pub(super) fn keep(
+        &self,
+        axes: &mut [Axis],
+        choices: &VolumeChoices,
+        stored: StoredType,
+    ) -> Result<(), &'static str> {
+        if choices.is_color {
+            return Err("a volume of colours");
+        }
+        if let StoredType::I64 | StoredType::U64 = stored {
+            return Err("an array of 64-bit integers");
+        }
+        let mut stride = 1;
+        let strides = self.dims.map(|n| {
+            let before = stride;
+            stride *= n;
+            before
+        });
+        for axis in axes {
+            let of_volume = (0..3).find(|&of| {
+                1 < axis.kept.len()
+                    && strides[of] == axis.stride
+                    && self.dims[of] == axis.kept.len()
+            });
+            let Some(of_volume) = of_volume else { continue };
+            let Axis { kept, stride, .. } = self.axis(of_volume);
+            let first = axis.kept.start;
+            *axis = Axis { len: axis.len, kept: first + kept.start..first + kept.end, stride };
+        }
+        Ok(())
     }
 
     /// The samples of the box from a stream that is about to come to the volume's first voxel.
@@ -89,10 +137,21 @@ impl Window {
         }
         let n_all = self.dims.iter().fold(1, |n: u64, len| n.saturating_mul(*len as u64));
         stream.check_left(n_all.saturating_mul(stored.size_bytes() as u64))?;
+        self.place(path, stream, stored, endian)
+    }
+
+    /// The same from what is as long as it needs to be.
+    pub(super) fn place(
+        &self,
+        path: &Path,
+        source: &mut impl Source,
+        stored: StoredType,
+        endian: Endian,
+    ) -> Result<Samples, IoError> {
         let axes = [0, 1, 2].map(|axis| self.axis(axis));
         let samples = PlacedSamples::new(stored, endian, self.n_voxels());
         let placed = samples.and_then(|mut samples| {
-            samples.place(stream, &axes, 0)?;
+            samples.place(source, &axes, 0)?;
             Ok(samples.finish(&mut Vec::new()))
         });
         placed.map_err(|failure| {

@@ -31,14 +31,19 @@ pub(super) struct Budget {
     memory_bytes: u64,
     /// What there is beside them.
     fixed_bytes: u64,
+    n_threads: usize,
     camera: Camera,
 }
 
 /// The program and its tables.
 const OF_PROGRAM: u64 = 40 << 20;
 
-/// A thread's stack, its tile's sheets, and what it takes in at once.
-const OF_THREAD: u64 = 4 << 20;
+/// A thread's stack, its tile's sheets, what it takes in at once, and what its allocator retains of that:
+/// measured, 15 MiB with glibc's.
+const OF_THREAD: u64 = 16 << 20;
+
+/// What threads may take of all that is there for them and for voxels: one of so many parts.
+const OF_THREADS: u64 = 2;
 
 /// A picture that is drawn, what is in front of it, tiles, and where their rays are in a part and in regions.
 const OF_PIXEL: u64 = 112;
@@ -52,6 +57,10 @@ const OF_VOXEL_IN_RANGE: u64 = 64;
 /// How many voxel steps are in such a range, what waits for the next one included.
 const IN_RANGE: u64 = 36;
 
+/// The part of what is there for voxels that chunks have which several boxes meet: of a box of 264³ voxels a
+/// side of chunks of 64³ is a fortieth.
+const OF_CHUNKS: u64 = 8;
+
 /// What a share has for voxels, at least.
 const OF_SHARE: u64 = 64 << 20;
 
@@ -64,11 +73,15 @@ impl Budget {
         image: &ImageDesc,
         memory_bytes: u64,
     ) -> Result<Self, DividedError> {
-        let fixed_bytes = fixed_bytes(scene, image);
-        if memory_bytes <= fixed_bytes {
-            return Err(NoRoom { memory_bytes, needed_bytes: fixed_bytes }.into());
+        let shared_bytes = shared_bytes(scene, image);
+        let needed_bytes = shared_bytes + OF_THREAD;
+        if memory_bytes <= needed_bytes {
+            return Err(NoRoom { memory_bytes, needed_bytes }.into());
         }
-        Ok(Self { memory_bytes, fixed_bytes, camera: scene.camera })
+        let n_paid_for = (memory_bytes - shared_bytes) / OF_THREADS / OF_THREAD;
+        let n_threads = rayon::current_num_threads().min(n_paid_for as usize).max(1);
+        let fixed_bytes = shared_bytes + OF_THREAD * n_threads as u64;
+        Ok(Self { memory_bytes, fixed_bytes, n_threads, camera: scene.camera })
     }
 
     /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
@@ -78,13 +91,14 @@ impl Budget {
         grids: &[Grid],
         n_shares: usize,
     ) -> Self {
-        let fixed_bytes = fixed_bytes(scene, image);
+        let n_threads = rayon::current_num_threads();
+        let fixed_bytes = shared_bytes(scene, image) + OF_THREAD * n_threads as u64;
         let of_volumes = scene.layers.iter().zip(grids).map(|(layer, grid)| {
             grid.n_voxels() as u64 * layer.volume.sample_type().size_bytes() as u64
         });
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
         let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
-        Self { memory_bytes, fixed_bytes, camera: scene.camera }
+        Self { memory_bytes, fixed_bytes, n_threads, camera: scene.camera }
     }
 
     /// All that there is.
@@ -92,15 +106,21 @@ impl Budget {
         self.memory_bytes
     }
 
+    /// How many threads it pays for.
+    pub(super) fn n_threads(&self) -> usize {
+        self.n_threads
+    }
+
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
-    /// layers together.
+    /// layers together. Returns what is left for chunks that several boxes meet, too: always some, if there
+    /// are chunks.
     pub(super) fn boxes(
         &self,
         grids: &[Grid],
         steps: &[[f64; 3]],
         types: impl Iterator<Item = SampleType> + Clone,
-        shares: &mut Shares,
-    ) -> Result<PartTree, DividedError> {
+        (shares, has_chunks): (&mut Shares, bool),
+    ) -> Result<(PartTree, u64), DividedError> {
         let layers: Vec<(&Grid, [f64; 3], u64)> = grids
             .iter()
             .zip(steps)
@@ -111,7 +131,8 @@ impl Budget {
         let Some(&(grid, steps, _)) = largest else {
             return Err(slabsplat_backend::PlanError::NoLayers.into());
         };
-        let room = self.memory_bytes - self.fixed_bytes;
+        let all = self.memory_bytes - self.fixed_bytes;
+        let room = if has_chunks { all - all / OF_CHUNKS } else { all };
         let widest = layers.iter().map(|(.., size)| *size).max().unwrap_or(1);
         // Of the largest layer alone at first; where others are finer, boxes get smaller until all fit.
         let mut of_one = room;
@@ -121,20 +142,23 @@ impl Budget {
                 deal.cut(voxels, |voxels| {
                     let near =
                         [0, 1, 2].map(|axis| voxels[axis].len() + 2 * steps[axis] as usize + 14);
-                    if needed_bytes(near, widest) <= of_one { None } else { cut(voxels) }
+                    let needed = needed_bytes(near, widest) + sample_bytes(near, widest);
+                    if needed <= of_one { None } else { cut(voxels) }
                 })
             });
             let own = tree.seen_by(&self.camera).into_iter();
-            let most = own.filter(|of| shares.are_own(&of.voxels)).map(|of| {
+            let [mut most, mut ahead] = [0, 0];
+            for of in own.filter(|of| shares.are_own(&of.voxels)) {
                 let near = layers.iter().map(|(grid, steps, size)| {
-                    let voxels = tree.voxels_near(of, grid, *steps);
-                    needed_bytes(voxels.each_ref().map(Range::len), *size)
+                    (tree.voxels_near(of, grid, *steps).map(|range| range.len()), *size)
                 });
-                near.sum::<u64>()
-            });
-            let most = most.max().unwrap_or(0);
+                most = most.max(near.clone().map(|(near, size)| needed_bytes(near, size)).sum());
+                ahead = ahead.max(near.map(|(near, size)| sample_bytes(near, size)).sum());
+            }
+            // While a box is drawn the voxels of another one are read.
+            let most = most + ahead;
             if most <= room {
-                return Ok(tree);
+                return Ok((tree, all - most));
             }
             if of_one < room / 64 {
                 let needed_bytes = self.fixed_bytes + most;
@@ -145,15 +169,14 @@ impl Budget {
     }
 }
 
-/// What there is beside the voxels of a box.
-fn fixed_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
+/// What there is beside threads and the voxels of a box.
+fn shared_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
     let overviews = scene.layers.iter().map(|layer| {
         let volume = &layer.volume;
         (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
     });
-    let of_threads = OF_THREAD * rayon::current_num_threads() as u64;
     let of_pixels = OF_PIXEL * image.n_pixels() as u64;
-    OF_PROGRAM + of_threads + of_pixels + overviews.sum::<u64>()
+    OF_PROGRAM + of_pixels + overviews.sum::<u64>()
 }
 
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.
@@ -169,6 +192,11 @@ fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
     let n_voxels = x * y * z;
     let in_range = (x * y * IN_RANGE * 13 / 10).min(n_voxels);
     n_voxels * (sample_bytes + OF_VOXEL) + in_range * OF_VOXEL_IN_RANGE
+}
+
+/// What the voxels of a box take that is not drawn yet.
+fn sample_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
+    dims.iter().map(|n| *n as u64).product::<u64>() * sample_bytes
 }
 
 /// Across the longest side, between bricks, as near to its middle as that is.

@@ -1,6 +1,7 @@
 //! A frame box by box, from the eye.
 
-use super::{CPU, DividedError, DividedScene, ShareCost, overview};
+use super::ahead::{Ahead, BoxVoxels};
+use super::{CPU, DividedError, DividedScene, ShareCost};
 use crate::{RenderError, backend_named, frame_scene};
 use rayon::prelude::*;
 use slabsplat_backend::{Backend, Frame, FrameCost, FrameStats, Planner};
@@ -10,7 +11,6 @@ use slabsplat_core::{
     over,
 };
 use std::ops::Range;
-use std::time::Instant;
 
 impl DividedScene {
     /// Draws all boxes, before the background.
@@ -23,11 +23,22 @@ impl DividedScene {
         Ok(Frame::new(image, stats, cost))
     }
 
-    /// Draws the own boxes, one behind the other, before nothing.
+    /// Draws the own boxes, one behind the other, before nothing, on as many threads as the memory pays for.
     pub(super) fn boxes_drawn(
         &self,
         frame: &FrameHandle,
     ) -> Result<(Frame, ShareCost), DividedError> {
+        if rayon::current_num_threads() <= self.n_threads {
+            return self.boxes_drawn_here(frame);
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.n_threads).build();
+        // Where threads cannot be started, there is one.
+        let Ok(pool) = pool else { return self.boxes_drawn_here(frame) };
+        pool.install(|| self.boxes_drawn_here(frame))
+    }
+
+    /// On all threads that there are.
+    fn boxes_drawn_here(&self, frame: &FrameHandle) -> Result<(Frame, ShareCost), DividedError> {
         let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
         let ImageDesc { width, height, .. } = drawn.image;
         let mut scene = drawn.into_owned();
@@ -36,44 +47,50 @@ impl DividedScene {
         let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
         let mut painter = Painter::new(&self.backend);
         let boxes = self.own_boxes();
-        for (idx, of) in boxes.iter().enumerate() {
-            frame.check().map_err(RenderError::from)?;
-            let is_seen = self.is_to_be_seen(of, &scene, &image)?;
-            if is_seen {
-                let drawn = self.draw(of, &mut scene, (&mut painter, &mut cost), &image)?;
+        std::thread::scope(|threads| {
+            let mut left = boxes.iter().copied().enumerate();
+            let mut next = self.next_seen(&mut left, (&scene, &image), frame)?;
+            let mut ahead = None;
+            while let Some((idx, of)) = next {
+                let begun = ahead.take().unwrap_or_else(|| Ahead::begin(self, of, threads));
+                let voxels = cost.wait_for(begun)?;
+                // What is hidden by then is read in vain.
+                next = self.next_seen(&mut left, (&scene, &image), frame)?;
+                ahead = next.map(|(_, of)| Ahead::begin(self, of, threads));
+                let drawn = draw_box(&mut scene, of, voxels, &mut painter, &image)?;
                 add(&mut stats, &drawn.stats);
                 image = drawn.image;
+                cost.n_boxes[0] += 1;
+                frame.reach((idx + 1) as f32 / boxes.len() as f32);
+                if let Some((_, of)) = next
+                    && !self.is_to_be_seen(of, &scene, &image)?
+                {
+                    // Two of them would be too many.
+                    drop(ahead.take().map(Ahead::voxels));
+                    next = self.next_seen(&mut left, (&scene, &image), frame)?;
+                }
             }
-            cost.n_boxes[usize::from(!is_seen)] += 1;
-            frame.reach((idx + 1) as f32 / boxes.len() as f32);
-        }
+            Ok::<_, DividedError>(())
+        })?;
+        cost.n_boxes[1] = boxes.len() - cost.n_boxes[0];
+        frame.reach(1.0);
         Ok((Frame::new(image, stats, FrameCost::default()), cost))
     }
 
-    /// Draws a box behind what is there; its voxels are in memory no longer than that.
-    fn draw(
+    /// The first of the boxes left of which anything is to be seen.
+    fn next_seen<'b>(
         &self,
-        of: &PartBox,
-        scene: &mut Scene,
-        (painter, cost): (&mut Painter<'_>, &mut ShareCost),
-        in_front: &Image,
-    ) -> Result<Frame, DividedError> {
-        // A page has no clock.
-        let started = cfg!(not(target_arch = "wasm32")).then(Instant::now);
-        let overviews: Vec<_> = scene.layers.iter().map(|layer| layer.volume.clone()).collect();
-        for (idx, layer) in scene.layers.iter_mut().enumerate() {
-            let voxels = self.boxes.voxels_near(of, &self.grids[idx], self.steps[idx]);
-            let loaded = overview::read(&self.sources[idx], voxels)?;
-            layer.volume = loaded.volume;
-            let n_voxels = layer.volume.grid().n_voxels() as u64;
-            cost.n_voxels_read += n_voxels;
-            cost.n_bytes_read += n_voxels * layer.volume.sample_type().size_bytes() as u64;
+        left: &mut impl Iterator<Item = (usize, &'b PartBox)>,
+        (scene, image): (&Scene, &Image),
+        frame: &FrameHandle,
+    ) -> Result<Option<(usize, &'b PartBox)>, DividedError> {
+        for (idx, of) in left {
+            frame.check().map_err(RenderError::from)?;
+            if self.is_to_be_seen(of, scene, image)? {
+                return Ok(Some((idx, of)));
+            }
         }
-        cost.reading_secs += started.map_or(0.0, |started| started.elapsed().as_secs_f64());
-        let drawn = painter.draw(scene, of, in_front);
-        let layers = scene.layers.iter_mut().zip(overviews);
-        layers.for_each(|(layer, overview)| layer.volume = overview);
-        drawn
+        Ok(None)
     }
 
     /// Whether any pixel that is not saturated may show anything of a box.
@@ -145,6 +162,23 @@ fn pixels_around(
 /// How far around the voxels that are read anything of them may be seen, generously.
 fn steps_around(steps: &[f64; 3]) -> f64 {
     steps.iter().copied().fold(0.0, f64::max)
+}
+
+/// Draws a box behind what is there; its voxels are in memory no longer than that.
+fn draw_box(
+    scene: &mut Scene,
+    of: &PartBox,
+    voxels: BoxVoxels,
+    painter: &mut Painter<'_>,
+    in_front: &Image,
+) -> Result<Frame, DividedError> {
+    let layers = scene.layers.iter_mut().zip(voxels.volumes);
+    let overviews: Vec<_> =
+        layers.map(|(layer, volume)| std::mem::replace(&mut layer.volume, volume)).collect();
+    let drawn = painter.draw(scene, of, in_front);
+    let layers = scene.layers.iter_mut().zip(overviews);
+    layers.for_each(|(layer, overview)| layer.volume = overview);
+    drawn
 }
 
 /// What draws boxes.

@@ -2,19 +2,22 @@
 //! (model §17).
 //!
 //! ```text
+//! unpack each volume that cannot be read in boxes into a scratch file
 //! what the scene file leaves open is found of overviews, every so manieth voxel of each volume
 //! cut the largest volume into boxes, by a k-d tree, until one fits the memory with what it takes to draw it
 //! for each box, from the eye:
 //!     unless all pixels that it may touch are saturated:
-//!         read its voxels, and those around it that have a share in its picture
+//!         read its voxels, and those around it that have a share in its picture: while the one before is
+//!             drawn, if that does not hide it
 //!         draw it behind what is there
 //! ```
 //!
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `overview`, `balance`, `shares`, `budget`, `drawing`, `shared`.
+//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `drawing`, `shared`.
 
+mod ahead;
 mod balance;
 mod budget;
 mod drawing;
@@ -29,7 +32,7 @@ use overview::Overview;
 use shares::Shares;
 use slabsplat_backend::{PlanError, Planner, SceneInParts, check_parts};
 use slabsplat_core::{FrameHandle, Grid, PartBox, PartTree};
-use slabsplat_io::{IoError, LayerFile, SceneFile};
+use slabsplat_io::{IoError, SceneFile, ScratchDesc, VolumeBoxes};
 use thiserror::Error;
 
 pub use budget::NoRoom;
@@ -57,9 +60,8 @@ const CPU: &str = "cpu";
 pub struct DividedScene {
     /// With overviews for volumes.
     opened: OpenScene,
-    /// Where the volumes are.
-    sources: Vec<LayerFile>,
-    /// Of the volumes, whole.
+    /// The volumes, whole.
+    sources: Vec<VolumeBoxes>,
     grids: Vec<Grid>,
     boxes: PartTree,
     /// Those that are drawn here, of all shares.
@@ -67,8 +69,36 @@ pub struct DividedScene {
     /// How many voxels around a box have a share in its picture, of each layer.
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
+    /// That draw.
+    n_threads: usize,
     /// By name.
     backend: String,
+}
+
+/// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
+const OF_OVERVIEW: u64 = 4;
+
+/// What a scene may take that is drawn box by box.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct DividedDesc {
+    /// Bytes of memory.
+    pub memory_bytes: u64,
+    /// Where volumes are unpacked that cannot be read box by box as they are.
+    pub scratch: ScratchDesc,
+}
+
+impl DividedDesc {
+    /// So many bytes of memory, and scratch in the system's folder for it.
+    pub fn new(memory_bytes: u64) -> Self {
+        Self { memory_bytes, scratch: ScratchDesc::default() }
+    }
+
+    /// The same with scratch there.
+    #[must_use]
+    pub fn scratch(self, scratch: ScratchDesc) -> Self {
+        Self { scratch, ..self }
+    }
 }
 
 /// Why a scene cannot be drawn within its memory.
@@ -107,10 +137,15 @@ impl From<PlanError> for DividedError {
 impl DividedScene {
     /// Opens the scene of `file` for so many bytes of memory.
     ///
+    /// Volumes that cannot be read box by box, as those that gzip has packed, are unpacked into a scratch
+    /// file first ([`DividedDesc::scratch`]), which is gone with the scene.
+    ///
     /// # Errors
-    /// If it cannot be opened, read or drawn box by box, or not within so little memory.
+    /// If it cannot be opened, read or drawn box by box, or not within so little memory; if there is no room
+    /// for scratch.
     pub fn open(file: &SceneFile, memory_bytes: u64) -> Result<Self, DividedError> {
-        Self::open_framed(file, memory_bytes, |opened, file| opened.frame(file, &Aim::default()))
+        let desc = DividedDesc::new(memory_bytes);
+        Self::open_framed(file, &desc, |opened, file| opened.frame(file, &Aim::default()))
     }
 
     /// The same with a camera that `frame` finds, as [`OpenScene::frame`] does.
@@ -119,12 +154,13 @@ impl DividedScene {
     /// As [`open`](Self::open), and `frame`.
     pub fn open_framed(
         file: &SceneFile,
-        memory_bytes: u64,
+        desc: &DividedDesc,
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
-        let (opened, sources, grids) = Self::overviews(file, &mut shared::Alone, frame)?;
+        let alone = &mut shared::Alone;
+        let (opened, sources, grids) = Self::overviews(file, desc, alone, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
-        let budget = Budget::new(&opened.scene, &drawn.image, memory_bytes)?;
+        let budget = Budget::new(&opened.scene, &drawn.image, desc.memory_bytes)?;
         drop(drawn);
         let (mut divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
         divided.draw_by(file);
@@ -135,24 +171,37 @@ impl DividedScene {
     /// grids.
     fn overviews(
         file: &SceneFile,
+        desc: &DividedDesc,
         others: &mut dyn Exchange,
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
-    ) -> Result<(OpenScene, Vec<LayerFile>, Vec<Grid>), DividedError> {
+    ) -> Result<(OpenScene, Vec<VolumeBoxes>, Vec<Grid>), DividedError> {
         if file.layers.iter().any(|layer| layer.labels.is_some()) {
             return Err(DividedError::Whole("labels"));
         }
-        let sources = file.layers.clone();
+        let layers = file.layers.clone();
         let (mut file, mut grids, mut loaded) = (file.clone(), Vec::new(), Vec::new());
+        let mut sources: Vec<VolumeBoxes> = Vec::new();
         for layer in &mut file.layers {
-            let overview = Overview::of(layer, others)?;
+            let before = layers.iter().zip(&sources).find(|(of, _)| layer.shares_volume(of));
+            let source = match before {
+                Some((_, source)) => Ok(source.clone()),
+                None => layer.open_boxes(&desc.scratch),
+            };
+            if let Ok(source) = &source {
+                // Planes of an overview meet the same chunks.
+                source.retain_chunks(desc.memory_bytes / OF_OVERVIEW);
+            }
+            let (source, overview) = Overview::of(source, others)?;
+            source.retain_chunks(0);
             overview.stand_in(layer);
             grids.push(overview.whole);
             loaded.push(overview.loaded);
+            sources.push(source);
         }
         let mut opened = OpenScene::unframed(loaded, &file)?;
         check_parts(&opened.scene)?;
         frame(&mut opened, &file)?;
-        for ((layer, of_file), grid) in opened.scene.layers.iter_mut().zip(&sources).zip(&grids) {
+        for ((layer, of_file), grid) in opened.scene.layers.iter_mut().zip(&layers).zip(&grids) {
             layer.region = of_file.region.on(grid).map_err(OpenError::from)?;
         }
         Ok((opened, sources, grids))
@@ -160,7 +209,7 @@ impl DividedScene {
 
     fn divided(
         opened: OpenScene,
-        sources: Vec<LayerFile>,
+        sources: Vec<VolumeBoxes>,
         grids: Vec<Grid>,
         (budget, mut shares): (&Budget, Shares),
     ) -> Result<(Self, Shares), DividedError> {
@@ -175,12 +224,16 @@ impl DividedScene {
         let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
         let steps = steps.collect::<Result<Vec<_>, _>>()?;
         let types = drawn.layers.iter().map(|layer| layer.volume.sample_type());
-        let boxes = budget.boxes(&grids, &steps, types, &mut shares)?;
+        let has_chunks = sources.iter().any(VolumeBoxes::is_in_chunks);
+        let (boxes, of_chunks) = budget.boxes(&grids, &steps, types, (&mut shares, has_chunks))?;
         drop(drawn);
-        let memory_bytes = budget.memory_bytes();
+        let n_sources = sources.len().max(1) as u64;
+        sources.iter().for_each(|source| source.retain_chunks(of_chunks / n_sources));
+        let (memory_bytes, n_threads) = (budget.memory_bytes(), budget.n_threads());
         let own = shares.own_box();
         let backend = CPU.to_owned();
-        let divided = Self { opened, sources, grids, boxes, own, steps, memory_bytes, backend };
+        let divided =
+            Self { opened, sources, grids, boxes, own, steps, memory_bytes, n_threads, backend };
         Ok((divided, shares))
     }
 
@@ -194,6 +247,11 @@ impl DividedScene {
         &mut self.opened
     }
 
+    /// The volumes, layer by layer: where they are, and what they take on a disk.
+    pub fn sources(&self) -> &[VolumeBoxes] {
+        &self.sources
+    }
+
     /// The grids of the volumes, layer by layer.
     pub fn grids(&self) -> &[Grid] {
         &self.grids
@@ -202,6 +260,11 @@ impl DividedScene {
     /// The memory that it was opened for.
     pub fn memory_bytes(&self) -> u64 {
         self.memory_bytes
+    }
+
+    /// How many threads draw it, of those that there are: as many as the memory pays for.
+    pub fn n_threads(&self) -> usize {
+        self.n_threads
     }
 
     /// Has it drawn by the backend that a scene file names.

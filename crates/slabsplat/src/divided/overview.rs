@@ -3,8 +3,7 @@
 use super::{DividedError, Exchange};
 use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{Grid, Samples, Volume, with_samples};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume};
-use std::ops::Range;
+use slabsplat_io::{IoError, LayerFile, LoadedVolume, VolumeBoxes};
 use std::sync::Arc;
 
 /// Voxels of an overview, at most.
@@ -20,12 +19,18 @@ pub(super) struct Overview {
 }
 
 impl Overview {
-    /// Reads the overview of a layer's volume: of its planes some, and of `others` the rest.
-    pub(super) fn of(layer: &LayerFile, others: &mut dyn Exchange) -> Result<Self, DividedError> {
+    /// Reads the overview of a volume, if it could be opened: of its planes some, and of `others` the rest.
+    pub(super) fn of(
+        source: Result<VolumeBoxes, IoError>,
+        others: &mut dyn Exchange,
+    ) -> Result<(VolumeBoxes, Self), DividedError> {
         let [first, n_shares] = [others.share_idx(), others.n_shares()];
-        let read = OwnPlanes::read(layer, first, n_shares);
-        let (own, samples) = match read {
-            Ok((own, samples)) => (own, samples),
+        let read = source.and_then(|source| {
+            let (own, samples) = OwnPlanes::read(&source, first, n_shares)?;
+            Ok((source, own, samples))
+        });
+        let (source, own, samples) = match read {
+            Ok(read) => read,
             Err(error) => {
                 others.all(Err(error))?;
                 return Err(DividedError::Differing);
@@ -37,13 +42,13 @@ impl Overview {
         let samples = Self::joined(&all, dims[2], dims[0] * dims[1])?;
         drop(all);
         let coarse = DAffine3::from_scale(DVec3::splat(step as f64));
-        let path = || layer.volume.to_string().into();
+        let path = || source.path().to_owned();
         let grid = Grid::new(dims, whole.world_from_index() * coarse)
             .map_err(|source| IoError::Grid { path: path(), source })?;
         let volume = Volume::new(grid, samples, loaded.volume.scaling())
             .map_err(|source| IoError::Volume { path: path(), source })?;
         loaded.volume = Arc::new(volume);
-        Ok(Self { loaded, step, whole })
+        Ok((source, Self { loaded, step, whole }))
     }
 
     /// Makes a layer's file one of the overview: what is per length in it counts voxel steps, and what it
@@ -66,25 +71,17 @@ struct OwnPlanes {
 
 impl OwnPlanes {
     /// Of the planes of an overview every `n`th, from `first` on, plane by plane.
-    fn read(layer: &LayerFile, first: usize, n: usize) -> Result<(Self, Samples), IoError> {
-        let loaded = read(layer, [0..1, 0..1, 0..1])?;
-        let whole = loaded.volume.grid().uncropped();
+    fn read(source: &VolumeBoxes, first: usize, n: usize) -> Result<(Self, Samples), IoError> {
+        let (loaded, whole) = (source.first().clone(), source.grid());
         let [nx, ny, nz] = whole.dims();
         let step = step_of(whole.dims());
         let mut samples = every(loaded.volume.samples(), [0, 0], 1);
         for k in (0..nz).step_by(step).skip(first).step_by(n) {
-            let plane = read(layer, [0..nx, 0..ny, k..k + 1])?.volume;
+            let plane = source.read([0..nx, 0..ny, k..k + 1])?.volume;
             samples.append(&every(plane.samples(), [nx, ny], step));
         }
         Ok((Self { loaded, whole, step }, samples))
     }
-}
-
-/// Reads some voxels of a layer's volume.
-pub(super) fn read(layer: &LayerFile, voxels: [Range<usize>; 3]) -> Result<LoadedVolume, IoError> {
-    let mut layer = layer.clone();
-    layer.options = layer.options.voxels(voxels);
-    layer.load_volume()
 }
 
 /// The least step with which there are few enough.

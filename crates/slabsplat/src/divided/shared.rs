@@ -5,11 +5,11 @@ use super::balance::WorkCells;
 use super::budget::Budget;
 use super::overview::Overview;
 use super::shares::Shares;
-use super::{DividedError, DividedScene};
+use super::{DividedDesc, DividedError, DividedScene};
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use slabsplat_backend::{Frame, FrameCost, FrameStats};
 use slabsplat_core::{FrameHandle, Image, Samples, over};
-use slabsplat_io::{IoError, SceneFile};
+use slabsplat_io::{IoError, SceneFile, ScratchDesc};
 
 /// What joins those who each draw a share of a scene. All call the same, in one order.
 pub trait Exchange {
@@ -47,13 +47,17 @@ pub struct ShareCost {
     pub n_voxels_read: u64,
     /// Bytes of their samples.
     pub n_bytes_read: u64,
-    /// Seconds that reading took.
+    /// Seconds that reading took, on a thread beside drawing.
     pub reading_secs: f64,
+    /// Seconds of these in which nothing was drawn, as the voxels were not there yet.
+    pub waiting_secs: f64,
 }
 
 impl SharedScene {
     /// Opens the scene of `file`. Without a number of bytes a share has as many as 1.3 times its part of all
     /// volumes takes, but 64 MiB at least, and what it takes beside voxels.
+    ///
+    /// Volumes have to be stored so that boxes can be read of them: nothing is unpacked.
     ///
     /// # Errors
     /// As [`DividedScene::open`], and if another share fails while planes are exchanged.
@@ -63,7 +67,10 @@ impl SharedScene {
         others: &mut dyn Exchange,
         frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
-        let (opened, sources, grids) = DividedScene::overviews(file, others, frame)?;
+        // Each share would unpack a copy of its own, and those of one computer onto one disk.
+        let desc = DividedDesc::new(memory_bytes.unwrap_or(LEAST_BYTES));
+        let desc = desc.scratch(ScratchDesc::default().refused());
+        let (opened, sources, grids) = DividedScene::overviews(file, &desc, others, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let n_shares = others.n_shares();
         let budget = match memory_bytes {
@@ -127,6 +134,9 @@ impl SharedScene {
         Ok(finished(frame, scene, self.divided.opened.acquisition))
     }
 }
+
+/// What a share has at least, before it is known how large its box is.
+const LEAST_BYTES: u64 = 128 << 20;
 
 /// Nobody else.
 pub(super) struct Alone;

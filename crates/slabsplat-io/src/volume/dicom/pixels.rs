@@ -11,6 +11,7 @@ use super::super::buffer::{ReadFailure, SampleBuffer};
 use super::super::formats::Input;
 use super::super::parallel;
 use super::super::stream::MAX_GZIP_RATIO;
+use super::super::window::not_in_boxes;
 use super::frame::{Colors, Frame, Layout};
 use super::line::Slice;
 use super::scan::{Series, SliceFile};
@@ -34,8 +35,11 @@ pub(super) fn read(
     channel: Option<usize>,
 ) -> Result<Samples, IoError> {
     let store = input.store;
+    if input.spill.is_some() && !are_packed_alone(series) {
+        return Err(not_in_boxes(input.path, "a DICOM file of many frames that is deflated"));
+    }
     let sample_type = if to_float { SampleType::F32 } else { sample_type(&series.layout) };
-    let mut buffer = SampleBuffer::new(sample_type, Endian::NATIVE);
+    let mut buffer = input.buffer(sample_type, Endian::NATIVE);
     let n_read = channel.map_or(series.layout.n_channels, |_| 1);
     let n_slice_bytes = (series.layout.n_pixels() * n_read * sample_type.size_bytes()) as u64;
     let meter = input.meter(n_slice_bytes.saturating_mul(stack.slices.len() as u64));

@@ -11,7 +11,7 @@ use super::super::buffer::ReadFailure;
 use super::super::choices::{Choice, Part};
 use super::super::colors::Voxels;
 use super::super::formats::{Input, VolumeListing};
-use super::super::placed::{Metered, PlacedSamples};
+use super::super::placed::Metered;
 use super::super::stored::StoredType;
 use super::super::stream::MAX_GZIP_RATIO;
 use super::super::{Endian, LoadedVolume, VolumeFormat};
@@ -92,7 +92,7 @@ impl Array {
             ReadFailure::Io(error) => refused(path, &error),
         };
         let n_samples = grid.n_voxels().saturating_mul(self.axes.choices.n_read());
-        let samples = PlacedSamples::new(self.stored, self.endian, n_samples);
+        let samples = input.room(self.stored, self.endian, n_samples);
         let mut samples = samples.map_err(failed)?;
         let meter = input.meter(needed);
         let mut rows = Rows::of(self.dataset, &self.shape, item_bytes);

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use slabsplat_core::{Grid, Scaling};
 
-use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::buffer::{Endian, ReadFailure};
 use super::colors::{Values, Voxels};
 use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat, parallel};
@@ -74,7 +74,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let grid = Grid::with_spacing([size[0], size[1], paths.len()], [1.0; 3])
         .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })?;
     drop(first);
-    let mut buffer = SampleBuffer::new(stored, Endian::NATIVE);
+    let mut buffer = input.buffer(stored, Endian::NATIVE);
     let n_samples = grid.n_voxels().saturating_mul(choices.n_read());
     let meter = input.meter(n_samples as u64 * stored.size_bytes() as u64);
     let unpack = |(): &mut (), path: &PathBuf| {

@@ -38,6 +38,10 @@ impl Reader for MetaImage {
         header::is_first_line(start)
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         read(input)
     }
@@ -62,9 +66,11 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let stored = stored_type(&header)?;
     let choices = choices(&header, input, &sizes)?;
+    let n_samples = grid.n_voxels().saturating_mul(choices.n_read());
+    let (window, grid) = input.window(&grid)?;
     let layout = data::Layout {
-        window: None,
-        n_samples: grid.n_voxels().saturating_mul(choices.n_read()),
+        window,
+        n_samples,
         share: choices.share(),
         stored,
         encoding: encoding(&header)?,

@@ -18,11 +18,13 @@ use slabsplat_core::{Grid, Scaling};
 
 use super::buffer::ReadFailure;
 use super::choices::Part;
+use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
-use super::placed::{Axis, PlacedSamples};
+use super::placed::Axis;
 use super::stored::StoredType;
 use super::stream::{DataStream, first_bytes, plain_extension};
-use super::{LoadedVolume, VolumeChoices, VolumeFormat, assemble};
+use super::window::not_in_boxes;
+use super::{LoadedVolume, VolumeChoices, VolumeFormat};
 use crate::IoError;
 use crate::store::Store;
 use header::{HEADER_BYTES, Header};
@@ -55,6 +57,10 @@ impl Reader for Mrc {
         }
         let what = "not an MRC file, or cut off: it does not begin with sizes, a mode and axes that can be";
         Err(IoError::malformed(path, what))
+    }
+
+    fn reads_boxes(&self) -> bool {
+        true
     }
 
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
@@ -100,20 +106,28 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     stream.skip(HEADER_BYTES + u64::from(header.n_extended_bytes))?;
     let needed = header.n_items().saturating_mul(stored.size_bytes() as u64);
     stream.check_left(needed)?;
+    let mut axes = axes(&header, choices.time.chosen);
+    let (window, grid) = input.window(&grid)?;
+    if let Some(window) = &window {
+        let kept = window.keep(&mut axes, &choices, stored);
+        let kept = if stream.is_plain() { kept } else { Err("a packed file") };
+        kept.map_err(|what| not_in_boxes(path, what))?;
+    }
     let failed = |failure| match failure {
         ReadFailure::TooShort(found) => input.too_short(needed, found),
         ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
     };
-    let samples = PlacedSamples::new(stored, header.endian, grid.n_voxels());
+    let samples = input.room(stored, header.endian, grid.n_voxels());
     let mut samples = samples.map_err(failed)?;
     let meter = input.meter(needed);
     stream.metered(&meter);
-    samples.place(&mut stream, &axes(&header, choices.time.chosen), 0).map_err(failed)?;
+    samples.place(&mut stream, &axes, 0).map_err(failed)?;
     if choices.is_single() && stream.has_more()? {
         warnings.push(format!("{} holds more data than were needed", path.display()));
     }
-    let volume = assemble(path, grid, samples.finish(&mut warnings), Scaling::IDENTITY)?;
-    Ok(LoadedVolume { choices, ..LoadedVolume::new(volume, VolumeFormat::Mrc, warnings) })
+    let samples = samples.finish(&mut warnings);
+    let voxels = Voxels { grid, samples, scaling: Scaling::IDENTITY, choices };
+    voxels.load(input, VolumeFormat::Mrc, warnings)
 }
 
 /// How columns, rows, sections and volumes of the file lie in a volume.

@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 
 use slabsplat_core::{SampleType, Scaling};
 
-use super::buffer::SampleBuffer;
 use super::choices::Part;
 use super::colors::{Meaning, Values, Voxels};
 use super::formats::{Input, Reader, VolumeListing};
@@ -110,7 +109,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     stream.skip(offset)?;
     stream.metered(&meter);
     stream.skip(n_before)?;
-    let mut buffer = SampleBuffer::new(each, header.endian);
+    let mut buffer = input.buffer(each, header.endian);
     let n_samples = grid.n_voxels().saturating_mul(choices.n_read());
     stream.fill_channel(&mut buffer, n_samples, each.size_bytes(), [n_channels, color])?;
     if choices.is_single() && stream.has_more()? {

@@ -20,8 +20,9 @@ use super::buffer::ReadFailure;
 use super::choices::VolumeChoices;
 use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
-use super::placed::{PlacedSamples, Source};
+use super::placed::Source;
 use super::stream::DataStream;
+use super::window::not_in_boxes;
 use super::{LoadedVolume, VolumeFormat, zarr, zip};
 use crate::IoError;
 use crate::printable::shown_path;
@@ -47,8 +48,15 @@ impl Reader for Npy {
         start.starts_with(header::MAGIC)
     }
 
+    fn reads_boxes(&self) -> bool {
+        true
+    }
+
     fn read(&self, input: &Input<'_>) -> Result<LoadedVolume, IoError> {
         let mut stream = DataStream::open_unpacked(input.store, input.path)?;
+        if !stream.is_plain() {
+            input.refuse_window("a packed file")?;
+        }
         let n_left = stream.n_left_at_most();
         let array = Array::open(input, &mut stream)?;
         let meter = input.meter(array.n_bytes());
@@ -146,10 +154,15 @@ impl Array {
         if found < needed {
             return Err(input.too_short(needed, found));
         }
-        let n_samples = grid.n_voxels().saturating_mul(axes.choices.n_read());
-        let samples = PlacedSamples::new(header.stored, header.endian, n_samples);
-        let mut samples = samples.map_err(failed)?;
         let mut in_file = axes.axes;
+        let (window, grid) = input.window(&grid)?;
+        if let Some(window) = &window {
+            let kept = window.keep(&mut in_file, &axes.choices, header.stored);
+            kept.map_err(|what| not_in_boxes(input.path, what))?;
+        }
+        let n_samples = grid.n_voxels().saturating_mul(axes.choices.n_read());
+        let samples = input.room(header.stored, header.endian, n_samples);
+        let mut samples = samples.map_err(failed)?;
         if header.is_fortran {
             in_file.reverse();
         }

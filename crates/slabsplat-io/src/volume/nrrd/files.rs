@@ -97,7 +97,8 @@ mod tests {
     fn names(data_file: &str, file_sizes: &[usize]) -> Result<Vec<String>, String> {
         let header = Header::of(&format!("data file: {data_file}"));
         let options = VolumeOptions::default();
-        let input = Input { store: Store::Disk, path: &header.path, options: &options };
+        let input =
+            Input { store: Store::Disk, path: &header.path, options: &options, spill: None };
         let files = find(&input, &header, file_sizes).map_err(|e| e.to_string())?;
         Ok((0..files.len()).map(|idx| files.get(idx).0.display().to_string()).collect())
     }

@@ -14,7 +14,7 @@ mod stack;
 
 use slabsplat_core::{Grid, Scaling};
 
-use super::buffer::{Endian, ReadFailure, SampleBuffer};
+use super::buffer::{Endian, ReadFailure};
 use super::colors::Voxels;
 use super::formats::{Input, Reader, VolumeListing};
 use super::{LoadedVolume, VolumeFormat, parallel};
@@ -66,7 +66,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let stack = Stack::find(input, &pages, &mut warnings)?;
     let grid = Grid::with_spacing(stack.dims(&pages), stack.spacing)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
-    let mut buffer = SampleBuffer::new(pages.stored, Endian::NATIVE);
+    let mut buffer = input.buffer(pages.stored, Endian::NATIVE);
     let n_values = grid.n_voxels().saturating_mul(stack.choices.n_read());
     let meter = input.meter(n_values as u64 * pages.stored.size_bytes() as u64);
     // Pixels of one value have their channels in pages of their own.

@@ -126,7 +126,7 @@ impl<'a> Filling<'a> {
     ) -> Result<Self, IoError> {
         let grid = geometry.grid(input, array.is_of_cells)?;
         let n_samples = grid.n_voxels().saturating_mul(chosen.choices.n_read());
-        let samples = PlacedSamples::new(chosen.stored, endian, n_samples);
+        let samples = input.room(chosen.stored, endian, n_samples);
         let samples = samples.map_err(|_| input.failed(io::ErrorKind::OutOfMemory.into()))?;
         let n_components = array.n_components.max(1);
         Ok(Self {

@@ -1,6 +1,7 @@
 //! The chunks that the volume has a part in, each unpacked to where its samples belong.
 
 use std::io::{self, Read};
+use std::sync::Arc;
 
 use slabsplat_core::Samples;
 
@@ -8,6 +9,7 @@ use super::super::buffer::ReadFailure;
 use super::super::formats::Input;
 use super::super::parallel;
 use super::super::placed::{Axis, PlacedSamples, Source};
+use super::ChunkCache;
 use super::codecs::{self, crc32c};
 use super::image::Image;
 use super::meta::{Chunks, Shard};
@@ -36,6 +38,7 @@ struct Reading<'a> {
     tree: &'a Tree<'a>,
     image: &'a Image,
     meter: &'a ReadMeter,
+    cache: Option<&'a ChunkCache>,
     samples: PlacedSamples,
     /// Of the volume.
     n_bytes: u64,
@@ -108,7 +111,8 @@ pub(super) fn read(
         source: io::ErrorKind::OutOfMemory.into(),
     })?;
     let meter = input.meter((all.len().unwrap_or(0) as u64).saturating_mul(chunk_bytes(image)));
-    let mut reading = Reading { tree, image, meter: &meter, samples, n_bytes, n_found: 0 };
+    let cache = input.options.chunks.as_ref();
+    let mut reading = Reading { tree, image, meter: &meter, cache, samples, n_bytes, n_found: 0 };
     reading.read_all(&all.collect::<Vec<_>>())?;
     if reading.n_found == 0 && !image.is_box {
         warnings.push("no chunk of the array is there: all voxels have its fill value".to_owned());
@@ -158,19 +162,25 @@ impl<'a> Reading<'a> {
         if chunks.shard.is_some() || n_workers == 1 || !has_room {
             return indices.iter().try_for_each(|index| self.read_file(index));
         }
+        let cache = self.cache;
         let unpack = |(): &mut (), index: &Vec<usize>| {
+            let start = start_of(image, index);
+            if let Some(bytes) = cache.and_then(|cache| cache.get(&image.key, &start)) {
+                return Ok(Some(bytes));
+            }
             let key = key(image, index);
             let Some(part) = tree.part(&key)? else { return Ok(None) };
             let unpacked = unpacked_chunk(image, chunks, part);
+            let unpacked = unpacked.map(|bytes| retained(cache, image, (chunks, &start), bytes));
             unpacked.map(Some).map_err(|failure| failed(tree, &key, failure))
         };
         parallel::in_order(&mut vec![(); n_workers], indices, unpack, |index, chunk| {
-            let start = self.start_of(index);
+            let start = start_of(image, index);
             match chunk {
                 None => self.fill(&start, &chunks.shape),
                 Some(chunk) => {
                     self.n_found += 1;
-                    let placed = self.place(&mut chunk.as_slice(), chunks, &start);
+                    let placed = self.place(&mut &chunk[..], chunks, &start);
                     placed.map_err(|failure| failed(tree, &key(image, index), failure))?;
                 }
             }
@@ -179,15 +189,18 @@ impl<'a> Reading<'a> {
         })
     }
 
-    fn start_of(&self, index: &[usize]) -> Vec<usize> {
-        index.iter().zip(&self.image.array.chunks.shape).map(|(i, len)| i * len).collect()
-    }
-
     fn read_file(&mut self, index: &[usize]) -> Result<(), IoError> {
         let chunks = &self.image.array.chunks;
-        let start = self.start_of(index);
+        let start = start_of(self.image, index);
         let key = key(self.image, index);
         self.meter.advance(chunk_bytes(self.image));
+        if chunks.shard.is_none()
+            && let Some(bytes) = self.cached(&start)
+        {
+            self.n_found += 1;
+            let placed = self.place(&mut &bytes[..], chunks, &start);
+            return placed.map_err(|failure| failed(self.tree, &key, failure));
+        }
         let Some(part) = self.tree.part(&key)? else {
             self.fill(&start, &chunks.shape);
             return Ok(());
@@ -217,17 +230,22 @@ impl<'a> Reading<'a> {
         if let [part] = readers.as_mut_slice() {
             return kept.iter().try_for_each(|&at| self.read_inner(part, &places, at));
         }
-        let image = self.image;
+        let (image, cache) = (self.image, self.cache);
         let unpack = |part: &mut Part<'_>, &at: &usize| {
             let Some([offset, n_bytes]) = places.range_of(at) else { return Ok(None) };
+            let first = places.first_of(at);
+            if let Some(bytes) = cache.and_then(|cache| cache.get(&image.key, &first)) {
+                return Ok(Some(bytes));
+            }
             part.go_to(offset).map_err(ReadFailure::Io)?;
-            unpacked_chunk(image, chunks, part.take(n_bytes)).map(Some)
+            let bytes = unpacked_chunk(image, chunks, part.take(n_bytes))?;
+            Ok(Some(retained(cache, image, (chunks, &first), bytes)))
         };
         parallel::in_order(&mut readers, &kept, unpack, |&at, unpacked| {
             let first = places.first_of(at);
             match unpacked {
                 None => self.fill(&first, &chunks.shape),
-                Some(bytes) => self.place(&mut bytes.as_slice(), chunks, &first)?,
+                Some(bytes) => self.place(&mut &bytes[..], chunks, &first)?,
             }
             Ok(())
         })
@@ -245,6 +263,9 @@ impl<'a> Reading<'a> {
             self.fill(&first, &places.chunks.shape);
             return Ok(());
         };
+        if let Some(bytes) = self.cached(&first) {
+            return self.place(&mut &bytes[..], places.chunks, &first);
+        }
         part.go_to(offset).map_err(ReadFailure::Io)?;
         self.read_chunk(part.take(n_bytes), places.chunks, &first)
     }
@@ -273,9 +294,19 @@ impl<'a> Reading<'a> {
             return Ok(());
         }
         let n_bytes = unpacked_bytes(self.image, chunks);
+        if self.cache.is_some_and(|cache| cache.takes(n_bytes)) {
+            let bytes = unpacked_chunk(self.image, chunks, packed)?;
+            let bytes = retained(self.cache, self.image, (chunks, start), bytes);
+            return self.place(&mut &bytes[..], chunks, start);
+        }
         let mut source =
             codecs::unpacked(packed, &chunks.codecs, n_bytes).map_err(ReadFailure::Io)?;
         self.place(&mut source, chunks, start)
+    }
+
+    /// A chunk that another box had unpacked.
+    fn cached(&self, start: &[usize]) -> Option<Arc<[u8]>> {
+        self.cache?.get(&self.image.key, start)
     }
 
     /// What is kept of an unpacked chunk goes to its place.
@@ -330,6 +361,26 @@ impl<'a> Reading<'a> {
         }
         Some((axes, first))
     }
+}
+
+/// Retains an unpacked chunk for other boxes; not one that is cut off.
+fn retained(
+    cache: Option<&ChunkCache>,
+    image: &Image,
+    (chunks, start): (&Chunks, &[usize]),
+    bytes: Vec<u8>,
+) -> Arc<[u8]> {
+    match cache {
+        Some(cache) if bytes.len() as u64 == unpacked_bytes(image, chunks) => {
+            cache.put(&image.key, start, bytes)
+        }
+        _ => bytes.into(),
+    }
+}
+
+/// Where the chunks of a file begin in the array.
+fn start_of(image: &Image, index: &[usize]) -> Vec<usize> {
+    index.iter().zip(&image.array.chunks.shape).map(|(i, len)| i * len).collect()
 }
 
 /// Where a chunk of a shard begins that begins at `start` and has so many along each axis.

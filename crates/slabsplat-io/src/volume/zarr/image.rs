@@ -9,7 +9,6 @@ use super::super::choices::{Choice, Part, VolumeChoices};
 use super::super::colors::{Meaning, Values};
 use super::super::formats::Input;
 use super::super::placed::Axis;
-use super::super::stored::StoredType;
 use super::super::units;
 use super::super::window::Window;
 use super::meta::{ArrayMeta, shown};
@@ -108,29 +107,7 @@ impl Image {
     /// # Errors
     /// If it has to be looked at whole, which says what it is.
     pub(super) fn keep(&mut self, window: &Window) -> Result<(), &'static str> {
-        if self.choices.is_color {
-            return Err("a volume of colours");
-        }
-        if let StoredType::I64 | StoredType::U64 = self.array.stored {
-            return Err("an array of 64-bit integers");
-        }
-        let mut stride = 1;
-        let strides = self.dims.map(|n| {
-            let before = stride;
-            stride *= n;
-            before
-        });
-        for axis in &mut self.axes {
-            let of_volume = (0..3).find(|&of| {
-                1 < axis.kept.len()
-                    && strides[of] == axis.stride
-                    && self.dims[of] == axis.kept.len()
-            });
-            let Some(of_volume) = of_volume else { continue };
-            let Axis { kept, stride, .. } = window.axis(of_volume);
-            let first = axis.kept.start;
-            *axis = Axis { len: axis.len, kept: first + kept.start..first + kept.end, stride };
-        }
+        window.keep(&mut self.axes, &self.choices, self.array.stored)?;
         self.is_box = true;
         Ok(())
     }

@@ -11,9 +11,11 @@
 //! Chunks are unpacked as a stream, straight to where their samples belong.
 //!
 //! Reading order: `tree` (files by keys), `meta` (what an array is like), `image` (which array, and where its
-//! voxels are); `codecs`, `blosc` (bytes of a chunk), `chunks` (which of them, and where to).
+//! voxels are); `codecs`, `blosc` (bytes of a chunk), `chunk_cache`, `chunks` (which of them, and
+//! where to).
 
 mod blosc;
+mod chunk_cache;
 mod chunks;
 mod codecs;
 mod image;
@@ -31,6 +33,7 @@ use super::zip::is_zip;
 use super::{LoadedVolume, VolumeFormat};
 use crate::IoError;
 use crate::store::Store;
+pub(crate) use chunk_cache::ChunkCache;
 use image::Image;
 use tree::{Tree, is_zip_of_zarr};
 

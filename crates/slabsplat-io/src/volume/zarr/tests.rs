@@ -9,7 +9,10 @@ use slabsplat_core::glam::DVec3;
 
 use super::super::zip::written::zip;
 use super::codecs::crc32c;
-use crate::{FilesInMemory, LoadedVolume, VolumeFormat, VolumeOptions, read_volume_with};
+use crate::{
+    FilesInMemory, LayerFile, LoadedVolume, ScratchDesc, VolumeFormat, VolumeOptions, VolumeSource,
+    read_volume_with,
+};
 
 type Files = Vec<(String, Vec<u8>)>;
 
@@ -260,6 +263,38 @@ fn zarr_3_in_shards_of_many_chunks() {
     assert!(error.contains("s0/c/0/0/0") && error.contains("cannot be unpacked"), "{error}");
     // What the volume has no part in is not looked at.
     assert!(read(&shard_of_voxels(Some([5, 3, 3])), &VolumeOptions::default()).is_ok());
+}
+
+/// Boxes of chunks that are retained are those of the whole, in shards and alone, and no chunk is unpacked
+/// twice while there is room.
+#[test]
+fn zarr_chunks_are_retained_for_other_boxes() {
+    let alone = files_v2(&v2("<u2", "C", "null", "/"), "/", |idx| chunk(idx, [2, 1, 0], false));
+    for (files, n_chunks) in [(alone, 8), (shard_of_voxels(None), 60)] {
+        let dir = tempfile::tempdir().unwrap();
+        for (key, bytes) in &files {
+            let path = dir.path().join("a.zarr").join(key);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, bytes).unwrap();
+        }
+        let path = dir.path().join("a.zarr");
+        let layer = LayerFile::of_volume(VolumeSource::File(path));
+        for room in [0, 50, 1 << 20] {
+            let boxes = layer.open_boxes(&ScratchDesc::default()).unwrap();
+            boxes.retain_chunks(room);
+            let before = boxes.chunk_counts()[0];
+            for (first, last) in (0..4).flat_map(|first| (first + 1..=4).map(move |n| (first, n))) {
+                let of = boxes.read([0..5, 0..3, first..last]).unwrap().volume;
+                let Samples::U16(samples) = of.samples() else { panic!("not uint16") };
+                for (at, &sample) in samples.iter().enumerate() {
+                    assert_eq!(sample, value([at % 5, at / 5 % 3, first + at / 15]), "{at}");
+                }
+            }
+            if 1 << 10 < room {
+                assert_eq!(boxes.chunk_counts()[0] - before, n_chunks);
+            }
+        }
+    }
 }
 
 #[test]

@@ -1,0 +1,124 @@
+//! A layer's volume as boxes of voxels, whatever it is stored as.
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use slabsplat_core::Grid;
+
+use super::{LayerFile, VolumeSource};
+use crate::volume::{ChunkCache, Scratch};
+use crate::{IoError, LoadedVolume, ScratchDesc, ScratchUse, VolumeFormat};
+
+/// A volume of which boxes of voxels are read, one after the other, and the rest is never in memory: from its
+/// file, or from a scratch file where that is packed. A clone shares the scratch file, which is gone with the
+/// last of them.
+#[derive(Clone, Debug)]
+pub struct VolumeBoxes {
+    layer: LayerFile,
+    /// The first voxel, with all that the file says.
+    first: LoadedVolume,
+    scratch: Option<Arc<Scratch>>,
+    chunks: ChunkCache,
+}
+
+impl LayerFile {
+    /// Opens the volume to read boxes of it: where its file can only be read from front to back, by reading
+    /// all of it once, into a scratch file as `scratch` says.
+    ///
+    /// ```
+    /// use slabsplat_io::{LayerFile, ScratchDesc, VolumeSource, builtin_volume, write_volume};
+    ///
+    /// let dir = tempfile::tempdir()?;
+    /// let path = dir.path().join("ball.nrrd");
+    /// write_volume(&path, &builtin_volume("sphere", Some(20))?)?;
+    ///
+    /// let layer = LayerFile::of_volume(VolumeSource::File(path));
+    /// let boxes = layer.open_boxes(&ScratchDesc::default().folder(dir.path()))?;
+    /// assert_eq!(boxes.grid().dims(), [20, 20, 20]);
+    /// assert_eq!(boxes.read([4..12, 0..20, 7..8])?.volume.grid().dims(), [8, 20, 1]);
+    /// // It is packed by gzip.
+    /// assert_eq!(boxes.scratch().map(|scratch| scratch.n_bytes), Some(8000));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If it cannot be read, or only with all of it in memory ([`IoError::NotInBoxes`]); if there is no room
+    /// for scratch ([`IoError::NoScratch`]), or the disk fails ([`IoError::Scratch`]).
+    pub fn open_boxes(&self, scratch: &ScratchDesc) -> Result<VolumeBoxes, IoError> {
+        let (mut layer, chunks) = (self.clone(), ChunkCache::default());
+        layer.options.chunks = Some(chunks.clone());
+        match (layer.read_box([0..1, 0..1, 0..1]), &self.volume) {
+            (Ok(first), _) => Ok(VolumeBoxes { layer, first, scratch: None, chunks }),
+            (Err(IoError::NotInBoxes { .. }), VolumeSource::File(path))
+                if !scratch.is_refused() =>
+            {
+                let mut options = self.options.clone();
+                options.voxels = None;
+                let unpacked = Scratch::unpack(path, &options, scratch)?;
+                let first = self.spaced(unpacked.first().clone())?;
+                let scratch = Some(Arc::new(unpacked));
+                Ok(VolumeBoxes { layer, first, scratch, chunks })
+            }
+            (Err(error), _) => Err(error),
+        }
+    }
+
+    fn read_box(&self, voxels: [Range<usize>; 3]) -> Result<LoadedVolume, IoError> {
+        let mut layer = self.clone();
+        layer.options.voxels = Some(voxels);
+        layer.load_volume()
+    }
+}
+
+impl VolumeBoxes {
+    /// The grid of the whole volume.
+    pub fn grid(&self) -> Grid {
+        self.first.volume.grid().uncropped()
+    }
+
+    /// The first voxel, with all that is known of the volume.
+    pub fn first(&self) -> &LoadedVolume {
+        &self.first
+    }
+
+    /// Reads some voxels along x, y and z.
+    ///
+    /// # Errors
+    /// If there are no such voxels, or they cannot be read.
+    pub fn read(&self, voxels: [Range<usize>; 3]) -> Result<LoadedVolume, IoError> {
+        match &self.scratch {
+            Some(scratch) => self.layer.spaced(scratch.read(&voxels)?),
+            None => self.layer.read_box(voxels),
+        }
+    }
+
+    /// Whether it is stored in chunks, which are unpacked whole: several boxes may meet one.
+    pub fn is_in_chunks(&self) -> bool {
+        self.first.format == VolumeFormat::Zarr
+    }
+
+    /// Retains unpacked chunks up to so many bytes for the boxes that are read next, of all clones; none at
+    /// first. Those that were used last stay.
+    pub fn retain_chunks(&self, most_bytes: u64) {
+        self.chunks.set_room(most_bytes);
+    }
+
+    /// How many chunks had to be unpacked, and how many were there, of those that were looked for.
+    pub fn chunk_counts(&self) -> [u64; 2] {
+        self.chunks.counts()
+    }
+
+    /// What it takes on a disk, if it had to be unpacked.
+    pub fn scratch(&self) -> Option<&ScratchUse> {
+        self.scratch.as_deref().map(Scratch::of)
+    }
+
+    /// The file, for messages.
+    pub fn path(&self) -> &Path {
+        match &self.layer.volume {
+            VolumeSource::File(path) => path,
+            VolumeSource::Builtin { name, .. } => Path::new(name),
+        }
+    }
+}
