@@ -1,8 +1,7 @@
 //! What the tests of slabsplat measure against: a [`mod@reference`] renderer in 64-bit floats that uses no
 //! tables, and scenes at random over every choice a scene can make ([`random_scene`]), judged by [`parity`];
 //! [`render`] draws with every backend, and [`spy_device`] stands between a backend and its device, on which
-//! [`on_devices`] runs tests; [`caller`] is somebody who has a device of wgpu's already, and [`browser`] has
-//! a browser draw.
+//! [`on_devices`] runs tests; [`caller`] is somebody who has a device of wgpu's already.
 //!
 //! Nothing here is fast, and nothing here shares code with the renderer under test beyond the types
 //! of `slabsplat-core`. The tests themselves are in `tests/tests/`.
@@ -13,7 +12,6 @@ pub mod render;
 #[cfg(doctest)]
 mod guide;
 
-pub mod browser;
 pub mod caller;
 
 mod lent_device;

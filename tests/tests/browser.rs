@@ -5,7 +5,7 @@
 mod scenes;
 
 use slabsplat::{Image, Scene};
-use slabsplat_tests::browser::{Chromium, Message, Server};
+use slabsplat_testbrowser::{Chromium, Graphics, Message, Server};
 use slabsplat_tests::render::render;
 use std::time::{Duration, Instant};
 
@@ -28,9 +28,10 @@ fn browser_draws_the_same() {
         println!("skipped: `cargo xtask web` runs this in a browser");
         return;
     };
-    let server = Server::start(site.into()).expect("the system has a port");
+    let server = Server::start(vec![site.into()]).expect("the system has a port");
     let mut judge = Judge::new();
-    let chromium = Chromium::open(&server.url("test.html")).expect("Chromium is installed");
+    let chromium = Chromium::start(Graphics::WebGpu).expect("Chromium is installed");
+    chromium.page([800, 600]).open(&server.url("test.html"));
     let began = Instant::now();
     loop {
         let message = server.posted(SILENCE.min(ALL_IN_ALL.saturating_sub(began.elapsed())));

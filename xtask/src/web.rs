@@ -1,11 +1,12 @@
-//! `cargo xtask web`: builds the pages of `tests/outside` for WebAssembly, with vectors, and has a browser
-//! draw in one of them what the CPU draws here.
+//! `cargo xtask web`: builds the pages of `tests/outside` for WebAssembly, with vectors, has a browser draw in
+//! one of them what the CPU draws here, and has the viewer used in it by mouse and keys.
 //!
 //! The pages lie in `target/web` afterwards, and any web server shows them:
 //! `python3 -m http.server -d target/web`. They are built of the crates in this checkout, or with
 //! `--packages` of what `cargo xtask package` made of these, as `cargo xtask outside` does, which then finds
 //! them built.
-//! What is judged, and how, is in `tests/tests/browser.rs`.
+//! What is judged, and how, is in `tests/tests/browser.rs`, and of the viewer in
+//! `crates/slabsplat-cli/tests/program/browser/`.
 
 use std::ffi::OsString;
 use std::fs;
@@ -80,7 +81,9 @@ pub(crate) fn run(web: Web) -> Result<()> {
     let site = build(web)?;
     let mut test = cargo(workspace::root());
     // As all tests are built, which have been already.
-    test.args(["test", "--workspace", "--test", "browser", "--", "--nocapture"]);
+    test.args(["test", "--workspace", "--test", "browser", "--test", "program", "--"]);
+    // One browser after the other: each takes all of a small machine, as its graphics card is a program.
+    test.args(["browser", "--nocapture", "--test-threads=1"]);
     run_command(test.env(SITE, site))
 }
 

@@ -115,6 +115,13 @@ impl Viewer {
         }
     }
 
+    /// All that is said now, a line each.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn says(&self) -> String {
+        let texts: Vec<&str> = self.messages.iter().map(|message| &*message.text).collect();
+        texts.join("\n")
+    }
+
     fn hear_jobs(&mut self, now: f64) {
         if let Some(result) = self.opening.as_ref().and_then(Job::done) {
             self.opening = None;

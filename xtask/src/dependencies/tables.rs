@@ -44,6 +44,11 @@ pub(super) const LAYERS: &[Layer] = &[
         why: "tests of every crate take their seeds from it",
     },
     Layer {
+        name: "slabsplat-testbrowser",
+        may_use: &[],
+        why: "it runs pages of anybody's, and what they show is for tests to judge",
+    },
+    Layer {
         name: "slabsplat-testdata",
         may_use: &[],
         why: "tests of every crate, and what measures, ask it where volumes are",
@@ -170,6 +175,7 @@ pub(super) const LAYERS: &[Layer] = &[
             "slabsplat-mpi",
             "slabsplat-cli",
             "slabsplat-seeds",
+            "slabsplat-testbrowser",
             "slabsplat-testdata",
         ],
         why: "tests look everywhere but into the tooling",

@@ -4,6 +4,8 @@ mod annotations;
 mod backends;
 mod batch;
 mod bench;
+#[cfg(feature = "viewer")]
+mod browser;
 mod colors;
 mod compare;
 mod convert;

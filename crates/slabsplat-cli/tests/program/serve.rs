@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
 /// The program while it serves; it does not outlive a test.
-struct Serving {
+pub(crate) struct Serving {
     child: Child,
     /// Address, and path with the token.
     address: String,
@@ -16,7 +16,11 @@ struct Serving {
 
 impl Serving {
     fn start(args: &str) -> Self {
-        let mut command = program(Path::new("."), args);
+        Self::start_in(Path::new("."), args)
+    }
+
+    pub(crate) fn start_in(folder: &Path, args: &str) -> Self {
+        let mut command = program(folder, args);
         command.stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().expect("the program starts");
         let mut line = String::new();
@@ -26,6 +30,11 @@ impl Serving {
         let (address, path) = link.split_once('/').expect("it has a path");
         let (address, path) = (address.to_owned(), format!("/{path}"));
         Self { child, address, path }
+    }
+
+    /// What it prints.
+    pub(crate) fn link(&self) -> String {
+        format!("http://{}{}", self.address, self.path)
     }
 
     /// Status and body of an answer.

@@ -240,6 +240,11 @@ impl Drop for Window<'_> {
     }
 }
 
+/// Whether the screen has a picture in it whose top is there. What covers its lower half is not looked at.
+pub(crate) fn is_covered_at(screen: &RgbaImage, picture: &RgbaImage, top: u32) -> bool {
+    off_from(screen, picture, top) <= 1
+}
+
 /// By how much the screen is off in the upper half of a picture whose top is there, at most.
 fn off_from(screen: &RgbaImage, picture: &RgbaImage, top: u32) -> u8 {
     let half = (0..picture.height() / 2).flat_map(|y| (0..picture.width()).map(move |x| (x, y)));
@@ -251,7 +256,7 @@ fn off_from(screen: &RgbaImage, picture: &RgbaImage, top: u32) -> u8 {
     .unwrap_or(0)
 }
 
-fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
+pub(crate) fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
     assert_eq!(a.dimensions(), b.dimensions());
     let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
     sum as f64 / a.len() as f64

@@ -2,7 +2,7 @@
 
 use super::{Job, Opener, Progress};
 use crate::frames::Wake;
-use crate::page::{bytes_of, download};
+use crate::page::{backend, bytes_of, download, picture_of, token};
 use crate::received::Session;
 use crate::state::Document;
 use eframe::egui::DroppedFileHandle;
@@ -10,7 +10,7 @@ use slabsplat::io::{
     FilesInMemory, LayerFile, LoadedVolume, PictureFormat, Provenance, SceneFile, VolumeOptions,
     VolumeSource, parse_scene, scene_text,
 };
-use slabsplat::{Mesh, MeshLayer, OpenScene, Renderer, finished, frame_scene};
+use slabsplat::{Image, Mesh, MeshLayer, OpenScene, RenderError, Renderer, finished, frame_scene};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc;
@@ -80,7 +80,9 @@ pub(crate) fn open_bytes(
 pub(crate) fn open_builtin(name: String, size: [u32; 2], wake: &Wake) -> Job<Document> {
     Job::of_future(format!("opening {name}"), wake, async move {
         let source = VolumeSource::Builtin { name: name.clone(), size: None };
-        Document::open(&SceneFile::of_volume(source), name, size).map_err(|error| error.to_string())
+        let mut file = SceneFile::of_volume(source);
+        backend().into_iter().for_each(|backend| file.backend = backend);
+        Document::open(&file, name, size).map_err(|error| error.to_string())
     })
 }
 
@@ -148,6 +150,8 @@ fn with_volumes(
 ) -> Result<OpenScene, String> {
     let mut file = file.clone();
     (file.image.width, file.image.height) = (width, height);
+    // What is saved is drawn by what the page is drawn by.
+    backend().into_iter().for_each(|backend| file.backend = backend);
     OpenScene::with_volumes(volumes, &file).map_err(|error| error.to_string())
 }
 
@@ -159,18 +163,26 @@ pub(crate) fn save_picture(mut opened: OpenScene, path: PathBuf, wake: &Wake) ->
         let endings = PictureFormat::endings;
         let format = PictureFormat::of_name(&path)
             .ok_or_else(|| format!("the name of a picture ends in {}", endings()))?;
-        let mut renderer =
-            Renderer::open_async(&opened.backend, |_| {}).await.map_err(|e| text(&e))?;
-        let scene = frame_scene(&opened.scene).map_err(|e| text(&e))?.into_owned();
-        let frame = renderer.render_async(&scene).await.map_err(|e| text(&e))?;
-        let picture = finished(frame, &opened.scene, opened.acquisition);
-        renderer.caps().name.clone_into(&mut opened.backend);
+        let image = match token() {
+            Some(token) => picture_of(&token, opened.clone()).await?.image,
+            None => drawn_here(&mut opened).await.map_err(|e| text(&e))?,
+        };
         let file = opened.to_file().map_err(|e| text(&e))?;
         let provenance = Provenance::of_scene(&file, &path).map_err(|e| text(&e))?;
-        let bytes = format.bytes(&picture.frame.image, Some(&provenance)).map_err(|e| text(&e))?;
+        let bytes = format.bytes(&image, Some(&provenance)).map_err(|e| text(&e))?;
         download(&name, &bytes)?;
         Ok(format!("{name} is among your downloads"))
     })
+}
+
+/// The picture of a scene, finished; the scene then says what drew it.
+async fn drawn_here(opened: &mut OpenScene) -> Result<Image, RenderError> {
+    let mut renderer = Renderer::open_async(&opened.backend, |_| {}).await?;
+    let scene = frame_scene(&opened.scene)?.into_owned();
+    let frame = renderer.render_async(&scene).await?;
+    let picture = finished(frame, &opened.scene, opened.acquisition);
+    renderer.caps().name.clone_into(&mut opened.backend);
+    Ok(picture.frame.image)
 }
 
 /// Downloads a scene file. Returns a sentence.

@@ -8,6 +8,16 @@ pub(super) fn parameter(name: &str) -> Option<String> {
     UrlSearchParams::new_with_str(&search).ok()?.get(name).filter(|value| !value.is_empty())
 }
 
+/// The backend that the address names.
+pub(crate) fn backend() -> Option<String> {
+    parameter("backend")
+}
+
+/// What lets the page into its server, if that draws.
+pub(crate) fn token() -> Option<String> {
+    parameter("token")
+}
+
 /// The address of something beside the page, on the same server, for a protocol like `http` or `ws`.
 pub(super) fn beside(protocol: &str, path: &str) -> Option<String> {
     let location = window()?.location();

@@ -5,14 +5,17 @@
 //! `?backend=` what draws, and `?token=` that a server draws.
 //!
 //! Reading order: `address` and `fetch` (what the page asks for), `renderer` (frames drawn in the page),
-//! `remote` (frames of a server).
+//! `remote` (frames of a server), `aloud` (messages as text).
 
 mod address;
+mod aloud;
 mod fetch;
 mod remote;
 mod renderer;
 
+pub(crate) use address::{backend, token};
 pub(crate) use fetch::{bytes_of, download};
+pub(crate) use remote::picture_of;
 
 use crate::app::Viewer;
 use crate::frames::{FrameSource, Wake};
@@ -20,7 +23,8 @@ use crate::jobs;
 use std::sync::Arc;
 use web_sys::HtmlCanvasElement;
 
-/// Shows the viewer in a canvas, for as long as the page is there.
+/// Shows the viewer in a canvas, for as long as the page is there. What it says to its user is also the text
+/// of the element `said`, if the page has one, for those who cannot read it in the canvas.
 ///
 /// # Errors
 /// If the browser draws nothing in it, in a sentence for people.
@@ -28,7 +32,7 @@ pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
     let mut options = eframe::WebOptions::default();
     options.dithering = false;
     let create = |context: &eframe::CreationContext<'_>| {
-        let app: Box<dyn eframe::App> = Box::new(viewer(&context.egui_ctx)?);
+        let app: Box<dyn eframe::App> = Box::new(aloud::Aloud::new(viewer(&context.egui_ctx)?));
         Ok(app)
     };
     let started = eframe::WebRunner::new().start(canvas, options, Box::new(create)).await;
@@ -38,10 +42,10 @@ pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
 fn viewer(egui: &eframe::egui::Context) -> Result<Viewer, String> {
     let of_wake = egui.clone();
     let wake: Wake = Arc::new(move || of_wake.request_repaint());
-    let token = address::parameter("token");
+    let token = token();
     let source: Box<dyn FrameSource> = match &token {
         Some(token) => Box::new(remote::Remote::connect(token, wake.clone())?),
-        None => Box::new(renderer::PageRenderer::open(address::parameter("backend"), wake.clone())),
+        None => Box::new(renderer::PageRenderer::open(backend(), wake.clone())),
     };
     let mut viewer = Viewer::new(egui, source, jobs::opener(), wake);
     if let Some(token) = token {

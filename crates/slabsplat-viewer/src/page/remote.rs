@@ -1,13 +1,17 @@
 //! Frames of a server, by a WebSocket: scenes go there as text, pictures come back as files.
 
 use super::address;
-use crate::frames::{Event, FrameSource, Request, Wake};
+use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
 use crate::received::{Answer, drawn_of, request_text};
 use eframe::wasm_bindgen::JsCast;
 use eframe::wasm_bindgen::closure::Closure;
 use js_sys::{ArrayBuffer, Uint8Array};
+use slabsplat::OpenScene;
 use std::cell::RefCell;
+use std::future::poll_fn;
 use std::rc::Rc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Poll, Waker};
 use web_sys::{BinaryType, CloseEvent, MessageEvent, WebSocket};
 
 /// A server that draws.
@@ -63,6 +67,48 @@ impl Remote {
         socket.set_onopen(Some(on_open.as_ref().unchecked_ref()));
         socket.set_onclose(Some(on_close.as_ref().unchecked_ref()));
         Ok(Self { socket, shared, _on_message: on_message, _on_open: on_open, _on_close: on_close })
+    }
+}
+
+/// What the server draws of a scene at rest, by a connection of its own, as a picture that is saved has its
+/// own size and is no pane's.
+///
+/// # Errors
+/// What the server says, or that it says nothing.
+pub(crate) async fn picture_of(token: &str, opened: OpenScene) -> Result<Drawn, String> {
+    let waker = Arc::new(Mutex::new(None::<Waker>));
+    let of_wake = waker.clone();
+    let wake: Wake = Arc::new(move || {
+        let waker = of_wake.lock().unwrap_or_else(PoisonError::into_inner).take();
+        waker.into_iter().for_each(Waker::wake);
+    });
+    let mut remote = Remote::connect(token, wake)?;
+    remote.ask(Request { pane: 0, number: 1, opened, urgency: Urgency::AtRest });
+    poll_fn(|context| {
+        *waker.lock().unwrap_or_else(PoisonError::into_inner) = Some(context.waker().clone());
+        for event in remote.events() {
+            match event {
+                Event::Drawn(drawn) => return Poll::Ready(Ok(*drawn)),
+                Event::Failed { why, .. } => return Poll::Ready(Err(why)),
+                Event::Note(_) => {}
+            }
+        }
+        match remote.socket.ready_state() {
+            WebSocket::CONNECTING | WebSocket::OPEN => Poll::Pending,
+            _ => Poll::Ready(Err("the server has no room for one more picture".to_owned())),
+        }
+    })
+    .await
+}
+
+impl Drop for Remote {
+    /// Nothing is heard any more, and the server has room for another.
+    fn drop(&mut self) {
+        self.socket.set_onmessage(None);
+        self.socket.set_onopen(None);
+        self.socket.set_onclose(None);
+        // It may be closed already.
+        drop(self.socket.close());
     }
 }
 

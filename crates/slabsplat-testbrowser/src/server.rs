@@ -1,9 +1,9 @@
-//! A web server for one test: the files of a folder, and a channel for what is posted.
+//! A web server for one test: the files of some folders, and a channel for what is posted.
 
 use std::fs;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread;
@@ -18,7 +18,7 @@ const MAX_HEAD: u64 = 64 << 10;
 /// How long a connection may be silent.
 const SILENCE: Duration = Duration::from_secs(10);
 
-/// Serves the files of a folder to this machine alone, until the process ends.
+/// Serves the files of some folders to this machine alone, until the process ends.
 #[derive(Debug)]
 pub struct Server {
     address: SocketAddr,
@@ -35,20 +35,20 @@ pub struct Message {
 }
 
 impl Server {
-    /// Serves what lies in the folder itself, not below.
+    /// Serves what lies in the folders themselves, not below; of files of one name that of the first.
     ///
     /// # Errors
     /// If the system does not let it.
-    pub fn start(folder: PathBuf) -> io::Result<Self> {
+    pub fn start(folders: Vec<PathBuf>) -> io::Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
         let address = listener.local_addr()?;
         let (sender, posted) = mpsc::channel();
-        let folder = Arc::new(folder);
+        let folders = Arc::new(folders);
         thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                let (folder, sender) = (folder.clone(), sender.clone());
+                let (folders, sender) = (folders.clone(), sender.clone());
                 // A browser that goes away is no failure of the server's.
-                thread::spawn(move || answer(&stream, &folder, &sender).ok());
+                thread::spawn(move || answer(&stream, &folders, &sender).ok());
             }
         });
         Ok(Self { address, posted })
@@ -69,7 +69,7 @@ impl Server {
 }
 
 /// Answers the one request of a connection.
-fn answer(stream: &TcpStream, folder: &Path, sender: &Sender<Message>) -> io::Result<()> {
+fn answer(stream: &TcpStream, folders: &[PathBuf], sender: &Sender<Message>) -> io::Result<()> {
     stream.set_read_timeout(Some(SILENCE))?;
     let mut reader = BufReader::new(stream);
     let Some(request) = read_head(&mut (&mut reader).take(MAX_HEAD))? else {
@@ -77,7 +77,7 @@ fn answer(stream: &TcpStream, folder: &Path, sender: &Sender<Message>) -> io::Re
     };
     let path = request.target.split('?').next().unwrap_or_default();
     match &*request.method {
-        "GET" => match find(path, folder) {
+        "GET" => match find(path, folders) {
             Some(bytes) => respond(stream, "200 OK", kind_of(path), &bytes),
             None => respond(stream, "404 Not Found", "text/plain", b""),
         },
@@ -123,18 +123,19 @@ fn read_head(reader: &mut impl BufRead) -> io::Result<Option<Request>> {
 }
 
 /// The file of a path, which is a plain name: no folder, and nothing above.
-fn find(path: &str, folder: &Path) -> Option<Vec<u8>> {
+fn find(path: &str, folders: &[PathBuf]) -> Option<Vec<u8>> {
     let name = path.strip_prefix('/')?;
     let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.' || c == '-';
     if name.starts_with('.') || !name.chars().all(is_plain) {
         return None;
     }
-    fs::read(folder.join(name)).ok()
+    folders.iter().find_map(|folder| fs::read(folder.join(name)).ok())
 }
 
-/// As what a browser takes it; of WebAssembly and modules it is particular.
+/// As what a browser takes it; of WebAssembly, modules and styles it is particular.
 fn kind_of(path: &str) -> &'static str {
     match path.rsplit('.').next() {
+        Some("css") => "text/css",
         Some("html") => "text/html",
         Some("js") => "text/javascript",
         Some("wasm") => "application/wasm",
@@ -165,13 +166,18 @@ mod tests {
     }
 
     #[test]
-    fn server_gives_files_of_its_folder_alone() {
+    fn server_gives_files_of_its_folders_alone() {
         let dir = tempfile::tempdir().unwrap();
-        let inner = dir.path().join("inner");
+        let [inner, other] = ["inner", "other"].map(|name| dir.path().join(name));
         fs::create_dir(&inner).unwrap();
+        fs::create_dir(&other).unwrap();
         fs::write(inner.join("a.js"), "let a = 1;").unwrap();
+        fs::write(other.join("a.js"), "let a = 2;").unwrap();
+        fs::write(other.join("b.css"), "p {}").unwrap();
         fs::write(dir.path().join("secret"), "no").unwrap();
-        let server = Server::start(inner).unwrap();
+        let server = Server::start(vec![inner, other]).unwrap();
+        let style = asked(&server, "GET /b.css HTTP/1.1\r\n\r\n");
+        assert!(style.contains("text/css") && style.ends_with("p {}"), "{style}");
         let found = asked(&server, "GET /a.js?x=1 HTTP/1.1\r\n\r\n");
         assert!(
             found.starts_with("HTTP/1.1 200 OK\r\nContent-Type: text/javascript\r\n"),
@@ -186,7 +192,7 @@ mod tests {
 
     #[test]
     fn server_hands_on_what_is_posted() {
-        let server = Server::start("no-such-folder".into()).unwrap();
+        let server = Server::start(vec!["no-such-folder".into()]).unwrap();
         let posted = asked(&server, "POST /say HTTP/1.1\r\ncontent-length: 5\r\n\r\nhellomore");
         assert!(posted.starts_with("HTTP/1.1 200"), "{posted}");
         let message = server.posted(SILENCE).unwrap();

@@ -1,0 +1,60 @@
+//! The page alone: it reads and draws in the browser, and nothing is sent anywhere.
+
+use super::{Used, first_picture, site};
+use crate::view::mean_difference;
+use slabsplat_testbrowser::{Chromium, Graphics, Server};
+use std::fs;
+
+/// By how much numbers of 8 bits may differ whose colours are 10⁻³ apart at most (model §9): by which of two
+/// neighbours they are rounded to.
+const ROUNDING: u8 = 1;
+
+/// A real volume.
+const BRAIN: &str = "mni152_t1_1mm_uint8.nii.gz";
+
+#[test]
+fn a_page_shows_a_real_volume_by_the_cpu_in_a_window_of_webgl() {
+    let Some(site) = site() else { return };
+    let Some(brain) = slabsplat_testdata::volume(&format!("nifti/{BRAIN}")) else { return };
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(brain, dir.path().join(BRAIN)).unwrap();
+    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
+    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
+    let page = chromium.page([800, 560]);
+    let used = Used { page, folder: dir.path() };
+    first_picture(&used, "a built-in volume, WebGL", &server.url("index.html"));
+    first_picture(&used, BRAIN, &server.url(&format!("index.html?url={BRAIN}")));
+    use_it(&used);
+}
+
+/// A program that plays a graphics card takes minutes for a brain. Only without a tolerance do it and the CPU
+/// draw the same sections.
+const SMALL: &str = "volume = { generate = \"neuron\", size = 20 }\n\
+                     image = { background = [0.1, 0.1, 0.12, 1.0] }\n\
+                     render = { slab_width = 2.0, tolerance = 0.0 }\n";
+
+#[test]
+fn a_page_draws_by_webgpu_what_the_cpu_draws() {
+    let Some(site) = site() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("small.toml"), SMALL).unwrap();
+    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
+    let chromium = Chromium::start(Graphics::WebGpu).expect("Chromium is installed");
+    let page = chromium.page([520, 380]);
+    let used = Used { page, folder: dir.path() };
+    first_picture(&used, "a built-in volume, WebGPU", &server.url("index.html"));
+    let small = "index.html?scene=small.toml&backend=wgpu";
+    first_picture(&used, "a small volume by WebGPU", &server.url(small));
+    use_it(&used);
+}
+
+/// Turns, edits, and has all of it be what `render` draws.
+fn use_it(used: &Used<'_>) {
+    let first = used.saves_what_render_draws("first", ROUNDING);
+    used.turn();
+    let turned = used.saves_what_render_draws("turned", ROUNDING);
+    assert!(1.0 < mean_difference(&turned, &first), "it was turned");
+    used.add_opacity();
+    let edited = used.saves_what_render_draws("edited", ROUNDING);
+    assert!(1.0 < mean_difference(&edited, &turned), "it is more opaque");
+}
