@@ -68,6 +68,7 @@ pub use write::{VolumeOutput, write_colored_volume, write_volume};
 
 use crate::IoError;
 use crate::printable::shown;
+use crate::progress::unless_stopped;
 use crate::store::Store;
 use formats::{Found, Input};
 
@@ -124,7 +125,7 @@ pub(crate) fn read_from(
         let name = reader.listed().split(" (").next().unwrap_or_default();
         input.refuse_window(&format!("a volume in the format {name}"))?;
     }
-    let mut loaded = reader.read(&input)?;
+    let mut loaded = unless_stopped(options.progress.as_ref(), reader.read(&input))?;
     options.check(&path, &loaded.choices)?;
     loaded.warnings.extend(loaded.choices.warnings(&options));
     // They may cite the file, and one that lists a file again and again is warned of as often.

@@ -7,6 +7,7 @@ use eframe::egui::DroppedFileHandle;
 use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate, Turn};
 use slabsplat::io::{PictureFormat, ProgressCallback, Provenance, SceneFile, write_scene};
 use slabsplat::{OpenScene, Renderer, TurnAxis};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 
@@ -56,7 +57,10 @@ pub(crate) fn open_dropped(
 /// Opens what `opening` opens.
 pub(crate) fn begin(name: String, opening: Opening, size: [u32; 2], wake: &Wake) -> Job<Document> {
     let title = format!("opening {name}");
-    Job::begin(title, wake, move |_| Ok(Document::of(opening(size)?, name)))
+    let wake_of_work = wake.clone();
+    Job::begin(title, wake, move |progress| {
+        Ok(Document::of(opening(size, heard(progress, wake_of_work))?, name))
+    })
 }
 
 fn open_file(
@@ -66,13 +70,22 @@ fn open_file(
     progress: &Progress,
     wake: Wake,
 ) -> Result<Document, String> {
-    let reading = progress.clone();
-    let heard = ProgressCallback::new(move |read| {
-        reading.reach(0.9 * read.share());
-        wake();
-    });
+    let heard = heard(progress, wake);
     file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(heard.clone()));
     Document::open(&file, name, size).map_err(|error| error.to_string())
+}
+
+/// Share of opening that is reading; the rest looks at what was read.
+const READING: f64 = 0.9;
+
+/// What hears of the reading of volumes, and ends it once the work is given up.
+fn heard(progress: &Progress, wake: Wake) -> ProgressCallback {
+    let progress = progress.clone();
+    ProgressCallback::stopping(move |read| {
+        progress.reach(READING * read.share());
+        wake();
+        if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
 }
 
 fn name_of(path: &Path) -> String {
@@ -167,4 +180,47 @@ fn make_film(
     };
     let report = film.make::<FilmingError, _>(render, |_| {})?;
     Ok(format!("{}: {} frames", path.display(), report.n_frames))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat::io::VolumeSource;
+    use std::fs;
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+
+    /// A header of a gigabyte of nothing, which takes no room on a disk.
+    fn large(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("slabsplat-{name}-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::File::create(folder.join("a.raw")).unwrap().set_len(1 << 30).unwrap();
+        let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1024 1024 1024\nencoding: raw\ndata file: a.raw\n";
+        fs::write(folder.join("a.nhdr"), header).unwrap();
+        folder.join("a.nhdr")
+    }
+
+    #[test]
+    fn a_thread_ends_when_what_it_reads_is_given_up() {
+        let path = large("given-up");
+        let opener: Opener = Arc::new(|path| {
+            Ok(SceneFile::of_volume(VolumeSource::File(path.to_owned())))
+        });
+        let wake: Wake = Arc::new(|| {});
+        let job = open(opener, path.clone(), [64, 64], &wake);
+        let progress = job.progress.clone();
+        let began = Instant::now();
+        while job.share() == 0.0 && began.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        drop(job);
+        // Whoever works has a copy of it.
+        while 1 < Arc::strong_count(&progress.thousandths) {
+            assert!(began.elapsed() < Duration::from_secs(60), "it goes on");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let share = progress.thousandths.load(std::sync::atomic::Ordering::Relaxed);
+        assert!(share < 880, "it was read to the end");
+        fs::remove_dir_all(path.parent().unwrap()).unwrap();
+    }
 }

@@ -12,7 +12,7 @@ pub(crate) use desktop::*;
 #[cfg(target_arch = "wasm32")]
 pub(crate) use page::*;
 
-use slabsplat::io::SceneFile;
+use slabsplat::io::{ProgressCallback, SceneFile};
 use slabsplat::{FrameHandle, OpenScene};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -22,8 +22,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// What a scene file makes of a name: a volume, a scene, a picture that says what it shows.
 pub type Opener = Arc<dyn Fn(&Path) -> Result<SceneFile, String> + Send + Sync>;
 
-/// What opens something for views of a size, in pixels, on a thread of its own.
-pub type Opening = Box<dyn FnOnce([u32; 2]) -> Result<OpenScene, String> + Send>;
+/// What opens something for views of a size, in pixels, on a thread of its own. The callback hears how far
+/// reading is, and stops it when it is given up.
+pub type Opening =
+    Box<dyn FnOnce([u32; 2], ProgressCallback) -> Result<OpenScene, String> + Send>;
 
 /// Work that goes on.
 #[derive(Debug)]

@@ -174,8 +174,7 @@ impl<'a> Reading<'a> {
                     placed.map_err(|failure| failed(tree, &key(image, index), failure))?;
                 }
             }
-            self.meter.advance(chunk_bytes(image));
-            Ok(())
+            Ok(self.meter.advance(chunk_bytes(image))?)
         })
     }
 
@@ -187,7 +186,7 @@ impl<'a> Reading<'a> {
         let chunks = &self.image.array.chunks;
         let start = self.start_of(index);
         let key = key(self.image, index);
-        self.meter.advance(chunk_bytes(self.image));
+        self.meter.advance(chunk_bytes(self.image))?;
         let Some(part) = self.tree.part(&key)? else {
             self.fill(&start, &chunks.shape);
             return Ok(());
