@@ -1,18 +1,18 @@
 //! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
 //!
-//! Reading order: here, `view`, `keys`, `bars`.
+//! Reading order: here, `opening`, `view`, `keys`, `bars`.
 
 mod bars;
 mod keys;
+mod opening;
 mod view;
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
-#[cfg(not(target_arch = "wasm32"))]
-use crate::jobs::Opening;
 use crate::jobs::{self, Job, Opener};
 use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
-use crate::ui::{self, Files, Pane, Panel, Ruler, Wish};
+use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler, Wish};
 use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
+use opening::Opening;
 use slabsplat::{Finish, ImageDesc, OpenScene, Viewpoint};
 
 /// A viewer of volumes, an app of eframe's.
@@ -23,7 +23,7 @@ pub struct Viewer {
     pacing: Pacing,
     budgets: Vec<FrameBudget>,
     document: Option<Document>,
-    opening: Option<Job<Document>>,
+    opening: Opening,
     jobs: Vec<Job<String>>,
     panel: Panel,
     files: Files,
@@ -74,7 +74,7 @@ impl Viewer {
             pacing: Pacing::default(),
             budgets: Vec::new(),
             document: None,
-            opening: None,
+            opening: Opening::default(),
             jobs: Vec::new(),
             panel: Panel::default(),
             files: Files::default(),
@@ -87,18 +87,6 @@ impl Viewer {
             shows_help: false,
             shown: None,
         }
-    }
-
-    /// Opens what a job opens, of views of a size.
-    #[cfg(target_arch = "wasm32")]
-    pub(crate) fn begin(&mut self, job: impl FnOnce([u32; 2], &Wake) -> Job<Document>) {
-        self.opening = Some(job(self.view, &self.wake));
-    }
-
-    /// Opens something instead of what is open; `name` is what it is called.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn open(&mut self, name: String, opening: Opening) {
-        self.opening = Some(jobs::begin(name, opening, self.view, &self.wake));
     }
 
     /// What was opened before, the newest first.
@@ -116,13 +104,8 @@ impl Viewer {
     }
 
     fn hear_jobs(&mut self, now: f64) {
-        if let Some(result) = self.opening.as_ref().and_then(Job::done) {
-            self.opening = None;
-            match result {
-                Ok(document) => self.show_document(document),
-                Err(why) => self.say(why),
-            }
-        }
+        self.hear_opening(now);
+        self.open_waiting();
         let done: Vec<_> = self.jobs.iter().map(Job::done).collect();
         let mut is_done = done.iter().map(Option::is_some);
         self.jobs.retain(|_| !is_done.next().unwrap_or(false));
@@ -133,17 +116,6 @@ impl Viewer {
                 Err(why) => self.say(why),
             }
         }
-    }
-
-    fn show_document(&mut self, document: Document) {
-        let opened = &document.state().opened;
-        let said: Vec<String> = opened.found.iter().chain(&opened.warnings).cloned().collect();
-        said.into_iter().for_each(|what| self.say(what));
-        self.document = Some(document);
-        self.panes.clear();
-        self.pacing.forget();
-        self.ruler = Ruler::default();
-        self.panel = Panel::default();
     }
 
     fn hear_frames(&mut self, context: &Context) {
@@ -211,15 +183,6 @@ impl Viewer {
         }
     }
 
-    /// What was dropped onto the window.
-    fn dropped(&mut self, context: &Context) {
-        let dropped = context.input(|input| input.raw.dropped_files.clone());
-        if let Some(file) = dropped.first() {
-            let opener = self.opener.clone();
-            self.opening = Some(jobs::open_dropped(opener, file, self.view, &self.wake));
-        }
-    }
-
     fn grant(&mut self, wish: Wish) {
         let pane = |[width, height]: [u32; 2]| {
             let mut opened = self.document.as_ref()?.pane(0);
@@ -229,14 +192,8 @@ impl Viewer {
         };
         match wish {
             #[cfg(target_arch = "wasm32")]
-            Wish::OpenBytes(name, bytes) => {
-                self.opening = Some(jobs::open_bytes(name, bytes, self.view, &self.wake));
-            }
-            Wish::Open(path) => {
-                self.files.opened(&path);
-                let job = jobs::open(self.opener.clone(), path, self.view, &self.wake);
-                self.opening = Some(job);
-            }
+            Wish::OpenBytes(opens, name, bytes) => self.open_bytes(opens, name, bytes),
+            Wish::Open(opens, path) => self.open_named(opens, path),
             Wish::SaveScene(path) => {
                 let opened = pane(self.view);
                 self.jobs.extend(opened.map(|it| jobs::save_scene(it, path, &self.wake)));
@@ -249,6 +206,13 @@ impl Viewer {
                 let opened = pane(size);
                 self.jobs.extend(opened.map(|it| jobs::film(it, path, seconds, &self.wake)));
             }
+        }
+    }
+
+    fn grant_panel(&mut self, wish: PanelWish) {
+        wish.said.into_iter().for_each(|what| self.say(what));
+        if wish.adds_layer {
+            self.files.ask_layer();
         }
     }
 
@@ -274,7 +238,7 @@ impl Viewer {
         }
         let is_brief = |message: &Message| message.until.is_some();
         let has_brief = self.messages.iter().any(is_brief);
-        if !self.pacing.is_done() || self.opening.is_some() || !self.jobs.is_empty() || has_brief {
+        if !self.pacing.is_done() || self.opening.job().is_some() || !self.jobs.is_empty() || has_brief {
             // For progress bars: what is done wakes the window by itself.
             context.request_repaint_after(std::time::Duration::from_millis(100));
         }
@@ -292,8 +256,8 @@ impl eframe::App for Viewer {
         Bar::bottom("status").show(ui, |ui| self.status(ui));
         if let Some(document) = &mut self.document {
             let panel = Bar::right("controls").default_size(330.0).size_range(330.0..=520.0);
-            let said = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
-            said.into_iter().for_each(|what| self.say(what));
+            let wish = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
+            self.grant_panel(wish);
         }
         CentralPanel::no_frame().show(ui, |ui| self.view(ui));
         self.notices(&context);

@@ -47,6 +47,8 @@ pub(crate) struct Session {
 struct SessionLayer {
     range: Option<[f64; 2]>,
     counts: Vec<u64>,
+    #[serde(default)]
+    labels: Vec<i64>,
 }
 
 impl Session {
@@ -63,10 +65,12 @@ impl Session {
         }
     }
 
-    /// How many voxels of each layer have which values.
-    pub(crate) fn counts(&self) -> Vec<Option<ValueCounts>> {
-        let of_layer =
-            |layer: &SessionLayer| Some(ValueCounts::of_counts(layer.range?, layer.counts.clone()));
+    /// How many voxels of each layer have which values, and which labels.
+    pub(crate) fn facts(&self) -> Vec<(Option<ValueCounts>, Vec<i64>)> {
+        let of_layer = |layer: &SessionLayer| {
+            let counts = layer.range.map(|range| ValueCounts::of_counts(range, layer.counts.clone()));
+            (counts, layer.labels.clone())
+        };
         self.layers.iter().map(of_layer).collect()
     }
 }
@@ -159,16 +163,16 @@ mod tests {
     #[test]
     fn a_session_says_what_is_shown() {
         let json = r#"{"name":"head","scene":"","is_metric":true,"layers":[
-            {"range":[0,8],"counts":[3,1],"labels":[]},{"range":null,"counts":[],"labels":[]}]}"#;
+            {"range":[0,8],"counts":[3,1],"labels":[2,5]},{"range":null,"counts":[],"labels":[]}]}"#;
         let session = Session::of_json(json.as_bytes()).unwrap();
         assert_eq!((session.name.as_str(), session.scene.as_str()), ("head", ""));
         let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
         let mut opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
         session.tell(&mut opened);
         assert!(opened.acquisition.is_metric && opened.found.is_empty());
-        let counts = session.counts();
-        assert_eq!(counts[0].as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
-        assert_eq!(counts[1], None);
+        let facts = session.facts();
+        assert_eq!(facts[0].0.as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
+        assert_eq!((&facts[0].1[..], &facts[1]), (&[2, 5][..], &(None, Vec::new())));
         assert!(Session::of_json(b"{}").is_err());
     }
 

@@ -14,6 +14,9 @@ impl Viewer {
             let shortcut = KeyboardShortcut::new(modifiers, key);
             context.input_mut(|input| input.consume_shortcut(&shortcut))
         };
+        if shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::O) && self.document.is_some() {
+            self.files.ask_layer();
+        }
         if shortcut(Modifiers::COMMAND, Key::O) {
             self.files.ask_open();
         }

@@ -105,7 +105,7 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
         opened.sources.meshes = meshes;
         session.tell(&mut opened);
         let mut document = Document::of(opened, session.name.clone());
-        document.counts = session.counts();
+        document.set_facts(session.facts());
         Ok(document)
     })
 }

@@ -17,7 +17,7 @@ pub(crate) const KEYS: &[[&str; 2]] = &[
     ["M", "measure: click two points"],
     ["T", "turn around"],
     ["Ctrl + Z, Ctrl + Shift + Z", "undo, redo"],
-    ["Ctrl + O", "open a volume or a scene"],
+    ["Ctrl + O, Ctrl + Shift + O", "open a volume or a scene, add one as a layer"],
     ["Ctrl + S, Ctrl + E", "save the scene, save a picture"],
     ["Tab, Space, Enter", "reach and use any control"],
     ["?", "this help"],

@@ -102,7 +102,7 @@ pub(crate) fn labels(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
     let Some(labels) = layer.labels.clone() else { return };
     let mut styles = labels.styles().clone();
     let mut is_changed = false;
-    let names = document.labels[layer_idx].clone();
+    let names = document.labels_of(layer_idx).to_vec();
     ui.horizontal(|ui| {
         for (text, opacity) in [("all", 1.0), ("none", 0.0)] {
             if ui.small_button(text).clicked() {

@@ -211,8 +211,9 @@ fn roll_of(frame: &Frame, response: &Response) -> f64 {
 
 /// What is under a point of the view.
 pub(crate) fn under(document: &Document, at: ViewPoint) -> Option<Picked> {
-    let scene = &document.state().opened.scene;
-    state::picked(scene, state::ray(&scene.camera, at))
+    let shown = document.shown().scene;
+    let picked = state::picked(&shown, state::ray(&shown.camera, at))?;
+    Some(Picked { layer_idx: document.layer_of_shown(picked.layer_idx), ..picked })
 }
 
 /// Senses a pane's pointer.

@@ -65,7 +65,7 @@ impl Editor {
     pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document, layer_idx: usize) {
         let layer = &document.state().opened.scene.layers[layer_idx];
         let transfer = layer.transfer.clone();
-        let counts = document.counts[layer_idx].clone();
+        let counts = document.counts_of(layer_idx).cloned();
         let values = self.shown.unwrap_or_else(|| all_values(&transfer, counts.as_ref()));
         let size = vec2(ui.available_width(), PLOT_HEIGHT + STRIP_HEIGHT + 2.0);
         let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
