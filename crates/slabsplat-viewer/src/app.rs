@@ -13,7 +13,7 @@ use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
 use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler, Wish};
 use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
 use opening::Opening;
-use slabsplat::{Finish, ImageDesc, OpenScene, Viewpoint};
+use slabsplat::{ImageDesc, Viewpoint};
 
 /// A viewer of volumes, an app of eframe's.
 pub struct Viewer {
@@ -229,7 +229,7 @@ impl Viewer {
             let opened = document.pane(pane);
             let opened = match urgency {
                 Urgency::AtRest => opened,
-                Urgency::Moving => preview(opened, self.budgets[pane].size(self.view)),
+                Urgency::Moving => self.budgets[pane].preview(opened, self.view),
             };
             self.source.ask(Request { pane, number, opened, urgency });
         }
@@ -272,14 +272,4 @@ impl eframe::App for Viewer {
         }
         self.ask(&context);
     }
-}
-
-/// A scene as it is shown while it moves: small, and with nothing drawn on it.
-fn preview(mut opened: OpenScene, [width, height]: [u32; 2]) -> OpenScene {
-    let image = &mut opened.scene.image;
-    (image.width, image.height) = (width, height);
-    let below = opened.scene.finish.background_below;
-    opened.scene.finish =
-        below.map_or_else(Finish::default, |color| Finish::default().background_below(color));
-    opened
 }
