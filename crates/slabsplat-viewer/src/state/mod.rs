@@ -1,6 +1,6 @@
 //! All that a viewer knows without a window: what is open and what becomes of it.
 //!
-//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`.
+//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `touch`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`.
 
 mod camera_moves;
 mod curve;
@@ -12,6 +12,7 @@ mod layers;
 mod pacing;
 mod pick;
 mod seen;
+mod touch;
 
 pub use camera_moves::{
     ViewPoint, centered_on, height_at_target, orbited, panned, ray, rolled, seen_at, slid,
@@ -25,3 +26,4 @@ pub use history::History;
 pub use layers::are_apart;
 pub use pacing::{Asked, Pacing};
 pub use pick::{Picked, picked};
+pub use touch::{Touch, touched};
