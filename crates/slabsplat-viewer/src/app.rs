@@ -1,19 +1,21 @@
 //! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
 //!
-//! Reading order: here, `opening`, `view`, `keys`, `bars`.
+//! Reading order: here, `opening`, `saving`, `view`, `keys`, `bars`, `thumbnails`.
 
 mod bars;
 mod keys;
 mod opening;
+mod saving;
+mod thumbnails;
 mod view;
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
-use crate::jobs::{self, Job, Opener};
+use crate::jobs::{Job, Opener};
 use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
-use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler, Wish};
+use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler};
 use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
 use opening::Opening;
-use slabsplat::{ImageDesc, Viewpoint};
+use slabsplat::Viewpoint;
 
 /// A viewer of volumes, an app of eframe's.
 pub struct Viewer {
@@ -24,6 +26,10 @@ pub struct Viewer {
     budgets: Vec<FrameBudget>,
     document: Option<Document>,
     opening: Opening,
+    /// A preset that is fitted to a volume, for a small picture.
+    thumbnail: Option<thumbnails::Fitting>,
+    /// Whether a server draws: what is open is its scene, and stays that.
+    is_served: bool,
     jobs: Vec<Job<String>>,
     panel: Panel,
     files: Files,
@@ -75,6 +81,8 @@ impl Viewer {
             budgets: Vec::new(),
             document: None,
             opening: Opening::default(),
+            thumbnail: None,
+            is_served: false,
             jobs: Vec::new(),
             panel: Panel::default(),
             files: Files::default(),
@@ -121,7 +129,13 @@ impl Viewer {
     fn hear_frames(&mut self, context: &Context) {
         for event in self.source.events() {
             match event {
+                Event::Drawn(drawn) if thumbnails::is_thumbnail(drawn.number) => {
+                    self.show_thumbnail(context, &drawn);
+                }
                 Event::Drawn(drawn) => self.show_frame(context, *drawn),
+                Event::Failed { number, .. } if thumbnails::is_thumbnail(number) => {
+                    self.panel.thumbnails.came(Some(number), None);
+                }
                 Event::Failed { pane, number, why } => {
                     if self.pacing.came(pane, number)
                         && let Some(pane) = self.panes.get_mut(pane)
@@ -175,37 +189,18 @@ impl Viewer {
         }
     }
 
+    /// The source draws volumes that are not here: its scene is shown and edited, of which it has the layers,
+    /// and nothing else can be opened.
+    pub fn set_served(&mut self) {
+        self.is_served = true;
+        self.panel = Panel::new(true);
+    }
+
     fn aim(&mut self, viewpoint: Option<Viewpoint>) {
         let Some(document) = &mut self.document else { return };
         document.settle();
         if let Err(error) = document.aim(viewpoint) {
             self.say(error.to_string());
-        }
-    }
-
-    fn grant(&mut self, wish: Wish) {
-        let pane = |[width, height]: [u32; 2]| {
-            let mut opened = self.document.as_ref()?.pane(0);
-            let image = ImageDesc::new(width, height);
-            opened.scene.image = image.background(opened.scene.image.background);
-            Some(opened)
-        };
-        match wish {
-            #[cfg(target_arch = "wasm32")]
-            Wish::OpenBytes(opens, name, bytes) => self.open_bytes(opens, name, bytes),
-            Wish::Open(opens, path) => self.open_named(opens, path),
-            Wish::SaveScene(path) => {
-                let opened = pane(self.view);
-                self.jobs.extend(opened.map(|it| jobs::save_scene(it, path, &self.wake)));
-            }
-            Wish::SavePicture(path, size) => {
-                let opened = pane(size);
-                self.jobs.extend(opened.map(|it| jobs::save_picture(it, path, &self.wake)));
-            }
-            Wish::Film(path, size, seconds) => {
-                let opened = pane(size);
-                self.jobs.extend(opened.map(|it| jobs::film(it, path, seconds, &self.wake)));
-            }
         }
     }
 
@@ -238,7 +233,12 @@ impl Viewer {
         }
         let is_brief = |message: &Message| message.until.is_some();
         let has_brief = self.messages.iter().any(is_brief);
-        if !self.pacing.is_done() || self.opening.job().is_some() || !self.jobs.is_empty() || has_brief {
+        self.ask_thumbnail();
+        if !self.pacing.is_done()
+            || self.opening.job().is_some()
+            || !self.jobs.is_empty()
+            || has_brief
+        {
             // For progress bars: what is done wakes the window by itself.
             context.request_repaint_after(std::time::Duration::from_millis(100));
         }

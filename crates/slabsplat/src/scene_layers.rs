@@ -123,14 +123,17 @@ mod tests {
     #[test]
     fn layers_that_stay_are_written_and_read_again() {
         let all = opened(THREE);
-        for keeps in [[true, true, true], [false, true, true], [true, false, true], [false, false, true]] {
+        for keeps in
+            [[true, true, true], [false, true, true], [true, false, true], [false, false, true]]
+        {
             let some = all.with_layers(&keeps);
             let text = scene_text(&some.to_file().unwrap(), "a.toml").unwrap();
             let again = opened(&text);
             assert_eq!(over_volumes_of(&some, &again), some.scene, "{keeps:?}");
             assert_eq!(again.sources.film, some.sources.film, "{keeps:?}");
             let keys = &some.sources.film.as_ref().unwrap().keys[0].layers;
-            let scales: Vec<_> = keys.iter().map(|key| (key.layer_idx, key.opacity_scale)).collect();
+            let scales: Vec<_> =
+                keys.iter().map(|key| (key.layer_idx, key.opacity_scale)).collect();
             let of_c = (some.scene.layers.len() - 1, Some(0.25));
             let of_a = keeps[0].then_some((0, Some(0.5)));
             assert_eq!(scales, of_a.into_iter().chain([of_c]).collect::<Vec<_>>());
@@ -155,7 +158,8 @@ mod tests {
         let mut other = opened("volume = { generate = \"cube\", size = 8 }");
         let line = slabsplat_core::PiecewiseLinear::new("gradient", [(0.0, [0.0]), (9.0, [1.0])]);
         other.scene.layers[0].gradient_opacity = Some(line.unwrap());
-        let mut both = opened("volume = { generate = \"cube\", size = 8 }\nrender = { mode = \"maximum\" }");
+        let mut both =
+            opened("volume = { generate = \"cube\", size = 8 }\nrender = { mode = \"maximum\" }");
         both.add_layers_of(other.clone());
         assert_eq!(both.scene.layers[1].gradient_opacity, None);
         let mut both = opened("volume = { generate = \"cube\", size = 8 }");

@@ -8,7 +8,7 @@ use eframe::egui::{self, Context, Ui};
 impl Viewer {
     pub(super) fn bar(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
-            if ui.button("Open…").clicked() {
+            if !self.is_served && ui.button("Open…").clicked() {
                 self.files.ask_open();
             }
             let Some(document) = &mut self.document else { return };
@@ -18,7 +18,7 @@ impl Viewer {
             if ui.button("Save scene…").clicked() {
                 self.files.ask_scene();
             }
-            if ui.button("Film…").clicked() {
+            if !self.is_served && ui.button("Film…").clicked() {
                 self.files.ask_film(self.view);
             }
             ui.separator();

@@ -10,6 +10,9 @@ use eframe::egui::{Context, DroppedFileHandle};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 
+/// Seconds for which is said what a volume is taken for.
+const FOUND_S: f64 = 12.0;
+
 /// What is being opened, and what waits for its turn.
 #[derive(Default)]
 pub(super) struct Opening {
@@ -52,6 +55,9 @@ impl Viewer {
 
     /// Opens a file of that name, or in a page what is under that address.
     pub(super) fn open_named(&mut self, opens: OpenAs, path: PathBuf) {
+        if self.refuses_files() {
+            return;
+        }
         self.files.opened(&path);
         let job = jobs::open(self.opener.clone(), path, self.view, &self.wake);
         self.opening.begin(opens, job);
@@ -60,8 +66,19 @@ impl Viewer {
     /// Opens bytes that were chosen in a page.
     #[cfg(target_arch = "wasm32")]
     pub(super) fn open_bytes(&mut self, opens: OpenAs, name: String, bytes: Vec<u8>) {
+        if self.refuses_files() {
+            return;
+        }
         let job = jobs::open_bytes(name, bytes, self.view, &self.wake);
         self.opening.begin(opens, job);
+    }
+
+    /// Of other files than the server's it has no voxels to draw.
+    fn refuses_files(&mut self) -> bool {
+        if self.is_served {
+            self.say("this page shows what its server draws: nothing else can be opened in it");
+        }
+        self.is_served
     }
 
     pub(super) fn hear_opening(&mut self, now: f64) {
@@ -74,21 +91,21 @@ impl Viewer {
             (Ok(document), OpenAs::Layer) if self.document.is_some() => {
                 self.add_layers(&document, now);
             }
-            (Ok(document), _) => self.show_document(document),
+            (Ok(document), _) => self.show_document(document, now),
         }
     }
 
-    fn show_document(&mut self, document: Document) {
-        self.say_what_was_found(&document);
+    fn show_document(&mut self, document: Document, now: f64) {
+        self.say_what_was_found(&document, now);
         self.document = Some(document);
         self.panes.clear();
         self.pacing.forget();
         self.ruler = Ruler::default();
-        self.panel = Panel::default();
+        self.panel = Panel::new(self.is_served);
     }
 
     fn add_layers(&mut self, added: &Document, now: f64) {
-        self.say_what_was_found(added);
+        self.say_what_was_found(added, now);
         let Some(document) = &mut self.document else { return };
         let is_apart = are_apart(&document.shown().scene, &added.state().opened.scene);
         document.add(added);
@@ -103,10 +120,13 @@ impl Viewer {
         self.messages.push(Message { text, until });
     }
 
-    fn say_what_was_found(&mut self, document: &Document) {
+    /// What it is taken for is said for a while, and what is doubtful until it is closed.
+    fn say_what_was_found(&mut self, document: &Document, now: f64) {
         let opened = &document.state().opened;
-        let said: Vec<String> = opened.found.iter().chain(&opened.warnings).cloned().collect();
-        said.into_iter().for_each(|what| self.say(what));
+        for text in opened.found.iter().cloned() {
+            self.messages.push(Message { text, until: Some(now + FOUND_S) });
+        }
+        opened.warnings.iter().for_each(|what| self.say(what.clone()));
     }
 
     /// What was dropped onto the window. Where something is open already, Shift makes layers of it, and
@@ -114,7 +134,7 @@ impl Viewer {
     pub(super) fn dropped(&mut self, context: &Context) {
         let (dropped, shift) =
             context.input(|input| (input.raw.dropped_files.clone(), input.modifiers.shift));
-        if !dropped.is_empty() {
+        if !dropped.is_empty() && !self.refuses_files() {
             self.opening.dropped = dropped;
         }
         let names: Vec<PathBuf> =
@@ -132,7 +152,9 @@ impl Viewer {
         match decided {
             Drop::Nothing => {}
             Drop::Open(OpenAs::Layer) => self.opening.waiting.extend(files),
-            Drop::Open(OpenAs::Document) => self.open_dropped(OpenAs::Document, &files.swap_remove(0)),
+            Drop::Open(OpenAs::Document) => {
+                self.open_dropped(OpenAs::Document, &files.swap_remove(0))
+            }
         }
     }
 

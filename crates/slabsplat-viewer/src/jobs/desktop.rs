@@ -1,12 +1,12 @@
 //! Work on threads: files of the disk.
 
-use super::{Job, Opener, Opening, Progress};
+use super::{Job, Opener, Opening, Progress, Volumes, file_of};
 use crate::frames::Wake;
-use crate::state::Document;
+use crate::state::{self, Document};
 use eframe::egui::DroppedFileHandle;
 use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate, Turn};
 use slabsplat::io::{PictureFormat, ProgressCallback, Provenance, SceneFile, write_scene};
-use slabsplat::{OpenScene, Renderer, TurnAxis};
+use slabsplat::{Image, OpenScene, Renderer, TurnAxis};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
@@ -96,30 +96,63 @@ fn name_of(path: &Path) -> String {
 pub(crate) fn save_picture(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
     Job::begin(format!("drawing {}", path.display()), wake, move |progress| {
         let text = |error: &dyn std::fmt::Display| error.to_string();
-        let endings = PictureFormat::endings;
-        let format = PictureFormat::of_name(&path)
-            .ok_or_else(|| format!("the name of a picture ends in {}", endings()))?;
+        let format = picture_format(&path)?;
         let mut opened = opened;
         let mut renderer = Renderer::open(&opened.backend, |_| {}).map_err(|e| text(&e))?;
         let (scene, acquisition) = (&opened.scene, opened.acquisition);
         let picture =
             renderer.picture_as(scene, acquisition, &progress.frame()).map_err(|e| text(&e))?;
         renderer.caps().name.clone_into(&mut opened.backend);
-        let file = opened.to_file().map_err(|e| text(&e))?;
-        let provenance = Provenance::of_scene(&file, &path).map_err(|e| text(&e))?;
-        let image = &picture.frame.image;
-        format.write(&path, image, Some(&provenance)).map_err(|e| text(&e))?;
-        Ok(format!("{}: {} x {} pixels", path.display(), image.width(), image.height()))
+        write_picture(format, &path, &picture.frame.image, &file_of(&opened, Volumes::Here)?)
     })
 }
 
-/// Writes a scene file. Returns a sentence.
-pub(crate) fn save_scene(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
+/// Writes a picture that is drawn already, of volumes that are elsewhere. Returns a sentence.
+pub(crate) fn save_drawn(
+    image: Image,
+    opened: OpenScene,
+    path: PathBuf,
+    wake: &Wake,
+) -> Job<String> {
     Job::begin(format!("writing {}", path.display()), wake, move |_| {
-        let file = opened.to_file().map_err(|error| error.to_string())?;
-        write_scene(&path, &file).map_err(|error| error.to_string())?;
+        let format = picture_format(&path)?;
+        write_picture(format, &path, &image, &file_of(&opened, Volumes::Elsewhere)?)
+    })
+}
+
+fn picture_format(path: &Path) -> Result<PictureFormat, String> {
+    let endings = PictureFormat::endings;
+    let format = PictureFormat::of_name(path);
+    format.ok_or_else(|| format!("the name of a picture ends in {}", endings()))
+}
+
+fn write_picture(
+    format: PictureFormat,
+    path: &Path,
+    image: &Image,
+    file: &SceneFile,
+) -> Result<String, String> {
+    let provenance = Provenance::of_scene(file, path).map_err(|error| error.to_string())?;
+    format.write(path, image, Some(&provenance)).map_err(|error| error.to_string())?;
+    Ok(format!("{}: {} x {} pixels", path.display(), image.width(), image.height()))
+}
+
+/// Writes a scene file. Returns a sentence.
+pub(crate) fn save_scene(
+    opened: OpenScene,
+    volumes: Volumes,
+    path: PathBuf,
+    wake: &Wake,
+) -> Job<String> {
+    Job::begin(format!("writing {}", path.display()), wake, move |_| {
+        write_scene(&path, &file_of(&opened, volumes)?).map_err(|error| error.to_string())?;
         Ok(format!("{}: the scene", path.display()))
     })
+}
+
+/// Fits a preset to a layer, for a small picture of it.
+pub(crate) fn thumbnail(opened: OpenScene, preset_idx: usize, wake: &Wake) -> Job<OpenScene> {
+    Job::begin(String::new(), wake, move |_| state::thumbnail(opened, preset_idx))
 }
 
 /// Frames a second of a turntable.
@@ -203,9 +236,8 @@ mod tests {
     #[test]
     fn a_thread_ends_when_what_it_reads_is_given_up() {
         let path = large("given-up");
-        let opener: Opener = Arc::new(|path| {
-            Ok(SceneFile::of_volume(VolumeSource::File(path.to_owned())))
-        });
+        let opener: Opener =
+            Arc::new(|path| Ok(SceneFile::of_volume(VolumeSource::File(path.to_owned()))));
         let wake: Wake = Arc::new(|| {});
         let job = open(opener, path.clone(), [64, 64], &wake);
         let progress = job.progress.clone();

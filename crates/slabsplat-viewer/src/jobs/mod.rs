@@ -24,8 +24,28 @@ pub type Opener = Arc<dyn Fn(&Path) -> Result<SceneFile, String> + Send + Sync>;
 
 /// What opens something for views of a size, in pixels, on a thread of its own. The callback hears how far
 /// reading is, and stops it when it is given up.
-pub type Opening =
-    Box<dyn FnOnce([u32; 2], ProgressCallback) -> Result<OpenScene, String> + Send>;
+pub type Opening = Box<dyn FnOnce([u32; 2], ProgressCallback) -> Result<OpenScene, String> + Send>;
+
+/// Where the volumes of a scene are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Volumes {
+    Here,
+    /// Here are others in their place, as overviews of a server's.
+    Elsewhere,
+}
+
+/// A scene as a file, without hashes of what is here if that is not what it shows.
+fn file_of(opened: &OpenScene, volumes: Volumes) -> Result<SceneFile, String> {
+    let mut file = opened.to_file().map_err(|error| error.to_string())?;
+    if volumes == Volumes::Elsewhere {
+        for layer in &mut file.layers {
+            layer.hash = None;
+            layer.labels.iter_mut().for_each(|labels| labels.hash = None);
+        }
+        file.meshes.iter_mut().for_each(|mesh| mesh.hash = None);
+    }
+    Ok(file)
+}
 
 /// Work that goes on.
 #[derive(Debug)]
@@ -45,7 +65,6 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    #[cfg(not(target_arch = "wasm32"))]
     fn reach(&self, share: f64) {
         self.thousandths.store((1000.0 * share) as u32, Ordering::Relaxed);
     }
@@ -61,7 +80,6 @@ impl Progress {
         frame
     }
 
-    #[cfg(not(target_arch = "wasm32"))]
     fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed) != 0
     }

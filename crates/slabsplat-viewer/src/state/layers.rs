@@ -5,7 +5,7 @@
 
 use super::Document;
 use slabsplat::glam::DVec3;
-use slabsplat::{Labels, Layer, OpenScene, Scene, ValueCounts};
+use slabsplat::{Labels, Layer, OpenScene, SampleType, Scaling, Scene, ValueCounts, Volume};
 use std::sync::Arc;
 
 /// What of a layer is no part of a scene.
@@ -25,14 +25,37 @@ struct Facts {
     counts: Option<ValueCounts>,
 }
 
-/// Bins of a histogram.
+/// Bins of a histogram, at most.
 const N_BINS: usize = 256;
+
+/// Volumes of more voxels are counted once, in whatever bins.
+const N_COUNTED_TWICE: usize = 1 << 27;
+
+/// How many voxels have which values, in bins of as many values each if those are whole numbers: of 239
+/// values in 256 bins some would be empty, and look like gaps in the values.
+fn counts_of(volume: &Volume) -> Option<ValueCounts> {
+    let counts = ValueCounts::of(volume, N_BINS)?;
+    let n_bins = n_bins_of(volume, counts.range);
+    let is_even = n_bins == N_BINS || N_COUNTED_TWICE < volume.grid().n_voxels();
+    if is_even { Some(counts) } else { ValueCounts::of(volume, n_bins) }
+}
+
+fn n_bins_of(volume: &Volume, [lo, hi]: [f64; 2]) -> usize {
+    let is_float = matches!(volume.sample_type(), SampleType::F32 | SampleType::F64);
+    let Scaling { slope, intercept } = volume.scaling();
+    if is_float || slope.abs() != 1.0 || intercept != intercept.round() {
+        return N_BINS;
+    }
+    let n_values = hi - lo + 1.0;
+    let per_bin = (n_values / N_BINS as f64).ceil();
+    (n_values / per_bin).ceil() as usize
+}
 
 impl LayerState {
     /// Looks at all voxels of a layer.
     pub(super) fn of(layer: &Layer) -> Self {
         let labels = layer.labels.as_ref().map(Labels::of_voxels).unwrap_or_default();
-        let facts = Facts { labels, counts: ValueCounts::of(&layer.volume, N_BINS) };
+        let facts = Facts { labels, counts: counts_of(&layer.volume) };
         Self { is_hidden: false, facts: Arc::new(facts) }
     }
 }
@@ -303,6 +326,20 @@ mod tests {
     }
 
     #[test]
+    fn bins_have_as_many_values_each() {
+        let n_bins = |range: [i16; 2]| {
+            let grid = slabsplat::Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
+            counts_of(&Volume::from_fn(grid, |[i, ..]| range[i])).unwrap().counts.len()
+        };
+        assert_eq!((n_bins([0, 238]), n_bins([0, 255]), n_bins([7, 7])), (239, 256, 1));
+        // Two each, or four.
+        assert_eq!((n_bins([0, 299]), n_bins([-1024, -1])), (150, 256));
+        let grid = slabsplat::Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
+        let counts = counts_of(&Volume::from_fn(grid, |[i, ..]| i as f32)).unwrap();
+        assert_eq!(counts.counts.len(), N_BINS);
+    }
+
+    #[test]
     fn what_others_know_of_volumes_counts() {
         let mut document = three();
         let counts = document.counts_of(1).cloned();
@@ -321,7 +358,7 @@ mod tests {
         let mut place = volume.grid().world_from_index();
         place.translation += DVec3::splat(100.0);
         let grid = slabsplat::Grid::new(volume.grid().dims(), place).unwrap();
-        let moved = slabsplat::Volume::from_fn(grid, |_| 1_u8);
+        let moved = Volume::from_fn(grid, |_| 1_u8);
         away.layers[0] = away.layers[0].clone().volume(moved);
         assert!(are_apart(&scene, &away));
     }

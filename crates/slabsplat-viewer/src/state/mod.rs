@@ -1,6 +1,6 @@
 //! All that a viewer knows without a window: what is open and what becomes of it.
 //!
-//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `touch`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`.
+//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `touch`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`, `thumbnails`.
 
 mod camera_moves;
 mod curve;
@@ -12,6 +12,7 @@ mod layers;
 mod pacing;
 mod pick;
 mod seen;
+mod thumbnails;
 mod touch;
 
 pub use camera_moves::{
@@ -26,4 +27,5 @@ pub use history::History;
 pub use layers::are_apart;
 pub use pacing::{Asked, Pacing};
 pub use pick::{Picked, picked};
+pub use thumbnails::{THUMBNAIL_SIDE, Thumbnails, thumbnail};
 pub use touch::{Touch, touched};

@@ -1,6 +1,6 @@
 //! What is opened and saved: names, sizes, and the system's dialogs.
 
-use eframe::egui::{Context, DragValue, Key, Ui, Window};
+use eframe::egui::{Align2, Context, DragValue, Key, Ui, Window};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
 
@@ -139,6 +139,8 @@ impl Files {
         let asked = self.asked.as_mut()?;
         let (mut is_open, mut wish, mut browses) = (true, None, false);
         let window = Window::new(asked.what.title()).open(&mut is_open).collapsible(false);
+        // Below the bar, and where the thing that is shown is still seen.
+        let window = window.anchor(Align2::CENTER_TOP, [0.0, 60.0]);
         window.show(context, |ui| {
             let (is_decided, is_browsing) = name(ui, asked);
             browses = is_browsing;

@@ -35,6 +35,17 @@ pub(crate) fn show(ui: &mut Ui, document: &mut Document, selected: &mut usize) -
     ui.button("Add layer…").on_hover_text(help).clicked()
 }
 
+/// Shows nothing but which layer's controls are shown.
+pub(crate) fn choose(ui: &mut Ui, document: &Document, selected: &mut usize) {
+    for layer_idx in 0..document.state().opened.scene.layers.len() {
+        let name = name_of(document, layer_idx);
+        let label = Button::selectable(*selected == layer_idx, name).truncate();
+        if ui.add(label).clicked() {
+            *selected = layer_idx;
+        }
+    }
+}
+
 /// Whether a layer is in the picture, and whether it is so alone.
 fn visibility(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
     let mut is_shown = document.is_shown(layer_idx);

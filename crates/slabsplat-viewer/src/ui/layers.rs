@@ -144,7 +144,8 @@ pub(crate) fn labels(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
 /// The surfaces that the mode `isosurfaces` shows.
 pub(crate) fn isosurfaces(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
     let layer = document.state().opened.scene.layers[layer_idx].clone();
-    let range = layer.volume.summary().range.unwrap_or([0.0, 1.0]);
+    // Not the volume's summary, which looks at all voxels, in every frame of the window.
+    let range = document.counts_of(layer_idx).map_or([0.0, 1.0], |counts| counts.range);
     let mut edited = layer.isosurfaces.clone();
     let mut removed = None;
     for (idx, surface) in edited.iter_mut().enumerate() {

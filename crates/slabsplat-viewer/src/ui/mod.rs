@@ -1,7 +1,7 @@
 //! What is seen of the viewer but for the picture: controls, and what they change.
 //!
-//! Reading order: `style`, `colors`, `settings`; `transfer`, `layer_list`, `layers`, `scene`, `compare`,
-//! `files`, `dropped`, `help`; `pane`, `handles`, `ruler`.
+//! Reading order: `style`, `colors`, `settings`; `transfer`, `strips`, `layer_list`, `layers`, `meshes`,
+//! `scene`, `compare`, `files`, `dropped`, `help`; `pane`, `handles`, `ruler`.
 
 mod colors;
 mod compare;
@@ -11,10 +11,12 @@ mod handles;
 mod help;
 mod layer_list;
 mod layers;
+mod meshes;
 mod pane;
 mod ruler;
 mod scene;
 mod settings;
+mod strips;
 mod style;
 mod transfer;
 
@@ -28,8 +30,8 @@ pub(crate) use style::dress;
 pub(crate) use transfer::Editor;
 pub(crate) use {handles::show as show_handles, help::show as show_help};
 
-use crate::state::Document;
-use eframe::egui::{CollapsingHeader, ScrollArea, Ui};
+use crate::state::{Document, Thumbnails};
+use eframe::egui::{CollapsingHeader, ScrollArea, TextureHandle, Ui};
 use slabsplat::Viewpoint;
 
 /// What comes of controls outside of the panel.
@@ -50,20 +52,29 @@ pub(crate) struct Panel {
     pub(crate) edits_region: bool,
     /// Panes and their differences.
     pub(crate) comparison: Comparison,
+    /// Small pictures by presets.
+    pub(crate) thumbnails: Thumbnails<TextureHandle>,
+    /// Whether a server draws, which has the layers that it has.
+    is_served: bool,
     editors: Vec<Editor>,
 }
 
 impl Panel {
+    pub(crate) fn new(is_served: bool) -> Self {
+        Self { is_served, ..Self::default() }
+    }
+
     /// All controls. Returns what comes of them outside of the panel.
     pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document) -> PanelWish {
         let mut wish = PanelWish::default();
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
-            section(ui, "Layers", true, |ui| {
-                wish.adds_layer = layer_list::show(ui, document, &mut self.layer_idx);
-            });
+            self.layers(ui, document, &mut wish);
             self.edits_region = false;
             if !document.state().opened.scene.layers.is_empty() {
                 wish.said = self.layer(ui, document);
+            }
+            if !document.state().opened.scene.meshes.is_empty() {
+                section(ui, "Meshes", false, |ui| meshes::show(ui, document));
             }
             section(ui, "Method", true, |ui| scene::rendering(ui, document));
             section(ui, "Lights", false, |ui| scene::lights(ui, document));
@@ -73,6 +84,17 @@ impl Panel {
             section(ui, "Popping meter", false, |ui| self.comparison.meter(ui, document));
         });
         wish
+    }
+
+    /// Which layers there are. A server has those that it has.
+    fn layers(&mut self, ui: &mut Ui, document: &mut Document, wish: &mut PanelWish) {
+        if !self.is_served {
+            section(ui, "Layers", true, |ui| {
+                wish.adds_layer = layer_list::show(ui, document, &mut self.layer_idx);
+            });
+        } else if 1 < document.state().opened.scene.layers.len() {
+            section(ui, "Layers", true, |ui| layer_list::choose(ui, document, &mut self.layer_idx));
+        }
     }
 
     /// The controls of the layer that is selected. Returns what has to be said.
@@ -88,7 +110,7 @@ impl Panel {
         let editor = &mut self.editors[layer_idx];
         section(ui, "Transfer function", true, |ui| {
             editor.show(ui, document, layer_idx);
-            said = transfer::strips(ui, document, layer_idx);
+            said = strips::show(ui, document, layer_idx, &self.thumbnails, self.is_served);
         });
         self.edits_region =
             section(ui, "Crop and cut", false, |ui| layers::region(ui, document, layer_idx));
