@@ -95,12 +95,13 @@ fn session_tells_of_the_scene() {
 
 /// A sphere with labels, and a red triangle.
 fn labels_and_mesh(folder: &Path) -> OpenScene {
-    let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let path = |name: &str| folder.join(name).display().to_string();
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
                -30 -30 0\n30 0 0\n0 30 4\n3 0 1 2\n";
-    std::fs::write(path("a.ply"), ply).unwrap();
-    io::write_volume(path("labels.nrrd"), &io::builtin_volume("cube", Some(16)).unwrap()).unwrap();
+    std::fs::write(path("a.ply"), ply).expect("the folder is ours");
+    let labels = io::builtin_volume("cube", Some(16)).expect("it is built in");
+    io::write_volume(path("labels.nrrd"), &labels).expect("the folder is ours");
     let text = format!(
         "image = {{ width = 64, height = 48, background = [0, 0, 0, 1] }}\nrender = {{ backend = \"cpu\" }}\n\
          [[layers]]\nvolume = {{ generate = \"sphere\", size = 16 }}\nlabels = {{ path = {:?} }}\n\
@@ -108,17 +109,19 @@ fn labels_and_mesh(folder: &Path) -> OpenScene {
         path("labels.nrrd"),
         path("a.ply")
     );
-    OpenScene::open(&io::parse_scene(&text, "scene.toml").unwrap()).unwrap()
+    let file = io::parse_scene(&text, "scene.toml").expect("it is a scene");
+    OpenScene::open(&file).expect("its files are there")
 }
 
 fn picture(opened: &OpenScene) -> Vec<u8> {
-    let mut renderer = Renderer::open("cpu", |_| {}).unwrap();
-    renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image.to_rgba8()
+    let mut renderer = Renderer::open("cpu", |_| {}).expect("the CPU is always there");
+    let picture = renderer.picture(&opened.scene, opened.acquisition).expect("it can be drawn");
+    picture.frame.image.to_rgba8()
 }
 
 /// What a server answers to a scene, at rest.
 fn answered(server: &Server, file: &SceneFile) -> Vec<u8> {
-    let scene = io::scene_text(file, "scene.toml").unwrap();
+    let scene = io::scene_text(file, "scene.toml").expect("it has a text");
     block_on(async {
         let mut viewer = Viewer::connect(server).await;
         viewer.ask(0, 1, "rest", &scene).await;

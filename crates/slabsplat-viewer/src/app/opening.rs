@@ -153,7 +153,7 @@ impl Viewer {
             Drop::Nothing => {}
             Drop::Open(OpenAs::Layer) => self.opening.waiting.extend(files),
             Drop::Open(OpenAs::Document) => {
-                self.open_dropped(OpenAs::Document, &files.swap_remove(0))
+                self.open_dropped(OpenAs::Document, &files.swap_remove(0));
             }
         }
     }

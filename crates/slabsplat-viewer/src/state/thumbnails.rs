@@ -80,7 +80,7 @@ impl<P: Clone> Thumbnails<P> {
     }
 
     /// The preset whose picture is to be made next, if any is and nothing is being made.
-    pub fn next(&mut self) -> Option<usize> {
+    pub fn begin_next(&mut self) -> Option<usize> {
         if self.pending.is_some() {
             return None;
         }
@@ -176,22 +176,22 @@ mod tests {
     fn each_is_made_once_and_kept_until_the_volume_is_another() {
         let [sphere, cube] = ["sphere", "cube"].map(|name| volume(&document(name)));
         let mut thumbnails = Thumbnails::default();
-        assert_eq!(thumbnails.next(), None);
+        assert_eq!(thumbnails.begin_next(), None);
         assert!(thumbnails.are_of(&sphere));
         for preset_idx in 0..PRESET_NAMES.len() {
-            assert_eq!(thumbnails.next(), Some(preset_idx));
-            assert_eq!(thumbnails.next(), None, "one at a time");
+            assert_eq!(thumbnails.begin_next(), Some(preset_idx));
+            assert_eq!(thumbnails.begin_next(), None, "one at a time");
             let number = thumbnails.asked();
             assert!(Thumbnails::<usize>::is_number(number.unwrap()));
             thumbnails.came(number, (preset_idx != 3).then_some(preset_idx));
         }
         assert!(thumbnails.are_of(&sphere));
-        assert_eq!((thumbnails.next(), thumbnails.picture(&sphere, 2)), (None, Some(&2)));
+        assert_eq!((thumbnails.begin_next(), thumbnails.picture(&sphere, 2)), (None, Some(&2)));
         assert_eq!(thumbnails.picture(&sphere, 3), None, "what cannot be is not tried again");
         assert!(thumbnails.are_of(&cube));
-        assert_eq!((thumbnails.next(), thumbnails.picture(&cube, 2)), (Some(0), None));
+        assert_eq!((thumbnails.begin_next(), thumbnails.picture(&cube, 2)), (Some(0), None));
         assert!(thumbnails.are_of(&sphere));
-        assert_eq!((thumbnails.next(), thumbnails.picture(&sphere, 2)), (None, Some(&2)));
+        assert_eq!((thumbnails.begin_next(), thumbnails.picture(&sphere, 2)), (None, Some(&2)));
     }
 
     #[test]
@@ -199,10 +199,10 @@ mod tests {
         let sphere = volume(&document("sphere"));
         let mut thumbnails = Thumbnails::default();
         thumbnails.are_of(&sphere);
-        thumbnails.next();
+        thumbnails.begin_next();
         let given_up = thumbnails.asked();
         thumbnails.give_way();
-        assert_eq!(thumbnails.next(), Some(0), "it is made later");
+        assert_eq!(thumbnails.begin_next(), Some(0), "it is made later");
         let again = thumbnails.asked();
         assert_ne!(given_up, again);
         thumbnails.came(given_up, Some(1));
