@@ -111,7 +111,7 @@ pub(crate) fn describe(file: &mut SceneFile, flags: &RawFlags) -> Result<()> {
     }
     first.raw = desc.or(first.raw.take());
     // The same one for all, since layers of one volume and the same options share it.
-    let reading = progress::reading();
+    let reading = first.options.progress.clone().unwrap_or_else(progress::reading);
     file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(reading.clone()));
     Ok(())
 }

@@ -36,8 +36,9 @@ pub(crate) fn run(args: ViewArgs) -> Result<()> {
         if start.backend == "auto" {
             start.backend.clone_from(&file.backend);
         }
-        let opening: Opening =
-            Box::new(move |size| scene.open_for(size).map_err(|error| terminal::one_line(&error)));
+        let opening: Opening = Box::new(move |size, hear| {
+            scene.open_for(size, hear).map_err(|error| terminal::one_line(&error))
+        });
         start.scene = Some((name, opening));
     }
     Ok(slabsplat_viewer::show(start)?)

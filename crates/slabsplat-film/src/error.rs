@@ -48,6 +48,12 @@ pub enum FilmError {
         /// Frames a second.
         max: f64,
     },
+    /// A format of which no film is made in memory.
+    #[error("a film in memory is a webp: {name} needs a disk")]
+    NotInMemory {
+        /// The format.
+        name: &'static str,
+    },
     /// The program ffmpeg is not there.
     #[error(
         "{name} is made by the program ffmpeg, which is not installed: gif, webp, apng and png-sequence need no \

@@ -24,7 +24,7 @@
 //!
 //! Reading order: `desc` and `format` (how long, how fast, as what), `motion` (scenes at moments), `folder`
 //! (frames on disk), `metadata` (what they say of themselves), `encode` (a file of
-//! them), `writer` (all of it in order), `error`.
+//! them), `writer` (all of it in order), `memory` (the same without a disk), `error`.
 
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
 
@@ -35,6 +35,7 @@ mod motion;
 
 mod encode;
 mod folder;
+mod memory;
 mod metadata;
 mod pixels;
 mod writer;
@@ -44,6 +45,7 @@ mod error;
 pub use desc::{FilmDesc, FrameRate};
 pub use error::FilmError;
 pub use format::FilmFormat;
+pub use memory::FilmInMemory;
 pub use metadata::{FilmFrame, Metadata};
 pub use motion::{Film, Key, LayerKey, MotionError, Turn};
 pub use writer::{FilmReport, FilmWriter, Step};

@@ -22,6 +22,10 @@ pub enum IoError {
         /// What the system said.
         source: io::Error,
     },
+    /// Who hears how far reading is had it stopped
+    /// ([`ProgressCallback::stopping`](crate::ProgressCallback::stopping)).
+    #[error("reading was given up")]
+    Cancelled,
     /// The operating system did not let us write; nothing is left behind.
     #[error("cannot write {}: {source}", shown_path(path))]
     Write {

@@ -5,10 +5,14 @@
 mod small_files;
 
 use std::io::Cursor;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use slabsplat_core::Samples;
-use slabsplat_io::{FilesInMemory, ReadProgress, VolumeOptions};
+use slabsplat_io::{
+    FilesInMemory, IoError, ProgressCallback, ReadProgress, VolumeOptions, read_volume_with,
+};
 use small_files::{arrays, dicom, gzip, metaimage, mrc, nifti1, nifti2, nrrd_header, ome_tiff};
 use small_files::{voxels, zlib};
 use tiff::encoder::colortype::Gray8;
@@ -85,6 +89,53 @@ fn progress_is_told_by_every_reader() {
         assert!(shares.is_sorted(), "{what}: {shares:?}");
         assert!(heard.iter().all(|progress| progress.n_bytes == heard[0].n_bytes), "{what}");
     }
+}
+
+/// Whether before anything was read, or once something was.
+#[test]
+fn reading_is_stopped_in_every_format() {
+    for (what, bytes) in single_files() {
+        for from in [0, 1] {
+            let stop = move |progress: ReadProgress| match from <= progress.n_done {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            };
+            let mut options = VolumeOptions::default();
+            options.progress = Some(ProgressCallback::stopping(stop));
+            let files = FilesInMemory::from_iter([("a", bytes.as_slice())]);
+            let result = files.read_volume_with("a", &options);
+            assert!(matches!(result, Err(IoError::Cancelled)), "{what}: {result:?}");
+        }
+    }
+}
+
+/// No more is read of a large file than what is being read when it is stopped.
+#[test]
+fn reading_ends_soon_after_it_is_stopped() {
+    let path = std::env::temp_dir().join(format!("slabsplat-stopped-{}.raw", std::process::id()));
+    // 256 MiB of nothing, which takes no room.
+    let file = std::fs::File::create(&path).unwrap();
+    file.set_len(256 << 20).unwrap();
+    let header = path.with_extension("nhdr");
+    let name = path.file_name().unwrap().to_str().unwrap();
+    let text = format!(
+        "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 256 1024 1024\nencoding: raw\ndata file: {name}\n"
+    );
+    std::fs::write(&header, text).unwrap();
+    let most = Arc::new(AtomicU64::new(0));
+    let of_hearer = most.clone();
+    let mut options = VolumeOptions::default();
+    options.progress = Some(ProgressCallback::stopping(move |progress| {
+        of_hearer.fetch_max(progress.n_done, Ordering::Relaxed);
+        if progress.n_done < 32 << 20 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    }));
+    let result = read_volume_with(&header, &options);
+    let most = most.load(Ordering::Relaxed);
+    for path in [&path, &header] {
+        std::fs::remove_file(path).unwrap();
+    }
+    assert!(matches!(result, Err(IoError::Cancelled)), "{result:?}");
+    assert!((32 << 20..=40 << 20).contains(&most), "{most} bytes");
 }
 
 /// Parts enough for every thread, each with values of its own.

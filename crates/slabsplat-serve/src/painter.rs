@@ -111,12 +111,16 @@ impl Painter {
         })
     }
 
-    /// The scene as a viewer wants it. Viewers have neither meshes nor labels of voxels, so that meshes look
-    /// as they do here, and so do labels of which nothing is said.
+    /// The scene as a viewer wants it. Viewers have neither meshes nor labels of voxels, so that meshes are
+    /// where they are here, and what is not said of their colours and sizes is as it is here; and so are
+    /// labels of which nothing is said.
     fn shown(&self, text: &str) -> Result<OpenScene, String> {
         let mut file = parse_scene_alone(text, "scene.toml").map_err(|error| error.to_string())?;
-        if file.meshes.len() == self.file.meshes.len() {
-            file.meshes.clone_from(&self.file.meshes);
+        for (mesh, here) in file.meshes.iter_mut().zip(&self.file.meshes) {
+            let said = std::mem::replace(mesh, here.clone());
+            mesh.color = said.color.or(here.color);
+            mesh.line_width = said.line_width.or(here.line_width);
+            mesh.point_size = said.point_size.or(here.point_size);
         }
         for (layer, here) in file.layers.iter_mut().zip(&self.file.layers) {
             layer.labels = layer.labels.take().or_else(|| here.labels.clone());

@@ -57,7 +57,8 @@ impl DevTools {
     fn try_ask(&mut self, page: Option<&str>, method: &str, params: Value) -> io::Result<Value> {
         self.n_requests += 1;
         let id = self.n_requests;
-        let mut request = json!({ "id": id, "method": method, "params": params });
+        let mut request = json!({ "id": id, "method": method });
+        request["params"] = params;
         if let Some(page) = page {
             request["sessionId"] = page.into();
         }

@@ -53,11 +53,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             document.move_camera(|camera| orbited(camera, [0.005, 0.001].into()));
         }
         for asked in pacing.step(document.revision(), 1, now, is_turning) {
-            let mut opened = document.pane(0);
-            if asked.urgency == Urgency::Moving {
-                let image = &mut opened.scene.image;
-                [image.width, image.height] = budget.size(view);
-            }
+            let opened = match asked.urgency {
+                Urgency::AtRest => document.pane(0),
+                Urgency::Moving => budget.preview(document.pane(0), view),
+            };
             let (pane, number, urgency) = (asked.pane, asked.number, asked.urgency);
             source.ask(Request { pane, number, opened, urgency });
         }

@@ -1,19 +1,21 @@
 //! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
 //!
-//! Reading order: here, `view`, `keys`, `bars`.
+//! Reading order: here, `opening`, `saving`, `view`, `keys`, `bars`, `thumbnails`.
 
 mod bars;
 mod keys;
+mod opening;
+mod saving;
+mod thumbnails;
 mod view;
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
-#[cfg(not(target_arch = "wasm32"))]
-use crate::jobs::Opening;
-use crate::jobs::{self, Job, Opener};
+use crate::jobs::{Job, Opener};
 use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
-use crate::ui::{self, Files, Pane, Panel, Ruler, Wish};
+use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler};
 use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
-use slabsplat::{Finish, ImageDesc, OpenScene, Viewpoint};
+use opening::Opening;
+use slabsplat::Viewpoint;
 
 /// A viewer of volumes, an app of eframe's.
 pub struct Viewer {
@@ -23,7 +25,11 @@ pub struct Viewer {
     pacing: Pacing,
     budgets: Vec<FrameBudget>,
     document: Option<Document>,
-    opening: Option<Job<Document>>,
+    opening: Opening,
+    /// A preset that is fitted to a volume, for a small picture.
+    thumbnail: Option<thumbnails::Fitting>,
+    /// Whether a server draws: what is open is its scene, and stays that.
+    is_served: bool,
     jobs: Vec<Job<String>>,
     panel: Panel,
     files: Files,
@@ -74,7 +80,9 @@ impl Viewer {
             pacing: Pacing::default(),
             budgets: Vec::new(),
             document: None,
-            opening: None,
+            opening: Opening::default(),
+            thumbnail: None,
+            is_served: false,
             jobs: Vec::new(),
             panel: Panel::default(),
             files: Files::default(),
@@ -87,18 +95,6 @@ impl Viewer {
             shows_help: false,
             shown: None,
         }
-    }
-
-    /// Opens what a job opens, of views of a size.
-    #[cfg(target_arch = "wasm32")]
-    pub(crate) fn begin(&mut self, job: impl FnOnce([u32; 2], &Wake) -> Job<Document>) {
-        self.opening = Some(job(self.view, &self.wake));
-    }
-
-    /// Opens something instead of what is open; `name` is what it is called.
-    #[cfg(not(target_arch = "wasm32"))]
-    pub fn open(&mut self, name: String, opening: Opening) {
-        self.opening = Some(jobs::begin(name, opening, self.view, &self.wake));
     }
 
     /// What was opened before, the newest first.
@@ -123,13 +119,8 @@ impl Viewer {
     }
 
     fn hear_jobs(&mut self, now: f64) {
-        if let Some(result) = self.opening.as_ref().and_then(Job::done) {
-            self.opening = None;
-            match result {
-                Ok(document) => self.show_document(document),
-                Err(why) => self.say(why),
-            }
-        }
+        self.hear_opening(now);
+        self.open_waiting();
         let done: Vec<_> = self.jobs.iter().map(Job::done).collect();
         let mut is_done = done.iter().map(Option::is_some);
         self.jobs.retain(|_| !is_done.next().unwrap_or(false));
@@ -142,21 +133,16 @@ impl Viewer {
         }
     }
 
-    fn show_document(&mut self, document: Document) {
-        let opened = &document.state().opened;
-        let said: Vec<String> = opened.found.iter().chain(&opened.warnings).cloned().collect();
-        said.into_iter().for_each(|what| self.say(what));
-        self.document = Some(document);
-        self.panes.clear();
-        self.pacing.forget();
-        self.ruler = Ruler::default();
-        self.panel = Panel::default();
-    }
-
     fn hear_frames(&mut self, context: &Context) {
         for event in self.source.events() {
             match event {
+                Event::Drawn(drawn) if thumbnails::is_thumbnail(drawn.number) => {
+                    self.show_thumbnail(context, &drawn);
+                }
                 Event::Drawn(drawn) => self.show_frame(context, *drawn),
+                Event::Failed { number, .. } if thumbnails::is_thumbnail(number) => {
+                    self.panel.thumbnails.came(Some(number), None);
+                }
                 Event::Failed { pane, number, why } => {
                     if self.pacing.came(pane, number)
                         && let Some(pane) = self.panes.get_mut(pane)
@@ -210,6 +196,13 @@ impl Viewer {
         }
     }
 
+    /// The source draws volumes that are not here: its scene is shown and edited, of which it has the layers,
+    /// and nothing else can be opened.
+    pub fn set_served(&mut self) {
+        self.is_served = true;
+        self.panel = Panel::new(true);
+    }
+
     fn aim(&mut self, viewpoint: Option<Viewpoint>) {
         let Some(document) = &mut self.document else { return };
         document.settle();
@@ -218,44 +211,10 @@ impl Viewer {
         }
     }
 
-    /// What was dropped onto the window.
-    fn dropped(&mut self, context: &Context) {
-        let dropped = context.input(|input| input.raw.dropped_files.clone());
-        if let Some(file) = dropped.first() {
-            let opener = self.opener.clone();
-            self.opening = Some(jobs::open_dropped(opener, file, self.view, &self.wake));
-        }
-    }
-
-    fn grant(&mut self, wish: Wish) {
-        let pane = |[width, height]: [u32; 2]| {
-            let mut opened = self.document.as_ref()?.pane(0);
-            let image = ImageDesc::new(width, height);
-            opened.scene.image = image.background(opened.scene.image.background);
-            Some(opened)
-        };
-        match wish {
-            #[cfg(target_arch = "wasm32")]
-            Wish::OpenBytes(name, bytes) => {
-                self.opening = Some(jobs::open_bytes(name, bytes, self.view, &self.wake));
-            }
-            Wish::Open(path) => {
-                self.files.opened(&path);
-                let job = jobs::open(self.opener.clone(), path, self.view, &self.wake);
-                self.opening = Some(job);
-            }
-            Wish::SaveScene(path) => {
-                let opened = pane(self.view);
-                self.jobs.extend(opened.map(|it| jobs::save_scene(it, path, &self.wake)));
-            }
-            Wish::SavePicture(path, size) => {
-                let opened = pane(size);
-                self.jobs.extend(opened.map(|it| jobs::save_picture(it, path, &self.wake)));
-            }
-            Wish::Film(path, size, seconds) => {
-                let opened = pane(size);
-                self.jobs.extend(opened.map(|it| jobs::film(it, path, seconds, &self.wake)));
-            }
+    fn grant_panel(&mut self, wish: PanelWish) {
+        wish.said.into_iter().for_each(|what| self.say(what));
+        if wish.adds_layer {
+            self.files.ask_layer();
         }
     }
 
@@ -272,7 +231,7 @@ impl Viewer {
             let opened = document.pane(pane);
             let opened = match urgency {
                 Urgency::AtRest => opened,
-                Urgency::Moving => preview(opened, self.budgets[pane].size(self.view)),
+                Urgency::Moving => self.budgets[pane].preview(opened, self.view),
             };
             self.source.ask(Request { pane, number, opened, urgency });
         }
@@ -281,7 +240,12 @@ impl Viewer {
         }
         let is_brief = |message: &Message| message.until.is_some();
         let has_brief = self.messages.iter().any(is_brief);
-        if !self.pacing.is_done() || self.opening.is_some() || !self.jobs.is_empty() || has_brief {
+        self.ask_thumbnail();
+        if !self.pacing.is_done()
+            || self.opening.job().is_some()
+            || !self.jobs.is_empty()
+            || has_brief
+        {
             // For progress bars: what is done wakes the window by itself.
             context.request_repaint_after(std::time::Duration::from_millis(100));
         }
@@ -299,8 +263,8 @@ impl eframe::App for Viewer {
         Bar::bottom("status").show(ui, |ui| self.status(ui));
         if let Some(document) = &mut self.document {
             let panel = Bar::right("controls").default_size(330.0).size_range(330.0..=520.0);
-            let said = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
-            said.into_iter().for_each(|what| self.say(what));
+            let wish = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
+            self.grant_panel(wish);
         }
         CentralPanel::no_frame().show(ui, |ui| self.view(ui));
         self.notices(&context);
@@ -315,14 +279,4 @@ impl eframe::App for Viewer {
         }
         self.ask(&context);
     }
-}
-
-/// A scene as it is shown while it moves: small, and with nothing drawn on it.
-fn preview(mut opened: OpenScene, [width, height]: [u32; 2]) -> OpenScene {
-    let image = &mut opened.scene.image;
-    (image.width, image.height) = (width, height);
-    let below = opened.scene.finish.background_below;
-    opened.scene.finish =
-        below.map_or_else(Finish::default, |color| Finish::default().background_below(color));
-    opened
 }

@@ -7,8 +7,8 @@
 
 use crate::frames::{Drawn, Event, Request, Urgency};
 use serde::{Deserialize, Serialize};
-use slabsplat::io::scene_text;
-use slabsplat::{Image, OpenScene, ValueCounts};
+use slabsplat::io::{IoError, MeshFile, SceneFile, scene_text};
+use slabsplat::{Image, LabelMap, Labels, Mesh, MeshLayer, OpenScene, ValueCounts, Volume};
 
 #[derive(Serialize)]
 struct Asked<'a> {
@@ -47,6 +47,8 @@ pub(crate) struct Session {
 struct SessionLayer {
     range: Option<[f64; 2]>,
     counts: Vec<u64>,
+    #[serde(default)]
+    labels: Vec<i64>,
 }
 
 impl Session {
@@ -54,21 +56,50 @@ impl Session {
         serde_json::from_slice(json).map_err(|error| format!("the server says nothing: {error}"))
     }
 
-    /// Has a scene of overviews say what the server knows of the volumes.
-    pub(crate) fn tell(&self, opened: &mut OpenScene) {
+    /// Has a scene of overviews say what the server knows of the volumes, and have the labels and meshes
+    /// that the server's has: here there is nothing of them but how they look, which can be edited.
+    pub(crate) fn tell(&self, opened: &mut OpenScene, file: SceneFile) -> Result<(), IoError> {
         opened.warnings.clone_from(&self.warnings);
         opened.found.clone_from(&self.found);
         if self.is_metric {
             opened.acquisition = opened.acquisition.metric();
         }
+        let OpenScene { scene, sources, .. } = opened;
+        let layers = scene.layers.iter_mut().zip(&mut sources.layers);
+        for ((layer, source), said) in layers.zip(file.layers) {
+            if let Some(labels) = said.labels {
+                layer.labels = Some(labels.styled(&unlabelled(&layer.volume)?)?);
+                source.labels = Some(labels);
+            }
+        }
+        scene.meshes = file.meshes.iter().map(looking).collect();
+        sources.meshes = file.meshes;
+        Ok(())
     }
 
-    /// How many voxels of each layer have which values.
-    pub(crate) fn counts(&self) -> Vec<Option<ValueCounts>> {
-        let of_layer =
-            |layer: &SessionLayer| Some(ValueCounts::of_counts(layer.range?, layer.counts.clone()));
+    /// How many voxels of each layer have which values, and which labels.
+    pub(crate) fn facts(&self) -> Vec<(Option<ValueCounts>, Vec<i64>)> {
+        let of_layer = |layer: &SessionLayer| {
+            let counts =
+                layer.range.map(|range| ValueCounts::of_counts(range, layer.counts.clone()));
+            (counts, layer.labels.clone())
+        };
         self.layers.iter().map(of_layer).collect()
     }
+}
+
+/// Labels of a volume whose voxels have none.
+fn unlabelled(volume: &Volume) -> Result<Labels, IoError> {
+    let nothing = Volume::from_fn(*volume.grid(), |_| 0_u8);
+    let labels = LabelMap::new(&nothing, volume.grid()).and_then(|map| Labels::new(map, []));
+    labels.map_err(|source| IoError::Labels { path: "labels".into(), source })
+}
+
+/// A mesh that is nowhere, and looks as a file says.
+fn looking(file: &MeshFile) -> MeshLayer {
+    let mut mesh = MeshLayer::new(Mesh::default()).shading(file.shading);
+    (mesh.color, mesh.line_width, mesh.point_size) = (file.color, file.line_width, file.point_size);
+    mesh
 }
 
 /// What a server says in words.
@@ -159,17 +190,51 @@ mod tests {
     #[test]
     fn a_session_says_what_is_shown() {
         let json = r#"{"name":"head","scene":"","is_metric":true,"layers":[
-            {"range":[0,8],"counts":[3,1],"labels":[]},{"range":null,"counts":[],"labels":[]}]}"#;
+            {"range":[0,8],"counts":[3,1],"labels":[2,5]},{"range":null,"counts":[],"labels":[]}]}"#;
         let session = Session::of_json(json.as_bytes()).unwrap();
         assert_eq!((session.name.as_str(), session.scene.as_str()), ("head", ""));
         let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
         let mut opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
-        session.tell(&mut opened);
+        let file = opened.sources.clone();
+        session.tell(&mut opened, file).unwrap();
         assert!(opened.acquisition.is_metric && opened.found.is_empty());
-        let counts = session.counts();
-        assert_eq!(counts[0].as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
-        assert_eq!(counts[1], None);
+        let facts = session.facts();
+        assert_eq!(facts[0].0.as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
+        assert_eq!((&facts[0].1[..], &facts[1]), (&[2, 5][..], &(None, Vec::new())));
         assert!(Session::of_json(b"{}").is_err());
+    }
+
+    /// The scene of the server, as it is opened in a page, and what is edited there.
+    #[test]
+    fn labels_and_meshes_of_a_server_are_edited() {
+        let text = r#"
+            [[layers]]
+            volume = { generate = "cube", size = 8 }
+            labels = { path = "atlas.nii.gz", colors = "none", styles = [{ of = [3], color = [1, 0, 0] }] }
+            [[layers]]
+            mesh = { path = "skull.ply", color = [0.5, 0.5, 0.25] }
+        "#;
+        let mut file = slabsplat::io::parse_scene_alone(text, "scene.toml").unwrap();
+        let said = file.clone();
+        file.meshes.clear();
+        file.layers[0].labels = None;
+        let mut opened = OpenScene::open(&file).unwrap();
+        let json = r#"{"name":"","scene":"","is_metric":false,"layers":[]}"#;
+        Session::of_json(json.as_bytes()).unwrap().tell(&mut opened, said).unwrap();
+        assert_eq!(opened.scene.meshes[0].color, Some([0.5, 0.5, 0.25]));
+        let labels = opened.scene.layers[0].labels.clone().unwrap();
+        let mut styles = labels.styles().clone();
+        assert_eq!(styles[&3].color, Some([1.0, 0.0, 0.0]));
+        styles.insert(5, slabsplat::LabelStyle::default().opacity(0.0));
+        opened.scene.layers[0].labels = Some(labels.with_styles(styles.clone()).unwrap());
+        opened.scene.meshes[0].color = Some([0.0, 1.0, 0.0]);
+        let request = Request { pane: 0, number: 1, opened, urgency: Urgency::AtRest };
+        let value: serde_json::Value =
+            serde_json::from_str(&request_text(&request).unwrap()).unwrap();
+        let scene = value["scene"].as_str().unwrap();
+        let sent = slabsplat::io::parse_scene_alone(scene, "scene.toml").unwrap();
+        assert_eq!(sent.layers[0].labels.as_ref().unwrap().styles, styles);
+        assert_eq!(sent.meshes[0].color, Some([0.0, 1.0, 0.0]));
     }
 
     #[test]

@@ -69,8 +69,8 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_changes`, `scene_film`, `divided`; `popping`,
-//! `comparison`; [`paper`].
+//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_changes`, `scene_layers`, `scene_film`, `divided`;
+//! `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]
@@ -98,6 +98,8 @@ mod scene_changes;
 mod scene_file;
 #[cfg(all(feature = "files", feature = "film"))]
 mod scene_film;
+#[cfg(feature = "files")]
+mod scene_layers;
 mod transfer;
 
 mod comparison;

@@ -31,7 +31,9 @@ pub struct OpenScene {
     pub found: Vec<String>,
     /// What the first volume's file says of it beside its values.
     pub acquisition: Acquisition,
-    facing: Facing,
+    pub(crate) facing: Facing,
+    /// The same two of every layer, of which the first one's count.
+    pub(crate) origins: Vec<(Acquisition, Facing)>,
     /// What was opened, with what was chosen of files that hold several volumes.
     pub sources: SceneFile,
 }
@@ -107,7 +109,8 @@ impl OpenScene {
     /// If a layer has labels that are from no file.
     ///
     /// # Panics
-    /// If layers or meshes were added or taken away.
+    /// If layers or meshes were added or taken away otherwise than by
+    /// [`add_layers_of`](Self::add_layers_of) and [`with_layers`](Self::with_layers).
     pub fn to_file(&self) -> Result<SceneFile, IoError> {
         let mut file = self.sources.completed(&self.scene)?;
         file.backend.clone_from(&self.backend);
@@ -147,7 +150,7 @@ impl OpenScene {
             warnings: Vec::new(),
             found: Vec::new(),
             background: None,
-            facing: None,
+            facings: Vec::new(),
         };
         let acquisitions: Vec<Acquisition> = loaded.iter().map(|it| it.acquisition).collect();
         let acquisition = loaded.first().map(|loaded| loaded.acquisition);
@@ -166,8 +169,9 @@ impl OpenScene {
         if file.unsaid.background {
             image.background = opening.background.unwrap_or(DARK);
         }
-        let Opening { warnings, found, facing, .. } = opening;
-        let facing = facing.unwrap_or_default();
+        let Opening { warnings, found, facings, .. } = opening;
+        let facing = facings.first().copied().unwrap_or_default();
+        let origins = acquisitions.into_iter().zip(facings).collect();
         let scene = Scene::of_meshes(meshes, placeholder())
             .layers(layers)
             .lights(file.lights.clone())
@@ -183,6 +187,7 @@ impl OpenScene {
             found,
             acquisition,
             facing,
+            origins,
         })
     }
 
@@ -354,17 +359,17 @@ struct Opening<'a> {
     found: Vec<String>,
     /// That of the first layer that is found.
     background: Option<[f32; 4]>,
-    /// That of the first layer.
-    facing: Option<Facing>,
+    /// Those of layers.
+    facings: Vec<Facing>,
 }
 
 impl Opening<'_> {
     fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
         self.warnings.extend_from_slice(&loaded.warnings);
-        let is_framed = self.facing.is_none() && !is_whole(&self.file.camera);
+        let is_framed = self.facings.is_empty() && !is_whole(&self.file.camera);
         let Opened { mut layer, warnings, look, facing } = Opened::of(loaded, file, is_framed)?;
         self.warnings.extend(warnings);
-        self.facing.get_or_insert(facing);
+        self.facings.push(facing);
         if let Some(look) = look {
             self.found.push(look.description());
             self.background.get_or_insert(look.background);

@@ -33,6 +33,8 @@ use crate::stdin;
 use crate::terminal;
 use anyhow::{Context, Result, bail};
 use clap::Args;
+#[cfg(feature = "viewer")]
+use slabsplat::io::ProgressCallback;
 use slabsplat::io::{MeshFile, SceneFile};
 use slabsplat::{
     Aim, Camera, DividedDesc, DividedScene, NoBackend, OpenError, OpenScene, Renderer, Scene,
@@ -122,10 +124,18 @@ impl SceneFlags {
         self.open_framed(&|_| Ok(()), &|opened, file, aim| opened.frame(file, aim))
     }
 
-    /// The same for pictures of another size.
+    /// The same for pictures of another size; `hear` hears how far reading is, and may stop it.
     #[cfg(feature = "viewer")]
-    pub(crate) fn open_for(&self, [width, height]: [u32; 2]) -> Result<OpenScene> {
-        self.open_framed(&|_| Ok(()), &|opened, file, aim| {
+    pub(crate) fn open_for(
+        &self,
+        [width, height]: [u32; 2],
+        hear: ProgressCallback,
+    ) -> Result<OpenScene> {
+        let mut file = self.file()?;
+        if let Some(first) = file.layers.first_mut() {
+            first.options.progress = Some(hear);
+        }
+        self.open_file(file, &|opened, file, aim| {
             let image = &mut opened.scene.image;
             (image.width, image.height) = (width, height);
             opened.frame(file, aim)
@@ -133,8 +143,12 @@ impl SceneFlags {
     }
 
     fn open_framed(&self, check: Check<'_>, frame: Frame<'_>) -> Result<OpenScene> {
-        let mut file = self.file()?;
+        let file = self.file()?;
         check(&file)?;
+        self.open_file(file, frame)
+    }
+
+    fn open_file(&self, mut file: SceneFile, frame: Frame<'_>) -> Result<OpenScene> {
         let aim = self.how.camera.aim()?;
         let n_own = file.layers.len();
         self.in_scene(|| {

@@ -55,6 +55,13 @@ fn a_window_opens_other_files_and_says_what_is_wrong_with_them() {
     window.open("ball.toml");
     let ball = window.saved_other_than("ball", &cube);
     assert_eq!(ball, window.rendered("ball"));
+    // Another layer, which is a step of undo.
+    window.enter("ctrl+shift+o", "builtin:cube:16");
+    let both = window.saved_other_than("both", &ball);
+    assert_eq!(both, window.rendered("both"));
+    window.shows(&both);
+    window.key("ctrl+z");
+    assert_eq!(window.saved("alone"), ball);
     assert!(window.child.try_wait().unwrap().is_none(), "the window is open");
 }
 

@@ -10,10 +10,12 @@ use crate::folder::FrameFolder;
 use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
-use std::io;
+use std::fs::File;
+use std::io::{self, BufWriter};
 use std::path::Path;
 
 pub(crate) use ffmpeg::check as check_ffmpeg;
+pub(crate) use webp::WebPEncoder;
 
 /// What makes a file of frames.
 pub(crate) trait Encoder: Send {
@@ -35,7 +37,10 @@ pub(crate) fn encoder(
     Ok(Some(match format {
         FilmFormat::PngSequence => return Ok(None),
         FilmFormat::Apng => Box::new(apng::ApngEncoder::new(desc, path, metadata)?),
-        FilmFormat::WebP => Box::new(webp::WebPEncoder::new(desc, path, metadata)?),
+        FilmFormat::WebP => {
+            let file = File::create(path).map_err(FilmError::write(path))?;
+            Box::new(WebPEncoder::new(desc, BufWriter::new(file), path, metadata)?)
+        }
         FilmFormat::Gif => Box::new(gif::GifEncoder::new(desc, path)),
         FilmFormat::Mp4 | FilmFormat::WebM => Box::new(ffmpeg::Ffmpeg::new(format, desc, path)?),
     }))

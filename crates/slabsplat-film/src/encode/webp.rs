@@ -6,12 +6,11 @@ use crate::folder::FrameFolder;
 use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FrameRate};
-use std::fs::File;
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-pub(super) struct WebPEncoder {
-    file: BufWriter<File>,
+pub(crate) struct WebPEncoder<W> {
+    file: W,
     rate: FrameRate,
     has_opacity: bool,
     n_frames: u32,
@@ -28,16 +27,17 @@ const HAS_OPACITY: u8 = 0x10;
 /// Flag of `ANMF`: a frame replaces what was there, instead of lying over it.
 const REPLACES: u8 = 0x02;
 
-impl WebPEncoder {
-    pub(super) fn new(
+impl<W: Write + Seek> WebPEncoder<W> {
+    /// Writes to `file`, which errors call `path`.
+    pub(crate) fn new(
         desc: &FilmDesc,
+        file: W,
         path: &Path,
         metadata: &Metadata,
     ) -> Result<Self, FilmError> {
-        let file = File::create(path).map_err(FilmError::write(path))?;
         let FilmDesc { width, height, rate, has_opacity, .. } = *desc;
         let mut encoder = Self {
-            file: BufWriter::new(file),
+            file,
             rate,
             has_opacity,
             n_frames: 0,
@@ -81,7 +81,18 @@ impl WebPEncoder {
         self.file.write_all(bytes)
     }
 
-    fn end(&mut self) -> io::Result<()> {
+    /// Takes the next frame.
+    pub(crate) fn take(&mut self, frame: &Pixels) -> Result<(), FilmError> {
+        self.frame(frame).map_err(FilmError::write(&self.path))
+    }
+
+    /// Ends the file, which is returned.
+    pub(crate) fn end(mut self) -> Result<W, FilmError> {
+        self.write_end().map_err(FilmError::write(&self.path))?;
+        Ok(self.file)
+    }
+
+    fn write_end(&mut self) -> io::Result<()> {
         if let Some(xmp) = self.xmp.take() {
             self.write(&header(b"XMP ", xmp.len())?)?;
             self.write(xmp.as_bytes())?;
@@ -106,12 +117,12 @@ fn three_bytes(number: u32) -> [u8; 3] {
     [a, b, c]
 }
 
-impl Encoder for WebPEncoder {
+impl<W: Write + Seek + Send> Encoder for WebPEncoder<W> {
     fn add(&mut self, frame: &Pixels) -> Result<(), FilmError> {
-        self.frame(frame).map_err(FilmError::write(&self.path))
+        self.take(frame)
     }
 
-    fn finish(mut self: Box<Self>, _: &FrameFolder) -> Result<(), FilmError> {
-        self.end().map_err(FilmError::write(&self.path))
+    fn finish(self: Box<Self>, _: &FrameFolder) -> Result<(), FilmError> {
+        self.end().map(drop)
     }
 }

@@ -74,6 +74,7 @@ pub(crate) use zarr::ChunkCache;
 
 use crate::IoError;
 use crate::printable::shown;
+use crate::progress::unless_stopped;
 use crate::store::Store;
 use formats::{Found, Input, Reader};
 
@@ -135,7 +136,7 @@ fn read_by(reader: &dyn Reader, input: &Input<'_>) -> Result<LoadedVolume, IoErr
         let name = reader.listed().split(" (").next().unwrap_or_default();
         input.refuse_window(&format!("a volume in the format {name}"))?;
     }
-    let mut loaded = reader.read(input)?;
+    let mut loaded = unless_stopped(options.progress.as_ref(), reader.read(input))?;
     options.check(path, &loaded.choices)?;
     loaded.warnings.extend(loaded.choices.warnings(options));
     // They may cite the file, and one that lists a file again and again is warned of as often.

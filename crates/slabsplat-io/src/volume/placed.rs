@@ -95,7 +95,7 @@ impl<S: Read> Read for Metered<'_, S> {
     fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
         let n_most = bytes.len().min(MAX_AT_ONCE_BYTES);
         let n_read = self.source.read(&mut bytes[..n_most])?;
-        self.meter.advance(n_read as u64);
+        self.meter.advance(n_read as u64)?;
         Ok(n_read)
     }
 }
@@ -103,8 +103,7 @@ impl<S: Read> Read for Metered<'_, S> {
 impl<S: Source> Source for Metered<'_, S> {
     fn pass_over(&mut self, n_bytes: u64) -> io::Result<()> {
         self.source.pass_over(n_bytes)?;
-        self.meter.advance(n_bytes);
-        Ok(())
+        Ok(self.meter.advance(n_bytes)?)
     }
 }
 

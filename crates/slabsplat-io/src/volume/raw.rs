@@ -10,6 +10,7 @@ use super::stream::DataStream;
 use super::window::Window;
 use super::{LoadedVolume, VolumeFormat, VolumeOptions, assemble};
 use crate::IoError;
+use crate::progress::unless_stopped;
 use crate::store::Store;
 
 /// What a raw file holds: the header that it lacks.
@@ -79,7 +80,8 @@ pub(crate) fn read_raw_from(
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let input = Input { store, path, options, spill: None };
     let (window, grid) = input.window(&grid)?;
-    let samples = read_samples(&input, path, desc, window.as_ref())?;
+    let read = read_samples(&input, path, desc, window.as_ref());
+    let samples = unless_stopped(options.progress.as_ref(), read)?;
     let volume = assemble(path, grid, samples, Scaling::IDENTITY)?;
     Ok(LoadedVolume::new(volume, VolumeFormat::Raw, Vec::new()))
 }

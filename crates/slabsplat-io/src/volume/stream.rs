@@ -235,7 +235,7 @@ impl Read for DataStream<'_> {
         };
         self.n_left_at_most = self.n_left_at_most.saturating_sub(n_read as u64);
         if let Some(meter) = self.meter {
-            meter.advance(n_read as u64);
+            meter.advance(n_read as u64)?;
         }
         Ok(n_read)
     }
@@ -293,7 +293,7 @@ impl Source for DataStream<'_> {
                 reader.seek_relative(i64::try_from(n_bytes).unwrap_or(i64::MAX))?;
                 self.n_left_at_most -= n_bytes;
                 if let Some(meter) = self.meter {
-                    meter.advance(n_bytes);
+                    meter.advance(n_bytes)?;
                 }
                 Ok(())
             }

@@ -2,8 +2,11 @@
 
 use crate::client::{Viewer, block_on, get, opened, session, started, turned};
 use serde_json::json;
-use slabsplat::{OpenScene, Renderer, io};
-use slabsplat_serve::{ServeConfig, serve};
+use slabsplat::glam::DAffine3;
+use slabsplat::io::SceneFile;
+use slabsplat::{LabelStyle, OpenScene, Renderer, io};
+use slabsplat_serve::{ServeConfig, Server, serve};
+use std::path::Path;
 
 /// The picture of a scene, as bytes of straight red, green, blue and opacity.
 fn rendered(scene: &str) -> Vec<u8> {
@@ -90,16 +93,15 @@ fn session_tells_of_the_scene() {
     }
 }
 
-/// A viewer has neither meshes nor labels of voxels, and does not take them away.
-#[test]
-fn labels_and_meshes_stay() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+/// A sphere with labels, and a red triangle.
+fn labels_and_mesh(folder: &Path) -> OpenScene {
+    let path = |name: &str| folder.join(name).display().to_string();
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
                -30 -30 0\n30 0 0\n0 30 4\n3 0 1 2\n";
-    std::fs::write(path("a.ply"), ply).unwrap();
-    io::write_volume(path("labels.nrrd"), &io::builtin_volume("cube", Some(16)).unwrap()).unwrap();
+    std::fs::write(path("a.ply"), ply).expect("the folder is ours");
+    let labels = io::builtin_volume("cube", Some(16)).expect("it is built in");
+    io::write_volume(path("labels.nrrd"), &labels).expect("the folder is ours");
     let text = format!(
         "image = {{ width = 64, height = 48, background = [0, 0, 0, 1] }}\nrender = {{ backend = \"cpu\" }}\n\
          [[layers]]\nvolume = {{ generate = \"sphere\", size = 16 }}\nlabels = {{ path = {:?} }}\n\
@@ -107,26 +109,62 @@ fn labels_and_meshes_stay() {
         path("labels.nrrd"),
         path("a.ply")
     );
-    let opened = OpenScene::open(&io::parse_scene(&text, "scene.toml").unwrap()).unwrap();
-    let mut renderer = Renderer::open("cpu", |_| {}).unwrap();
-    let expected = renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image;
-    let mut file = opened.to_file().unwrap();
-    let without_labels = {
-        let mut scene = opened.scene.clone();
-        scene.layers[0].labels = None;
-        renderer.picture(&scene, opened.acquisition).unwrap().frame.image
-    };
-    assert!(without_labels.to_rgba8() != expected.to_rgba8(), "labels are seen");
-    file.layers[0].labels = None;
-    (file.meshes[0].color, file.meshes[0].name) = (None, Some("mesh".to_owned()));
-    let scene = io::scene_text(&file, "scene.toml").unwrap();
-    let server = serve(opened, ServeConfig::default().token("secret")).unwrap();
-    assert!(session(&server)["layers"][0]["labels"].as_array().is_some_and(|it| 1 < it.len()));
+    let file = io::parse_scene(&text, "scene.toml").expect("it is a scene");
+    OpenScene::open(&file).expect("its files are there")
+}
+
+fn picture(opened: &OpenScene) -> Vec<u8> {
+    let mut renderer = Renderer::open("cpu", |_| {}).expect("the CPU is always there");
+    let picture = renderer.picture(&opened.scene, opened.acquisition).expect("it can be drawn");
+    picture.frame.image.to_rgba8()
+}
+
+/// What a server answers to a scene, at rest.
+fn answered(server: &Server, file: &SceneFile) -> Vec<u8> {
+    let scene = io::scene_text(file, "scene.toml").expect("it has a text");
     block_on(async {
-        let mut viewer = Viewer::connect(&server).await;
+        let mut viewer = Viewer::connect(server).await;
         viewer.ask(0, 1, "rest", &scene).await;
         let (_, bytes) = viewer.picture().await;
-        let image = image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8();
-        assert!(image.into_raw() == expected.to_rgba8());
-    });
+        image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8().into_raw()
+    })
+}
+
+/// A viewer has neither meshes nor labels of voxels, and does not take them away.
+#[test]
+fn labels_and_meshes_stay() {
+    let dir = tempfile::tempdir().unwrap();
+    let opened = labels_and_mesh(dir.path());
+    let expected = picture(&opened);
+    let mut without_labels = opened.clone();
+    without_labels.scene.layers[0].labels = None;
+    assert!(picture(&without_labels) != expected, "labels are seen");
+    let mut file = opened.to_file().unwrap();
+    file.layers[0].labels = None;
+    (file.meshes[0].color, file.meshes[0].name) = (None, Some("mesh".to_owned()));
+    let server = serve(opened, ServeConfig::default().token("secret")).unwrap();
+    assert!(session(&server)["layers"][0]["labels"].as_array().is_some_and(|it| 1 < it.len()));
+    assert!(answered(&server, &file) == expected);
+}
+
+/// And it may have them look otherwise.
+#[test]
+fn labels_and_meshes_are_edited() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut opened = labels_and_mesh(dir.path());
+    let server = serve(opened.clone(), ServeConfig::default().token("secret")).unwrap();
+    let before = picture(&opened);
+    opened.scene.meshes[0].color = Some([0.0, 1.0, 0.0]);
+    let labels = opened.scene.layers[0].labels.take().unwrap();
+    let mut styles = labels.styles().clone();
+    let label = *labels.of_voxels().last().unwrap();
+    styles.insert(label, LabelStyle::default().opacity(0.25).color([0.0, 0.0, 1.0]));
+    opened.scene.layers[0].labels = Some(labels.with_styles(styles).unwrap());
+    let expected = picture(&opened);
+    assert!(expected != before);
+    let mut file = opened.to_file().unwrap();
+    // A page knows nothing of where they are.
+    file.meshes[0].world_from_mesh = DAffine3::IDENTITY;
+    file.meshes[0].path = "elsewhere.ply".into();
+    assert!(answered(&server, &file) == expected);
 }

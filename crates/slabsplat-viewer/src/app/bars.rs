@@ -1,14 +1,14 @@
 //! The bars above and below the view, and what is said over it.
 
 use super::Viewer;
-use crate::state::{self, Document, Picked};
+use crate::state::{self, Document, Picked, State};
 use crate::ui;
 use eframe::egui::{self, Context, Ui};
 
 impl Viewer {
     pub(super) fn bar(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
-            if ui.button("Open…").clicked() {
+            if !self.is_served && ui.button("Open…").clicked() {
                 self.files.ask_open();
             }
             let Some(document) = &mut self.document else { return };
@@ -18,7 +18,7 @@ impl Viewer {
             if ui.button("Save scene…").clicked() {
                 self.files.ask_scene();
             }
-            if ui.button("Film…").clicked() {
+            if !self.is_served && ui.button("Film…").clicked() {
                 self.files.ask_film(self.view);
             }
             ui.separator();
@@ -106,7 +106,7 @@ impl Viewer {
                 });
                 inner.inner.inner
             };
-            if let Some(opening) = &self.opening {
+            if let Some(opening) = self.opening.job() {
                 drops_opening = line(ui, &opening.title, Some(opening.share()));
             }
             for (idx, job) in self.jobs.iter().enumerate() {
@@ -121,7 +121,7 @@ impl Viewer {
             }
         });
         if drops_opening {
-            self.opening = None;
+            self.opening.give_up();
         }
         dropped_job.map(|idx| self.jobs.remove(idx));
         dropped.map(|idx| self.messages.remove(idx));
@@ -131,7 +131,12 @@ impl Viewer {
 /// What is under the pointer, for people.
 fn told(picked: &Picked, document: &Document) -> String {
     let [i, j, k] = picked.voxel;
-    let unit = if document.state().opened.acquisition.is_metric { " mm" } else { "" };
+    let State { opened, .. } = document.state();
+    let unit = if opened.acquisition.is_metric { " mm" } else { "" };
     let [x, y, z] = picked.point.to_array().map(ui::number);
-    format!("{} at voxel {i}, {j}, {k}, ({x}, {y}, {z}){unit}", ui::number(picked.value))
+    let of_layer = match opened.scene.layers.len() {
+        1 => String::new(),
+        _ => format!("{}: ", ui::name_of_layer(document, picked.layer_idx)),
+    };
+    format!("{of_layer}{} at voxel {i}, {j}, {k}, ({x}, {y}, {z}){unit}", ui::number(picked.value))
 }

@@ -14,7 +14,13 @@ impl Viewer {
             let shortcut = KeyboardShortcut::new(modifiers, key);
             context.input_mut(|input| input.consume_shortcut(&shortcut))
         };
-        if shortcut(Modifiers::COMMAND, Key::O) {
+        if shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::O)
+            && self.document.is_some()
+            && !self.is_served
+        {
+            self.files.ask_layer();
+        }
+        if shortcut(Modifiers::COMMAND, Key::O) && !self.is_served {
             self.files.ask_open();
         }
         let redoes = shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)

@@ -13,7 +13,7 @@ impl Viewer {
     pub(super) fn view(&mut self, ui: &mut Ui) {
         let all = ui.available_rect_before_wrap();
         let Some(document) = &mut self.document else {
-            return nothing_open(ui, all, self.opening.is_some());
+            return nothing_open(ui, all, self.opening.job().is_some());
         };
         let n_panes = document.n_panes();
         self.panes.resize_with(n_panes, Pane::default);

@@ -1,12 +1,13 @@
 //! Work on threads: files of the disk.
 
-use super::{Job, Opener, Opening, Progress};
+use super::{Job, Opener, Opening, Progress, Volumes, file_of};
 use crate::frames::Wake;
-use crate::state::Document;
+use crate::state::{self, Document};
 use eframe::egui::DroppedFileHandle;
 use slabsplat::film::{FilmDesc, FilmFormat, FilmWriter, FrameRate, Turn};
 use slabsplat::io::{PictureFormat, ProgressCallback, Provenance, SceneFile, write_scene};
-use slabsplat::{OpenScene, Renderer, TurnAxis};
+use slabsplat::{Image, OpenScene, Renderer, TurnAxis};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 
@@ -56,7 +57,10 @@ pub(crate) fn open_dropped(
 /// Opens what `opening` opens.
 pub(crate) fn begin(name: String, opening: Opening, size: [u32; 2], wake: &Wake) -> Job<Document> {
     let title = format!("opening {name}");
-    Job::begin(title, wake, move |_| Ok(Document::of(opening(size)?, name)))
+    let wake_of_work = wake.clone();
+    Job::begin(title, wake, move |progress| {
+        Ok(Document::of(opening(size, heard(progress, wake_of_work))?, name))
+    })
 }
 
 fn open_file(
@@ -66,13 +70,22 @@ fn open_file(
     progress: &Progress,
     wake: Wake,
 ) -> Result<Document, String> {
-    let reading = progress.clone();
-    let heard = ProgressCallback::new(move |read| {
-        reading.reach(0.9 * read.share());
-        wake();
-    });
+    let heard = heard(progress, wake);
     file.layers.iter_mut().for_each(|layer| layer.options.progress = Some(heard.clone()));
     Document::open(&file, name, size).map_err(|error| error.to_string())
+}
+
+/// Share of opening that is reading; the rest looks at what was read.
+const READING: f64 = 0.9;
+
+/// What hears of the reading of volumes, and ends it once the work is given up.
+fn heard(progress: &Progress, wake: Wake) -> ProgressCallback {
+    let progress = progress.clone();
+    ProgressCallback::stopping(move |read| {
+        progress.reach(READING * read.share());
+        wake();
+        if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })
 }
 
 fn name_of(path: &Path) -> String {
@@ -83,30 +96,50 @@ fn name_of(path: &Path) -> String {
 pub(crate) fn save_picture(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
     Job::begin(format!("drawing {}", path.display()), wake, move |progress| {
         let text = |error: &dyn std::fmt::Display| error.to_string();
-        let endings = PictureFormat::endings;
-        let format = PictureFormat::of_name(&path)
-            .ok_or_else(|| format!("the name of a picture ends in {}", endings()))?;
+        let format = picture_format(&path)?;
         let mut opened = opened;
         let mut renderer = Renderer::open(&opened.backend, |_| {}).map_err(|e| text(&e))?;
         let (scene, acquisition) = (&opened.scene, opened.acquisition);
         let picture =
             renderer.picture_as(scene, acquisition, &progress.frame()).map_err(|e| text(&e))?;
         renderer.caps().name.clone_into(&mut opened.backend);
-        let file = opened.to_file().map_err(|e| text(&e))?;
-        let provenance = Provenance::of_scene(&file, &path).map_err(|e| text(&e))?;
-        let image = &picture.frame.image;
-        format.write(&path, image, Some(&provenance)).map_err(|e| text(&e))?;
-        Ok(format!("{}: {} x {} pixels", path.display(), image.width(), image.height()))
+        write_picture(format, &path, &picture.frame.image, &file_of(&opened, Volumes::Here)?)
     })
 }
 
+fn picture_format(path: &Path) -> Result<PictureFormat, String> {
+    let endings = PictureFormat::endings;
+    let format = PictureFormat::of_name(path);
+    format.ok_or_else(|| format!("the name of a picture ends in {}", endings()))
+}
+
+fn write_picture(
+    format: PictureFormat,
+    path: &Path,
+    image: &Image,
+    file: &SceneFile,
+) -> Result<String, String> {
+    let provenance = Provenance::of_scene(file, path).map_err(|error| error.to_string())?;
+    format.write(path, image, Some(&provenance)).map_err(|error| error.to_string())?;
+    Ok(format!("{}: {} x {} pixels", path.display(), image.width(), image.height()))
+}
+
 /// Writes a scene file. Returns a sentence.
-pub(crate) fn save_scene(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
+pub(crate) fn save_scene(
+    opened: OpenScene,
+    volumes: Volumes,
+    path: PathBuf,
+    wake: &Wake,
+) -> Job<String> {
     Job::begin(format!("writing {}", path.display()), wake, move |_| {
-        let file = opened.to_file().map_err(|error| error.to_string())?;
-        write_scene(&path, &file).map_err(|error| error.to_string())?;
+        write_scene(&path, &file_of(&opened, volumes)?).map_err(|error| error.to_string())?;
         Ok(format!("{}: the scene", path.display()))
     })
+}
+
+/// Fits a preset to a layer, for a small picture of it.
+pub(crate) fn thumbnail(opened: OpenScene, preset_idx: usize, wake: &Wake) -> Job<OpenScene> {
+    Job::begin(String::new(), wake, move |_| state::thumbnail(opened, preset_idx))
 }
 
 /// Frames a second of a turntable.
@@ -167,4 +200,46 @@ fn make_film(
     };
     let report = film.make::<FilmingError, _>(render, |_| {})?;
     Ok(format!("{}: {} frames", path.display(), report.n_frames))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat::io::VolumeSource;
+    use std::fs;
+    use std::sync::Arc;
+    use std::time::{Duration, Instant};
+
+    /// A header of a gigabyte of nothing, which takes no room on a disk.
+    fn large(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("slabsplat-{name}-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::File::create(folder.join("a.raw")).unwrap().set_len(1 << 30).unwrap();
+        let header = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1024 1024 1024\nencoding: raw\ndata file: a.raw\n";
+        fs::write(folder.join("a.nhdr"), header).unwrap();
+        folder.join("a.nhdr")
+    }
+
+    #[test]
+    fn a_thread_ends_when_what_it_reads_is_given_up() {
+        let path = large("given-up");
+        let opener: Opener =
+            Arc::new(|path| Ok(SceneFile::of_volume(VolumeSource::File(path.to_owned()))));
+        let wake: Wake = Arc::new(|| {});
+        let job = open(opener, path.clone(), [64, 64], &wake);
+        let progress = job.progress.clone();
+        let began = Instant::now();
+        while job.share() == 0.0 && began.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        drop(job);
+        // Whoever works has a copy of it.
+        while 1 < Arc::strong_count(&progress.thousandths) {
+            assert!(began.elapsed() < Duration::from_secs(60), "it goes on");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let share = progress.thousandths.load(std::sync::atomic::Ordering::Relaxed);
+        assert!(share < 880, "it was read to the end");
+        fs::remove_dir_all(path.parent().unwrap()).unwrap();
+    }
 }

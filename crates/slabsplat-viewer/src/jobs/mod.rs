@@ -12,7 +12,7 @@ pub(crate) use desktop::*;
 #[cfg(target_arch = "wasm32")]
 pub(crate) use page::*;
 
-use slabsplat::io::SceneFile;
+use slabsplat::io::{ProgressCallback, SceneFile};
 use slabsplat::{FrameHandle, OpenScene};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -22,8 +22,30 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// What a scene file makes of a name: a volume, a scene, a picture that says what it shows.
 pub type Opener = Arc<dyn Fn(&Path) -> Result<SceneFile, String> + Send + Sync>;
 
-/// What opens something for views of a size, in pixels, on a thread of its own.
-pub type Opening = Box<dyn FnOnce([u32; 2]) -> Result<OpenScene, String> + Send>;
+/// What opens something for views of a size, in pixels, on a thread of its own. The callback hears how far
+/// reading is, and stops it when it is given up.
+pub type Opening = Box<dyn FnOnce([u32; 2], ProgressCallback) -> Result<OpenScene, String> + Send>;
+
+/// Where the volumes of a scene are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Volumes {
+    Here,
+    /// Here are others in their place, as overviews of a server's.
+    Elsewhere,
+}
+
+/// A scene as a file, without hashes of what is here if that is not what it shows.
+fn file_of(opened: &OpenScene, volumes: Volumes) -> Result<SceneFile, String> {
+    let mut file = opened.to_file().map_err(|error| error.to_string())?;
+    if volumes == Volumes::Elsewhere {
+        for layer in &mut file.layers {
+            layer.hash = None;
+            layer.labels.iter_mut().for_each(|labels| labels.hash = None);
+        }
+        file.meshes.iter_mut().for_each(|mesh| mesh.hash = None);
+    }
+    Ok(file)
+}
 
 /// Work that goes on.
 #[derive(Debug)]
@@ -43,7 +65,6 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    #[cfg(not(target_arch = "wasm32"))]
     fn reach(&self, share: f64) {
         self.thousandths.store((1000.0 * share) as u32, Ordering::Relaxed);
     }
@@ -59,7 +80,6 @@ impl Progress {
         frame
     }
 
-    #[cfg(not(target_arch = "wasm32"))]
     fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed) != 0
     }

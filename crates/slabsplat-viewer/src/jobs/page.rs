@@ -1,16 +1,19 @@
 //! Work in a page: files that were dropped or fetched, pictures that are downloaded.
 
-use super::{Job, Opener, Progress};
+use super::{Job, Opener, Progress, Volumes, file_of};
 use crate::frames::Wake;
-use crate::page::{backend, bytes_of, download, picture_of, token};
+use crate::page::{backend, bytes_of, download, picture_of, token, turn_of_page};
 use crate::received::Session;
-use crate::state::Document;
+use crate::state::{self, Document};
 use eframe::egui::DroppedFileHandle;
+use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmInMemory, FrameRate, Metadata, Turn};
 use slabsplat::io::{
     FilesInMemory, LayerFile, LoadedVolume, PictureFormat, Provenance, SceneFile, VolumeOptions,
     VolumeSource, parse_scene, scene_text,
 };
-use slabsplat::{Image, Mesh, MeshLayer, OpenScene, RenderError, Renderer, finished, frame_scene};
+use slabsplat::{
+    Acquisition, Image, OpenScene, RenderError, Renderer, Scene, TurnAxis, finished, frame_scene,
+};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc;
@@ -18,18 +21,19 @@ use wasm_bindgen_futures::spawn_local;
 
 impl<T: 'static> Job<T> {
     /// Begins work that takes turns with the page.
-    fn of_future(
+    fn of_future<W: Future<Output = Result<T, String>> + 'static>(
         title: String,
         wake: &Wake,
-        work: impl Future<Output = Result<T, String>> + 'static,
+        work: impl FnOnce(Progress) -> W,
     ) -> Self {
+        let progress = Progress::default();
         let (sender, result) = mpsc::channel();
-        let wake = wake.clone();
+        let (wake, work) = (wake.clone(), work(progress.clone()));
         spawn_local(async move {
             drop(sender.send(work.await));
             wake();
         });
-        Self { title, progress: Progress::default(), result }
+        Self { title, progress, result }
     }
 }
 
@@ -41,7 +45,7 @@ pub(crate) fn opener() -> Opener {
 /// Opens what is under an address: a scene file, or a volume.
 pub(crate) fn open(_: Opener, url: PathBuf, size: [u32; 2], wake: &Wake) -> Job<Document> {
     let url = url.to_string_lossy().into_owned();
-    Job::of_future(format!("opening {url}"), wake, async move {
+    Job::of_future(format!("opening {url}"), wake, move |_| async move {
         let bytes = bytes_of(&url).await?;
         document(&url, bytes, size).await
     })
@@ -56,7 +60,7 @@ pub(crate) fn open_dropped(
 ) -> Job<Document> {
     let file = file.clone();
     let name = file.path().to_string_lossy().into_owned();
-    Job::of_future(format!("opening {name}"), wake, async move {
+    Job::of_future(format!("opening {name}"), wake, move |_| async move {
         let bytes = file.bytes_async().await?;
         document(&name, bytes, size).await
     })
@@ -69,16 +73,13 @@ pub(crate) fn open_bytes(
     size: [u32; 2],
     wake: &Wake,
 ) -> Job<Document> {
-    Job::of_future(
-        format!("opening {name}"),
-        wake,
-        async move { document(&name, bytes, size).await },
-    )
+    let title = format!("opening {name}");
+    Job::of_future(title, wake, move |_| async move { document(&name, bytes, size).await })
 }
 
 /// Opens a built-in volume.
 pub(crate) fn open_builtin(name: String, size: [u32; 2], wake: &Wake) -> Job<Document> {
-    Job::of_future(format!("opening {name}"), wake, async move {
+    Job::of_future(format!("opening {name}"), wake, move |_| async move {
         let source = VolumeSource::Builtin { name: name.clone(), size: None };
         let mut file = SceneFile::of_volume(source);
         backend().into_iter().for_each(|backend| file.backend = backend);
@@ -88,13 +89,13 @@ pub(crate) fn open_builtin(name: String, size: [u32; 2], wake: &Wake) -> Job<Doc
 
 /// Opens what a server shows: its scene, with overviews of its volumes.
 pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Document> {
-    Job::of_future("asking the server".to_owned(), wake, async move {
+    Job::of_future("asking the server".to_owned(), wake, move |_| async move {
         let session = bytes_of(&format!("session?token={token}")).await?;
         let session = Session::of_json(&session)?;
         let mut file =
             parse_scene(&session.scene, "scene.toml").map_err(|error| error.to_string())?;
-        let n_meshes = file.meshes.len();
-        let meshes = std::mem::take(&mut file.meshes);
+        let said = file.clone();
+        file.meshes.clear();
         let mut volumes = Vec::new();
         for (layer_idx, layer) in file.layers.iter_mut().enumerate() {
             (layer.hash, layer.labels) = (None, None);
@@ -102,12 +103,9 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
             volumes.push(read("overview.nrrd", &bytes, &VolumeOptions::default())?);
         }
         let mut opened = with_volumes(volumes, &file, size)?;
-        // Surfaces are the server's: here they only count.
-        opened.scene.meshes = vec![MeshLayer::new(Mesh::default()); n_meshes];
-        opened.sources.meshes = meshes;
-        session.tell(&mut opened);
+        session.tell(&mut opened, said).map_err(|error| error.to_string())?;
         let mut document = Document::of(opened, session.name.clone());
-        document.counts = session.counts();
+        document.set_facts(session.facts());
         Ok(document)
     })
 }
@@ -157,48 +155,124 @@ fn with_volumes(
 
 /// Downloads the picture of a scene, of any size, with what it was made of. Returns a sentence.
 pub(crate) fn save_picture(mut opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
-    let name = path.display().to_string();
-    Job::of_future(format!("drawing {name}"), wake, async move {
+    let title = format!("drawing {}", path.display());
+    Job::of_future(title, wake, move |_| async move {
         let text = |error: &dyn std::fmt::Display| error.to_string();
-        let endings = PictureFormat::endings;
-        let format = PictureFormat::of_name(&path)
-            .ok_or_else(|| format!("the name of a picture ends in {}", endings()))?;
-        let image = match token() {
-            Some(token) => picture_of(&token, opened.clone()).await?.image,
-            None => drawn_here(&mut opened).await.map_err(|e| text(&e))?,
+        let format = picture_format(&path)?;
+        let (image, volumes) = match token() {
+            Some(token) => (picture_of(&token, opened.clone()).await?.image, Volumes::Elsewhere),
+            None => (drawn_here(&mut opened).await.map_err(|e| text(&e))?, Volumes::Here),
         };
-        let file = opened.to_file().map_err(|e| text(&e))?;
-        let provenance = Provenance::of_scene(&file, &path).map_err(|e| text(&e))?;
-        let bytes = format.bytes(&image, Some(&provenance)).map_err(|e| text(&e))?;
-        download(&name, &bytes)?;
-        Ok(format!("{name} is among your downloads"))
+        download_picture(format, &path, &image, &file_of(&opened, volumes)?)
     })
 }
 
 /// The picture of a scene, finished; the scene then says what drew it.
 async fn drawn_here(opened: &mut OpenScene) -> Result<Image, RenderError> {
     let mut renderer = Renderer::open_async(&opened.backend, |_| {}).await?;
-    let scene = frame_scene(&opened.scene)?.into_owned();
-    let frame = renderer.render_async(&scene).await?;
-    let picture = finished(frame, &opened.scene, opened.acquisition);
+    let image = drawn(&mut renderer, &opened.scene, opened.acquisition).await?;
     renderer.caps().name.clone_into(&mut opened.backend);
-    Ok(picture.frame.image)
+    Ok(image)
+}
+
+fn picture_format(path: &Path) -> Result<PictureFormat, String> {
+    let endings = PictureFormat::endings;
+    let format = PictureFormat::of_name(path);
+    format.ok_or_else(|| format!("the name of a picture ends in {}", endings()))
+}
+
+fn download_picture(
+    format: PictureFormat,
+    path: &Path,
+    image: &Image,
+    file: &SceneFile,
+) -> Result<String, String> {
+    let provenance = Provenance::of_scene(file, path).map_err(|error| error.to_string())?;
+    let bytes = format.bytes(image, Some(&provenance)).map_err(|error| error.to_string())?;
+    let name = path.display().to_string();
+    download(&name, &bytes)?;
+    Ok(format!("{name} is among your downloads"))
+}
+
+/// A finished picture.
+async fn drawn(
+    renderer: &mut Renderer,
+    scene: &Scene,
+    acquisition: Acquisition,
+) -> Result<Image, RenderError> {
+    let of_frame = frame_scene(scene)?.into_owned();
+    let frame = renderer.render_async(&of_frame).await?;
+    Ok(finished(frame, scene, acquisition).frame.image)
 }
 
 /// Downloads a scene file. Returns a sentence.
-pub(crate) fn save_scene(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
+pub(crate) fn save_scene(
+    opened: OpenScene,
+    volumes: Volumes,
+    path: PathBuf,
+    wake: &Wake,
+) -> Job<String> {
     let name = path.display().to_string();
-    Job::of_future(format!("writing {name}"), wake, async move {
-        let file = opened.to_file().map_err(|error| error.to_string())?;
-        let text = scene_text(&file, &path).map_err(|error| error.to_string())?;
-        download(&name, text.as_bytes())?;
+    Job::of_future(format!("writing {name}"), wake, move |_| async move {
+        let text = scene_text(&file_of(&opened, volumes)?, &path);
+        download(&name, text.map_err(|error| error.to_string())?.as_bytes())?;
         Ok(format!("{name} is among your downloads"))
     })
 }
 
-/// Films are made by programs on a desktop.
-pub(crate) fn film(_: OpenScene, _: PathBuf, _: f64, wake: &Wake) -> Job<String> {
-    Job::of_future("filming".to_owned(), wake, async {
-        Err("a browser makes no films: save the scene, and slabsplat turntable films it".to_owned())
+/// Fits a preset to a layer, for a small picture of it.
+pub(crate) fn thumbnail(opened: OpenScene, preset_idx: usize, wake: &Wake) -> Job<OpenScene> {
+    Job::of_future(String::new(), wake, move |_| async move {
+        turn_of_page().await;
+        state::thumbnail(opened, preset_idx)
     })
+}
+
+/// Frames a second of a turntable.
+const FRAMES_PER_SECOND: f64 = 30.0;
+
+/// Downloads a film of a whole turn. Returns a sentence.
+pub(crate) fn film(opened: OpenScene, path: PathBuf, seconds: f64, wake: &Wake) -> Job<String> {
+    let name = path.display().to_string();
+    Job::of_future(format!("filming {name}"), wake, move |progress| async move {
+        let bytes = filmed(&opened, &path, seconds, &progress).await?;
+        download(&name, &bytes)?;
+        Ok(format!("{name} is among your downloads"))
+    })
+}
+
+async fn filmed(
+    opened: &OpenScene,
+    path: &Path,
+    seconds: f64,
+    progress: &Progress,
+) -> Result<Vec<u8>, String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let others =
+        "a page makes films as .webp: for others save the scene, and slabsplat turntable films it";
+    let format = FilmFormat::of_name(path).ok_or(others)?;
+    let rate = FrameRate::new(FRAMES_PER_SECOND).map_err(|e| text(&e))?;
+    let n_frames = FilmDesc::n_frames_of(seconds, rate).map_err(|e| text(&e))?;
+    let image = opened.scene.image;
+    let desc = FilmDesc::new(image.width, image.height, n_frames, rate).map_err(|e| text(&e))?;
+    let desc = desc.has_opacity(image.background[3] < 1.0);
+    let film = FilmInMemory::begin(path, format, desc, &Metadata::default());
+    let mut film = film.map_err(|error| match error {
+        FilmError::NotInMemory { .. } => others.to_owned(),
+        other => text(&other),
+    })?;
+    let turn = Turn::new(TurnAxis::Up, 360.0, n_frames);
+    let mut renderer = Renderer::open_async(&opened.backend, |_| {}).await.map_err(|e| text(&e))?;
+    for frame_idx in 0..n_frames {
+        // The page has its turn, in which it may be given up.
+        turn_of_page().await;
+        if progress.is_cancelled() {
+            return Err("the film was given up".to_owned());
+        }
+        progress.reach(f64::from(frame_idx) / f64::from(n_frames));
+        let scene = turn.scene_at(&opened.scene, frame_idx).map_err(|e| text(&e))?;
+        let image = drawn(&mut renderer, &scene, opened.acquisition).await.map_err(|e| text(&e))?;
+        film.add(&image).map_err(|e| text(&e))?;
+    }
+    film.finish().map_err(|e| text(&e))
 }

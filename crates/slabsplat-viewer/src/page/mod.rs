@@ -16,6 +16,7 @@ mod renderer;
 pub(crate) use address::{backend, token};
 pub(crate) use fetch::{bytes_of, download};
 pub(crate) use remote::picture_of;
+pub(crate) use renderer::turn_of_page;
 
 use crate::app::Viewer;
 use crate::frames::{FrameSource, Wake};
@@ -49,6 +50,7 @@ fn viewer(egui: &eframe::egui::Context) -> Result<Viewer, String> {
     };
     let mut viewer = Viewer::new(egui, source, jobs::opener(), wake);
     if let Some(token) = token {
+        viewer.set_served();
         viewer.begin(|size, wake| jobs::open_session(token, size, wake));
     } else if let Some(url) = address::parameter("scene").or_else(|| address::parameter("url")) {
         viewer.begin(|size, wake| jobs::open(jobs::opener(), url.into(), size, wake));

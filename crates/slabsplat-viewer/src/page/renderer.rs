@@ -143,7 +143,7 @@ async fn taken(shared: &RefCell<Shared>, backend: &str, pane: usize) -> Result<R
 }
 
 /// Lets the page handle its events, and show what it has.
-async fn turn_of_page() {
+pub(crate) async fn turn_of_page() {
     let promise = js_sys::Promise::new(&mut |resolve, _| {
         if let Some(window) = web_sys::window() {
             drop(window.set_timeout_with_callback(&resolve));

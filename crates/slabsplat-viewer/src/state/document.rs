@@ -1,10 +1,11 @@
 //! What is open, all that can be undone of it, and what is known of its volumes.
 
 use super::History;
+use super::layers::LayerState;
+use super::seen::Seen;
 use slabsplat::io::{IoError, SceneFile, scene_text};
 use slabsplat::{
-    Aim, CameraError, Framing, Labels, Layer, OpenError, OpenScene, RenderSettings, Scene,
-    ValueCounts, Viewpoint,
+    Aim, CameraError, Framing, OpenError, OpenScene, RenderSettings, Scene, Viewpoint,
 };
 use std::path::Path;
 
@@ -15,6 +16,8 @@ pub struct State {
     pub opened: OpenScene,
     /// How the panes beside the first one are made; the first one is made as the scene says.
     pub compared: Vec<RenderSettings>,
+    /// What of each layer is no part of the scene.
+    pub(super) layers: Vec<LayerState>,
 }
 
 /// What is open.
@@ -26,15 +29,10 @@ pub struct Document {
     history: History<State>,
     /// Changes whenever what is shown does.
     revision: u64,
-    /// The labels that voxels of each layer have, rising.
-    pub labels: Vec<Vec<i64>>,
-    /// How many voxels of each layer's volume have which values, where any is finite.
-    pub counts: Vec<Option<ValueCounts>>,
     framing: Framing,
+    /// What that is of.
+    framed: Seen,
 }
-
-/// Bins of a histogram.
-const N_BINS: usize = 256;
 
 impl Document {
     /// Panes that are shown at most.
@@ -53,13 +51,11 @@ impl Document {
 
     /// What is open already.
     pub fn of(opened: OpenScene, name: String) -> Self {
-        let layers = &opened.scene.layers;
-        let counts = layers.iter().map(|layer| ValueCounts::of(&layer.volume, N_BINS)).collect();
         let framing = opened.framing();
-        let of_layer = |layer: &Layer| layer.labels.as_ref().map(Labels::of_voxels);
-        let labels = layers.iter().map(|layer| of_layer(layer).unwrap_or_default()).collect();
-        let history = History::new(State { opened, compared: Vec::new() });
-        Self { name, history, counts, labels, framing, revision: 0 }
+        let framed = Seen::of(&opened.scene);
+        let layers = opened.scene.layers.iter().map(LayerState::of).collect();
+        let history = History::new(State { opened, compared: Vec::new(), layers });
+        Self { name, history, framing, framed, revision: 0 }
     }
 
     /// What is now.
@@ -73,6 +69,19 @@ impl Document {
         change(&mut state);
         self.history.change(kind, state);
         self.revision += 1;
+    }
+
+    /// A change that is a step of undo by itself.
+    pub fn step(&mut self, kind: &'static str, change: impl FnOnce(&mut State)) {
+        self.settle();
+        self.change(kind, change);
+        self.settle();
+    }
+
+    /// Changes what is now without a way back.
+    #[cfg(any(target_arch = "wasm32", test))]
+    pub(super) fn amend(&mut self, change: impl FnOnce(&mut State)) {
+        self.history.amend(change);
     }
 
     /// What was dragged was let go: what is changed next is another step of undo.
@@ -127,16 +136,15 @@ impl Document {
     /// # Errors
     /// If numbers do not suffice.
     pub fn aim(&mut self, viewpoint: Option<Viewpoint>) -> Result<(), CameraError> {
-        let scene = &self.state().opened.scene;
+        let shown = self.shown();
+        let seen = Seen::of(&shown.scene);
+        if seen.is_to_be_looked_at_after(&self.framed) {
+            (self.framing, self.framed) = (shown.framing(), seen);
+        }
         let aim = Aim::default().viewpoint(viewpoint).fit(slabsplat::Fit::Visible);
-        let camera = self.framing.aimed(&scene.camera, &aim, true, &scene.image)?;
+        let camera = self.framing.aimed(&shown.scene.camera, &aim, true, &shown.scene.image)?;
         self.move_camera(|_| camera);
         Ok(())
-    }
-
-    /// Looks again at what is visible, which another transfer function has changed.
-    pub fn reframe(&mut self) {
-        self.framing = self.state().opened.framing();
     }
 
     /// The scene of a pane.
@@ -144,10 +152,9 @@ impl Document {
     /// # Panics
     /// If there is no such pane.
     pub fn pane(&self, pane: usize) -> OpenScene {
-        let State { opened, compared } = self.state();
-        let mut opened = opened.clone();
+        let mut opened = self.shown();
         if let Some(before) = pane.checked_sub(1) {
-            opened.scene.settings = compared[before].clone();
+            opened.scene.settings = self.state().compared[before].clone();
         }
         opened
     }
@@ -157,12 +164,12 @@ impl Document {
         1 + self.state().compared.len()
     }
 
-    /// All of it as the text of a scene file in a folder of that path.
+    /// All that is shown as the text of a scene file in a folder of that path.
     ///
     /// # Errors
     /// As [`OpenScene::to_file`].
     pub fn scene_text(&self, path: &Path) -> Result<String, IoError> {
-        scene_text(&self.state().opened.to_file()?, path)
+        scene_text(&self.shown().to_file()?, path)
     }
 }
 

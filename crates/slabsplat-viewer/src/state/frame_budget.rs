@@ -1,8 +1,18 @@
-//! How large a picture may be while something moves, so that a frame takes no longer than its budget.
+//! How large, and how exact, a picture may be while something moves, so that a frame takes no longer than its
+//! budget.
+//!
+//! A larger tolerance is seen less than fewer pixels are: in small pictures of large volumes it takes a
+//! quarter of the time, and changes them by 4 of 255 at most (`docs/performance.md`, "A preview"). Of small
+//! volumes it saves nothing, so that it is tried, and taken back if it does not help.
+
+use slabsplat::{Finish, OpenScene, RenderSettings};
 
 /// How many pixels of the view become one, along each side, from the finest on. What is coarser shows nothing
 /// that anybody could steer by, and costs hardly less.
 const DIVISORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
+
+/// Tolerances beyond that of the scene. With more, volumes of 10⁹ voxels are drawn hardly faster.
+const TOLERANCES: [f64; 2] = [0.1, 0.2];
 
 /// Time grows with pixels by a power below 1, as some of it does not depend on them.
 const GROWTH: f64 = 0.7;
@@ -13,13 +23,34 @@ const HEADROOM: f64 = 0.8;
 /// Share of a new measurement in what is expected.
 const NEWEST: f64 = 0.4;
 
-/// Chooses sizes of moving pictures by what frames took.
+/// A larger tolerance helps if a frame takes no more than this share of what it took.
+const HELPS: f64 = 0.85;
+
+/// Where it did not help, it is tried again in pictures that are so many choices smaller.
+const TRIED_AGAIN: usize = 2;
+
+/// Chooses sizes and tolerances of moving pictures by what frames took.
 #[derive(Clone, Debug)]
 pub struct FrameBudget {
     budget_ms: f64,
     choice: usize,
-    /// What a frame of the chosen size takes, once one was seen.
+    /// What a frame of the chosen size and tolerance takes, once one was seen.
     expected_ms: Option<f64>,
+    /// How many tolerances beyond the scene's it has gone, and what share of the time each left.
+    gains: Vec<f64>,
+    /// The tolerance that is tried, if one is.
+    trial: Option<Trial>,
+    /// The choice of size for which a larger tolerance was of no use.
+    useless_at: Option<usize>,
+}
+
+/// A larger tolerance while it is not known whether it helps.
+#[derive(Clone, Copy, Debug)]
+struct Trial {
+    /// What a frame took before.
+    before_ms: f64,
+    /// Whether a frame has come already: the first makes what those after it only use.
+    has_begun: bool,
 }
 
 impl FrameBudget {
@@ -28,7 +59,14 @@ impl FrameBudget {
 
     /// A budget of milliseconds a frame. It begins in the middle, as nobody knows what frames take.
     pub fn new(budget_ms: f64) -> Self {
-        Self { budget_ms, choice: 3, expected_ms: None }
+        Self {
+            budget_ms,
+            choice: 3,
+            expected_ms: None,
+            gains: Vec::new(),
+            trial: None,
+            useless_at: None,
+        }
     }
 
     /// The size of a moving picture in a view of that many pixels.
@@ -37,63 +75,235 @@ impl FrameBudget {
         [divided(width), divided(height)]
     }
 
-    /// A moving frame of the chosen size took that long.
+    /// The tolerance of a moving picture of a scene with that tolerance, never less than it; of one that is
+    /// exact at rest the usual one, at least.
+    pub fn tolerance(&self, of_scene: f64) -> f64 {
+        let usual = RenderSettings::default().tolerance;
+        let least = if of_scene == 0.0 { usual } else { of_scene };
+        self.n_beyond().checked_sub(1).map_or(least, |idx| TOLERANCES[idx].max(least))
+    }
+
+    /// A scene as it is shown while it moves, in a view of that many pixels: small, as exact as there is time
+    /// for, and with nothing drawn on it.
+    pub fn preview(&self, mut opened: OpenScene, view: [u32; 2]) -> OpenScene {
+        let scene = &mut opened.scene;
+        [scene.image.width, scene.image.height] = self.size(view);
+        scene.settings.tolerance = self.tolerance(scene.settings.tolerance);
+        let below = scene.finish.background_below;
+        scene.finish =
+            below.map_or_else(Finish::default, |color| Finish::default().background_below(color));
+        opened
+    }
+
+    /// A moving frame of the chosen size and tolerance took that long.
     pub fn took(&mut self, ms: f64) {
+        if let Some(trial) = self.trial {
+            let next = Trial { has_begun: true, ..trial };
+            self.trial = (!trial.has_begun).then_some(next);
+            if trial.has_begun {
+                self.judge(ms, trial.before_ms);
+            }
+            return;
+        }
         let expected = self.expected_ms.map_or(ms, |before| before + NEWEST * (ms - before));
         self.expected_ms = Some(expected);
-        let predicted = |choice: usize| {
-            expected * (DIVISORS[self.choice] / DIVISORS[choice]).powf(2.0 * GROWTH)
-        };
-        let last = DIVISORS.len() - 1;
-        let choice = if self.budget_ms < expected {
-            let fits = |&choice: &usize| predicted(choice) < self.budget_ms;
-            (self.choice..last).find(fits).unwrap_or(last)
-        } else if 0 < self.choice && predicted(self.choice - 1) < HEADROOM * self.budget_ms {
-            self.choice - 1
+        if self.budget_ms < expected {
+            if self.may_try() {
+                self.trial = Some(Trial { before_ms: expected, has_begun: false });
+            } else {
+                self.shrink(expected);
+            }
+        } else if 0 < self.choice && self.predicted(expected, self.choice - 1) < self.promised_ms()
+        {
+            self.choose(expected, self.choice - 1);
+        } else if let Some(gain) = self.gains.last()
+            && self.choice == 0
+            && expected / gain < self.promised_ms()
+        {
+            self.expected_ms = Some(expected / gain);
+            self.gains.pop();
+        }
+    }
+
+    /// How many tolerances beyond the scene's are in use, the one that is tried among them.
+    fn n_beyond(&self) -> usize {
+        self.gains.len() + usize::from(self.trial.is_some())
+    }
+
+    fn may_try(&self) -> bool {
+        let is_hopeless = self.useless_at.is_some_and(|at| self.choice < at + TRIED_AGAIN);
+        self.gains.len() < TOLERANCES.len() && !is_hopeless
+    }
+
+    /// Retains a larger tolerance if it has helped; the frame is smaller in any case if it has to be.
+    fn judge(&mut self, ms: f64, before_ms: f64) {
+        let gain = ms / before_ms;
+        if gain <= HELPS {
+            self.gains.push(gain);
+            self.expected_ms = Some(ms);
         } else {
-            self.choice
-        };
+            self.useless_at = Some(self.choice);
+            self.shrink(before_ms);
+        }
+    }
+
+    fn shrink(&mut self, expected: f64) {
+        let last = DIVISORS.len() - 1;
+        let fits = |&choice: &usize| self.predicted(expected, choice) < self.budget_ms;
+        let choice = (self.choice..last).find(fits).unwrap_or(last);
+        self.choose(expected, choice);
+    }
+
+    fn choose(&mut self, expected: f64, choice: usize) {
         if choice != self.choice {
-            self.expected_ms = Some(predicted(choice));
+            self.expected_ms = Some(self.predicted(expected, choice));
             self.choice = choice;
         }
+    }
+
+    fn predicted(&self, expected: f64, choice: usize) -> f64 {
+        expected * (DIVISORS[self.choice] / DIVISORS[choice]).powf(2.0 * GROWTH)
+    }
+
+    fn promised_ms(&self) -> f64 {
+        HEADROOM * self.budget_ms
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frames::Urgency;
+    use crate::state::{Document, Pacing};
+    use slabsplat::Renderer;
+    use slabsplat::io::{SceneFile, VolumeSource};
 
-    /// Sizes that are chosen for frames that take so long a pixel, beside something that all take.
-    fn settled(fixed_ms: f64, ms_per_pixel: f64) -> (Vec<[u32; 2]>, f64) {
-        let view = [1280, 800];
+    const VIEW: [u32; 2] = [1280, 800];
+
+    /// Sizes and tolerances that are chosen in the end, and what frames then take, if a frame takes `ms` of
+    /// so many pixels and with such a tolerance.
+    fn settled(ms: impl Fn(f64, f64) -> f64) -> (Vec<([u32; 2], f64)>, f64) {
         let mut budget = FrameBudget::new(FrameBudget::USUAL_MS);
-        let mut sizes = Vec::new();
-        let mut ms = 0.0;
-        for _ in 0..60 {
-            let [width, height] = budget.size(view);
-            ms = fixed_ms + ms_per_pixel * f64::from(width * height);
-            budget.took(ms);
-            sizes.push([width, height]);
+        let mut chosen = Vec::new();
+        let mut last = 0.0;
+        for _ in 0..80 {
+            let [width, height] = budget.size(VIEW);
+            let tolerance = budget.tolerance(0.05);
+            last = ms(f64::from(width * height), tolerance);
+            budget.took(last);
+            chosen.push(([width, height], tolerance));
         }
-        (sizes.split_off(40), ms)
+        (chosen.split_off(60), last)
+    }
+
+    /// The same of a volume that is drawn no faster with a larger tolerance.
+    fn settled_small(fixed_ms: f64, ms_per_pixel: f64) -> (Vec<([u32; 2], f64)>, f64) {
+        settled(|pixels, _| fixed_ms + ms_per_pixel * pixels)
+    }
+
+    fn is_steady(chosen: &[([u32; 2], f64)]) -> bool {
+        chosen.windows(2).all(|pair| pair[0] == pair[1])
     }
 
     #[test]
     fn frames_fit_their_budget_and_sizes_stay() {
         for fixed_ms in [0.0, 5.0, 15.0] {
             for ms_per_pixel in [1e-6, 1e-5, 6e-5, 2e-4, 4e-4] {
-                let (sizes, ms) = settled(fixed_ms, ms_per_pixel);
+                let (chosen, ms) = settled_small(fixed_ms, ms_per_pixel);
                 assert!(ms <= FrameBudget::USUAL_MS, "{ms} of {fixed_ms} and {ms_per_pixel}");
-                assert!(sizes.windows(2).all(|pair| pair[0] == pair[1]), "to and fro: {sizes:?}");
+                assert!(is_steady(&chosen), "to and fro: {chosen:?}");
+                assert_eq!(chosen[0].1, 0.05, "a tolerance that does not help is not taken");
             }
         }
-        assert_eq!(settled(1.0, 1e-6).0[0], [1280, 800], "what is fast is whole");
+        assert_eq!(settled_small(1.0, 1e-6).0[0].0, VIEW, "what is fast is whole");
     }
 
     #[test]
     fn what_never_fits_is_as_small_as_it_gets() {
-        assert_eq!(settled(500.0, 1e-4).0[0], [256, 160]);
+        assert_eq!(settled_small(500.0, 1e-4).0[0].0, [256, 160]);
         assert_eq!(FrameBudget::new(1.0).size([1, 1]), [1, 1]);
+    }
+
+    /// As of 10⁹ voxels in docs/performance.md, where most of the time does not depend on pixels.
+    #[test]
+    fn a_larger_tolerance_goes_before_fewer_pixels() {
+        let ms = |pixels: f64, tolerance: f64| {
+            let of_voxels = if tolerance < 0.1 {
+                100.0
+            } else if tolerance < 0.2 {
+                24.0
+            } else {
+                15.0
+            };
+            of_voxels + 5e-5 * pixels
+        };
+        let (chosen, last) = settled(ms);
+        let (size, tolerance) = chosen[0];
+        assert!(is_steady(&chosen), "{chosen:?}");
+        assert!(0.1 <= tolerance && last <= FrameBudget::USUAL_MS, "{tolerance}, {last} ms");
+        let (without, too_long) = settled(|pixels, _| ms(pixels, 0.05));
+        assert!(without[0].0[0] < size[0] && FrameBudget::USUAL_MS < too_long);
+    }
+
+    #[test]
+    fn a_tolerance_is_taken_back_where_there_is_time() {
+        let mut budget = FrameBudget::new(FrameBudget::USUAL_MS);
+        let mut draw = |ms: &dyn Fn(f64, f64) -> f64| {
+            for _ in 0..80 {
+                let [width, height] = budget.size(VIEW);
+                budget.took(ms(f64::from(width * height), budget.tolerance(0.0)));
+            }
+            (budget.size(VIEW), budget.tolerance(0.0))
+        };
+        let (_, tolerance) = draw(&|_, tolerance| 2.0 / tolerance);
+        assert!(0.1 <= tolerance);
+        // Another transfer function, of which little is visible.
+        assert_eq!(draw(&|_, tolerance| 0.1 / tolerance), (VIEW, 0.05));
+    }
+
+    #[test]
+    fn a_preview_is_never_more_exact_than_its_scene() {
+        let mut budget = FrameBudget::new(FrameBudget::USUAL_MS);
+        assert_eq!((budget.tolerance(0.0), budget.tolerance(0.01)), (0.05, 0.01));
+        while budget.n_beyond() == 0 {
+            budget.took(1e3);
+        }
+        assert_eq!((budget.tolerance(0.0), budget.tolerance(0.3)), (0.1, 0.3));
+    }
+
+    /// Whatever previews are, at rest it is the scene: to the last bit, by the renderer that drew them.
+    #[test]
+    fn a_picture_at_rest_is_exactly_the_scene() {
+        let source = VolumeSource::Builtin { name: "neuron".to_owned(), size: Some(24) };
+        let mut document =
+            Document::open(&SceneFile::of_volume(source), String::new(), [48, 36]).unwrap();
+        document.change("tolerance", |state| state.opened.scene.settings.tolerance = 0.0);
+        let mut budget = FrameBudget::new(FrameBudget::USUAL_MS);
+        let (mut pacing, mut renderer) =
+            (Pacing::default(), Renderer::open("cpu", |_| {}).unwrap());
+        let mut drawn = Vec::new();
+        for step in 0..20 {
+            let is_held = step < 15;
+            if is_held {
+                document.move_camera(|camera| camera.orbited(0.1));
+            }
+            for asked in pacing.step(document.revision(), 1, f64::from(step), is_held) {
+                let scene = document.pane(0);
+                let opened = match asked.urgency {
+                    Urgency::AtRest => scene,
+                    Urgency::Moving => budget.preview(scene, [48, 36]),
+                };
+                let picture = renderer.picture(&opened.scene, opened.acquisition).unwrap();
+                pacing.came(0, asked.number);
+                budget.took(90.0);
+                drawn.push((asked.urgency, opened.scene.settings.tolerance, picture.frame.image));
+            }
+        }
+        let (urgency, tolerance, image) = drawn.pop().unwrap();
+        assert_eq!((urgency, tolerance), (Urgency::AtRest, 0.0));
+        assert!(drawn.iter().any(|(_, tolerance, _)| 0.1 <= *tolerance), "previews had less");
+        let shown = document.pane(0);
+        let mut alone = Renderer::open("cpu", |_| {}).unwrap();
+        assert_eq!(image, alone.picture(&shown.scene, shown.acquisition).unwrap().frame.image);
     }
 }

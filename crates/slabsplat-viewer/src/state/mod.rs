@@ -1,6 +1,6 @@
 //! All that a viewer knows without a window: what is open and what becomes of it.
 //!
-//! Reading order: `history`, `document`; `camera_moves`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`.
+//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `touch`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`, `thumbnails`.
 
 mod camera_moves;
 mod curve;
@@ -8,8 +8,12 @@ mod cut;
 mod document;
 mod frame_budget;
 mod history;
+mod layers;
 mod pacing;
 mod pick;
+mod seen;
+mod thumbnails;
+mod touch;
 
 pub use camera_moves::{
     ViewPoint, centered_on, height_at_target, orbited, panned, ray, rolled, seen_at, slid,
@@ -20,5 +24,8 @@ pub use cut::Cut;
 pub use document::{Document, State};
 pub use frame_budget::FrameBudget;
 pub use history::History;
+pub use layers::are_apart;
 pub use pacing::{Asked, Pacing};
 pub use pick::{Picked, picked};
+pub use thumbnails::{THUMBNAIL_SIDE, Thumbnails, thumbnail};
+pub use touch::{Touch, touched};

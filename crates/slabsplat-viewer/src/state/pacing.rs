@@ -87,6 +87,13 @@ impl Pacing {
         self.panes.iter().all(|pane| pane.pending.is_none())
     }
 
+    /// Whether all panes show the whole picture of what is now, and nothing is waited for.
+    pub fn is_whole(&self) -> bool {
+        let whole = Some((self.revision, Urgency::AtRest));
+        let is_whole = |pane: &Pane| pane.pending.is_none() && pane.last == whole;
+        !self.panes.is_empty() && self.panes.iter().all(is_whole)
+    }
+
     /// Whether what is shown is no more than a preview, or waited for.
     pub fn is_moving(&self, now: f64, is_held: bool) -> bool {
         !self.is_at_rest(now, is_held)
@@ -126,8 +133,10 @@ mod tests {
         assert_eq!(asked, [Asked { pane: 0, number: 1, urgency: Urgency::Moving }]);
         assert_eq!(pacing.step(1, 1, 5.1, false), []);
         assert!(!pacing.is_done() && pacing.came(0, 1) && pacing.is_done());
+        assert!(!pacing.is_whole(), "there is a small one");
         let asked = pacing.step(1, 1, 6.0, false);
         assert_eq!(asked, [Asked { pane: 0, number: 2, urgency: Urgency::AtRest }]);
+        assert!(!pacing.is_whole() && pacing.came(0, 2) && pacing.is_whole());
         assert_eq!(pacing.step(1, 1, 9.0, false), []);
     }
 

@@ -1,17 +1,26 @@
 //! What is opened and saved: names, sizes, and the system's dialogs.
 
-use eframe::egui::{Context, DragValue, Key, Ui, Window};
+use eframe::egui::{Align2, Context, DragValue, Key, Ui, Window};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Receiver};
+
+/// What becomes of what is opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OpenAs {
+    /// It is shown instead of what is open.
+    Document,
+    /// It is added to what is open.
+    Layer,
+}
 
 /// Something that is to be opened or saved.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Wish {
     /// A volume, a scene, a picture that says what it shows; in a page what is under an address.
-    Open(PathBuf),
+    Open(OpenAs, PathBuf),
     /// A file that was chosen in a page.
     #[cfg(target_arch = "wasm32")]
-    OpenBytes(String, Vec<u8>),
+    OpenBytes(OpenAs, String, Vec<u8>),
     /// The scene, as a file.
     SaveScene(PathBuf),
     /// The picture, in pixels.
@@ -42,7 +51,7 @@ struct Asked {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
-    Open,
+    Open(OpenAs),
     Scene,
     Picture,
     Film,
@@ -51,7 +60,8 @@ enum What {
 impl What {
     fn title(self) -> &'static str {
         match self {
-            Self::Open => "Open a volume or a scene",
+            Self::Open(OpenAs::Document) => "Open a volume or a scene",
+            Self::Open(OpenAs::Layer) => "Add a layer",
             Self::Scene => "Save the scene",
             Self::Picture => "Save a picture",
             Self::Film => "Film a turn",
@@ -60,7 +70,7 @@ impl What {
 
     fn usual_name(self) -> &'static str {
         match self {
-            Self::Open => "",
+            Self::Open(_) => "",
             Self::Scene => "scene.toml",
             Self::Picture => "picture.png",
             Self::Film => "turn.webp",
@@ -82,7 +92,12 @@ impl Files {
 
     /// Asks what to open.
     pub(crate) fn ask_open(&mut self) {
-        self.ask(What::Open, [1, 1]);
+        self.ask(What::Open(OpenAs::Document), [1, 1]);
+    }
+
+    /// Asks what to add to what is open.
+    pub(crate) fn ask_layer(&mut self) {
+        self.ask(What::Open(OpenAs::Layer), [1, 1]);
     }
 
     /// Asks where to save the scene.
@@ -113,9 +128,10 @@ impl Files {
                 #[cfg(not(target_arch = "wasm32"))]
                 (Chosen::Path(path), Some(asked)) => asked.name = path.display().to_string(),
                 #[cfg(target_arch = "wasm32")]
-                (Chosen::Bytes(name, bytes), _) => {
+                (Chosen::Bytes(name, bytes), Some(Asked { what: What::Open(opens), .. })) => {
+                    let opens = *opens;
                     self.asked = None;
-                    return Some(Wish::OpenBytes(name, bytes));
+                    return Some(Wish::OpenBytes(opens, name, bytes));
                 }
                 _ => {}
             }
@@ -123,18 +139,24 @@ impl Files {
         let asked = self.asked.as_mut()?;
         let (mut is_open, mut wish, mut browses) = (true, None, false);
         let window = Window::new(asked.what.title()).open(&mut is_open).collapsible(false);
+        // Below the bar, and where the thing that is shown is still seen.
+        let window = window.anchor(Align2::CENTER_TOP, [0.0, 60.0]);
         window.show(context, |ui| {
             let (is_decided, is_browsing) = name(ui, asked);
             browses = is_browsing;
             details(ui, asked);
-            if asked.what == What::Open {
+            if let What::Open(opens) = asked.what {
                 for path in &self.recent {
                     if ui.link(path.display().to_string()).clicked() {
-                        wish = Some(Wish::Open(path.clone()));
+                        wish = Some(Wish::Open(opens, path.clone()));
                     }
                 }
             }
-            let verb = if asked.what == What::Open { "open" } else { "save" };
+            let verb = match asked.what {
+                What::Open(OpenAs::Document) => "open",
+                What::Open(OpenAs::Layer) => "add",
+                What::Scene | What::Picture | What::Film => "save",
+            };
             let is_named = !asked.name.trim().is_empty();
             if (ui.button(verb).clicked() || is_decided) && is_named {
                 wish = Some(asked.wish());
@@ -155,7 +177,7 @@ impl Asked {
     fn wish(&self) -> Wish {
         let path = PathBuf::from(self.name.trim());
         match self.what {
-            What::Open => Wish::Open(path),
+            What::Open(opens) => Wish::Open(opens, path),
             What::Scene => Wish::SaveScene(path),
             What::Picture => Wish::SavePicture(path, self.size),
             What::Film => Wish::Film(path, self.size, self.seconds),
@@ -174,7 +196,7 @@ fn name(ui: &mut Ui, asked: &mut Asked) -> (bool, bool) {
             asked.is_new = false;
         }
         let is_entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let has_dialog = asked.what == What::Open || cfg!(not(target_arch = "wasm32"));
+        let has_dialog = matches!(asked.what, What::Open(_)) || cfg!(not(target_arch = "wasm32"));
         (is_entered, has_dialog && ui.button("browse…").clicked())
     })
     .inner
@@ -214,7 +236,7 @@ fn browse(what: What, context: Context) -> Receiver<Chosen> {
     let ask = move || {
         let dialog = rfd::FileDialog::new().set_title(what.title());
         let chosen = match what {
-            What::Open => dialog.pick_file(),
+            What::Open(_) => dialog.pick_file(),
             _ => dialog.set_file_name(what.usual_name()).save_file(),
         };
         drop(sender.send(chosen.map_or(Chosen::Nothing, Chosen::Path)));

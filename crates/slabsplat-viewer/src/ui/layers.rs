@@ -102,7 +102,7 @@ pub(crate) fn labels(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
     let Some(labels) = layer.labels.clone() else { return };
     let mut styles = labels.styles().clone();
     let mut is_changed = false;
-    let names = document.labels[layer_idx].clone();
+    let names = document.labels_of(layer_idx).to_vec();
     ui.horizontal(|ui| {
         for (text, opacity) in [("all", 1.0), ("none", 0.0)] {
             if ui.small_button(text).clicked() {
@@ -144,7 +144,8 @@ pub(crate) fn labels(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
 /// The surfaces that the mode `isosurfaces` shows.
 pub(crate) fn isosurfaces(ui: &mut Ui, document: &mut Document, layer_idx: usize) {
     let layer = document.state().opened.scene.layers[layer_idx].clone();
-    let range = layer.volume.summary().range.unwrap_or([0.0, 1.0]);
+    // Not the volume's summary, which looks at all voxels, in every frame of the window.
+    let range = document.counts_of(layer_idx).map_or([0.0, 1.0], |counts| counts.range);
     let mut edited = layer.isosurfaces.clone();
     let mut removed = None;
     for (idx, surface) in edited.iter_mut().enumerate() {

@@ -1,32 +1,47 @@
 //! What is seen of the viewer but for the picture: controls, and what they change.
 //!
-//! Reading order: `style`, `colors`, `settings`; `transfer`, `layers`, `scene`, `compare`, `files`, `help`;
-//! `pane`, `handles`, `ruler`.
+//! Reading order: `style`, `colors`, `settings`; `transfer`, `strips`, `layer_list`, `layers`, `meshes`,
+//! `scene`, `compare`, `files`, `dropped`, `help`; `pane`, `handles`, `ruler`.
 
 mod colors;
 mod compare;
+mod dropped;
 mod files;
 mod handles;
 mod help;
+mod layer_list;
 mod layers;
+mod meshes;
 mod pane;
 mod ruler;
 mod scene;
 mod settings;
+mod strips;
 mod style;
 mod transfer;
 
 pub(crate) use compare::Comparison;
-pub(crate) use files::{Files, Wish};
+pub(crate) use dropped::{Drop, ask as ask_of_dropped};
+pub(crate) use files::{Files, OpenAs, Wish};
+pub(crate) use layer_list::name_of as name_of_layer;
 pub(crate) use pane::{Frame, Pane, Pointed, pointer, rects, sensed, title, under, zoom_of_keys};
 pub(crate) use ruler::Ruler;
 pub(crate) use style::dress;
 pub(crate) use transfer::Editor;
 pub(crate) use {handles::show as show_handles, help::show as show_help};
 
-use crate::state::Document;
-use eframe::egui::{CollapsingHeader, ScrollArea, Ui};
+use crate::state::{Document, Thumbnails};
+use eframe::egui::{CollapsingHeader, ScrollArea, TextureHandle, Ui};
 use slabsplat::Viewpoint;
+
+/// What comes of controls outside of the panel.
+#[derive(Debug, Default)]
+pub(crate) struct PanelWish {
+    /// What has to be said.
+    pub(crate) said: Vec<String>,
+    /// Whether a layer is to be added.
+    pub(crate) adds_layer: bool,
+}
 
 /// What of the panel is no part of the scene.
 #[derive(Debug, Default)]
@@ -37,16 +52,29 @@ pub(crate) struct Panel {
     pub(crate) edits_region: bool,
     /// Panes and their differences.
     pub(crate) comparison: Comparison,
+    /// Small pictures by presets.
+    pub(crate) thumbnails: Thumbnails<TextureHandle>,
+    /// Whether a server draws, which has the layers that it has.
+    is_served: bool,
     editors: Vec<Editor>,
 }
 
 impl Panel {
-    /// All controls. Returns what has to be said.
-    pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document) -> Vec<String> {
-        let mut said = Vec::new();
+    pub(crate) fn new(is_served: bool) -> Self {
+        Self { is_served, ..Self::default() }
+    }
+
+    /// All controls. Returns what comes of them outside of the panel.
+    pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document) -> PanelWish {
+        let mut wish = PanelWish::default();
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            self.layers(ui, document, &mut wish);
+            self.edits_region = false;
             if !document.state().opened.scene.layers.is_empty() {
-                said = self.layer(ui, document);
+                wish.said = self.layer(ui, document);
+            }
+            if !document.state().opened.scene.meshes.is_empty() {
+                section(ui, "Meshes", false, |ui| meshes::show(ui, document));
             }
             section(ui, "Method", true, |ui| scene::rendering(ui, document));
             section(ui, "Lights", false, |ui| scene::lights(ui, document));
@@ -55,31 +83,38 @@ impl Panel {
             section(ui, "Compare", false, |ui| self.comparison.show(ui, document));
             section(ui, "Popping meter", false, |ui| self.comparison.meter(ui, document));
         });
-        said
+        wish
     }
 
+    /// Which layers there are. A server has those that it has.
+    fn layers(&mut self, ui: &mut Ui, document: &mut Document, wish: &mut PanelWish) {
+        if !self.is_served {
+            section(ui, "Layers", true, |ui| {
+                wish.adds_layer = layer_list::show(ui, document, &mut self.layer_idx);
+            });
+        } else if 1 < document.state().opened.scene.layers.len() {
+            section(ui, "Layers", true, |ui| layer_list::choose(ui, document, &mut self.layer_idx));
+        }
+    }
+
+    /// The controls of the layer that is selected. Returns what has to be said.
     fn layer(&mut self, ui: &mut Ui, document: &mut Document) -> Vec<String> {
         let n_layers = document.state().opened.scene.layers.len();
         self.layer_idx = self.layer_idx.min(n_layers - 1);
-        self.editors.resize(n_layers, Editor::default());
-        let layer_idx = self.layer_idx;
-        if 1 < n_layers {
-            ui.horizontal_wrapped(|ui| {
-                for idx in 0..n_layers {
-                    let name = layer_name(document, idx);
-                    ui.selectable_value(&mut self.layer_idx, idx, name);
-                }
-            });
+        if self.editors.len() != n_layers {
+            // What is selected of one layer's points is nothing of another's.
+            self.editors = vec![Editor::default(); n_layers];
         }
+        let layer_idx = self.layer_idx;
         let mut said = Vec::new();
         let editor = &mut self.editors[layer_idx];
         section(ui, "Transfer function", true, |ui| {
             editor.show(ui, document, layer_idx);
-            said = transfer::strips(ui, document, layer_idx);
+            said = strips::show(ui, document, layer_idx, &self.thumbnails, self.is_served);
         });
         self.edits_region =
             section(ui, "Crop and cut", false, |ui| layers::region(ui, document, layer_idx));
-        if !document.labels[layer_idx].is_empty() {
+        if !document.labels_of(layer_idx).is_empty() {
             section(ui, "Labels", false, |ui| layers::labels(ui, document, layer_idx));
         }
         section(ui, "Isosurfaces", false, |ui| layers::isosurfaces(ui, document, layer_idx));
@@ -91,12 +126,6 @@ impl Panel {
 /// A part of the panel that is opened and closed by its title; whether it is open.
 fn section(ui: &mut Ui, title: &str, is_open: bool, show: impl FnOnce(&mut Ui)) -> bool {
     CollapsingHeader::new(title).default_open(is_open).show(ui, show).body_returned.is_some()
-}
-
-fn layer_name(document: &Document, layer_idx: usize) -> String {
-    let file = document.state().opened.sources.layers.get(layer_idx);
-    let name = file.and_then(|file| file.name.clone());
-    name.unwrap_or_else(|| format!("layer {}", layer_idx + 1))
 }
 
 /// The six sides, as keys and buttons have them.

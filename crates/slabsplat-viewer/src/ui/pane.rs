@@ -1,10 +1,11 @@
 //! A pane of the view: the picture that is there, and what mouse, touch and wheel do on it.
 
 use crate::frames::Drawn;
-use crate::state::{self, Document, Picked, ViewPoint};
+use crate::state::{self, Document, Picked, Touch, ViewPoint};
 use eframe::egui::{
-    Align2, Color32, ColorImage, Context, FontId, InputState, Key, Painter, PointerButton, Pos2,
-    Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, Context, FontId, InputState, Key, MultiTouchInfo, Painter,
+    PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2,
+    vec2,
 };
 use slabsplat::glam::DVec2;
 use slabsplat::{Image, Scene};
@@ -172,15 +173,14 @@ pub(crate) fn pointer(
         ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
     let drag = frame.drag(response.drag_delta());
     let is_dragged = response.dragged() && drag != DVec2::ZERO;
-    if let Some(touch) = ui.input(InputState::multi_touch).filter(|_| response.hovered()) {
-        let center = frame.to_view(touch.center_pos);
-        let moved = frame.drag(touch.translation_delta);
-        document.move_camera(|camera| {
-            let camera = state::zoomed(camera, center, f64::from(touch.zoom_delta));
-            let camera = state::rolled(&camera, -f64::from(touch.rotation_delta));
-            state::panned(&camera, moved)
-        });
-    } else if is_dragged {
+    let touch = ui.input(InputState::multi_touch);
+    let touch = touch.filter(|touch| frame.rect.contains(touch.center_pos));
+    if let Some(touch) = touch {
+        document.move_camera(|camera| state::touched(camera, of_fingers(frame, &touch)));
+        // What egui calls zoom and scrolling is the same fingers.
+        return Pointed { at, clicked: None, is_held: true };
+    }
+    if is_dragged {
         let pans = modifiers.shift
             || response.dragged_by(PointerButton::Secondary)
             || response.dragged_by(PointerButton::Middle);
@@ -202,6 +202,17 @@ pub(crate) fn pointer(
     Pointed { at, clicked, is_held: response.dragged() }
 }
 
+/// What fingers did in a frame, as the camera has it.
+fn of_fingers(frame: &Frame, touch: &MultiTouchInfo) -> Touch {
+    Touch {
+        center: frame.to_view(touch.center_pos),
+        moved: frame.drag(touch.translation_delta),
+        spread: f64::from(touch.zoom_delta),
+        // The window counts downwards.
+        turned: -f64::from(touch.rotation_delta),
+    }
+}
+
 /// The angle about the middle by which a pointer was dragged, counter-clockwise.
 fn roll_of(frame: &Frame, response: &Response) -> f64 {
     let Some(now) = response.interact_pointer_pos() else { return 0.0 };
@@ -211,8 +222,9 @@ fn roll_of(frame: &Frame, response: &Response) -> f64 {
 
 /// What is under a point of the view.
 pub(crate) fn under(document: &Document, at: ViewPoint) -> Option<Picked> {
-    let scene = &document.state().opened.scene;
-    state::picked(scene, state::ray(&scene.camera, at))
+    let shown = document.shown().scene;
+    let picked = state::picked(&shown, state::ray(&shown.camera, at))?;
+    Some(Picked { layer_idx: document.layer_of_shown(picked.layer_idx), ..picked })
 }
 
 /// Senses a pane's pointer.
@@ -239,6 +251,8 @@ pub(crate) fn title(painter: &Painter, rect: Rect, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::{Event, Modifiers, RawInput, TouchDeviceId, TouchId, TouchPhase};
+    use slabsplat::io::{SceneFile, VolumeSource};
 
     #[test]
     fn panes_fill_the_view() {
@@ -255,6 +269,76 @@ mod tests {
         }
         assert!((rects(wide, 3)[0].width() - 499.0).abs() < 1.0, "two by two");
         assert!((rects(wide, 2)[0].height() - 800.0).abs() < 1.0, "side by side");
+    }
+
+    /// A window on a document, touched by two fingers that go from frame to frame.
+    fn touched(document: &mut Document, fingers: &[[Pos2; 2]]) {
+        let context = Context::default();
+        let all = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
+        let mut phase = TouchPhase::Start;
+        for (frame_idx, positions) in fingers.iter().enumerate() {
+            let touch = |idx: usize| Event::Touch {
+                device_id: TouchDeviceId(1),
+                id: TouchId(idx as u64),
+                phase,
+                pos: positions[idx],
+                force: None,
+            };
+            // Systems have the pointer go with the first finger.
+            let mut events = vec![touch(0), touch(1), Event::PointerMoved(positions[0])];
+            if phase == TouchPhase::Start {
+                let (pos, button) = (positions[0], PointerButton::Primary);
+                let modifiers = Modifiers::NONE;
+                events.push(Event::PointerButton { pos, button, pressed: true, modifiers });
+            }
+            let input = RawInput {
+                screen_rect: Some(all),
+                time: Some(frame_idx as f64 / 60.0),
+                events,
+                ..RawInput::default()
+            };
+            let mut output = context.run_ui(input, |ui| {
+                let response = sensed(ui, all, 0);
+                let pointed = pointer(ui, &Frame { rect: all }, &response, document);
+                assert!(pointed.is_held || frame_idx < 2);
+            });
+            // Nobody shows what is painted.
+            output.textures_delta.clear();
+            phase = TouchPhase::Move;
+        }
+    }
+
+    /// All that egui makes of fingers, zoom and scrolling too, is one move and not several.
+    #[test]
+    fn two_fingers_move_what_they_touch_once() {
+        let source = VolumeSource::Builtin { name: "sphere".to_owned(), size: Some(8) };
+        let file = SceneFile::of_volume(source);
+        let frame = Frame { rect: Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0)) };
+        let fingers = [
+            // They have to be known before they go.
+            [[100.0, 100.0], [200.0, 150.0]],
+            [[100.0, 100.0], [200.0, 150.0]],
+            [[95.0, 100.0], [230.0, 160.0]],
+            [[80.0, 120.0], [260.0, 150.0]],
+            [[70.0, 140.0], [300.0, 100.0]],
+        ];
+        let fingers = fingers.map(|pair| pair.map(|[x, y]| pos2(x, y)));
+        let mut document = Document::open(&file, String::new(), [400, 300]).unwrap();
+        let camera = document.state().opened.scene.camera;
+        let axes = camera.axes();
+        let in_world = |at: Pos2| {
+            let at = frame.to_view(at) * state::height_at_target(&camera);
+            camera.target() + axes.right * at.x + axes.up * at.y
+        };
+        touched(&mut document, &fingers);
+        let moved = document.state().opened.scene.camera;
+        for (first, last) in fingers[0].into_iter().zip(fingers[4]) {
+            let seen = frame.to_screen(state::seen_at(&moved, in_world(first)).unwrap());
+            assert!(seen.distance(last) < 0.1, "{last} has it at {seen}");
+        }
+        document.settle();
+        document.undo();
+        assert_eq!(document.state().opened.scene.camera, camera, "it is one step");
     }
 
     #[test]

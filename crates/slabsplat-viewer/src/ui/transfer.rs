@@ -1,16 +1,17 @@
 //! The editor of a transfer function: opacities over a histogram, colours below.
 
 use super::colors::{self, shown};
-use crate::state::{Curve, Document, span, stretched, with_result};
+use crate::state::{Curve, Document, span, with_result};
 use eframe::egui::{
-    Align2, Color32, DragValue, FontId, Painter, Pos2, Rect, Response, ScrollArea, Sense, Stroke,
-    Ui, Vec2, pos2, vec2,
+    Align2, Color32, DragValue, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2,
+    vec2,
 };
-use slabsplat::io::{COLORMAP_NAMES, PRESET_NAMES, colormap, preset};
-use slabsplat::{PiecewiseLinear, TransferFunction, ValueCounts};
+use slabsplat::{TransferFunction, ValueCounts};
 
 const PLOT_HEIGHT: f32 = 130.0;
 const STRIP_HEIGHT: f32 = 18.0;
+/// Of the values below the strip: points lie all over the plot.
+const ENDS_HEIGHT: f32 = 13.0;
 const POINT_RADIUS: f32 = 4.5;
 /// How near to a point the pointer takes hold of it.
 const REACH: f32 = 9.0;
@@ -65,11 +66,13 @@ impl Editor {
     pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document, layer_idx: usize) {
         let layer = &document.state().opened.scene.layers[layer_idx];
         let transfer = layer.transfer.clone();
-        let counts = document.counts[layer_idx].clone();
+        let counts = document.counts_of(layer_idx).cloned();
         let values = self.shown.unwrap_or_else(|| all_values(&transfer, counts.as_ref()));
-        let size = vec2(ui.available_width(), PLOT_HEIGHT + STRIP_HEIGHT + 2.0);
+        let height = PLOT_HEIGHT + STRIP_HEIGHT + ENDS_HEIGHT + 2.0;
+        let size = vec2(ui.available_width(), height);
         let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
-        let all = response.rect.shrink2(vec2(6.0, 2.0));
+        let mut all = response.rect.shrink2(vec2(6.0, 2.0));
+        all.max.y -= ENDS_HEIGHT;
         let plot = Plot {
             rect: Rect::from_min_size(all.min, vec2(all.width(), PLOT_HEIGHT - 4.0)),
             strip: Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max),
@@ -256,66 +259,13 @@ impl Editor {
     }
 }
 
-/// Strips of colour maps and presets; a click takes one. Returns what has to be said of it.
-pub(crate) fn strips(ui: &mut Ui, document: &mut Document, layer_idx: usize) -> Vec<String> {
-    let mut said = Vec::new();
-    ui.label("colour maps");
-    if let Some(name) = strip_of(ui, "maps", COLORMAP_NAMES, |name| colormap(name).ok()) {
-        let layer = &document.state().opened.scene.layers[layer_idx];
-        let transfer = layer.transfer.clone();
-        let range = transfer.opacity_points().span();
-        if let Ok(map) = colormap(name) {
-            let opacity = transfer.opacity_points().clone();
-            let edited = TransferFunction::of_curves(opacity, stretched(&map, range));
-            set(document, layer_idx, "colour map", edited);
-        }
-    }
-    ui.label("presets");
-    let colors_of = |name: &str| Some(preset(name).ok()?.source.transfer.color_points().clone());
-    if let Some(preset) =
-        strip_of(ui, "presets", PRESET_NAMES, colors_of).and_then(|name| preset(name).ok())
-    {
-        document.change("preset", |state| match state.opened.show_by(layer_idx, preset.source) {
-            Ok(warnings) => said = warnings,
-            Err(error) => said.push(error.to_string()),
-        });
-        document.settle();
-    }
-    said
-}
-
-/// Buttons that show colours. The name of the one that was clicked.
-fn strip_of(
-    ui: &mut Ui,
-    id: &str,
-    names: &[&'static str],
-    colors_of: impl Fn(&str) -> Option<PiecewiseLinear<3>>,
-) -> Option<&'static str> {
-    let mut clicked = None;
-    ScrollArea::horizontal().id_salt(id).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            for name in names {
-                let Some(colors) = colors_of(name) else { continue };
-                let (rect, response) = ui.allocate_exact_size(vec2(64.0, 34.0), Sense::click());
-                let bar = Rect::from_min_size(rect.min, vec2(64.0, 18.0));
-                colors::strip(ui.painter(), bar, &colors, colors.span());
-                let stroke = ui.style().interact(&response).fg_stroke;
-                ui.painter().rect_stroke(bar, 2.0, stroke, eframe::egui::StrokeKind::Inside);
-                let below = pos2(rect.center().x, rect.bottom());
-                let font = FontId::proportional(9.0);
-                let text = ui.visuals().text_color();
-                let painter = ui.painter().with_clip_rect(ui.clip_rect().intersect(rect));
-                painter.text(below, Align2::CENTER_BOTTOM, *name, font, text);
-                if response.on_hover_text(*name).clicked() {
-                    clicked = Some(*name);
-                }
-            }
-        });
-    });
-    clicked
-}
-
-fn set(document: &mut Document, layer_idx: usize, kind: &'static str, transfer: TransferFunction) {
+/// Gives a layer another transfer function.
+pub(super) fn set(
+    document: &mut Document,
+    layer_idx: usize,
+    kind: &'static str,
+    transfer: TransferFunction,
+) {
     document.change(kind, |state| {
         state.opened.scene.layers[layer_idx].transfer = transfer;
     });
@@ -370,13 +320,14 @@ fn histogram(painter: &Painter, plot: &Plot, counts: &ValueCounts, color: Color3
     }
 }
 
-/// The values at the ends of the plot.
+/// The values at the ends of the plot, below it.
 fn ends(painter: &Painter, plot: &Plot, color: Color32) {
     let font = FontId::proportional(10.0);
-    let sides =
-        [(Align2::LEFT_TOP, plot.rect.left_top()), (Align2::RIGHT_TOP, plot.rect.right_top())];
+    let sides = [
+        (Align2::LEFT_TOP, plot.strip.left_bottom()),
+        (Align2::RIGHT_TOP, plot.strip.right_bottom()),
+    ];
     for ((align, at), value) in sides.into_iter().zip(plot.values) {
-        let inward = Vec2::new(if align == Align2::LEFT_TOP { 3.0 } else { -3.0 }, 2.0);
-        painter.text(at + inward, align, super::number(value), font.clone(), color);
+        painter.text(at + vec2(0.0, 2.0), align, super::number(value), font.clone(), color);
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn read(
             |frames: &mut FrameReader<'_>, &idx: &usize| frames.samples(&stack.frames[idx]);
         parallel::in_order(&mut workers, &stored, unpack, |&idx, samples| {
             let path = &series.files[stack.frames[idx].file_idx].path;
-            meter.advance(samples.len() as u64);
+            meter.advance(samples.len() as u64)?;
             append(path, &mut buffer, sample_type, &samples)
         })?;
         return Ok(buffer.finish(&mut Vec::new()));
@@ -72,7 +72,7 @@ pub(super) fn read(
             Some((last_idx, samples)) if last_idx == idx => samples,
             _ => frames.samples(&stack.frames[idx])?,
         };
-        meter.advance(n_slice_bytes);
+        meter.advance(n_slice_bytes)?;
         let path = &series.files[stack.frames[idx].file_idx].path;
         match share {
             None => append(path, &mut buffer, sample_type, &samples)?,

@@ -93,8 +93,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
                 ReadFailure::Io(source) => IoError::Read { path: path.clone(), source },
             },
         )?;
-        meter.advance(samples.len() as u64);
-        Ok(())
+        meter.advance(samples.len() as u64).map_err(IoError::from)
     };
     let mut workers = vec![(); parallel::n_workers(paths.len())];
     parallel::in_order(&mut workers, &paths, unpack, take)?;

@@ -81,8 +81,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
             ReadFailure::TooShort(_) => IoError::malformed(path, "a page is shorter than it says"),
             ReadFailure::Io(source) => IoError::Read { path: path.to_owned(), source },
         })?;
-        meter.advance(page.len() as u64);
-        Ok(())
+        meter.advance(page.len() as u64).map_err(IoError::from)
     };
     if stack.slices.iter().all(|page| page.file.is_none()) {
         let n_workers = parallel::n_workers(stack.slices.len());

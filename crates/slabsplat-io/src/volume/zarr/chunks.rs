@@ -184,8 +184,7 @@ impl<'a> Reading<'a> {
                     placed.map_err(|failure| failed(tree, &key(image, index), failure))?;
                 }
             }
-            self.meter.advance(chunk_bytes(image));
-            Ok(())
+            Ok(self.meter.advance(chunk_bytes(image))?)
         })
     }
 
@@ -193,7 +192,7 @@ impl<'a> Reading<'a> {
         let chunks = &self.image.array.chunks;
         let start = start_of(self.image, index);
         let key = key(self.image, index);
-        self.meter.advance(chunk_bytes(self.image));
+        self.meter.advance(chunk_bytes(self.image))?;
         if chunks.shard.is_none()
             && let Some(bytes) = self.cached(&start)
         {
