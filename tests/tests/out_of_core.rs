@@ -29,6 +29,9 @@ fn alone() -> MutexGuard<'static, ()> {
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
 
+/// What the mean of a picture may be off by that is drawn of overviews.
+const COARSE: f64 = 0.1;
+
 /// What the program is granted beside what it has on its heap.
 const BESIDE_HEAP: u64 = 40 << 20;
 
@@ -167,6 +170,98 @@ fn out_of_core_unpacks_what_is_packed() {
     drop((scene, profiler));
 }
 
+/// By how much pixels differ, in the mean of all channels.
+fn mean_difference(a: &Image, b: &Image) -> f64 {
+    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
+    sum / (4 * a.pixels().len()) as f64
+}
+
+/// As large as it needs to be to be shown while it is drawn, and to have boxes of so many bytes.
+fn refined(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
+    let open = |memory_bytes| {
+        let desc = DividedDesc::new(memory_bytes).refined();
+        DividedScene::open_framed(file, &desc, |opened, file| {
+            opened.frame(file, &slabsplat::Aim::default())
+        })
+    };
+    let Err(DividedError::NoRoom(no_room)) = open(1) else { panic!("a byte is too little") };
+    open(no_room.needed_bytes + of_boxes).unwrap()
+}
+
+/// Pictures come nearer to the last one, which is the one that is not refined, to the bit.
+#[test]
+fn out_of_core_is_refined() {
+    let _alone = alone();
+    for_each_seed(4, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [197, 170, 161], &mut rng);
+        let opacity = [0.02, 0.3, 0.95][rng.usize(..3)];
+        let text = scene_text(&mut rng, opacity, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let file = opened(folder.path(), &text);
+        let scene = refined(&file, 1 << 20);
+        let (mut shares, mut shown) = (Vec::new(), Vec::new());
+        let picture = scene.refined(&slabsplat::FrameHandle::new(), &mut |of| {
+            shares.push(of.share());
+            shown.push(of.picture().frame.image);
+        });
+        let image = picture.unwrap().frame.image;
+        assert!(image == scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image);
+        let off: Vec<f64> = shown.iter().map(|shown| mean_difference(shown, &image)).collect();
+        println!("{} boxes, at {shares:?}: off by {off:?}", scene.n_boxes());
+        assert!(3 <= shares.len() && shares.len() <= 8 && shares[0] == 0.0, "{shares:?}");
+        assert!(shares.is_sorted() && shares[shares.len() - 1] < 1.0, "{shares:?}");
+        assert!(off[0] < COARSE && off[off.len() - 1] <= off[0], "{off:?}");
+    });
+    let folder = tempfile::tempdir().unwrap();
+    write_volume(folder.path(), [40, 40, 40], &mut Rng::with_seed(1));
+    let text = scene_text(&mut Rng::with_seed(1), 0.3, "tolerance = 0.0");
+    let scene = divided(&opened(folder.path(), &text), 12 << 20);
+    let error = scene.refined(&slabsplat::FrameHandle::new(), &mut |_| {}).unwrap_err();
+    assert!(matches!(error, DividedError::NotRefined), "{error}");
+}
+
+/// Who hears of a picture may cancel the frame, which leaves no trace in the next one; and so may others
+/// while a single box is drawn.
+#[test]
+fn out_of_core_is_cancelled() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(12);
+    write_volume(folder.path(), [197, 170, 161], &mut rng);
+    let text = scene_text(&mut rng, 0.02, "tolerance = 0.0");
+    let file = opened(folder.path(), &text.replace("height = 60", "height = 600"));
+    let scene = refined(&file, 1 << 20);
+    let expected = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+    let is_cancelled = |error: &DividedError| error.to_string().contains("the frame was cancelled");
+    for n_heard_at_most in 1..4 {
+        let frame = slabsplat::FrameHandle::new();
+        let mut n_heard = 0;
+        let drawn = scene.refined(&frame, &mut |_| {
+            n_heard += 1;
+            if n_heard == n_heard_at_most {
+                frame.cancel();
+            }
+        });
+        assert!(is_cancelled(&drawn.unwrap_err()));
+        assert_eq!(n_heard, n_heard_at_most);
+    }
+    assert!(expected == scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image);
+    let whole = refined(&file, 2 << 30);
+    assert_eq!(whole.n_boxes(), 1);
+    let frame = slabsplat::FrameHandle::new();
+    let drawn = std::thread::scope(|threads| {
+        let drawing = threads.spawn(|| whole.picture(&frame));
+        while frame.progress() == 0.0 && !drawing.is_finished() {
+            std::thread::yield_now();
+        }
+        frame.cancel();
+        drawing.join().unwrap()
+    });
+    assert!(is_cancelled(&drawn.unwrap_err()), "at {}", frame.progress());
+    assert!(frame.progress() < 1.0);
+}
+
 /// Two layers, cut by regions, of which one counts voxels of its grid; samples of a pixel, and a gradient.
 #[test]
 fn out_of_core_draws_layers_and_regions() {
@@ -246,6 +341,12 @@ fn check_memory() {
             assert!(before.curr_bytes < after.max_bytes);
             assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
         }
+        let scene = refined(&file, 1 << 20);
+        let memory = scene.memory_bytes();
+        scene.refined(&slabsplat::FrameHandle::new(), &mut |of| drop(of.picture())).unwrap();
+        let most = dhat::HeapStats::get().max_bytes as u64;
+        println!("{name}, refined in {} boxes: {most} bytes, {memory} granted", scene.n_boxes());
+        assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
         drop(profiler);
     }
 }

@@ -1,7 +1,8 @@
 //! How large boxes may be within a budget of memory.
 
-use super::DividedError;
+use super::refine::MOST_GROUPS;
 use super::shares::Shares;
+use super::{DividedDesc, DividedError};
 use slabsplat_core::{Camera, Grid, ImageDesc, PartTree, SampleType, Scene};
 use std::ops::Range;
 use thiserror::Error;
@@ -32,6 +33,7 @@ pub(super) struct Budget {
     /// What there is beside them.
     fixed_bytes: u64,
     camera: Camera,
+    is_refined: bool,
 }
 
 /// The program and its tables.
@@ -42,6 +44,10 @@ const OF_THREAD: u64 = 4 << 20;
 
 /// A picture that is drawn, what is in front of it, tiles, and where their rays are in a part and in regions.
 const OF_PIXEL: u64 = 112;
+
+/// Of a picture that is shown while others are made: what is behind it, of each group of boxes, what it is
+/// made of, and what becomes of it.
+const OF_REFINED_PIXEL: u64 = 4 * MOST_GROUPS as u64 + 3 * 16;
 
 /// Of a voxel that is read, beside its sample: its record, if it is relevant, and its brick's.
 const OF_VOXEL: u64 = 9;
@@ -66,13 +72,20 @@ impl Budget {
     pub(super) fn new(
         scene: &Scene,
         image: &ImageDesc,
-        memory_bytes: u64,
+        desc: &DividedDesc,
     ) -> Result<Self, DividedError> {
-        let fixed_bytes = fixed_bytes(scene, image);
-        if memory_bytes <= fixed_bytes {
-            return Err(NoRoom { memory_bytes, needed_bytes: fixed_bytes }.into());
+        let &DividedDesc { memory_bytes, is_refined, .. } = desc;
+        let mut fixed_bytes = fixed_bytes(scene, image);
+        let mut needed_bytes = fixed_bytes;
+        if is_refined {
+            fixed_bytes += OF_REFINED_PIXEL * image.n_pixels() as u64;
+            // Overviews are drawn before the first box is.
+            needed_bytes = fixed_bytes + of_overviews(scene);
         }
-        Ok(Self { memory_bytes, fixed_bytes, camera: scene.camera })
+        if memory_bytes <= needed_bytes {
+            return Err(NoRoom { memory_bytes, needed_bytes }.into());
+        }
+        Ok(Self { memory_bytes, fixed_bytes, camera: scene.camera, is_refined })
     }
 
     /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
@@ -88,12 +101,17 @@ impl Budget {
         });
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
         let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
-        Self { memory_bytes, fixed_bytes, camera: scene.camera }
+        Self { memory_bytes, fixed_bytes, camera: scene.camera, is_refined: false }
     }
 
     /// All that there is.
     pub(super) fn memory_bytes(&self) -> u64 {
         self.memory_bytes
+    }
+
+    /// Whether there is room for pictures that are shown meanwhile.
+    pub(super) fn is_refined(&self) -> bool {
+        self.is_refined
     }
 
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
@@ -163,6 +181,11 @@ fn fixed_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
     let of_threads = OF_THREAD * rayon::current_num_threads() as u64;
     let of_pixels = OF_PIXEL * image.n_pixels() as u64;
     OF_PROGRAM + of_threads + of_pixels + overviews.sum::<u64>()
+}
+
+/// What it takes to draw all overviews at once, beside their samples.
+fn of_overviews(scene: &Scene) -> u64 {
+    scene.layers.iter().map(|layer| needed_bytes(layer.volume.grid().dims(), 0)).sum()
 }
 
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.

@@ -4,29 +4,35 @@ use super::ahead::{Ahead, BoxVoxels};
 use super::{DividedError, DividedScene, ShareCost};
 use crate::{RenderError, backend_named, frame_scene};
 use rayon::prelude::*;
-use slabsplat_backend::{Frame, FrameCost, FrameStats, Planner};
+use slabsplat_backend::{Backend, Frame, FrameCost, FrameStats, Planner};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    FrameHandle, Grid, Image, ImageDesc, PartBox, PartInView, Region, RegionInView, Scene, View,
-    over,
+    FrameHandle, Grid, Image, ImageDesc, Part, PartBox, PartInView, Region, RegionInView, Scene,
+    View, over,
 };
 use std::ops::Range;
 
 impl DividedScene {
     /// Draws all boxes, before the background.
-    pub(super) fn frame(&self, frame: &FrameHandle) -> Result<Frame, DividedError> {
+    pub(super) fn frame(
+        &self,
+        frame: &FrameHandle,
+        heard: &mut dyn FnMut(&Image, usize),
+    ) -> Result<Frame, DividedError> {
         let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
         let behind = drawn.image.premultiplied_background();
         drop(drawn);
-        let (Frame { mut image, stats, cost, .. }, _) = self.boxes_drawn(frame)?;
+        let (Frame { mut image, stats, cost, .. }, _) = self.boxes_drawn(frame, heard)?;
         image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
         Ok(Frame::new(image, stats, cost))
     }
 
-    /// Draws the own boxes, one behind the other, before nothing.
+    /// Draws the own boxes, one behind the other, before nothing. `heard` is given what is there after each,
+    /// and of how many boxes nothing more is to come.
     pub(super) fn boxes_drawn(
         &self,
         frame: &FrameHandle,
+        heard: &mut dyn FnMut(&Image, usize),
     ) -> Result<(Frame, ShareCost), DividedError> {
         let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
         let ImageDesc { width, height, .. } = drawn.image;
@@ -46,11 +52,13 @@ impl DividedScene {
                 // What is hidden by then is read in vain.
                 next = self.next_seen(&mut left, (&scene, &image), frame)?;
                 ahead = next.map(|(_, of)| Ahead::begin(self, of, threads));
-                let drawn = draw_box(&mut scene, of, voxels, &mut planner, &image)?;
+                let shares = [idx, idx + 1].map(|n| n as f32 / boxes.len() as f32);
+                let of_box = frame.part(shares[0]..shares[1]);
+                let drawn = draw_box(&mut scene, of, voxels, (&mut planner, &image), &of_box)?;
                 add(&mut stats, &drawn.stats);
                 image = drawn.image;
                 cost.n_boxes[0] += 1;
-                frame.reach((idx + 1) as f32 / boxes.len() as f32);
+                frame.reach(shares[1]);
                 if let Some((_, of)) = next
                     && !self.is_to_be_seen(of, &scene, &image)?
                 {
@@ -58,6 +66,7 @@ impl DividedScene {
                     drop(ahead.take().map(Ahead::voxels));
                     next = self.next_seen(&mut left, (&scene, &image), frame)?;
                 }
+                heard(&image, next.map_or(boxes.len(), |(idx, _)| idx));
             }
             Ok::<_, DividedError>(())
         })?;
@@ -158,31 +167,34 @@ fn draw_box(
     scene: &mut Scene,
     of: &PartBox,
     voxels: BoxVoxels,
-    planner: &mut Planner,
-    in_front: &Image,
+    (planner, in_front): (&mut Planner, &Image),
+    frame: &FrameHandle,
 ) -> Result<Frame, DividedError> {
     let layers = scene.layers.iter_mut().zip(voxels.volumes);
     let overviews: Vec<_> =
         layers.map(|(layer, volume)| std::mem::replace(&mut layer.volume, volume)).collect();
-    let drawn = draw_part(scene, of, planner, in_front);
+    // A new one for each box: what it caches of one is of no use for the next.
+    let backend = backend_named("cpu").map_err(RenderError::from);
+    let drawn = backend.map_err(DividedError::from).and_then(|mut backend| {
+        draw_part(scene, &of.part, (planner, &mut *backend), in_front, frame)
+    });
     let layers = scene.layers.iter_mut().zip(overviews);
     layers.for_each(|(layer, overview)| layer.volume = overview);
     drawn
 }
 
-fn draw_part(
+/// Draws what there is of a scene in a part of the world, behind what is there.
+pub(super) fn draw_part(
     scene: &Scene,
-    of: &PartBox,
-    planner: &mut Planner,
+    part: &Part,
+    (planner, backend): (&mut Planner, &mut dyn Backend),
     in_front: &Image,
+    frame: &FrameHandle,
 ) -> Result<Frame, DividedError> {
-    // A new one for each box: what it caches of one is of no use for the next.
-    let mut backend = backend_named("cpu").map_err(RenderError::from)?;
-    let frame = FrameHandle::new();
-    let mut plan = planner.plan_part(scene, &of.part, &frame)?;
+    let mut plan = planner.plan_part(scene, part, frame)?;
     plan.in_front = Some(in_front);
-    backend.submit(&plan, &frame).map_err(RenderError::from)?;
-    Ok(backend.wait_image(&frame).map_err(RenderError::from)?)
+    backend.submit(&plan, frame).map_err(RenderError::from)?;
+    Ok(backend.wait_image(frame).map_err(RenderError::from)?)
 }
 
 /// Counts what a box drew, whose voxels around it are counted by others, too.

@@ -15,13 +15,15 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `drawing`, `shared`.
+//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `drawing`, `refine`,
+//! `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
 mod drawing;
 mod overview;
+mod refine;
 mod shared;
 mod shares;
 
@@ -36,6 +38,7 @@ use slabsplat_io::{IoError, SceneFile, ScratchDesc, VolumeBoxes};
 use thiserror::Error;
 
 pub use budget::NoRoom;
+pub use refine::Refinement;
 pub use shared::{Exchange, ShareCost, SharedScene};
 
 /// A scene that is drawn within a budget of memory, however large its volumes are.
@@ -66,6 +69,7 @@ pub struct DividedScene {
     /// How many voxels around a box have a share in its picture, of each layer.
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
+    is_refined: bool,
 }
 
 /// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
@@ -79,18 +83,27 @@ pub struct DividedDesc {
     pub memory_bytes: u64,
     /// Where volumes are unpacked that cannot be read box by box as they are.
     pub scratch: ScratchDesc,
+    /// Whether it leaves room for what [`DividedScene::refined`] shows: 80 bytes a pixel, and what it takes to
+    /// draw the overviews.
+    pub is_refined: bool,
 }
 
 impl DividedDesc {
     /// So many bytes of memory, and scratch in the system's folder for it.
     pub fn new(memory_bytes: u64) -> Self {
-        Self { memory_bytes, scratch: ScratchDesc::default() }
+        Self { memory_bytes, scratch: ScratchDesc::default(), is_refined: false }
     }
 
     /// The same with scratch there.
     #[must_use]
     pub fn scratch(self, scratch: ScratchDesc) -> Self {
         Self { scratch, ..self }
+    }
+
+    /// The same with room for pictures that are shown meanwhile.
+    #[must_use]
+    pub fn refined(self) -> Self {
+        Self { is_refined: true, ..self }
     }
 }
 
@@ -110,6 +123,11 @@ pub enum DividedError {
     /// Not even the smallest boxes have room.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
+    /// There may be no room for more pictures than one.
+    #[error(
+        "the scene was not opened to show pictures while it is drawn: DividedDesc::refined does that"
+    )]
+    NotRefined,
     /// What is in memory whole could be more than there is.
     #[error("a volume is not drawn box by box with {0}: leave them out, or leave out the memory")]
     Whole(&'static str),
@@ -153,7 +171,7 @@ impl DividedScene {
         let alone = &mut shared::Alone;
         let (opened, sources, grids) = Self::overviews(file, desc, alone, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
-        let budget = Budget::new(&opened.scene, &drawn.image, desc.memory_bytes)?;
+        let budget = Budget::new(&opened.scene, &drawn.image, desc)?;
         drop(drawn);
         let (divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
         Ok(divided)
@@ -223,7 +241,9 @@ impl DividedScene {
         sources.iter().for_each(|source| source.retain_chunks(of_chunks / n_sources));
         let memory_bytes = budget.memory_bytes();
         let own = shares.own_box();
-        Ok((Self { opened, sources, grids, boxes, own, steps, memory_bytes }, shares))
+        let is_refined = budget.is_refined();
+        let divided = Self { opened, sources, grids, boxes, own, steps, memory_bytes, is_refined };
+        Ok((divided, shares))
     }
 
     /// The scene as it was opened, whose volumes are overviews: their grids have longer steps.
@@ -280,7 +300,7 @@ impl DividedScene {
     /// # Errors
     /// If a volume cannot be read any more, or the frame is cancelled.
     pub fn picture(&self, frame: &FrameHandle) -> Result<Picture, DividedError> {
-        let drawn = self.frame(frame)?;
+        let drawn = self.frame(frame, &mut |_, _| {})?;
         Ok(finished(drawn, &self.opened.scene, self.opened.acquisition))
     }
 }
