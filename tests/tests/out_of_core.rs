@@ -13,6 +13,7 @@ use slabsplat::{
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::backends;
 use std::fs;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -29,6 +30,9 @@ fn alone() -> MutexGuard<'static, ()> {
 
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
+
+/// What the mean of a picture may be off by that is drawn of overviews.
+const COARSE: f64 = 0.02;
 
 /// What the program is granted beside what it has on its heap.
 const BESIDE_HEAP: u64 = 40 << 20;
@@ -190,6 +194,98 @@ fn out_of_core_unpacks_what_is_packed() {
     drop((scene, profiler));
 }
 
+/// By how much pixels differ, in the mean of all channels.
+fn mean_difference(a: &Image, b: &Image) -> f64 {
+    let pairs = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
+    let sum: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
+    sum / (4 * a.pixels().len()) as f64
+}
+
+/// As large as it needs to be to be shown while it is drawn, and to have boxes of so many bytes.
+fn refined(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
+    let open = |memory_bytes| {
+        let desc = DividedDesc::new(memory_bytes).refined();
+        DividedScene::open_framed(file, &desc, |opened, file| {
+            opened.frame(file, &slabsplat::Aim::default())
+        })
+    };
+    let Err(DividedError::NoRoom(no_room)) = open(1) else { panic!("a byte is too little") };
+    open(no_room.needed_bytes + of_boxes).unwrap()
+}
+
+/// Pictures come nearer to the last one, which is the one that is not refined, to the bit.
+#[test]
+fn out_of_core_is_refined() {
+    let _alone = alone();
+    for_each_seed(4, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [197, 170, 161], &mut rng);
+        let opacity = [0.02, 0.3, 0.95][rng.usize(..3)];
+        let text = scene_text(&mut rng, opacity, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let file = opened(folder.path(), &text);
+        let scene = refined(&file, 1 << 20);
+        let (mut shares, mut shown) = (Vec::new(), Vec::new());
+        let picture = scene.refined(&slabsplat::FrameHandle::new(), &mut |of| {
+            shares.push(of.share());
+            shown.push(of.picture().frame.image);
+        });
+        let image = picture.unwrap().frame.image;
+        assert!(image == scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image);
+        let off: Vec<f64> = shown.iter().map(|shown| mean_difference(shown, &image)).collect();
+        println!("{} boxes, at {shares:?}: off by {off:?}", scene.n_boxes());
+        assert!(3 <= shares.len() && shares.len() <= 8 && shares[0] == 0.0, "{shares:?}");
+        assert!(shares.is_sorted() && shares[shares.len() - 1] < 1.0, "{shares:?}");
+        assert!(off[0] < COARSE && off[off.len() - 1] <= off[0], "{off:?}");
+    });
+    let folder = tempfile::tempdir().unwrap();
+    write_volume(folder.path(), [40, 40, 40], &mut Rng::with_seed(1));
+    let text = scene_text(&mut Rng::with_seed(1), 0.3, "tolerance = 0.0");
+    let scene = divided(&opened(folder.path(), &text), 12 << 20);
+    let error = scene.refined(&slabsplat::FrameHandle::new(), &mut |_| {}).unwrap_err();
+    assert!(matches!(error, DividedError::NotRefined), "{error}");
+}
+
+/// Who hears of a picture may cancel the frame, which leaves no trace in the next one; and so may others
+/// while a single box is drawn.
+#[test]
+fn out_of_core_is_cancelled() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(12);
+    write_volume(folder.path(), [197, 170, 161], &mut rng);
+    let text = scene_text(&mut rng, 0.02, "tolerance = 0.0");
+    let file = opened(folder.path(), &text.replace("height = 60", "height = 600"));
+    let scene = refined(&file, 1 << 20);
+    let expected = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+    let is_cancelled = |error: &DividedError| error.to_string().contains("the frame was cancelled");
+    for n_heard_at_most in 1..4 {
+        let frame = slabsplat::FrameHandle::new();
+        let mut n_heard = 0;
+        let drawn = scene.refined(&frame, &mut |_| {
+            n_heard += 1;
+            if n_heard == n_heard_at_most {
+                frame.cancel();
+            }
+        });
+        assert!(is_cancelled(&drawn.unwrap_err()));
+        assert_eq!(n_heard, n_heard_at_most);
+    }
+    assert!(expected == scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image);
+    let whole = refined(&file, 2 << 30);
+    assert_eq!(whole.n_boxes(), 1);
+    let frame = slabsplat::FrameHandle::new();
+    let drawn = std::thread::scope(|threads| {
+        let drawing = threads.spawn(|| whole.picture(&frame));
+        while frame.progress() == 0.0 && !drawing.is_finished() {
+            std::thread::yield_now();
+        }
+        frame.cancel();
+        drawing.join().unwrap()
+    });
+    assert!(is_cancelled(&drawn.unwrap_err()), "at {}", frame.progress());
+    assert!(frame.progress() < 1.0);
+}
+
 /// Two layers, cut by regions, of which one counts voxels of its grid; samples of a pixel, and a gradient.
 #[test]
 fn out_of_core_draws_layers_and_regions() {
@@ -270,6 +366,12 @@ fn check_memory() {
             assert!(before.curr_bytes < after.max_bytes);
             assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
         }
+        let scene = refined(&file, 1 << 20);
+        let memory = scene.memory_bytes();
+        scene.refined(&slabsplat::FrameHandle::new(), &mut |of| drop(of.picture())).unwrap();
+        let most = dhat::HeapStats::get().max_bytes as u64;
+        println!("{name}, refined in {} boxes: {most} bytes, {memory} granted", scene.n_boxes());
+        assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
         drop(profiler);
     }
 }
@@ -381,6 +483,68 @@ fn out_of_core_names_damaged_files() {
     fs::remove_file(&path).unwrap();
     let drawn = scene.picture(&slabsplat::FrameHandle::new()).unwrap_err().to_string();
     assert!(drawn.contains("cannot read") && drawn.contains("volume.raw"), "{drawn}");
+}
+
+/// Of 5·10⁹ voxels those in the middle, which a file of their own has, too; all others are a hole in the file.
+#[test]
+fn out_of_core_of_more_voxels_than_32_bits() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let dims: [u64; 3] = [2048, 2048, 1200];
+    let side = 128;
+    let first = dims.map(|n| (n - side) / 2);
+    let raw = |name: &str| fs::File::create(folder.path().join(name)).unwrap();
+    let [large, small] = ["large.raw", "small.raw"].map(raw);
+    large.set_len(dims.iter().product()).unwrap();
+    small.set_len(side * side * side).unwrap();
+    let mut rng = Rng::with_seed(9);
+    let write = |mut file: &fs::File, at: u64, bytes: &[u8]| {
+        file.seek(SeekFrom::Start(at)).unwrap();
+        file.write_all(bytes).unwrap();
+    };
+    for (k, j) in (0..side).flat_map(|k| (0..side).map(move |j| (k, j))) {
+        let row: Vec<u8> = (0..side)
+            .map(|i| {
+                let from = [i, j, k].map(|c| c as f64 - 63.5);
+                let radius = from.iter().map(|c| c * c).sum::<f64>().sqrt();
+                if radius < 40.0 { (200.0 - 2.0 * radius) as u8 + rng.u8(..40) } else { 0 }
+            })
+            .collect();
+        let at = ((first[2] + k) * dims[1] + first[1] + j) * dims[0] + first[0];
+        write(&large, at, &row);
+        write(&small, (k * side + j) * side, &row);
+    }
+    let header = |name: &str, [x, y, z]: [u64; 3], [i, j, k]: [u64; 3]| {
+        let text = format!(
+            "NRRD0004\ntype: uint8\ndimension: 3\nspace dimension: 3\nsizes: {x} {y} {z}\n\
+             space directions: (1,0,0) (0,1,0) (0,0,1)\nspace origin: ({i},{j},{k})\n\
+             encoding: raw\ndata file: {name}.raw\n"
+        );
+        fs::write(folder.path().join(format!("{name}.nhdr")), text).unwrap();
+    };
+    header("large", dims, [0; 3]);
+    header("small", [side; 3], first);
+    let middle = dims.map(|n| (n as f64 - 1.0) / 2.0);
+    let eye = [middle[0] + 300.0, middle[1] + 120.0, middle[2] + 210.0];
+    let scene = |name: &str| {
+        let text = format!(
+            "[volume]\npath = \"{name}.nhdr\"\n[classify]\nopacity = [[60.0, 0.0], [200.0, 0.2]]\n\
+             color = [[60.0, 1.0, 0.2, 0.1], [200.0, 0.3, 0.9, 1.0]]\n[camera]\neye = {eye:?}\n\
+             target = {middle:?}\nup = [0.1, 0.2, 1.0]\nprojection = \"orthographic\"\n\
+             view_height = 90.0\n[image]\nwidth = 72\nheight = 60\n[render]\ntolerance = 0.0\n\
+             opacity_cutoff = 1.0\n"
+        );
+        opened(folder.path(), &text)
+    };
+    let expected = whole(&scene("small"));
+    let scene = scene("large");
+    let error = OpenScene::open(&scene).unwrap_err().to_string();
+    assert!(error.contains("too many voxels"), "{error}");
+    let divided = divided(&scene, 64 << 20);
+    let picture = divided.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+    let off = expected.max_difference(&picture);
+    println!("{} boxes: off by {off}", divided.n_boxes());
+    assert!(off < ROUNDED_TWICE && 0.1 < expected.pixels()[30 * 72 + 36][3], "{off}");
 }
 
 #[test]

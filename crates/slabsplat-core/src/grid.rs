@@ -7,7 +7,8 @@ use thiserror::Error;
 /// A grid of `nx × ny × nz` voxels, placed in the world by an affine map that may rotate, scale,
 /// mirror and shear.
 ///
-/// The map can always be inverted, and the number of voxels fits 32 bits.
+/// The map can always be inverted, and the number of voxels fits 32 bits, but for grids that are only there to
+/// be [cropped](Grid::cropped) ([`Grid::new_large`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     dims: [usize; 3],
@@ -54,6 +55,9 @@ pub enum GridError {
 /// Smallest volume of the parallelepiped that the normalised columns may span.
 const MIN_SKEW: f64 = 1e-6;
 
+/// From here on a voxel's index is no 64-bit float any more.
+const MOST_VOXELS: u64 = 1 << 53;
+
 /// Voxel steps from the world's origin from which on positions between voxels are lost to rounding.
 const MAX_STEPS_FROM_ORIGIN: f64 = 1e10;
 
@@ -67,11 +71,21 @@ impl Grid {
     /// If an axis is empty, there are more than 2³²−1 voxels, or the map cannot be inverted within the
     /// precision of 64 bits.
     pub fn new(dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, GridError> {
+        let grid = Self::new_large(dims, world_from_index)?;
+        if grid.is_large() { Err(GridError::TooLarge(dims)) } else { Ok(grid) }
+    }
+
+    /// The same of as many voxels as there may be, up to 2⁵³: what is in memory, as a
+    /// [`Volume`](crate::Volume), has some of them alone, whose grid is [`cropped`](Self::cropped) of this.
+    ///
+    /// # Errors
+    /// As [`Grid::new`], from 2⁵³ voxels on.
+    pub fn new_large(dims: [usize; 3], world_from_index: DAffine3) -> Result<Self, GridError> {
         if dims.contains(&0) {
             return Err(GridError::Empty(dims));
         }
         let n_voxels = dims.iter().try_fold(1_usize, |n, &d| n.checked_mul(d));
-        if n_voxels.is_none_or(|n| n as u64 > u64::from(u32::MAX)) {
+        if n_voxels.is_none_or(|n| MOST_VOXELS <= n as u64) {
             return Err(GridError::TooLarge(dims));
         }
         let m = world_from_index.matrix3;
@@ -79,6 +93,11 @@ impl Grid {
             return Err(GridError::Singular { x: m.x_axis, y: m.y_axis, z: m.z_axis });
         }
         Ok(Self { dims, world_from_index, cropped_of: None })
+    }
+
+    /// Whether it has more voxels than 32 bits count, so that it can only be cropped.
+    pub fn is_large(&self) -> bool {
+        u64::from(u32::MAX) < self.n_voxels() as u64
     }
 
     /// An axis-parallel grid with voxel `(0, 0, 0)` at the world's origin.
@@ -168,7 +187,7 @@ impl Grid {
         self.dims
     }
 
-    /// Number of voxels, at least 1 and below 2³².
+    /// Number of voxels, at least 1, and below 2³² unless the grid [is large](Self::is_large).
     pub fn n_voxels(&self) -> usize {
         self.dims.iter().product()
     }
@@ -368,6 +387,22 @@ mod tests {
         for huge in [[usize::MAX; 3], [1 << 16, 1 << 16, 1]] {
             assert_eq!(Grid::with_spacing(huge, [1.0; 3]), Err(GridError::TooLarge(huge)));
         }
+    }
+
+    /// What is too large for a volume may be cropped.
+    #[test]
+    fn grid_that_is_large_is_cropped() {
+        let dims = [1 << 16, 1 << 16, 1 << 10];
+        let grid = Grid::new_large(dims, DAffine3::from_scale(DVec3::splat(0.5))).unwrap();
+        let cropped = grid.cropped(&[65_000..65_536, 0..2, 1023..1024]);
+        assert!(grid.is_large() && !cropped.is_large() && cropped.uncropped() == grid);
+        assert_eq!(cropped.world_from_index().translation, DVec3::new(32_500.0, 0.0, 511.5));
+        for huge in [[usize::MAX; 3], [1 << 18, 1 << 18, 1 << 17]] {
+            let large = Grid::new_large(huge, DAffine3::IDENTITY);
+            assert_eq!(large, Err(GridError::TooLarge(huge)));
+        }
+        let volume = crate::Volume::new(grid, vec![0_u8].into(), crate::Scaling::IDENTITY);
+        assert_eq!(volume.unwrap_err(), crate::VolumeError::TooLarge(dims));
     }
 
     #[test]

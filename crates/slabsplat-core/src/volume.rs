@@ -53,6 +53,9 @@ pub enum VolumeError {
         /// Samples given.
         actual: usize,
     },
+    /// The grid has more voxels than a volume may have.
+    #[error("a volume may have 4294967295 voxels, and the grid has {0:?}: read some of them alone")]
+    TooLarge([usize; 3]),
     /// Slope or intercept is not finite, or the slope is zero.
     #[error("values cannot be scaled by slope {slope} and intercept {intercept}")]
     BadScaling {
@@ -94,6 +97,9 @@ impl Volume {
     /// # Errors
     /// If there are more or fewer samples than voxels, or the scaling is not finite or flat.
     pub fn new(grid: Grid, samples: Samples, scaling: Scaling) -> Result<Self, VolumeError> {
+        if grid.is_large() {
+            return Err(VolumeError::TooLarge(grid.dims()));
+        }
         let (expected, actual) = (grid.n_voxels(), samples.len());
         if expected != actual {
             return Err(VolumeError::WrongLength { expected, actual });

@@ -277,7 +277,7 @@ fn respaced(grid: &Grid, spacing: [f64; 3], keeps_center: bool) -> Result<Grid, 
         world_from_index.translation =
             center_in_world - world_from_index.matrix3 * grid.center_in_index();
     }
-    Grid::new(grid.dims(), world_from_index)
+    Grid::new_large(grid.dims(), world_from_index)
 }
 
 /// Puts the parts of a volume together; errors name the file.

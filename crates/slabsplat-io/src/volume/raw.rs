@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{Grid, SampleType, Samples, Scaling};
 
 use super::buffer::{Endian, SampleBuffer};
@@ -76,7 +77,8 @@ pub(crate) fn read_raw_from(
     desc: &RawDesc,
     options: &VolumeOptions,
 ) -> Result<LoadedVolume, IoError> {
-    let grid = Grid::with_spacing(desc.dims, desc.spacing)
+    let map = DAffine3::from_scale(DVec3::from_array(desc.spacing));
+    let grid = Grid::new_large(desc.dims, map)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let input = Input { store, path, options, spill: None };
     let (window, grid) = input.window(&grid)?;

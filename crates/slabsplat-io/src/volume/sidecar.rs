@@ -205,7 +205,7 @@ fn placed(
         }
         None => (DMat3::from_diagonal(DVec3::from_array(desc.spacing)), origin),
     };
-    Grid::new(desc.dims, DAffine3::from_mat3_translation(matrix, DVec3::from_array(origin)))
+    Grid::new_large(desc.dims, DAffine3::from_mat3_translation(matrix, DVec3::from_array(origin)))
 }
 
 #[cfg(test)]

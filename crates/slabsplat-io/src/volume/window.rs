@@ -9,7 +9,7 @@ use std::io;
 use std::ops::Range;
 use std::path::Path;
 
-use slabsplat_core::{Grid, Samples};
+use slabsplat_core::{Grid, GridError, Samples};
 
 use super::Endian;
 use super::buffer::ReadFailure;
@@ -31,9 +31,15 @@ impl Input<'_> {
     /// The box that is asked for of a volume of that grid, and the grid of what is read.
     ///
     /// # Errors
-    /// If the volume has no such voxels.
+    /// If the volume has no such voxels, or if all are asked for and are more than a volume may have.
     pub(super) fn window(&self, grid: &Grid) -> Result<(Option<Window>, Grid), IoError> {
-        let Some(voxels) = &self.options.voxels else { return Ok((None, *grid)) };
+        let Some(voxels) = &self.options.voxels else {
+            if grid.is_large() && self.spill.is_none() {
+                let source = GridError::TooLarge(grid.dims());
+                return Err(IoError::Grid { path: self.path.to_owned(), source });
+            }
+            return Ok((None, *grid));
+        };
         let window = Window::of(self.path, grid, voxels)?;
         Ok((Some(window), grid.cropped(voxels)))
     }

@@ -1,7 +1,8 @@
 //! How large boxes may be within a budget of memory.
 
-use super::DividedError;
+use super::refine::MOST_GROUPS;
 use super::shares::Shares;
+use super::{DividedDesc, DividedError};
 use slabsplat_core::{Camera, Grid, ImageDesc, PartTree, SampleType, Scene};
 use std::ops::Range;
 use thiserror::Error;
@@ -33,6 +34,7 @@ pub(super) struct Budget {
     fixed_bytes: u64,
     n_threads: usize,
     camera: Camera,
+    is_refined: bool,
 }
 
 /// The program and its tables.
@@ -47,6 +49,10 @@ const OF_THREADS: u64 = 2;
 
 /// A picture that is drawn, what is in front of it, tiles, and where their rays are in a part and in regions.
 const OF_PIXEL: u64 = 112;
+
+/// Of a picture that is shown while others are made: what is behind it, of each group of boxes, what it is
+/// made of, and what becomes of it.
+const OF_REFINED_PIXEL: u64 = 4 * MOST_GROUPS as u64 + 3 * 16;
 
 /// Of a voxel that is read, beside its sample: its record, if it is relevant, and its brick's.
 const OF_VOXEL: u64 = 9;
@@ -71,17 +77,23 @@ impl Budget {
     pub(super) fn new(
         scene: &Scene,
         image: &ImageDesc,
-        memory_bytes: u64,
+        desc: &DividedDesc,
     ) -> Result<Self, DividedError> {
-        let shared_bytes = shared_bytes(scene, image);
-        let needed_bytes = shared_bytes + OF_THREAD;
+        let &DividedDesc { memory_bytes, is_refined, .. } = desc;
+        let mut shared_bytes = shared_bytes(scene, image);
+        let mut needed_bytes = shared_bytes + OF_THREAD;
+        if is_refined {
+            shared_bytes += OF_REFINED_PIXEL * image.n_pixels() as u64;
+            // Overviews are drawn before the first box is.
+            needed_bytes = shared_bytes + OF_THREAD + of_overviews(scene);
+        }
         if memory_bytes <= needed_bytes {
             return Err(NoRoom { memory_bytes, needed_bytes }.into());
         }
         let n_paid_for = (memory_bytes - shared_bytes) / OF_THREADS / OF_THREAD;
         let n_threads = rayon::current_num_threads().min(n_paid_for as usize).max(1);
         let fixed_bytes = shared_bytes + OF_THREAD * n_threads as u64;
-        Ok(Self { memory_bytes, fixed_bytes, n_threads, camera: scene.camera })
+        Ok(Self { memory_bytes, fixed_bytes, n_threads, camera: scene.camera, is_refined })
     }
 
     /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
@@ -98,7 +110,8 @@ impl Budget {
         });
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
         let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
-        Self { memory_bytes, fixed_bytes, n_threads, camera: scene.camera }
+        let camera = scene.camera;
+        Self { memory_bytes, fixed_bytes, n_threads, camera, is_refined: false }
     }
 
     /// All that there is.
@@ -109,6 +122,11 @@ impl Budget {
     /// How many threads it pays for.
     pub(super) fn n_threads(&self) -> usize {
         self.n_threads
+    }
+
+    /// Whether there is room for pictures that are shown meanwhile.
+    pub(super) fn is_refined(&self) -> bool {
+        self.is_refined
     }
 
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
@@ -177,6 +195,11 @@ fn shared_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
     });
     let of_pixels = OF_PIXEL * image.n_pixels() as u64;
     OF_PROGRAM + of_pixels + overviews.sum::<u64>()
+}
+
+/// What it takes to draw all overviews at once, beside their samples.
+fn of_overviews(scene: &Scene) -> u64 {
+    scene.layers.iter().map(|layer| needed_bytes(layer.volume.grid().dims(), 0)).sum()
 }
 
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.

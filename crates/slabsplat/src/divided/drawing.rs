@@ -1,10 +1,11 @@
 //! A frame box by box, from the eye.
 
 use super::ahead::{Ahead, BoxVoxels};
-use super::{CPU, DividedError, DividedScene, ShareCost};
-use crate::{RenderError, backend_named, frame_scene};
+use super::painter::Painter;
+use super::{DividedError, DividedScene, ShareCost};
+use crate::{RenderError, frame_scene};
 use rayon::prelude::*;
-use slabsplat_backend::{Backend, Frame, FrameCost, FrameStats, Planner};
+use slabsplat_backend::{Frame, FrameCost, FrameStats};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     FrameHandle, Grid, Image, ImageDesc, PartBox, PartInView, Region, RegionInView, Scene, View,
@@ -14,38 +15,33 @@ use std::ops::Range;
 
 impl DividedScene {
     /// Draws all boxes, before the background.
-    pub(super) fn frame(&self, frame: &FrameHandle) -> Result<Frame, DividedError> {
+    pub(super) fn frame(
+        &self,
+        frame: &FrameHandle,
+        heard: &mut dyn FnMut(&Image, usize),
+    ) -> Result<Frame, DividedError> {
         let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
         let behind = drawn.image.premultiplied_background();
         drop(drawn);
-        let (Frame { mut image, stats, cost, .. }, _) = self.boxes_drawn(frame)?;
+        let (Frame { mut image, stats, cost, .. }, _) = self.boxes_drawn(frame, heard)?;
         image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
         Ok(Frame::new(image, stats, cost))
     }
 
-    /// Draws the own boxes, one behind the other, before nothing, on as many threads as the memory pays for.
+    /// Draws the own boxes, one behind the other, before nothing. `heard` is given what is there after each,
+    /// and of how many boxes nothing more is to come.
     pub(super) fn boxes_drawn(
         &self,
         frame: &FrameHandle,
+        heard: &mut dyn FnMut(&Image, usize),
     ) -> Result<(Frame, ShareCost), DividedError> {
-        if rayon::current_num_threads() <= self.n_threads {
-            return self.boxes_drawn_here(frame);
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.n_threads).build();
-        // Where threads cannot be started, there is one.
-        let Ok(pool) = pool else { return self.boxes_drawn_here(frame) };
-        pool.install(|| self.boxes_drawn_here(frame))
-    }
-
-    /// On all threads that there are.
-    fn boxes_drawn_here(&self, frame: &FrameHandle) -> Result<(Frame, ShareCost), DividedError> {
         let drawn = frame_scene(&self.opened.scene).map_err(RenderError::from)?;
         let ImageDesc { width, height, .. } = drawn.image;
         let mut scene = drawn.into_owned();
         scene.image.background = [0.0; 4];
         let mut image = Image::filled(width, height, [0.0; 4]);
         let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
-        let mut painter = Painter::new(&self.backend);
+        let mut painter = Painter::new(&self.backend, self.n_threads);
         let boxes = self.own_boxes();
         std::thread::scope(|threads| {
             let mut left = boxes.iter().copied().enumerate();
@@ -57,11 +53,13 @@ impl DividedScene {
                 // What is hidden by then is read in vain.
                 next = self.next_seen(&mut left, (&scene, &image), frame)?;
                 ahead = next.map(|(_, of)| Ahead::begin(self, of, threads));
-                let drawn = draw_box(&mut scene, of, voxels, &mut painter, &image)?;
+                let shares = [idx, idx + 1].map(|n| n as f32 / boxes.len() as f32);
+                let of_box = frame.part(shares[0]..shares[1]);
+                let drawn = draw_box(&mut scene, of, voxels, (&mut painter, &image), &of_box)?;
                 add(&mut stats, &drawn.stats);
                 image = drawn.image;
                 cost.n_boxes[0] += 1;
-                frame.reach((idx + 1) as f32 / boxes.len() as f32);
+                frame.reach(shares[1]);
                 if let Some((_, of)) = next
                     && !self.is_to_be_seen(of, &scene, &image)?
                 {
@@ -69,6 +67,7 @@ impl DividedScene {
                     drop(ahead.take().map(Ahead::voxels));
                     next = self.next_seen(&mut left, (&scene, &image), frame)?;
                 }
+                heard(&image, next.map_or(boxes.len(), |(idx, _)| idx));
             }
             Ok::<_, DividedError>(())
         })?;
@@ -169,50 +168,17 @@ fn draw_box(
     scene: &mut Scene,
     of: &PartBox,
     voxels: BoxVoxels,
-    painter: &mut Painter<'_>,
-    in_front: &Image,
+    (painter, in_front): (&mut Painter<'_>, &Image),
+    frame: &FrameHandle,
 ) -> Result<Frame, DividedError> {
     let layers = scene.layers.iter_mut().zip(voxels.volumes);
     let overviews: Vec<_> =
         layers.map(|(layer, volume)| std::mem::replace(&mut layer.volume, volume)).collect();
-    let drawn = painter.draw(scene, of, in_front);
+    let drawn = painter.draw(scene, &of.part, in_front, frame);
+    painter.forget();
     let layers = scene.layers.iter_mut().zip(overviews);
     layers.for_each(|(layer, overview)| layer.volume = overview);
     drawn
-}
-
-/// What draws boxes.
-struct Painter<'a> {
-    planner: Planner,
-    backend_name: &'a str,
-    /// If it is not made anew for each box.
-    backend: Option<Box<dyn Backend>>,
-}
-
-impl<'a> Painter<'a> {
-    fn new(backend_name: &'a str) -> Self {
-        Self { planner: Planner::default(), backend_name, backend: None }
-    }
-
-    fn draw(
-        &mut self,
-        scene: &Scene,
-        of: &PartBox,
-        in_front: &Image,
-    ) -> Result<Frame, DividedError> {
-        let backend = match &mut self.backend {
-            Some(backend) => backend,
-            none => none.insert(backend_named(self.backend_name).map_err(RenderError::from)?),
-        };
-        let frame = FrameHandle::new();
-        let mut plan = self.planner.plan_part(scene, &of.part, &frame)?;
-        plan.in_front = Some(in_front);
-        backend.submit(&plan, &frame).map_err(RenderError::from)?;
-        let drawn = backend.wait_image(&frame).map_err(RenderError::from)?;
-        // What the CPU caches of one box is of no use for the next; devices take long to open.
-        self.backend.take_if(|_| self.backend_name == CPU);
-        Ok(drawn)
-    }
 }
 
 /// Counts what a box drew, whose voxels around it are counted by others, too.

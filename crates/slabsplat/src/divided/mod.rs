@@ -15,13 +15,16 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `drawing`, `shared`.
+//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `painter`, `drawing`, `refine`,
+//! `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
 mod drawing;
 mod overview;
+mod painter;
+mod refine;
 mod shared;
 mod shares;
 
@@ -29,6 +32,7 @@ use crate::framing::Aim;
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use budget::Budget;
 use overview::Overview;
+use painter::CPU;
 use shares::Shares;
 use slabsplat_backend::{PlanError, Planner, SceneInParts, check_parts};
 use slabsplat_core::{FrameHandle, Grid, PartBox, PartTree};
@@ -36,10 +40,8 @@ use slabsplat_io::{IoError, SceneFile, ScratchDesc, VolumeBoxes};
 use thiserror::Error;
 
 pub use budget::NoRoom;
+pub use refine::Refinement;
 pub use shared::{Exchange, ShareCost, SharedScene};
-
-/// The backend that keeps to a budget of memory.
-const CPU: &str = "cpu";
 
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
@@ -73,6 +75,7 @@ pub struct DividedScene {
     n_threads: usize,
     /// By name.
     backend: String,
+    is_refined: bool,
 }
 
 /// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
@@ -86,18 +89,27 @@ pub struct DividedDesc {
     pub memory_bytes: u64,
     /// Where volumes are unpacked that cannot be read box by box as they are.
     pub scratch: ScratchDesc,
+    /// Whether it leaves room for what [`DividedScene::refined`] shows: 80 bytes a pixel, and what it takes to
+    /// draw the overviews.
+    pub is_refined: bool,
 }
 
 impl DividedDesc {
     /// So many bytes of memory, and scratch in the system's folder for it.
     pub fn new(memory_bytes: u64) -> Self {
-        Self { memory_bytes, scratch: ScratchDesc::default() }
+        Self { memory_bytes, scratch: ScratchDesc::default(), is_refined: false }
     }
 
     /// The same with scratch there.
     #[must_use]
     pub fn scratch(self, scratch: ScratchDesc) -> Self {
         Self { scratch, ..self }
+    }
+
+    /// The same with room for pictures that are shown meanwhile.
+    #[must_use]
+    pub fn refined(self) -> Self {
+        Self { is_refined: true, ..self }
     }
 }
 
@@ -117,6 +129,11 @@ pub enum DividedError {
     /// Not even the smallest boxes have room.
     #[error(transparent)]
     NoRoom(#[from] NoRoom),
+    /// There may be no room for more pictures than one.
+    #[error(
+        "the scene was not opened to show pictures while it is drawn: DividedDesc::refined does that"
+    )]
+    NotRefined,
     /// What is in memory whole could be more than there is.
     #[error("a volume is not drawn box by box with {0}: leave them out, or leave out the memory")]
     Whole(&'static str),
@@ -160,7 +177,7 @@ impl DividedScene {
         let alone = &mut shared::Alone;
         let (opened, sources, grids) = Self::overviews(file, desc, alone, frame)?;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
-        let budget = Budget::new(&opened.scene, &drawn.image, desc.memory_bytes)?;
+        let budget = Budget::new(&opened.scene, &drawn.image, desc)?;
         drop(drawn);
         let (mut divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
         divided.draw_by(file);
@@ -231,9 +248,19 @@ impl DividedScene {
         sources.iter().for_each(|source| source.retain_chunks(of_chunks / n_sources));
         let (memory_bytes, n_threads) = (budget.memory_bytes(), budget.n_threads());
         let own = shares.own_box();
-        let backend = CPU.to_owned();
-        let divided =
-            Self { opened, sources, grids, boxes, own, steps, memory_bytes, n_threads, backend };
+        let (backend, is_refined) = (CPU.to_owned(), budget.is_refined());
+        let divided = Self {
+            opened,
+            sources,
+            grids,
+            boxes,
+            own,
+            steps,
+            memory_bytes,
+            n_threads,
+            backend,
+            is_refined,
+        };
         Ok((divided, shares))
     }
 
@@ -309,7 +336,7 @@ impl DividedScene {
     /// If its [backend](Self::backend) is not there or cannot draw it, a volume cannot be read any more, or
     /// the frame is cancelled.
     pub fn picture(&self, frame: &FrameHandle) -> Result<Picture, DividedError> {
-        let drawn = self.frame(frame)?;
+        let drawn = self.frame(frame, &mut |_, _| {})?;
         Ok(finished(drawn, &self.opened.scene, self.opened.acquisition))
     }
 }

@@ -74,7 +74,7 @@ impl SharedScene {
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let n_shares = others.n_shares();
         let budget = match memory_bytes {
-            Some(memory_bytes) => Budget::new(&opened.scene, &drawn.image, memory_bytes)?,
+            Some(_) => Budget::new(&opened.scene, &drawn.image, &desc)?,
             None => Budget::of_share(&opened.scene, &drawn.image, &grids, n_shares),
         };
         drop(drawn);
@@ -114,7 +114,7 @@ impl SharedScene {
     /// # Errors
     /// If a volume cannot be read any more, or the frame is cancelled.
     pub fn frame(&self, frame: &FrameHandle) -> Result<(Frame, ShareCost), DividedError> {
-        self.divided.boxes_drawn(frame)
+        self.divided.boxes_drawn(frame, &mut |_, _| {})
     }
 
     /// Makes the picture of all shares' frames, laid over each other in [order](Self::order), of which

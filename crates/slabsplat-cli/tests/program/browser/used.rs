@@ -77,7 +77,8 @@ impl Used<'_> {
     /// Saves the scene and its picture as people do; the picture.
     pub(super) fn saved(&self, name: &str) -> RgbaImage {
         let scene = self.download('s', "scene.toml");
-        fs::write(self.folder.join(format!("saved-{name}.toml")), scene.bytes).expect("the folder is ours");
+        fs::write(self.folder.join(format!("saved-{name}.toml")), scene.bytes)
+            .expect("the folder is ours");
         let picture = self.download('e', "picture.png");
         image::load_from_memory(&picture.bytes).expect("it is a picture").into_rgba8()
     }

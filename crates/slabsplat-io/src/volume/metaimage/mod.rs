@@ -62,7 +62,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let header = Header::read(store, path)?;
     let mut warnings = Vec::new();
     let sizes = header.sizes()?;
-    let grid = Grid::new(volume_dims(&sizes), space::world_from_index(&header, sizes.len())?)
+    let grid = Grid::new_large(volume_dims(&sizes), space::world_from_index(&header, sizes.len())?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let stored = stored_type(&header)?;
     let choices = choices(&header, input, &sizes)?;

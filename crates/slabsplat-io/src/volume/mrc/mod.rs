@@ -99,7 +99,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let stored = stored_type(&header, path, &mut warnings)?;
     let place = space::world_from_index(&header, &mut warnings)
         .map_err(|what| IoError::malformed(path, what))?;
-    let grid = Grid::new(header.dims(), place)
+    let grid = Grid::new_large(header.dims(), place)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
 
     let mut stream = DataStream::open_unpacked(input.store, path)?;

@@ -14,7 +14,7 @@ pub(super) fn grid(
 ) -> Result<Grid, GridError> {
     let unit = unit_in_millimetres(header, warnings);
     let to_millimetres = DAffine3::from_scale(DVec3::splat(unit));
-    let in_world = |affine: DAffine3| Grid::new(dims, to_millimetres * affine);
+    let in_world = |affine: DAffine3| Grid::new_large(dims, to_millimetres * affine);
     for (name, code, affine) in
         [("sform", header.sform_code, sform(header)), ("qform", header.qform_code, qform(header))]
     {

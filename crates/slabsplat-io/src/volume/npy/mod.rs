@@ -13,6 +13,7 @@ mod header;
 use std::io::Read;
 use std::path::Path;
 
+use slabsplat_core::glam::DAffine3;
 use slabsplat_core::{Grid, Scaling};
 
 use super::array_axes::VolumeAxes;
@@ -144,7 +145,7 @@ impl Array {
     ) -> Result<LoadedVolume, IoError> {
         let needed = self.n_bytes();
         let Self { header, axes } = self;
-        let grid = Grid::with_spacing(axes.dims, [1.0; 3])
+        let grid = Grid::new_large(axes.dims, DAffine3::IDENTITY)
             .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })?;
         let found = n_left.saturating_sub(header.n_bytes);
         let failed = |failure| match failure {

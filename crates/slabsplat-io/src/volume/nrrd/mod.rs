@@ -64,7 +64,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
     let header = Header::read(store, path)?;
     let mut warnings = Vec::new();
     let axes = axes::find(&header)?;
-    let grid = Grid::new(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
+    let grid = Grid::new_large(axes.dims, space::world_from_index(&header, &axes, &mut warnings)?)
         .map_err(|source| IoError::Grid { path: path.to_owned(), source })?;
     let stored = stored_type(&header)?;
     let choices = axes.choices(input, stored)?;

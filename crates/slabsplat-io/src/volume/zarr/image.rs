@@ -98,7 +98,7 @@ impl Image {
     pub(super) fn grid(&self, input: &Input<'_>) -> Result<Grid, IoError> {
         let matrix = DMat3::from_diagonal(DVec3::from_array(self.spacing));
         let place = DAffine3::from_mat3_translation(matrix, DVec3::from_array(self.origin));
-        Grid::new(self.dims, place)
+        Grid::new_large(self.dims, place)
             .map_err(|source| IoError::Grid { path: input.path.to_owned(), source })
     }
 
