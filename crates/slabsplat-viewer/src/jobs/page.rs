@@ -43,6 +43,7 @@ pub(crate) fn opener() -> Opener {
 }
 
 /// Opens what is under an address: a scene file, or a volume.
+#[expect(clippy::needless_pass_by_value, reason = "a desktop's thread takes it along")]
 pub(crate) fn open(_: Opener, url: PathBuf, size: [u32; 2], wake: &Wake) -> Job<Document> {
     let url = url.to_string_lossy().into_owned();
     Job::of_future(format!("opening {url}"), wake, move |_| async move {

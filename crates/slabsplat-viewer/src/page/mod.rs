@@ -30,8 +30,7 @@ use web_sys::HtmlCanvasElement;
 /// # Errors
 /// If the browser draws nothing in it, in a sentence for people.
 pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
-    let mut options = eframe::WebOptions::default();
-    options.dithering = false;
+    let options = eframe::WebOptions { dithering: false, ..eframe::WebOptions::default() };
     let create = |context: &eframe::CreationContext<'_>| {
         let app: Box<dyn eframe::App> = Box::new(aloud::Aloud::new(viewer(&context.egui_ctx)?));
         Ok(app)

@@ -2,8 +2,10 @@
 //! budget.
 //!
 //! A larger tolerance is seen less than fewer pixels are: in small pictures of large volumes it takes a
-//! quarter of the time, and changes them by 4 of 255 at most (`docs/performance.md`, "A preview"). Of small
-//! volumes it saves nothing, so that it is tried, and taken back if it does not help.
+//! quarter of the time, and changes them by 4 of 255 at most ("A preview" in [performance]). Of small volumes
+//! it saves nothing, so that it is tried, and taken back if it does not help.
+//!
+//! [performance]: https://github.com/slabsplat/slabsplat/blob/main/docs/performance.md
 
 use slabsplat::{Finish, OpenScene, RenderSettings};
 

@@ -1,6 +1,7 @@
 //! All that a viewer knows without a window: what is open and what becomes of it.
 //!
-//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `touch`, `pick`; `curve`, `cut`; `frame_budget`, `pacing`, `thumbnails`.
+//! Reading order: `history`, `document`, `layers`, `seen`; `camera_moves`, `touch`, `pick`; `curve`, `cut`;
+//! `frame_budget`, `pacing`, `thumbnails`.
 
 mod camera_moves;
 mod curve;
