@@ -1,5 +1,5 @@
-//! `cargo xtask web`: builds the pages of `tests/outside` for WebAssembly, with vectors, has a browser draw in
-//! one of them what the CPU draws here, and has the viewer used in it by mouse and keys.
+//! `cargo xtask web`: builds the pages of `tests/outside` for WebAssembly, with vectors, has a browser draw
+//! in one of them what the CPU draws here, and has the viewer used in it by mouse and keys.
 //!
 //! The pages lie in `target/web` afterwards, and any web server shows them:
 //! `python3 -m http.server -d target/web`. They are built of the crates in this checkout, or with

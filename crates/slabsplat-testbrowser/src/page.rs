@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::time::Duration;
 
-/// A page in a window of its own, so that none is hidden by another. It is there as long as its browser, and every method panics if that does not
-/// answer.
+/// A page in a window of its own, so that none is hidden by another. It is there as long as its browser, and
+/// every method panics if that does not answer.
 #[derive(Debug)]
 pub struct Page {
     devtools: Rc<RefCell<DevTools>>,

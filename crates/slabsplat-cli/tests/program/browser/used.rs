@@ -78,7 +78,7 @@ impl Used<'_> {
     pub(super) fn saved(&self, name: &str) -> RgbaImage {
         let scene = self.download('s', "scene.toml");
         fs::write(self.folder.join(format!("saved-{name}.toml")), scene.bytes)
-            .expect("the folder is ours");
+            .expect("there is room");
         let picture = self.download('e', "picture.png");
         image::load_from_memory(&picture.bytes).expect("it is a picture").into_rgba8()
     }
@@ -106,8 +106,8 @@ impl Used<'_> {
         picture.expect("render wrote it").into_rgba8()
     }
 
-    /// Saves, and compares with what `render` makes of it, which may differ by `at_most` of 255, and with what
-    /// is shown.
+    /// Saves, and compares with what `render` makes of it, which may differ by `at_most` of 255, and with
+    /// what is shown.
     pub(super) fn saves_what_render_draws(&self, name: &str, at_most: u8) -> RgbaImage {
         let (saved, rendered) = (self.saved(name), self.rendered(name));
         let off = largest_difference(&saved, &rendered);
