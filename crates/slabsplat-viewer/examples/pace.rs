@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 Urgency::Moving => budget.preview(document.pane(0), view),
             };
             let (pane, number, urgency) = (asked.pane, asked.number, asked.urgency);
-            source.ask(Request { pane, number, opened, urgency });
+            source.ask(Request { pane, number, opened, urgency, is_read_back: true });
         }
         // Woken or not, there is the next pointer event to be told.
         let _woken = woken.recv_timeout(Duration::from_millis(4));

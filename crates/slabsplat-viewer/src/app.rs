@@ -1,21 +1,23 @@
 //! The viewer: what is open, what is shown of it, and what its user does. A window or a page drives it.
 //!
-//! Reading order: here, `opening`, `saving`, `view`, `keys`, `bars`, `thumbnails`.
+//! Reading order: here, `opening`, `saving`, `view`, `keys`, `bars`, `thumbnails`, `textures`.
 
 mod bars;
 mod keys;
 mod opening;
 mod saving;
+mod textures;
 mod thumbnails;
 mod view;
 
-use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
+use crate::frames::{Drawn, DrawnInTexture, Event, FrameSource, Request, Urgency, Wake};
 use crate::jobs::{Job, Opener};
 use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
 use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler};
 use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
 use opening::Opening;
 use slabsplat::Viewpoint;
+use textures::Textures;
 
 /// A viewer of volumes, an app of eframe's.
 pub struct Viewer {
@@ -35,6 +37,7 @@ pub struct Viewer {
     files: Files,
     ruler: Ruler,
     panes: Vec<Pane>,
+    textures: Textures,
     /// The size of a pane, in pixels.
     view: [u32; 2],
     messages: Vec<Message>,
@@ -88,6 +91,7 @@ impl Viewer {
             files: Files::default(),
             ruler: Ruler::default(),
             panes: Vec::new(),
+            textures: Textures::default(),
             view: [960, 720],
             messages: Vec::new(),
             pointed: None,
@@ -133,13 +137,14 @@ impl Viewer {
         }
     }
 
-    fn hear_frames(&mut self, context: &Context) {
+    fn hear_frames(&mut self, context: &Context, window: &eframe::Frame) {
         for event in self.source.events() {
             match event {
                 Event::Drawn(drawn) if thumbnails::is_thumbnail(drawn.number) => {
                     self.show_thumbnail(context, &drawn);
                 }
                 Event::Drawn(drawn) => self.show_frame(context, *drawn),
+                Event::InTexture(drawn) => self.show_texture(window, drawn),
                 Event::Failed { number, .. } if thumbnails::is_thumbnail(number) => {
                     self.panel.thumbnails.came(Some(number), None);
                 }
@@ -179,6 +184,19 @@ impl Viewer {
         if self.panel.comparison.shows_difference {
             self.show_difference(context);
         }
+    }
+
+    /// Shows a frame that moves where it was drawn.
+    fn show_texture(&mut self, window: &eframe::Frame, drawn: DrawnInTexture) {
+        let DrawnInTexture { pane: pane_idx, texture, ms, .. } = drawn;
+        if !self.pacing.came(pane_idx, drawn.number) || self.panes.len() <= pane_idx {
+            return;
+        }
+        let Some(egui) = window.wgpu_render_state() else { return };
+        self.shown = Some((ms, texture.size()));
+        self.budgets[pane_idx].took(ms);
+        let id = self.textures.id_of(egui, pane_idx, &texture);
+        self.panes[pane_idx].set_texture(id, texture);
     }
 
     /// Panes beside the first show by how much they differ from it.
@@ -226,6 +244,8 @@ impl Viewer {
         }
         let now = context.input(|input| input.time);
         let is_held = self.is_held || self.panel.comparison.is_turning;
+        let comparison = &self.panel.comparison;
+        let is_read_back = comparison.is_turning || comparison.shows_difference;
         let asked = self.pacing.step(document.revision(), document.n_panes(), now, is_held);
         for Asked { pane, number, urgency } in asked {
             let opened = document.pane(pane);
@@ -233,7 +253,7 @@ impl Viewer {
                 Urgency::AtRest => opened,
                 Urgency::Moving => self.budgets[pane].preview(opened, self.view),
             };
-            self.source.ask(Request { pane, number, opened, urgency });
+            self.source.ask(Request { pane, number, opened, urgency, is_read_back });
         }
         if let Some(seconds) = self.pacing.wake_in(now).filter(|_| !is_held) {
             context.request_repaint_after(std::time::Duration::from_secs_f64(seconds));
@@ -253,10 +273,10 @@ impl Viewer {
 }
 
 impl eframe::App for Viewer {
-    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, window: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         self.hear_jobs(context.input(|input| input.time));
-        self.hear_frames(&context);
+        self.hear_frames(&context, window);
         self.dropped(&context);
         self.keys(&context);
         Bar::top("bar").show(ui, |ui| self.bar(ui));

@@ -39,9 +39,11 @@ mod app;
 mod window;
 
 pub use app::Viewer;
+pub use frames::{
+    Drawn, DrawnInTexture, Event, FrameSource, Request, Urgency, Wake, WindowTexture,
+};
 #[cfg(not(target_arch = "wasm32"))]
-pub use frames::RenderingThread;
-pub use frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
+pub use frames::{RenderingThread, WindowDevice};
 pub use jobs::{Opener, Opening};
 #[cfg(target_arch = "wasm32")]
 pub use page::show_in_page;

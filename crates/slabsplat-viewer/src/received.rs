@@ -228,7 +228,8 @@ mod tests {
         styles.insert(5, slabsplat::LabelStyle::default().opacity(0.0));
         opened.scene.layers[0].labels = Some(labels.with_styles(styles.clone()).unwrap());
         opened.scene.meshes[0].color = Some([0.0, 1.0, 0.0]);
-        let request = Request { pane: 0, number: 1, opened, urgency: Urgency::AtRest };
+        let urgency = Urgency::AtRest;
+        let request = Request { pane: 0, number: 1, opened, urgency, is_read_back: true };
         let value: serde_json::Value =
             serde_json::from_str(&request_text(&request).unwrap()).unwrap();
         let scene = value["scene"].as_str().unwrap();
@@ -250,7 +251,8 @@ mod tests {
     fn a_request_has_the_scene() {
         let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
         let opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
-        let request = Request { pane: 0, number: 3, opened, urgency: Urgency::Moving };
+        let request =
+            Request { pane: 0, number: 3, opened, urgency: Urgency::Moving, is_read_back: false };
         let text = request_text(&request).unwrap();
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!((&value["number"], &value["urgency"]), (&3.into(), &"moving".into()));

@@ -1,8 +1,10 @@
 //! The viewer in a window of the desktop.
 
 use crate::app::Viewer;
-use crate::frames::{RenderingThread, Wake};
+use crate::frames::{RenderingThread, Wake, WindowDevice};
 use crate::jobs::{Opener, Opening};
+use eframe::egui_wgpu::{WgpuSetup, WgpuSetupCreateNew};
+use slabsplat::wgpu::Adapter;
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -50,10 +52,13 @@ pub fn show(start: Start) -> Result<(), WindowError> {
         viewport.with_inner_size([1280.0, 800.0]).with_min_inner_size([480.0, 320.0]);
     // Pixels are shown as they were drawn.
     options.dithering = false;
+    options.wgpu_options.wgpu_setup = that_draws_frames();
     let create = move |context: &eframe::CreationContext<'_>| {
         let egui = context.egui_ctx.clone();
         let wake: Wake = Arc::new(move || egui.request_repaint());
-        let source = RenderingThread::spawn(start.backend, wake.clone())?;
+        let window = context.wgpu_render_state.as_ref();
+        let window = window.map(|own| WindowDevice::new(own.device.clone(), own.queue.clone()));
+        let source = RenderingThread::spawn_in_window(start.backend, wake.clone(), window)?;
         let mut viewer = Viewer::new(&context.egui_ctx, Box::new(source), start.opener, wake);
         viewer.set_recent(crate::recent::read());
         if let Some((name, opening)) = start.scene {
@@ -64,4 +69,13 @@ pub fn show(start: Start) -> Result<(), WindowError> {
     };
     let run = eframe::run_native("slabsplat", options, Box::new(create));
     run.map_err(|error| WindowError::NoWindow(error.to_string()))
+}
+
+/// egui asks for a device; what frames need is added to that, as far as there is such a device.
+fn that_draws_frames() -> WgpuSetup {
+    let own = WgpuSetupCreateNew::without_display_handle();
+    let of_egui = own.device_descriptor.clone();
+    let device_descriptor =
+        Arc::new(move |adapter: &Adapter| slabsplat::device_descriptor(adapter, of_egui(adapter)));
+    WgpuSetup::CreateNew(WgpuSetupCreateNew { device_descriptor, ..own })
 }

@@ -1,6 +1,6 @@
 //! `slabsplat view`, in a display that nobody sees: used by mouse and keys, and looked at.
 
-use crate::{answer, diagnostic, program, slabsplat};
+use crate::{answer, diagnostic, json, program, slabsplat};
 use image::RgbaImage;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -38,6 +38,41 @@ fn a_window_shows_and_saves_what_render_draws() {
     assert_eq!(aside, window.rendered("aside"));
     window.shows(&aside);
 }
+
+/// By a device that draws window and frames alike these are not read back while they move.
+#[test]
+fn a_window_shows_what_moves_as_what_is_at_rest() {
+    let Some(display) = Display::open() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let backends = json(dir.path(), "backends --json");
+    let is_wgpu = |backend: &&serde_json::Value| backend["name"] == "wgpu";
+    let wgpu = backends["backends"].as_array().unwrap().iter().find(is_wgpu);
+    let Some(wgpu) = wgpu.filter(|wgpu| !wgpu["unavailable"].is_string()) else {
+        println!("skipped: there is no wgpu");
+        return;
+    };
+    println!("wgpu: {}", wgpu["devices"][0]);
+    let window = display.view_by("wgpu", dir.path(), "builtin:cube:12 --slab-width 2");
+    let picture = window.saved("first");
+    assert_eq!(picture, window.rendered("first"));
+    window.shows(&picture);
+    let rest = view_of(&window.screen(), &picture);
+    let off = || mean_difference(&view_of(&window.screen(), &picture), &rest);
+    // As long as the button is held, nothing is at rest.
+    window.xdotool("mousemove 200 200 sleep 0.2 mousedown 1 sleep 0.2");
+    window.xdotool("mousemove 260 230 sleep 0.2 mousemove 330 260 sleep 0.2");
+    wait(|| 2.0 * MOVED < off());
+    window.xdotool("mousemove 260 230 sleep 0.2 mousemove 200 200 sleep 0.2");
+    // It may be smaller, and so less sharp at edges.
+    wait(|| off() < MOVED);
+    window.xdotool("mouseup 1 sleep 0.3");
+    let again = window.saved("again");
+    assert_eq!(again, window.rendered("again"));
+    window.shows(&again);
+}
+
+/// By how much two pictures differ on average, of 255, if it is not by their sharpness alone.
+const MOVED: f64 = 4.0;
 
 #[test]
 fn a_window_opens_other_files_and_says_what_is_wrong_with_them() {
@@ -108,7 +143,11 @@ impl Display {
     }
 
     fn view(&self, folder: &Path, args: &str) -> Window<'_> {
-        let mut program = program(folder, &format!("view --backend cpu {args}"));
+        self.view_by("cpu", folder, args)
+    }
+
+    fn view_by(&self, backend: &str, folder: &Path, args: &str) -> Window<'_> {
+        let mut program = program(folder, &format!("view --backend {backend} {args}"));
         program.env("DISPLAY", &self.name).env_remove("WAYLAND_DISPLAY");
         // What is remembered is no business of the tester's.
         program.env("XDG_STATE_HOME", folder.join("state"));
@@ -247,6 +286,12 @@ impl Drop for Window<'_> {
     }
 }
 
+/// What is where a picture is on a screen that shows it, but for what may lie over it.
+fn view_of(screen: &RgbaImage, picture: &RgbaImage) -> RgbaImage {
+    let (width, height) = (picture.width(), picture.height() / 2);
+    image::imageops::crop_imm(screen, 0, 80, width, height).to_image()
+}
+
 /// Whether the screen has a picture in it whose top is there. What covers its lower half is not looked at.
 pub(crate) fn is_covered_at(screen: &RgbaImage, picture: &RgbaImage, top: u32) -> bool {
     off_from(screen, picture, top) <= 1
@@ -267,6 +312,14 @@ pub(crate) fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
     assert_eq!(a.dimensions(), b.dimensions());
     let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
     sum as f64 / a.len() as f64
+}
+
+fn wait(until: impl Fn() -> bool) {
+    let began = Instant::now();
+    while !until() {
+        assert!(began.elapsed() < PATIENCE, "it does not happen");
+        sleep(Duration::from_millis(200));
+    }
 }
 
 fn is_there(program: &str) -> bool {

@@ -32,7 +32,14 @@ impl Viewer {
                     // no use to other transfer functions.
                     let (pane, urgency) = (document.n_panes(), Urgency::AtRest);
                     let number = thumbnails.asked();
-                    let request = number.map(|number| Request { pane, number, opened, urgency });
+                    let is_read_back = true;
+                    let request = number.map(|number| Request {
+                        pane,
+                        number,
+                        opened,
+                        urgency,
+                        is_read_back,
+                    });
                     request.into_iter().for_each(|request| self.source.ask(request));
                 }
                 Err(_) => thumbnails.came(None, None),

@@ -2,13 +2,20 @@
 //!
 //! A [`FrameSource`] is asked for pictures of scenes and never waited for. What it is asked replaces what it
 //! was asked before for the same pane and has not begun; a picture that is only made better is given up for
-//! whatever is newer.
+//! whatever is newer. Where one device draws the window and its frames, those that move stay on it.
 
+mod window_texture;
+
+#[cfg(not(target_arch = "wasm32"))]
+mod in_window;
 #[cfg(not(target_arch = "wasm32"))]
 mod thread;
 
 #[cfg(not(target_arch = "wasm32"))]
+pub use in_window::WindowDevice;
+#[cfg(not(target_arch = "wasm32"))]
 pub use thread::RenderingThread;
+pub use window_texture::WindowTexture;
 
 use slabsplat::{Image, OpenScene};
 
@@ -23,6 +30,8 @@ pub struct Request {
     pub opened: OpenScene,
     /// How soon it is wanted.
     pub urgency: Urgency,
+    /// Whether its pixels are wanted even if it moves, as by who compares frames.
+    pub is_read_back: bool,
 }
 
 /// How soon a picture is wanted.
@@ -39,6 +48,8 @@ pub enum Urgency {
 pub enum Event {
     /// A picture is there.
     Drawn(Box<Drawn>),
+    /// A picture that moves is there, in a texture of the window's.
+    InTexture(DrawnInTexture),
     /// There is none.
     Failed {
         /// The request's pane.
@@ -67,6 +78,21 @@ pub struct Drawn {
     pub notes: Vec<String>,
     /// What it took, from when it was begun; without a clock nothing.
     pub ms: Option<f64>,
+    /// How many voxels were drawn.
+    pub n_voxels: u64,
+}
+
+/// A picture that moves and was not read back, and what it was asked for as.
+#[derive(Debug)]
+pub struct DrawnInTexture {
+    /// The request's pane.
+    pub pane: usize,
+    /// The request's number.
+    pub number: u64,
+    /// Where the picture is.
+    pub texture: WindowTexture,
+    /// What it took, from when it was begun.
+    pub ms: f64,
     /// How many voxels were drawn.
     pub n_voxels: u64,
 }

@@ -2,14 +2,21 @@
 //!
 //! It takes the oldest request first, so that no pane starves another. Where a graphics card fails, `auto`
 //! goes on with the CPU, which is said.
+//!
+//! What moves may be drawn on the window's device. The thread then looks every millisecond whether it is
+//! done: to wait for the device would hold a lock that the window needs to show anything.
 
-use super::{Drawn, Event, FrameSource, Request, Urgency, Wake};
+use super::{Drawn, DrawnInTexture, Event, FrameSource, Request, Urgency, Wake, WindowDevice};
 use slabsplat::{FrameHandle, RenderError, Renderer};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
-use std::time::Instant;
+use std::task::Poll;
+use std::thread::{JoinHandle, sleep};
+use std::time::{Duration, Instant};
+
+/// How often is looked whether the window's device has drawn a frame.
+const LOOK_EVERY: Duration = Duration::from_millis(1);
 
 /// Draws on a thread of its own. Dropping it gives up what is under way.
 #[derive(Debug)]
@@ -41,11 +48,24 @@ impl RenderingThread {
     /// # Errors
     /// If the system starts no more threads.
     pub fn spawn(backend: String, wake: Wake) -> std::io::Result<Self> {
+        Self::spawn_in_window(backend, wake, None)
+    }
+
+    /// The same, but where the renderer is on wgpu, frames that move are drawn on the window's own device, if
+    /// that can, and come as [`Event::InTexture`].
+    ///
+    /// # Errors
+    /// If the system starts no more threads.
+    pub fn spawn_in_window(
+        backend: String,
+        wake: Wake,
+        window: Option<WindowDevice>,
+    ) -> std::io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let (sender, events) = mpsc::channel();
         let painter = Painter { shared: shared.clone(), sender, wake };
         let thread = std::thread::Builder::new().name("slabsplat-frames".to_owned());
-        let thread = thread.spawn(move || painter.paint_all(&backend))?;
+        let thread = thread.spawn(move || painter.paint_all(&backend, window))?;
         Ok(Self { shared, events, thread: Some(thread) })
     }
 }
@@ -112,8 +132,17 @@ impl Shared {
         }
         let request = queue.waiting.remove(0);
         let frame = FrameHandle::new();
-        queue.under_way = Some((frame.clone(), request.pane, request.urgency));
+        queue.begin(&frame, &request);
         Some((request, frame))
+    }
+}
+
+impl Queue {
+    fn begin(&mut self, frame: &FrameHandle, request: &Request) {
+        self.under_way = Some((frame.clone(), request.pane, request.urgency));
+        if self.ends {
+            frame.cancel();
+        }
     }
 }
 
@@ -127,10 +156,15 @@ struct Painter {
 impl Painter {
     /// Each pane has a renderer, as what one keeps for its next frame is of no use to a frame that is made
     /// otherwise.
-    fn paint_all(&self, backend: &str) {
+    fn paint_all(&self, backend: &str, mut window: Option<WindowDevice>) {
         let Some(first) = self.opened(backend) else { return };
         let mut renderers = vec![first];
         while let Some((request, frame)) = self.shared.next() {
+            // It may have gone on with the CPU.
+            window.take_if(|_| renderers[0].caps().name != "wgpu");
+            if self.is_painted_in_window(&mut window, &request) {
+                continue;
+            }
             while renderers.len() <= request.pane {
                 let Some(another) = self.opened(backend) else { return };
                 renderers.push(another);
@@ -147,6 +181,49 @@ impl Painter {
                 let Some(another) = self.opened(backend) else { return };
                 *renderer = another;
             }
+        }
+    }
+
+    /// Draws a frame in the window, if it may be drawn there; whether it was, or will never be.
+    fn is_painted_in_window(&self, window: &mut Option<WindowDevice>, request: &Request) -> bool {
+        let Some(device) = window.as_mut().filter(|_| WindowDevice::takes(request)) else {
+            return false;
+        };
+        let drawing = AssertUnwindSafe(|| self.drawn_in_window(device, request));
+        match catch_unwind(drawing) {
+            Ok(Ok(drawn)) => self.tell(Event::InTexture(drawn)),
+            Ok(Err(error)) if !WindowDevice::is_failure(&error) => {
+                self.tell_of(Err(error), request);
+            }
+            Ok(Err(error)) => return self.give_up(window, &error.to_string()),
+            Err(_) => return self.give_up(window, "the window's device stopped in the middle"),
+        }
+        self.shared.locked().under_way = None;
+        true
+    }
+
+    /// The window's device is not asked again; whether it has drawn anything.
+    fn give_up(&self, window: &mut Option<WindowDevice>, why: &str) -> bool {
+        *window = None;
+        self.tell(Event::Note(format!("{why}; frames are read back")));
+        false
+    }
+
+    fn drawn_in_window(
+        &self,
+        device: &mut WindowDevice,
+        request: &Request,
+    ) -> Result<DrawnInTexture, RenderError> {
+        let started = Instant::now();
+        let begun = device.begin(request)?;
+        self.shared.locked().begin(&begun.frame, request);
+        loop {
+            if let Poll::Ready((texture, n_voxels)) = device.poll(&begun)? {
+                let (pane, number) = (request.pane, request.number);
+                let ms = started.elapsed().as_secs_f64() * 1e3;
+                return Ok(DrawnInTexture { pane, number, texture, ms, n_voxels });
+            }
+            sleep(LOOK_EVERY);
         }
     }
 
@@ -251,7 +328,7 @@ mod tests {
     }
 
     fn request(number: u64, opened: &OpenScene, urgency: Urgency) -> Request {
-        Request { pane: 0, number, opened: opened.clone(), urgency }
+        Request { pane: 0, number, opened: opened.clone(), urgency, is_read_back: false }
     }
 
     #[test]

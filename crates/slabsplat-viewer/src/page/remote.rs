@@ -83,14 +83,16 @@ pub(crate) async fn picture_of(token: &str, opened: OpenScene) -> Result<Drawn, 
         waker.into_iter().for_each(Waker::wake);
     });
     let mut remote = Remote::connect(token, wake)?;
-    remote.ask(Request { pane: 0, number: 1, opened, urgency: Urgency::AtRest });
+    let urgency = Urgency::AtRest;
+    remote.ask(Request { pane: 0, number: 1, opened, urgency, is_read_back: true });
     poll_fn(|context| {
         *waker.lock().unwrap_or_else(PoisonError::into_inner) = Some(context.waker().clone());
         for event in remote.events() {
             match event {
                 Event::Drawn(drawn) => return Poll::Ready(Ok(*drawn)),
                 Event::Failed { why, .. } => return Poll::Ready(Err(why)),
-                Event::Note(_) => {}
+                // No server has the page's textures.
+                Event::Note(_) | Event::InTexture(_) => {}
             }
         }
         match remote.socket.ready_state() {

@@ -1,11 +1,11 @@
 //! A pane of the view: the picture that is there, and what mouse, touch and wheel do on it.
 
-use crate::frames::Drawn;
+use crate::frames::{Drawn, WindowTexture};
 use crate::state::{self, Document, Picked, Touch, ViewPoint};
 use eframe::egui::{
     Align2, Color32, ColorImage, Context, FontId, InputState, Key, MultiTouchInfo, Painter,
-    PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureOptions, Ui, Vec2, pos2,
-    vec2,
+    PointerButton, Pos2, Rect, Response, Sense, TextureHandle, TextureId, TextureOptions, Ui, Vec2,
+    pos2, vec2,
 };
 use slabsplat::glam::DVec2;
 use slabsplat::{Image, Scene};
@@ -42,6 +42,8 @@ pub(crate) struct Pane {
     /// The picture as it came.
     pub(crate) image: Option<Image>,
     texture: Option<TextureHandle>,
+    /// What is shown instead while it moves, and was not read back.
+    in_window: Option<(TextureId, WindowTexture)>,
     /// Why there is no picture of what is shown.
     pub(crate) error: Option<String>,
     overlay: Option<(u64, TextureHandle)>,
@@ -69,7 +71,15 @@ impl Pane {
     pub(crate) fn set(&mut self, context: &Context, pane: usize, drawn: Drawn) {
         set_texture(context, &mut self.texture, format!("pane {pane}"), &drawn.image);
         self.error = None;
+        self.in_window = None;
         self.image = Some(drawn.image);
+    }
+
+    /// A picture has come in a texture of the window's, by the name that egui has for it.
+    pub(crate) fn set_texture(&mut self, id: TextureId, texture: WindowTexture) {
+        self.error = None;
+        self.in_window = Some((id, texture));
+        self.image = None;
     }
 
     /// Shows another picture than the one that came, as a difference.
@@ -80,9 +90,10 @@ impl Pane {
     /// Paints the picture all over a rectangle.
     pub(crate) fn paint(&self, ui: &Ui, rect: Rect) {
         let painter = ui.painter_at(rect);
-        if let Some(texture) = &self.texture {
+        let in_window = self.in_window.as_ref().map(|(id, _)| *id);
+        if let Some(id) = in_window.or_else(|| self.texture.as_ref().map(TextureHandle::id)) {
             let all = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            painter.image(texture.id(), rect, all, Color32::WHITE);
+            painter.image(id, rect, all, Color32::WHITE);
         }
         if let Some(error) = &self.error {
             let font = FontId::proportional(15.0);
