@@ -262,7 +262,7 @@ mod tests {
                 let in_groups: Vec<&PartBox> =
                     groups.iter().flat_map(|(_, boxes)| boxes.iter().copied()).collect();
                 assert_eq!(in_groups, boxes);
-                for at in grid.corners_in_world().into_iter().chain([grid.center_in_world()]) {
+                for at in grid.corners_in_world().chain([grid.center_in_world()]) {
                     for (part, boxes) in &groups {
                         let is_in_box = boxes.iter().any(|of| of.part.contains(at));
                         assert_eq!(part.contains(at), is_in_box, "{at}");

@@ -70,7 +70,7 @@ impl DividedScene {
             }
             Ok::<_, DividedError>(())
         })?;
-        cost.n_boxes[1] = (boxes.len() - cost.n_boxes[0] as usize) as _;
+        cost.n_boxes[1] = boxes.len() - cost.n_boxes[0];
         frame.reach(1.0);
         Ok((Frame::new(image, stats, FrameCost::default()), cost))
     }
