@@ -485,7 +485,8 @@ fn out_of_core_names_damaged_files() {
     assert!(drawn.contains("cannot read") && drawn.contains("volume.raw"), "{drawn}");
 }
 
-/// Of 5·10⁹ voxels those in the middle, which a file of their own has, too; all others are a hole in the file.
+/// Of 5·10⁹ voxels those in the middle, which a file of their own has, too; all others are a hole in the
+/// file.
 #[test]
 fn out_of_core_of_more_voxels_than_32_bits() {
     let _alone = alone();

@@ -7,8 +7,8 @@ use thiserror::Error;
 /// A grid of `nx × ny × nz` voxels, placed in the world by an affine map that may rotate, scale,
 /// mirror and shear.
 ///
-/// The map can always be inverted, and the number of voxels fits 32 bits, but for grids that are only there to
-/// be [cropped](Grid::cropped) ([`Grid::new_large`]).
+/// The map can always be inverted, and the number of voxels fits 32 bits, but for grids that are only there
+/// to be [cropped](Grid::cropped) ([`Grid::new_large`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     dims: [usize; 3],

@@ -89,8 +89,8 @@ pub struct DividedDesc {
     pub memory_bytes: u64,
     /// Where volumes are unpacked that cannot be read box by box as they are.
     pub scratch: ScratchDesc,
-    /// Whether it leaves room for what [`DividedScene::refined`] shows: 80 bytes a pixel, and what it takes to
-    /// draw the overviews.
+    /// Whether it leaves room for what [`DividedScene::refined`] shows: 80 bytes a pixel, and what it takes
+    /// to draw the overviews.
     pub is_refined: bool,
 }
 

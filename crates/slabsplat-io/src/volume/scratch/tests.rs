@@ -1,3 +1,5 @@
+//! Files of all encodings, of which boxes are read by way of scratch, and disks that have no room for it.
+
 use super::*;
 use crate::volume::{read_volume_with, write_volume};
 use crate::{LayerFile, VolumeSource};
