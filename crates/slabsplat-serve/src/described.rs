@@ -4,7 +4,7 @@ use crate::{ServeError, overview};
 use axum::body::Bytes;
 use serde_json::{Value, json};
 use slabsplat::io::{SceneFile, scene_text};
-use slabsplat::{Layer, OpenScene, Scene, ValueCounts};
+use slabsplat::{Labels, Layer, OpenScene, Scene, ValueCounts};
 use std::sync::{Arc, OnceLock};
 
 /// A scene, and what is told of it. What goes through all voxels is made when it is first asked for.
@@ -79,7 +79,7 @@ fn shown_to_viewers(scene: &Scene, file: &SceneFile) -> SceneFile {
 
 fn described(layer: &Layer) -> Value {
     let counted = ValueCounts::of(&layer.volume, N_BINS);
-    let labels = layer.labels.as_ref().map(|labels| labels.map().labels());
+    let labels = layer.labels.as_ref().map(Labels::of_voxels);
     json!({
         "range": counted.as_ref().map(|counted| counted.range),
         "counts": counted.map_or(vec![0; N_BINS], |counted| counted.counts),

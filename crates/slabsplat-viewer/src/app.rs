@@ -278,6 +278,7 @@ impl eframe::App for Viewer {
         self.hear_jobs(context.input(|input| input.time));
         self.hear_frames(&context, window);
         self.dropped(&context);
+        self.hovered(&context);
         self.keys(&context);
         Bar::top("bar").show(ui, |ui| self.bar(ui));
         Bar::bottom("status").show(ui, |ui| self.status(ui));

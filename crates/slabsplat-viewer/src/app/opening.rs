@@ -6,7 +6,7 @@ use crate::frames::Wake;
 use crate::jobs::{self, Job};
 use crate::state::{Document, are_apart};
 use crate::ui::{self, Drop, OpenAs, Panel, Ruler};
-use eframe::egui::{Context, DroppedFileHandle};
+use eframe::egui::{Color32, Context, DroppedFileHandle, FontId, Id, LayerId, Order, Rect};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 
@@ -156,6 +156,26 @@ impl Viewer {
                 self.open_dropped(OpenAs::Document, &files.swap_remove(0));
             }
         }
+    }
+
+    /// Says what becomes of what is held over the window, if it is dropped.
+    pub(super) fn hovered(&self, context: &Context) {
+        let is_hovered = context.input(|input| !input.raw.hovered_files.is_empty());
+        if !is_hovered || self.is_served {
+            return;
+        }
+        let text = match self.document {
+            Some(_) => "drop it to open it, or to add it as a layer",
+            None => "drop it to open it",
+        };
+        let layer = LayerId::new(Order::Foreground, Id::unique("hovered"));
+        let painter = context.layer_painter(layer);
+        let at = context.content_rect().center();
+        let font = FontId::proportional(20.0);
+        let galley = painter.layout_no_wrap(text.to_owned(), font, Color32::WHITE);
+        let rect = Rect::from_center_size(at, galley.size());
+        painter.rect_filled(rect.expand(14.0), 6.0, Color32::from_black_alpha(200));
+        painter.galley(rect.min, galley, Color32::WHITE);
     }
 
     /// Opens the next of several files.

@@ -43,3 +43,34 @@ pub(crate) fn ask(context: &Context, names: &[PathBuf]) -> Option<Drop> {
 fn short(path: &std::path::Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Event, Modifiers, RawInput};
+
+    /// What is decided on by a key.
+    fn decided(key: Option<Key>, names: &[&str]) -> Option<Drop> {
+        let names: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+        let modifiers = Modifiers::NONE;
+        let event =
+            |key| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        let input =
+            RawInput { events: key.map(event).into_iter().collect(), ..RawInput::default() };
+        let (context, mut decided) = (Context::default(), None);
+        let mut output = context.run_ui(input, |ui| decided = ask(ui.ctx(), &names).or(decided));
+        // Nobody shows what is painted.
+        output.textures_delta.clear();
+        decided
+    }
+
+    #[test]
+    fn what_was_dropped_waits_for_an_answer() {
+        assert_eq!(decided(None, &["/data/a.nii"]), None);
+        assert_eq!(decided(Some(Key::A), &["/data/a.nii", "/data/b.nii"]), None);
+        let opened = Drop::Open(OpenAs::Document);
+        assert_eq!(decided(Some(Key::Enter), &["/data/a.nii"]), Some(opened));
+        assert_eq!(decided(Some(Key::Escape), &["/data/a.nii"]), Some(Drop::Nothing));
+        assert_eq!(decided(None, &[]), Some(Drop::Nothing));
+    }
+}
