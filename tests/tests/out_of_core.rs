@@ -34,6 +34,9 @@ const ROUNDED_TWICE: f32 = 1e-5;
 /// What the mean of a picture may be off by that is drawn of overviews.
 const COARSE: f64 = 0.02;
 
+/// What a picture may be off by whose back has 8 bits.
+const OF_BYTES: f64 = 0.5 / 255.0;
+
 /// What the program is granted beside what it has on its heap.
 const BESIDE_HEAP: u64 = 40 << 20;
 
@@ -233,9 +236,10 @@ fn out_of_core_is_refined() {
         assert!(image == scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image);
         let off: Vec<f64> = shown.iter().map(|shown| mean_difference(shown, &image)).collect();
         println!("{} boxes, at {shares:?}: off by {off:?}", scene.n_boxes());
-        assert!(3 <= shares.len() && shares.len() <= 8 && shares[0] == 0.0, "{shares:?}");
+        // Where hardly a box is seen there is hardly a picture.
+        assert!((1..=8).contains(&shares.len()) && shares[0] == 0.0, "{shares:?}");
         assert!(shares.is_sorted() && shares[shares.len() - 1] < 1.0, "{shares:?}");
-        assert!(off[0] < COARSE && off[off.len() - 1] <= off[0], "{off:?}");
+        assert!(off[0] < COARSE && off[off.len() - 1] <= off[0] + OF_BYTES, "{off:?}");
     });
     let folder = tempfile::tempdir().unwrap();
     write_volume(folder.path(), [40, 40, 40], &mut Rng::with_seed(1));
