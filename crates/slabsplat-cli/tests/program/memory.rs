@@ -82,17 +82,16 @@ fn memory_of_a_volume_alone() {
 #[test]
 fn memory_says_what_it_cannot() {
     let dir = tempfile::tempdir().unwrap();
-    for (args, expected) in [
-        ("builtin:cube --memory 1GiB", "made whole"),
-        ("scene.toml --memory 1GiB --backend none", "none"),
-        ("- --memory 1GiB", "standard input"),
-    ] {
+    for (args, expected) in
+        [("builtin:cube --memory 1GiB", "made whole"), ("- --memory 1GiB", "standard input")]
+    {
         let said = diagnostic(dir.path(), &format!("render {args} -o a.png"));
         assert!(said.contains(expected), "{said}");
     }
     write(dir.path(), "ball.nii");
     for (args, expected) in [
         ("--memory 1MiB", "too few"),
+        ("--memory 1GiB --backend none", "none"),
         ("--memory 1GiB --method every-sample", "not the method every-sample"),
         ("--memory 1GiB --mode maximum", "not the mode maximum"),
     ] {

@@ -155,6 +155,7 @@ fn scene_flags_are_all_tried() {
         "height",
         "backend",
         "memory",
+        "scratch",
         "distributed",
         "patience",
     ];

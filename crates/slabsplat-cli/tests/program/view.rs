@@ -18,24 +18,24 @@ fn a_window_shows_and_saves_what_render_draws() {
     answer(dir.path(), "convert builtin:neuron:48 neuron.nii.gz");
     let window = display.view(dir.path(), "neuron.nii.gz --preset mr-angio");
     let saved = window.saved("first");
-    assert_eq!(saved, window.rendered("first"), "to the byte");
+    assert_same(&saved, &window.rendered("first"), "to the byte");
     window.shows(&saved);
 
     window.drag([200, 200], [320, 260]);
     let turned = window.saved("turned");
-    assert_eq!(turned, window.rendered("turned"), "after it was turned");
+    assert_same(&turned, &window.rendered("turned"), "after it was turned");
     window.shows(&turned);
     assert!(1.0 < mean_difference(&turned, &saved), "it was turned");
 
     window.key("ctrl+z");
-    assert_eq!(window.saved("undone"), saved, "a drag is one step");
+    assert_same(&window.saved("undone"), &saved, "a drag is one step");
 
     // The other projection, a side, and larger.
     for key in ["p", "3", "plus"] {
         window.key(key);
     }
     let aside = window.saved("aside");
-    assert_eq!(aside, window.rendered("aside"));
+    assert_same(&aside, &window.rendered("aside"), "aside");
     window.shows(&aside);
 }
 
@@ -54,7 +54,7 @@ fn a_window_shows_what_moves_as_what_is_at_rest() {
     println!("wgpu: {}", wgpu["devices"][0]);
     let window = display.view_by("wgpu", dir.path(), "builtin:cube:12 --slab-width 2");
     let picture = window.saved("first");
-    assert_eq!(picture, window.rendered("first"));
+    assert_same(&picture, &window.rendered("first"), "picture");
     window.shows(&picture);
     let rest = view_of(&window.screen(), &picture);
     let off = || mean_difference(&view_of(&window.screen(), &picture), &rest);
@@ -67,7 +67,7 @@ fn a_window_shows_what_moves_as_what_is_at_rest() {
     wait(|| off() < MOVED);
     window.xdotool("mouseup 1 sleep 0.3");
     let again = window.saved("again");
-    assert_eq!(again, window.rendered("again"));
+    assert_same(&again, &window.rendered("again"), "again");
     window.shows(&again);
 }
 
@@ -86,17 +86,17 @@ fn a_window_opens_other_files_and_says_what_is_wrong_with_them() {
     let mut window = display.view(dir.path(), "builtin:cube:16");
     let cube = window.saved("cube");
     window.open("broken.nrrd");
-    assert_eq!(window.saved("still"), cube, "what was open stays");
+    assert_same(&window.saved("still"), &cube, "what was open stays");
     window.open("ball.toml");
     let ball = window.saved_other_than("ball", &cube);
-    assert_eq!(ball, window.rendered("ball"));
+    assert_same(&ball, &window.rendered("ball"), "ball");
     // Another layer, which is a step of undo.
     window.enter("ctrl+shift+o", "builtin:cube:16");
     let both = window.saved_other_than("both", &ball);
-    assert_eq!(both, window.rendered("both"));
+    assert_same(&both, &window.rendered("both"), "both");
     window.shows(&both);
     window.key("ctrl+z");
-    assert_eq!(window.saved("alone"), ball);
+    assert_same(&window.saved("alone"), &ball, "alone");
     assert!(window.child.try_wait().unwrap().is_none(), "the window is open");
 }
 
@@ -306,6 +306,17 @@ fn off_from(screen: &RgbaImage, picture: &RgbaImage, top: u32) -> u8 {
     })
     .max()
     .unwrap_or(0)
+}
+
+/// That two pictures have the same bytes; they are too long to be printed.
+fn assert_same(a: &RgbaImage, b: &RgbaImage, what: &str) {
+    assert!(
+        a == b,
+        "{what}: {:?}, {:?}, off by {}",
+        a.dimensions(),
+        b.dimensions(),
+        mean_difference(a, b)
+    );
 }
 
 pub(crate) fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
