@@ -35,8 +35,9 @@ impl Viewer {
             (_, _, [_, true]) => self.files.ask_picture(self.view),
             _ => {}
         }
-        // Whoever writes a number does not turn the camera.
-        if context.egui_wants_keyboard_input() {
+        // Whoever writes a number does not turn the camera, nor who writes a name for which there is no field
+        // before the next frame.
+        if context.egui_wants_keyboard_input() || self.files.is_asking() {
             return;
         }
         let pressed = |key| context.input(|input| input.key_pressed(key) && !input.modifiers.any());
@@ -85,5 +86,75 @@ impl Viewer {
             document.move_camera(state::with_projection_switched);
             document.settle();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::{Event, FrameSource, Request};
+    use crate::state::Document;
+    use eframe::egui::{self, RawInput};
+    use slabsplat::io::{SceneFile, VolumeSource};
+    use std::sync::Arc;
+
+    /// Nobody draws.
+    struct Nobody;
+
+    impl FrameSource for Nobody {
+        fn ask(&mut self, _: Request) {}
+
+        fn events(&mut self) -> Vec<Event> {
+            Vec::new()
+        }
+
+        fn progress(&self) -> Option<f32> {
+            None
+        }
+
+        fn drawn_by(&self) -> String {
+            "nobody".to_owned()
+        }
+    }
+
+    fn viewer(context: &Context) -> Viewer {
+        let opener = Arc::new(|_: &std::path::Path| Err("nothing is opened".to_owned()));
+        let mut viewer = Viewer::new(context, Box::new(Nobody), opener, Arc::new(|| {}));
+        let source = VolumeSource::Builtin { name: "sphere".to_owned(), size: Some(8) };
+        let file = SceneFile::of_volume(source);
+        viewer.document = Some(Document::open(&file, "sphere".to_owned(), [64, 48]).unwrap());
+        viewer
+    }
+
+    fn press(context: &Context, viewer: &mut Viewer, keys: &[(Modifiers, Key)]) {
+        let event = |(modifiers, key): &(Modifiers, Key)| egui::Event::Key {
+            key: *key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: *modifiers,
+        };
+        let input = RawInput { events: keys.iter().map(event).collect(), ..RawInput::default() };
+        context.run_ui(input, |ui| viewer.keys(ui.ctx())).textures_delta.clear();
+    }
+
+    /// A name is typed as soon as it is asked for, which a busy window hears of in one frame.
+    #[test]
+    fn keys_of_a_name_do_nothing_else() {
+        let context = Context::default();
+        let mut viewer = viewer(&context);
+        let projection = |viewer: &Viewer| {
+            viewer.document.as_ref().map(|document| document.shown().scene.camera.projection())
+        };
+        let before = projection(&viewer);
+        let [turns, switches] = [Key::T, Key::P].map(|key| (Modifiers::NONE, key));
+        press(&context, &mut viewer, &[(Modifiers::COMMAND, Key::E), turns, switches]);
+        press(&context, &mut viewer, &[switches]);
+        assert!(viewer.files.is_asking() && !viewer.panel.comparison.is_turning);
+        assert_eq!(projection(&viewer), before);
+
+        viewer.files = ui::Files::default();
+        press(&context, &mut viewer, &[turns, switches]);
+        assert!(viewer.panel.comparison.is_turning && projection(&viewer) != before);
     }
 }

@@ -115,6 +115,11 @@ impl Files {
         self.ask(What::Film, size);
     }
 
+    /// Whether a name is asked for.
+    pub(crate) fn is_asking(&self) -> bool {
+        self.asked.is_some()
+    }
+
     fn ask(&mut self, what: What, size: [u32; 2]) {
         let name = what.usual_name().to_owned();
         self.asked = Some(Asked { what, name, size, seconds: 6.0, is_new: true });
