@@ -1,6 +1,6 @@
 //! Work on threads: files of the disk.
 
-use super::{Job, Opener, Opening, Progress, Volumes, file_of};
+use super::{Job, Opener, Opening, Progress, Volumes, file_of, picture_format};
 use crate::frames::Wake;
 use crate::state::{self, Document};
 use eframe::egui::DroppedFileHandle;
@@ -105,12 +105,6 @@ pub(crate) fn save_picture(opened: OpenScene, path: PathBuf, wake: &Wake) -> Job
         renderer.caps().name.clone_into(&mut opened.backend);
         write_picture(format, &path, &picture.frame.image, &file_of(&opened, Volumes::Here)?)
     })
-}
-
-fn picture_format(path: &Path) -> Result<PictureFormat, String> {
-    let endings = PictureFormat::endings;
-    let format = PictureFormat::of_name(path);
-    format.ok_or_else(|| format!("the name of a picture ends in {}", endings()))
 }
 
 fn write_picture(

@@ -12,7 +12,7 @@ pub(crate) use desktop::*;
 #[cfg(target_arch = "wasm32")]
 pub(crate) use page::*;
 
-use slabsplat::io::{ProgressCallback, SceneFile};
+use slabsplat::io::{PictureFormat, ProgressCallback, SceneFile};
 use slabsplat::{FrameHandle, OpenScene};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -45,6 +45,13 @@ fn file_of(opened: &OpenScene, volumes: Volumes) -> Result<SceneFile, String> {
         file.meshes.iter_mut().for_each(|mesh| mesh.hash = None);
     }
     Ok(file)
+}
+
+/// The format that the name of a picture says.
+fn picture_format(path: &Path) -> Result<PictureFormat, String> {
+    let endings = PictureFormat::endings;
+    let format = PictureFormat::of_name(path);
+    format.ok_or_else(|| format!("the name of a picture ends in {}", endings()))
 }
 
 /// Work that goes on.

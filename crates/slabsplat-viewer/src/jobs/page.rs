@@ -1,6 +1,6 @@
 //! Work in a page: files that were dropped or fetched, pictures that are downloaded.
 
-use super::{Job, Opener, Progress, Volumes, file_of};
+use super::{Job, Opener, Progress, Volumes, file_of, picture_format};
 use crate::frames::Wake;
 use crate::page::{backend, bytes_of, download, picture_of, token, turn_of_page};
 use crate::received::Session;
@@ -174,12 +174,6 @@ async fn drawn_here(opened: &mut OpenScene) -> Result<Image, RenderError> {
     let image = drawn(&mut renderer, &opened.scene, opened.acquisition).await?;
     renderer.caps().name.clone_into(&mut opened.backend);
     Ok(image)
-}
-
-fn picture_format(path: &Path) -> Result<PictureFormat, String> {
-    let endings = PictureFormat::endings;
-    let format = PictureFormat::of_name(path);
-    format.ok_or_else(|| format!("the name of a picture ends in {}", endings()))
 }
 
 fn download_picture(

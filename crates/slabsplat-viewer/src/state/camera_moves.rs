@@ -120,10 +120,11 @@ fn is_sensible(camera: &Camera) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn cameras() -> [Camera; 2] {
+    /// One of each projection, aside from all axes.
+    pub(in crate::state) fn cameras() -> [Camera; 2] {
         let of = |projection| {
             let (eye, target) = (DVec3::new(9.0, 1.0, 3.0), DVec3::new(1.0, 0.0, 0.5));
             Camera::new(eye, target, DVec3::Z, projection).unwrap()

@@ -33,18 +33,8 @@ pub fn touched(camera: &Camera, touch: Touch) -> Camera {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::camera_moves::tests::cameras;
     use crate::state::{height_at_target, seen_at};
-    use slabsplat::Projection;
-    use slabsplat::glam::DVec3;
-
-    fn cameras() -> [Camera; 2] {
-        let of = |projection| {
-            let (eye, target) = (DVec3::new(9.0, 1.0, 3.0), DVec3::new(1.0, 0.0, 0.5));
-            Camera::new(eye, target, DVec3::Z, projection).unwrap()
-        };
-        let orthographic = Projection::Orthographic { view_height: 4.0 };
-        [of(orthographic), of(Projection::Perspective { fov_y_radians: 0.6 })]
-    }
 
     /// What two fingers do that go from `before` to `after`.
     fn of_fingers(before: [DVec2; 2], after: [DVec2; 2]) -> Touch {
