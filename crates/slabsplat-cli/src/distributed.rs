@@ -45,7 +45,7 @@ pub(crate) fn draw(args: &Distributed<'_>, ranks: &Ranks) -> Result<Option<Value
     ranks.all_can(done)?;
     drop(progress);
     let Some((drawn, written)) = drawn.zip(written) else { return Ok(None) };
-    tell(args, &written, &drawn, started);
+    tell(args, &scene, &written, &drawn, started);
     Ok(Some(answer(&scene, &written, &drawn, started)))
 }
 
@@ -77,6 +77,7 @@ fn write(
 
 fn tell(
     args: &Distributed<'_>,
+    scene: &DistributedScene,
     written: &Written<'_>,
     drawn: &DistributedPicture,
     started: Instant,
@@ -87,6 +88,7 @@ fn tell(
             "nothing is visible: no voxel that is seen has an opacity, or all is cut off",
         );
     }
+    terminal::say_found(&scene.shared().scene().opened().found);
     terminal::say(format_args!(
         "{}: {} x {} pixels, {}, {} ms",
         written.target.name(),

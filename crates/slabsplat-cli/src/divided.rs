@@ -52,6 +52,7 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, desc: &DividedDesc
             "nothing is visible: no voxel that is seen has an opacity, or all is cut off",
         );
     }
+    terminal::say_found(&divided.opened().found);
     terminal::say(format_args!(
         "{}: {} x {} pixels, {}, {} ms",
         written.target.name(),

@@ -138,9 +138,7 @@ impl Done<'_> {
             });
             terminal::detail(format_args!("volume of {:?} voxels, {values}", grid.dims()));
         }
-        if !opened.found.is_empty() {
-            terminal::say(format_args!("shown as {}", opened.found.join("; and ")));
-        }
+        terminal::say_found(&opened.found);
         terminal::say(format_args!(
             "{}: {} x {} pixels, {} drawn, {} ms{}",
             self.written.target.name(),

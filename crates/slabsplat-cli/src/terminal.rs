@@ -57,6 +57,13 @@ pub(crate) fn say(line: Arguments<'_>) {
     }
 }
 
+/// Says what was found for what nobody said, if anything was.
+pub(crate) fn say_found(found: &[String]) {
+    if !found.is_empty() {
+        say(format_args!("shown as {}", found.join("; and ")));
+    }
+}
+
 /// Prints a line on stderr that few want to know.
 pub(crate) fn detail(line: Arguments<'_>) {
     if is_at_least(Loudness::Verbose) {

@@ -70,10 +70,10 @@ fn pixels(path: &Path) -> Vec<f32> {
 fn memory_of_a_volume_alone() {
     let dir = tempfile::tempdir().unwrap();
     write(dir.path(), "ball.nii");
-    answer(
-        dir.path(),
-        "render ball.nii --memory 70MiB --width 60 --height 60 -o ball.png --save-scene s.toml",
-    );
+    let args =
+        "render ball.nii --memory 70MiB --width 60 --height 60 -o ball.png --save-scene s.toml";
+    let said = text(&slabsplat(dir.path(), args).stderr);
+    assert!(said.contains("\nshown as ") || said.starts_with("shown as "), "{said}");
     let scene = std::fs::read_to_string(dir.path().join("s.toml")).unwrap();
     assert!(scene.contains("ball.nii") && !scene.contains("hash"), "{scene}");
     answer(dir.path(), "render s.toml -o again.png");
