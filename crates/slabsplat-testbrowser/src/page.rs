@@ -6,7 +6,8 @@ use std::cell::RefCell;
 use std::fs;
 use std::path::PathBuf;
 use std::rc::Rc;
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 /// A page in a window of its own, so that none is hidden by another. It is there as long as its browser, and
 /// every method panics if that does not answer.
@@ -42,6 +43,9 @@ pub enum Key {
 const FRAMES: &str =
     "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))";
 
+/// What is between two things that a mouse tells.
+const MOUSE_EVERY: Duration = Duration::from_micros(16_667);
+
 /// So many points has the way of a pointer that drags.
 const N_STEPS: i32 = 5;
 
@@ -69,6 +73,11 @@ impl Page {
 
     fn ask(&self, method: &str, params: Value) -> Value {
         self.devtools.borrow_mut().ask(Some(&self.session), method, params)
+    }
+
+    /// Has every page that is opened from now on run JavaScript before its own.
+    pub fn run_first(&self, script: &str) {
+        self.ask("Page.addScriptToEvaluateOnNewDocument", json!({ "source": script }));
     }
 
     /// Opens another address, and returns when there is a page.
@@ -108,6 +117,22 @@ impl Page {
             self.mouse("mouseMoved", [at(0), at(1)], 0);
         }
         self.mouse("mouseReleased", to, 1);
+    }
+
+    /// Drags to and fro around a point for so long, told as often as a mouse tells it or the page listens.
+    pub fn shake(&self, around: [i32; 2], by: i32, lasting: Duration) {
+        self.mouse("mouseMoved", around, 0);
+        self.mouse("mousePressed", around, 1);
+        let (began, mut n_told) = (Instant::now(), 0);
+        while began.elapsed() < lasting {
+            let turn = 0.05 * f64::from(n_told);
+            let at = [turn.sin(), 0.3 * (0.7 * turn).sin()].map(|x| (f64::from(by) * x) as i32);
+            let at = [around[0] + at[0], around[1] + at[1]];
+            self.ask("Input.dispatchMouseEvent", mouse("mouseMoved", at, 0));
+            n_told += 1;
+            thread::sleep((MOUSE_EVERY * n_told).saturating_sub(began.elapsed()));
+        }
+        self.mouse("mouseReleased", around, 1);
     }
 
     /// Clicks twice, as fast as nobody can.

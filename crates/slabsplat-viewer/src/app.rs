@@ -192,10 +192,9 @@ impl Viewer {
         if !self.pacing.came(pane_idx, drawn.number) || self.panes.len() <= pane_idx {
             return;
         }
-        let Some(egui) = window.wgpu_render_state() else { return };
+        let Some(id) = self.textures.id_of(window, pane_idx, &texture) else { return };
         self.shown = Some((ms, texture.size()));
         self.budgets[pane_idx].took(ms);
-        let id = self.textures.id_of(egui, pane_idx, &texture);
         self.panes[pane_idx].set_texture(id, texture);
     }
 

@@ -1,10 +1,10 @@
 //! `cargo xtask bench`: everything that measures time or work, and the volumes to measure with.
 //!
 //! [`criterion`] runs the benchmarks that crates have, [`peers`] compares whole frames with another
-//! renderer, [`scaling`] shows how time grows, [`instructions`] and [`shaders`] guard against growth
-//! unnoticed, and [`data`] fetches a volume, of which [`large`] makes one
-//! of 10⁹ voxels. Only instructions are judged: times are printed with what they
-//! were measured on, and never asserted.
+//! renderer, [`scaling`] shows how time grows, [`viewer`] how fast pages of a browser follow a mouse,
+//! [`instructions`] and [`shaders`] guard against growth unnoticed, and [`data`] fetches a volume, of which
+//! [`large`] makes one of 10⁹ voxels. Only instructions are judged: times are printed with what they were
+//! measured on, and never asserted.
 //!
 //! A program of its own, which `xtask` starts, so that `cargo xtask lint` and `test` need not build it.
 
@@ -20,6 +20,7 @@ mod recorded;
 mod scaling;
 mod shaders;
 mod table;
+mod viewer;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -36,6 +37,9 @@ Usage: cargo xtask bench [KIND] [ARGS]
                      [--frames N] frames a run, [--pairs N] runs of each, [--side N] pixels, if not 512
   scaling            time against voxels, pixels, slab width and threads: tables, and plots in docs/images
                      [--frames N] frames a point, [--voxels N] the largest number of relevant voxels
+  viewer             how soon the viewer's page shows a volume, and how fast it follows a mouse, alone and as
+                     `slabsplat serve` shows it; `cargo xtask web` builds the page
+                     [--seconds N] for which it is turned, [--width N] and [--height N] of the page in pixels
   instructions       count what small frames take and compare it with what is recorded, as `test` does
                      [--record] instead of comparing
   shaders            instructions, registers and loops of the shaders by Mesa's compiler for AMD, which needs no
@@ -72,6 +76,7 @@ enum Task {
     Criterion(Processor, Vec<OsString>),
     Peers(peers::Options),
     Scaling(scaling::Options),
+    Viewer(viewer::Options),
     Instructions(recorded::Task),
     Shaders(recorded::Task),
     Data,
@@ -84,6 +89,7 @@ fn run(task: &Task) -> Result<()> {
         Task::Criterion(processor, args) => criterion::run(*processor, args),
         Task::Peers(options) => peers::run(options),
         Task::Scaling(options) => scaling::run(options),
+        Task::Viewer(options) => viewer::run(options),
         Task::Instructions(task) => instructions::run(*task),
         Task::Shaders(task) => shaders::run(*task),
         Task::Data => data::fetch().map(|_| ()),
@@ -104,6 +110,7 @@ fn parse(mut args: Vec<OsString>) -> Result<Task, String> {
         "gpu" => Task::Criterion(Processor::Gpu, rest()),
         "peers" => Task::Peers(peers::parse(&rest())?),
         "scaling" => Task::Scaling(scaling::parse(&rest())?),
+        "viewer" => Task::Viewer(viewer::parse(&rest())?),
         "instructions" => Task::Instructions(recorded::parse::<instructions::Record>(&rest())?),
         "shaders" => Task::Shaders(recorded::parse::<shaders::Record>(&rest())?),
         "data" => match rest().as_slice() {
@@ -147,6 +154,8 @@ mod tests {
         let record = Task::Instructions(recorded::Task::Record);
         assert_eq!(parsed(&["instructions", "--record"]), Ok(record));
         assert_eq!(parsed(&["shaders"]), Ok(Task::Shaders(recorded::Task::Compare)));
+        let options = viewer::Options { seconds: 3, size: [1280, 800] };
+        assert_eq!(parsed(&["viewer", "--seconds", "3"]), Ok(Task::Viewer(options)));
         assert_eq!(parsed(&["data"]), Ok(Task::Data));
         assert_eq!(parsed(&["--help"]), Ok(Task::Help));
         let wrong = [

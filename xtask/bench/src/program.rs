@@ -45,6 +45,14 @@ impl Program {
         run(Command::new(&self.path).arg("convert").arg(volume).arg(to))
     }
 
+    /// What shows a volume by a page that lies in `site`, and prints the link to it.
+    pub(super) fn serve(&self, volume: &Path, site: &Path) -> Command {
+        let mut command = Command::new(&self.path);
+        command.arg("serve").arg(volume).arg("--site").arg(site);
+        command.args(["--backend", "cpu", "--port", "0"]);
+        command
+    }
+
     /// Frames on the CPU, whatever the scene says.
     pub(super) fn bench(&self, run: &Run) -> Result<Measure> {
         let mut command = Command::new(&self.path);

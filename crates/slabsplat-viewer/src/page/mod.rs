@@ -21,6 +21,7 @@ pub(crate) use renderer::turn_of_page;
 use crate::app::Viewer;
 use crate::frames::{FrameSource, Wake};
 use crate::jobs;
+use eframe::wasm_bindgen::JsValue;
 use std::sync::Arc;
 use web_sys::HtmlCanvasElement;
 
@@ -30,6 +31,7 @@ use web_sys::HtmlCanvasElement;
 /// # Errors
 /// If the browser draws nothing in it, in a sentence for people.
 pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
+    get_context(&canvas).map_err(|error| format!("the browser draws nothing: {error:?}"))?;
     let options = eframe::WebOptions { dithering: false, ..eframe::WebOptions::default() };
     let create = |context: &eframe::CreationContext<'_>| {
         let app: Box<dyn eframe::App> = Box::new(aloud::Aloud::new(viewer(&context.egui_ctx)?));
@@ -37,6 +39,16 @@ pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
     };
     let started = eframe::WebRunner::new().start(canvas, options, Box::new(create)).await;
     started.map_err(|error| format!("the browser draws nothing: {error:?}"))
+}
+
+/// Asks for the context that egui then finds, as the first who asks decides what it is like: egui smooths edges
+/// itself, and nothing is to be seen through the canvas.
+fn get_context(canvas: &HtmlCanvasElement) -> Result<(), JsValue> {
+    let options = js_sys::Object::new();
+    for name in ["antialias", "alpha"] {
+        js_sys::Reflect::set(&options, &name.into(), &false.into())?;
+    }
+    canvas.get_context_with_context_options("webgl2", &options).map(drop)
 }
 
 fn viewer(egui: &eframe::egui::Context) -> Result<Viewer, String> {

@@ -2,10 +2,12 @@
 //! thread.
 
 use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
+use eframe::wasm_bindgen::JsValue;
 use slabsplat::{FrameHandle, RenderError, Renderer, finished, frame_scene};
 use std::cell::RefCell;
 use std::rc::Rc;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
+use web_sys::MessageChannel;
 use web_time::Instant;
 
 /// Draws in the page.
@@ -142,12 +144,14 @@ async fn taken(shared: &RefCell<Shared>, backend: &str, pane: usize) -> Result<R
     }
 }
 
-/// Lets the page handle its events, and show what it has.
+/// Lets the page show what it has. It hears a message to itself before it draws again; a timer may come later,
+/// so that the page would be drawn twice for each frame of ours.
 pub(crate) async fn turn_of_page() {
     let promise = js_sys::Promise::new(&mut |resolve, _| {
-        if let Some(window) = web_sys::window() {
-            drop(window.set_timeout_with_callback(&resolve));
-        }
+        let Ok(channel) = MessageChannel::new() else { return };
+        channel.port1().set_onmessage(Some(&resolve));
+        // Nothing is sent but that it is time.
+        drop(channel.port2().post_message(&JsValue::NULL));
     });
     drop(JsFuture::from(promise).await);
 }
