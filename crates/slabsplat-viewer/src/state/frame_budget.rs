@@ -5,6 +5,9 @@
 //! quarter of the time or less, and changes them by 6 of 255 at most ("A preview" in [performance]). Of
 //! small volumes it saves nothing, so that it is tried, and taken back if it does not help.
 //!
+//! Some of a frame's time is the voxels', and the same for any number of pixels. How much is learned whenever
+//! sizes change: where nothing fits the budget, pixels that would save next to nothing are not given up.
+//!
 //! [performance]: https://github.com/slabsplat/slabsplat/blob/main/docs/performance.md
 
 use slabsplat::{Finish, OpenScene, RenderSettings};
@@ -17,11 +20,19 @@ const DIVISORS: [f64; 8] = [1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0];
 /// quarter of the time, and others, whose voxels are faint, still 0.86 of it, and with this a third.
 const LARGER: f64 = 0.2;
 
-/// Time grows with pixels by a power below 1, as some of it does not depend on them.
-const GROWTH: f64 = 0.7;
+/// What does not depend on pixels takes as long as this share of a whole view, as far as nobody knows better;
+/// and at most.
+const FIXED: f64 = 0.1;
+const MAX_FIXED: f64 = 20.0;
+
+/// Where nothing fits the budget, a frame may take so many times what the smallest takes.
+const LONGER: f64 = 1.5;
+
+/// After so many frames of a size its time is known: the first makes what those after it only use.
+const SETTLED: usize = 3;
 
 /// What is promised to fit has to fit with room to spare, or sizes go to and fro.
-const HEADROOM: f64 = 0.8;
+const HEADROOM: f64 = 0.9;
 
 /// Share of a new measurement in what is expected.
 const NEWEST: f64 = 0.4;
@@ -40,6 +51,12 @@ pub struct FrameBudget {
     choice: usize,
     /// What a frame of the chosen size and tolerance takes, once one was seen.
     expected_ms: Option<f64>,
+    /// How many were seen.
+    n_seen: usize,
+    /// What is the same for any number of pixels, as a share of the pixels of a view that take as long.
+    fixed: f64,
+    /// Another size, and what a frame of it has taken.
+    other: Option<(usize, f64)>,
     /// What share of the time the larger tolerance takes, if that is in use.
     gain: Option<f64>,
     /// The tolerance that is tried, if one is.
@@ -63,7 +80,17 @@ impl FrameBudget {
 
     /// A budget of milliseconds a frame. It begins in the middle, as nobody knows what frames take.
     pub fn new(budget_ms: f64) -> Self {
-        Self { budget_ms, choice: 3, expected_ms: None, gain: None, trial: None, useless_at: None }
+        Self {
+            budget_ms,
+            choice: 3,
+            expected_ms: None,
+            n_seen: 0,
+            fixed: FIXED,
+            other: None,
+            gain: None,
+            trial: None,
+            useless_at: None,
+        }
     }
 
     /// The size of a moving picture in a view of that many pixels.
@@ -104,20 +131,22 @@ impl FrameBudget {
         }
         let expected = self.expected_ms.map_or(ms, |before| before + NEWEST * (ms - before));
         self.expected_ms = Some(expected);
-        if self.budget_ms < expected {
-            if self.may_try() {
-                self.trial = Some(Trial { before_ms: expected, has_begun: false });
-            } else {
-                self.shrink(expected);
-            }
-        } else if 0 < self.choice && self.predicted(expected, self.choice - 1) < self.promised_ms()
+        self.n_seen += 1;
+        if self.n_seen < SETTLED && expected < 2.0 * self.budget_ms {
+            return;
+        }
+        self.learn(expected);
+        if self.allowed_ms(expected) < expected {
+            self.do_less(expected);
+        } else if 0 < self.choice
+            && self.predicted(expected, self.choice - 1) < self.promised_ms(expected)
         {
             self.choose(expected, self.choice - 1);
         } else if let Some(gain) = self.gain
             && self.choice == 0
-            && expected / gain < self.promised_ms()
+            && expected / gain < HEADROOM * self.budget_ms
         {
-            self.expected_ms = Some(expected / gain);
+            self.forget(None);
             self.gain = None;
         }
     }
@@ -132,12 +161,21 @@ impl FrameBudget {
         self.gain.is_none() && !is_hopeless
     }
 
+    fn do_less(&mut self, expected: f64) {
+        if self.budget_ms < expected && self.may_try() {
+            self.trial = Some(Trial { before_ms: expected, has_begun: false });
+        } else {
+            self.shrink(expected);
+        }
+    }
+
     /// Retains a larger tolerance if it has helped; the frame is smaller in any case if it has to be.
     fn judge(&mut self, ms: f64, before_ms: f64) {
         let gain = ms / before_ms;
         if gain <= HELPS {
             self.gain = Some(gain);
-            self.expected_ms = Some(ms);
+            // Nothing is known of other sizes with that tolerance.
+            self.forget(None);
         } else {
             self.useless_at = Some(self.choice);
             self.shrink(before_ms);
@@ -146,25 +184,54 @@ impl FrameBudget {
 
     fn shrink(&mut self, expected: f64) {
         let last = DIVISORS.len() - 1;
-        let fits = |&choice: &usize| self.predicted(expected, choice) < self.budget_ms;
+        let allowed = self.allowed_ms(expected);
+        let fits = |&choice: &usize| self.predicted(expected, choice) < allowed;
         let choice = (self.choice..last).find(fits).unwrap_or(last);
         self.choose(expected, choice);
     }
 
     fn choose(&mut self, expected: f64, choice: usize) {
         if choice != self.choice {
-            self.expected_ms = Some(self.predicted(expected, choice));
+            self.forget(Some((self.choice, expected)));
             self.choice = choice;
         }
     }
 
-    fn predicted(&self, expected: f64, choice: usize) -> f64 {
-        expected * (DIVISORS[self.choice] / DIVISORS[choice]).powf(2.0 * GROWTH)
+    /// What frames take is to be seen.
+    fn forget(&mut self, other: Option<(usize, f64)>) {
+        (self.expected_ms, self.n_seen, self.other) = (None, 0, other);
     }
 
-    fn promised_ms(&self) -> f64 {
-        HEADROOM * self.budget_ms
+    /// How much is the same for any number of pixels, now that two sizes were seen.
+    fn learn(&mut self, expected: f64) {
+        let Some((other, ms)) = self.other.take() else { return };
+        let (pixels, others) = (share_of_view(self.choice), share_of_view(other));
+        // From times that are as the sums of what is fixed and pixels.
+        let ratio = ms / expected;
+        let fixed = (others - ratio * pixels) / (ratio - 1.0);
+        let grows = (others - pixels) * (ms - expected) > 0.0;
+        self.fixed = if grows { fixed.clamp(0.0, MAX_FIXED) } else { MAX_FIXED };
     }
+
+    fn predicted(&self, expected: f64, choice: usize) -> f64 {
+        let time = |choice: usize| self.fixed + share_of_view(choice);
+        expected * time(choice) / time(self.choice)
+    }
+
+    /// What a frame may take: the budget, and if nothing fits that hardly more than the smallest.
+    fn allowed_ms(&self, expected: f64) -> f64 {
+        let least = self.predicted(expected, DIVISORS.len() - 1);
+        if least < self.budget_ms { self.budget_ms } else { LONGER * least }
+    }
+
+    fn promised_ms(&self, expected: f64) -> f64 {
+        HEADROOM * self.allowed_ms(expected)
+    }
+}
+
+/// How many of a view's pixels a picture has.
+fn share_of_view(choice: usize) -> f64 {
+    DIVISORS[choice].powi(-2)
 }
 
 #[cfg(test)]
@@ -216,8 +283,15 @@ mod tests {
     }
 
     #[test]
-    fn what_never_fits_is_as_small_as_it_gets() {
-        assert_eq!(settled_small(500.0, 1e-4).0[0].0, [256, 160]);
+    fn what_never_fits_gives_up_pixels_that_cost_much() {
+        let (chosen, ms) = settled_small(40.0, 4e-4);
+        assert!(is_steady(&chosen) && chosen[0].0 == [320, 200], "{chosen:?}");
+        // Those of a view take a tenth of the time.
+        let (chosen, _) = settled_small(500.0, 5e-5);
+        assert!(is_steady(&chosen) && chosen[0].0 == VIEW, "{chosen:?}");
+        let (chosen, ms_between) = settled_small(44.0, 2.3e-5);
+        assert!(is_steady(&chosen) && 256 < chosen[0].0[0], "{chosen:?}");
+        assert!(ms < LONGER * 57.0 && ms_between < LONGER * 45.0, "{ms}, {ms_between}");
         assert_eq!(FrameBudget::new(1.0).size([1, 1]), [1, 1]);
     }
 
@@ -238,8 +312,9 @@ mod tests {
         let (size, tolerance) = chosen[0];
         assert!(is_steady(&chosen), "{chosen:?}");
         assert!(LARGER <= tolerance && last <= FrameBudget::USUAL_MS, "{tolerance}, {last} ms");
-        let (without, too_long) = settled(|pixels, _| ms(pixels, 0.05));
-        assert!(without[0].0[0] < size[0] && FrameBudget::USUAL_MS < too_long);
+        assert!(400 < size[0], "{size:?}");
+        let (_, too_long) = settled(|pixels, _| ms(pixels, 0.05));
+        assert!(FrameBudget::USUAL_MS < too_long);
     }
 
     #[test]
