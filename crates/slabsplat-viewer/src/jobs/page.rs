@@ -125,6 +125,9 @@ async fn document(name: &str, bytes: Vec<u8>, size: [u32; 2]) -> Result<Document
         volumes.push(fetched(layer).await?);
     }
     Ok(Document::of(with_volumes(volumes, &file, size)?, name.to_owned()))
+        for (volume, acquisition) in volumes.iter_mut().zip(session.acquisitions()?) {
+            volume.acquisition = acquisition;
+        }
 }
 
 /// A layer's volume, from where the scene says that it is.
