@@ -17,6 +17,7 @@ mod thumbnails;
 mod touch;
 
 pub use camera_moves::{
+mod thinned;
     ViewPoint, centered_on, height_at_target, orbited, panned, ray, rolled, seen_at, slid,
     with_projection_switched, zoomed,
 };
