@@ -118,8 +118,9 @@ impl Viewer {
     /// All that is said now, a line each.
     #[cfg(target_arch = "wasm32")]
     pub(crate) fn says(&self) -> String {
-        let texts: Vec<&str> = self.messages.iter().map(|message| &*message.text).collect();
-        texts.join("\n")
+        let messages = self.messages.iter().map(|message| &*message.text);
+        let notes = self.document.iter().flat_map(Document::notes).map(|(_, note)| note);
+        messages.chain(notes).collect::<Vec<_>>().join("\n")
     }
 
     fn hear_jobs(&mut self, now: f64) {
@@ -230,7 +231,7 @@ impl Viewer {
     }
 
     fn grant_panel(&mut self, wish: PanelWish) {
-        wish.said.into_iter().for_each(|what| self.say(what));
+        wish.refused.into_iter().for_each(|what| self.say(what));
         if wish.adds_layer {
             self.files.ask_layer();
         }
@@ -251,6 +252,9 @@ impl Viewer {
             let opened = document.pane(pane);
             let opened = match urgency {
                 Urgency::AtRest => opened,
+        if let Some(wanted) = wish.channel {
+            self.open_channel(wanted);
+        }
                 Urgency::Moving => self.budgets[pane].preview(opened, self.view),
             };
             self.source.ask(Request { pane, number, opened, urgency, is_read_back });

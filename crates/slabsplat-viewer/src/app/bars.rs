@@ -88,7 +88,8 @@ impl Viewer {
 
     /// Work that goes on, and what was said, over the picture.
     pub(super) fn notices(&mut self, context: &Context) {
-        let (mut dropped, mut dropped_job, mut drops_opening) = (None, None, false);
+        let (mut dropped, mut dropped_note) = (None, None);
+        let (mut dropped_job, mut drops_opening) = (None, false);
         let area = egui::Area::new(egui::Id::unique("notices"));
         area.anchor(egui::Align2::LEFT_BOTTOM, [8.0, -34.0]).show(context, |ui| {
             ui.set_max_width(520.0);
@@ -123,12 +124,20 @@ impl Viewer {
         if drops_opening {
             self.opening.give_up();
         }
+            for (idx, note) in self.document.iter().flat_map(Document::notes) {
+                if line(ui, note, None) {
+                    dropped_note = Some(idx);
+                }
+            }
         dropped_job.map(|idx| self.jobs.remove(idx));
         dropped.map(|idx| self.messages.remove(idx));
     }
 }
 
 /// What is under the pointer, for people.
+        if let (Some(idx), Some(document)) = (dropped_note, &mut self.document) {
+            document.close_note(idx);
+        }
 fn told(picked: &Picked, document: &Document) -> String {
     let [i, j, k] = picked.voxel;
     let State { opened, .. } = document.state();
