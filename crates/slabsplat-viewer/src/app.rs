@@ -14,7 +14,7 @@ use crate::frames::{Drawn, DrawnInTexture, Event, FrameSource, Request, Urgency,
 use crate::jobs::{Job, Opener};
 use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
 use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler};
-use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
+use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui, ViewportCommand};
 use opening::Opening;
 use slabsplat::Viewpoint;
 use textures::Textures;
@@ -44,6 +44,9 @@ pub struct Viewer {
     pointed: Option<Picked>,
     is_held: bool,
     shows_help: bool,
+    hides_controls: bool,
+    /// What the window is called.
+    title: String,
     /// What the frames that are shown took, and how large they were.
     shown: Option<(f64, [u32; 2])>,
 }
@@ -97,6 +100,8 @@ impl Viewer {
             pointed: None,
             is_held: false,
             shows_help: false,
+            hides_controls: false,
+            title: String::new(),
             shown: None,
         }
     }
@@ -222,6 +227,18 @@ impl Viewer {
         self.panel = Panel::new(true);
     }
 
+    /// The window is called as what is open.
+    fn name_window(&mut self, context: &Context) {
+        let title = match &self.document {
+            Some(document) => format!("{} – slabsplat", document.name),
+            None => "slabsplat".to_owned(),
+        };
+        if self.title != title {
+            context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
     fn aim(&mut self, viewpoint: Option<Viewpoint>) {
         let Some(document) = &mut self.document else { return };
         document.settle();
@@ -234,6 +251,9 @@ impl Viewer {
         wish.refused.into_iter().for_each(|what| self.say(what));
         if wish.adds_layer {
             self.files.ask_layer();
+        }
+        if let Some(wanted) = wish.channel {
+            self.open_channel(wanted);
         }
     }
 
@@ -252,9 +272,6 @@ impl Viewer {
             let opened = document.pane(pane);
             let opened = match urgency {
                 Urgency::AtRest => opened,
-        if let Some(wanted) = wish.channel {
-            self.open_channel(wanted);
-        }
                 Urgency::Moving => self.budgets[pane].preview(opened, self.view),
             };
             self.source.ask(Request { pane, number, opened, urgency, is_read_back });
@@ -286,7 +303,8 @@ impl eframe::App for Viewer {
         self.keys(&context);
         Bar::top("bar").show(ui, |ui| self.bar(ui));
         Bar::bottom("status").show(ui, |ui| self.status(ui));
-        if let Some(document) = &mut self.document {
+        self.name_window(&context);
+        if let Some(document) = self.document.as_mut().filter(|_| !self.hides_controls) {
             let panel = Bar::right("controls").default_size(330.0).size_range(330.0..=520.0);
             let wish = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
             self.grant_panel(wish);

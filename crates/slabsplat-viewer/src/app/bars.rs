@@ -51,6 +51,10 @@ impl Viewer {
             if ui.selectable_label(self.ruler.is_on, "Measure").on_hover_text("M").clicked() {
                 self.ruler.toggle();
             }
+            let controls = ui.selectable_label(!self.hides_controls, "Controls");
+            if controls.on_hover_text("shown beside the view: C").clicked() {
+                self.hides_controls ^= true;
+            }
             let (other, name) = match ui.ctx().theme() {
                 egui::Theme::Dark => (egui::Theme::Light, "Light"),
                 egui::Theme::Light => (egui::Theme::Dark, "Dark"),
@@ -120,24 +124,24 @@ impl Viewer {
                     dropped = Some(idx);
                 }
             }
-        });
-        if drops_opening {
-            self.opening.give_up();
-        }
             for (idx, note) in self.document.iter().flat_map(Document::notes) {
                 if line(ui, note, None) {
                     dropped_note = Some(idx);
                 }
             }
+        });
+        if drops_opening {
+            self.opening.give_up();
+        }
         dropped_job.map(|idx| self.jobs.remove(idx));
         dropped.map(|idx| self.messages.remove(idx));
+        if let (Some(idx), Some(document)) = (dropped_note, &mut self.document) {
+            document.close_note(idx);
+        }
     }
 }
 
 /// What is under the pointer, for people.
-        if let (Some(idx), Some(document)) = (dropped_note, &mut self.document) {
-            document.close_note(idx);
-        }
 fn told(picked: &Picked, document: &Document) -> String {
     let [i, j, k] = picked.voxel;
     let State { opened, .. } = document.state();
