@@ -111,9 +111,9 @@ impl Painter {
         })
     }
 
-    /// The scene as a viewer wants it, of the layers that it wants. Viewers have neither meshes nor labels of voxels, so that meshes are
-    /// where they are here, and what is not said of their colours and sizes is as it is here; and so are
-    /// labels of which nothing is said.
+    /// The scene as a viewer wants it, of the layers that it wants. Viewers have neither meshes nor labels of
+    /// voxels, so that meshes are where they are here, and what is not said of their colours and sizes is as
+    /// it is here; and so are labels of which nothing is said.
     fn shown(&self, ask: &Ask) -> Result<OpenScene, String> {
         let mut file =
             parse_scene_alone(&ask.scene, "scene.toml").map_err(|error| error.to_string())?;

@@ -1,9 +1,9 @@
 //! What page and server say to each other: scenes as text, pictures as files with a header.
 //!
-//! A request is JSON: `pane`, `number`, `urgency` (`moving` or `rest`), `scene`, the text of a scene file, and
-//! `layers`, the numbers of those of the server's layers that this has. An answer in bytes is the length of a header (32 bits, little-endian), the header in JSON and the
-//! picture as JPEG or PNG; an answer in text is JSON with an `error`, of a pane and a number, or with a
-//! `note`.
+//! A request is JSON: `pane`, `number`, `urgency` (`moving` or `rest`), `scene`, the text of a scene file,
+//! and `layers`, the numbers of those of the server's layers that this has. An answer in bytes is the length
+//! of a header (32 bits, little-endian), the header in JSON and the picture as JPEG or PNG; an answer in text
+//! is JSON with an `error`, of a pane and a number, or with a `note`.
 
 use crate::frames::{Drawn, Event, Request, Urgency};
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! GIF (<https://www.w3.org/Graphics/GIF/spec-gif89a.txt>), in two passes: colours are counted as frames
-//! come, and when all are there the file is written of the frames, which are looked at again. A frame is no more than the
-//! rectangle that changes, and what does not change within it is transparent.
+//! come, and when all are there the file is written of the frames, which are looked at again. A frame is no
+//! more than the rectangle that changes, and what does not change within it is transparent.
 
 use super::palette::{Histogram, Palette};
 use super::{Encoder, Frames, in_file};
