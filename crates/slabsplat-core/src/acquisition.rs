@@ -1,5 +1,7 @@
 //! What is known of a volume beside its values: which machine made it, and how it stands in the world.
 
+use crate::choices::named;
+
 /// What whoever made a volume says of it. Nothing of it changes a pixel; what is found for a volume that
 /// nobody has described ([`Viewpoint`](crate::Viewpoint), colours) depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,3 +63,6 @@ pub enum Orientation {
     /// Those of pictures, one behind the other: x to the right, y *down* the rows, z to the next picture.
     Pictures,
 }
+
+named!(Modality { Ct = "ct", Mr = "mr", Microscopy = "microscopy" });
+named!(Orientation { Unknown = "unknown", Anatomical = "anatomical", Pictures = "pictures" });

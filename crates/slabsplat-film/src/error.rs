@@ -48,8 +48,16 @@ pub enum FilmError {
         /// Frames a second.
         max: f64,
     },
+    /// Of a film in memory other frames came than it has.
+    #[error("the film has {expected} frames, and {found} came")]
+    WrongCount {
+        /// How many came.
+        found: u32,
+        /// How many it has.
+        expected: u32,
+    },
     /// A format of which no film is made in memory.
-    #[error("a film in memory is a webp: {name} needs a disk")]
+    #[error("a film in memory is a gif, webp or apng: {name} needs a disk")]
     NotInMemory {
         /// The format.
         name: &'static str,

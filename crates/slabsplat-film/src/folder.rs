@@ -2,6 +2,7 @@
 //! they are. What it holds is whole at any moment, so that a run that was interrupted, however hard, can be
 //! continued.
 
+use crate::encode::Frames;
 use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError};
@@ -132,14 +133,6 @@ impl FrameFolder {
         self.frame_path(frame_idx).is_file().then(|| self.read(frame_idx))
     }
 
-    /// A frame that is there.
-    pub(crate) fn read(&self, frame_idx: u32) -> Result<Pixels, FilmError> {
-        let bad = |what: String| FilmError::BadFrame { frame_idx, folder: self.path.clone(), what };
-        let file =
-            File::open(self.frame_path(frame_idx)).map_err(|error| bad(error.to_string()))?;
-        Pixels::read_png(BufReader::new(file), [self.desc.width, self.desc.height]).map_err(bad)
-    }
-
     /// The file `made` within it becomes the film, and the folder is gone.
     pub(crate) fn end_with_file(self, made: &Path, target: &Path) -> Result<(), FilmError> {
         fs::rename(made, target).map_err(FilmError::write(target))?;
@@ -154,6 +147,15 @@ impl FrameFolder {
         drop(self.lock);
         remove_files(&self.path, |path| !is_frame(path))?;
         fs::rename(&self.path, target).map_err(FilmError::write(target))
+    }
+}
+
+impl Frames for FrameFolder {
+    fn read(&self, frame_idx: u32) -> Result<Pixels, FilmError> {
+        let bad = |what: String| FilmError::BadFrame { frame_idx, folder: self.path.clone(), what };
+        let file =
+            File::open(self.frame_path(frame_idx)).map_err(|error| bad(error.to_string()))?;
+        Pixels::read_png(BufReader::new(file), [self.desc.width, self.desc.height]).map_err(bad)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::{ServeError, overview};
 use axum::body::Bytes;
 use serde_json::{Value, json};
 use slabsplat::io::{SceneFile, scene_text};
-use slabsplat::{Labels, Layer, OpenScene, Scene, ValueCounts};
+use slabsplat::{Acquisition, Labels, Layer, Modality, OpenScene, Scene, ValueCounts};
 use std::sync::{Arc, OnceLock};
 
 /// A scene, and what is told of it. What goes through all voxels is made when it is first asked for.
@@ -35,12 +35,13 @@ impl Described {
     /// The JSON of `/session`.
     pub(crate) fn session(&self) -> Bytes {
         let make = || {
-            let OpenScene { scene, warnings, found, acquisition, .. } = &*self.opened;
-            let layers: Vec<Value> = scene.layers.iter().map(described).collect();
+            let OpenScene { scene, warnings, found, .. } = &*self.opened;
+            let acquisitions = self.opened.acquisitions();
+            let layers = scene.layers.iter().zip(acquisitions);
+            let layers: Vec<Value> = layers.map(|(it, of)| described(it, of)).collect();
             let session = json!({
                 "name": self.name,
                 "scene": self.text,
-                "is_metric": acquisition.is_metric,
                 "warnings": warnings,
                 "found": found,
                 "layers": layers,
@@ -77,12 +78,15 @@ fn shown_to_viewers(scene: &Scene, file: &SceneFile) -> SceneFile {
     file
 }
 
-fn described(layer: &Layer) -> Value {
+fn described(layer: &Layer, acquisition: Acquisition) -> Value {
     let counted = ValueCounts::of(&layer.volume, N_BINS);
     let labels = layer.labels.as_ref().map(Labels::of_voxels);
     json!({
         "range": counted.as_ref().map(|counted| counted.range),
         "counts": counted.map_or(vec![0; N_BINS], |counted| counted.counts),
         "labels": labels.unwrap_or_default(),
+        "modality": acquisition.modality.map(Modality::name),
+        "orientation": acquisition.orientation.name(),
+        "is_metric": acquisition.is_metric,
     })
 }

@@ -292,7 +292,7 @@ mod tests {
     use super::*;
 
     fn ask(pane: usize, number: u64, urgency: Urgency) -> Ask {
-        Ask { pane, number, urgency, scene: String::new() }
+        Ask { pane, number, urgency, layers: None, scene: String::new() }
     }
 
     fn encoded() -> Encoded {

@@ -28,10 +28,11 @@
 //! | `/frames?token=T` | a WebSocket: scenes in, pictures out |
 //!
 //! A request for a picture is a text, `{"pane":0,"number":7,"urgency":"moving","scene":"…"}`; `urgency` is
-//! `moving` or `rest`, and the scene a scene file, of which only counts how things look. A picture is a
-//! binary message: the length of a header in four bytes, the least first, the header as JSON (`pane`,
-//! `number`, `urgency`, `format`, `ms`, `n_voxels`, `notes`), and the picture, `jpeg` or `png`. What is at
-//! rest is always `png`, without loss. Other texts are `{"pane","number","error"}` and `{"note"}`.
+//! `moving` or `rest`, and the scene a scene file, of which only counts how things look. Where that has some
+//! of the layers alone, `"layers":[0,2]` says which, counted from 0. A picture is a binary message: the
+//! length of a header in four bytes, the least first, the header as JSON (`pane`, `number`, `urgency`,
+//! `format`, `ms`, `n_voxels`, `notes`), and the picture, `jpeg` or `png`. What is at rest is always `png`,
+//! without loss. Other texts are `{"pane","number","error"}` and `{"note"}`.
 //!
 //! A newer request takes the place of an older one of the same pane that has not begun. One that is at rest
 //! and being drawn is given up for a newer one of that pane, and put off for whatever moves in another.

@@ -10,6 +10,8 @@ pub(crate) struct Ask {
     /// Tells pictures of a pane from each other.
     pub(crate) number: u64,
     pub(crate) urgency: Urgency,
+    /// The numbers of the layers that the scene has; `None` if it has all.
+    pub(crate) layers: Option<Vec<usize>>,
     /// A scene file, not looked at yet.
     pub(crate) scene: String,
 }
@@ -48,16 +50,31 @@ impl Ask {
             Some("rest") => Urgency::AtRest,
             _ => return Err("urgency must be moving or rest".to_owned()),
         };
+        let layers = parse_layers(&value["layers"])?;
         let Some(Value::String(scene)) = value.get_mut("scene").map(Value::take) else {
             return Err("scene must be the text of a scene file".to_owned());
         };
-        Ok(Self { pane, number, urgency, scene })
+        Ok(Self { pane, number, urgency, layers, scene })
     }
 
     /// The message that this picture cannot be made.
     pub(crate) fn failed(&self, why: &str) -> String {
         json!({ "pane": self.pane, "number": self.number, "error": why }).to_string()
     }
+}
+
+/// Which layers a request names, if it does.
+fn parse_layers(value: &Value) -> Result<Option<Vec<usize>>, String> {
+    if value.is_null() {
+        return Ok(None);
+    }
+    let number = |value: &Value| value.as_u64().and_then(|number| usize::try_from(number).ok());
+    let numbers = value.as_array().and_then(|all| all.iter().map(number).collect());
+    let numbers: Vec<usize> = numbers.ok_or("layers must be a list of whole numbers, 0 or more")?;
+    if !numbers.is_sorted_by(|a, b| a < b) {
+        return Err("layers must rise".to_owned());
+    }
+    Ok(Some(numbers))
 }
 
 /// The message that something should be known.
@@ -99,15 +116,20 @@ mod tests {
     #[test]
     fn ask_is_parsed() {
         let text = r#"{"pane":3,"number":18446744073709551615,"urgency":"rest","scene":"a\nb"}"#;
-        let expected =
-            Ask { pane: 3, number: u64::MAX, urgency: Urgency::AtRest, scene: "a\nb".to_owned() };
-        assert_eq!(Ask::parse(text), Ok(expected));
+        let (urgency, scene) = (Urgency::AtRest, "a\nb".to_owned());
+        let expected = Ask { pane: 3, number: u64::MAX, urgency, layers: None, scene };
+        assert_eq!(Ask::parse(text).as_ref(), Ok(&expected));
+        let some = Ask::parse(&text.replace("\"scene\"", "\"layers\":[0,2],\"scene\""));
+        assert_eq!(some, Ok(Ask { layers: Some(vec![0, 2]), ..expected }));
         for (from, to, expected) in [
             (":3", ":4", "pane must be 0 to 3"),
             (":3", ":-1", "pane must be 0 to 3"),
             ("18446744073709551615", "1.5", "number must be"),
             ("\"rest\"", "\"soon\"", "urgency must be"),
             ("\"a\\nb\"", "7", "scene must be"),
+            ("}", ",\"layers\":3}", "layers must be"),
+            ("}", ",\"layers\":[-1]}", "layers must be"),
+            ("}", ",\"layers\":[1,1]}", "layers must rise"),
             ("}", "", "EOF"),
         ] {
             let error = Ask::parse(&text.replace(from, to)).unwrap_err();

@@ -3,7 +3,7 @@
 //! Scenes are texts until it is their turn, so that those that are never drawn cost nothing.
 
 use crate::hub::{Hub, Turn};
-use crate::message::{Encoded, Urgency};
+use crate::message::{Ask, Encoded, Urgency};
 use slabsplat::io::{
     IoError, SceneFile, jpeg_bytes, parse_scene_alone, png_bytes, quick_png_bytes,
 };
@@ -102,7 +102,7 @@ impl Painter {
     fn paint(&self, renderer: Option<&mut Renderer>, turn: &Turn) -> Result<Picture, NoPicture> {
         let failed = NoPicture::Failed;
         let renderer = renderer.ok_or_else(|| failed("nothing here can draw".to_owned()))?;
-        let shown = self.shown(&turn.ask.scene).map_err(failed)?;
+        let shown = self.shown(&turn.ask).map_err(failed)?;
         check_size(&shown.scene).map_err(failed)?;
         let picture = renderer.picture_as(&shown.scene, shown.acquisition, &turn.frame);
         picture.map_err(|error| match error.is_cancelled() {
@@ -111,21 +111,36 @@ impl Painter {
         })
     }
 
-    /// The scene as a viewer wants it. Viewers have neither meshes nor labels of voxels, so that meshes are
-    /// where they are here, and what is not said of their colours and sizes is as it is here; and so are
-    /// labels of which nothing is said.
-    fn shown(&self, text: &str) -> Result<OpenScene, String> {
-        let mut file = parse_scene_alone(text, "scene.toml").map_err(|error| error.to_string())?;
+    /// The scene as a viewer wants it, of the layers that it wants. Viewers have neither meshes nor labels of
+    /// voxels, so that meshes are where they are here, and what is not said of their colours and sizes is as
+    /// it is here; and so are labels of which nothing is said.
+    fn shown(&self, ask: &Ask) -> Result<OpenScene, String> {
+        let mut file =
+            parse_scene_alone(&ask.scene, "scene.toml").map_err(|error| error.to_string())?;
+        let keeps = self.keeps(ask)?;
         for (mesh, here) in file.meshes.iter_mut().zip(&self.file.meshes) {
             let said = std::mem::replace(mesh, here.clone());
             mesh.color = said.color.or(here.color);
             mesh.line_width = said.line_width.or(here.line_width);
             mesh.point_size = said.point_size.or(here.point_size);
         }
-        for (layer, here) in file.layers.iter_mut().zip(&self.file.layers) {
+        let here = self.file.layers.iter().zip(&keeps).filter(|(_, keeps)| **keeps);
+        for (layer, (here, _)) in file.layers.iter_mut().zip(here) {
             layer.labels = layer.labels.take().or_else(|| here.labels.clone());
         }
-        self.opened.shown_as(&file).map_err(|error| error.to_string())
+        self.opened.with_layers(&keeps).shown_as(&file).map_err(|error| error.to_string())
+    }
+
+    /// Which layers a viewer wants.
+    fn keeps(&self, ask: &Ask) -> Result<Vec<bool>, String> {
+        let n_layers = self.file.layers.len();
+        let Some(layers) = &ask.layers else { return Ok(vec![true; n_layers]) };
+        let mut keeps = vec![false; n_layers];
+        for &number in layers {
+            let keep = keeps.get_mut(number);
+            *keep.ok_or_else(|| format!("there is no layer {number}, counted from 0"))? = true;
+        }
+        Ok(keeps)
     }
 }
 

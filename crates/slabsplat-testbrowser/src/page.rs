@@ -135,6 +135,13 @@ impl Page {
         self.mouse("mouseReleased", around, 1);
     }
 
+    /// Clicks.
+    pub fn click(&self, at: [i32; 2]) {
+        self.mouse("mouseMoved", at, 0);
+        self.mouse("mousePressed", at, 1);
+        self.mouse("mouseReleased", at, 1);
+    }
+
     /// Clicks twice, as fast as nobody can.
     pub fn double_click(&self, at: [i32; 2]) {
         self.mouse("mouseMoved", at, 0);

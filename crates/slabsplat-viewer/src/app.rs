@@ -14,7 +14,7 @@ use crate::frames::{Drawn, DrawnInTexture, Event, FrameSource, Request, Urgency,
 use crate::jobs::{Job, Opener};
 use crate::state::{Asked, Document, FrameBudget, Pacing, Picked};
 use crate::ui::{self, Files, Pane, Panel, PanelWish, Ruler};
-use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui};
+use eframe::egui::{CentralPanel, Context, Panel as Bar, Ui, ViewportCommand};
 use opening::Opening;
 use slabsplat::Viewpoint;
 use textures::Textures;
@@ -44,6 +44,9 @@ pub struct Viewer {
     pointed: Option<Picked>,
     is_held: bool,
     shows_help: bool,
+    hides_controls: bool,
+    /// What the window is called.
+    title: String,
     /// What the frames that are shown took, and how large they were.
     shown: Option<(f64, [u32; 2])>,
 }
@@ -97,6 +100,8 @@ impl Viewer {
             pointed: None,
             is_held: false,
             shows_help: false,
+            hides_controls: false,
+            title: String::new(),
             shown: None,
         }
     }
@@ -118,8 +123,9 @@ impl Viewer {
     /// All that is said now, a line each.
     #[cfg(target_arch = "wasm32")]
     pub(crate) fn says(&self) -> String {
-        let texts: Vec<&str> = self.messages.iter().map(|message| &*message.text).collect();
-        texts.join("\n")
+        let messages = self.messages.iter().map(|message| &*message.text);
+        let notes = self.document.iter().flat_map(Document::notes).map(|(_, note)| note);
+        messages.chain(notes).collect::<Vec<_>>().join("\n")
     }
 
     fn hear_jobs(&mut self, now: f64) {
@@ -220,6 +226,18 @@ impl Viewer {
         self.panel = Panel::new(true);
     }
 
+    /// The window is called as what is open.
+    fn name_window(&mut self, context: &Context) {
+        let title = match &self.document {
+            Some(document) => format!("{} – slabsplat", document.name),
+            None => "slabsplat".to_owned(),
+        };
+        if self.title != title {
+            context.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
     fn aim(&mut self, viewpoint: Option<Viewpoint>) {
         let Some(document) = &mut self.document else { return };
         document.settle();
@@ -229,9 +247,12 @@ impl Viewer {
     }
 
     fn grant_panel(&mut self, wish: PanelWish) {
-        wish.said.into_iter().for_each(|what| self.say(what));
+        wish.refused.into_iter().for_each(|what| self.say(what));
         if wish.adds_layer {
             self.files.ask_layer();
+        }
+        if let Some(wanted) = wish.channel {
+            self.open_channel(wanted);
         }
     }
 
@@ -281,7 +302,8 @@ impl eframe::App for Viewer {
         self.keys(&context);
         Bar::top("bar").show(ui, |ui| self.bar(ui));
         Bar::bottom("status").show(ui, |ui| self.status(ui));
-        if let Some(document) = &mut self.document {
+        self.name_window(&context);
+        if let Some(document) = self.document.as_mut().filter(|_| !self.hides_controls) {
             let panel = Bar::right("controls").default_size(330.0).size_range(330.0..=520.0);
             let wish = panel.show(ui, |ui| self.panel.show(ui, document)).inner;
             self.grant_panel(wish);

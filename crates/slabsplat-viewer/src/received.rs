@@ -1,20 +1,24 @@
 //! What page and server say to each other: scenes as text, pictures as files with a header.
 //!
-//! A request is JSON: `pane`, `number`, `urgency` (`moving` or `rest`), and `scene`, the text of a scene
-//! file. An answer in bytes is the length of a header (32 bits, little-endian), the header in JSON and the
-//! picture as JPEG or PNG; an answer in text is JSON with an `error`, of a pane and a number, or with a
-//! `note`.
+//! A request is JSON: `pane`, `number`, `urgency` (`moving` or `rest`), `scene`, the text of a scene file,
+//! and `layers`, the numbers of those of the server's layers that this has. An answer in bytes is the length
+//! of a header (32 bits, little-endian), the header in JSON and the picture as JPEG or PNG; an answer in text
+//! is JSON with an `error`, of a pane and a number, or with a `note`.
 
 use crate::frames::{Drawn, Event, Request, Urgency};
 use serde::{Deserialize, Serialize};
 use slabsplat::io::{IoError, MeshFile, SceneFile, scene_text};
-use slabsplat::{Image, LabelMap, Labels, Mesh, MeshLayer, OpenScene, ValueCounts, Volume};
+use slabsplat::{
+    Acquisition, Image, LabelMap, Labels, Mesh, MeshLayer, NotAChoice, OpenScene, ValueCounts,
+    Volume,
+};
 
 #[derive(Serialize)]
 struct Asked<'a> {
     pane: usize,
     number: u64,
     urgency: &'a str,
+    layers: Vec<usize>,
     scene: String,
 }
 
@@ -35,7 +39,6 @@ struct Header {
 pub(crate) struct Session {
     pub(crate) name: String,
     pub(crate) scene: String,
-    is_metric: bool,
     #[serde(default)]
     warnings: Vec<String>,
     #[serde(default)]
@@ -49,6 +52,18 @@ struct SessionLayer {
     counts: Vec<u64>,
     #[serde(default)]
     labels: Vec<i64>,
+    modality: Option<String>,
+    orientation: String,
+    is_metric: bool,
+}
+
+impl SessionLayer {
+    fn acquisition(&self) -> Result<Acquisition, NotAChoice> {
+        let mut acquisition = Acquisition::default().orientation(self.orientation.parse()?);
+        acquisition.modality = self.modality.as_deref().map(str::parse).transpose()?;
+        acquisition.is_metric = self.is_metric;
+        Ok(acquisition)
+    }
 }
 
 impl Session {
@@ -56,14 +71,17 @@ impl Session {
         serde_json::from_slice(json).map_err(|error| format!("the server says nothing: {error}"))
     }
 
+    /// What the server's files say of its volumes.
+    pub(crate) fn acquisitions(&self) -> Result<Vec<Acquisition>, String> {
+        let acquisitions = self.layers.iter().map(SessionLayer::acquisition);
+        acquisitions.collect::<Result<_, _>>().map_err(|error| error.to_string())
+    }
+
     /// Has a scene of overviews say what the server knows of the volumes, and have the labels and meshes
     /// that the server's has: here there is nothing of them but how they look, which can be edited.
     pub(crate) fn tell(&self, opened: &mut OpenScene, file: SceneFile) -> Result<(), IoError> {
         opened.warnings.clone_from(&self.warnings);
         opened.found.clone_from(&self.found);
-        if self.is_metric {
-            opened.acquisition = opened.acquisition.metric();
-        }
         let OpenScene { scene, sources, .. } = opened;
         let layers = scene.layers.iter_mut().zip(&mut sources.layers);
         for ((layer, source), said) in layers.zip(file.layers) {
@@ -132,7 +150,8 @@ pub(crate) fn request_text(request: &Request) -> Result<String, String> {
         Urgency::Moving => "moving",
         Urgency::AtRest => "rest",
     };
-    let asked = Asked { pane: request.pane, number: request.number, urgency, scene };
+    let layers = request.opened.layer_numbers();
+    let asked = Asked { pane: request.pane, number: request.number, urgency, layers, scene };
     serde_json::to_string(&asked).map_err(|error| error.to_string())
 }
 
@@ -169,6 +188,7 @@ fn decoded(bytes: &[u8]) -> Result<Image, String> {
 mod tests {
     use super::*;
     use slabsplat::io::{SceneFile, VolumeSource, png_bytes};
+    use slabsplat::{Modality, Orientation};
 
     #[test]
     fn pictures_come_as_they_were_sent() {
@@ -189,15 +209,23 @@ mod tests {
 
     #[test]
     fn a_session_says_what_is_shown() {
-        let json = r#"{"name":"head","scene":"","is_metric":true,"layers":[
-            {"range":[0,8],"counts":[3,1],"labels":[2,5]},{"range":null,"counts":[],"labels":[]}]}"#;
+        let json = r#"{"name":"head","scene":"","layers":[
+            {"range":[0,8],"counts":[3,1],"labels":[2,5],
+             "modality":"ct","orientation":"anatomical","is_metric":true},
+            {"range":null,"counts":[],"labels":[],
+             "modality":null,"orientation":"unknown","is_metric":false}]}"#;
         let session = Session::of_json(json.as_bytes()).unwrap();
         assert_eq!((session.name.as_str(), session.scene.as_str()), ("head", ""));
         let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
         let mut opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
         let file = opened.sources.clone();
         session.tell(&mut opened, file).unwrap();
-        assert!(opened.acquisition.is_metric && opened.found.is_empty());
+        assert!(opened.found.is_empty());
+        let metric = Acquisition::default().modality(Modality::Ct).metric();
+        let metric = metric.orientation(Orientation::Anatomical);
+        assert_eq!(session.acquisitions(), Ok(vec![metric, Acquisition::default()]));
+        let odd = Session::of_json(json.replace("unknown", "odd").as_bytes()).unwrap();
+        assert!(odd.acquisitions().is_err());
         let facts = session.facts();
         assert_eq!(facts[0].0.as_ref().map(|counts| counts.range), Some([0.0, 8.0]));
         assert_eq!((&facts[0].1[..], &facts[1]), (&[2, 5][..], &(None, Vec::new())));
@@ -219,7 +247,7 @@ mod tests {
         file.meshes.clear();
         file.layers[0].labels = None;
         let mut opened = OpenScene::open(&file).unwrap();
-        let json = r#"{"name":"","scene":"","is_metric":false,"layers":[]}"#;
+        let json = r#"{"name":"","scene":"","layers":[]}"#;
         Session::of_json(json.as_bytes()).unwrap().tell(&mut opened, said).unwrap();
         assert_eq!(opened.scene.meshes[0].color, Some([0.5, 0.5, 0.25]));
         let labels = opened.scene.layers[0].labels.clone().unwrap();
@@ -250,12 +278,16 @@ mod tests {
     #[test]
     fn a_request_has_the_scene() {
         let source = VolumeSource::Builtin { name: "cube".to_owned(), size: Some(8) };
-        let opened = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
+        let one = OpenScene::open(&SceneFile::of_volume(source)).unwrap();
+        let mut opened = one.clone();
+        opened.add_layers_of(one);
+        let opened = opened.with_layers(&[false, true]);
         let request =
             Request { pane: 0, number: 3, opened, urgency: Urgency::Moving, is_read_back: false };
         let text = request_text(&request).unwrap();
         let value: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!((&value["number"], &value["urgency"]), (&3.into(), &"moving".into()));
+        assert_eq!(value["layers"], serde_json::json!([1]), "of the server's two");
         let scene = value["scene"].as_str().unwrap();
         let again = slabsplat::io::parse_scene(scene, "scene.toml").unwrap();
         assert_eq!(again.settings, request.opened.scene.settings);

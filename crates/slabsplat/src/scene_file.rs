@@ -11,7 +11,7 @@ use slabsplat_core::{
 };
 use slabsplat_io::{
     CameraDesc, FilmFile, FitError, IoError, LayerFile, LoadedColors, LoadedVolume, MemoryNeed,
-    OpacitySource, SceneFile, TransferFit, TransferSource, check_memory,
+    OpacitySource, SceneFile, TransferFit, TransferSource, VolumeChoices, check_memory,
 };
 use std::cell::{Cell, OnceCell};
 use std::path::PathBuf;
@@ -33,9 +33,19 @@ pub struct OpenScene {
     pub acquisition: Acquisition,
     pub(crate) facing: Facing,
     /// The same two of every layer, of which the first one's count.
-    pub(crate) origins: Vec<(Acquisition, Facing)>,
+    pub(crate) origins: Vec<Origin>,
     /// What was opened, with what was chosen of files that hold several volumes.
     pub sources: SceneFile,
+}
+
+/// Where a layer of an open scene comes from.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    pub(crate) acquisition: Acquisition,
+    pub(crate) facing: Facing,
+    pub(crate) choices: VolumeChoices,
+    /// See [`OpenScene::layer_numbers`].
+    pub(crate) number: usize,
 }
 
 /// The cameras that go around with one.
@@ -153,6 +163,7 @@ impl OpenScene {
             facings: Vec::new(),
         };
         let acquisitions: Vec<Acquisition> = loaded.iter().map(|it| it.acquisition).collect();
+        let choices: Vec<VolumeChoices> = loaded.iter().map(|it| it.choices.clone()).collect();
         let acquisition = loaded.first().map(|loaded| loaded.acquisition);
         let layers = loaded.into_iter().zip(&file.layers);
         let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
@@ -171,7 +182,14 @@ impl OpenScene {
         }
         let Opening { warnings, found, facings, .. } = opening;
         let facing = facings.first().copied().unwrap_or_default();
-        let origins = acquisitions.into_iter().zip(facings).collect();
+        let origins = acquisitions.into_iter().zip(facings).zip(choices).enumerate();
+        let origin = |(number, ((acquisition, facing), choices))| Origin {
+            acquisition,
+            facing,
+            choices,
+            number,
+        };
+        let origins = origins.map(origin).collect();
         let scene = Scene::of_meshes(meshes, placeholder())
             .layers(layers)
             .lights(file.lights.clone())

@@ -2,7 +2,9 @@
 
 use crate::OpenScene;
 use crate::automatic::takes_gradients;
-use slabsplat_io::FilmFile;
+use crate::scene_file::Origin;
+use slabsplat_core::Acquisition;
+use slabsplat_io::{FilmFile, VolumeChoices};
 
 impl OpenScene {
     /// Adds the layers and meshes of another scene, as they look there. Camera, lights, picture and settings
@@ -37,7 +39,10 @@ impl OpenScene {
         self.scene.meshes.extend(scene.meshes);
         self.sources.layers.extend(sources.layers);
         self.sources.meshes.extend(sources.meshes);
-        self.origins.extend(origins);
+        let numbers = self.origins.iter().map(|origin| origin.number);
+        let next = numbers.max().map_or(0, |last| last + 1);
+        let origins = origins.into_iter().zip(next..);
+        self.origins.extend(origins.map(|(origin, number)| Origin { number, ..origin }));
         self.warnings.extend(warnings);
         self.found.extend(found);
     }
@@ -58,11 +63,30 @@ impl OpenScene {
             retain_keys(film, keeps);
         }
         if keeps.first() == Some(&false)
-            && let Some(&(acquisition, facing)) = with.origins.first()
+            && let Some(first) = with.origins.first()
         {
-            (with.acquisition, with.facing) = (acquisition, facing);
+            (with.acquisition, with.facing) = (first.acquisition, first.facing);
         }
         with
+    }
+
+    /// What the file of each layer's volume says of it beside its values.
+    pub fn acquisitions(&self) -> impl Iterator<Item = Acquisition> {
+        self.origins.iter().map(|origin| origin.acquisition)
+    }
+
+    /// What the file of a layer's volume holds, and what was read of it.
+    ///
+    /// # Panics
+    /// If there is no such layer.
+    pub fn choices_of(&self, layer_idx: usize) -> &VolumeChoices {
+        &self.origins[layer_idx].choices
+    }
+
+    /// The numbers of the layers, rising: as a scene is opened they are counted from 0, and each layer has
+    /// its number for as long as it is there, whichever others leave. Those that are added are counted on.
+    pub fn layer_numbers(&self) -> Vec<usize> {
+        self.origins.iter().map(|origin| origin.number).collect()
     }
 }
 
@@ -83,7 +107,7 @@ fn retain_keys(film: &mut FilmFile, keeps: &[bool]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::{Acquisition, Scene};
+    use slabsplat_core::Scene;
     use slabsplat_io::{parse_scene, scene_text};
 
     fn opened(text: &str) -> OpenScene {
@@ -142,6 +166,15 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_layers_stay_theirs() {
+        let mut some = opened(THREE).with_layers(&[true, false, true]);
+        assert_eq!(some.layer_numbers(), [0, 2]);
+        some.add_layers_of(opened(THREE).with_layers(&[false, true, true]));
+        assert_eq!(some.layer_numbers(), [0, 2, 3, 4]);
+        assert_eq!(some.with_layers(&[false, true, false, true]).layer_numbers(), [2, 4]);
+    }
+
+    #[test]
     fn layers_that_are_added_look_as_they_did() {
         let other = opened("volume = { generate = \"neuron\", size = 8 }");
         let mut both = opened("volume = { generate = \"cube\", size = 8 }");
@@ -173,7 +206,7 @@ mod tests {
         let mut other = opened("volume = { generate = \"sphere\", size = 8 }");
         let metric = Acquisition::default().metric();
         other.acquisition = metric;
-        other.origins[0].0 = metric;
+        other.origins[0].acquisition = metric;
         both.add_layers_of(other);
         assert!(!both.acquisition.is_metric);
         assert!(both.with_layers(&[false, true]).acquisition.is_metric);

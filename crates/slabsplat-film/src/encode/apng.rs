@@ -1,31 +1,28 @@
 //! Animated PNG (<https://www.w3.org/TR/png-3/#apng-frame-based-animation>): whole frames, one after the
 //! other.
 
-use super::Encoder;
-use crate::folder::FrameFolder;
+use super::{Encoder, Frames};
 use crate::metadata::Metadata;
 use crate::pixels::{Pixels, png_encoder, to_io_error};
 use crate::{FilmDesc, FilmError, FrameRate};
-use std::fs::File;
-use std::io::BufWriter;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-pub(super) struct ApngEncoder {
-    writer: png::Writer<BufWriter<File>>,
+pub(super) struct ApngEncoder<W: Write> {
+    writer: png::Writer<W>,
     has_opacity: bool,
     path: PathBuf,
 }
 
-impl ApngEncoder {
+impl<W: Write> ApngEncoder<W> {
     pub(super) fn new(
         desc: &FilmDesc,
+        file: W,
         path: &Path,
         metadata: &Metadata,
     ) -> Result<Self, FilmError> {
-        let file = File::create(path).map_err(FilmError::write(path))?;
         let FilmDesc { width, height, n_frames, rate, has_opacity, .. } = *desc;
         let wrong = |error| FilmError::write(path)(to_io_error(error));
-        let file = BufWriter::new(file);
         let encoder = png_encoder(file, [width, height], has_opacity, metadata);
         let mut encoder = encoder.map_err(wrong)?;
         encoder.set_filter(png::Filter::Adaptive);
@@ -47,13 +44,13 @@ fn delay(rate: FrameRate) -> [u16; 2] {
     }
 }
 
-impl Encoder for ApngEncoder {
+impl<W: Write + Send> Encoder for ApngEncoder<W> {
     fn add(&mut self, frame: &Pixels) -> Result<(), FilmError> {
         let written = self.writer.write_image_data(&frame.samples(self.has_opacity));
         written.map_err(|error| FilmError::write(&self.path)(to_io_error(error)))
     }
 
-    fn finish(self: Box<Self>, _: &FrameFolder) -> Result<(), FilmError> {
+    fn finish(self: Box<Self>, _: &dyn Frames) -> Result<(), FilmError> {
         let path = self.path;
         self.writer.finish().map_err(|error| FilmError::write(&path)(to_io_error(error)))
     }

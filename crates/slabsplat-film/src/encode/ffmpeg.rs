@@ -2,8 +2,7 @@
 //! they are made. Its sides are even, as 4:2:0 has one colour for 2 × 2 pixels: of an odd one the last row or
 //! column is there twice.
 
-use super::Encoder;
-use crate::folder::FrameFolder;
+use super::{Encoder, Frames};
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
 use std::io::{self, ErrorKind, Read, Write};
@@ -197,7 +196,7 @@ impl Encoder for Ffmpeg {
         written.map_err(|error| self.failed(&error.to_string()))
     }
 
-    fn finish(mut self: Box<Self>, _: &FrameFolder) -> Result<(), FilmError> {
+    fn finish(mut self: Box<Self>, _: &dyn Frames) -> Result<(), FilmError> {
         self.stdin = None;
         match self.child.wait() {
             Ok(status) if status.success() => Ok(()),

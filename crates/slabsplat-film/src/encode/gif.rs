@@ -1,18 +1,17 @@
 //! GIF (<https://www.w3.org/Graphics/GIF/spec-gif89a.txt>), in two passes: colours are counted as frames
-//! come, and when all are there the file is written of the frames in the folder. A frame is no more than the
-//! rectangle that changes, and what does not change within it is transparent.
+//! come, and when all are there the file is written of the frames, which are looked at again. A frame is no
+//! more than the rectangle that changes, and what does not change within it is transparent.
 
 use super::palette::{Histogram, Palette};
-use super::{Encoder, in_file};
-use crate::folder::FrameFolder;
+use super::{Encoder, Frames, in_file};
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError};
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-pub(super) struct GifEncoder {
+pub(super) struct GifEncoder<W> {
+    file: W,
     desc: FilmDesc,
     histogram: Histogram,
     path: PathBuf,
@@ -21,9 +20,9 @@ pub(super) struct GifEncoder {
 /// Index of what stays as it was.
 const UNCHANGED: u8 = 255;
 
-impl GifEncoder {
-    pub(super) fn new(desc: &FilmDesc, path: &Path) -> Self {
-        Self { desc: *desc, histogram: Histogram::new(), path: path.to_owned() }
+impl<W: Write> GifEncoder<W> {
+    pub(super) fn new(desc: &FilmDesc, file: W, path: &Path) -> Self {
+        Self { file, desc: *desc, histogram: Histogram::new(), path: path.to_owned() }
     }
 
     /// Width and height, which the format's limit leaves as they are.
@@ -31,14 +30,13 @@ impl GifEncoder {
         [self.desc.width, self.desc.height].map(|side| side.try_into().unwrap_or(u16::MAX))
     }
 
-    fn write(&self, frames: &FrameFolder) -> Result<(), FilmError> {
+    fn write(self, frames: &dyn Frames) -> Result<(), FilmError> {
         let [width, height] = self.size();
         let mut palette: Palette = self.histogram.palette();
-        let file = File::create(&self.path).map_err(FilmError::write(&self.path))?;
         let mut colors = palette.bytes();
         colors.resize(3 * 256, 0);
-        let mut encoder = gif::Encoder::new(BufWriter::new(file), width, height, &colors)
-            .map_err(in_file(&self.path))?;
+        let mut encoder =
+            gif::Encoder::new(self.file, width, height, &colors).map_err(in_file(&self.path))?;
         encoder.set_repeat(gif::Repeat::Infinite).map_err(in_file(&self.path))?;
         let mut before: Option<Vec<u8>> = None;
         for frame_idx in 0..self.desc.n_frames {
@@ -94,13 +92,13 @@ fn changed(before: Option<&[u8]>, now: &[u8], [width, height]: [u16; 2]) -> gif:
     }
 }
 
-impl Encoder for GifEncoder {
+impl<W: Write + Send> Encoder for GifEncoder<W> {
     fn add(&mut self, frame: &Pixels) -> Result<(), FilmError> {
         self.histogram.add(&frame.before_black());
         Ok(())
     }
 
-    fn finish(self: Box<Self>, frames: &FrameFolder) -> Result<(), FilmError> {
+    fn finish(self: Box<Self>, frames: &dyn Frames) -> Result<(), FilmError> {
         self.write(frames)
     }
 }

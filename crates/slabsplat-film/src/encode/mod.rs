@@ -1,4 +1,5 @@
-//! Files of frames. Each encoder takes frames in order, and needs no memory for those before.
+//! Files of frames. Each encoder takes frames in order, and needs no memory for those before. Where it
+//! writes to is the caller's: a file, or memory.
 
 mod apng;
 mod ffmpeg;
@@ -6,24 +7,28 @@ mod gif;
 mod palette;
 mod webp;
 
-use crate::folder::FrameFolder;
 use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FilmFormat};
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 pub(crate) use ffmpeg::check as check_ffmpeg;
-pub(crate) use webp::WebPEncoder;
 
 /// What makes a file of frames.
 pub(crate) trait Encoder: Send {
     /// Takes the next frame.
     fn add(&mut self, frame: &Pixels) -> Result<(), FilmError>;
 
-    /// Ends the file. All frames are in the folder.
-    fn finish(self: Box<Self>, frames: &FrameFolder) -> Result<(), FilmError>;
+    /// Ends the file; `frames` has all frames, which some formats look at again.
+    fn finish(self: Box<Self>, frames: &dyn Frames) -> Result<(), FilmError>;
+}
+
+/// Frames that can be looked at again.
+pub(crate) trait Frames {
+    /// A frame.
+    fn read(&self, frame_idx: u32) -> Result<Pixels, FilmError>;
 }
 
 /// The encoder of a format, which writes to `path`; `metadata` is left out where it has no room. A
@@ -34,16 +39,37 @@ pub(crate) fn encoder(
     path: &Path,
     metadata: &Metadata,
 ) -> Result<Option<Box<dyn Encoder>>, FilmError> {
-    Ok(Some(match format {
-        FilmFormat::PngSequence => return Ok(None),
-        FilmFormat::Apng => Box::new(apng::ApngEncoder::new(desc, path, metadata)?),
-        FilmFormat::WebP => {
-            let file = File::create(path).map_err(FilmError::write(path))?;
-            Box::new(WebPEncoder::new(desc, BufWriter::new(file), path, metadata)?)
+    match format {
+        FilmFormat::PngSequence => Ok(None),
+        FilmFormat::Mp4 | FilmFormat::WebM => {
+            Ok(Some(Box::new(ffmpeg::Ffmpeg::new(format, desc, path)?)))
         }
-        FilmFormat::Gif => Box::new(gif::GifEncoder::new(desc, path)),
-        FilmFormat::Mp4 | FilmFormat::WebM => Box::new(ffmpeg::Ffmpeg::new(format, desc, path)?),
-    }))
+        FilmFormat::Apng | FilmFormat::WebP | FilmFormat::Gif => {
+            let file = File::create(path).map_err(FilmError::write(path))?;
+            encoder_to(format, desc, BufWriter::new(file), path, metadata).map(Some)
+        }
+    }
+}
+
+/// The same that writes to `file`, which errors call `path`.
+///
+/// # Errors
+/// If the format has no encoder here.
+pub(crate) fn encoder_to<W: Write + Seek + Send + 'static>(
+    format: FilmFormat,
+    desc: &FilmDesc,
+    file: W,
+    path: &Path,
+    metadata: &Metadata,
+) -> Result<Box<dyn Encoder>, FilmError> {
+    Ok(match format {
+        FilmFormat::Apng => Box::new(apng::ApngEncoder::new(desc, file, path, metadata)?),
+        FilmFormat::WebP => Box::new(webp::WebPEncoder::new(desc, file, path, metadata)?),
+        FilmFormat::Gif => Box::new(gif::GifEncoder::new(desc, file, path)),
+        FilmFormat::PngSequence | FilmFormat::Mp4 | FilmFormat::WebM => {
+            return Err(FilmError::NotInMemory { name: format.name() });
+        }
+    })
 }
 
 /// What is left of an error that says where it happened.

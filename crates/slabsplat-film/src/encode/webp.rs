@@ -1,15 +1,14 @@
 //! Animated WebP (<https://developers.google.com/speed/webp/docs/riff_container>): lossless frames, each a
 //! chunk `ANMF` around a still picture's `VP8L`.
 
-use super::Encoder;
-use crate::folder::FrameFolder;
+use super::{Encoder, Frames};
 use crate::metadata::Metadata;
 use crate::pixels::Pixels;
 use crate::{FilmDesc, FilmError, FrameRate};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-pub(crate) struct WebPEncoder<W> {
+pub(super) struct WebPEncoder<W> {
     file: W,
     rate: FrameRate,
     has_opacity: bool,
@@ -29,7 +28,7 @@ const REPLACES: u8 = 0x02;
 
 impl<W: Write + Seek> WebPEncoder<W> {
     /// Writes to `file`, which errors call `path`.
-    pub(crate) fn new(
+    pub(super) fn new(
         desc: &FilmDesc,
         file: W,
         path: &Path,
@@ -81,17 +80,6 @@ impl<W: Write + Seek> WebPEncoder<W> {
         self.file.write_all(bytes)
     }
 
-    /// Takes the next frame.
-    pub(crate) fn take(&mut self, frame: &Pixels) -> Result<(), FilmError> {
-        self.frame(frame).map_err(FilmError::write(&self.path))
-    }
-
-    /// Ends the file, which is returned.
-    pub(crate) fn end(mut self) -> Result<W, FilmError> {
-        self.write_end().map_err(FilmError::write(&self.path))?;
-        Ok(self.file)
-    }
-
     fn write_end(&mut self) -> io::Result<()> {
         if let Some(xmp) = self.xmp.take() {
             self.write(&header(b"XMP ", xmp.len())?)?;
@@ -119,10 +107,10 @@ fn three_bytes(number: u32) -> [u8; 3] {
 
 impl<W: Write + Seek + Send> Encoder for WebPEncoder<W> {
     fn add(&mut self, frame: &Pixels) -> Result<(), FilmError> {
-        self.take(frame)
+        self.frame(frame).map_err(FilmError::write(&self.path))
     }
 
-    fn finish(self: Box<Self>, _: &FrameFolder) -> Result<(), FilmError> {
-        self.end().map(drop)
+    fn finish(mut self: Box<Self>, _: &dyn Frames) -> Result<(), FilmError> {
+        self.write_end().map_err(FilmError::write(&self.path))
     }
 }

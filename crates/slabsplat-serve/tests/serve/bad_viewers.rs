@@ -31,6 +31,16 @@ fn bad_requests_are_answered() {
             assert_eq!((&text["pane"], &text["number"]), (&json!(1), &json!(number)));
             assert!(text["error"].as_str().unwrap().contains(expected), "{expected}: {text}");
         }
+        for (layers, expected) in
+            [(json!([1]), "there is no layer 1"), (json!([]), "another scene")]
+        {
+            let ask = json!({
+                "pane": 1, "number": 8, "urgency": "rest", "layers": layers, "scene": good,
+            });
+            viewer.send(&ask.to_string()).await;
+            let text = viewer.text().await;
+            assert!(text["error"].as_str().unwrap().contains(expected), "{expected}: {text}");
+        }
         for bad in ["", "{}", "[1, 2", "{\"pane\": 4}"] {
             viewer.send(bad).await;
             let text = viewer.text().await;

@@ -3,8 +3,8 @@
 use crate::client::{Viewer, block_on, get, opened, session, started, turned};
 use serde_json::json;
 use slabsplat::glam::DAffine3;
-use slabsplat::io::SceneFile;
-use slabsplat::{LabelStyle, OpenScene, Renderer, io};
+use slabsplat::io::{SceneFile, VolumeSource};
+use slabsplat::{LabelStyle, OpenScene, Renderer, TransferFunction, io};
 use slabsplat_serve::{ServeConfig, Server, serve};
 use std::path::Path;
 
@@ -69,11 +69,13 @@ fn transparent_pictures_stay_so() {
 fn session_tells_of_the_scene() {
     let server = started(ServeConfig::default().name("a ball"));
     let session = session(&server);
-    assert_eq!((&session["name"], &session["is_metric"]), (&json!("a ball"), &json!(false)));
+    assert_eq!(session["name"], json!("a ball"));
     assert_eq!(session["warnings"], json!([]));
     assert_eq!(session["found"].as_array().map(Vec::len), Some(1));
     let layer = &session["layers"][0];
     assert_eq!((&layer["range"], &layer["labels"]), (&json!([0.0, 255.0]), &json!([])));
+    let told = ["modality", "orientation", "is_metric"].map(|key| &layer[key]);
+    assert_eq!(told, [&json!(null), &json!("unknown"), &json!(false)]);
     let counts: Vec<u64> =
         layer["counts"].as_array().unwrap().iter().map(|it| it.as_u64().unwrap()).collect();
     assert_eq!((counts.len(), counts.iter().sum::<u64>()), (256, 16 * 16 * 16));
@@ -121,10 +123,18 @@ fn picture(opened: &OpenScene) -> Vec<u8> {
 
 /// What a server answers to a scene, at rest.
 fn answered(server: &Server, file: &SceneFile) -> Vec<u8> {
+    answered_of(server, file, None)
+}
+
+/// The same of some of its layers.
+fn answered_of(server: &Server, file: &SceneFile, layers: Option<&[usize]>) -> Vec<u8> {
     let scene = io::scene_text(file, "scene.toml").expect("it has a text");
+    let ask = json!({
+        "pane": 0, "number": 1, "urgency": "rest", "layers": layers, "scene": scene,
+    });
     block_on(async {
         let mut viewer = Viewer::connect(server).await;
-        viewer.ask(0, 1, "rest", &scene).await;
+        viewer.send(&ask.to_string()).await;
         let (_, bytes) = viewer.picture().await;
         image::load_from_memory(&bytes).expect("it is a PNG").into_rgba8().into_raw()
     })
@@ -167,4 +177,32 @@ fn labels_and_meshes_are_edited() {
     file.meshes[0].world_from_mesh = DAffine3::IDENTITY;
     file.meshes[0].path = "elsewhere.ply".into();
     assert!(answered(&server, &file) == expected);
+}
+
+/// Layers are hidden, shown alone and removed by a viewer that says which are left; each is then edited as
+/// before, with the labels that it has here.
+#[test]
+fn layers_are_left_out() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut all = labels_and_mesh(dir.path());
+    for name in ["cube", "neuron"] {
+        let source = VolumeSource::Builtin { name: name.to_owned(), size: Some(16) };
+        all.add_layers_of(OpenScene::open(&SceneFile::of_volume(source)).unwrap());
+    }
+    let server = serve(all.clone(), ServeConfig::default().token("secret")).unwrap();
+    let mut seen = vec![answered(&server, &all.to_file().unwrap())];
+    assert!(seen[0] == picture(&all));
+    for keeps in [[true, false, true], [false, true, true], [false, false, true], [false; 3]] {
+        let mut some = all.with_layers(&keeps);
+        for layer in &mut some.scene.layers {
+            let (opacity, color) = (layer.transfer.opacity_points(), layer.transfer.color_points());
+            layer.transfer = TransferFunction::of_curves(opacity.multiplied(0.5), color.clone());
+        }
+        let mut file = some.to_file().unwrap();
+        file.layers.iter_mut().for_each(|layer| layer.labels = None);
+        let answered = answered_of(&server, &file, Some(&some.layer_numbers()));
+        assert!(answered == picture(&some), "{keeps:?}");
+        assert!(!seen.contains(&answered), "{keeps:?}");
+        seen.push(answered);
+    }
 }

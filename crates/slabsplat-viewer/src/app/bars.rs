@@ -51,6 +51,10 @@ impl Viewer {
             if ui.selectable_label(self.ruler.is_on, "Measure").on_hover_text("M").clicked() {
                 self.ruler.toggle();
             }
+            let controls = ui.selectable_label(!self.hides_controls, "Controls");
+            if controls.on_hover_text("shown beside the view: C").clicked() {
+                self.hides_controls ^= true;
+            }
             let (other, name) = match ui.ctx().theme() {
                 egui::Theme::Dark => (egui::Theme::Light, "Light"),
                 egui::Theme::Light => (egui::Theme::Dark, "Dark"),
@@ -88,7 +92,8 @@ impl Viewer {
 
     /// Work that goes on, and what was said, over the picture.
     pub(super) fn notices(&mut self, context: &Context) {
-        let (mut dropped, mut dropped_job, mut drops_opening) = (None, None, false);
+        let (mut dropped, mut dropped_note) = (None, None);
+        let (mut dropped_job, mut drops_opening) = (None, false);
         let area = egui::Area::new(egui::Id::unique("notices"));
         area.anchor(egui::Align2::LEFT_BOTTOM, [8.0, -34.0]).show(context, |ui| {
             ui.set_max_width(520.0);
@@ -119,12 +124,20 @@ impl Viewer {
                     dropped = Some(idx);
                 }
             }
+            for (idx, note) in self.document.iter().flat_map(Document::notes) {
+                if line(ui, note, None) {
+                    dropped_note = Some(idx);
+                }
+            }
         });
         if drops_opening {
             self.opening.give_up();
         }
         dropped_job.map(|idx| self.jobs.remove(idx));
         dropped.map(|idx| self.messages.remove(idx));
+        if let (Some(idx), Some(document)) = (dropped_note, &mut self.document) {
+            document.close_note(idx);
+        }
     }
 }
 

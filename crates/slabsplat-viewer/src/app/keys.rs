@@ -55,6 +55,9 @@ impl Viewer {
         if pressed(Key::M) {
             self.ruler.toggle();
         }
+        if pressed(Key::C) {
+            self.hides_controls ^= true;
+        }
         if pressed(Key::T) {
             self.panel.comparison.is_turning ^= true;
             self.panel.comparison.clear();

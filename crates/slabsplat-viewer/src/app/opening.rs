@@ -5,7 +5,7 @@ use super::{BRIEF_S, Message, Viewer};
 use crate::frames::Wake;
 use crate::jobs::{self, Job};
 use crate::state::{Document, are_apart};
-use crate::ui::{self, Drop, OpenAs, Panel, Ruler};
+use crate::ui::{self, Drop, OpenAs, Panel, Ruler, WantedChannel};
 use eframe::egui::{Color32, Context, DroppedFileHandle, FontId, Id, LayerId, Order, Rect};
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -61,6 +61,21 @@ impl Viewer {
         self.files.opened(&path);
         let job = jobs::open(self.opener.clone(), path, self.view, &self.wake);
         self.opening.begin(opens, job);
+    }
+
+    /// Opens another channel of a layer's file, as a layer.
+    pub(super) fn open_channel(&mut self, WantedChannel { layer_idx, channel }: WantedChannel) {
+        let Some(document) = &self.document else { return };
+        let file = document.file_of_channel(layer_idx, channel);
+        let name = document.channel_name(layer_idx, channel);
+        #[cfg(not(target_arch = "wasm32"))]
+        let job = jobs::open_channel(file, name, self.view, &self.wake);
+        #[cfg(target_arch = "wasm32")]
+        let job = {
+            let bytes = document.bytes_of(layer_idx);
+            jobs::open_channel(file, bytes, name, self.view, &self.wake)
+        };
+        self.opening.begin(OpenAs::Layer, job);
     }
 
     /// Opens bytes that were chosen in a page.

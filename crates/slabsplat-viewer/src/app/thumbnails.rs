@@ -47,9 +47,8 @@ impl Viewer {
         }
         let layer_idx = self.panel.layer_idx;
         let Some(layer) = document.state().opened.scene.layers.get(layer_idx) else { return };
-        if thumbnails.are_of(&layer.volume)
-            && let Some(preset_idx) = thumbnails.begin_next()
-        {
+        thumbnails.are_of(&layer.volume);
+        if let Some(preset_idx) = thumbnails.begin_next() {
             let opened = document.layer_alone(layer_idx);
             self.thumbnail = Some(jobs::thumbnail(opened, preset_idx, &self.wake));
         }

@@ -44,6 +44,19 @@ pub(crate) fn open(opener: Opener, path: PathBuf, size: [u32; 2], wake: &Wake) -
     })
 }
 
+/// Opens a channel of a file, which is called `name`.
+pub(crate) fn open_channel(
+    file: SceneFile,
+    name: String,
+    size: [u32; 2],
+    wake: &Wake,
+) -> Job<Document> {
+    let wake_of_work = wake.clone();
+    Job::begin(format!("opening {name}"), wake, move |progress| {
+        open_file(file, name, size, progress, wake_of_work)
+    })
+}
+
 /// Opens what was dropped onto the window.
 pub(crate) fn open_dropped(
     opener: Opener,

@@ -4,7 +4,7 @@ use super::{Job, Opener, Progress, Volumes, file_of, picture_format};
 use crate::frames::Wake;
 use crate::page::{backend, bytes_of, download, picture_of, token, turn_of_page};
 use crate::received::Session;
-use crate::state::{self, Document};
+use crate::state::{self, Bytes, Document};
 use eframe::egui::DroppedFileHandle;
 use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmInMemory, FrameRate, Metadata, Turn};
 use slabsplat::io::{
@@ -67,6 +67,28 @@ pub(crate) fn open_dropped(
     })
 }
 
+/// Opens a channel of a file, which is called `name`: of bytes that are there, or from where the file is.
+pub(crate) fn open_channel(
+    file: SceneFile,
+    bytes: Option<Bytes>,
+    name: String,
+    size: [u32; 2],
+    wake: &Wake,
+) -> Job<Document> {
+    Job::of_future(format!("opening {name}"), wake, move |_| async move {
+        let layer = &file.layers[0];
+        let volume = match (&bytes, &layer.volume) {
+            (Some(bytes), VolumeSource::File(path)) => {
+                read(&path.to_string_lossy(), bytes, &layer.options)?
+            }
+            _ => fetched(layer).await?,
+        };
+        let mut document = Document::of(with_volumes(vec![volume], &file, size)?, name);
+        document.set_bytes(bytes);
+        Ok(document)
+    })
+}
+
 /// Opens bytes that are there.
 pub(crate) fn open_bytes(
     name: String,
@@ -103,6 +125,9 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
             let bytes = bytes_of(&format!("overview/{layer_idx}?token={token}")).await?;
             volumes.push(read("overview.nrrd", &bytes, &VolumeOptions::default())?);
         }
+        for (volume, acquisition) in volumes.iter_mut().zip(session.acquisitions()?) {
+            volume.acquisition = acquisition;
+        }
         let mut opened = with_volumes(volumes, &file, size)?;
         session.tell(&mut opened, said).map_err(|error| error.to_string())?;
         let mut document = Document::of(opened, session.name.clone());
@@ -116,7 +141,11 @@ async fn document(name: &str, bytes: Vec<u8>, size: [u32; 2]) -> Result<Document
     {
         let file = SceneFile::of_volume(VolumeSource::File(name.into()));
         let volume = read(name, &bytes, &VolumeOptions::default())?;
-        return Ok(Document::of(with_volumes(vec![volume], &file, size)?, name.to_owned()));
+        // Of other files there is nothing more to be read.
+        let has_channels = 1 < volume.choices.channel.n;
+        let mut document = Document::of(with_volumes(vec![volume], &file, size)?, name.to_owned());
+        document.set_bytes(has_channels.then(|| Bytes::from(bytes)));
+        return Ok(document);
     }
     let text = String::from_utf8(bytes).map_err(|_| format!("{name} is no text"))?;
     let file = parse_scene(&text, name).map_err(|error| error.to_string())?;
@@ -243,14 +272,14 @@ async fn filmed(
     progress: &Progress,
 ) -> Result<Vec<u8>, String> {
     let text = |error: &dyn std::fmt::Display| error.to_string();
-    let others =
-        "a page makes films as .webp: for others save the scene, and slabsplat turntable films it";
+    let others = "a page makes films as .webp, .gif or .apng: for others save the scene, and slabsplat \
+                  turntable films it";
     let format = FilmFormat::of_name(path).ok_or(others)?;
     let rate = FrameRate::new(FRAMES_PER_SECOND).map_err(|e| text(&e))?;
     let n_frames = FilmDesc::n_frames_of(seconds, rate).map_err(|e| text(&e))?;
     let image = opened.scene.image;
     let desc = FilmDesc::new(image.width, image.height, n_frames, rate).map_err(|e| text(&e))?;
-    let desc = desc.has_opacity(image.background[3] < 1.0);
+    let desc = desc.has_opacity(format.has_opacity() && image.background[3] < 1.0);
     let film = FilmInMemory::begin(path, format, desc, &Metadata::default());
     let mut film = film.map_err(|error| match error {
         FilmError::NotInMemory { .. } => others.to_owned(),

@@ -79,7 +79,6 @@ impl Document {
     }
 
     /// Changes what is now without a way back.
-    #[cfg(any(target_arch = "wasm32", test))]
     pub(super) fn amend(&mut self, change: impl FnOnce(&mut State)) {
         self.history.amend(change);
     }

@@ -13,8 +13,17 @@ use std::sync::Arc;
 pub(super) struct LayerState {
     /// Whether it is left out of pictures.
     pub(super) is_hidden: bool,
+    /// What has to be known of how it is shown.
+    pub(super) notes: Vec<String>,
     facts: Arc<Facts>,
+    /// The file that it is of, where it may not be read again.
+    #[cfg(target_arch = "wasm32")]
+    bytes: Option<Bytes>,
 }
+
+/// A file in memory, which layers of it share.
+#[cfg(target_arch = "wasm32")]
+pub(crate) type Bytes = Arc<[u8]>;
 
 /// What is known of a layer's volume, whatever it looks like.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +65,13 @@ impl LayerState {
     pub(super) fn of(layer: &Layer) -> Self {
         let labels = layer.labels.as_ref().map(Labels::of_voxels).unwrap_or_default();
         let facts = Facts { labels, counts: counts_of(&layer.volume) };
-        Self { is_hidden: false, facts: Arc::new(facts) }
+        Self {
+            is_hidden: false,
+            notes: Vec::new(),
+            facts: Arc::new(facts),
+            #[cfg(target_arch = "wasm32")]
+            bytes: None,
+        }
     }
 }
 
@@ -79,6 +94,20 @@ impl Document {
                 layer.facts = Arc::new(Facts { labels, counts });
             }
         });
+    }
+
+    /// The file of its one layer, which may have to be read again.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn set_bytes(&mut self, bytes: Option<Bytes>) {
+        self.amend(|state| {
+            state.layers.iter_mut().for_each(|layer| layer.bytes.clone_from(&bytes))
+        });
+    }
+
+    /// The file of a layer, if it is retained.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn bytes_of(&self, layer_idx: usize) -> Option<Bytes> {
+        self.state().layers[layer_idx].bytes.clone()
     }
 
     /// Adds the layers and meshes of another document, as they look there: one step of undo.

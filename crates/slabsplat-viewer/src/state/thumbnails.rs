@@ -2,8 +2,9 @@
 //! the volume is another.
 
 use super::Document;
-use slabsplat::io::{PRESET_NAMES, preset};
-use slabsplat::{Aim, Finish, Fit, ImageDesc, OpenScene, RenderSettings, Volume};
+use super::thinned::thinned;
+use slabsplat::io::{PRESET_NAMES, TransferSource, preset};
+use slabsplat::{Aim, Finish, Fit, ImageDesc, OpenScene, RenderSettings, TransferFunction, Volume};
 use std::sync::Arc;
 
 /// Pixels of a side.
@@ -15,8 +16,10 @@ const TOLERANCE: f64 = 0.2;
 /// Volumes whose pictures are kept, as of several layers.
 const N_VOLUMES: usize = 4;
 
-/// Larger volumes would take as much memory again, for what is retained of each of them for frames.
+/// Larger volumes would take as much memory again, for what is retained of each of them for frames: they are
+/// thinned, to voxels that still are smaller than the pixels.
 const MAX_VOXELS: usize = if cfg!(target_arch = "wasm32") { 1 << 23 } else { 1 << 26 };
+const N_THINNED: usize = 1 << 21;
 
 /// Numbers of requests for small pictures, so that no other has them.
 const FIRST_NUMBER: u64 = 1 << 63;
@@ -62,11 +65,8 @@ impl<P: Clone> Thumbnails<P> {
         FIRST_NUMBER <= number
     }
 
-    /// The pictures that are wanted are of that volume from now on. Whether there will be any.
-    pub fn are_of(&mut self, volume: &Arc<Volume>) -> bool {
-        if MAX_VOXELS < volume.grid().n_voxels() {
-            return false;
-        }
+    /// The pictures that are wanted are of that volume from now on.
+    pub fn are_of(&mut self, volume: &Arc<Volume>) {
         let known = self.volumes.iter().position(|(of, _)| Arc::ptr_eq(of, volume));
         if known.is_none_or(|idx| idx + 1 < self.volumes.len()) {
             self.pending = None;
@@ -76,7 +76,6 @@ impl<P: Clone> Thumbnails<P> {
             let n_over = self.volumes.len().saturating_sub(N_VOLUMES);
             self.volumes.drain(..n_over);
         }
-        true
     }
 
     /// The preset whose picture is to be made next, if any is and nothing is being made.
@@ -132,7 +131,8 @@ pub fn thumbnail(mut opened: OpenScene, preset_idx: usize) -> Result<OpenScene, 
     let text = |error: &dyn std::fmt::Display| error.to_string();
     let preset = preset(PRESET_NAMES[preset_idx]).map_err(|error| text(&error))?;
     opened.scene.settings = RenderSettings::default().tolerance(TOLERANCE);
-    opened.show_by(0, preset.source).map_err(|error| text(&error))?;
+    let is_large = MAX_VOXELS < opened.scene.layers[0].volume.grid().n_voxels();
+    show_thinned_by(&mut opened, preset.source, if is_large { N_THINNED } else { usize::MAX })?;
     let scene = &mut opened.scene;
     let background = scene.image.background;
     scene.image = ImageDesc::new(THUMBNAIL_SIDE, THUMBNAIL_SIDE).background(background);
@@ -143,6 +143,24 @@ pub fn thumbnail(mut opened: OpenScene, preset_idx: usize) -> Result<OpenScene, 
     let camera = framing.aimed(&scene.camera, &aim, true, &scene.image);
     scene.camera = camera.map_err(|error| text(&error))?;
     Ok(opened)
+}
+
+/// Shows the layer by a preset, of so many voxels at most.
+fn show_thinned_by(
+    opened: &mut OpenScene,
+    source: TransferSource,
+    n_at_most: usize,
+) -> Result<(), String> {
+    let thin = thinned(&opened.scene.layers[0], n_at_most);
+    let longer = thin.as_ref().map_or(1.0, |(_, longer)| *longer);
+    if let Some((layer, _)) = thin {
+        opened.scene.layers[0] = layer;
+    }
+    opened.show_by(0, source).map_err(|error| error.to_string())?;
+    let transfer = &mut opened.scene.layers[0].transfer;
+    let opacity = transfer.opacity_points().over_distance(longer);
+    *transfer = TransferFunction::of_curves(opacity, transfer.color_points().clone());
+    Ok(())
 }
 
 impl Document {
@@ -177,7 +195,7 @@ mod tests {
         let [sphere, cube] = ["sphere", "cube"].map(|name| volume(&document(name)));
         let mut thumbnails = Thumbnails::default();
         assert_eq!(thumbnails.begin_next(), None);
-        assert!(thumbnails.are_of(&sphere));
+        thumbnails.are_of(&sphere);
         for preset_idx in 0..PRESET_NAMES.len() {
             assert_eq!(thumbnails.begin_next(), Some(preset_idx));
             assert_eq!(thumbnails.begin_next(), None, "one at a time");
@@ -185,12 +203,12 @@ mod tests {
             assert!(Thumbnails::<usize>::is_number(number.unwrap()));
             thumbnails.came(number, (preset_idx != 3).then_some(preset_idx));
         }
-        assert!(thumbnails.are_of(&sphere));
+        thumbnails.are_of(&sphere);
         assert_eq!((thumbnails.begin_next(), thumbnails.picture(&sphere, 2)), (None, Some(&2)));
         assert_eq!(thumbnails.picture(&sphere, 3), None, "what cannot be is not tried again");
-        assert!(thumbnails.are_of(&cube));
+        thumbnails.are_of(&cube);
         assert_eq!((thumbnails.begin_next(), thumbnails.picture(&cube, 2)), (Some(0), None));
-        assert!(thumbnails.are_of(&sphere));
+        thumbnails.are_of(&sphere);
         assert_eq!((thumbnails.begin_next(), thumbnails.picture(&sphere, 2)), (None, Some(&2)));
     }
 
@@ -225,5 +243,26 @@ mod tests {
         let [angio, xray] = ["mr-angio", "xray"].map(&mut picture);
         assert_eq!([angio.width(), angio.height()], [THUMBNAIL_SIDE; 2]);
         assert!(0.1 < angio.max_color_difference(&xray), "they look different");
+    }
+
+    /// Of volumes that are too large there were none.
+    #[test]
+    fn pictures_of_fewer_voxels_look_alike() {
+        let source = VolumeSource::Builtin { name: "neuron".to_owned(), size: Some(64) };
+        let file = SceneFile::of_volume(source);
+        let document = Document::open(&file, "neuron".to_owned(), [80, 60]).unwrap();
+        let mut renderer = Renderer::open("cpu", |_| {}).unwrap();
+        for name in ["mr-t1", "xray", "gray"] {
+            let mut picture = |n_at_most: usize| {
+                let preset_idx = PRESET_NAMES.iter().position(|it| *it == name).unwrap();
+                let mut opened = thumbnail(document.layer_alone(0), preset_idx).unwrap();
+                let source = preset(name).unwrap().source;
+                show_thinned_by(&mut opened, source, n_at_most).unwrap();
+                renderer.picture(&opened.scene, opened.acquisition).unwrap().frame.image
+            };
+            let [whole, thin, empty] = [usize::MAX, 33_000, 8].map(&mut picture);
+            let [off, far] = [&thin, &empty].map(|it| whole.mean_difference(it));
+            assert!(0.0 < off && off < 0.02, "{name}: {off}, and of next to nothing {far}");
+        }
     }
 }

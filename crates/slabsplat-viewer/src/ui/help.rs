@@ -17,6 +17,7 @@ pub(crate) const KEYS: &[[&str; 2]] = &[
     ["P", "perspective on and off"],
     ["M", "measure: click two points"],
     ["T", "turn around"],
+    ["C", "controls shown and hidden"],
     ["Ctrl + Z, Ctrl + Shift + Z", "undo, redo"],
     ["Ctrl + O, Ctrl + Shift + O", "open a volume or a scene, add one as a layer"],
     ["Ctrl + S, Ctrl + E", "save the scene, save a picture"],

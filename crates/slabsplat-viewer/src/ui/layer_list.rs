@@ -4,8 +4,8 @@ use crate::state::Document;
 use eframe::egui::{Button, Ui};
 use slabsplat::io::VolumeSource;
 
-/// Shows the list. `selected` is the layer whose controls are shown. Whether another is to be added.
-pub(crate) fn show(ui: &mut Ui, document: &mut Document, selected: &mut usize) -> bool {
+/// Shows the list. `selected` is the layer whose controls are shown.
+pub(crate) fn show(ui: &mut Ui, document: &mut Document, selected: &mut usize) {
     let n_layers = document.state().opened.scene.layers.len();
     let mut removed = None;
     for layer_idx in 0..n_layers {
@@ -31,19 +31,12 @@ pub(crate) fn show(ui: &mut Ui, document: &mut Document, selected: &mut usize) -
             *selected -= 1;
         }
     }
-    let help = "another volume or scene in the same picture, where its file says that it is";
-    ui.button("Add layer…").on_hover_text(help).clicked()
 }
 
-/// Shows nothing but which layer's controls are shown.
-pub(crate) fn choose(ui: &mut Ui, document: &Document, selected: &mut usize) {
-    for layer_idx in 0..document.state().opened.scene.layers.len() {
-        let name = name_of(document, layer_idx);
-        let label = Button::selectable(*selected == layer_idx, name).truncate();
-        if ui.add(label).clicked() {
-            *selected = layer_idx;
-        }
-    }
+/// Whether another layer is to be added.
+pub(crate) fn asks_for_another(ui: &mut Ui) -> bool {
+    let help = "another volume or scene in the same picture, where its file says that it is";
+    ui.button("Add layer…").on_hover_text(help).clicked()
 }
 
 /// Whether a layer is in the picture, and whether it is so alone.
@@ -66,6 +59,10 @@ pub(crate) fn name_of(document: &Document, layer_idx: usize) -> String {
         VolumeSource::File(path) => Some(path.file_name()?.to_string_lossy().into_owned()),
         other => Some(other.to_string()),
     };
-    let name = source.name.clone().or_else(of_volume);
+    let of_channel = |name: String| match document.shown_channel(layer_idx) {
+        Some(channel) => format!("{name}, {channel}"),
+        None => name,
+    };
+    let name = source.name.clone().or_else(|| of_volume().map(of_channel));
     name.unwrap_or_else(|| format!("layer {}", layer_idx + 1))
 }

@@ -1,8 +1,9 @@
 //! What is seen of the viewer but for the picture: controls, and what they change.
 //!
-//! Reading order: `style`, `colors`, `settings`; `transfer`, `strips`, `layer_list`, `layers`, `meshes`,
-//! `scene`, `compare`, `files`, `dropped`, `help`; `pane`, `handles`, `ruler`.
+//! Reading order: `style`, `colors`, `settings`; `transfer`, `strips`, `channels`, `layer_list`, `layers`,
+//! `meshes`, `scene`, `compare`, `files`, `dropped`, `help`; `pane`, `handles`, `ruler`.
 
+mod channels;
 mod colors;
 mod compare;
 mod dropped;
@@ -20,6 +21,7 @@ mod strips;
 mod style;
 mod transfer;
 
+pub(crate) use channels::WantedChannel;
 pub(crate) use compare::Comparison;
 pub(crate) use dropped::{Drop, ask as ask_of_dropped};
 pub(crate) use files::{Files, OpenAs, Wish};
@@ -37,10 +39,12 @@ use slabsplat::Viewpoint;
 /// What comes of controls outside of the panel.
 #[derive(Debug, Default)]
 pub(crate) struct PanelWish {
-    /// What has to be said.
-    pub(crate) said: Vec<String>,
+    /// Why something cannot be.
+    pub(crate) refused: Option<String>,
     /// Whether a layer is to be added.
     pub(crate) adds_layer: bool,
+    /// A channel that is to be added.
+    pub(crate) channel: Option<WantedChannel>,
 }
 
 /// What of the panel is no part of the scene.
@@ -68,10 +72,12 @@ impl Panel {
     pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document) -> PanelWish {
         let mut wish = PanelWish::default();
         ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+            // Above layers, which become more by a click there.
+            self.channels(ui, document, &mut wish);
             self.layers(ui, document, &mut wish);
             self.edits_region = false;
             if !document.state().opened.scene.layers.is_empty() {
-                wish.said = self.layer(ui, document);
+                wish.refused = self.layer(ui, document);
             }
             if !document.state().opened.scene.meshes.is_empty() {
                 section(ui, "Meshes", false, |ui| meshes::show(ui, document));
@@ -86,19 +92,27 @@ impl Panel {
         wish
     }
 
-    /// Which layers there are. A server has those that it has.
+    /// Which layers there are. A server has no more than it has.
     fn layers(&mut self, ui: &mut Ui, document: &mut Document, wish: &mut PanelWish) {
-        if !self.is_served {
-            section(ui, "Layers", true, |ui| {
-                wish.adds_layer = layer_list::show(ui, document, &mut self.layer_idx);
+        section(ui, "Layers", true, |ui| {
+            layer_list::show(ui, document, &mut self.layer_idx);
+            wish.adds_layer = !self.is_served && layer_list::asks_for_another(ui);
+        });
+    }
+
+    /// The channels of the selected layer's file. A server reads no more of its files than it has.
+    fn channels(&mut self, ui: &mut Ui, document: &mut Document, wish: &mut PanelWish) {
+        let n_layers = document.state().opened.scene.layers.len();
+        let layer_idx = self.layer_idx.min(n_layers.saturating_sub(1));
+        if !self.is_served && layer_idx < n_layers && !document.channels(layer_idx).is_empty() {
+            section(ui, "Channels", true, |ui| {
+                wish.channel = channels::show(ui, document, layer_idx);
             });
-        } else if 1 < document.state().opened.scene.layers.len() {
-            section(ui, "Layers", true, |ui| layer_list::choose(ui, document, &mut self.layer_idx));
         }
     }
 
-    /// The controls of the layer that is selected. Returns what has to be said.
-    fn layer(&mut self, ui: &mut Ui, document: &mut Document) -> Vec<String> {
+    /// The controls of the layer that is selected. Returns why something of it cannot be.
+    fn layer(&mut self, ui: &mut Ui, document: &mut Document) -> Option<String> {
         let n_layers = document.state().opened.scene.layers.len();
         self.layer_idx = self.layer_idx.min(n_layers - 1);
         if self.editors.len() != n_layers {
@@ -106,11 +120,11 @@ impl Panel {
             self.editors = vec![Editor::default(); n_layers];
         }
         let layer_idx = self.layer_idx;
-        let mut said = Vec::new();
+        let mut refused = None;
         let editor = &mut self.editors[layer_idx];
         section(ui, "Transfer function", true, |ui| {
             editor.show(ui, document, layer_idx);
-            said = strips::show(ui, document, layer_idx, &self.thumbnails, self.is_served);
+            refused = strips::show(ui, document, layer_idx, &self.thumbnails, self.is_served);
         });
         self.edits_region =
             section(ui, "Crop and cut", false, |ui| layers::region(ui, document, layer_idx));
@@ -119,7 +133,7 @@ impl Panel {
         }
         section(ui, "Isosurfaces", false, |ui| layers::isosurfaces(ui, document, layer_idx));
         section(ui, "Shading", false, |ui| layers::shading(ui, document, layer_idx));
-        said
+        refused
     }
 }
 

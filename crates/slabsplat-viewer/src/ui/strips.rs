@@ -15,14 +15,14 @@ const TILE_WIDTH: f32 = THUMBNAIL_SIDE as f32;
 const STRIP_HEIGHT: f32 = 18.0;
 const NAME_HEIGHT: f32 = 15.0;
 
-/// Shows the strips of a layer. Returns what has to be said of what was taken.
+/// Shows the strips of a layer. Returns why what was clicked cannot be taken.
 pub(crate) fn show(
     ui: &mut Ui,
     document: &mut Document,
     layer_idx: usize,
     thumbnails: &Thumbnails<TextureHandle>,
     is_served: bool,
-) -> Vec<String> {
+) -> Option<String> {
     ui.label("colour maps");
     let map = |ui: &mut Ui, idx: usize| {
         let map = colormap(COLORMAP_NAMES[idx]).ok()?;
@@ -39,8 +39,8 @@ pub(crate) fn show(
         let picture = thumbnails.picture(&volume, idx);
         Some(tile(ui, PRESET_NAMES[idx], &colors, height, picture))
     };
-    let taken = strip_of(ui, "presets", PRESET_NAMES.len(), of_preset);
-    taken.map(|idx| take_preset(document, layer_idx, PRESET_NAMES[idx])).unwrap_or_default()
+    let taken = strip_of(ui, "presets", PRESET_NAMES.len(), of_preset)?;
+    document.show_by(layer_idx, PRESET_NAMES[taken]).err()
 }
 
 /// Has a layer the colours of a map, over the values that its opacities go over.
@@ -51,16 +51,6 @@ fn take_map(document: &mut Document, layer_idx: usize, name: &str) {
         let edited = TransferFunction::of_curves(opacity, stretched(&map, range));
         transfer::set(document, layer_idx, "colour map", edited);
     }
-}
-
-fn take_preset(document: &mut Document, layer_idx: usize, name: &str) -> Vec<String> {
-    let Ok(preset) = preset(name) else { return Vec::new() };
-    let mut said = Vec::new();
-    document.step("preset", |state| match state.opened.show_by(layer_idx, preset.source) {
-        Ok(warnings) => said = warnings,
-        Err(error) => said.push(error.to_string()),
-    });
-    said
 }
 
 /// Tiles side by side. Which one was clicked.

@@ -84,6 +84,10 @@ impl Editor {
         }
         self.zoom(ui, &response, &plot);
         self.selected_numbers(ui, document, layer_idx);
+        if document.state().opened.scene.layers[layer_idx].colors.is_some() {
+            let help = "the opacities count, and the colours do not";
+            ui.weak("voxels have colours of their own").on_hover_text(help);
+        }
     }
 
     fn paint(
@@ -115,19 +119,17 @@ impl Editor {
         for (idx, &(value, [opacity])) in points.iter().enumerate() {
             let fill = shown(transfer.color(value));
             let is_selected = self.selected == Some(Selected::Opacity(idx));
-            point(&clipped, plot.at(value, opacity), fill, is_selected, ui);
+            let radius = radius(plot, points.len(), is_selected);
+            point(&clipped, plot.at(value, opacity), radius, fill, is_selected, ui);
         }
         colors::strip(painter, plot.strip, transfer.color_points(), plot.values);
         let clipped = painter.with_clip_rect(painter.clip_rect().intersect(plot.strip.expand(6.0)));
-        for (idx, &(value, color)) in transfer.color_points().points().iter().enumerate() {
+        let points = transfer.color_points().points();
+        for (idx, &(value, color)) in points.iter().enumerate() {
             let is_selected = self.selected == Some(Selected::Color(idx));
-            point(
-                &clipped,
-                pos2(plot.x(value), plot.strip.center().y),
-                shown(color),
-                is_selected,
-                ui,
-            );
+            let radius = radius(plot, points.len(), is_selected);
+            let at = pos2(plot.x(value), plot.strip.center().y);
+            point(&clipped, at, radius, shown(color), is_selected, ui);
         }
         ends(painter, plot, visuals.weak_text_color());
     }
@@ -294,30 +296,53 @@ fn nearest(plot: &Plot, transfer: &TransferFunction, pointer: Pos2) -> Option<Se
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(what, _)| what)
 }
 
-fn point(painter: &Painter, at: Pos2, fill: Color32, is_selected: bool, ui: &Ui) {
+/// How large points are: of hundreds, as of labels, circles would cover all else.
+fn radius(plot: &Plot, n_points: usize, is_selected: bool) -> f32 {
+    let apart = plot.rect.width() / n_points.max(1) as f32;
+    if is_selected { POINT_RADIUS } else { POINT_RADIUS.min(0.5 * apart).max(1.0) }
+}
+
+fn point(painter: &Painter, at: Pos2, radius: f32, fill: Color32, is_selected: bool, ui: &Ui) {
     let visuals = ui.visuals();
     let ring =
         if is_selected { visuals.selection.stroke.color } else { visuals.strong_text_color() };
-    let width = if is_selected { 2.5 } else { 1.2 };
-    painter.circle(at, POINT_RADIUS, fill, Stroke::new(width, ring));
+    let width = if is_selected { 2.5 } else { 1.2_f32.min(0.3 * radius) };
+    painter.circle(at, radius, fill, Stroke::new(width, ring));
 }
 
-/// Bars of a histogram, by the logarithm of what they count.
+/// Columns of a histogram, by the logarithm of what they count: a pixel wide each, as high as the highest of
+/// the bins that are in it. Bars of bins would leave gaps where their edges fall between pixels.
 fn histogram(painter: &Painter, plot: &Plot, counts: &ValueCounts, color: Color32) {
     let most = counts.counts.iter().copied().max().unwrap_or(0);
     let height_of = |n: u64| ((1 + n) as f32).ln() / ((1 + most) as f32).ln();
-    let [lo, hi] = counts.range;
-    let n_bins = counts.counts.len() as f64;
-    let edge = |bin: usize| plot.x(lo + (hi - lo) * bin as f64 / n_bins);
-    let painter = painter.with_clip_rect(painter.clip_rect().intersect(plot.rect));
-    for (bin, &n) in counts.counts.iter().enumerate().filter(|(_, n)| 0 < **n) {
-        let top = plot.rect.bottom() - plot.rect.height() * height_of(n);
-        let bar = Rect::from_min_max(
-            pos2(edge(bin), top),
-            pos2(edge(bin + 1).max(edge(bin) + 1.0), plot.rect.bottom()),
-        );
-        painter.rect_filled(bar, 0.0, color);
+    let pixel = 1.0 / painter.pixels_per_point();
+    let n_columns = (plot.rect.width() / pixel).round() as usize;
+    let left = (plot.rect.left() / pixel).round() * pixel;
+    for column in 0..n_columns {
+        let x = [column, column + 1].map(|edge| left + edge as f32 * pixel);
+        let n = most_within(counts, x.map(|x| plot.value(x)));
+        if 0 < n {
+            let top = plot.rect.bottom() - plot.rect.height() * height_of(n);
+            let bar = Rect::from_min_max(pos2(x[0], top), pos2(x[1], plot.rect.bottom()));
+            painter.rect_filled(bar, 0.0, color);
+        }
     }
+}
+
+/// The highest of the bins that have a part of an interval of values; 0 if none has.
+fn most_within(counts: &ValueCounts, values: [f64; 2]) -> u64 {
+    let [lo, hi] = counts.range;
+    let n_bins = counts.counts.len();
+    // All of one value are where it is.
+    let position = |value: f64| match (lo < hi, value <= lo) {
+        (true, _) => (value - lo) / (hi - lo) * n_bins as f64,
+        (false, true) => 0.0,
+        (false, false) => n_bins as f64,
+    };
+    let [from, to] = values.map(position);
+    let first = from.floor().max(0.0) as usize;
+    let end = (to.ceil().max(0.0) as usize).min(n_bins);
+    counts.counts.get(first..end).and_then(|bins| bins.iter().copied().max()).unwrap_or(0)
 }
 
 /// The values at the ends of the plot, below it.
@@ -329,5 +354,28 @@ fn ends(painter: &Painter, plot: &Plot, color: Color32) {
     ];
     for ((align, at), value) in sides.into_iter().zip(plot.values) {
         painter.text(at + vec2(0.0, 2.0), align, super::number(value), font.clone(), color);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_as_high_as_their_highest_bin() {
+        let counts = ValueCounts::of_counts([0.0, 8.0], vec![5, 0, 2, 9]);
+        for (values, expected) in [
+            ([0.0, 0.5], 5),
+            ([2.0, 4.0], 0),
+            ([3.5, 4.5], 2),
+            ([-1.0, 20.0], 9),
+            ([-3.0, 0.0], 0),
+            ([8.0, 9.0], 0),
+            ([7.9, 9.0], 9),
+        ] {
+            assert_eq!(most_within(&counts, values), expected, "{values:?}");
+        }
+        let one = ValueCounts::of_counts([3.0, 3.0], vec![7]);
+        assert_eq!([[2.5, 3.0], [3.0, 3.5], [3.2, 4.0]].map(|it| most_within(&one, it)), [0, 7, 0]);
     }
 }

@@ -6,9 +6,10 @@ use crate::view::mean_difference;
 use slabsplat_testbrowser::{Chromium, Graphics};
 use std::fs;
 
-/// A volume that is smaller in the page than it is here.
-const SCENE: &str = "volume = { generate = \"neuron\", size = 96 }\n\
-                     image = { background = [0.1, 0.1, 0.12, 1.0] }\n";
+/// A volume that is smaller in the page than it is here, and another.
+const SCENE: &str = "image = { background = [0.1, 0.1, 0.12, 1.0] }\n\
+                     [[layers]]\nvolume = { generate = \"neuron\", size = 96 }\n\
+                     [[layers]]\nvolume = { generate = \"sphere\", size = 40 }\n";
 
 #[test]
 fn two_pages_look_at_one_scene_each_from_where_it_likes() {
@@ -32,6 +33,12 @@ fn two_pages_look_at_one_scene_each_from_where_it_likes() {
     other.add_opacity();
     let edited = other.saves_what_render_draws("edited", 0);
     assert!(1.0 < mean_difference(&edited, &first), "it is more opaque");
+    one.shows(&turned);
+    one.switch_last_layer_alone();
+    let alone = one.saves_what_render_draws("alone", 0);
+    assert!(1.0 < mean_difference(&alone, &turned), "the neuron is hidden");
+    other.shows(&edited);
+    one.switch_last_layer_alone();
     one.shows(&turned);
 
     let wrong = Used { page: chromium.page([640, 480]), folder: dir.path() };

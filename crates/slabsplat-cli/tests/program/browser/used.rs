@@ -123,6 +123,12 @@ impl Used<'_> {
         self.page.drag([60, 200], [150, 230]);
     }
 
+    /// Shows the last of a server's layers alone, or all of them again.
+    pub(super) fn switch_last_layer_alone(&self) {
+        let [left, top] = self.wait("there is no plot", plot);
+        self.page.click([left as i32 + ALONE[0], top as i32 + ALONE[1]]);
+    }
+
     /// Adds a point to the opacities by a double click onto the plot, above the curve.
     pub(super) fn add_opacity(&self) {
         let at = self.wait("there is no plot", |screen| {
@@ -140,6 +146,9 @@ impl Used<'_> {
         });
     }
 }
+
+/// From the upper left corner of the plot to the button above it that shows the last of the layers alone.
+const ALONE: [i32; 2] = [44, -41];
 
 /// Opens an address, and tells how long it takes until there is a picture.
 pub(super) fn first_picture(used: &Used<'_>, what: &str, url: &str) {
