@@ -8,8 +8,8 @@ use crate::ranks::Ranks;
 use crate::terminal::{self, Loudness};
 use anyhow::Result;
 use serde_json::{Value, json};
+use slabsplat::Aim;
 use slabsplat::io::SceneFile;
-use slabsplat::{Aim, OpenScene};
 use slabsplat_mpi::{DistributedPicture, DistributedScene, RankReport};
 use std::time::Instant;
 
@@ -60,9 +60,7 @@ fn open(
     ranks: &Ranks,
     (file, aim): (&SceneFile, &Aim),
 ) -> Result<DistributedScene> {
-    let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, aim);
-    args.scene
-        .in_scene(|| Ok(DistributedScene::open(&ranks.world, file, args.memory_bytes, frame)?))
+    args.scene.in_scene(|| Ok(DistributedScene::open(&ranks.world, file, args.memory_bytes, aim)?))
 }
 
 fn write(

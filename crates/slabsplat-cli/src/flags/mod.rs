@@ -177,8 +177,7 @@ impl SceneFlags {
     pub(crate) fn divided(&self, check: Check<'_>, desc: &DividedDesc) -> Result<DividedScene> {
         let (file, aim) = self.in_parts(check)?;
         self.in_scene(|| {
-            let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &aim);
-            let divided = DividedScene::open_framed(&file, desc, frame)?;
+            let divided = DividedScene::open_as(&file, &desc.clone().aim(aim))?;
             terminal::warn_all(&divided.opened().warnings);
             Ok(divided)
         })
