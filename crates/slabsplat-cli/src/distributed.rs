@@ -2,6 +2,7 @@
 
 use crate::columns::{aligned, bytes};
 use crate::flags::{OutputFlags, SceneFlags, Written};
+use crate::painter::NOTHING_IN_PARTS;
 use crate::plain::counted;
 use crate::progress::Progress;
 use crate::ranks::Ranks;
@@ -82,9 +83,7 @@ fn tell(
 ) {
     terminal::warn_all(&drawn.picture.notes);
     if drawn.picture.is_blank {
-        terminal::warn(
-            "nothing is visible: no voxel that is seen has an opacity, or all is cut off",
-        );
+        terminal::warn(&format!("nothing is visible: {NOTHING_IN_PARTS}"));
     }
     terminal::say_found(&scene.shared().scene().opened().found);
     terminal::say(format_args!(

@@ -183,6 +183,23 @@ impl SceneFlags {
         })
     }
 
+    /// The same with a camera that holds what is seen by others, too, which go around with the one that is
+    /// found.
+    pub(crate) fn divided_around(
+        &self,
+        check: Check<'_>,
+        desc: &DividedDesc,
+        views: &dyn Fn(&SceneFile, &Camera) -> Vec<Camera>,
+    ) -> Result<DividedScene> {
+        let (file, aim) = self.in_parts(check)?;
+        self.in_scene(|| {
+            let views = |camera: &Camera| views(&file, camera);
+            let divided = DividedScene::open_around(&file, &desc.clone().aim(aim), &views)?;
+            terminal::warn_all(&divided.opened().warnings);
+            Ok(divided)
+        })
+    }
+
     /// What is named, with all flags laid over it, to be read in parts: no volume is read.
     pub(crate) fn in_parts(&self, check: Check<'_>) -> Result<(SceneFile, Aim)> {
         let mut file = self.file()?;

@@ -15,16 +15,18 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `survey`, `values` and `overview` (what is read before there is a scene), `balance`, `shares`, `budget`, `ahead`, `painter`, `drawing`, `refine`,
-//! `shared`.
+//! Reading order: `survey`, `values` and `overview` (what is read before there is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`,
+//! `drawing`, `refine`, `moments`, `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
 mod drawing;
+mod moments;
 mod overview;
 mod painter;
 mod refine;
+mod retained;
 mod shared;
 mod shares;
 mod survey;
@@ -37,10 +39,11 @@ use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use budget::Budget;
 use overview::Overview;
 use painter::CPU;
+use retained::RetainedBoxes;
 use shares::Shares;
 use slabsplat_backend::{Frame, PlanError, Planner, SceneInParts, check_parts};
 use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartTree, Samples, Scene, Volume};
-use slabsplat_io::{IoError, LayerFile, SceneFile, ScratchDesc, VolumeBoxes};
+use slabsplat_io::{IoError, LabelBoxes, LayerFile, SceneFile, ScratchDesc, VolumeBoxes};
 use std::cell::RefCell;
 use std::sync::Arc;
 use survey::Survey;
@@ -73,6 +76,8 @@ pub struct DividedScene {
     outlines: Vec<Arc<Volume>>,
     /// The volumes, whole.
     sources: Vec<VolumeBoxes>,
+    /// Their labels, if they have any.
+    labels: Vec<Option<LabelBoxes>>,
     grids: Vec<Grid>,
     boxes: PartTree,
     /// Those that are drawn here, of all shares.
@@ -80,6 +85,11 @@ pub struct DividedScene {
     /// How many voxels around a box have a share in its picture, of each layer.
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
+    /// As it was opened, for other scenes of the same volumes.
+    desc: DividedDesc,
+    retained: Arc<RetainedBoxes>,
+    /// What boxes leave for some that are retained.
+    room_bytes: u64,
     /// That draw.
     n_threads: usize,
     /// By name.
@@ -91,6 +101,7 @@ pub struct DividedScene {
 struct Surveyed {
     opened: OpenScene,
     sources: Vec<VolumeBoxes>,
+    labels: Vec<Option<LabelBoxes>>,
     grids: Vec<Grid>,
     outlines: Vec<Arc<Volume>>,
 }
@@ -167,9 +178,6 @@ pub enum DividedError {
         "the scene was not opened to show pictures while it is drawn: DividedDesc::refined does that"
     )]
     NotRefined,
-    /// What is in memory whole could be more than there is.
-    #[error("a volume is not drawn box by box with {0}: leave them out, or leave out the memory")]
-    Whole(&'static str),
     /// Another share of the scene failed.
     #[error(transparent)]
     Elsewhere(Box<dyn std::error::Error + Send + Sync>),
@@ -227,7 +235,7 @@ impl DividedScene {
         let drawn = frame_scene(scene).map_err(RenderError::from)?;
         let budget = Budget::new(scene, &drawn.image, desc)?;
         drop(drawn);
-        let (mut divided, _) = Self::divided(surveyed, (&budget, Shares::whole()))?;
+        let (mut divided, _) = Self::divided(surveyed, desc, (&budget, Shares::whole()))?;
         divided.draw_by(file);
         Ok(divided)
     }
@@ -239,20 +247,18 @@ impl DividedScene {
         others: &mut dyn Exchange,
         views: Option<Views<'_>>,
     ) -> Result<Surveyed, DividedError> {
-        if file.layers.iter().any(|layer| layer.labels.is_some()) {
-            return Err(DividedError::Whole("labels"));
-        }
         let sources = Self::sources_of(&file.layers, desc, others)?;
+        let (labels, label_warnings) = Self::labels_of(&file.layers, desc, others)?;
         let others = RefCell::new(others);
-        let surveys: Vec<Survey<'_, '_>> =
-            sources.iter().map(|source| Survey { source, others: &others }).collect();
+        let surveys = surveys(&sources, &labels, &others);
         let values: Vec<BoxValues<'_, '_>> =
             surveys.iter().map(|survey| BoxValues::new(*survey)).collect();
+        let of_file = file;
         let (mut file, mut loaded, mut grids) = (file.clone(), Vec::new(), Vec::new());
         for (layer, survey) in file.layers.iter_mut().zip(&surveys) {
             let overview = Overview::of(*survey)?;
-            // What it says of the volume's content is not of this.
-            layer.hash = None;
+            // What it says of the volume's content is not of this, and labels are not read whole.
+            (layer.hash, layer.labels) = (None, None);
             grids.push(overview.whole);
             loaded.push(overview.loaded);
         }
@@ -263,6 +269,18 @@ impl DividedScene {
             return Err(failure);
         }
         let mut opened = opened?;
+        opened.warnings.extend(label_warnings);
+        for (idx, labels) in labels.iter().enumerate() {
+            let Some(labels) = labels else { continue };
+            let layer = &mut opened.scene.layers[idx];
+            let (of_overview, is_there) = match overview::labels_of(labels, layer.volume.grid()) {
+                Ok(labels) => (Some(labels), Ok(Samples::U8(Vec::new()))),
+                Err(error) => (None, Err(error)),
+            };
+            others.borrow_mut().all(is_there)?;
+            layer.labels = of_overview;
+            opened.sources.layers[idx].labels = of_file.layers[idx].labels.clone();
+        }
         check_parts(&opened.scene)?;
         let outlines = outlines(&opened.scene, &grids, &values);
         opened.frame_by(&file, (&desc.aim, views), |opened| {
@@ -274,7 +292,7 @@ impl DividedScene {
             Ok::<_, DividedError>(opened.framing_of(cells, &grids, &finished))
         })?;
         sources.iter().for_each(|source| source.retain_chunks(0));
-        Ok(Surveyed { opened, sources, grids, outlines })
+        Ok(Surveyed { opened, sources, labels, grids, outlines })
     }
 
     /// Where the volumes of layers are, if all shares can read them.
@@ -303,11 +321,35 @@ impl DividedScene {
         Ok(sources)
     }
 
+    /// Their labels, and what is to be said of these.
+    fn labels_of(
+        layers: &[LayerFile],
+        desc: &DividedDesc,
+        others: &mut dyn Exchange,
+    ) -> Result<(Vec<Option<LabelBoxes>>, Vec<String>), DividedError> {
+        let (mut all, mut all_warnings) = (Vec::new(), Vec::new());
+        for layer in layers {
+            let labels = layer.labels.as_ref().map(|labels| labels.open_boxes(&desc.scratch));
+            let (labels, is_there) = match labels.transpose() {
+                Ok(labels) => (labels, Ok(Samples::U8(Vec::new()))),
+                Err(error) => (None, Err(error)),
+            };
+            if layer.labels.is_some() {
+                others.all(is_there)?;
+            }
+            let (labels, warnings) = labels.unzip();
+            all.push(labels);
+            all_warnings.extend(warnings.into_iter().flatten());
+        }
+        Ok((all, all_warnings))
+    }
+
     fn divided(
         surveyed: Surveyed,
+        desc: &DividedDesc,
         (budget, mut shares): (&Budget, Shares),
     ) -> Result<(Self, Shares), DividedError> {
-        let Surveyed { opened, sources, grids, outlines } = surveyed;
+        let Surveyed { opened, sources, labels, grids, outlines } = surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let in_parts = SceneInParts {
             grids: &grids,
@@ -318,12 +360,18 @@ impl DividedScene {
         let planner = Planner::default();
         let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
         let steps = steps.collect::<Result<Vec<_>, _>>()?;
-        let types = drawn.layers.iter().map(|layer| layer.volume.sample_type());
+        let of_labels = labels.iter().zip(&grids);
+        let of_labels = of_labels
+            .map(|(labels, grid)| labels.as_ref().map_or(0, |labels| labels.voxel_bytes(grid)));
+        let voxel_bytes = drawn.layers.iter().map(budget::voxel_bytes);
+        let voxel_bytes = voxel_bytes.zip(of_labels).map(|(own, of_labels)| own + of_labels);
         let has_chunks = sources.iter().any(VolumeBoxes::is_in_chunks);
-        let (boxes, of_chunks) = budget.boxes(&grids, &steps, types, (&mut shares, has_chunks))?;
+        let (boxes, left_bytes) =
+            budget.boxes(&grids, &steps, voxel_bytes, (&mut shares, has_chunks))?;
         drop(drawn);
         let n_sources = sources.len().max(1) as u64;
-        sources.iter().for_each(|source| source.retain_chunks(of_chunks / n_sources));
+        sources.iter().for_each(|source| source.retain_chunks(left_bytes / n_sources));
+        let room_bytes = if has_chunks { 0 } else { left_bytes };
         let (memory_bytes, n_threads) = (budget.memory_bytes(), budget.n_threads());
         let own = shares.own_box();
         let (backend, is_refined) = (CPU.to_owned(), budget.is_refined());
@@ -331,11 +379,15 @@ impl DividedScene {
             opened,
             outlines,
             sources,
+            labels,
             grids,
             boxes,
             own,
             steps,
             memory_bytes,
+            desc: desc.clone(),
+            retained: Arc::default(),
+            room_bytes,
             n_threads,
             backend,
             is_refined,
@@ -407,6 +459,9 @@ impl DividedScene {
         self.backend.clone_into(&mut file.backend);
         for (idx, layer) in file.layers.iter_mut().enumerate() {
             layer.hash = None;
+            if let Some(labels) = &mut layer.labels {
+                labels.hash = None;
+            }
             // What counts voxels counts those of the whole volume.
             let (said, drawn) = (&self.opened.sources.layers[idx], &self.opened.scene.layers[idx]);
             if said.region.on(&self.grids[idx]).is_ok_and(|region| region == drawn.region) {
@@ -431,6 +486,16 @@ impl DividedScene {
         let scene = outlined(&self.opened.scene, &self.outlines);
         finished(frame, &scene, self.opened.acquisition)
     }
+}
+
+/// What looks at the volumes of layers.
+fn surveys<'a, 'e>(
+    sources: &'a [VolumeBoxes],
+    labels: &'a [Option<LabelBoxes>],
+    others: &'a RefCell<&'e mut dyn Exchange>,
+) -> Vec<Survey<'a, 'e>> {
+    let layers = sources.iter().zip(labels);
+    layers.map(|(source, labels)| Survey { source, labels: labels.as_ref(), others }).collect()
 }
 
 /// A volume for each layer that ends where the layer's does, with its values if somebody will see them.

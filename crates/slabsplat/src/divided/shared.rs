@@ -80,7 +80,7 @@ impl SharedScene {
         drop(drawn);
         let cells = WorkCells::of(&opened.scene, grids);
         let shares = Shares::new(n_shares, share_idx, cells);
-        let (mut divided, shares) = DividedScene::divided(surveyed, (&budget, shares))?;
+        let (mut divided, shares) = DividedScene::divided(surveyed, &desc, (&budget, shares))?;
         divided.draw_by(file);
         Ok(Self { divided, shares })
     }

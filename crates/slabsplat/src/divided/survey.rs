@@ -16,7 +16,7 @@ use crate::automatic::LookedAt;
 use crate::framing::{CellLayout, Cells};
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{Grid, Layer, Mode, Samples, Scaling, Volume, with_samples};
-use slabsplat_io::{IoError, VolumeBoxes};
+use slabsplat_io::{IoError, LabelBoxes, VolumeBoxes};
 use std::cell::RefCell;
 use std::ops::Range;
 
@@ -24,17 +24,15 @@ use std::ops::Range;
 #[derive(Clone, Copy)]
 pub(super) struct Survey<'a, 'e> {
     pub(super) source: &'a VolumeBoxes,
+    pub(super) labels: Option<&'a LabelBoxes>,
     pub(super) others: &'a RefCell<&'e mut dyn Exchange>,
 }
 
 /// Voxels along x, y and z.
 type VoxelBox = [Range<usize>; 3];
 
-/// Bytes that are read at once, if a row of voxels has no more.
-const PIECE_BYTES: usize = 4 << 20;
-
-/// Voxels along the side of boxes of a volume in chunks: mostly a multiple of theirs.
-const SIDE_OF_CHUNKS: usize = 64;
+/// Voxels along the side of boxes that meet the same chunks.
+const SIDE_OF_CHUNKS: usize = VolumeBoxes::SIDE_OF_CHUNKS;
 
 /// Layers of cells that are summed at a time.
 const MOST_LAYERS: usize = 16;
@@ -43,37 +41,10 @@ const MOST_LAYERS: usize = 16;
 const FAR_APART: usize = 16;
 
 impl Survey<'_, '_> {
-    /// Boxes that have all voxels of some planes, in strips.
-    fn strips(self, planes: &Range<usize>) -> Vec<VoxelBox> {
-        let [nx, ny, _] = self.source.grid().dims();
-        let n_rows = (PIECE_BYTES / (nx * planes.len() * self.sample_bytes())).clamp(1, ny);
-        let n_rows = match self.source.is_in_chunks() {
-            true if SIDE_OF_CHUNKS < n_rows => n_rows / SIDE_OF_CHUNKS * SIDE_OF_CHUNKS,
-            _ => n_rows,
-        };
-        let strip = |first: usize| [0..nx, first..(first + n_rows).min(ny), planes.clone()];
-        (0..ny).step_by(n_rows).map(strip).collect()
-    }
-
-    /// Boxes that have all voxels.
-    fn pieces(self) -> Vec<VoxelBox> {
-        let [nx, ny, nz] = self.source.grid().dims();
-        let depth = match self.source.is_in_chunks() {
-            true => SIDE_OF_CHUNKS,
-            false => (PIECE_BYTES / (nx * ny * self.sample_bytes())).max(1),
-        };
-        let planes = (0..nz).step_by(depth).map(|first| first..(first + depth).min(nz));
-        planes.flat_map(|planes| self.strips(&planes)).collect()
-    }
-
-    fn sample_bytes(self) -> usize {
-        self.source.first().volume.sample_type().size_bytes()
-    }
-
     /// The pieces that are looked at here.
     pub(super) fn own_pieces(self) -> impl Iterator<Item = VoxelBox> {
         let (first, n) = self.share();
-        self.pieces().into_iter().skip(first).step_by(n)
+        self.source.pieces().into_iter().skip(first).step_by(n)
     }
 
     /// Which of how many this is.
@@ -111,7 +82,7 @@ impl Survey<'_, '_> {
             is_own.then_some(row / stride / n_shares)
         };
         let boxes: Vec<VoxelBox> = if stride < FAR_APART {
-            self.pieces()
+            self.source.pieces()
         } else {
             let own = (share_idx..n_rows).step_by(n_shares).map(|idx| idx * stride);
             let mut ats: Vec<[usize; 2]> = own.map(|row| [row % ny, row / ny]).collect();
@@ -172,18 +143,20 @@ impl Survey<'_, '_> {
             return Ok(Vec::new());
         };
         let boxes: Vec<VoxelBox> = match self.source.is_in_chunks() {
-            true => self.strips(&(*first..last + 1)),
-            false => planes.iter().flat_map(|(_, z)| self.strips(&(*z..z + 1))).collect(),
+            true => self.source.strips(&(*first..last + 1)),
+            false => planes.iter().flat_map(|(_, z)| self.source.strips(&(*z..z + 1))).collect(),
         };
         let mut sums = vec![layout.sums(); group.len()];
         for [columns, rows, depths] in boxes {
             let n_in_plane = columns.len() * rows.len();
             let read = self.source.read([columns, rows.clone(), depths.clone()])?.volume;
+            let labels = self.labels.map(|labels| labels.on(read.grid())).transpose()?;
             for (cell_z, z) in planes.iter().filter(|(_, z)| depths.contains(z)) {
                 let at = (z - depths.start) * n_in_plane;
+                let labels = labels.as_ref().map(|labels| (labels.map(), at));
                 with_samples!(read.samples(), |samples| {
                     let samples = &samples[at..at + n_in_plane];
-                    layout.add(&mut sums[cell_z - group.start], &rows, samples, None);
+                    layout.add(&mut sums[cell_z - group.start], &rows, samples, labels);
                 });
             }
         }

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use slabsplat_core::glam::{BVec3, DVec3};
 use slabsplat_core::{
-    Grid, Isosurface, Layer, Mode, Sample, TransferFunction, extinction, with_samples,
+    Grid, Isosurface, LabelMap, Layer, Mode, Sample, TransferFunction, extinction, with_samples,
 };
 use std::ops::Range;
 
@@ -50,13 +50,13 @@ impl Cells {
     pub(crate) fn of_layer(layer: &Layer, mode: Mode) -> Self {
         let grid = layer.volume.grid();
         let layout = CellLayout::new(layer, grid, mode);
-        let labels = layer.labels.as_ref().map(|labels| labels.map().indices());
+        let labels = layer.labels.as_ref().map(slabsplat_core::Labels::map);
         let [nx, ny, _] = grid.dims();
         let of_layer = |cell_z: usize| {
             let mut sums = layout.sums();
             for z in layout.planes(cell_z) {
                 let plane = z * nx * ny..(z + 1) * nx * ny;
-                let labels = labels.map(|labels| &labels[plane.clone()]);
+                let labels = labels.map(|map| (map, plane.start));
                 with_samples!(layer.volume.samples(), |samples| {
                     layout.add(&mut sums, &(0..ny), &samples[plane], labels);
                 });
@@ -161,14 +161,14 @@ impl<'a> CellLayout<'a> {
         vec![CellSum { extinction: 0.0, n: 0, range }; self.n_in_layer()]
     }
 
-    /// Looks at some rows of a plane of voxels, of which samples and labels are given: those of a cell come
-    /// in their order.
+    /// Looks at some rows of a plane of voxels, of which samples are given, and labels with the first of
+    /// theirs: those of a cell come in their order.
     pub(crate) fn add<T: Sample>(
         &self,
         sums: &mut [CellSum],
         rows: &Range<usize>,
         samples: &[T],
-        labels: Option<&[u16]>,
+        labels: Option<(&LabelMap, usize)>,
     ) {
         let [nx, _, _] = self.grid.dims();
         let scaling = self.look.layer.volume.scaling();
@@ -182,7 +182,9 @@ impl<'a> CellLayout<'a> {
                         sum.n += 1;
                         if !value.is_nan() {
                             sum.range = [value.min(sum.range[0]), value.max(sum.range[1])];
-                            let label = labels.map(|labels| labels[row + x]);
+                            let label = labels.map(|(map, first)| {
+                                map.labels()[usize::from(map.indices()[first + row + x])]
+                            });
                             sum.extinction += self.look.extinction(value, label);
                         }
                     }
@@ -253,11 +255,11 @@ impl<'a> Look<'a> {
         self.isosurfaces.iter().filter(is_cut).map(|surface| extinction(surface.opacity())).sum()
     }
 
-    /// Of a voxel of that value, and of a label by its index.
-    fn extinction(&self, value: f64, label_idx: Option<u16>) -> f64 {
+    /// Of a voxel of that value, and of a label.
+    fn extinction(&self, value: f64, label: Option<i64>) -> f64 {
         let of = |transfer: &TransferFunction| extinction(transfer.opacity(value));
-        if let (Some(labels), Some(label_idx)) = (&self.layer.labels, label_idx) {
-            let style = labels.style(labels.map().labels()[usize::from(label_idx)]);
+        if let (Some(labels), Some(label)) = (&self.layer.labels, label) {
+            let style = labels.style(label);
             return style.transfer_in(&self.layer.transfer).map_or(0.0, of) * style.opacity;
         }
         let [lo, hi] = self.range;
