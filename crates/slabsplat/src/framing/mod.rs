@@ -19,7 +19,9 @@ use slabsplat_core::{
 pub use aim::{Aim, AimError};
 pub use facing::Facing;
 pub(crate) use fit::Window;
-pub(crate) use visible::{CellLayout, Cells};
+#[cfg(feature = "files")]
+pub(crate) use visible::CellLayout;
+pub(crate) use visible::Cells;
 
 /// Vertical field of view of a perspective camera that nobody described.
 pub(crate) const FOV_Y_RADIANS: f64 = 30.0 * std::f64::consts::PI / 180.0;
