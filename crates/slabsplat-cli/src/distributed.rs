@@ -2,14 +2,15 @@
 
 use crate::columns::{aligned, bytes};
 use crate::flags::{OutputFlags, SceneFlags, Written};
+use crate::painter::NOTHING_IN_PARTS;
 use crate::plain::counted;
 use crate::progress::Progress;
 use crate::ranks::Ranks;
 use crate::terminal::{self, Loudness};
 use anyhow::Result;
 use serde_json::{Value, json};
+use slabsplat::Aim;
 use slabsplat::io::SceneFile;
-use slabsplat::{Aim, OpenScene};
 use slabsplat_mpi::{DistributedPicture, DistributedScene, RankReport};
 use std::time::Instant;
 
@@ -60,9 +61,7 @@ fn open(
     ranks: &Ranks,
     (file, aim): (&SceneFile, &Aim),
 ) -> Result<DistributedScene> {
-    let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, aim);
-    args.scene
-        .in_scene(|| Ok(DistributedScene::open(&ranks.world, file, args.memory_bytes, frame)?))
+    args.scene.in_scene(|| Ok(DistributedScene::open(&ranks.world, file, args.memory_bytes, aim)?))
 }
 
 fn write(
@@ -84,9 +83,7 @@ fn tell(
 ) {
     terminal::warn_all(&drawn.picture.notes);
     if drawn.picture.is_blank {
-        terminal::warn(
-            "nothing is visible: no voxel that is seen has an opacity, or all is cut off",
-        );
+        terminal::warn(&format!("nothing is visible: {NOTHING_IN_PARTS}"));
     }
     terminal::say_found(&scene.shared().scene().opened().found);
     terminal::say(format_args!(

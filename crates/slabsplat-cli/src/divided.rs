@@ -2,6 +2,7 @@
 
 use crate::columns::bytes;
 use crate::flags::{SceneFlags, Written};
+use crate::painter::NOTHING_IN_PARTS;
 use crate::plain::counted;
 use crate::progress::Progress;
 use crate::terminal;
@@ -48,9 +49,7 @@ pub(crate) fn draw(scene: &SceneFlags, written: &Written<'_>, desc: &DividedDesc
     drop(progress);
     terminal::warn_all(&picture.notes);
     if picture.is_blank {
-        terminal::warn(
-            "nothing is visible: no voxel that is seen has an opacity, or all is cut off",
-        );
+        terminal::warn(&format!("nothing is visible: {NOTHING_IN_PARTS}"));
     }
     terminal::say_found(&divided.opened().found);
     terminal::say(format_args!(

@@ -45,26 +45,25 @@ fn film(args: &FilmArgs, others: Option<&Ranks>) -> Result<()> {
         args.film.check(format, file, args.film.rate(of_file)?)
     };
     let progress = Progress::start("reading", 0);
-    let opened = args.scene.opened_around(&progress, &check, &views);
-    let (renderer, mut opened) = ranks::all_can(others, opened)?;
+    let painter = args.film.painter(&args.scene, (&progress, &check), &views);
+    let mut painter = ranks::all_can(others, painter)?;
     drop(progress);
-    let Some(file) = &mut opened.sources.film else { return no_film(args) };
+    let Some(file) = &mut painter.opened_mut().sources.film else { return no_film(args) };
     let rate = args.film.rate(file.frames_per_second)?;
     file.frames_per_second = Some(rate.per_second());
     file.seconds = args.film.seconds(rate).or(file.seconds);
     let seconds_of_turn = file.seconds.unwrap_or(USUAL_SECONDS);
-    let film = args.scene.in_scene(|| Ok(opened.film()?))?;
+    let film = args.scene.in_scene(|| painter.film())?;
     let seconds = film.as_ref().map_or(seconds_of_turn, Film::seconds);
     let n_frames = args.film.n_frames(rate, seconds)?;
-    let turn = opened.turn(n_frames);
+    let turn = painter.opened().turn(n_frames);
     let filming = Filming {
         flags: &args.film,
         scene_flags: &args.scene,
         path,
         format,
         started,
-        renderer,
-        opened,
+        painter,
         length: (n_frames, rate),
         ranks: others,
     };

@@ -1,18 +1,18 @@
 //! The making of a film: frames in order, how far it is, and what is said of it.
 
 use crate::flags::{FilmFlags, SceneFlags};
+use crate::painter::Painter;
 use crate::plain::counted;
 use crate::progress::Progress;
-use crate::ranks::{Drawn, Ranks, Team};
-use crate::render::nothing_visible;
-use crate::{advice, columns, output, terminal};
+use crate::ranks::{Ranks, Team};
+use crate::{columns, output, terminal};
 use anyhow::{Error, Result, anyhow};
 use serde_json::{Value, json};
+use slabsplat::Scene;
 use slabsplat::film::{
     FilmDesc, FilmError, FilmFormat, FilmFrame, FilmReport, FrameRate, Step, Turn,
 };
 use slabsplat::io::{self, Provenance, SceneFile};
-use slabsplat::{Acquisition, Caps, FrameHandle, OpenScene, Renderer, Scene};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -23,8 +23,7 @@ pub(crate) struct Filming<'a> {
     pub(crate) path: &'a Path,
     pub(crate) format: FilmFormat,
     pub(crate) started: Instant,
-    pub(crate) renderer: Renderer,
-    pub(crate) opened: OpenScene,
+    pub(crate) painter: Painter,
     pub(crate) length: (u32, FrameRate),
     /// Who else draws frames.
     pub(crate) ranks: Option<&'a Ranks>,
@@ -42,7 +41,7 @@ impl Filming<'_> {
         } else {
             ranks.draw_frames(|frame_idx| {
                 let scene = scene_at(frame_idx)?;
-                drawn(&mut self.renderer, &scene, self.opened.acquisition)
+                self.painter.draw(&scene)
             })
         };
         ranks.all_can(done)
@@ -53,9 +52,8 @@ impl Filming<'_> {
         scene_at: impl Fn(u32) -> Result<Scene> + Sync,
         mut team: Option<&mut Team<'_>>,
     ) -> Result<()> {
-        let desc = self.flags.desc(self.format, &self.opened.scene, self.length)?;
-        self.renderer.caps().name.clone_into(&mut self.opened.backend);
-        let file = self.opened.to_file()?;
+        let desc = self.flags.desc(self.format, &self.painter.opened().scene, self.length)?;
+        let file = self.painter.file()?;
         let identity = self.identity(&file)?;
         let film = self.flags.begin(self.path, self.format, desc, &identity)?;
         let film = match self.format {
@@ -69,12 +67,11 @@ impl Filming<'_> {
             "interrupted: the same command continues {} with the frames that are there",
             self.path.display()
         )));
-        let acquisition = self.opened.acquisition;
         let mut notes: Vec<String> = Vec::new();
         let (mut why_blank, mut is_seen) = (None, false);
         let render = |frame_idx| {
             let scene = scene_at(frame_idx)?;
-            let mut draw = |_| drawn(&mut self.renderer, &scene, acquisition);
+            let mut draw = |_| self.painter.draw(&scene);
             let drawn = match &mut team {
                 Some(team) => team.frame(frame_idx, &mut draw)?,
                 None => draw(frame_idx)?,
@@ -114,7 +111,7 @@ impl Filming<'_> {
     /// All that decides about its pixels.
     fn identity(&self, file: &SceneFile) -> Result<String> {
         let scene = io::scene_text(file, self.path)?;
-        let (device, program) = (&self.renderer.caps().device, Provenance::PROGRAM);
+        let (device, program) = (self.painter.device(), Provenance::PROGRAM);
         let says_scene = self.flags.says_scene();
         // It comes first, as it decides where the camera is found.
         let turn = file.film.as_ref().and_then(|film| film.turn);
@@ -126,12 +123,12 @@ impl Filming<'_> {
 
     /// Films a thing that turns.
     pub(crate) fn run_turn(self, turn: Turn) -> Result<()> {
-        let base = self.opened.scene.clone();
+        let base = self.painter.opened().scene.clone();
         self.run(|frame_idx| Ok::<Scene, _>(turn.scene_at(&base, frame_idx)?))
     }
 
     fn tell(&self, desc: &FilmDesc, report: &FilmReport) -> Result<()> {
-        for found in &self.opened.found {
+        for found in &self.painter.opened().found {
             terminal::detail(format_args!("shown as {found}"));
         }
         let [width, height] = self.format.size(desc);
@@ -151,16 +148,9 @@ impl Filming<'_> {
         if let Some(path) = self.flags.scene_path() {
             terminal::say(format_args!("{}: its scene", path.display()));
         }
-        let answer = json_of(self, desc, report, self.renderer.caps());
+        let answer = json_of(self, desc, report);
         if self.flags.json { terminal::answer(&format!("{answer:#}\n")) } else { Ok(()) }
     }
-}
-
-/// Draws a frame.
-fn drawn(renderer: &mut Renderer, scene: &Scene, acquisition: Acquisition) -> Result<Drawn> {
-    let picture = advice::picture(renderer, scene, acquisition, &FrameHandle::new())?;
-    let why_blank = picture.is_blank.then(|| nothing_visible(scene, &picture.frame));
-    Ok(Drawn { image: picture.frame.image, why_blank, notes: picture.notes })
 }
 
 /// What to do where the disk is full, or ffmpeg fails: nothing that was rendered is lost.
@@ -175,7 +165,7 @@ fn with_way_on(error: Error) -> Error {
     }
 }
 
-fn json_of(film: &Filming<'_>, desc: &FilmDesc, report: &FilmReport, caps: &Caps) -> Value {
+fn json_of(film: &Filming<'_>, desc: &FilmDesc, report: &FilmReport) -> Value {
     let [width, height] = film.format.size(desc);
     json!({
         "film": film.path.display().to_string(),
@@ -189,8 +179,8 @@ fn json_of(film: &Filming<'_>, desc: &FilmDesc, report: &FilmReport, caps: &Caps
         "duration": report.seconds,
         "bytes": report.n_bytes,
         "seconds": film.started.elapsed().as_secs_f64(),
-        "backend": caps.name,
-        "device": caps.device,
+        "backend": film.painter.backend(),
+        "device": film.painter.device(),
         "warnings": terminal::take_warnings(),
     })
 }

@@ -48,6 +48,7 @@ mod help;
 mod mesh_info;
 mod meter;
 mod output;
+mod painter;
 mod progress;
 mod ranks;
 mod stats;

@@ -59,23 +59,23 @@ fn turn(args: &TurntableArgs, others: Option<&Ranks>) -> Result<()> {
     let turn = args.turn(n_frames)?;
     let check = |file: &SceneFile| args.film.check(format, file, rate);
     let progress = Progress::start("reading", 0);
-    let opened = args.scene.opened_around(&progress, &check, &|_, camera| turn.views(camera));
-    let (renderer, mut opened) = ranks::all_can(others, opened)?;
+    let painter =
+        args.film.painter(&args.scene, (&progress, &check), &|_, camera| turn.views(camera));
+    let mut painter = ranks::all_can(others, painter)?;
     drop(progress);
     let Turn { axis, degrees, is_rocking, .. } = turn;
     let mut film = FilmFile::default();
     film.frames_per_second = Some(rate.per_second());
     film.seconds = Some(f64::from(n_frames) / rate.per_second());
     film.turn = Some(TurnFile::new(axis, degrees, is_rocking));
-    opened.sources.film = Some(film);
+    painter.opened_mut().sources.film = Some(film);
     let filming = Filming {
         flags: &args.film,
         scene_flags: &args.scene,
         path,
         format,
         started,
-        renderer,
-        opened,
+        painter,
         length: (n_frames, rate),
         ranks: others,
     };

@@ -112,8 +112,8 @@ pub use picture::{
 pub use picture::{exr_bytes, write_exr};
 pub use progress::{ProgressCallback, ReadProgress};
 pub use scene::{
-    CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelColors, LabelsFile, LayerFile,
-    MeshFile, RegionDesc, SceneFile, TransferImageFile, TurnFile, Unsaid, VolumeBoxes,
+    CameraDesc, FilmFile, KeyFile, KeyLayerFile, KeyLook, LabelBoxes, LabelColors, LabelsFile,
+    LayerFile, MeshFile, RegionDesc, SceneFile, TransferImageFile, TurnFile, Unsaid, VolumeBoxes,
     VolumeSource, parse_scene, parse_scene_alone, read_scene, scene_text, write_scene,
 };
 pub use store::FilesInMemory;

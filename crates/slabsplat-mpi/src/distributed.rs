@@ -1,7 +1,7 @@
 //! A picture of a scene's files by all ranks.
 //!
 //! ```text
-//! each rank reads some planes of an overview, and has those of all
+//! each rank looks at a part of the volumes and reads some planes of an overview, and has those of all
 //! all cut the same k-d tree, a box for each rank, of as many relevant voxels as far as the overview tells
 //! each rank reads its box and draws it before nothing, box by box within its memory
 //! all lay their pictures over each other (`compositing`); rank 0 puts the background behind
@@ -14,8 +14,7 @@ use crate::communicator::while_beating;
 use crate::{Communicator, MpiError, RankReport, composite, samples};
 use slabsplat::io::{IoError, SceneFile};
 use slabsplat::{
-    DividedError, Exchange, FrameHandle, FrameStats, OpenError, OpenScene, Picture, Samples,
-    SharedScene,
+    Aim, DividedError, Exchange, FrameHandle, FrameStats, Picture, Samples, SharedScene,
 };
 use std::time::Instant;
 
@@ -45,9 +44,9 @@ impl DistributedScene {
         comm: &dyn Communicator,
         file: &SceneFile,
         memory_bytes: Option<u64>,
-        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
+        aim: &Aim,
     ) -> Result<Self, MpiError> {
-        let opened = SharedScene::open(file, memory_bytes, &mut Ranks(comm), frame);
+        let opened = SharedScene::open(file, memory_bytes, aim, &mut Ranks(comm));
         Ok(Self { shared: agreed(comm, opened)? })
     }
 
@@ -144,7 +143,7 @@ fn agreed<T>(comm: &dyn Communicator, own: Result<T, DividedError>) -> Result<T,
     }
 }
 
-/// Ranks hand each other planes of an overview.
+/// Ranks hand each other what they have looked at.
 struct Ranks<'a>(&'a dyn Communicator);
 
 impl Exchange for Ranks<'_> {
@@ -161,7 +160,7 @@ impl Exchange for Ranks<'_> {
             let own = agree(self.0, own)?;
             let all = all_gather(self.0, samples::to_bytes(&own))?;
             let read = all.iter().enumerate().map(|(rank, bytes)| {
-                samples::from_bytes(bytes).ok_or(MpiError::Malformed { rank, what: "plane" })
+                samples::from_bytes(bytes).ok_or(MpiError::Malformed { rank, what: "samples" })
             });
             read.collect::<Result<Vec<_>, _>>()
         };

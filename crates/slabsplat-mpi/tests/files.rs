@@ -99,8 +99,7 @@ fn whole(file: &SceneFile) -> Image {
 
 fn by_ranks(file: &SceneFile, n_ranks: usize) -> Image {
     let ranks = ThreadRank::run(n_ranks, LIMIT, |comm| {
-        let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &Aim::default());
-        let scene = DistributedScene::open(comm, file, None, frame)?;
+        let scene = DistributedScene::open(comm, file, None, &Aim::default())?;
         let picture = scene.picture(comm, &FrameHandle::new())?;
         assert_eq!(picture.is_some(), comm.rank() == 0);
         Ok::<_, slabsplat_mpi::MpiError>(picture)
@@ -145,15 +144,13 @@ fn ranks_fail_together() {
     without.layers[0].volume = io::VolumeSource::File(folder.path().join("none.nhdr"));
     let errors = ThreadRank::run(4, LIMIT, |comm| {
         let file = if comm.rank() == 2 { &without } else { &file };
-        let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &Aim::default());
-        DistributedScene::open(comm, file, None, frame).unwrap_err()
+        DistributedScene::open(comm, file, None, &Aim::default()).unwrap_err()
     });
     assert!(errors.windows(2).all(|pair| pair[0] == pair[1]), "{errors:?}");
     assert!(errors[0].is_shared() && errors[0].to_string().starts_with("rank 2: "), "{errors:?}");
     // A frame that is cancelled on one rank is on all.
     let errors = ThreadRank::run(3, LIMIT, |comm| {
-        let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &Aim::default());
-        let scene = DistributedScene::open(comm, &file, None, frame).unwrap();
+        let scene = DistributedScene::open(comm, &file, None, &Aim::default()).unwrap();
         let handle = FrameHandle::new();
         if comm.rank() == 1 {
             handle.cancel();

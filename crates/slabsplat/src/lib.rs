@@ -101,6 +101,8 @@ mod scene_film;
 #[cfg(feature = "files")]
 mod scene_layers;
 mod transfer;
+#[cfg(feature = "files")]
+mod volume_facts;
 
 mod comparison;
 mod popping;

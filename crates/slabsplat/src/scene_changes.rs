@@ -6,6 +6,7 @@
 
 use crate::automatic::Look;
 use crate::transfer::{Fitted, fitted};
+use crate::volume_facts::VolumeFacts;
 use crate::{OpenError, OpenScene};
 use slabsplat_core::{Layer, MeshLayer, Scene, Shading, TransferFunction2d};
 use slabsplat_io::{LayerFile, MeshFile, SceneFile};
@@ -63,8 +64,9 @@ impl OpenScene {
         file: &LayerFile,
     ) -> Result<(), OpenError> {
         let (now, volume) = (layer.transfer.clone(), &layer.volume);
-        let water = || Look::of(volume, self.acquisition).kind.water();
-        let Fitted { transfer, gradient_opacity, .. } = fitted(file, volume, || now, water)?;
+        let water = || Look::of(volume, volume.grid(), self.acquisition).kind.water();
+        let scale = VolumeFacts::from(&**volume).scale();
+        let Fitted { transfer, gradient_opacity, .. } = fitted(file, scale, || now, water)?;
         layer.region = file.region.on(volume.grid())?;
         layer.transfer_2d = self.transfer_2d_of(layer_idx, file)?;
         layer.labels = match (&file.labels, &layer.labels) {

@@ -1,12 +1,13 @@
 //! The scene of a file, with everything left out filled in.
 
 use crate::automatic::{DARK, Look, lights, phong, takes_gradients};
-use crate::framing::{Aim, Facing, Framing, usual_projection};
+use crate::framing::{Aim, Cells, Facing, Framing, usual_projection};
 use crate::transfer::{Fitted, fitted};
+use crate::volume_facts::VolumeFacts;
 use slabsplat_backend::PlanError;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Acquisition, Camera, CameraError, Fit, Layer, MeshError, MeshLayer, Orientation,
+    Acquisition, Camera, CameraError, Fit, Grid, Layer, MeshError, MeshLayer, Orientation,
     PiecewiseLinear, Projection, RegionError, Scene, Shading, TransferFunction,
 };
 use slabsplat_io::{
@@ -150,6 +151,17 @@ impl OpenScene {
     /// # Panics
     /// If there are more volumes or fewer.
     pub fn unframed(loaded: Vec<LoadedVolume>, file: &SceneFile) -> Result<Self, OpenError> {
+        let volumes: Vec<_> = loaded.iter().map(|loaded| loaded.volume.clone()).collect();
+        let facts: Vec<_> = volumes.iter().map(|volume| VolumeFacts::from(&**volume)).collect();
+        Self::unframed_by(loaded, &facts, file)
+    }
+
+    /// The same of volumes that stand for others, of which that is known.
+    pub(crate) fn unframed_by(
+        loaded: Vec<LoadedVolume>,
+        facts: &[VolumeFacts<'_>],
+        file: &SceneFile,
+    ) -> Result<Self, OpenError> {
         assert_eq!(loaded.len(), file.layers.len(), "there is one volume for each layer");
         let mut sources = file.clone();
         for (source, loaded) in sources.layers.iter_mut().zip(&loaded) {
@@ -165,15 +177,15 @@ impl OpenScene {
         let acquisitions: Vec<Acquisition> = loaded.iter().map(|it| it.acquisition).collect();
         let choices: Vec<VolumeChoices> = loaded.iter().map(|it| it.choices.clone()).collect();
         let acquisition = loaded.first().map(|loaded| loaded.acquisition);
-        let layers = loaded.into_iter().zip(&file.layers);
-        let layers = layers.map(|(loaded, of_file)| opening.layer(loaded, of_file));
+        let layers = loaded.into_iter().zip(facts).zip(&file.layers);
+        let layers = layers.map(|((loaded, facts), of_file)| opening.layer(loaded, facts, of_file));
         let layers = layers.collect::<Result<Vec<_>, _>>()?;
         let meshes = opening.meshes()?;
         if layers.is_empty() && meshes.is_empty() {
             return Err(PlanError::NoLayers.into());
         }
         if let Some(film) = &mut sources.film {
-            let warnings = fit_looks(film, &file.layers, &layers, &acquisitions)?;
+            let warnings = fit_looks(film, &file.layers, (&layers, facts), &acquisitions)?;
             opening.warnings.extend(warnings);
         }
         let mut image = file.image;
@@ -243,6 +255,18 @@ impl OpenScene {
         with_room_for_annotations(framing, &self.scene)
     }
 
+    /// The same of layers on other grids than those of the scene's volumes, of which is known what they show.
+    /// `finished` is the scene as annotations see it.
+    pub(crate) fn framing_of(
+        &self,
+        visible: Vec<Cells>,
+        grids: &[Grid],
+        finished: &Scene,
+    ) -> Framing {
+        let framing = Framing::of_cells(visible, grids, &self.scene.meshes, self.facing);
+        with_room_for_annotations(framing, finished)
+    }
+
     /// Shows a layer by a transfer function from elsewhere, as a preset or a file has it, which is fitted to
     /// the layer's volume as scene files have theirs fitted. Warnings are returned, a line each.
     ///
@@ -262,9 +286,10 @@ impl OpenScene {
         file.gradient_opacity = None;
         let has_shading = source.shading.is_none();
         file.begin_with(source, has_shading);
-        let found = || Look::of(&layer.volume, self.acquisition);
+        let facts = VolumeFacts::from(&*layer.volume);
+        let found = || Look::of(facts.values.rows(), &facts.grid, self.acquisition);
         let Fitted { transfer, gradient_opacity, warnings } =
-            fitted(&file, &layer.volume, || found().transfer, || found().kind.water())?;
+            fitted(&file, facts.scale(), || found().transfer, || found().kind.water())?;
         layer.transfer = transfer;
         layer.gradient_opacity = gradient_opacity.filter(|_| takes_gradients(&self.scene.settings));
         layer.transfer_2d = None;
@@ -280,13 +305,30 @@ impl OpenScene {
         aim: &Aim,
         views: Option<Views<'_>>,
     ) -> Result<(), OpenError> {
+        self.frame_by(file, (aim, views), |opened| Ok(opened.framing()))
+    }
+
+    /// The same by what `framing` finds to be seen, if that has to be known.
+    pub(crate) fn frame_by<E: From<OpenError>>(
+        &mut self,
+        file: &SceneFile,
+        (aim, views): (&Aim, Option<Views<'_>>),
+        framing: impl FnOnce(&Self) -> Result<Framing, E>,
+    ) -> Result<(), E> {
+        let is_alone = is_whole(&file.camera) && *aim == Aim::default();
+        let framing = if is_alone { None } else { Some(framing(self)?) };
+        Ok(self.frame_within(file, (aim, views), framing.as_ref())?)
+    }
+
+    fn frame_within(
+        &mut self,
+        file: &SceneFile,
+        (aim, views): (&Aim, Option<Views<'_>>),
+        framing: Option<&Framing>,
+    ) -> Result<(), OpenError> {
         let image = &self.scene.image;
         let given = &file.camera;
-        let is_alone = is_whole(given) && *aim == Aim::default();
-        let camera = if is_alone {
-            given.complete(&placeholder())?
-        } else {
-            let framing = self.framing();
+        let camera = if let Some(framing) = framing {
             let mut projection = usual_projection(given.is_perspective());
             if let (Projection::Perspective { fov_y_radians }, Some(degrees)) =
                 (&mut projection, given.fov_y)
@@ -304,6 +346,8 @@ impl OpenScene {
                 Some(views) => framing.aimed_around(&found, &aim, views, image)?,
                 None => framing.aimed(&found, &aim, is_found, image)?,
             }
+        } else {
+            given.complete(&placeholder())?
         };
         self.scene.camera = camera;
         if file.unsaid.lights {
@@ -317,7 +361,7 @@ impl OpenScene {
 fn fit_looks(
     film: &mut FilmFile,
     files: &[LayerFile],
-    layers: &[Layer],
+    (layers, facts): (&[Layer], &[VolumeFacts<'_>]),
     acquisitions: &[Acquisition],
 ) -> Result<Vec<String>, FitError> {
     let mut all_warnings = Vec::new();
@@ -327,9 +371,10 @@ fn fit_looks(
         let mut file = files[of_key.layer_idx].clone();
         (file.transfer, file.fit) = (look.transfer.take(), look.fit.clone());
         let acquisition = acquisitions[of_key.layer_idx];
-        let water = || Look::of(&layer.volume, acquisition).kind.water();
+        let facts = facts[of_key.layer_idx];
+        let water = || Look::of(facts.values.rows(), &facts.grid, acquisition).kind.water();
         let Fitted { transfer, warnings, .. } =
-            fitted(&file, &layer.volume, || layer.transfer.clone(), water)?;
+            fitted(&file, facts.scale(), || layer.transfer.clone(), water)?;
         all_warnings.extend(warnings);
         (look.transfer, look.fit) = (Some(transfer), TransferFit::default());
     }
@@ -382,10 +427,16 @@ struct Opening<'a> {
 }
 
 impl Opening<'_> {
-    fn layer(&mut self, loaded: LoadedVolume, file: &LayerFile) -> Result<Layer, OpenError> {
+    fn layer(
+        &mut self,
+        loaded: LoadedVolume,
+        facts: &VolumeFacts<'_>,
+        file: &LayerFile,
+    ) -> Result<Layer, OpenError> {
         self.warnings.extend_from_slice(&loaded.warnings);
         let is_framed = self.facings.is_empty() && !is_whole(&self.file.camera);
-        let Opened { mut layer, warnings, look, facing } = Opened::of(loaded, file, is_framed)?;
+        let Opened { mut layer, warnings, look, facing } =
+            Opened::of(loaded, facts, file, is_framed)?;
         self.warnings.extend(warnings);
         self.facings.push(facing);
         if let Some(look) = look {
@@ -426,21 +477,26 @@ struct Opened {
 }
 
 impl Opened {
-    fn of(loaded: LoadedVolume, file: &LayerFile, is_framed: bool) -> Result<Self, OpenError> {
+    fn of(
+        loaded: LoadedVolume,
+        facts: &VolumeFacts<'_>,
+        file: &LayerFile,
+        is_framed: bool,
+    ) -> Result<Self, OpenError> {
         let found = OnceCell::new();
-        let find = || found.get_or_init(|| look_of(&loaded));
+        let find = || found.get_or_init(|| look_of(&loaded, facts));
         let is_automatic = Cell::new(false);
         let automatic = || {
             is_automatic.set(true);
             find().transfer.clone()
         };
         let Fitted { transfer, mut gradient_opacity, mut warnings } =
-            fitted(file, &loaded.volume, automatic, || find().kind.water())?;
+            fitted(file, facts.scale(), automatic, || find().kind.water())?;
         let acquisition = loaded.acquisition;
         let facing = if is_framed && acquisition.orientation == Orientation::Unknown {
-            find().facing(&loaded.volume, acquisition)
+            find().facing(&facts.grid, acquisition)
         } else {
-            Facing::of(acquisition.orientation, loaded.volume.grid())
+            Facing::of(acquisition.orientation, &facts.grid)
         };
         let look = found.into_inner().filter(|_| is_automatic.get());
         let LoadedVolume { volume, colors, .. } = loaded;
@@ -455,7 +511,7 @@ impl Opened {
                         \"none\", or --colors none, leaves those out";
             warnings.push(what.to_owned());
         }
-        let region = file.region.on(volume.grid())?;
+        let region = file.region.on(&facts.grid)?;
         let layer = Layer::new(volume, transfer)
             .transfer_2d(file.transfer_2d.clone())
             .gradient_opacity(gradient_opacity)
@@ -471,12 +527,12 @@ impl Opened {
 }
 
 /// What a volume looks like to somebody who says nothing.
-fn look_of(loaded: &LoadedVolume) -> Look {
+fn look_of(loaded: &LoadedVolume, facts: &VolumeFacts<'_>) -> Look {
     match &loaded.colors {
         Some(LoadedColors { voxels: None, opacity_from: OpacitySource::Luminance, .. }) | None => {
-            Look::of(&loaded.volume, loaded.acquisition)
+            Look::of(facts.values.rows(), &facts.grid, loaded.acquisition)
         }
-        Some(colors) => Look::of_colors(&loaded.volume, colors.opacity_from),
+        Some(colors) => Look::of_colors(facts.values.rows(), colors.opacity_from),
     }
 }
 
@@ -498,6 +554,8 @@ pub fn open_layer(
     loaded: LoadedVolume,
     file: &LayerFile,
 ) -> Result<(Layer, Vec<String>), OpenError> {
-    let Opened { layer, warnings, .. } = Opened::of(loaded, file, false)?;
+    let volume = loaded.volume.clone();
+    let facts = VolumeFacts::from(&*volume);
+    let Opened { layer, warnings, .. } = Opened::of(loaded, &facts, file, false)?;
     Ok((layer, warnings))
 }

@@ -1,7 +1,7 @@
 //! The film of a scene file.
 
 use crate::{OpenError, OpenScene};
-use slabsplat_core::Camera;
+use slabsplat_core::{Camera, Grid};
 use slabsplat_film::{Film, Key, LayerKey, Turn};
 use slabsplat_io::{FilmFile, KeyFile, KeyLayerFile, TurnFile};
 
@@ -31,17 +31,23 @@ impl OpenScene {
     /// # Errors
     /// If keys make no film, or what one says of a camera or a region makes none.
     pub fn film(&self) -> Result<Option<Film>, OpenError> {
+        let grids: Vec<Grid> = self.scene.layers.iter().map(|layer| *layer.volume.grid()).collect();
+        self.film_on(&grids)
+    }
+
+    /// The same of layers on those grids, for which volumes on others may stand.
+    pub(crate) fn film_on(&self, grids: &[Grid]) -> Result<Option<Film>, OpenError> {
         let has_keys = |file: &&FilmFile| !file.keys.is_empty();
         let Some(file) = self.sources.film.as_ref().filter(has_keys) else { return Ok(None) };
         let mut keys = Vec::with_capacity(file.keys.len());
         let mut camera = self.scene.camera;
         for key in &file.keys {
             let easing = key.easing.unwrap_or(file.easing);
-            keys.push(self.key(key, &mut camera)?.easing(easing));
+            keys.push(Self::key(key, grids, &mut camera)?.easing(easing));
         }
         let last = keys.last().map_or(0.0, |key: &Key| key.at_secs);
         let seconds = file.seconds.unwrap_or(last);
-        Ok(Some(Film::new(&self.scene, &keys, seconds, file.easing, file.is_loop)?))
+        Ok(Some(Film::on_grids(&self.scene, grids, &keys, (seconds, file.is_loop), file.easing)?))
     }
 
     /// The turn of the scene, in so many frames, if its file has one instead of key frames.
@@ -52,11 +58,11 @@ impl OpenScene {
     }
 
     /// A key, whose camera has what it leaves out from `camera`, and is that from now on.
-    fn key(&self, key: &KeyFile, camera: &mut Camera) -> Result<Key, OpenError> {
+    fn key(key: &KeyFile, grids: &[Grid], camera: &mut Camera) -> Result<Key, OpenError> {
         if let Some(desc) = &key.camera {
             *camera = desc.complete(camera)?;
         }
-        let layers = key.layers.iter().map(|layer| self.layer_key(layer));
+        let layers = key.layers.iter().map(|layer| Self::layer_key(layer, &grids[layer.layer_idx]));
         let mut moment = Key::at(key.at_secs);
         moment.camera = key.camera.map(|_| *camera);
         moment.azimuth_degrees = key.azimuth_degrees;
@@ -65,8 +71,7 @@ impl OpenScene {
         Ok(moment)
     }
 
-    fn layer_key(&self, layer: &KeyLayerFile) -> Result<LayerKey, OpenError> {
-        let grid = self.scene.layers[layer.layer_idx].volume.grid();
+    fn layer_key(layer: &KeyLayerFile, grid: &Grid) -> Result<LayerKey, OpenError> {
         let mut moment = LayerKey::new(layer.layer_idx);
         moment.transfer = layer.look.as_ref().and_then(|look| look.transfer.clone());
         moment.isosurfaces = layer.isosurfaces.clone();

@@ -36,10 +36,7 @@ fn out_of_core_unpacks_what_is_packed() {
         counted.fetch_add(of.n_bytes as usize, Ordering::Relaxed);
     });
     let desc = DividedDesc::new(1 << 30).scratch(scratch);
-    let scene = DividedScene::open_framed(&file, &desc, |opened, file| {
-        opened.frame(file, &slabsplat::Aim::default())
-    });
-    let scene = scene.unwrap();
+    let scene = DividedScene::open_as(&file, &desc).unwrap();
     let most = dhat::HeapStats::get().max_bytes;
     println!("{most} bytes on the heap, of a volume of {n_bytes}");
     assert!(most < n_bytes / 2, "{most} of {n_bytes}");

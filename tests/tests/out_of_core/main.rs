@@ -8,6 +8,7 @@
 mod files;
 mod pictures;
 mod refinement;
+mod scenes;
 
 use fastrand::Rng;
 use slabsplat::{
@@ -110,9 +111,7 @@ fn divided(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
 fn refined(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
     let open = |memory_bytes| {
         let desc = DividedDesc::new(memory_bytes).refined();
-        DividedScene::open_framed(file, &desc, |opened, file| {
-            opened.frame(file, &slabsplat::Aim::default())
-        })
+        DividedScene::open_as(file, &desc)
     };
     let Err(DividedError::NoRoom(no_room)) = open(1) else { panic!("a byte is too little") };
     open(no_room.needed_bytes + of_boxes).unwrap()

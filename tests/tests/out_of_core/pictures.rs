@@ -141,6 +141,102 @@ fn out_of_core_draws_layers_and_regions() {
     });
 }
 
+/// Frames of a film that changes all that a film can; where there is room for boxes, each is read once.
+#[test]
+fn out_of_core_films_as_in_core() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(21);
+    write_volume(folder.path(), [57, 70, 61], &mut rng);
+    let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+    let film = "[film]\nseconds = 4\n[[film.keys]]\nat = 2\nazimuth = 50\nslab_width = 0.7\n\
+                region = { box = [[4, 5, 6], [50, 60, 50]], index = true }\nopacity_scale = 0.5\n\
+                [[film.keys]]\nat = 4\nazimuth = 60\nclassify = { opacity = [[50, 0.0], [180, 0.2]] }\n";
+    let file = opened(folder.path(), &format!("{text}{film}"));
+    let core = OpenScene::open(&file).unwrap();
+    let mut renderer = Renderer::new(backend_named("cpu").unwrap());
+    for of_boxes in [8 << 20, 64 << 20] {
+        let scene = divided(&file, of_boxes);
+        let films = [core.film().unwrap().unwrap(), scene.film().unwrap().unwrap()];
+        for seconds in [0.0, 1.0, 3.9] {
+            let [whole, parts] = films.each_ref().map(|film| film.scene_at(seconds).unwrap());
+            let whole = renderer.picture(&whole, core.acquisition).unwrap().frame.image;
+            let parts =
+                scene.picture_of(&parts, &slabsplat::FrameHandle::new()).unwrap().frame.image;
+            let off = whole.max_difference(&parts);
+            assert!(off < ROUNDED_TWICE, "{seconds} s: {off}");
+        }
+        let [n_read, n_retained] = scene.box_counts();
+        assert_eq!(n_read == 1, scene.n_boxes() == 1, "{n_read} read");
+        assert!(0 < n_retained || 1 < scene.n_boxes(), "{n_retained} retained");
+        println!("{} boxes: {n_read} read, {n_retained} retained", scene.n_boxes());
+    }
+}
+
+/// Colours with alpha and without, and integers of 64 bits: the scene that is found, and its picture.
+#[test]
+fn out_of_core_draws_colors_and_wide_integers() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(23);
+    write_volume(folder.path(), [57, 70, 61], &mut rng);
+    let bytes = fs::read(folder.path().join("volume.raw")).unwrap();
+    let colors = |n: usize| -> Vec<u8> {
+        let of = |v: u8| [v, 255 - v, v / 2 + 40, v];
+        bytes.iter().flat_map(|v| of(*v).into_iter().take(n)).collect()
+    };
+    let wide: Vec<u8> = bytes.iter().flat_map(|v| (i64::from(*v) - 3).to_le_bytes()).collect();
+    for (file, kind, data) in [
+        ("rgb", "type: uint8\ndimension: 4\nsizes: 3 57 70 61\nkinds: RGB-color", colors(3)),
+        ("rgba", "type: uint8\ndimension: 4\nsizes: 4 57 70 61\nkinds: RGBA-color", colors(4)),
+        ("wide", "type: int64\ndimension: 3\nsizes: 57 70 61\nkinds:", wide),
+    ] {
+        let header =
+            format!("NRRD0004\n{kind} space space space\nendian: little\nencoding: raw\n\n");
+        fs::write(folder.path().join(format!("{file}.nrrd")), [header.as_bytes(), &data].concat())
+            .unwrap();
+        let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let file = opened(folder.path(), &text.replace("volume.nhdr", &format!("{file}.nrrd")));
+        let scene = divided(&file, 16 << 20);
+        let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+        let off = whole(&file).max_difference(&picture);
+        assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{} boxes: {off}", scene.n_boxes());
+        let alone = io::SceneFile::of_volume(file.layers[0].volume.clone());
+        scenes::check("a volume alone", &alone);
+    }
+}
+
+/// Labels on a grid of their own, some of which are invisible, packed, and found by themselves; the camera
+/// that is found sees what they show. Their looks change with a film's opacities.
+#[test]
+fn out_of_core_draws_labels() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let mut rng = Rng::with_seed(25);
+    write_volume(folder.path(), [57, 70, 61], &mut rng);
+    let grid = Grid::with_spacing([20, 33, 18], [2.7, 2.9, 2.6]).unwrap();
+    let labels = Volume::from_fn(grid, |[i, j, k]| ((i / 5 + 2 * (j / 9) + k / 7) % 5) as i16 - 1);
+    io::write_volume(folder.path().join("labels.nii.gz"), &labels).unwrap();
+    let labels = "[labels]\npath = \"labels.nii.gz\"\nonly = [0, 1, 3]\n[[labels.styles]]\nof = [1]\n\
+                  color = [0.1, 0.9, 0.2]\nopacity = 0.7\n";
+    let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+    let text = text.replace("[camera]", &format!("{labels}[camera]"));
+    let film = "[film]\nseconds = 2\n[[film.keys]]\nat = 2\nopacity_scale = 0.5\n";
+    let file = opened(folder.path(), &format!("{text}{film}"));
+    let scene = divided(&file, 16 << 20);
+    let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
+    let off = whole(&file).max_difference(&picture);
+    assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{} boxes: {off}", scene.n_boxes());
+    let core = OpenScene::open(&file).unwrap();
+    let films = [core.film().unwrap().unwrap(), scene.film().unwrap().unwrap()];
+    let [expected, found] = films.map(|film| film.scene_at(1.0).unwrap());
+    let expected = Renderer::new(backend_named("cpu").unwrap()).render(&expected).unwrap().image;
+    let found = scene.picture_of(&found, &slabsplat::FrameHandle::new()).unwrap().frame.image;
+    assert!(expected.max_difference(&found) < ROUNDED_TWICE);
+    let (before, _) = text.split_once("[camera]").unwrap();
+    scenes::check("labels", &opened(folder.path(), before));
+}
+
 /// A thread counts for 16 MiB, and one in any case; boxes have at least as much as all of them.
 #[test]
 fn out_of_core_has_the_threads_that_memory_pays_for() {

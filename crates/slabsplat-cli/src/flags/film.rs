@@ -1,14 +1,17 @@
 //! Flags of what a film is written as, and how long it is.
 
 use super::output::{check_folder, check_scene_name, is_same_file};
+use super::{Check, SceneFlags, values};
+use crate::painter::Painter;
+use crate::progress::Progress;
 use crate::ranks::RankFlags;
-use crate::terminal;
+use crate::{divided, terminal};
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use slabsplat::Scene;
 use slabsplat::film::{FilmDesc, FilmError, FilmFormat, FilmWriter, FrameRate, Metadata};
 use slabsplat::io::{Provenance, SceneFile};
+use slabsplat::{Camera, Scene};
 use std::path::{Path, PathBuf};
 
 #[derive(Args)]
@@ -51,6 +54,16 @@ pub(crate) struct FilmFlags {
     /// Make folders that are to be written to and are not there
     #[arg(long)]
     mkdir: bool,
+
+    /// Draw frames within so much memory, however large the volumes are, box by box on the CPU: as 800MiB or
+    /// 2GiB. Frames that are being written are beside it
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    memory: Option<u64>,
+
+    /// Where --memory unpacks volumes that cannot be read box by box; by default in the system's folder for
+    /// temporary files
+    #[arg(long, value_name = "FOLDER", requires = "memory")]
+    scratch: Option<PathBuf>,
 
     /// Answer in JSON: what was written, frames, time, warnings
     #[arg(long)]
@@ -99,6 +112,21 @@ impl FilmFlags {
             check_folder(scene, self.mkdir)?;
         }
         Ok((path, format))
+    }
+
+    /// Opens what is named for its frames; a camera that is found holds what is seen by `views`, too.
+    pub(crate) fn painter(
+        &self,
+        scene: &SceneFlags,
+        (progress, check): (&Progress, Check<'_>),
+        views: &dyn Fn(&SceneFile, &Camera) -> Vec<Camera>,
+    ) -> Result<Painter> {
+        let Some(memory_bytes) = self.memory else {
+            let (renderer, opened) = scene.opened_around(progress, check, views)?;
+            return Ok(Painter::InCore(Box::new((renderer, opened))));
+        };
+        let desc = divided::desc(memory_bytes, self.scratch.as_deref());
+        Ok(Painter::InParts(Box::new(scene.divided_around(check, &desc, views)?)))
     }
 
     /// How fast frames follow each other, if need be as a scene file says.

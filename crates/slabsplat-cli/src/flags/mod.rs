@@ -177,8 +177,24 @@ impl SceneFlags {
     pub(crate) fn divided(&self, check: Check<'_>, desc: &DividedDesc) -> Result<DividedScene> {
         let (file, aim) = self.in_parts(check)?;
         self.in_scene(|| {
-            let frame = |opened: &mut OpenScene, file: &SceneFile| opened.frame(file, &aim);
-            let divided = DividedScene::open_framed(&file, desc, frame)?;
+            let divided = DividedScene::open_as(&file, &desc.clone().aim(aim))?;
+            terminal::warn_all(&divided.opened().warnings);
+            Ok(divided)
+        })
+    }
+
+    /// The same with a camera that holds what is seen by others, too, which go around with the one that is
+    /// found.
+    pub(crate) fn divided_around(
+        &self,
+        check: Check<'_>,
+        desc: &DividedDesc,
+        views: &dyn Fn(&SceneFile, &Camera) -> Vec<Camera>,
+    ) -> Result<DividedScene> {
+        let (file, aim) = self.in_parts(check)?;
+        self.in_scene(|| {
+            let views = |camera: &Camera| views(&file, camera);
+            let divided = DividedScene::open_around(&file, &desc.clone().aim(aim), &views)?;
             terminal::warn_all(&divided.opened().warnings);
             Ok(divided)
         })

@@ -65,7 +65,7 @@ fn pixels(path: &Path) -> Vec<f32> {
     image::open(path).expect("a picture was written").to_rgba32f().into_raw()
 }
 
-/// A volume without a scene is found out about by an overview.
+/// A volume without a scene is found out about box by box.
 #[test]
 fn memory_of_a_volume_alone() {
     let dir = tempfile::tempdir().unwrap();
@@ -77,6 +77,26 @@ fn memory_of_a_volume_alone() {
     let scene = std::fs::read_to_string(dir.path().join("s.toml")).unwrap();
     assert!(scene.contains("ball.nii") && !scene.contains("hash"), "{scene}");
     answer(dir.path(), "render s.toml -o again.png");
+}
+
+/// A film's frames are those in core, but for the last bit of a byte; a camera that is found is the same.
+#[test]
+fn memory_changes_no_film() {
+    let dir = tempfile::tempdir().unwrap();
+    write(dir.path(), "ball.nii.gz");
+    let film =
+        "turntable ball.nii.gz --frames 3 --width 40 --height 30 --backend cpu --tolerance 0";
+    answer(dir.path(), &format!("{film} -o whole.png-sequence"));
+    let args = format!("{film} --memory 70MiB --json -o parts.png-sequence --save-scene s.toml");
+    let done = json(dir.path(), &args);
+    assert_eq!(done["device"], "cpu, box by box", "{done}");
+    for frame in names_in(&dir.path().join("whole.png-sequence")) {
+        let [whole, parts] = ["whole", "parts"]
+            .map(|name| pixels(&dir.path().join(format!("{name}.png-sequence/{frame}"))));
+        let off = whole.iter().zip(&parts).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(whole.len() == parts.len() && off < 1.5 / 255.0, "{frame}: {off}");
+    }
+    answer(dir.path(), "film s.toml --frames 2 --memory 1GiB -o again.gif");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::region::RegionPath;
 use super::track::Track;
 use super::transfer::TransferPath;
 use slabsplat_core::{
-    Camera, CameraError, Easing, Isosurface, IsosurfaceError, LabelError, LabelStyle, Labels,
+    Camera, CameraError, Easing, Grid, Isosurface, IsosurfaceError, LabelError, LabelStyle, Labels,
     Layer, LightError, Region, RegionError, Scene, TransferError, TransferFunction,
 };
 use thiserror::Error;
@@ -279,12 +279,31 @@ impl Film {
         easing: Easing,
         is_loop: bool,
     ) -> Result<Self, MotionError> {
+        let grids: Vec<Grid> = scene.layers.iter().map(|layer| *layer.volume.grid()).collect();
+        Self::on_grids(scene, &grids, keys, (seconds, is_loop), easing)
+    }
+
+    /// The same of layers on those grids, for which volumes on others may stand, as overviews do for volumes
+    /// that are drawn box by box.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    ///
+    /// # Panics
+    /// If there are fewer grids than layers.
+    pub fn on_grids(
+        scene: &Scene,
+        grids: &[Grid],
+        keys: &[Key],
+        (seconds, is_loop): (f64, bool),
+        easing: Easing,
+    ) -> Result<Self, MotionError> {
         check(scene, keys, seconds)?;
         let spans = Spans { keys, seconds, easing, is_loop };
         let camera = spans.of(&scene.camera, |key| key.camera);
         let numbers = |(track, values)| Numbers { track, values };
-        let layers =
-            scene.layers.iter().enumerate().map(|(idx, layer)| LayerPath::new(&spans, layer, idx));
+        let layers = scene.layers.iter().enumerate();
+        let layers = layers.map(|(idx, layer)| LayerPath::new(&spans, layer, idx, &grids[idx]));
         Ok(Self {
             camera: camera.map(|(track, cameras)| CameraPath::new(track, cameras)).transpose()?,
             azimuth_degrees: spans.of(&0.0, |key| key.azimuth_degrees).map(numbers),
@@ -330,7 +349,12 @@ impl Film {
 }
 
 impl LayerPath {
-    fn new(spans: &Spans<'_>, layer: &Layer, layer_idx: usize) -> Result<Self, MotionError> {
+    fn new(
+        spans: &Spans<'_>,
+        layer: &Layer,
+        layer_idx: usize,
+        grid: &Grid,
+    ) -> Result<Self, MotionError> {
         let of_key = |key: &Key| key.layers.iter().find(|it| it.layer_idx == layer_idx).cloned();
         let transfer = spans.of(&layer.transfer, |key| of_key(key)?.transfer);
         let isosurfaces = spans.of(&layer.isosurfaces, |key| of_key(key)?.isosurfaces);
@@ -348,9 +372,7 @@ impl LayerPath {
             isosurfaces: isosurfaces
                 .map(|(track, keys)| IsosurfacePath::new(track, keys, layer_idx))
                 .transpose()?,
-            region: region
-                .map(|(track, keys)| RegionPath::new(track, keys, layer.volume.grid()))
-                .transpose()?,
+            region: region.map(|(track, keys)| RegionPath::new(track, keys, grid)).transpose()?,
             opacity_scale: opacity_scale.map(|(track, values)| Numbers { track, values }),
         })
     }

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use slabsplat_core::Grid;
 
 use super::{LayerFile, VolumeSource};
-use crate::volume::{ChunkCache, Scratch};
-use crate::{IoError, LoadedVolume, ScratchDesc, ScratchUse, VolumeFormat};
+use crate::volume::{ALPHA_IS_CONSTANT, ChunkCache, Scratch, is_constant};
+use crate::{IoError, LoadedVolume, OpacitySource, ScratchDesc, ScratchUse, VolumeFormat};
 
 /// A volume of which boxes of voxels are read, one after the other, and the rest is never in memory: from its
 /// file, or from a scratch file where that is packed. A clone shares the scratch file, which is gone with the
@@ -49,7 +49,7 @@ impl LayerFile {
         let (mut layer, chunks) = (self.clone(), ChunkCache::default());
         layer.options.chunks = Some(chunks.clone());
         match (layer.read_box([0..1, 0..1, 0..1]), &self.volume) {
-            (Ok(first), _) => Ok(VolumeBoxes { layer, first, scratch: None, chunks }),
+            (Ok(first), _) => VolumeBoxes { layer, first, scratch: None, chunks }.looked_through(),
             (Err(IoError::NotInBoxes { .. }), VolumeSource::File(path))
                 if !scratch.is_refused() =>
             {
@@ -58,7 +58,7 @@ impl LayerFile {
                 let unpacked = Scratch::unpack(path, &options, scratch)?;
                 let first = self.spaced(unpacked.first().clone())?;
                 let scratch = Some(Arc::new(unpacked));
-                Ok(VolumeBoxes { layer, first, scratch, chunks })
+                VolumeBoxes { layer, first, scratch, chunks }.looked_through()
             }
             (Err(error), _) => Err(error),
         }
@@ -71,7 +71,13 @@ impl LayerFile {
     }
 }
 
+/// Bytes of a piece, if a row of voxels has no more.
+const PIECE_BYTES: usize = 4 << 20;
+
 impl VolumeBoxes {
+    /// Voxels along the side of boxes of a volume in chunks: mostly a multiple of theirs.
+    pub const SIDE_OF_CHUNKS: usize = 64;
+
     /// The grid of the whole volume.
     pub fn grid(&self) -> Grid {
         self.first.volume.grid().uncropped()
@@ -88,9 +94,69 @@ impl VolumeBoxes {
     /// If there are no such voxels, or they cannot be read.
     pub fn read(&self, voxels: [Range<usize>; 3]) -> Result<LoadedVolume, IoError> {
         match &self.scratch {
-            Some(scratch) => self.layer.spaced(scratch.read(&voxels)?),
+            Some(scratch) => {
+                let opacity_from = self.layer.options.opacity_from;
+                self.layer.spaced(scratch.read(&voxels, opacity_from)?)
+            }
             None => self.layer.read_box(voxels),
         }
+    }
+
+    /// Finds of a volume of colours what opacity is made of, which is known of all voxels alone.
+    fn looked_through(mut self) -> Result<Self, IoError> {
+        let has_alpha = self.first.colors.as_ref().is_some_and(|colors| colors.has_alpha);
+        if !has_alpha || self.layer.options.opacity_from.is_some() {
+            return Ok(self);
+        }
+        let mut opacity_from = OpacitySource::Luminance;
+        let first = self.first.volume.value(0);
+        for voxels in self.pieces() {
+            let alpha = self.read(voxels)?.volume;
+            if alpha.value(0) != first || !is_constant(alpha.samples()) {
+                opacity_from = OpacitySource::Alpha;
+                break;
+            }
+        }
+        self.layer.options.opacity_from = Some(opacity_from);
+        let warnings = std::mem::take(&mut self.first.warnings);
+        self.first = self.read([0..1, 0..1, 0..1])?;
+        self.first.warnings = warnings;
+        if opacity_from == OpacitySource::Luminance {
+            self.first.warnings.push(ALPHA_IS_CONSTANT.to_owned());
+        }
+        Ok(self)
+    }
+
+    /// Boxes that have all voxels, a few mebibytes each: one after the other they meet the same chunks.
+    pub fn pieces(&self) -> Vec<[Range<usize>; 3]> {
+        let [nx, ny, nz] = self.grid().dims();
+        let depth = match self.is_in_chunks() {
+            true => Self::SIDE_OF_CHUNKS,
+            false => (PIECE_BYTES / (nx * ny * self.voxel_bytes())).max(1),
+        };
+        let planes = (0..nz).step_by(depth).map(|first| first..(first + depth).min(nz));
+        planes.flat_map(|planes| self.strips(&planes)).collect()
+    }
+
+    /// The same of some planes.
+    pub fn strips(&self, planes: &Range<usize>) -> Vec<[Range<usize>; 3]> {
+        let [nx, ny, _] = self.grid().dims();
+        let n_rows = (PIECE_BYTES / (nx * planes.len() * self.voxel_bytes())).clamp(1, ny);
+        let n_rows = match self.is_in_chunks() {
+            true if Self::SIDE_OF_CHUNKS < n_rows => {
+                n_rows / Self::SIDE_OF_CHUNKS * Self::SIDE_OF_CHUNKS
+            }
+            _ => n_rows,
+        };
+        let strip = |first: usize| [0..nx, first..(first + n_rows).min(ny), planes.clone()];
+        (0..ny).step_by(n_rows).map(strip).collect()
+    }
+
+    /// Bytes of a voxel that is read, its colour included.
+    pub fn voxel_bytes(&self) -> usize {
+        let own = self.first.colors.as_ref().and_then(|colors| colors.voxels.as_ref());
+        let of_colors = own.map_or(0, |colors| colors.samples().size_bytes());
+        self.first.volume.sample_type().size_bytes() + of_colors
     }
 
     /// Whether it is stored in chunks, which are unpacked whole: several boxes may meet one.

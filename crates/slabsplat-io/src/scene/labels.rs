@@ -1,14 +1,17 @@
 //! What a scene says of labels, before there is a volume.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Grid, LabelError, LabelMap, LabelStyle, Labels};
 
 use super::completed::DIFFERS;
 use super::label_table::read_label_table;
+use super::{LayerFile, VolumeBoxes, VolumeSource};
 use crate::printable::shown_path;
-use crate::{ContentHash, IoError, read_volume};
+use crate::{ContentHash, IoError, ScratchDesc, read_volume};
 
 /// Labels of a layer, and how they look, as a scene file or flags say it.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,13 +91,42 @@ impl LabelsFile {
         }
         warnings.extend(self.missing(map.labels()));
         warnings.extend(uncolored(map.labels(), &styles));
-        // Tables are of more labels than most volumes have.
-        styles.retain(|label, style| {
-            map.labels().binary_search(label).is_ok() && *style != LabelStyle::default()
-        });
+        retain_useful(&mut styles, map.labels());
         let labels = Labels::new(map, styles).map_err(unlabelled)?;
         warnings.extend(self.useless(&labels));
         Ok((labels, warnings))
+    }
+
+    /// Opens the labels to read those of boxes, as volumes are opened by
+    /// [`LayerFile::open_boxes`](crate::LayerFile::open_boxes); all of them are looked at once. Returns
+    /// warnings, too, but for those of where voxels of the layer are.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), and if no boxes can be read.
+    pub fn open_boxes(&self, scratch: &ScratchDesc) -> Result<(LabelBoxes, Vec<String>), IoError> {
+        let unlabelled = |source: LabelError| IoError::Labels { path: self.path.clone(), source };
+        let layer = LayerFile::of_volume(VolumeSource::File(self.path.clone()));
+        let boxes = layer.open_boxes(scratch)?;
+        if boxes.first().colors.is_some() {
+            let what = "labels are whole numbers, and its voxels are colours";
+            return Err(IoError::unsupported(self.path.as_path(), what));
+        }
+        let mut numbers = BTreeSet::new();
+        for voxels in boxes.pieces() {
+            let piece = boxes.read(voxels)?.volume;
+            let map = LabelMap::new(&piece, piece.grid()).map_err(unlabelled)?;
+            numbers.extend(map.labels());
+            if LabelMap::MAX_LABELS < numbers.len() {
+                return Err(unlabelled(LabelError::TooMany));
+            }
+        }
+        let numbers: Vec<i64> = numbers.into_iter().collect();
+        let mut styles = self.styles_of(&numbers)?;
+        let mut warnings = boxes.first().warnings.clone();
+        warnings.extend(self.missing(&numbers));
+        warnings.extend(uncolored(&numbers, &styles));
+        retain_useful(&mut styles, &numbers);
+        Ok((LabelBoxes { boxes, styles }, warnings))
     }
 
     /// The labels of voxels that are there already, as this file has them look; nothing is read.
@@ -163,6 +195,59 @@ impl LabelsFile {
         let path = shown_path(&self.path);
         (!missing.is_empty()).then(|| format!("{path} has no such labels: {}", listed(&missing)))
     }
+}
+
+/// Labels of a volume that are read for some of its voxels at a time.
+#[derive(Clone, Debug)]
+pub struct LabelBoxes {
+    boxes: VolumeBoxes,
+    styles: BTreeMap<i64, LabelStyle>,
+}
+
+impl LabelBoxes {
+    /// The labels of all voxels of a grid, as [`LabelMap::new`] has them; of the file no more is read than
+    /// lies around that.
+    ///
+    /// # Errors
+    /// If they cannot be read any more.
+    pub fn on(&self, grid: &Grid) -> Result<Labels, IoError> {
+        let path = || self.boxes.path().to_owned();
+        let part = self.boxes.read(self.around(grid))?.volume;
+        let map = LabelMap::new(&part, grid);
+        let labels = map.and_then(|map| Labels::new(map, self.styles.clone()));
+        labels.map_err(|source| IoError::Labels { path: path(), source })
+    }
+
+    /// The voxels of the file that are nearest to any of a grid's, and some around them.
+    fn around(&self, grid: &Grid) -> [Range<usize>; 3] {
+        let whole = self.boxes.grid();
+        let index_from_world = whole.index_from_world();
+        let corners = grid.corners_in_world().map(|at| index_from_world.transform_point3(at));
+        let ends = corners.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], at| {
+            [min.min(at), max.max(at)]
+        });
+        [0, 1, 2].map(|axis| {
+            let last = whole.dims()[axis] - 1;
+            let at = |index: f64| index.clamp(0.0, last as f64) as usize;
+            at(ends[0][axis].floor() - 1.0)..at(ends[1][axis].ceil() + 1.0) + 1
+        })
+    }
+
+    /// Bytes that labels take for each voxel of a grid while they are read.
+    pub fn voxel_bytes(&self, grid: &Grid) -> u64 {
+        let whole = self.boxes.grid();
+        let volume = |of: &Grid| of.world_from_index().matrix3.determinant().abs();
+        let n_each = volume(grid) / volume(&whole);
+        // Its own index, and what it is found from.
+        2 + (n_each * self.boxes.voxel_bytes() as f64).ceil() as u64
+    }
+}
+
+/// Tables are of more labels than most volumes have.
+fn retain_useful(styles: &mut BTreeMap<i64, LabelStyle>, labels: &[i64]) {
+    styles.retain(|label, style| {
+        labels.binary_search(label).is_ok() && *style != LabelStyle::default()
+    });
 }
 
 /// Lists visible labels that have no colour, where others have one.

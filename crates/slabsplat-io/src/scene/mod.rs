@@ -40,7 +40,7 @@ use slabsplat_core::{
 pub use boxes::VolumeBoxes;
 pub use camera::CameraDesc;
 pub use film::{FilmFile, KeyFile, KeyLayerFile, KeyLook, TurnFile};
-pub use labels::{LabelColors, LabelsFile};
+pub use labels::{LabelBoxes, LabelColors, LabelsFile};
 pub use mesh::MeshFile;
 pub use region::RegionDesc;
 pub use transfer_image::TransferImageFile;

@@ -195,14 +195,13 @@ impl SampleBuffer {
     /// Writes what is here, if it is to be written, and forgets it.
     fn spill(&mut self) -> io::Result<()> {
         let Some(Spilling { to, n_spilled }) = &mut self.spilling else { return Ok(()) };
-        if let Target::Wide(_) = self.target {
-            // What they become is known when all have been looked at.
-            return Err(to.refuse("a volume of 64-bit integers"));
-        }
         let target = std::mem::replace(&mut self.target, Target::empty(self.stored));
-        let samples = target.finish(self.stored, self.endian, &mut Vec::new());
-        to.write(*n_spilled as u64, &samples)?;
-        *n_spilled += samples.len();
+        let (first, n_samples) = (*n_spilled as u64, target.len());
+        match target {
+            Target::Wide(narrowed) => to.write_integers(first, narrowed, self.stored)?,
+            _ => to.write(first, &target.finish(self.stored, self.endian, &mut Vec::new()))?,
+        }
+        *n_spilled += n_samples;
         Ok(())
     }
 

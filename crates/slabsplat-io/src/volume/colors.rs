@@ -187,10 +187,12 @@ impl Voxels {
         format: VolumeFormat,
         mut warnings: Vec<String>,
     ) -> Result<LoadedVolume, IoError> {
-        let Self { mut grid, samples, scaling, choices } = self;
+        let Self { mut grid, mut samples, scaling, choices } = self;
         if input.spill.is_some() {
             // One voxel stands for all.
             grid = grid.cropped(&[0..1, 0..1, 0..1]);
+            let zero = samples.clone();
+            (1..choices.n_read()).for_each(|_| samples.append(&zero));
         }
         if !choices.is_color {
             let volume = assemble(input.path, grid, samples, scaling)?;
@@ -228,16 +230,23 @@ fn opacity_from(
         }
         (Some(asked), _) => Ok(asked),
         (None, None) => Ok(OpacitySource::Luminance),
+        // What is read of a volume in parts is asked for when all of it has been looked at.
+        (None, Some(_)) if input.spill.is_some() || input.options.voxels.is_some() => {
+            Ok(OpacitySource::Alpha)
+        }
         (None, Some(alpha)) if is_constant(alpha) => {
-            let what = "alpha is the same everywhere: opacity is made of luminance";
-            warnings.push(what.to_owned());
+            warnings.push(ALPHA_IS_CONSTANT.to_owned());
             Ok(OpacitySource::Luminance)
         }
         (None, Some(_)) => Ok(OpacitySource::Alpha),
     }
 }
 
-fn is_constant(samples: &Samples) -> bool {
+/// Why alpha is not what opacity is made of.
+pub(crate) const ALPHA_IS_CONSTANT: &str =
+    "alpha is the same everywhere: opacity is made of luminance";
+
+pub(crate) fn is_constant(samples: &Samples) -> bool {
     slabsplat_core::with_samples!(samples, |s| s.iter().all(|sample| *sample == s[0]))
 }
 

@@ -132,7 +132,9 @@ fn read_window(
     stream.jump(byte_skip.unwrap_or_else(|_| stream.n_left_at_most().saturating_sub(n_all)))?;
     stream.check_left(n_all)?;
     stream.jump(n_bytes.saturating_mul(volume as u64))?;
-    window.read(&path, &mut stream, layout.stored, layout.endian)
+    // Of colours all values are read of a voxel.
+    let n_values = layout.n_samples / window.n_of_whole().max(1);
+    window.read(&path, &mut stream, (layout.stored, n_values), layout.endian)
 }
 
 /// A file, and which of its samples are read.

@@ -63,6 +63,7 @@ use slabsplat_core::{
 
 pub use buffer::Endian;
 pub use choices::{Choice, Part, VolumeChoices, VolumeOptions};
+pub(crate) use colors::{ALPHA_IS_CONSTANT, is_constant};
 pub use colors::{ColorUse, LoadedColors, OpacitySource};
 pub use formats::{VolumeFormat, VolumeListing};
 pub(crate) use raw::read_raw_from;

@@ -300,13 +300,15 @@ impl PlacedSamples {
                 if 1 < stride {
                     return Err(spill.refuse("an array whose rows do not lie along x"));
                 }
-                if let StoredType::I64 | StoredType::U64 = stored {
-                    return Err(spill.refuse("an array of 64-bit integers"));
-                }
                 let here = Self::new(stored, endian, items.len());
                 let mut here = here.map_err(|_| io::Error::from(io::ErrorKind::OutOfMemory))?;
                 here.put(bytes, n_each, pick, 0, 1)?;
-                spill.write(first as u64, &here.finish(&mut Vec::new()))?;
+                match here.target {
+                    Target::Wide(narrowed) => {
+                        spill.write_integers(first as u64, narrowed, stored)?;
+                    }
+                    _ => spill.write(first as u64, &here.finish(&mut Vec::new()))?,
+                }
             }
         }
         Ok(())

@@ -105,7 +105,7 @@ pub(super) fn read_samples(
         return Err(IoError::malformed(path, what));
     }
     if let Some(window) = window {
-        return window.read(path, &mut stream, desc.sample_type.into(), desc.endian);
+        return window.read(path, &mut stream, (desc.sample_type.into(), 1), desc.endian);
     }
     let mut buffer = SampleBuffer::new(desc.sample_type, desc.endian);
     let meter = input.meter(needed);

@@ -13,10 +13,13 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use slabsplat_core::SampleType;
+
+use super::colors::Voxels;
 use super::formats::{self, Found, Input, Reader};
 use super::spill::{Spill, SpillFailure};
 use super::window::{Window, not_in_boxes};
-use super::{Endian, LoadedVolume, VolumeOptions, assemble, read_by};
+use super::{Endian, LoadedVolume, OpacitySource, VolumeOptions, assemble, read_by};
 use crate::IoError;
 use crate::store::Store;
 
@@ -110,6 +113,9 @@ impl ScratchDesc {
 #[derive(Debug)]
 pub(crate) struct Scratch {
     spill: Arc<Spill>,
+    options: VolumeOptions,
+    /// The type of samples in the file.
+    spilled: SampleType,
     /// One voxel, with all that is known of the volume.
     first: LoadedVolume,
     of: ScratchUse,
@@ -129,9 +135,6 @@ impl Scratch {
         let mut input = Input { store: Store::Disk, path: &path, options: &options, spill: None };
         let listing = reader.list(&input)?;
         options.check(&path, &listing.choices)?;
-        if listing.choices.is_color {
-            return Err(not_in_boxes(&path, "a volume of colours"));
-        }
         let (file, of) = desc.file_for(&path, listing.bytes())?;
         if let Some(ScratchCallback(hear)) = &desc.hear {
             hear(&of);
@@ -152,7 +155,15 @@ impl Scratch {
             }
             None => {}
         }
-        let scratch = Self { spill, first: first?, of };
+        let mut first = first?;
+        let spilled = first.volume.sample_type();
+        if let Some((stored, integers)) = spill.integers() {
+            first.warnings.push(integers.said_of(stored));
+            let volume = &first.volume;
+            let sample = integers.narrowed(volume.samples().clone());
+            first.volume = assemble(input.path, *volume.grid(), sample, volume.scaling())?;
+        }
+        let scratch = Self { spill, options: input.options.clone(), spilled, first, of };
         scratch.complete()?;
         Ok(scratch)
     }
@@ -160,12 +171,13 @@ impl Scratch {
     /// That all samples came; those that no part of the file has are zero.
     fn complete(&self) -> Result<(), IoError> {
         let n_voxels = self.first.volume.grid().uncropped().n_voxels() as u64;
-        let n_came = self.spill.n_in_order().unwrap_or(n_voxels);
-        if n_came != n_voxels {
+        let n_samples = n_voxels.saturating_mul(self.first.choices.n_read() as u64);
+        let n_came = self.spill.n_in_order().unwrap_or(n_samples);
+        if n_came != n_samples {
             let what = format!("it has {n_came} samples for {n_voxels} voxels");
             return Err(IoError::malformed(&self.of.path, what));
         }
-        let n_bytes = n_voxels * self.first.volume.sample_type().size_bytes() as u64;
+        let n_bytes = n_samples * self.spilled.size_bytes() as u64;
         self.spill.set_len(n_bytes).map_err(|source| {
             let (path, folder) = (self.of.path.clone(), self.of.folder.clone());
             IoError::Scratch { path, folder, source }
@@ -181,19 +193,34 @@ impl Scratch {
         &self.of
     }
 
-    /// A box of the volume.
+    /// A box of the volume; of one of colours opacity is made of that.
     ///
     /// # Errors
     /// If there are no such voxels, or they cannot be read any more.
-    pub(crate) fn read(&self, voxels: &[Range<usize>; 3]) -> Result<LoadedVolume, IoError> {
+    pub(crate) fn read(
+        &self,
+        voxels: &[Range<usize>; 3],
+        opacity_from: Option<OpacitySource>,
+    ) -> Result<LoadedVolume, IoError> {
         let (path, first) = (&self.of.path, &self.first.volume);
         let whole = first.grid().uncropped();
         let window = Window::of(path, &whole, voxels)?;
-        let stored = first.sample_type().into();
+        let values = (self.spilled.into(), self.first.choices.n_read());
         let samples =
-            self.spill.with_reader(|reader| window.place(path, reader, stored, Endian::NATIVE))?;
-        let volume = assemble(path, whole.cropped(voxels), samples, first.scaling())?;
-        Ok(LoadedVolume { volume, warnings: Vec::new(), ..self.first.clone() })
+            self.spill.with_reader(|reader| window.place(path, reader, values, Endian::NATIVE))?;
+        let samples = match self.spill.integers() {
+            Some((_, integers)) => integers.narrowed(samples),
+            None => samples,
+        };
+        let (grid, scaling) = (whole.cropped(voxels), first.scaling());
+        let choices = self.first.choices.clone();
+        let options =
+            VolumeOptions { voxels: Some(voxels.clone()), opacity_from, ..self.options.clone() };
+        let input = Input { store: Store::Disk, path, options: &options, spill: None };
+        let read = Voxels { grid, samples, scaling, choices };
+        let LoadedVolume { volume, colors, .. } =
+            read.load(&input, self.first.format, Vec::new())?;
+        Ok(LoadedVolume { volume, colors, warnings: Vec::new(), ..self.first.clone() })
     }
 }
 

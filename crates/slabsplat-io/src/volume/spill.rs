@@ -15,7 +15,7 @@ use super::Endian;
 use super::buffer::{ReadFailure, SampleBuffer};
 use super::formats::Input;
 use super::placed::{PlacedSamples, Source};
-use super::stored::StoredType;
+use super::stored::{Narrowed, StoredType, WideRange};
 
 /// A file that takes the samples of a volume.
 #[derive(Debug)]
@@ -27,6 +27,8 @@ struct Spilled {
     failure: Option<SpillFailure>,
     /// How many samples came one after the other, if they came so.
     n_in_order: Option<u64>,
+    /// What integers of 64 bits are to become, which are numbers of 64 bits here.
+    integers: Option<(StoredType, WideRange)>,
 }
 
 /// Why the file has not all samples.
@@ -60,7 +62,12 @@ impl Input<'_> {
 
 impl Spill {
     pub(super) fn new(file: File) -> Arc<Self> {
-        Arc::new(Self(Mutex::new(Spilled { file, failure: None, n_in_order: None })))
+        Arc::new(Self(Mutex::new(Spilled {
+            file,
+            failure: None,
+            n_in_order: None,
+            integers: None,
+        })))
     }
 
     fn lock(&self) -> MutexGuard<'_, Spilled> {
@@ -75,6 +82,24 @@ impl Spill {
         let file = &mut spilled.file;
         let written = file.seek(SeekFrom::Start(at)).and_then(|_| file.write_all(bytes));
         written.map_err(|error| spilled.fail(SpillFailure::Write(error)))
+    }
+
+    /// The same of integers of 64 bits, of which only the last one tells what they become.
+    pub(super) fn write_integers(
+        &self,
+        first: u64,
+        numbers: Narrowed,
+        stored: StoredType,
+    ) -> io::Result<()> {
+        let mut so_far = self.integers().map_or_else(WideRange::default, |(_, range)| range);
+        let numbers = Samples::F64(numbers.widened(&mut so_far));
+        self.lock().integers = Some((stored, so_far));
+        self.write(first, &numbers)
+    }
+
+    /// What integers of 64 bits became of those that came, if they are that.
+    pub(super) fn integers(&self) -> Option<(StoredType, WideRange)> {
+        self.lock().integers
     }
 
     /// That samples cannot be written as they come.

@@ -5,7 +5,7 @@
 
 use std::collections::TryReserveError;
 
-use slabsplat_core::{SampleType, Samples};
+use slabsplat_core::{Sample, SampleType, Samples, with_samples};
 
 use super::Endian;
 
@@ -182,13 +182,65 @@ impl Narrowed {
     }
 
     pub(super) fn finish(self, stored: StoredType, warnings: &mut Vec<String>) -> Samples {
-        let (stored, kept) = (stored.name(), self.samples.sample_type().name());
-        warnings.push(if self.is_rounded {
-            format!("samples of {stored} were rounded to {kept}: some are beyond 2^53")
-        } else {
-            format!("samples of {stored} became {kept}, which holds all of them")
-        });
+        warnings.push(said_of_narrowed(stored, self.samples.sample_type(), self.is_rounded));
         self.samples
+    }
+
+    /// The same as numbers that hold any of them, and what all that came so far become.
+    pub(super) fn widened(self, so_far: &mut WideRange) -> Vec<f64> {
+        so_far.is_rounded |= self.is_rounded;
+        let numbers: Vec<f64> =
+            with_samples!(&self.samples, |s| s.iter().map(|n| n.to_f64()).collect());
+        for number in &numbers {
+            so_far.ends = [number.min(so_far.ends[0]), number.max(so_far.ends[1])];
+        }
+        numbers
+    }
+}
+
+/// The least and the largest of integers of 64 bits, and 0, as they become samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WideRange {
+    ends: [f64; 2],
+    /// Whether a 64-bit float rounds one.
+    is_rounded: bool,
+}
+
+impl WideRange {
+    /// The type that [`Narrowed`] would have for all of them.
+    pub(super) fn sample_type(&self) -> SampleType {
+        let [min, max] = self.ends;
+        if f64::from(i32::MIN) <= min && max <= f64::from(i32::MAX) {
+            SampleType::I32
+        } else if 0.0 <= min && max <= f64::from(u32::MAX) {
+            SampleType::U32
+        } else {
+            SampleType::F64
+        }
+    }
+
+    /// Numbers of them in that type.
+    pub(super) fn narrowed(&self, numbers: Samples) -> Samples {
+        let Samples::F64(numbers) = numbers else { return numbers };
+        match self.sample_type() {
+            SampleType::I32 => Samples::I32(numbers.into_iter().map(|n| n as i32).collect()),
+            SampleType::U32 => Samples::U32(numbers.into_iter().map(|n| n as u32).collect()),
+            _ => Samples::F64(numbers),
+        }
+    }
+
+    /// What is to be said of them, if that is what they were.
+    pub(super) fn said_of(&self, stored: StoredType) -> String {
+        said_of_narrowed(stored, self.sample_type(), self.is_rounded)
+    }
+}
+
+fn said_of_narrowed(stored: StoredType, kept: SampleType, is_rounded: bool) -> String {
+    let (stored, kept) = (stored.name(), kept.name());
+    if is_rounded {
+        format!("samples of {stored} were rounded to {kept}: some are beyond 2^53")
+    } else {
+        format!("samples of {stored} became {kept}, which holds all of them")
     }
 }
 

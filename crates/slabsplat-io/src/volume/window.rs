@@ -81,6 +81,11 @@ impl Window {
         self.voxels.iter().map(Range::len).product()
     }
 
+    /// Voxels of the volume.
+    pub(super) fn n_of_whole(&self) -> usize {
+        self.dims.iter().product()
+    }
+
     /// What the box keeps of an axis of the volume, x, y or z, as an axis of an array.
     pub(super) fn axis(&self, axis: usize) -> Axis {
         let stride = self.voxels[..axis].iter().map(Range::len).product();
@@ -97,13 +102,12 @@ impl Window {
         choices: &VolumeChoices,
         stored: StoredType,
     ) -> Result<(), &'static str> {
-        if choices.is_color {
-            return Err("a volume of colours");
-        }
         if let StoredType::I64 | StoredType::U64 = stored {
             return Err("an array of 64-bit integers");
         }
-        let mut stride = 1;
+        // All values of a voxel lie next to each other.
+        let n_values = choices.n_read();
+        let mut stride = n_values;
         let strides = self.dims.map(|n| {
             let before = stride;
             stride *= n;
@@ -118,12 +122,14 @@ impl Window {
             let Some(of_volume) = of_volume else { continue };
             let Axis { kept, stride, .. } = self.axis(of_volume);
             let first = axis.kept.start;
-            *axis = Axis { len: axis.len, kept: first + kept.start..first + kept.end, stride };
+            let (len, kept) = (axis.len, first + kept.start..first + kept.end);
+            *axis = Axis { len, kept, stride: n_values * stride };
         }
         Ok(())
     }
 
-    /// The samples of the box from a stream that is about to come to the volume's first voxel.
+    /// The samples of the box, of so many values a voxel, from a stream that is about to come to the volume's
+    /// first voxel.
     ///
     /// # Errors
     /// If the stream is too short, packed, or of integers of 64 bits, which become what they are by looking
@@ -132,7 +138,7 @@ impl Window {
         &self,
         path: &Path,
         stream: &mut DataStream<'_>,
-        stored: StoredType,
+        (stored, n_values): (StoredType, usize),
         endian: Endian,
     ) -> Result<Samples, IoError> {
         if !stream.is_plain() {
@@ -141,21 +147,24 @@ impl Window {
         if let StoredType::I64 | StoredType::U64 = stored {
             return Err(not_in_boxes(path, "a file of 64-bit integers"));
         }
-        let n_all = self.dims.iter().fold(1, |n: u64, len| n.saturating_mul(*len as u64));
+        let n_all = self.dims.iter().fold(n_values as u64, |n, len| n.saturating_mul(*len as u64));
         stream.check_left(n_all.saturating_mul(stored.size_bytes() as u64))?;
-        self.place(path, stream, stored, endian)
+        self.place(path, stream, (stored, n_values), endian)
     }
 
-    /// The same from what is as long as it needs to be.
+    /// The same from what is as long as it needs to be, of so many values a voxel.
     pub(super) fn place(
         &self,
         path: &Path,
         source: &mut impl Source,
-        stored: StoredType,
+        (stored, n_values): (StoredType, usize),
         endian: Endian,
     ) -> Result<Samples, IoError> {
-        let axes = [0, 1, 2].map(|axis| self.axis(axis));
-        let samples = PlacedSamples::new(stored, endian, self.n_voxels());
+        let of_voxels = [0, 1, 2].map(|axis| self.axis(axis));
+        let of_voxels = of_voxels.map(|axis| Axis { stride: n_values * axis.stride, ..axis });
+        let [x, y, z] = of_voxels;
+        let axes = [Axis::whole(n_values, 1), x, y, z];
+        let samples = PlacedSamples::new(stored, endian, n_values * self.n_voxels());
         let placed = samples.and_then(|mut samples| {
             samples.place(source, &axes, 0)?;
             Ok(samples.finish(&mut Vec::new()))

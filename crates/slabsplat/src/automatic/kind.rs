@@ -1,6 +1,6 @@
 //! What kind of data a volume holds, by what its file says and by its values.
 
-use slabsplat_core::{Acquisition, Modality, Orientation, Volume};
+use slabsplat_core::{Acquisition, Grid, Modality, Orientation};
 
 use super::histogram::Histogram;
 use super::statistics::Statistics;
@@ -82,13 +82,12 @@ impl DataKind {
     }
 
     /// Whether it is a head or so: a scan of a body that is as small.
-    pub(crate) fn is_head(self, volume: &Volume) -> bool {
-        let grid = volume.grid();
+    pub(crate) fn is_head(self, grid: &Grid) -> bool {
         let longest = (0..3).map(|axis| grid.spacing()[axis] * grid.dims()[axis] as f64);
         matches!(self, Self::Hounsfield { .. }) && longest.fold(0.0, f64::max) < LARGEST_HEAD
     }
 
-    pub(super) fn of(volume: &Volume, statistics: &Statistics, acquisition: Acquisition) -> Self {
+    pub(super) fn of(grid: &Grid, statistics: &Statistics, acquisition: Acquisition) -> Self {
         let Some(histogram) = &statistics.histogram else { return Self::Flat };
         if is_labels(statistics, histogram) {
             return Self::Labels;
@@ -98,9 +97,9 @@ impl DataKind {
         }
         match (acquisition.modality, acquisition.orientation) {
             (Some(Modality::Microscopy), _) => Self::Microscopy,
-            (None, Orientation::Pictures) if is_microscopic(volume) => Self::Microscopy,
+            (None, Orientation::Pictures) if is_microscopic(grid) => Self::Microscopy,
             (Some(Modality::Mr), _) | (None, Orientation::Anatomical) => Self::Mr,
-            (None, Orientation::Unknown) if is_computed(volume, histogram) => Self::Field,
+            (None, Orientation::Unknown) if is_computed(grid, histogram) => Self::Field,
             _ => Self::Scan,
         }
     }
@@ -108,9 +107,9 @@ impl DataKind {
 
 /// Whether values are smooth, and not those of two things with a border between; a little rougher ones may be
 /// where the grid is a cube, as that of a simulation mostly is, and that of a scan hardly ever.
-fn is_computed(volume: &Volume, histogram: &Histogram) -> bool {
+fn is_computed(grid: &Grid, histogram: &Histogram) -> bool {
     let roughness = histogram.roughness_from(histogram.background().last + 1);
-    let [nx, ny, nz] = volume.grid().dims();
+    let [nx, ny, nz] = grid.dims();
     let limit = if nx == ny && ny == nz { FAIRLY_SMOOTH } else { SMOOTH };
     roughness < limit && histogram.separability() < TWO_THINGS
 }
@@ -121,8 +120,8 @@ fn is_labels(statistics: &Statistics, histogram: &Histogram) -> bool {
 }
 
 /// Voxels without a length, or such as microscopes have.
-fn is_microscopic(volume: &Volume) -> bool {
-    let spacing = volume.grid().spacing();
+fn is_microscopic(grid: &Grid) -> bool {
+    let spacing = grid.spacing();
     spacing == [1.0; 3] || spacing.iter().all(|&step| step < LARGEST_MICROSCOPIC)
 }
 

@@ -5,7 +5,7 @@
 
 #[cfg(feature = "files")]
 use slabsplat_core::SampleType;
-use slabsplat_core::{Acquisition, PiecewiseLinear, TransferFunction, Volume};
+use slabsplat_core::{Acquisition, Grid, PiecewiseLinear, TransferFunction, Volume};
 #[cfg(feature = "files")]
 use slabsplat_io::OpacitySource;
 
@@ -75,9 +75,10 @@ const PERCEPTUAL: [[f64; 3]; 10] = [
 ];
 
 impl Look {
-    pub(crate) fn of(volume: &Volume, acquisition: Acquisition) -> Self {
-        let statistics = Statistics::of(volume);
-        let kind = DataKind::of(volume, &statistics, acquisition);
+    /// Of a volume on that grid, of which `rows` are enough, the [rows that are looked at](LookedAt).
+    pub(crate) fn of(rows: &Volume, grid: &Grid, acquisition: Acquisition) -> Self {
+        let statistics = Statistics::of(rows);
+        let kind = DataKind::of(grid, &statistics, acquisition);
         Self::of_kind(kind, &statistics)
     }
 
@@ -105,13 +106,13 @@ impl Look {
 
     /// Of a volume whose voxels have colours of their own, of which it holds what opacity is made of.
     #[cfg(feature = "files")]
-    pub(crate) fn of_colors(volume: &Volume, opacity_from: OpacitySource) -> Self {
+    pub(crate) fn of_colors(rows: &Volume, opacity_from: OpacitySource) -> Self {
         match opacity_from {
             OpacitySource::Alpha => {
-                Curves::alpha(volume.sample_type()).into_look(DataKind::Colors, DARK)
+                Curves::alpha(rows.sample_type()).into_look(DataKind::Colors, DARK)
             }
             // How light it is, and any other scalar that has no meaning of its own.
-            _ => Self::of_kind(DataKind::Colors, &Statistics::of(volume)),
+            _ => Self::of_kind(DataKind::Colors, &Statistics::of(rows)),
         }
     }
 }

@@ -18,7 +18,7 @@ mod look;
 mod studio;
 
 use slabsplat_core::{
-    Acquisition, Camera, Fit, ImageDesc, Layer, Mode, RenderSettings, Scene, Shading,
+    Acquisition, Camera, Fit, Grid, ImageDesc, Layer, Mode, RenderSettings, Scene, Shading,
     TransferFunction, Volume,
 };
 use std::sync::Arc;
@@ -29,6 +29,8 @@ pub use kind::DataKind;
 #[cfg(feature = "files")]
 pub(crate) use look::DARK;
 pub(crate) use look::Look;
+#[cfg(feature = "files")]
+pub(crate) use statistics::LookedAt;
 pub(crate) use studio::{lights, phong};
 
 /// Defaults that fit one volume.
@@ -49,8 +51,8 @@ impl Automatic {
     /// files report it.
     pub fn with_acquisition(volume: impl Into<Arc<Volume>>, acquisition: Acquisition) -> Self {
         let volume = volume.into();
-        let look = Look::of(&volume, acquisition);
-        let facing = look.facing(&volume, acquisition);
+        let look = Look::of(&volume, volume.grid(), acquisition);
+        let facing = look.facing(volume.grid(), acquisition);
         let layer = look.layer(volume);
         let framing = Framing::new(std::slice::from_ref(&layer), &[], Mode::Extinction, facing);
         Self { layer, look, framing }
@@ -132,9 +134,9 @@ impl Look {
     }
 
     /// Which way the volume stands.
-    pub(crate) fn facing(&self, volume: &Volume, acquisition: Acquisition) -> Facing {
-        let facing = Facing::of(acquisition.orientation, volume.grid());
-        if self.kind.is_head(volume) { facing.on_neck() } else { facing }
+    pub(crate) fn facing(&self, grid: &Grid, acquisition: Acquisition) -> Facing {
+        let facing = Facing::of(acquisition.orientation, grid);
+        if self.kind.is_head(grid) { facing.on_neck() } else { facing }
     }
 
     /// What was found, in a line for people.

@@ -53,25 +53,38 @@ impl Statistics {
     }
 }
 
+/// Which rows of a volume are looked at, evenly spread. A volume of these alone is looked at whole, and so
+/// has the same statistics.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct LookedAt {
+    /// Every how manieth row along y and along z.
+    pub(crate) stride: usize,
+    pub(crate) n_rows: usize,
+}
+
+impl LookedAt {
+    /// Of a volume of so many voxels along x, y and z.
+    pub(crate) fn of(dims: [usize; 3]) -> Self {
+        let n_all = dims[1] * dims[2];
+        let n_wanted = (N_VOXELS / dims[0]).max(1);
+        // An odd stride meets rows of both parities whichever way it wraps.
+        let stride = n_all.div_ceil(n_wanted) | 1;
+        Self { stride, n_rows: n_all.div_ceil(stride) }
+    }
+}
+
 /// Rows of a volume that are looked at.
 struct Rows<'a, T> {
     samples: &'a [T],
     scaling: Scaling,
     dims: [usize; 3],
-    /// Every how manieth row along y and along z.
-    stride: usize,
-    n_rows: usize,
+    looked_at: LookedAt,
 }
 
 impl<'a, T: Sample> Rows<'a, T> {
     fn new(volume: &Volume, samples: &'a [T]) -> Self {
         let dims = volume.grid().dims();
-        let n_all = dims[1] * dims[2];
-        let n_wanted = (N_VOXELS / dims[0]).max(1);
-        // An odd stride meets rows of both parities whichever way it wraps.
-        let stride = n_all.div_ceil(n_wanted) | 1;
-        let n_rows = n_all.div_ceil(stride);
-        Self { samples, scaling: volume.scaling(), dims, stride, n_rows }
+        Self { samples, scaling: volume.scaling(), dims, looked_at: LookedAt::of(dims) }
     }
 
     fn statistics(&self) -> Statistics {
@@ -86,9 +99,10 @@ impl<'a, T: Sample> Rows<'a, T> {
         &self,
         look: impl Fn(&mut dyn Iterator<Item = usize>) -> R + Sync,
     ) -> Vec<R> {
+        let LookedAt { stride, n_rows } = self.looked_at;
         let of_task = |task: usize| {
-            let rows = task * self.n_rows / N_TASKS..(task + 1) * self.n_rows / N_TASKS;
-            look(&mut rows.map(|row| row * self.stride))
+            let rows = task * n_rows / N_TASKS..(task + 1) * n_rows / N_TASKS;
+            look(&mut rows.map(|row| row * stride))
         };
         (0..N_TASKS).into_par_iter().map(of_task).collect()
     }

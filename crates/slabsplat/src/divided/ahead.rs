@@ -1,7 +1,8 @@
 //! The voxels of a box, and those of the next one, which are read while a box is drawn.
 
 use super::{DividedError, DividedScene, ShareCost};
-use slabsplat_core::{PartBox, Volume};
+use slabsplat_core::{Labels, PartBox, Volume, VoxelColors};
+use std::ops::Range;
 use std::sync::Arc;
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::Instant;
@@ -9,9 +10,28 @@ use std::time::Instant;
 /// What is read of a box and around it.
 pub(super) struct BoxVoxels {
     /// Layer by layer.
-    pub(super) volumes: Vec<Arc<Volume>>,
+    pub(super) layers: Vec<LayerVoxels>,
     /// Seconds that it took.
     pub(super) reading_secs: f64,
+}
+
+/// What is read of a layer in a box.
+#[derive(Clone, Debug)]
+pub(super) struct LayerVoxels {
+    pub(super) volume: Arc<Volume>,
+    pub(super) colors: Option<VoxelColors>,
+    pub(super) labels: Option<Labels>,
+}
+
+impl LayerVoxels {
+    /// Bytes that they take.
+    pub(super) fn n_bytes(&self) -> u64 {
+        let volume = &self.volume;
+        let of_colors = self.colors.as_ref().map_or(0, |colors| colors.samples().size_bytes());
+        let of_labels = self.labels.as_ref().map_or(0, |_| size_of::<u16>());
+        let n_voxels = volume.grid().n_voxels();
+        (n_voxels * (volume.sample_type().size_bytes() + of_labels) + of_colors) as u64
+    }
 }
 
 /// The voxels of a box that is likely to be drawn next.
@@ -27,13 +47,26 @@ impl DividedScene {
     pub(super) fn read(&self, of: &PartBox) -> Result<BoxVoxels, DividedError> {
         // A page has no clock.
         let started = cfg!(not(target_arch = "wasm32")).then(Instant::now);
-        let layers = self.sources.iter().zip(&self.grids).zip(&self.steps);
-        let read = layers.map(|((source, grid), steps)| {
-            Ok(source.read(self.boxes.voxels_near(of, grid, *steps))?.volume)
+        let layers = self.grids.iter().zip(&self.steps).enumerate();
+        let read = layers.map(|(layer_idx, (grid, steps))| {
+            let key = (layer_idx, self.boxes.voxels_near(of, grid, *steps));
+            self.retained.get(&key, || self.layer_voxels(layer_idx, &key.1))
         });
-        let volumes = read.collect::<Result<Vec<_>, DividedError>>()?;
+        let layers = read.collect::<Result<Vec<_>, DividedError>>()?;
         let reading_secs = started.map_or(0.0, |started| started.elapsed().as_secs_f64());
-        Ok(BoxVoxels { volumes, reading_secs })
+        Ok(BoxVoxels { layers, reading_secs })
+    }
+
+    fn layer_voxels(
+        &self,
+        layer_idx: usize,
+        voxels: &[Range<usize>; 3],
+    ) -> Result<LayerVoxels, DividedError> {
+        let read = self.sources[layer_idx].read(voxels.clone())?;
+        let colors = read.colors.and_then(|colors| colors.voxels);
+        let labels = self.labels[layer_idx].as_ref();
+        let labels = labels.map(|labels| labels.on(read.volume.grid())).transpose()?;
+        Ok(LayerVoxels { volume: read.volume, colors, labels })
     }
 }
 
@@ -44,10 +77,9 @@ impl ShareCost {
         let voxels = ahead.voxels()?;
         self.waiting_secs += started.map_or(0.0, |started| started.elapsed().as_secs_f64());
         self.reading_secs += voxels.reading_secs;
-        for volume in &voxels.volumes {
-            let n_voxels = volume.grid().n_voxels() as u64;
-            self.n_voxels_read += n_voxels;
-            self.n_bytes_read += n_voxels * volume.sample_type().size_bytes() as u64;
+        for layer in &voxels.layers {
+            self.n_voxels_read += layer.volume.grid().n_voxels() as u64;
+            self.n_bytes_read += layer.n_bytes();
         }
         Ok(voxels)
     }

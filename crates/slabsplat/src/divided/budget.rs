@@ -3,7 +3,7 @@
 use super::refine::MOST_GROUPS;
 use super::shares::Shares;
 use super::{DividedDesc, DividedError};
-use slabsplat_core::{Camera, Grid, ImageDesc, PartTree, SampleType, Scene};
+use slabsplat_core::{Camera, Grid, ImageDesc, Layer, PartTree, Scene};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -105,9 +105,9 @@ impl Budget {
     ) -> Self {
         let n_threads = rayon::current_num_threads();
         let fixed_bytes = shared_bytes(scene, image) + OF_THREAD * n_threads as u64;
-        let of_volumes = scene.layers.iter().zip(grids).map(|(layer, grid)| {
-            grid.n_voxels() as u64 * layer.volume.sample_type().size_bytes() as u64
-        });
+        let of_volumes = scene.layers.iter().zip(grids);
+        let of_volumes =
+            of_volumes.map(|(layer, grid)| grid.n_voxels() as u64 * voxel_bytes(layer));
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
         let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
         let camera = scene.camera;
@@ -136,14 +136,14 @@ impl Budget {
         &self,
         grids: &[Grid],
         steps: &[[f64; 3]],
-        types: impl Iterator<Item = SampleType> + Clone,
+        voxel_bytes: impl Iterator<Item = u64> + Clone,
         (shares, has_chunks): (&mut Shares, bool),
     ) -> Result<(PartTree, u64), DividedError> {
         let layers: Vec<(&Grid, [f64; 3], u64)> = grids
             .iter()
             .zip(steps)
-            .zip(types)
-            .map(|((grid, steps), of)| (grid, *steps, of.size_bytes() as u64))
+            .zip(voxel_bytes)
+            .map(|((grid, steps), n_bytes)| (grid, *steps, n_bytes))
             .collect();
         let largest = layers.iter().max_by_key(|(grid, ..)| grid.n_voxels());
         let Some(&(grid, steps, _)) = largest else {
@@ -189,12 +189,20 @@ impl Budget {
 
 /// What there is beside threads and the voxels of a box.
 fn shared_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
-    let overviews = scene.layers.iter().map(|layer| {
-        let volume = &layer.volume;
-        (volume.grid().n_voxels() * volume.sample_type().size_bytes()) as u64
-    });
+    let overviews = scene.layers.iter();
+    let overviews =
+        overviews.map(|layer| layer.volume.grid().n_voxels() as u64 * voxel_bytes(layer));
     let of_pixels = OF_PIXEL * image.n_pixels() as u64;
     OF_PROGRAM + of_pixels + overviews.sum::<u64>()
+}
+
+/// Bytes of what is read of a voxel.
+pub(super) fn voxel_bytes(layer: &Layer) -> u64 {
+    let n_voxels = layer.volume.grid().n_voxels();
+    let of_colors =
+        layer.colors.as_ref().map_or(0, |colors| colors.samples().size_bytes() / n_voxels);
+    let of_labels = layer.labels.as_ref().map_or(0, |_| size_of::<u16>());
+    (layer.volume.sample_type().size_bytes() + of_colors + of_labels) as u64
 }
 
 /// What it takes to draw all overviews at once, beside their samples.

@@ -1,6 +1,6 @@
 //! A frame box by box, from the eye.
 
-use super::ahead::{Ahead, BoxVoxels};
+use super::ahead::{Ahead, BoxVoxels, LayerVoxels};
 use super::painter::Painter;
 use super::{DividedError, DividedScene, ShareCost};
 use crate::{RenderError, frame_scene};
@@ -42,6 +42,7 @@ impl DividedScene {
         let mut image = Image::filled(width, height, [0.0; 4]);
         let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
         let mut painter = Painter::new(&self.backend, self.n_threads);
+        self.retained.begin_frame(self.room_bytes);
         let boxes = self.own_boxes();
         std::thread::scope(|threads| {
             let mut left = boxes.iter().copied().enumerate();
@@ -171,13 +172,25 @@ fn draw_box(
     (painter, in_front): (&mut Painter<'_>, &Image),
     frame: &FrameHandle,
 ) -> Result<Frame, DividedError> {
-    let layers = scene.layers.iter_mut().zip(voxels.volumes);
-    let overviews: Vec<_> =
-        layers.map(|(layer, volume)| std::mem::replace(&mut layer.volume, volume)).collect();
+    let layers = scene.layers.iter_mut().zip(voxels.layers);
+    let overviews = layers.map(|(layer, of)| {
+        let volume = std::mem::replace(&mut layer.volume, of.volume);
+        let colors = std::mem::replace(&mut layer.colors, of.colors);
+        let labels = std::mem::replace(&mut layer.labels, of.labels);
+        // They look as they do in the scene, which may be of another moment.
+        if let (Some(here), Some(labels)) = (&mut layer.labels, &labels) {
+            *here = here.with_styles(labels.styles().clone()).expect("they are of a scene");
+        }
+        LayerVoxels { volume, colors, labels }
+    });
+    let overviews: Vec<LayerVoxels> = overviews.collect();
     let drawn = painter.draw(scene, &of.part, in_front, frame);
     painter.forget();
     let layers = scene.layers.iter_mut().zip(overviews);
-    layers.for_each(|(layer, overview)| layer.volume = overview);
+    layers.for_each(|(layer, overview)| {
+        let LayerVoxels { volume, colors, labels } = overview;
+        (layer.volume, layer.colors, layer.labels) = (volume, colors, labels);
+    });
     drawn
 }
 

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! unpack each volume that cannot be read in boxes into a scratch file
-//! what the scene file leaves open is found of overviews, every so manieth voxel of each volume
+//! what the scene file leaves open is found of the voxels of which it is found in memory
 //! cut the largest volume into boxes, by a k-d tree, until one fits the memory with what it takes to draw it
 //! for each box, from the eye:
 //!     unless all pixels that it may touch are saturated:
@@ -15,29 +15,40 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `overview`, `balance`, `shares`, `budget`, `ahead`, `painter`, `drawing`, `refine`,
-//! `shared`.
+//! Reading order: `survey`, `values` and `overview` (what is read before there is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`,
+//! `drawing`, `refine`, `moments`, `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
 mod drawing;
+mod moments;
 mod overview;
 mod painter;
 mod refine;
+mod retained;
 mod shared;
 mod shares;
+mod survey;
+mod values;
 
 use crate::framing::Aim;
+use crate::transfer::VolumeValues;
+use crate::volume_facts::VolumeFacts;
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use budget::Budget;
 use overview::Overview;
 use painter::CPU;
+use retained::RetainedBoxes;
 use shares::Shares;
-use slabsplat_backend::{PlanError, Planner, SceneInParts, check_parts};
-use slabsplat_core::{FrameHandle, Grid, PartBox, PartTree};
-use slabsplat_io::{IoError, SceneFile, ScratchDesc, VolumeBoxes};
+use slabsplat_backend::{Frame, PlanError, Planner, SceneInParts, check_parts};
+use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartTree, Samples, Scene, Volume};
+use slabsplat_io::{IoError, LabelBoxes, LayerFile, SceneFile, ScratchDesc, VolumeBoxes};
+use std::cell::RefCell;
+use std::sync::Arc;
+use survey::Survey;
 use thiserror::Error;
+use values::BoxValues;
 
 pub use budget::NoRoom;
 pub use refine::Refinement;
@@ -45,9 +56,8 @@ pub use shared::{Exchange, ShareCost, SharedScene};
 
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
-/// The picture is that of the scene with all voxels in memory, up to rounding, if the scene file says its
-/// transfer functions and its camera; what it leaves open is found of an overview of each volume, of two
-/// million voxels at most. Cells that stand for voxels under a tolerance are not drawn.
+/// The picture is that of the scene with all voxels in memory, up to rounding, and so is what the scene file
+/// leaves open: transfer functions and the camera are found of the same voxels. Cells that stand for voxels under a tolerance are not drawn.
 ///
 /// ```no_run
 /// use slabsplat::DividedScene;
@@ -62,8 +72,12 @@ pub use shared::{Exchange, ShareCost, SharedScene};
 pub struct DividedScene {
     /// With overviews for volumes.
     opened: OpenScene,
+    /// What annotations see for volumes.
+    outlines: Vec<Arc<Volume>>,
     /// The volumes, whole.
     sources: Vec<VolumeBoxes>,
+    /// Their labels, if they have any.
+    labels: Vec<Option<LabelBoxes>>,
     grids: Vec<Grid>,
     boxes: PartTree,
     /// Those that are drawn here, of all shares.
@@ -71,12 +85,29 @@ pub struct DividedScene {
     /// How many voxels around a box have a share in its picture, of each layer.
     steps: Vec<[f64; 3]>,
     memory_bytes: u64,
+    /// As it was opened, for other scenes of the same volumes.
+    desc: DividedDesc,
+    retained: Arc<RetainedBoxes>,
+    /// What boxes leave for some that are retained.
+    room_bytes: u64,
     /// That draw.
     n_threads: usize,
     /// By name.
     backend: String,
     is_refined: bool,
 }
+
+/// A scene as it is found.
+struct Surveyed {
+    opened: OpenScene,
+    sources: Vec<VolumeBoxes>,
+    labels: Vec<Option<LabelBoxes>>,
+    grids: Vec<Grid>,
+    outlines: Vec<Arc<Volume>>,
+}
+
+/// The cameras that go around with one.
+type Views<'a> = &'a dyn Fn(&Camera) -> Vec<Camera>;
 
 /// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
 const OF_OVERVIEW: u64 = 4;
@@ -92,18 +123,31 @@ pub struct DividedDesc {
     /// Whether it leaves room for what [`DividedScene::refined`] shows: 80 bytes a pixel, and what it takes
     /// to draw the overviews.
     pub is_refined: bool,
+    /// How the camera is aimed that the scene file says, or that is found.
+    pub aim: Aim,
 }
 
 impl DividedDesc {
     /// So many bytes of memory, and scratch in the system's folder for it.
     pub fn new(memory_bytes: u64) -> Self {
-        Self { memory_bytes, scratch: ScratchDesc::default(), is_refined: false }
+        Self {
+            memory_bytes,
+            scratch: ScratchDesc::default(),
+            is_refined: false,
+            aim: Aim::default(),
+        }
     }
 
     /// The same with scratch there.
     #[must_use]
     pub fn scratch(self, scratch: ScratchDesc) -> Self {
         Self { scratch, ..self }
+    }
+
+    /// The same with the camera aimed so.
+    #[must_use]
+    pub fn aim(self, aim: Aim) -> Self {
+        Self { aim, ..self }
     }
 
     /// The same with room for pictures that are shown meanwhile.
@@ -134,9 +178,6 @@ pub enum DividedError {
         "the scene was not opened to show pictures while it is drawn: DividedDesc::refined does that"
     )]
     NotRefined,
-    /// What is in memory whole could be more than there is.
-    #[error("a volume is not drawn box by box with {0}: leave them out, or leave out the memory")]
-    Whole(&'static str),
     /// Another share of the scene failed.
     #[error(transparent)]
     Elsewhere(Box<dyn std::error::Error + Send + Sync>),
@@ -161,75 +202,154 @@ impl DividedScene {
     /// If it cannot be opened, read or drawn box by box, or not within so little memory; if there is no room
     /// for scratch.
     pub fn open(file: &SceneFile, memory_bytes: u64) -> Result<Self, DividedError> {
-        let desc = DividedDesc::new(memory_bytes);
-        Self::open_framed(file, &desc, |opened, file| opened.frame(file, &Aim::default()))
+        Self::open_as(file, &DividedDesc::new(memory_bytes))
     }
 
-    /// The same with a camera that `frame` finds, as [`OpenScene::frame`] does.
+    /// The same as `desc` says.
     ///
     /// # Errors
-    /// As [`open`](Self::open), and `frame`.
-    pub fn open_framed(
+    /// As [`open`](Self::open).
+    pub fn open_as(file: &SceneFile, desc: &DividedDesc) -> Result<Self, DividedError> {
+        Self::open_for(file, desc, None)
+    }
+
+    /// The same for a camera that goes around, as [`OpenScene::frame_around`].
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_around(
         file: &SceneFile,
         desc: &DividedDesc,
-        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
+        views: &dyn Fn(&Camera) -> Vec<Camera>,
     ) -> Result<Self, DividedError> {
-        let alone = &mut shared::Alone;
-        let (opened, sources, grids) = Self::overviews(file, desc, alone, frame)?;
-        let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
-        let budget = Budget::new(&opened.scene, &drawn.image, desc)?;
+        Self::open_for(file, desc, Some(views))
+    }
+
+    fn open_for(
+        file: &SceneFile,
+        desc: &DividedDesc,
+        views: Option<Views<'_>>,
+    ) -> Result<Self, DividedError> {
+        let surveyed = Self::surveyed(file, desc, &mut shared::Alone, views)?;
+        let scene = &surveyed.opened.scene;
+        let drawn = frame_scene(scene).map_err(RenderError::from)?;
+        let budget = Budget::new(scene, &drawn.image, desc)?;
         drop(drawn);
-        let (mut divided, _) = Self::divided(opened, sources, grids, (&budget, Shares::whole()))?;
+        let (mut divided, _) = Self::divided(surveyed, desc, (&budget, Shares::whole()))?;
         divided.draw_by(file);
         Ok(divided)
     }
 
-    /// The scene with overviews, of which each share reads some planes, where its volumes are, and their
-    /// grids.
-    fn overviews(
+    /// The scene, of which each share looks at a part.
+    fn surveyed(
         file: &SceneFile,
         desc: &DividedDesc,
         others: &mut dyn Exchange,
-        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
-    ) -> Result<(OpenScene, Vec<VolumeBoxes>, Vec<Grid>), DividedError> {
-        if file.layers.iter().any(|layer| layer.labels.is_some()) {
-            return Err(DividedError::Whole("labels"));
+        views: Option<Views<'_>>,
+    ) -> Result<Surveyed, DividedError> {
+        let sources = Self::sources_of(&file.layers, desc, others)?;
+        let (labels, label_warnings) = Self::labels_of(&file.layers, desc, others)?;
+        let others = RefCell::new(others);
+        let surveys = surveys(&sources, &labels, &others);
+        let values: Vec<BoxValues<'_, '_>> =
+            surveys.iter().map(|survey| BoxValues::new(*survey)).collect();
+        let of_file = file;
+        let (mut file, mut loaded, mut grids) = (file.clone(), Vec::new(), Vec::new());
+        for (layer, survey) in file.layers.iter_mut().zip(&surveys) {
+            let overview = Overview::of(*survey)?;
+            // What it says of the volume's content is not of this, and labels are not read whole.
+            (layer.hash, layer.labels) = (None, None);
+            grids.push(overview.whole);
+            loaded.push(overview.loaded);
         }
-        let layers = file.layers.clone();
-        let (mut file, mut grids, mut loaded) = (file.clone(), Vec::new(), Vec::new());
+        let facts = grids.iter().zip(&values);
+        let facts = facts.map(|(grid, values)| VolumeFacts { grid: *grid, values });
+        let opened = OpenScene::unframed_by(loaded, &facts.collect::<Vec<_>>(), &file);
+        if let Some(failure) = values.iter().find_map(BoxValues::failure) {
+            return Err(failure);
+        }
+        let mut opened = opened?;
+        opened.warnings.extend(label_warnings);
+        for (idx, labels) in labels.iter().enumerate() {
+            let Some(labels) = labels else { continue };
+            let layer = &mut opened.scene.layers[idx];
+            let (of_overview, is_there) = match overview::labels_of(labels, layer.volume.grid()) {
+                Ok(labels) => (Some(labels), Ok(Samples::U8(Vec::new()))),
+                Err(error) => (None, Err(error)),
+            };
+            others.borrow_mut().all(is_there)?;
+            layer.labels = of_overview;
+            opened.sources.layers[idx].labels = of_file.layers[idx].labels.clone();
+        }
+        check_parts(&opened.scene)?;
+        let outlines = outlines(&opened.scene, &grids, &values);
+        opened.frame_by(&file, (&desc.aim, views), |opened| {
+            let Scene { layers, settings, .. } = &opened.scene;
+            let cells = surveys.iter().zip(layers);
+            let cells = cells.map(|(survey, layer)| survey.cells(layer, settings.mode));
+            let cells = cells.collect::<Result<Vec<_>, _>>()?;
+            let finished = outlined(&opened.scene, &outlines);
+            Ok::<_, DividedError>(opened.framing_of(cells, &grids, &finished))
+        })?;
+        sources.iter().for_each(|source| source.retain_chunks(0));
+        Ok(Surveyed { opened, sources, labels, grids, outlines })
+    }
+
+    /// Where the volumes of layers are, if all shares can read them.
+    fn sources_of(
+        layers: &[LayerFile],
+        desc: &DividedDesc,
+        others: &mut dyn Exchange,
+    ) -> Result<Vec<VolumeBoxes>, DividedError> {
         let mut sources: Vec<VolumeBoxes> = Vec::new();
-        for layer in &mut file.layers {
+        for layer in layers {
             let before = layers.iter().zip(&sources).find(|(of, _)| layer.shares_volume(of));
             let source = match before {
                 Some((_, source)) => Ok(source.clone()),
                 None => layer.open_boxes(&desc.scratch),
             };
-            if let Ok(source) = &source {
-                // Planes of an overview meet the same chunks.
-                source.retain_chunks(desc.memory_bytes / OF_OVERVIEW);
-            }
-            let (source, overview) = Overview::of(source, others)?;
-            source.retain_chunks(0);
-            overview.stand_in(layer);
-            grids.push(overview.whole);
-            loaded.push(overview.loaded);
+            let (source, is_there) = match source {
+                Ok(source) => (Some(source), Ok(Samples::U8(Vec::new()))),
+                Err(error) => (None, Err(error)),
+            };
+            others.all(is_there)?;
+            let source = source.ok_or(DividedError::Differing)?;
+            // What is looked at meets the same chunks again.
+            source.retain_chunks(desc.memory_bytes / OF_OVERVIEW);
             sources.push(source);
         }
-        let mut opened = OpenScene::unframed(loaded, &file)?;
-        check_parts(&opened.scene)?;
-        frame(&mut opened, &file)?;
-        for ((layer, of_file), grid) in opened.scene.layers.iter_mut().zip(&layers).zip(&grids) {
-            layer.region = of_file.region.on(grid).map_err(OpenError::from)?;
+        Ok(sources)
+    }
+
+    /// Their labels, and what is to be said of these.
+    fn labels_of(
+        layers: &[LayerFile],
+        desc: &DividedDesc,
+        others: &mut dyn Exchange,
+    ) -> Result<(Vec<Option<LabelBoxes>>, Vec<String>), DividedError> {
+        let (mut all, mut all_warnings) = (Vec::new(), Vec::new());
+        for layer in layers {
+            let labels = layer.labels.as_ref().map(|labels| labels.open_boxes(&desc.scratch));
+            let (labels, is_there) = match labels.transpose() {
+                Ok(labels) => (labels, Ok(Samples::U8(Vec::new()))),
+                Err(error) => (None, Err(error)),
+            };
+            if layer.labels.is_some() {
+                others.all(is_there)?;
+            }
+            let (labels, warnings) = labels.unzip();
+            all.push(labels);
+            all_warnings.extend(warnings.into_iter().flatten());
         }
-        Ok((opened, sources, grids))
+        Ok((all, all_warnings))
     }
 
     fn divided(
-        opened: OpenScene,
-        sources: Vec<VolumeBoxes>,
-        grids: Vec<Grid>,
+        surveyed: Surveyed,
+        desc: &DividedDesc,
         (budget, mut shares): (&Budget, Shares),
     ) -> Result<(Self, Shares), DividedError> {
+        let Surveyed { opened, sources, labels, grids, outlines } = surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let in_parts = SceneInParts {
             grids: &grids,
@@ -240,23 +360,34 @@ impl DividedScene {
         let planner = Planner::default();
         let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
         let steps = steps.collect::<Result<Vec<_>, _>>()?;
-        let types = drawn.layers.iter().map(|layer| layer.volume.sample_type());
+        let of_labels = labels.iter().zip(&grids);
+        let of_labels = of_labels
+            .map(|(labels, grid)| labels.as_ref().map_or(0, |labels| labels.voxel_bytes(grid)));
+        let voxel_bytes = drawn.layers.iter().map(budget::voxel_bytes);
+        let voxel_bytes = voxel_bytes.zip(of_labels).map(|(own, of_labels)| own + of_labels);
         let has_chunks = sources.iter().any(VolumeBoxes::is_in_chunks);
-        let (boxes, of_chunks) = budget.boxes(&grids, &steps, types, (&mut shares, has_chunks))?;
+        let (boxes, left_bytes) =
+            budget.boxes(&grids, &steps, voxel_bytes, (&mut shares, has_chunks))?;
         drop(drawn);
         let n_sources = sources.len().max(1) as u64;
-        sources.iter().for_each(|source| source.retain_chunks(of_chunks / n_sources));
+        sources.iter().for_each(|source| source.retain_chunks(left_bytes / n_sources));
+        let room_bytes = if has_chunks { 0 } else { left_bytes };
         let (memory_bytes, n_threads) = (budget.memory_bytes(), budget.n_threads());
         let own = shares.own_box();
         let (backend, is_refined) = (CPU.to_owned(), budget.is_refined());
         let divided = Self {
             opened,
+            outlines,
             sources,
+            labels,
             grids,
             boxes,
             own,
             steps,
             memory_bytes,
+            desc: desc.clone(),
+            retained: Arc::default(),
+            room_bytes,
             n_threads,
             backend,
             is_refined,
@@ -326,7 +457,17 @@ impl DividedScene {
     pub fn to_file(&self) -> Result<SceneFile, IoError> {
         let mut file = self.opened.to_file()?;
         self.backend.clone_into(&mut file.backend);
-        file.layers.iter_mut().for_each(|layer| layer.hash = None);
+        for (idx, layer) in file.layers.iter_mut().enumerate() {
+            layer.hash = None;
+            if let Some(labels) = &mut layer.labels {
+                labels.hash = None;
+            }
+            // What counts voxels counts those of the whole volume.
+            let (said, drawn) = (&self.opened.sources.layers[idx], &self.opened.scene.layers[idx]);
+            if said.region.on(&self.grids[idx]).is_ok_and(|region| region == drawn.region) {
+                layer.region = said.region.clone();
+            }
+        }
         Ok(file)
     }
 
@@ -337,6 +478,41 @@ impl DividedScene {
     /// the frame is cancelled.
     pub fn picture(&self, frame: &FrameHandle) -> Result<Picture, DividedError> {
         let drawn = self.frame(frame, &mut |_, _| {})?;
-        Ok(finished(drawn, &self.opened.scene, self.opened.acquisition))
+        Ok(self.finished(drawn))
     }
+
+    /// Makes a frame into a picture.
+    fn finished(&self, frame: Frame) -> Picture {
+        let scene = outlined(&self.opened.scene, &self.outlines);
+        finished(frame, &scene, self.opened.acquisition)
+    }
+}
+
+/// What looks at the volumes of layers.
+fn surveys<'a, 'e>(
+    sources: &'a [VolumeBoxes],
+    labels: &'a [Option<LabelBoxes>],
+    others: &'a RefCell<&'e mut dyn Exchange>,
+) -> Vec<Survey<'a, 'e>> {
+    let layers = sources.iter().zip(labels);
+    layers.map(|(source, labels)| Survey { source, labels: labels.as_ref(), others }).collect()
+}
+
+/// A volume for each layer that ends where the layer's does, with its values if somebody will see them.
+fn outlines(scene: &Scene, grids: &[Grid], values: &[BoxValues<'_, '_>]) -> Vec<Arc<Volume>> {
+    let has_values = scene.finish.annotations.color_bar;
+    let outlines = grids.iter().zip(values).map(|(grid, values)| {
+        let range = has_values.then(|| values.range()).flatten();
+        Arc::new(survey::outline(grid, range))
+    });
+    outlines.collect()
+}
+
+/// A scene as annotations see it.
+fn outlined(scene: &Scene, outlines: &[Arc<Volume>]) -> Scene {
+    let mut outlined = scene.clone();
+    for (layer, outline) in outlined.layers.iter_mut().zip(outlines) {
+        layer.volume = outline.clone();
+    }
+    outlined
 }

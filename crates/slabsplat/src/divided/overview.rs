@@ -1,9 +1,13 @@
 //! What stands for a volume while the scene is opened: every so manieth of its voxels.
 
-use super::{DividedError, Exchange};
+use super::DividedError;
+use super::survey::{Survey, joined};
 use slabsplat_core::glam::{DAffine3, DVec3};
-use slabsplat_core::{Grid, Samples, Volume, with_samples};
-use slabsplat_io::{IoError, LayerFile, LoadedVolume, VolumeBoxes};
+use slabsplat_core::{
+    ColorSamples, Grid, LabelMap, Labels, Samples, Scaling, Volume, VoxelColors, with_samples,
+};
+use slabsplat_io::{IoError, LabelBoxes, LoadedVolume, VolumeBoxes};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Voxels of an overview, at most.
@@ -13,75 +17,85 @@ const MOST_VOXELS: usize = 1 << 21;
 pub(super) struct Overview {
     /// Its voxels that are `step` apart along each axis.
     pub(super) loaded: LoadedVolume,
-    pub(super) step: usize,
     /// The grid of all.
     pub(super) whole: Grid,
 }
 
 impl Overview {
-    /// Reads the overview of a volume, if it could be opened: of its planes some, and of `others` the rest.
-    pub(super) fn of(
-        source: Result<VolumeBoxes, IoError>,
-        others: &mut dyn Exchange,
-    ) -> Result<(VolumeBoxes, Self), DividedError> {
-        let [first, n_shares] = [others.share_idx(), others.n_shares()];
-        let read = source.and_then(|source| {
-            let (own, samples) = OwnPlanes::read(&source, first, n_shares)?;
-            Ok((source, own, samples))
-        });
-        let (source, own, samples) = match read {
-            Ok(read) => read,
-            Err(error) => {
-                others.all(Err(error))?;
-                return Err(DividedError::Differing);
-            }
+    /// Reads the overview of a volume: of its planes some, and of others the rest.
+    pub(super) fn of(survey: Survey<'_, '_>) -> Result<Self, DividedError> {
+        let source = survey.source;
+        let (first, n_shares) = survey.share();
+        let (loaded, whole) = (source.first(), source.grid());
+        let step = step_of(whole.dims());
+        let planes = own_planes(source, (first, n_shares), step);
+        let (planes, colors) = match planes {
+            Ok((planes, colors)) => (Ok(planes), colors),
+            Err(error) => (Err(error), None),
         };
-        let all = others.all(Ok(samples))?;
-        let OwnPlanes { mut loaded, whole, step } = own;
+        let all = survey.all(planes)?;
         let dims = whole.dims().map(|n| n.div_ceil(step));
-        let samples = Self::joined(&all, dims[2], dims[0] * dims[1])?;
-        drop(all);
+        let samples = joined(all, (0..dims[2]).map(|_| dims[0] * dims[1]))?;
         let coarse = DAffine3::from_scale(DVec3::splat(step as f64));
         let path = || source.path().to_owned();
         let grid = Grid::new(dims, whole.world_from_index() * coarse)
             .map_err(|source| IoError::Grid { path: path(), source })?;
         let volume = Volume::new(grid, samples, loaded.volume.scaling())
             .map_err(|source| IoError::Volume { path: path(), source })?;
+        let mut loaded = loaded.clone();
         loaded.volume = Arc::new(volume);
-        Ok((source, Self { loaded, step, whole }))
-    }
-
-    /// Makes a layer's file one of the overview: what is per length in it counts voxel steps, and what it
-    /// says of the volume's content is not of this.
-    pub(super) fn stand_in(&self, layer: &mut LayerFile) {
-        layer.hash = None;
-        if let Some(distance) = &mut layer.fit.unit_distance {
-            *distance *= self.step as f64;
+        if let (Some(of_loaded), Some(colors)) = (&mut loaded.colors, colors) {
+            let n_in_plane = 3 * dims[0] * dims[1];
+            let colors = joined(survey.all(Ok(colors))?, (0..dims[2]).map(|_| n_in_plane))?;
+            let colors = match colors {
+                Samples::U8(colors) => ColorSamples::U8(colors.as_chunks().0.to_vec()),
+                Samples::U16(colors) => ColorSamples::U16(colors.as_chunks().0.to_vec()),
+                _ => return Err(DividedError::Differing),
+            };
+            let voxels = VoxelColors::new(dims, colors);
+            of_loaded.voxels = Some(voxels.map_err(|_| DividedError::Differing)?);
         }
+        Ok(Self { loaded, whole })
     }
 }
 
-/// Some planes of a volume, and what they are of.
-struct OwnPlanes {
-    /// One voxel.
-    loaded: LoadedVolume,
-    whole: Grid,
+/// The labels of an overview's voxels.
+pub(super) fn labels_of(labels: &LabelBoxes, grid: &Grid) -> Result<Labels, IoError> {
+    let [nx, ny, nz] = grid.dims();
+    let (mut numbers, mut styles) = (Vec::with_capacity(grid.n_voxels()), BTreeMap::new());
+    for k in 0..nz {
+        let of_plane = labels.on(&grid.cropped(&[0..nx, 0..ny, k..k + 1]))?;
+        let map = of_plane.map();
+        numbers.extend(map.indices().iter().map(|idx| map.labels()[usize::from(*idx)] as f64));
+        styles.clone_from(of_plane.styles());
+    }
+    let volume = Volume::new(*grid, Samples::F64(numbers), Scaling::IDENTITY);
+    let volume = volume.expect("there is a label for each voxel");
+    let map = LabelMap::new(&volume, grid).expect("they are labels");
+    Ok(Labels::new(map, styles).expect("they were styles before"))
+}
+
+/// Of the planes of an overview every `n`th, from `first` on, plane by plane, and their colours, if they have
+/// any.
+fn own_planes(
+    source: &VolumeBoxes,
+    (first, n): (usize, usize),
     step: usize,
-}
-
-impl OwnPlanes {
-    /// Of the planes of an overview every `n`th, from `first` on, plane by plane.
-    fn read(source: &VolumeBoxes, first: usize, n: usize) -> Result<(Self, Samples), IoError> {
-        let (loaded, whole) = (source.first().clone(), source.grid());
-        let [nx, ny, nz] = whole.dims();
-        let step = step_of(whole.dims());
-        let mut samples = every(loaded.volume.samples(), [0, 0], 1);
-        for k in (0..nz).step_by(step).skip(first).step_by(n) {
-            let plane = source.read([0..nx, 0..ny, k..k + 1])?.volume;
-            samples.append(&every(plane.samples(), [nx, ny], step));
+) -> Result<(Samples, Option<Samples>), IoError> {
+    let [nx, ny, nz] = source.grid().dims();
+    let voxel = source.first();
+    let mut samples = every(voxel.volume.samples(), [0, 0], 1);
+    let own = voxel.colors.as_ref().and_then(|colors| colors.voxels.as_ref());
+    let mut all_colors = own.map(|colors| every_color(colors, [0, 0], 1));
+    for k in (0..nz).step_by(step).skip(first).step_by(n) {
+        let plane = source.read([0..nx, 0..ny, k..k + 1])?;
+        samples.append(&every(plane.volume.samples(), [nx, ny], step));
+        let own = plane.colors.and_then(|colors| colors.voxels);
+        if let (Some(all), Some(colors)) = (&mut all_colors, own) {
+            all.append(&every_color(&colors, [nx, ny], step));
         }
-        Ok((Self { loaded, whole, step }, samples))
     }
+    Ok((samples, all_colors))
 }
 
 /// The least step with which there are few enough.
@@ -91,8 +105,24 @@ fn step_of(dims: [usize; 3]) -> usize {
 }
 
 /// Of a plane of samples those in every so manieth row and column.
-fn every(plane: &Samples, [nx, ny]: [usize; 2], step: usize) -> Samples {
+fn every(plane: &Samples, n: [usize; 2], step: usize) -> Samples {
+    with_samples!(plane, |s| indices(n, step).map(|idx| s[idx]).collect::<Vec<_>>().into())
+}
+
+/// The same of colours, as three samples each.
+fn every_color(plane: &VoxelColors, n: [usize; 2], step: usize) -> Samples {
+    match plane.samples() {
+        ColorSamples::U8(colors) => {
+            Samples::U8(indices(n, step).flat_map(|idx| colors[idx]).collect())
+        }
+        ColorSamples::U16(colors) => {
+            Samples::U16(indices(n, step).flat_map(|idx| colors[idx]).collect())
+        }
+        _ => unreachable!("colours have 8 or 16 bits"),
+    }
+}
+
+fn indices([nx, ny]: [usize; 2], step: usize) -> impl Iterator<Item = usize> {
     let rows = (0..ny).step_by(step);
-    let indices = rows.flat_map(|j| (0..nx).step_by(step).map(move |i| j * nx + i));
-    with_samples!(plane, |s| indices.map(|idx| s[idx]).collect::<Vec<_>>().into())
+    rows.flat_map(move |j| (0..nx).step_by(step).map(move |i| j * nx + i))
 }

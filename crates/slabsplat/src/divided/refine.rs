@@ -13,7 +13,7 @@
 
 use super::painter::Painter;
 use super::{DividedError, DividedScene};
-use crate::{Picture, RenderError, finished, frame_scene};
+use crate::{Picture, RenderError, frame_scene};
 use slabsplat_backend::{Frame, FrameCost, FrameStats};
 use slabsplat_core::{FrameHandle, Image, Part, over};
 
@@ -65,8 +65,7 @@ impl Refinement<'_> {
         let scene = &self.scene.opened.scene;
         let drawn = frame_scene(scene).expect("it is being drawn");
         let image = self.behind.behind(self.drawn, drawn.image.premultiplied_background());
-        let frame = Frame::new(image, FrameStats::default(), FrameCost::default());
-        finished(frame, scene, self.scene.opened.acquisition)
+        self.scene.finished(Frame::new(image, FrameStats::default(), FrameCost::default()))
     }
 }
 
@@ -79,7 +78,7 @@ impl DividedScene {
     /// A clone of `frame` cancels it, also within `hear`.
     ///
     /// ```
-    /// use slabsplat::{Aim, DividedDesc, DividedScene, FrameHandle, io};
+    /// use slabsplat::{DividedDesc, DividedScene, FrameHandle, io};
     ///
     /// let folder = tempfile::tempdir()?;
     /// let path = folder.path().join("ball.npy");
@@ -87,9 +86,7 @@ impl DividedScene {
     /// let file = io::SceneFile::of_volume(io::VolumeSource::File(path));
     ///
     /// let desc = DividedDesc::new(200 << 20).refined();
-    /// let scene = DividedScene::open_framed(&file, &desc, |opened, file| {
-    ///     opened.frame(file, &Aim::default())
-    /// })?;
+    /// let scene = DividedScene::open_as(&file, &desc)?;
     /// let mut shares = Vec::new();
     /// let picture = scene.refined(&FrameHandle::new(), &mut |shown| {
     ///     shares.push(shown.share());
@@ -134,7 +131,7 @@ impl DividedScene {
                 show(drawn, n_groups, n_boxes);
             }
         })?;
-        Ok(finished(drawn, &self.opened.scene, self.opened.acquisition))
+        Ok(self.finished(drawn))
     }
 
     /// Nothing, and for each group the overviews of it and of all behind it.

@@ -3,10 +3,9 @@
 
 use super::balance::WorkCells;
 use super::budget::Budget;
-use super::overview::Overview;
 use super::shares::Shares;
-use super::{DividedDesc, DividedError, DividedScene};
-use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
+use super::{DividedDesc, DividedError, DividedScene, Surveyed};
+use crate::{Aim, Picture, RenderError, frame_scene};
 use slabsplat_backend::{Frame, FrameCost, FrameStats};
 use slabsplat_core::{FrameHandle, Image, Samples, over};
 use slabsplat_io::{IoError, SceneFile, ScratchDesc};
@@ -54,7 +53,7 @@ pub struct ShareCost {
 }
 
 impl SharedScene {
-    /// Opens the scene of `file`. Without a number of bytes a share has as many as 1.3 times its part of all
+    /// Opens the scene of `file`, whose camera is aimed. Without a number of bytes a share has as many as 1.3 times its part of all
     /// volumes takes, but 64 MiB at least, and what it takes beside voxels.
     ///
     /// Volumes have to be stored so that boxes can be read of them: nothing is unpacked.
@@ -64,24 +63,24 @@ impl SharedScene {
     pub fn open(
         file: &SceneFile,
         memory_bytes: Option<u64>,
+        aim: &Aim,
         others: &mut dyn Exchange,
-        frame: impl FnOnce(&mut OpenScene, &SceneFile) -> Result<(), OpenError>,
     ) -> Result<Self, DividedError> {
         // Each share would unpack a copy of its own, and those of one computer onto one disk.
         let desc = DividedDesc::new(memory_bytes.unwrap_or(LEAST_BYTES));
-        let desc = desc.scratch(ScratchDesc::default().refused());
-        let (opened, sources, grids) = DividedScene::overviews(file, &desc, others, frame)?;
+        let desc = desc.scratch(ScratchDesc::default().refused()).aim(*aim);
+        let (n_shares, share_idx) = (others.n_shares(), others.share_idx());
+        let surveyed = DividedScene::surveyed(file, &desc, others, None)?;
+        let Surveyed { opened, grids, .. } = &surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
-        let n_shares = others.n_shares();
         let budget = match memory_bytes {
             Some(_) => Budget::new(&opened.scene, &drawn.image, &desc)?,
-            None => Budget::of_share(&opened.scene, &drawn.image, &grids, n_shares),
+            None => Budget::of_share(&opened.scene, &drawn.image, grids, n_shares),
         };
         drop(drawn);
-        let cells = WorkCells::of(&opened.scene, &grids);
-        let shares = Shares::new(n_shares, others.share_idx(), cells);
-        let (mut divided, shares) =
-            DividedScene::divided(opened, sources, grids, (&budget, shares))?;
+        let cells = WorkCells::of(&opened.scene, grids);
+        let shares = Shares::new(n_shares, share_idx, cells);
+        let (mut divided, shares) = DividedScene::divided(surveyed, &desc, (&budget, shares))?;
         divided.draw_by(file);
         Ok(Self { divided, shares })
     }
@@ -126,12 +125,11 @@ impl SharedScene {
     /// # Panics
     /// If the image is of another size.
     pub fn finished(&self, mut image: Image, stats: FrameStats) -> Result<Picture, DividedError> {
-        let scene = &self.divided.opened.scene;
-        let drawn = frame_scene(scene).map_err(RenderError::from)?;
+        let drawn = frame_scene(&self.divided.opened.scene).map_err(RenderError::from)?;
         let behind = drawn.image.premultiplied_background();
+        drop(drawn);
         image.pixels_mut().iter_mut().for_each(|pixel| *pixel = over(*pixel, behind));
-        let frame = Frame::new(image, stats, FrameCost::default());
-        Ok(finished(frame, scene, self.divided.opened.acquisition))
+        Ok(self.divided.finished(Frame::new(image, stats, FrameCost::default())))
     }
 }
 
@@ -152,32 +150,5 @@ impl Exchange for Alone {
 
     fn all(&mut self, own: Result<Samples, IoError>) -> Result<Vec<Samples>, DividedError> {
         Ok(vec![own?])
-    }
-}
-
-impl Overview {
-    /// Whether what all handed in is `n_planes` planes of so many samples, in one type.
-    pub(super) fn joined(
-        all: &[Samples],
-        n_planes: usize,
-        n_in_plane: usize,
-    ) -> Result<Samples, DividedError> {
-        let planes = (0..n_planes).map(|idx| (&all[idx % all.len()], idx / all.len()));
-        let mut joined: Option<Samples> = None;
-        for (of_share, idx) in planes {
-            let plane = idx * n_in_plane..(idx + 1) * n_in_plane;
-            let is_there = plane.end <= of_share.len()
-                && all.iter().all(|other| other.sample_type() == of_share.sample_type());
-            if !is_there {
-                return Err(DividedError::Differing);
-            }
-            let plane: Samples =
-                slabsplat_core::with_samples!(of_share, |s| s[plane].to_vec().into());
-            match &mut joined {
-                None => joined = Some(plane),
-                Some(joined) => joined.append(&plane),
-            }
-        }
-        joined.ok_or(DividedError::Differing)
     }
 }

@@ -13,13 +13,15 @@ use rayon::prelude::*;
 use silhouette::{Axes, Seen};
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
-    Camera, CameraError, Fit, ImageDesc, Layer, MeshLayer, Mode, Projection, Viewpoint,
+    Camera, CameraError, Fit, Grid, ImageDesc, Layer, MeshLayer, Mode, Projection, Viewpoint,
 };
 
 pub use aim::{Aim, AimError};
 pub use facing::Facing;
 pub(crate) use fit::Window;
-use visible::Cells;
+#[cfg(feature = "files")]
+pub(crate) use visible::CellLayout;
+pub(crate) use visible::Cells;
 
 /// Vertical field of view of a perspective camera that nobody described.
 pub(crate) const FOV_Y_RADIANS: f64 = 30.0 * std::f64::consts::PI / 180.0;
@@ -39,19 +41,30 @@ impl Framing {
     /// Where nobody says which way up things are, the end at which more of them is cut off by the grid is
     /// taken for the lower one, as of a head that ends at its neck.
     pub fn new(layers: &[Layer], meshes: &[MeshLayer], mode: Mode, facing: Facing) -> Self {
+        let visible = layers.iter().map(|layer| Cells::of_layer(layer, mode)).collect();
+        let grids: Vec<Grid> = layers.iter().map(|layer| *layer.volume.grid()).collect();
+        Self::of_cells(visible, &grids, meshes, facing)
+    }
+
+    /// The same of layers on those grids, of which is known what they show.
+    pub(crate) fn of_cells(
+        mut visible: Vec<Cells>,
+        grids: &[Grid],
+        meshes: &[MeshLayer],
+        facing: Facing,
+    ) -> Self {
         let boxes: Vec<[DVec3; 2]> = meshes.iter().filter_map(MeshLayer::bounds).collect();
         // Of a mesh without triangles nothing is seen from anywhere.
         let nowhere = [[DVec3::ZERO, DVec3::ONE]];
-        let is_empty = layers.is_empty() && boxes.is_empty();
+        let is_empty = grids.is_empty() && boxes.is_empty();
         let boxes = if is_empty { &nowhere[..] } else { &boxes };
         let of_boxes = || boxes.iter().map(|it| Cells::of_box(*it));
-        let visible: Vec<Cells> =
-            layers.iter().map(|layer| Cells::of_layer(layer, mode)).chain(of_boxes()).collect();
-        let facing = match layers {
+        let facing = match grids {
             [only] if facing.is_guessed() => stood_up(facing, only, &visible[0]),
             _ => facing,
         };
-        let whole = layers.iter().map(Cells::of_grid).chain(of_boxes()).collect();
+        visible.extend(of_boxes());
+        let whole = grids.iter().map(Cells::of_grid).chain(of_boxes()).collect();
         Self { facing, visible, whole, window: Window::default() }
     }
 
@@ -187,8 +200,7 @@ pub(crate) fn usual_projection(is_perspective: bool) -> Projection {
 }
 
 /// Turned upside down if more is cut off at its top than at its bottom.
-fn stood_up(facing: Facing, layer: &Layer, visible: &Cells) -> Facing {
-    let grid = layer.volume.grid();
+fn stood_up(facing: Facing, grid: &Grid, visible: &Cells) -> Facing {
     let index_from_world = grid.index_from_world();
     let last = grid.dims()[2] as f64 - 1.0;
     // A layer of cells at either end of z.

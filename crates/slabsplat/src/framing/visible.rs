@@ -5,7 +5,10 @@
 
 use rayon::prelude::*;
 use slabsplat_core::glam::{BVec3, DVec3};
-use slabsplat_core::{Isosurface, Layer, Mode, Sample, TransferFunction, extinction, with_samples};
+use slabsplat_core::{
+    Grid, Isosurface, LabelMap, Layer, Mode, Sample, TransferFunction, extinction, with_samples,
+};
+use std::ops::Range;
 
 /// Cells along the longest axis.
 const N_CELLS: usize = 96;
@@ -45,7 +48,23 @@ impl Cells {
 
     /// Those of a layer that show something.
     pub(crate) fn of_layer(layer: &Layer, mode: Mode) -> Self {
-        with_samples!(layer.volume.samples(), |samples| of_samples(layer, mode, samples))
+        let grid = layer.volume.grid();
+        let layout = CellLayout::new(layer, grid, mode);
+        let labels = layer.labels.as_ref().map(slabsplat_core::Labels::map);
+        let [nx, ny, _] = grid.dims();
+        let of_layer = |cell_z: usize| {
+            let mut sums = layout.sums();
+            for z in layout.planes(cell_z) {
+                let plane = z * nx * ny..(z + 1) * nx * ny;
+                let labels = labels.map(|map| (map, plane.start));
+                with_samples!(layer.volume.samples(), |samples| {
+                    layout.add(&mut sums, &(0..ny), &samples[plane], labels);
+                });
+            }
+            layout.extinctions(&sums)
+        };
+        let extinctions = (0..layout.n_layers()).into_par_iter().map(of_layer);
+        layout.cells(&extinctions.collect::<Vec<_>>().concat())
     }
 
     /// The corners of a box, which nobody looks through.
@@ -58,8 +77,7 @@ impl Cells {
     }
 
     /// The corner voxels of a layer's grid.
-    pub(crate) fn of_grid(layer: &Layer) -> Self {
-        let grid = layer.volume.grid();
+    pub(crate) fn of_grid(grid: &Grid) -> Self {
         let steps = grid.world_from_index().matrix3;
         let half_edges = [steps.x_axis, steps.y_axis, steps.z_axis].map(|step| step * KERNEL_STEPS);
         Self::of_points(grid.corners_in_world(), half_edges)
@@ -71,39 +89,138 @@ impl Cells {
     }
 }
 
-fn of_samples<T: Sample>(layer: &Layer, mode: Mode, samples: &[T]) -> Cells {
-    let grid = layer.volume.grid();
-    let dims = grid.dims();
-    let side = dims.iter().copied().max().unwrap_or(1).div_ceil(N_CELLS);
-    // Flat voxels have more of them in a cell.
-    let steps = grid.spacing().map(|step| step / grid.unit());
-    let sides = [0, 1, 2].map(|axis| ((side as f64 / steps[axis]).round() as usize).clamp(1, side));
-    let n_cells = [0, 1, 2].map(|axis| dims[axis].div_ceil(sides[axis]));
-    let look = Look::new(layer, mode);
-    let world_from_index = grid.world_from_index();
-    let m = world_from_index.matrix3;
-    let voxel_volume = m.determinant().abs() / grid.unit();
+/// How the voxels of a layer are parted into cells, and what is summed of them: plane by plane, so that they
+/// need not be in memory together.
+pub(crate) struct CellLayout<'a> {
+    look: Look<'a>,
+    grid: Grid,
+    /// Voxels along the sides of a cell.
+    sides: [usize; 3],
+    n_cells: [usize; 3],
+}
 
-    let of_layer = |z: usize| {
-        let mut cells = Vec::new();
-        for (x, y) in (0..n_cells[1]).flat_map(|y| (0..n_cells[0]).map(move |x| (x, y))) {
-            let first = [x * sides[0], y * sides[1], z * sides[2]];
-            let last = [0, 1, 2].map(|axis| (first[axis] + sides[axis]).min(dims[axis]) - 1);
-            let extinction = look.mean_extinction(samples, first, last);
-            if 0.0 < extinction {
-                let n: usize = [0, 1, 2].iter().map(|&axis| last[axis] - first[axis] + 1).product();
-                let ends = [first, last].map(|end| DVec3::from_array(end.map(|c| c as f64)));
-                let middle = world_from_index.transform_point3(ends[0].midpoint(ends[1]));
-                cells.push(Cell { middle, weight: extinction * voxel_volume * n as f64 });
+/// What is known of a cell some of whose planes have been looked at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CellSum {
+    extinction: f64,
+    n: u32,
+    /// The least and the largest value.
+    range: [f64; 2],
+}
+
+impl<'a> CellLayout<'a> {
+    /// Of a layer whose volume is on that grid, or stands for one that is.
+    pub(crate) fn new(layer: &'a Layer, grid: &Grid, mode: Mode) -> Self {
+        let dims = grid.dims();
+        let side = dims.iter().copied().max().unwrap_or(1).div_ceil(N_CELLS);
+        // Flat voxels have more of them in a cell.
+        let steps = grid.spacing().map(|step| step / grid.unit());
+        let sides =
+            [0, 1, 2].map(|axis| ((side as f64 / steps[axis]).round() as usize).clamp(1, side));
+        let n_cells = [0, 1, 2].map(|axis| dims[axis].div_ceil(sides[axis]));
+        Self { look: Look::new(layer, mode), grid: *grid, sides, n_cells }
+    }
+
+    /// How many layers of cells there are along z.
+    pub(crate) fn n_layers(&self) -> usize {
+        self.n_cells[2]
+    }
+
+    /// How many planes of voxels a layer of cells has.
+    #[cfg(feature = "files")]
+    pub(crate) fn depth(&self) -> usize {
+        self.sides[2]
+    }
+
+    /// Cells of a layer along z.
+    pub(crate) fn n_in_layer(&self) -> usize {
+        self.n_cells[0] * self.n_cells[1]
+    }
+
+    /// The voxels of a cell along an axis.
+    fn voxels(&self, axis: usize, cell: usize) -> Range<usize> {
+        let first = cell * self.sides[axis];
+        first..(first + self.sides[axis]).min(self.grid.dims()[axis])
+    }
+
+    /// Those of them that are looked at.
+    fn samples(&self, axis: usize, cell: usize) -> impl Iterator<Item = usize> + use<> {
+        let voxels = self.voxels(axis, cell);
+        let stride = voxels.len().div_ceil(N_SAMPLES);
+        voxels.step_by(stride)
+    }
+
+    /// The planes of voxels that are looked at for a layer of cells.
+    pub(crate) fn planes(&self, cell_z: usize) -> impl Iterator<Item = usize> + use<> {
+        self.samples(2, cell_z)
+    }
+
+    /// Those of a layer of cells of which nothing was looked at.
+    pub(crate) fn sums(&self) -> Vec<CellSum> {
+        let range = [f64::INFINITY, f64::NEG_INFINITY];
+        vec![CellSum { extinction: 0.0, n: 0, range }; self.n_in_layer()]
+    }
+
+    /// Looks at some rows of a plane of voxels, of which samples are given, and labels with the first of
+    /// theirs: those of a cell come in their order.
+    pub(crate) fn add<T: Sample>(
+        &self,
+        sums: &mut [CellSum],
+        rows: &Range<usize>,
+        samples: &[T],
+        labels: Option<(&LabelMap, usize)>,
+    ) {
+        let [nx, _, _] = self.grid.dims();
+        let scaling = self.look.layer.volume.scaling();
+        for cell_y in rows.start / self.sides[1]..rows.end.div_ceil(self.sides[1]) {
+            for y in self.samples(1, cell_y).filter(|y| rows.contains(y)) {
+                let row = (y - rows.start) * nx;
+                for cell_x in 0..self.n_cells[0] {
+                    let sum = &mut sums[cell_y * self.n_cells[0] + cell_x];
+                    for x in self.samples(0, cell_x) {
+                        let value = scaling.apply(samples[row + x].to_f64());
+                        sum.n += 1;
+                        if !value.is_nan() {
+                            sum.range = [value.min(sum.range[0]), value.max(sum.range[1])];
+                            let label = labels.map(|(map, first)| {
+                                map.labels()[usize::from(map.indices()[first + row + x])]
+                            });
+                            sum.extinction += self.look.extinction(value, label);
+                        }
+                    }
+                }
             }
         }
-        cells.retain(|cell| layer.region.contains(cell.middle));
-        cells
-    };
-    let cells = (0..n_cells[2]).into_par_iter().map(of_layer).collect::<Vec<_>>().concat();
-    let half = |axis: usize| 0.5 * sides[axis] as f64 + KERNEL_STEPS - 0.5;
-    let half_edges = [m.x_axis * half(0), m.y_axis * half(1), m.z_axis * half(2)];
-    Cells { cells, half_edges }
+    }
+
+    /// The mean extinction of a layer's cells.
+    pub(crate) fn extinctions(&self, sums: &[CellSum]) -> Vec<f64> {
+        sums.iter().map(|sum| self.look.mean_extinction(sum)).collect()
+    }
+
+    /// The cells that show something, of the extinctions of all layers.
+    pub(crate) fn cells(&self, extinctions: &[f64]) -> Cells {
+        let world_from_index = self.grid.world_from_index();
+        let m = world_from_index.matrix3;
+        let voxel_volume = m.determinant().abs() / self.grid.unit();
+        let visible = extinctions.iter().enumerate().filter(|(_, extinction)| 0.0 < **extinction);
+        let cells = visible.map(|(cell_idx, extinction)| {
+            let [nx, ny, _] = self.n_cells;
+            let cell = [cell_idx % nx, cell_idx / nx % ny, cell_idx / nx / ny];
+            let voxels = [0, 1, 2].map(|axis| self.voxels(axis, cell[axis]));
+            let n: usize = voxels.iter().map(Range::len).product();
+            let first = voxels.each_ref().map(|range| range.start as f64);
+            let last = voxels.each_ref().map(|range| (range.end - 1) as f64);
+            let middle = DVec3::from_array(first).midpoint(DVec3::from_array(last));
+            let middle = world_from_index.transform_point3(middle);
+            Cell { middle, weight: extinction * voxel_volume * n as f64 }
+        });
+        let region = &self.look.layer.region;
+        let cells = cells.filter(|cell| region.contains(cell.middle)).collect();
+        let half = |axis: usize| 0.5 * self.sides[axis] as f64 + KERNEL_STEPS - 0.5;
+        let half_edges = [m.x_axis * half(0), m.y_axis * half(1), m.z_axis * half(2)];
+        Cells { cells, half_edges }
+    }
 }
 
 /// How visible a layer's voxels are.
@@ -127,44 +244,22 @@ impl<'a> Look<'a> {
         Self { layer, isosurfaces, range }
     }
 
-    /// Over the voxels from `first` to `last`, or some of them.
-    fn mean_extinction<T: Sample>(
-        &self,
-        samples: &[T],
-        first: [usize; 3],
-        last: [usize; 3],
-    ) -> f64 {
-        let scaling = self.layer.volume.scaling();
-        let grid = self.layer.volume.grid();
-        let stride = |axis: usize| (last[axis] - first[axis] + 1).div_ceil(N_SAMPLES);
-        let along = |axis: usize| (first[axis]..=last[axis]).step_by(stride(axis));
-        let (mut sum, mut n, mut least, mut largest) = (0.0, 0, f64::INFINITY, f64::NEG_INFINITY);
-        for z in along(2) {
-            for y in along(1) {
-                for x in along(0) {
-                    let voxel_idx = grid.voxel_idx([x, y, z]);
-                    let value = scaling.apply(samples[voxel_idx].to_f64());
-                    n += 1;
-                    if !value.is_nan() {
-                        (least, largest) = (value.min(least), value.max(largest));
-                        sum += self.extinction(value, voxel_idx);
-                    }
-                }
-            }
-        }
+    /// Of a cell whose voxels have been looked at.
+    fn mean_extinction(&self, sum: &CellSum) -> f64 {
         if self.isosurfaces.is_empty() {
-            return sum / f64::from(n);
+            return sum.extinction / f64::from(sum.n);
         }
         // Between neighbours that are apart the surface may be in the next cell, which is as good.
+        let [least, largest] = sum.range;
         let is_cut = |surface: &&Isosurface| least <= surface.value() && surface.value() <= largest;
         self.isosurfaces.iter().filter(is_cut).map(|surface| extinction(surface.opacity())).sum()
     }
 
-    fn extinction(&self, value: f64, voxel_idx: usize) -> f64 {
+    /// Of a voxel of that value, and of a label.
+    fn extinction(&self, value: f64, label: Option<i64>) -> f64 {
         let of = |transfer: &TransferFunction| extinction(transfer.opacity(value));
-        if let Some(labels) = &self.layer.labels {
-            let map = labels.map();
-            let style = labels.style(map.labels()[usize::from(map.indices()[voxel_idx])]);
+        if let (Some(labels), Some(label)) = (&self.layer.labels, label) {
+            let style = labels.style(label);
             return style.transfer_in(&self.layer.transfer).map_or(0.0, of) * style.opacity;
         }
         let [lo, hi] = self.range;

@@ -1,9 +1,10 @@
 //! The transfer function that a volume is shown with, of what a scene file or flags say before it is there.
 
-use slabsplat_core::{PiecewiseLinear, TransferError, TransferFunction, Volume};
+use slabsplat_core::{PiecewiseLinear, TransferError, TransferFunction};
 use slabsplat_io::{FitError, LayerFile, Stretch, TransferFit, ValueScale, colormap, preset};
 
 use super::percentiles::{object_range, percentile};
+use super::values::VolumeValues;
 
 /// How a volume is shown.
 #[derive(Clone, Debug)]
@@ -14,20 +15,21 @@ pub(crate) struct Fitted {
     pub(crate) warnings: Vec<String>,
 }
 
-/// The transfer function that a layer of a file gives to its volume; `automatic` finds one where none is
+/// The transfer function that a layer of a file gives to a volume of such values, whose voxel step is `unit`
+/// long; `automatic` finds one where none is
 /// given, and `water` the value of water if values are Hounsfield units and a constant.
 ///
 /// # Errors
 /// If it cannot be stretched to the volume's values.
 pub(crate) fn fitted(
     layer: &LayerFile,
-    volume: &Volume,
+    (values, unit): (&dyn VolumeValues, f64),
     automatic: impl FnOnce() -> TransferFunction,
     water: impl FnOnce() -> Option<f64>,
 ) -> Result<Fitted, FitError> {
     let fit = &layer.fit;
-    let window = fit.stretch.map(|stretch| window_of(stretch, volume)).transpose()?.flatten();
-    let mut warnings = preset_warnings(fit, window, volume);
+    let window = fit.stretch.map(|stretch| window_of(stretch, values)).transpose()?.flatten();
+    let mut warnings = preset_warnings(fit, window, values);
     let water = match fit.scale {
         ValueScale::Hounsfield if !warnings.is_empty() => water().filter(|&water| water != 0.0),
         _ => None,
@@ -38,19 +40,19 @@ pub(crate) fn fitted(
         )];
     }
     let placed = match &layer.transfer {
-        Some(transfer) => Placed::of(transfer, fit, window.or(moved_by(water, transfer)), volume)?,
+        Some(transfer) => Placed::of(transfer, fit, window.or(moved_by(water, transfer)), values)?,
         None => Placed::of_nothing(window, automatic)?,
     };
     let color = match (&fit.color, &fit.colormap) {
         (Some(color), _) => color.clone(),
         (None, Some(colors)) => {
-            let range = window.or(placed.range).unwrap_or_else(|| data_range(volume));
+            let range = window.or(placed.range).unwrap_or_else(|| data_range(values));
             moved(colors, "color", [0.0, 1.0], range)?
         }
         (None, None) => placed.transfer.color_points().clone(),
     };
     let opacity = fit.opacity.as_ref().unwrap_or(placed.transfer.opacity_points());
-    let opacity = scaled(opacity, fit, volume.grid().unit());
+    let opacity = scaled(opacity, fit, unit);
     let gradient_opacity = match &layer.gradient_opacity {
         Some(by_gradient) => Some(by_gradient.clone()),
         None => placed.gradient_opacity,
@@ -89,7 +91,7 @@ impl Placed {
         transfer: &TransferFunction,
         fit: &TransferFit,
         window: Option<[f64; 2]>,
-        volume: &Volume,
+        values: &dyn VolumeValues,
     ) -> Result<Self, FitError> {
         let is_as_it_is = |range| Self {
             transfer: transfer.clone(),
@@ -105,10 +107,10 @@ impl Placed {
                 (transfer.span(), window)
             }
             (ValueScale::Data | ValueScale::Object { .. }, Some(window)) => ([0.0, 1.0], window),
-            (ValueScale::Data, None) => ([0.0, 1.0], data_range(volume)),
+            (ValueScale::Data, None) => ([0.0, 1.0], data_range(values)),
             (ValueScale::Object { percentile }, None) => {
-                let range = object_range(volume, percentile);
-                ([0.0, 1.0], range.unwrap_or_else(|| data_range(volume)))
+                let range = object_range(values, percentile);
+                ([0.0, 1.0], range.unwrap_or_else(|| data_range(values)))
             }
         };
         let by_gradient = fit.gradient_opacity.as_ref().map(|curve| {
@@ -134,11 +136,11 @@ fn moved_by(water: Option<f64>, transfer: &TransferFunction) -> Option<[f64; 2]>
 }
 
 /// The ends of a window; `None` of a volume without finite values.
-fn window_of(stretch: Stretch, volume: &Volume) -> Result<Option<[f64; 2]>, FitError> {
+fn window_of(stretch: Stretch, values: &dyn VolumeValues) -> Result<Option<[f64; 2]>, FitError> {
     match stretch {
         Stretch::Window(window) => Ok(Some(window)),
         Stretch::Percentiles(percentiles) => {
-            let [lo, hi] = percentiles.map(|percent| percentile(volume, percent));
+            let [lo, hi] = percentiles.map(|percent| percentile(values, percent));
             match (lo, hi) {
                 (Some(lo), Some(hi)) if lo < hi => Ok(Some([lo, hi])),
                 (Some(value), Some(_)) => Err(FitError::NothingBetween { percentiles, value }),
@@ -149,8 +151,8 @@ fn window_of(stretch: Stretch, volume: &Volume) -> Result<Option<[f64; 2]>, FitE
 }
 
 /// The least and the largest value. A volume of one value has that at its top, so that it is seen.
-fn data_range(volume: &Volume) -> [f64; 2] {
-    match volume.summary().range {
+fn data_range(values: &dyn VolumeValues) -> [f64; 2] {
+    match values.range() {
         Some([lo, hi]) if lo < hi => [lo, hi],
         Some([value, _]) => [value - value.abs().max(1.0), value],
         None => [0.0, 1.0],
@@ -185,10 +187,14 @@ fn no_room(to: [f64; 2]) -> impl Fn(TransferError) -> FitError {
 }
 
 /// What does not suit. Who gives a window knows the values.
-fn preset_warnings(fit: &TransferFit, window: Option<[f64; 2]>, volume: &Volume) -> Vec<String> {
-    let (Some(name), None, Some(range)) = (&fit.preset, window, volume.summary().range) else {
-        return Vec::new();
-    };
+fn preset_warnings(
+    fit: &TransferFit,
+    window: Option<[f64; 2]>,
+    values: &dyn VolumeValues,
+) -> Vec<String> {
+    // All values are looked at, if that has to be.
+    let (Some(name), None) = (&fit.preset, window) else { return Vec::new() };
+    let Some(range) = values.range() else { return Vec::new() };
     let preset = preset(name).ok();
     preset.and_then(|preset| preset.suited.warning(name, range)).into_iter().collect()
 }
@@ -196,7 +202,7 @@ fn preset_warnings(fit: &TransferFit, window: Option<[f64; 2]>, volume: &Volume)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::{Grid, Samples, Scaling};
+    use slabsplat_core::{Grid, Samples, Scaling, Volume};
     use slabsplat_io::parse_scene;
 
     /// 101 values from −100 to 900, in voxels of 2.
@@ -211,9 +217,18 @@ mod tests {
         parse_scene(&scene, "a.toml").unwrap().layers.remove(0)
     }
 
+    fn of_volume(
+        layer: &LayerFile,
+        volume: &Volume,
+        automatic: impl FnOnce() -> TransferFunction,
+        water: impl FnOnce() -> Option<f64>,
+    ) -> Result<Fitted, FitError> {
+        fitted(layer, (volume, volume.grid().unit()), automatic, water)
+    }
+
     fn fit(keys: &str) -> Fitted {
         let automatic = || TransferFunction::new([(7.0, 0.5)], [(7.0, [1.0, 0.0, 0.0])]).unwrap();
-        fitted(&layer(keys), &volume(), automatic, || None).unwrap()
+        of_volume(&layer(keys), &volume(), automatic, || None).unwrap()
     }
 
     #[test]
@@ -277,7 +292,7 @@ mod tests {
         let grid = Grid::with_spacing([2, 1, 1], [1.0; 3]).unwrap();
         let gray = Volume::new(grid, Samples::U8(vec![0, 255]), Scaling::IDENTITY).unwrap();
         let warnings = |keys: &str| {
-            fitted(&layer(keys), &gray, || unreachable!("there is a preset"), || None)
+            of_volume(&layer(keys), &gray, || unreachable!("there is a preset"), || None)
                 .unwrap()
                 .warnings
         };
@@ -299,7 +314,7 @@ mod tests {
             Volume::new(grid, Samples::U16(vec![24, 1524, 3024]), Scaling::IDENTITY).unwrap();
         let fit = |keys: &str, water| {
             let automatic = || unreachable!("there is a preset");
-            fitted(&layer(keys), &volume, automatic, || water).unwrap()
+            of_volume(&layer(keys), &volume, automatic, || water).unwrap()
         };
         let plain = preset("ct-bone").unwrap().source.transfer;
         let found = fit("preset = \"ct-bone\"", Some(1024.0));
@@ -323,7 +338,7 @@ mod tests {
             let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();
             let volume = Volume::new(grid, Samples::F32(samples), Scaling::IDENTITY).unwrap();
             let automatic = || TransferFunction::new([(0.0, 0.5)], [(0.0, [1.0; 3])]).unwrap();
-            fitted(&layer(keys), &volume, automatic, || None)
+            of_volume(&layer(keys), &volume, automatic, || None)
         };
         for keys in [
             "preset = \"gray\"",

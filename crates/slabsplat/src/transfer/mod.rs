@@ -14,3 +14,5 @@ mod plot;
 pub(crate) use fit::{Fitted, fitted};
 pub use plot::{plot_transfer, plotted_range};
 pub use values::ValueCounts;
+#[cfg(feature = "files")]
+pub(crate) use values::{Bins, VolumeValues};

@@ -3,10 +3,7 @@
 //! Values are counted in bins, and those of the bin that has the one asked for again in bins of its own:
 //! nothing is sorted or copied, and values of 16 bits are found at once.
 
-use rayon::prelude::*;
-use slabsplat_core::{Sample, Scaling, Volume, with_samples};
-
-use super::values::{Bins, CHUNK_LEN};
+use super::values::{Bins, VolumeValues};
 use crate::otsu;
 
 /// Bins in which percentiles are looked for: those of 16 bits each have one.
@@ -20,19 +17,19 @@ const N_COARSE_BINS: usize = 512;
 
 /// What so many percent of the finite values do not exceed: the least value of which that is true. `None` if
 /// no value is finite.
-pub(super) fn percentile(volume: &Volume, percent: f64) -> Option<f64> {
-    percentile_within(volume, volume.summary().range?, percent)
+pub(super) fn percentile(values: &dyn VolumeValues, percent: f64) -> Option<f64> {
+    percentile_within(values, values.range()?, percent)
 }
 
 /// The same of the values within a range whose ends some have.
-fn percentile_within(volume: &Volume, range: [f64; 2], percent: f64) -> Option<f64> {
+fn percentile_within(values: &dyn VolumeValues, range: [f64; 2], percent: f64) -> Option<f64> {
     let mut bins = Bins { range, n_bins: N_FINE_BINS };
     let (mut n_before, mut rank) = (0, None);
     for _ in 0..N_PASSES {
         if bins.range[0] == bins.range[1] {
             break;
         }
-        let counts = bins.counts(volume);
+        let counts = values.counts(bins);
         let rank = *rank.get_or_insert_with(|| rank_of(percent, counts.iter().sum()));
         let mut n_until = n_before;
         let bin = counts.iter().position(|&n| {
@@ -40,7 +37,7 @@ fn percentile_within(volume: &Volume, range: [f64; 2], percent: f64) -> Option<f
             rank <= n_until
         })?;
         n_before = n_until - counts[bin];
-        bins.range = extremes_where(volume, |value| bins.bin_of(value) == Some(bin))?;
+        bins.range = values.extremes_where(&|value| bins.bin_of(value) == Some(bin))?;
     }
     Some(bins.range[0])
 }
@@ -52,45 +49,21 @@ fn rank_of(percent: f64, n: u64) -> u64 {
 
 /// The level of the background, and what so many percent of the object do not exceed, as [`otsu`] parts them;
 /// `None` if fewer than two values differ.
-pub(super) fn object_range(volume: &Volume, percent: f64) -> Option<[f64; 2]> {
-    let range = volume.summary().range.filter(|[lo, hi]| lo < hi)?;
+pub(super) fn object_range(values: &dyn VolumeValues, percent: f64) -> Option<[f64; 2]> {
+    let range = values.range().filter(|[lo, hi]| lo < hi)?;
     let bins = Bins { range, n_bins: N_COARSE_BINS };
-    let last = otsu::split(&bins.counts(volume)).last;
+    let last = otsu::split(&values.counts(bins)).last;
     let is_behind = |value| bins.bin_of(value).is_some_and(|bin| bin <= last);
     let is_object = |value| bins.bin_of(value).is_some_and(|bin| last < bin);
-    let background = percentile_within(volume, extremes_where(volume, is_behind)?, 50.0)?;
-    let bright = percentile_within(volume, extremes_where(volume, is_object)?, percent)?;
+    let background = percentile_within(values, values.extremes_where(&is_behind)?, 50.0)?;
+    let bright = percentile_within(values, values.extremes_where(&is_object)?, percent)?;
     (background < bright).then_some([background, bright])
-}
-
-/// The least and the largest of some values; `None` if there are none.
-fn extremes_where(volume: &Volume, is_one: impl Fn(f64) -> bool + Sync) -> Option<[f64; 2]> {
-    with_samples!(volume.samples(), |samples| extremes_of(samples, volume.scaling(), is_one))
-}
-
-fn extremes_of<T: Sample>(
-    samples: &[T],
-    scaling: Scaling,
-    is_one: impl Fn(f64) -> bool + Sync,
-) -> Option<[f64; 2]> {
-    let nothing = || [f64::INFINITY, f64::NEG_INFINITY];
-    let of_chunk = |chunk: &[T]| {
-        let values = chunk.iter().map(|sample| scaling.apply(sample.to_f64()));
-        values
-            .filter(|&value| is_one(value))
-            .fold(nothing(), |[min, max], value| [min.min(value), max.max(value)])
-    };
-    let [min, max] = samples
-        .par_chunks(CHUNK_LEN)
-        .map(of_chunk)
-        .reduce(nothing, |[a, b], [c, d]| [a.min(c), b.max(d)]);
-    (min <= max).then_some([min, max])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slabsplat_core::{Grid, Samples};
+    use slabsplat_core::{Grid, Samples, Scaling, Volume};
 
     fn row(samples: Samples) -> Volume {
         let grid = Grid::with_spacing([samples.len(), 1, 1], [1.0; 3]).unwrap();

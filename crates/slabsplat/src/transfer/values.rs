@@ -14,8 +14,63 @@ pub struct ValueCounts {
     pub counts: Vec<u64>,
 }
 
+/// The values of a volume, wherever its voxels are; of those that are counted the finite ones.
+#[cfg(feature = "files")]
+pub(crate) trait VolumeValues {
+    /// All voxels, or those [rows](crate::automatic::LookedAt) that stand for them where its look is found.
+    fn rows(&self) -> &Volume;
+
+    /// The least and the largest; `None` if there is none.
+    fn range(&self) -> Option<[f64; 2]>;
+
+    /// How many are in each of some bins.
+    fn counts(&self, bins: Bins) -> Vec<u64>;
+
+    /// The least and the largest of some; `None` if there are none.
+    fn extremes_where(&self, is_one: &(dyn Fn(f64) -> bool + Sync)) -> Option<[f64; 2]>;
+}
+
+#[cfg(feature = "files")]
+impl VolumeValues for Volume {
+    fn rows(&self) -> &Volume {
+        self
+    }
+
+    fn range(&self) -> Option<[f64; 2]> {
+        self.summary().range
+    }
+
+    fn counts(&self, bins: Bins) -> Vec<u64> {
+        bins.counts(self)
+    }
+
+    fn extremes_where(&self, is_one: &(dyn Fn(f64) -> bool + Sync)) -> Option<[f64; 2]> {
+        with_samples!(self.samples(), |samples| extremes_of(samples, self.scaling(), is_one))
+    }
+}
+
+#[cfg(feature = "files")]
+fn extremes_of<T: Sample>(
+    samples: &[T],
+    scaling: Scaling,
+    is_one: impl Fn(f64) -> bool + Sync,
+) -> Option<[f64; 2]> {
+    let nothing = || [f64::INFINITY, f64::NEG_INFINITY];
+    let of_chunk = |chunk: &[T]| {
+        let values = chunk.iter().map(|sample| scaling.apply(sample.to_f64()));
+        values
+            .filter(|&value| is_one(value))
+            .fold(nothing(), |[min, max], value| [min.min(value), max.max(value)])
+    };
+    let [min, max] = samples
+        .par_chunks(CHUNK_LEN)
+        .map(of_chunk)
+        .reduce(nothing, |[a, b], [c, d]| [a.min(c), b.max(d)]);
+    (min <= max).then_some([min, max])
+}
+
 /// Voxels that a thread counts at a time.
-pub(super) const CHUNK_LEN: usize = 1 << 16;
+const CHUNK_LEN: usize = 1 << 16;
 
 impl ValueCounts {
     /// Counts all finite values; `None` if there are none.
@@ -36,15 +91,15 @@ impl ValueCounts {
 
 /// A range of values, cut into bins of equal width.
 #[derive(Clone, Copy)]
-pub(super) struct Bins {
-    pub(super) range: [f64; 2],
-    pub(super) n_bins: usize,
+pub(crate) struct Bins {
+    pub(crate) range: [f64; 2],
+    pub(crate) n_bins: usize,
 }
 
 impl Bins {
     /// The bin that a value is in; `None` outside of the range.
     #[inline]
-    pub(super) fn bin_of(self, value: f64) -> Option<usize> {
+    pub(crate) fn bin_of(self, value: f64) -> Option<usize> {
         let [lo, hi] = self.range;
         // Halved, as the distance of two ends of the numbers is infinite.
         let t = (0.5 * value - 0.5 * lo) / (0.5 * hi - 0.5 * lo);
@@ -54,7 +109,7 @@ impl Bins {
     }
 
     /// How many values are in each.
-    pub(super) fn counts(self, volume: &Volume) -> Vec<u64> {
+    pub(crate) fn counts(self, volume: &Volume) -> Vec<u64> {
         with_samples!(volume.samples(), |samples| self.counts_of(samples, volume.scaling()))
     }
 

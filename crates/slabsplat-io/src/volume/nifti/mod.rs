@@ -101,7 +101,7 @@ fn read(input: &Input<'_>) -> Result<LoadedVolume, IoError> {
             return Err(not_in_boxes(path, "a volume of colours"));
         }
         stream.jump(offset.saturating_add(n_before))?;
-        let samples = window.read(&image_path, &mut stream, each, header.endian)?;
+        let samples = window.read(&image_path, &mut stream, (each, 1), header.endian)?;
         let voxels = Voxels { grid, samples, scaling, choices };
         let loaded = voxels.load(input, header.format(), warnings)?;
         return Ok(loaded.standing(orientation::orientation(&header)));

@@ -105,7 +105,7 @@ pub(super) fn read(
         check_backed(input, tree, all.clone().map(|index| key(image, &index)), n_bytes)?;
     }
     let endian = image.array.chunks.innermost().endian;
-    let samples = PlacedSamples::new(image.array.stored, endian, n_samples);
+    let samples = input.room(image.array.stored, endian, n_samples);
     let samples = samples.map_err(|_| IoError::Read {
         path: input.path.to_owned(),
         source: io::ErrorKind::OutOfMemory.into(),
