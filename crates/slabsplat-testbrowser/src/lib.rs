@@ -3,7 +3,7 @@
 //!
 //! Nothing else has to be installed: a page is driven by the browser's own DevTools protocol, over two pipes
 //! (`devtools`).
-//! Only a dev-dependency: nothing that draws a picture knows of this crate.
+//! For tests and benchmarks only: nothing that draws a picture knows of this crate.
 //!
 //! Reading order: `server`, `chromium`, `page`, `devtools`.
 

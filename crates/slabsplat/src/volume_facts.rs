@@ -1,5 +1,5 @@
-//! What is looked at of a volume before it is drawn, wherever its voxels are: in memory, or in boxes of a file
-//! (`divided`), of which the same is found.
+//! What is looked at of a volume before it is drawn, wherever its voxels are: in memory, or in boxes of a
+//! file (`divided`), of which the same is found.
 
 use crate::transfer::VolumeValues;
 use slabsplat_core::{Grid, Volume};

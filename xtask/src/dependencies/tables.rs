@@ -183,8 +183,8 @@ pub(super) const LAYERS: &[Layer] = &[
     Layer { name: "xtask", may_use: &[], why: "lint must run while the renderer does not build" },
     Layer {
         name: "slabsplat-bench",
-        may_use: &["xtask", "slabsplat-testdata"],
-        why: "it starts programs and measures them from outside, as other renderers are measured",
+        may_use: &["xtask", "slabsplat-testdata", "slabsplat-testbrowser"],
+        why: "it starts programs and pages and measures them from outside, as other renderers are measured",
     },
 ];
 

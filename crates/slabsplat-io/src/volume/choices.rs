@@ -53,8 +53,8 @@ pub struct VolumeOptions {
     pub allow_external: bool,
     /// Which voxels along x, y and z; by default all. Of raw data, be they in NRRD, NIfTI, MetaImage, MRC,
     /// NumPy or a file of their own, and of OME-Zarr, no others are held in memory; other files are not read
-    /// so ([`IoError::NotInBoxes`]). Of colours with alpha that is the opacity, unless something else is asked
-    /// for: whether it tells voxels apart is not known of some.
+    /// so ([`IoError::NotInBoxes`]). Of colours with alpha that is the opacity, unless something else is
+    /// asked for: whether it tells voxels apart is not known of some.
     pub voxels: Option<[Range<usize>; 3]>,
     /// What hears how far reading is.
     pub progress: Option<ProgressCallback>,

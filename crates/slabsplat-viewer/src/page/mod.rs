@@ -41,8 +41,8 @@ pub async fn show_in_page(canvas: HtmlCanvasElement) -> Result<(), String> {
     started.map_err(|error| format!("the browser draws nothing: {error:?}"))
 }
 
-/// Asks for the context that egui then finds, as the first who asks decides what it is like: egui smooths edges
-/// itself, and nothing is to be seen through the canvas.
+/// Asks for the context that egui then finds, as the first who asks decides what it is like: egui smooths
+/// edges itself, and nothing is to be seen through the canvas.
 fn get_context(canvas: &HtmlCanvasElement) -> Result<(), JsValue> {
     let options = js_sys::Object::new();
     for name in ["antialias", "alpha"] {

@@ -144,8 +144,8 @@ async fn taken(shared: &RefCell<Shared>, backend: &str, pane: usize) -> Result<R
     }
 }
 
-/// Lets the page show what it has. It hears a message to itself before it draws again; a timer may come later,
-/// so that the page would be drawn twice for each frame of ours.
+/// Lets the page show what it has. It hears a message to itself before it draws again; a timer may come
+/// later, so that the page would be drawn twice for each frame of ours.
 pub(crate) async fn turn_of_page() {
     let promise = js_sys::Promise::new(&mut |resolve, _| {
         let Ok(channel) = MessageChannel::new() else { return };

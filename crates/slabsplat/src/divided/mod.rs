@@ -15,8 +15,8 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `survey`, `values` and `overview` (what is read before there is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`,
-//! `drawing`, `refine`, `moments`, `shared`.
+//! Reading order: `survey`, `values` and `overview` (what is read before there is a scene), `balance`,
+//! `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
 
 mod ahead;
 mod balance;
@@ -57,7 +57,8 @@ pub use shared::{Exchange, ShareCost, SharedScene};
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
 /// The picture is that of the scene with all voxels in memory, up to rounding, and so is what the scene file
-/// leaves open: transfer functions and the camera are found of the same voxels. Cells that stand for voxels under a tolerance are not drawn.
+/// leaves open: transfer functions and the camera are found of the same voxels. Cells that stand for voxels
+/// under a tolerance are not drawn.
 ///
 /// ```no_run
 /// use slabsplat::DividedScene;

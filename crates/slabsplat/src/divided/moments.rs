@@ -7,8 +7,8 @@ use slabsplat_core::{FrameHandle, Scene};
 
 impl DividedScene {
     /// Draws another scene of the same volumes and finishes it: [the opened one](Self::opened) with another
-    /// camera, other lights, settings or looks of layers, as films have it. Boxes that were read for the frame
-    /// before are not read again, as far as there is room for them.
+    /// camera, other lights, settings or looks of layers, as films have it. Boxes that were read for the
+    /// frame before are not read again, as far as there is room for them.
     ///
     /// # Errors
     /// As [`open`](Self::open) and [`picture`](Self::picture), for the other scene.

@@ -53,8 +53,8 @@ pub struct ShareCost {
 }
 
 impl SharedScene {
-    /// Opens the scene of `file`, whose camera is aimed. Without a number of bytes a share has as many as 1.3 times its part of all
-    /// volumes takes, but 64 MiB at least, and what it takes beside voxels.
+    /// Opens the scene of `file`, whose camera is aimed. Without a number of bytes a share has as many as 1.3
+    /// times its part of all volumes takes, but 64 MiB at least, and what it takes beside voxels.
     ///
     /// Volumes have to be stored so that boxes can be read of them: nothing is unpacked.
     ///
