@@ -15,13 +15,14 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `survey`, `values` and `overview` (what is read before there is a scene), `balance`,
-//! `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
+//! Reading order: `found_scene`, `survey`, `values` and `overview` (what is read before there is a scene),
+//! `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
 mod drawing;
+mod found_scene;
 mod moments;
 mod overview;
 mod painter;
@@ -33,22 +34,17 @@ mod survey;
 mod values;
 
 use crate::framing::Aim;
-use crate::transfer::VolumeValues;
-use crate::volume_facts::VolumeFacts;
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use budget::Budget;
-use overview::Overview;
+use found_scene::{Surveyed, Views, outlined};
 use painter::CPU;
 use retained::RetainedBoxes;
 use shares::Shares;
-use slabsplat_backend::{Frame, PlanError, Planner, SceneInParts, check_parts};
-use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartTree, Samples, Scene, Volume};
-use slabsplat_io::{IoError, LabelBoxes, LayerFile, SceneFile, ScratchDesc, VolumeBoxes};
-use std::cell::RefCell;
+use slabsplat_backend::{Frame, PlanError, Planner, SceneInParts};
+use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartTree, Volume};
+use slabsplat_io::{IoError, LabelBoxes, SceneFile, ScratchDesc, VolumeBoxes};
 use std::sync::Arc;
-use survey::Survey;
 use thiserror::Error;
-use values::BoxValues;
 
 pub use budget::NoRoom;
 pub use refine::Refinement;
@@ -97,21 +93,6 @@ pub struct DividedScene {
     backend: String,
     is_refined: bool,
 }
-
-/// A scene as it is found.
-struct Surveyed {
-    opened: OpenScene,
-    sources: Vec<VolumeBoxes>,
-    labels: Vec<Option<LabelBoxes>>,
-    grids: Vec<Grid>,
-    outlines: Vec<Arc<Volume>>,
-}
-
-/// The cameras that go around with one.
-type Views<'a> = &'a dyn Fn(&Camera) -> Vec<Camera>;
-
-/// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
-const OF_OVERVIEW: u64 = 4;
 
 /// What a scene may take that is drawn box by box.
 #[derive(Clone, Debug)]
@@ -239,110 +220,6 @@ impl DividedScene {
         let (mut divided, _) = Self::divided(surveyed, desc, (&budget, Shares::whole()))?;
         divided.draw_by(file);
         Ok(divided)
-    }
-
-    /// The scene, of which each share looks at a part.
-    fn surveyed(
-        file: &SceneFile,
-        desc: &DividedDesc,
-        others: &mut dyn Exchange,
-        views: Option<Views<'_>>,
-    ) -> Result<Surveyed, DividedError> {
-        let sources = Self::sources_of(&file.layers, desc, others)?;
-        let (labels, label_warnings) = Self::labels_of(&file.layers, desc, others)?;
-        let others = RefCell::new(others);
-        let surveys = surveys(&sources, &labels, &others);
-        let values: Vec<BoxValues<'_, '_>> =
-            surveys.iter().map(|survey| BoxValues::new(*survey)).collect();
-        let of_file = file;
-        let (mut file, mut loaded, mut grids) = (file.clone(), Vec::new(), Vec::new());
-        for (layer, survey) in file.layers.iter_mut().zip(&surveys) {
-            let overview = Overview::of(*survey)?;
-            // What it says of the volume's content is not of this, and labels are not read whole.
-            (layer.hash, layer.labels) = (None, None);
-            grids.push(overview.whole);
-            loaded.push(overview.loaded);
-        }
-        let facts = grids.iter().zip(&values);
-        let facts = facts.map(|(grid, values)| VolumeFacts { grid: *grid, values });
-        let opened = OpenScene::unframed_by(loaded, &facts.collect::<Vec<_>>(), &file);
-        if let Some(failure) = values.iter().find_map(BoxValues::failure) {
-            return Err(failure);
-        }
-        let mut opened = opened?;
-        opened.warnings.extend(label_warnings);
-        for (idx, labels) in labels.iter().enumerate() {
-            let Some(labels) = labels else { continue };
-            let layer = &mut opened.scene.layers[idx];
-            let (of_overview, is_there) = match overview::labels_of(labels, layer.volume.grid()) {
-                Ok(labels) => (Some(labels), Ok(Samples::U8(Vec::new()))),
-                Err(error) => (None, Err(error)),
-            };
-            others.borrow_mut().all(is_there)?;
-            layer.labels = of_overview;
-            opened.sources.layers[idx].labels = of_file.layers[idx].labels.clone();
-        }
-        check_parts(&opened.scene)?;
-        let outlines = outlines(&opened.scene, &grids, &values);
-        opened.frame_by(&file, (&desc.aim, views), |opened| {
-            let Scene { layers, settings, .. } = &opened.scene;
-            let cells = surveys.iter().zip(layers);
-            let cells = cells.map(|(survey, layer)| survey.cells(layer, settings.mode));
-            let cells = cells.collect::<Result<Vec<_>, _>>()?;
-            let finished = outlined(&opened.scene, &outlines);
-            Ok::<_, DividedError>(opened.framing_of(cells, &grids, &finished))
-        })?;
-        sources.iter().for_each(|source| source.retain_chunks(0));
-        Ok(Surveyed { opened, sources, labels, grids, outlines })
-    }
-
-    /// Where the volumes of layers are, if all shares can read them.
-    fn sources_of(
-        layers: &[LayerFile],
-        desc: &DividedDesc,
-        others: &mut dyn Exchange,
-    ) -> Result<Vec<VolumeBoxes>, DividedError> {
-        let mut sources: Vec<VolumeBoxes> = Vec::new();
-        for layer in layers {
-            let before = layers.iter().zip(&sources).find(|(of, _)| layer.shares_volume(of));
-            let source = match before {
-                Some((_, source)) => Ok(source.clone()),
-                None => layer.open_boxes(&desc.scratch),
-            };
-            let (source, is_there) = match source {
-                Ok(source) => (Some(source), Ok(Samples::U8(Vec::new()))),
-                Err(error) => (None, Err(error)),
-            };
-            others.all(is_there)?;
-            let source = source.ok_or(DividedError::Differing)?;
-            // What is looked at meets the same chunks again.
-            source.retain_chunks(desc.memory_bytes / OF_OVERVIEW);
-            sources.push(source);
-        }
-        Ok(sources)
-    }
-
-    /// Their labels, and what is to be said of these.
-    fn labels_of(
-        layers: &[LayerFile],
-        desc: &DividedDesc,
-        others: &mut dyn Exchange,
-    ) -> Result<(Vec<Option<LabelBoxes>>, Vec<String>), DividedError> {
-        let (mut all, mut all_warnings) = (Vec::new(), Vec::new());
-        for layer in layers {
-            let labels = layer.labels.as_ref().map(|labels| labels.open_boxes(&desc.scratch));
-            let (labels, is_there) = match labels.transpose() {
-                Ok(labels) => (labels, Ok(Samples::U8(Vec::new()))),
-                Err(error) => (None, Err(error)),
-            };
-            if layer.labels.is_some() {
-                others.all(is_there)?;
-            }
-            let (labels, warnings) = labels.unzip();
-            all.push(labels);
-            all_warnings.extend(warnings.into_iter().flatten());
-        }
-        Ok((all, all_warnings))
     }
 
     fn divided(
@@ -487,33 +364,4 @@ impl DividedScene {
         let scene = outlined(&self.opened.scene, &self.outlines);
         finished(frame, &scene, self.opened.acquisition)
     }
-}
-
-/// What looks at the volumes of layers.
-fn surveys<'a, 'e>(
-    sources: &'a [VolumeBoxes],
-    labels: &'a [Option<LabelBoxes>],
-    others: &'a RefCell<&'e mut dyn Exchange>,
-) -> Vec<Survey<'a, 'e>> {
-    let layers = sources.iter().zip(labels);
-    layers.map(|(source, labels)| Survey { source, labels: labels.as_ref(), others }).collect()
-}
-
-/// A volume for each layer that ends where the layer's does, with its values if somebody will see them.
-fn outlines(scene: &Scene, grids: &[Grid], values: &[BoxValues<'_, '_>]) -> Vec<Arc<Volume>> {
-    let has_values = scene.finish.annotations.color_bar;
-    let outlines = grids.iter().zip(values).map(|(grid, values)| {
-        let range = has_values.then(|| values.range()).flatten();
-        Arc::new(survey::outline(grid, range))
-    });
-    outlines.collect()
-}
-
-/// A scene as annotations see it.
-fn outlined(scene: &Scene, outlines: &[Arc<Volume>]) -> Scene {
-    let mut outlined = scene.clone();
-    for (layer, outline) in outlined.layers.iter_mut().zip(outlines) {
-        layer.volume = outline.clone();
-    }
-    outlined
 }
