@@ -19,12 +19,12 @@
 //! Graphics Tools 10(3), 2005), as a power where normals are alike and as an exponential, which has no kink
 //! at a right angle, where they are not: off by 0.024 to 0.036 in the mean of squares, without that by 0.05.
 //!
-//! All goes eight cells at a time, without branches on cells, and without closures: one that is not inlined
-//! into a loop of vectors is computed without them.
+//! All goes eight cells at a time, without branches on cells.
 
 use crate::Cells8;
 use crate::blinn_phong::BlinnPhong8;
 use crate::cells::along;
+use std::array::from_fn;
 
 /// What eight cells have in common with eight others: what there is of directions among their voxels.
 struct Facing8<'a> {
@@ -46,12 +46,7 @@ const LEAST: f32 = 1e-12;
 impl<'a> Facing8<'a> {
     #[inline(always)]
     fn new(Cells8 { values: cells, moments }: &'a Cells8) -> Self {
-        let mut normals = [[0.0; 8]; 3];
-        for (axis, components) in normals.iter_mut().enumerate() {
-            for (component, cell) in components.iter_mut().zip(cells) {
-                *component = cell.normal[axis];
-            }
-        }
+        let normals: [[f32; 8]; 3] = from_fn(|axis| from_fn(|i| cells[i].normal[axis]));
         let (mut directed, mut per_directed) = ([0.0; 8], [0.0; 8]);
         let (mut alike, mut spread) = ([0.0; 8], [0.0; 8]);
         for i in 0..8 {
@@ -72,12 +67,10 @@ impl<'a> Facing8<'a> {
     #[inline(always)]
     fn means(&self, direction: [f32; 3]) -> [f32; 8] {
         let [x, y, z] = &self.normals;
-        let mut means = [0.0; 8];
-        for i in 0..8 {
+        from_fn(|i| {
             let product = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
-            means[i] = (product * self.per_directed[i]).clamp(-1.0, 1.0);
-        }
-        means
+            (product * self.per_directed[i]).clamp(-1.0, 1.0)
+        })
     }
 }
 
@@ -85,18 +78,13 @@ impl Facing8<'_> {
     /// `v`, for directions whose means are those.
     #[inline(always)]
     fn variances(&self, means: &[f32; 8], direction: [f32; 3]) -> [f32; 8] {
-        let mut variances = [0.0; 8];
-        if let Some(moments) = self.moments {
-            for i in 0..8 {
+        match self.moments {
+            None => from_fn(|i| self.spread[i] * (1.0 - means[i] * means[i])),
+            Some(moments) => from_fn(|i| {
                 let square = along(moments[i], direction) * self.per_directed[i];
-                variances[i] = (square - means[i] * means[i]).max(0.0);
-            }
-        } else {
-            for i in 0..8 {
-                variances[i] = self.spread[i] * (1.0 - means[i] * means[i]);
-            }
+                (square - means[i] * means[i]).max(0.0)
+            }),
         }
-        variances
     }
 }
 
@@ -148,14 +136,12 @@ impl BlinnPhong8 {
                 }
             }
         }
-        let mut colors = [[0.0; 3]; 8];
-        for (i, color) in colors.iter_mut().enumerate() {
-            for (channel, lit) in color.iter_mut().enumerate() {
-                *lit = cells[i].color[channel] * diffuse[channel][i] + specular[channel][i];
-                *lit = if *lit < 1.0 { *lit } else { 1.0 };
-            }
-        }
-        colors
+        from_fn(|i| {
+            from_fn(|channel| {
+                let lit = cells[i].color[channel] * diffuse[channel][i] + specular[channel][i];
+                if lit < 1.0 { lit } else { 1.0 }
+            })
+        })
     }
 }
 
