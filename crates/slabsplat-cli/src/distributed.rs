@@ -1,6 +1,7 @@
 //! `slabsplat render --distributed`: a picture by all ranks that `mpirun` started.
 
 use crate::columns::{aligned, bytes};
+use crate::divided;
 use crate::flags::{OutputFlags, SceneFlags, Written};
 use crate::painter::NOTHING_IN_PARTS;
 use crate::plain::counted;
@@ -9,9 +10,10 @@ use crate::ranks::Ranks;
 use crate::terminal::{self, Loudness};
 use anyhow::Result;
 use serde_json::{Value, json};
-use slabsplat::Aim;
 use slabsplat::io::SceneFile;
+use slabsplat::{Aim, SharedDesc};
 use slabsplat_mpi::{DistributedPicture, DistributedScene, RankReport};
+use std::path::Path;
 use std::time::Instant;
 
 /// What is drawn, and how it is said.
@@ -20,6 +22,8 @@ pub(crate) struct Distributed<'a> {
     pub(crate) output: &'a OutputFlags,
     /// For each rank, if it is said.
     pub(crate) memory_bytes: Option<u64>,
+    /// Where volumes are unpacked, if it is said.
+    pub(crate) scratch: Option<&'a Path>,
     pub(crate) has_stats: bool,
     pub(crate) has_json: bool,
 }
@@ -33,7 +37,7 @@ pub(crate) fn draw(args: &Distributed<'_>, ranks: &Ranks) -> Result<Option<Value
     let written = ranks.all_can(written)?;
     let (file, aim) = ranks.all_can(prepared(args, written.as_ref()))?;
     let progress = Progress::start("reading", 0);
-    let scene = open(args, ranks, (&file, &aim))?;
+    let scene = open(args, ranks, (&file, aim))?;
     terminal::warn_all(&scene.shared().scene().opened().warnings);
     let watched = progress.frame("rendering");
     let drawn = args.scene.in_scene(|| Ok(scene.picture(&ranks.world, &watched)?))?;
@@ -59,9 +63,11 @@ fn prepared(args: &Distributed<'_>, written: Option<&Written<'_>>) -> Result<(Sc
 fn open(
     args: &Distributed<'_>,
     ranks: &Ranks,
-    (file, aim): (&SceneFile, &Aim),
+    (file, aim): (&SceneFile, Aim),
 ) -> Result<DistributedScene> {
-    args.scene.in_scene(|| Ok(DistributedScene::open(&ranks.world, file, args.memory_bytes, aim)?))
+    let desc = SharedDesc::default().memory_bytes(args.memory_bytes).aim(aim);
+    let desc = desc.scratch(divided::scratch_in(args.scratch));
+    args.scene.in_scene(|| Ok(DistributedScene::open(&ranks.world, file, &desc)?))
 }
 
 fn write(

@@ -13,8 +13,13 @@ use slabsplat::{DividedDesc, DividedScene};
 use std::path::Path;
 use std::time::Instant;
 
-/// What a picture may take; volumes that are unpacked are told of before.
+/// What a picture may take.
 pub(crate) fn desc(memory_bytes: u64, scratch: Option<&Path>) -> DividedDesc {
+    DividedDesc::new(memory_bytes).scratch(scratch_in(scratch))
+}
+
+/// Scratch in a folder; volumes that are unpacked are told of before.
+pub(crate) fn scratch_in(folder: Option<&Path>) -> ScratchDesc {
     let told = ScratchDesc::default().on_use(|of| {
         let [file, folder] = [&of.path, &of.folder].map(|path| path.display().to_string());
         let [file, folder] = [file, folder].map(|path| terminal::flattened(&path));
@@ -26,11 +31,10 @@ pub(crate) fn desc(memory_bytes: u64, scratch: Option<&Path>) -> DividedDesc {
             terminal::warn(&format!("{folder} lies in memory: --scratch names another folder"));
         }
     });
-    let scratch = match scratch {
+    match folder {
         Some(folder) => told.folder(folder),
         None => told,
-    };
-    DividedDesc::new(memory_bytes).scratch(scratch)
+    }
 }
 
 /// Draws a scene within so many bytes, writes what is to be written of it, and tells what was done: in lines

@@ -9,7 +9,7 @@ use crate::ranks::{RankFlags, Ranks};
 use crate::terminal::{self, Loudness};
 use crate::{advice, divided, stats};
 use anyhow::Result;
-use clap::Args;
+use clap::{ArgGroup, Args};
 use serde_json::{Value, json};
 use slabsplat::io::SceneFile;
 use slabsplat::{Caps, Frame, Layer, Mode, OpenScene, Scene};
@@ -18,6 +18,7 @@ use std::time::Instant;
 
 /// Render a scene or a volume into a picture
 #[derive(Args)]
+#[command(group(ArgGroup::new("in_boxes").args(["memory", "distributed"]).multiple(true)))]
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     output: OutputFlags,
@@ -37,15 +38,9 @@ pub(crate) struct RenderArgs {
     )]
     memory: Option<u64>,
 
-    /// Where --memory unpacks volumes that cannot be read box by box; by default in the system's folder for
-    /// temporary files
-    #[arg(
-        long,
-        value_name = "FOLDER",
-        help_heading = "Output",
-        requires = "memory",
-        conflicts_with = "distributed"
-    )]
+    /// Where --memory and --distributed unpack volumes that cannot be read box by box; by default in the
+    /// system's folder for temporary files
+    #[arg(long, value_name = "FOLDER", help_heading = "Output", requires = "in_boxes")]
     scratch: Option<PathBuf>,
 
     #[command(flatten)]
@@ -77,6 +72,7 @@ fn on_ranks(args: &RenderArgs, ranks: Ranks) -> Result<()> {
         scene: &args.scene,
         output: &args.output,
         memory_bytes: args.memory,
+        scratch: args.scratch.as_deref(),
         has_stats: args.stats,
         has_json: args.json,
     };

@@ -154,6 +154,18 @@ pub enum IoError {
         /// What the system said.
         source: io::Error,
     },
+    /// What another process of this computer unpacked of a volume cannot be opened here.
+    #[error(
+        "{}: what another process has unpacked of it cannot be opened: {source}: slabsplat convert makes a file \
+         that all can read",
+        shown_path(path)
+    )]
+    SharedScratch {
+        /// The volume.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The data are shorter (or, in a plain raw file, longer) than the header promises.
     #[error("{}: needs {needed} bytes of data, has {found}: {hint}", shown_path(path))]
     WrongLength {

@@ -18,6 +18,9 @@ pub trait Communicator: std::fmt::Debug {
     /// The name of the computer.
     fn node(&self) -> String;
 
+    /// The first rank of this one's computer.
+    fn first_here(&self) -> usize;
+
     /// Sends bytes, and does not wait until they are there.
     ///
     /// # Errors

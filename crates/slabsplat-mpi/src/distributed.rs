@@ -1,6 +1,7 @@
 //! A picture of a scene's files by all ranks.
 //!
 //! ```text
+//! one rank of each computer unpacks what cannot be read in boxes, and all there read what it unpacked
 //! each rank looks at a part of the volumes and reads some planes of an overview, and has those of all
 //! all cut the same k-d tree, a box for each rank, of as many relevant voxels as far as the overview tells
 //! each rank reads its box and draws it before nothing, box by box within its memory
@@ -14,7 +15,7 @@ use crate::communicator::while_beating;
 use crate::{Communicator, MpiError, RankReport, composite, samples};
 use slabsplat::io::{IoError, SceneFile};
 use slabsplat::{
-    Aim, DividedError, Exchange, FrameHandle, FrameStats, Picture, Samples, SharedScene,
+    DividedError, Exchange, FrameHandle, FrameStats, Picture, Samples, SharedDesc, SharedScene,
 };
 use std::time::Instant;
 
@@ -35,18 +36,16 @@ pub struct DistributedPicture {
 }
 
 impl DistributedScene {
-    /// Opens a scene on all ranks, each for `memory_bytes`, or for 1.3 times its part of the volumes and what
-    /// it takes beside ([`SharedScene::open`]).
+    /// Opens a scene on all ranks, each as `desc` says.
     ///
     /// # Errors
     /// If any rank cannot, on all.
     pub fn open(
         comm: &dyn Communicator,
         file: &SceneFile,
-        memory_bytes: Option<u64>,
-        aim: &Aim,
+        desc: &SharedDesc,
     ) -> Result<Self, MpiError> {
-        let opened = SharedScene::open(file, memory_bytes, aim, &mut Ranks(comm));
+        let opened = SharedScene::open(file, desc, &mut Ranks(comm));
         Ok(Self { shared: agreed(comm, opened)? })
     }
 
@@ -153,6 +152,14 @@ impl Exchange for Ranks<'_> {
 
     fn share_idx(&self) -> usize {
         self.0.rank()
+    }
+
+    fn first_here(&self) -> usize {
+        self.0.first_here()
+    }
+
+    fn at_work(&mut self, work: &mut (dyn FnMut() + Send)) -> Result<(), DividedError> {
+        while_beating(self.0, work).map_err(|error| DividedError::Elsewhere(Box::new(error)))
     }
 
     fn all(&mut self, own: Result<Samples, IoError>) -> Result<Vec<Samples>, DividedError> {

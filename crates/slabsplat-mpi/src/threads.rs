@@ -72,6 +72,10 @@ impl Communicator for ThreadRank {
         "here".to_owned()
     }
 
+    fn first_here(&self) -> usize {
+        0
+    }
+
     fn send(&self, to: usize, tag: Tag, bytes: Vec<u8>) -> Result<(), MpiError> {
         let mut traffic = self.traffic.get();
         traffic.count(tag, bytes.len());

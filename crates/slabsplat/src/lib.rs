@@ -121,7 +121,8 @@ pub use comparison::{
 pub use comparison::{Pane, Sheet, SheetDesc};
 #[cfg(feature = "files")]
 pub use divided::{
-    DividedDesc, DividedError, DividedScene, Exchange, NoRoom, Refinement, ShareCost, SharedScene,
+    DividedDesc, DividedError, DividedScene, Exchange, NoRoom, Refinement, ShareCost, SharedDesc,
+    SharedScene,
 };
 pub use framing::{Aim, AimError, Facing, Framing};
 #[cfg(not(target_arch = "wasm32"))]

@@ -55,7 +55,7 @@ impl LayerFile {
             {
                 let mut options = self.options.clone();
                 options.voxels = None;
-                let unpacked = Scratch::unpack(path, &options, scratch)?;
+                let unpacked = Scratch::open(path, &options, scratch)?;
                 let first = self.spaced(unpacked.first().clone())?;
                 let scratch = Some(Arc::new(unpacked));
                 VolumeBoxes { layer, first, scratch, chunks }.looked_through()
@@ -177,7 +177,16 @@ impl VolumeBoxes {
 
     /// What it takes on a disk, if it had to be unpacked.
     pub fn scratch(&self) -> Option<&ScratchUse> {
-        self.scratch.as_deref().map(Scratch::of)
+        self.scratch.as_deref().map(Scratch::of_folder)
+    }
+
+    /// What other processes of this computer read the same scratch file by, if it had to be unpacked
+    /// ([`ScratchDesc::shared`]): as long as this one has it, or has been read there.
+    ///
+    /// # Errors
+    /// If the system does not tell which file that is.
+    pub fn scratch_handle(&self) -> Result<Option<Vec<u8>>, IoError> {
+        self.scratch.as_deref().map(Scratch::handle).transpose()
     }
 
     /// The file, for messages.

@@ -233,6 +233,14 @@ impl LabelBoxes {
         })
     }
 
+    /// As [`VolumeBoxes::scratch_handle`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn scratch_handle(&self) -> Result<Option<Vec<u8>>, IoError> {
+        self.boxes.scratch_handle()
+    }
+
     /// Bytes that labels take for each voxel of a grid while they are read.
     pub fn voxel_bytes(&self, grid: &Grid) -> u64 {
         let whole = self.boxes.grid();

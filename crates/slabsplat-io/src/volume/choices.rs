@@ -4,6 +4,8 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::LoadedVolume;
 use super::colors::{ColorUse, LoadedColors, OpacitySource};
 use super::data::Share;
@@ -77,7 +79,7 @@ pub enum Part {
 }
 
 /// How many parts of a kind there are, and which was read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct Choice {
     /// How many there are, at least 1.
@@ -89,7 +91,7 @@ pub struct Choice {
 }
 
 /// What a file holds, and what was read of it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct VolumeChoices {
     /// Series of a folder, or images of a file.

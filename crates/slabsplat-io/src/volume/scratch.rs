@@ -4,7 +4,11 @@
 //! Such a volume is read once, from front to back and never whole into memory, and its samples are written
 //! into a scratch file as they come (`spill`). How large that gets is known before the first byte is written.
 //! The file has no name: it is unlinked as soon as it is created (`tempfile`), so that it is gone when the
-//! last handle is, by whatever the program ends: an error, a signal, a kill.
+//! last handle is, by whatever the program ends: an error, a signal, a kill. Other processes of the computer
+//! share it by its descriptor (`handle`).
+
+mod handle;
+mod unpacked;
 
 use std::fmt;
 use std::fs::File;
@@ -13,15 +17,13 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use slabsplat_core::SampleType;
-
-use super::colors::Voxels;
 use super::formats::{self, Found, Input, Reader};
 use super::spill::{Spill, SpillFailure};
-use super::window::{Window, not_in_boxes};
-use super::{Endian, LoadedVolume, OpacitySource, VolumeOptions, assemble, read_by};
+use super::window::not_in_boxes;
+use super::{LoadedVolume, OpacitySource, VolumeOptions, read_by};
 use crate::IoError;
 use crate::store::Store;
+use unpacked::Unpacked;
 
 /// Where volumes are unpacked that cannot be read box by box as they are, and how large that may get.
 ///
@@ -35,7 +37,19 @@ pub struct ScratchDesc {
     /// Bytes that one volume may take there, at most; `None` is what is free.
     pub most_bytes: Option<u64>,
     hear: Option<ScratchCallback>,
-    is_refused: bool,
+    origin: Origin,
+}
+
+/// Where scratch files come from.
+#[derive(Clone, Debug, Default)]
+enum Origin {
+    /// They are made.
+    #[default]
+    Unpacked,
+    /// Nowhere: there are none.
+    Refused,
+    /// Another process has made one.
+    Handle(Arc<[u8]>),
 }
 
 /// What a volume takes in a folder of scratch, for as long as its boxes are read.
@@ -77,7 +91,14 @@ impl ScratchDesc {
     /// Unpacks nothing: what would have to be is refused.
     #[must_use]
     pub fn refused(self) -> Self {
-        Self { is_refused: true, ..self }
+        Self { origin: Origin::Refused, ..self }
+    }
+
+    /// Unpacks nothing, but reads what another process of this computer has unpacked of the same volume, by
+    /// what [`VolumeBoxes::scratch_handle`](crate::VolumeBoxes::scratch_handle) says there.
+    #[must_use]
+    pub fn shared(self, handle: &[u8]) -> Self {
+        Self { origin: Origin::Handle(handle.into()), ..self }
     }
 
     /// Tells `hear` of each volume, before it is unpacked.
@@ -87,12 +108,22 @@ impl ScratchDesc {
     }
 
     pub(crate) fn is_refused(&self) -> bool {
-        self.is_refused
+        matches!(self.origin, Origin::Refused)
+    }
+
+    fn in_folder(&self) -> PathBuf {
+        self.folder.clone().unwrap_or_else(std::env::temp_dir)
+    }
+
+    fn use_of(&self, path: &Path, n_bytes: u64) -> ScratchUse {
+        let folder = self.in_folder();
+        let is_in_memory = is_in_memory(&folder);
+        ScratchUse { path: path.to_owned(), folder, n_bytes, is_in_memory }
     }
 
     /// An empty file for so many bytes of a volume, if there is room for them.
     fn file_for(&self, path: &Path, n_bytes: u64) -> Result<(File, ScratchUse), IoError> {
-        let folder = self.folder.clone().unwrap_or_else(std::env::temp_dir);
+        let folder = self.in_folder();
         let failed = |source| {
             let (path, folder) = (path.to_owned(), folder.clone());
             IoError::Scratch { path, folder, source }
@@ -104,8 +135,7 @@ impl ScratchDesc {
             return Err(IoError::NoScratch { path, folder, needed_bytes, room_bytes });
         }
         let file = tempfile::tempfile_in(&folder).map_err(failed)?;
-        let is_in_memory = is_in_memory(&folder);
-        Ok((file, ScratchUse { path: path.to_owned(), folder, n_bytes, is_in_memory }))
+        Ok((file, self.use_of(path, n_bytes)))
     }
 }
 
@@ -114,24 +144,29 @@ impl ScratchDesc {
 pub(crate) struct Scratch {
     spill: Arc<Spill>,
     options: VolumeOptions,
-    /// The type of samples in the file.
-    spilled: SampleType,
+    unpacked: Unpacked,
     /// One voxel, with all that is known of the volume.
     first: LoadedVolume,
     of: ScratchUse,
 }
 
 impl Scratch {
-    /// Reads a volume of a file into a scratch file.
+    /// Reads a volume of a file into a scratch file, or opens the one that another process has made of it.
     ///
     /// # Errors
-    /// If it cannot be read, or not without having it in memory whole, or there is no room for it.
-    pub(crate) fn unpack(
+    /// If it cannot be read, or not without having it in memory whole, or there is no room for it; if what
+    /// another process made is not there.
+    pub(crate) fn open(
         path: &Path,
         options: &VolumeOptions,
         desc: &ScratchDesc,
     ) -> Result<Self, IoError> {
         let Found { reader, path, options } = formats::find(Store::Disk, path, options)?;
+        if let Origin::Handle(handle) = &desc.origin {
+            let (file, unpacked, n_bytes) = handle::open(handle)
+                .map_err(|source| IoError::SharedScratch { path: path.clone(), source })?;
+            return Self::of(Spill::new(file), &options, unpacked, desc.use_of(&path, n_bytes));
+        }
         let mut input = Input { store: Store::Disk, path: &path, options: &options, spill: None };
         let listing = reader.list(&input)?;
         options.check(&path, &listing.choices)?;
@@ -146,42 +181,40 @@ impl Scratch {
     /// Reads all of a volume into a file.
     fn filled(reader: &dyn Reader, input: &Input<'_>, of: ScratchUse) -> Result<Self, IoError> {
         let spill = input.spill.clone().expect("there is somewhere to write to");
-        let first = read_by(reader, input);
+        let read = read_by(reader, input);
+        let failed = |source| {
+            let (path, folder) = (of.path.clone(), of.folder.clone());
+            IoError::Scratch { path, folder, source }
+        };
         match spill.failure() {
             Some(SpillFailure::Order(what)) => return Err(not_in_boxes(input.path, what)),
-            Some(SpillFailure::Write(source)) => {
-                let ScratchUse { path, folder, .. } = of;
-                return Err(IoError::Scratch { path, folder, source });
-            }
+            Some(SpillFailure::Write(source)) => return Err(failed(source)),
             None => {}
         }
-        let mut first = first?;
-        let spilled = first.volume.sample_type();
-        if let Some((stored, integers)) = spill.integers() {
-            first.warnings.push(integers.said_of(stored));
-            let volume = &first.volume;
-            let sample = integers.narrowed(volume.samples().clone());
-            first.volume = assemble(input.path, *volume.grid(), sample, volume.scaling())?;
+        let unpacked = Unpacked::of(read?, &spill);
+        let n_samples = unpacked.n_samples();
+        let n_came = spill.n_in_order().unwrap_or(n_samples);
+        if n_came != n_samples {
+            let what = format!("it has {n_came} samples for {} voxels", unpacked.grid.n_voxels());
+            return Err(IoError::malformed(&of.path, what));
         }
-        let scratch = Self { spill, options: input.options.clone(), spilled, first, of };
-        scratch.complete()?;
-        Ok(scratch)
+        // Those that no part of the file has are zero.
+        spill.set_len(unpacked.n_bytes()).map_err(failed)?;
+        Self::of(spill, input.options, unpacked, of)
     }
 
-    /// That all samples came; those that no part of the file has are zero.
-    fn complete(&self) -> Result<(), IoError> {
-        let n_voxels = self.first.volume.grid().uncropped().n_voxels() as u64;
-        let n_samples = n_voxels.saturating_mul(self.first.choices.n_read() as u64);
-        let n_came = self.spill.n_in_order().unwrap_or(n_samples);
-        if n_came != n_samples {
-            let what = format!("it has {n_came} samples for {n_voxels} voxels");
-            return Err(IoError::malformed(&self.of.path, what));
-        }
-        let n_bytes = n_samples * self.spilled.size_bytes() as u64;
-        self.spill.set_len(n_bytes).map_err(|source| {
-            let (path, folder) = (self.of.path.clone(), self.of.folder.clone());
-            IoError::Scratch { path, folder, source }
-        })
+    /// A volume whose samples are all in the file.
+    fn of(
+        spill: Arc<Spill>,
+        options: &VolumeOptions,
+        unpacked: Unpacked,
+        of: ScratchUse,
+    ) -> Result<Self, IoError> {
+        let path = of.path.as_path();
+        let one = [0..1, 0..1, 0..1];
+        let mut first = unpacked.read((&spill, path), &one, options, options.opacity_from)?;
+        first.warnings.clone_from(&unpacked.warnings);
+        Ok(Self { spill, options: options.clone(), unpacked, first, of })
     }
 
     /// One voxel of the volume, with all that its file says.
@@ -189,8 +222,17 @@ impl Scratch {
         &self.first
     }
 
-    pub(crate) fn of(&self) -> &ScratchUse {
+    pub(crate) fn of_folder(&self) -> &ScratchUse {
         &self.of
+    }
+
+    /// What other processes of this computer open the same file by, as long as this one has it.
+    ///
+    /// # Errors
+    /// If the system does not tell which file it is.
+    pub(crate) fn handle(&self) -> Result<Vec<u8>, IoError> {
+        let handle = self.spill.with_file(|file| handle::of(file, &self.unpacked, self.of.n_bytes));
+        handle.map_err(|source| IoError::SharedScratch { path: self.of.path.clone(), source })
     }
 
     /// A box of the volume; of one of colours opacity is made of that.
@@ -202,25 +244,8 @@ impl Scratch {
         voxels: &[Range<usize>; 3],
         opacity_from: Option<OpacitySource>,
     ) -> Result<LoadedVolume, IoError> {
-        let (path, first) = (&self.of.path, &self.first.volume);
-        let whole = first.grid().uncropped();
-        let window = Window::of(path, &whole, voxels)?;
-        let values = (self.spilled.into(), self.first.choices.n_read());
-        let samples =
-            self.spill.with_reader(|reader| window.place(path, reader, values, Endian::NATIVE))?;
-        let samples = match self.spill.integers() {
-            Some((_, integers)) => integers.narrowed(samples),
-            None => samples,
-        };
-        let (grid, scaling) = (whole.cropped(voxels), first.scaling());
-        let choices = self.first.choices.clone();
-        let options =
-            VolumeOptions { voxels: Some(voxels.clone()), opacity_from, ..self.options.clone() };
-        let input = Input { store: Store::Disk, path, options: &options, spill: None };
-        let read = Voxels { grid, samples, scaling, choices };
-        let LoadedVolume { volume, colors, .. } =
-            read.load(&input, self.first.format, Vec::new())?;
-        Ok(LoadedVolume { volume, colors, warnings: Vec::new(), ..self.first.clone() })
+        let file = (&*self.spill, self.of.path.as_path());
+        self.unpacked.read(file, voxels, &self.options, opacity_from)
     }
 }
 

@@ -126,6 +126,11 @@ impl Spill {
         self.lock().file.set_len(n_bytes)
     }
 
+    /// Has `look` look at the file itself.
+    pub(super) fn with_file<T>(&self, look: impl FnOnce(&File) -> T) -> T {
+        look(&self.lock().file)
+    }
+
     /// Has `read` read the file, from its first byte on.
     pub(super) fn with_reader<T>(&self, read: impl FnOnce(&mut SpillReader<'_>) -> T) -> T {
         read(&mut SpillReader { file: &self.lock().file, at: 0 })

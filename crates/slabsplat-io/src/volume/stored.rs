@@ -219,19 +219,22 @@ impl WideRange {
         }
     }
 
-    /// Numbers of them in that type.
-    pub(super) fn narrowed(&self, numbers: Samples) -> Samples {
-        let Samples::F64(numbers) = numbers else { return numbers };
-        match self.sample_type() {
-            SampleType::I32 => Samples::I32(numbers.into_iter().map(|n| n as i32).collect()),
-            SampleType::U32 => Samples::U32(numbers.into_iter().map(|n| n as u32).collect()),
-            _ => Samples::F64(numbers),
-        }
-    }
-
     /// What is to be said of them, if that is what they were.
     pub(super) fn said_of(&self, stored: StoredType) -> String {
         said_of_narrowed(stored, self.sample_type(), self.is_rounded)
+    }
+}
+
+/// Integers in 64-bit floats as that type, which holds all of them; other samples are of it already.
+pub(super) fn narrowed(samples: Samples, narrowed: SampleType) -> Samples {
+    match (samples, narrowed) {
+        (Samples::F64(numbers), SampleType::I32) => {
+            Samples::I32(numbers.into_iter().map(|n| n as i32).collect())
+        }
+        (Samples::F64(numbers), SampleType::U32) => {
+            Samples::U32(numbers.into_iter().map(|n| n as u32).collect())
+        }
+        (samples, _) => samples,
     }
 }
 

@@ -8,6 +8,7 @@ use std::ffi::c_int;
 pub(super) struct Mpi {
     pub(super) rank: usize,
     pub(super) n_ranks: usize,
+    pub(super) first_here: usize,
     never: Never,
 }
 

@@ -12,6 +12,8 @@ pub(super) struct Mpi {
     own: c_int,
     pub(super) rank: usize,
     pub(super) n_ranks: usize,
+    /// The first rank on this computer.
+    pub(super) first_here: usize,
     /// Whether it ends when this does.
     is_ours: bool,
     _one_thread: PhantomData<Cell<()>>,
@@ -33,6 +35,7 @@ unsafe extern "C" {
         rank: *mut c_int,
         n_ranks: *mut c_int,
     ) -> c_int;
+    fn slabsplat_mpi_first_here(own: c_int, first: *mut c_int) -> c_int;
     fn slabsplat_mpi_free(own: c_int) -> c_int;
     fn slabsplat_mpi_send(
         own: c_int,
@@ -92,7 +95,14 @@ impl Mpi {
             unsafe { slabsplat_mpi_dup(comm, &raw mut own, &raw mut rank, &raw mut n_ranks) };
         check("name the ranks", code)?;
         let [rank, n_ranks] = [rank, n_ranks].map(|n| n as usize);
-        Ok(Self { own, rank, n_ranks, is_ours: false, _one_thread: PhantomData })
+        let mut mpi =
+            Self { own, rank, n_ranks, first_here: 0, is_ours: false, _one_thread: PhantomData };
+        let mut first = 0;
+        // SAFETY: an integer may be written there; `own` is the communicator that was just made.
+        let code = unsafe { slabsplat_mpi_first_here(own, &raw mut first) };
+        check("find the ranks of a computer", code)?;
+        mpi.first_here = first as usize;
+        Ok(mpi)
     }
 
     /// Begins to send a message of no more than [`MOST_BYTES`].

@@ -108,6 +108,10 @@ impl Communicator for World {
         self.mpi.node()
     }
 
+    fn first_here(&self) -> usize {
+        self.mpi.first_here
+    }
+
     fn send(&self, to: usize, tag: Tag, mut bytes: Vec<u8>) -> Result<(), MpiError> {
         self.tidy()?;
         // One that is as long as can be is not the last.

@@ -1,6 +1,6 @@
 /* The few functions of MPI that slabsplat calls, without MPI's types, which differ from one MPI to the next: a
  * communicator is the number that it has in Fortran, a request a pointer. All return MPI's codes, 0 if all is
- * well, and none blocks but the first, the last and `slabsplat_mpi_dup`. */
+ * well, and none blocks but the first, the last, `slabsplat_mpi_dup` and `slabsplat_mpi_first_here`. */
 
 #include <mpi.h>
 #include <stdlib.h>
@@ -33,6 +33,21 @@ int slabsplat_mpi_dup(int comm, int *own, int *rank, int *n_ranks)
     if (code == MPI_SUCCESS)
         code = MPI_Comm_size(dup, n_ranks);
     return code;
+}
+
+/* The first rank, of those in `own`, of this one's computer. */
+int slabsplat_mpi_first_here(int own, int *first)
+{
+    MPI_Comm all = MPI_Comm_f2c((MPI_Fint)own), here;
+    int rank;
+    int code = MPI_Comm_rank(all, &rank);
+    if (code == MPI_SUCCESS)
+        code = MPI_Comm_split_type(all, MPI_COMM_TYPE_SHARED, rank, MPI_INFO_NULL, &here);
+    if (code != MPI_SUCCESS)
+        return code;
+    code = MPI_Allreduce(&rank, first, 1, MPI_INT, MPI_MIN, here);
+    int freed = MPI_Comm_free(&here);
+    return code == MPI_SUCCESS ? freed : code;
 }
 
 int slabsplat_mpi_free(int own)

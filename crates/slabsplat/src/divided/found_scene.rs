@@ -1,5 +1,6 @@
 //! What is found before anything is drawn: a scene whose volumes are files of which boxes are read.
 
+use super::opened_boxes;
 use super::overview::{self, Overview};
 use super::survey::{self, Survey};
 use super::values::BoxValues;
@@ -9,7 +10,7 @@ use crate::transfer::VolumeValues;
 use crate::volume_facts::VolumeFacts;
 use slabsplat_backend::check_parts;
 use slabsplat_core::{Camera, Grid, Samples, Scene, Volume};
-use slabsplat_io::{LabelBoxes, LayerFile, SceneFile, VolumeBoxes};
+use slabsplat_io::{LabelBoxes, SceneFile, VolumeBoxes};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -25,9 +26,6 @@ pub(super) struct Surveyed {
 /// The cameras that go around with one.
 pub(super) type Views<'a> = &'a dyn Fn(&Camera) -> Vec<Camera>;
 
-/// The part of all memory that unpacked chunks may take while overviews are read, and nothing is drawn.
-const OF_OVERVIEW: u64 = 4;
-
 impl DividedScene {
     /// The scene, of which each share looks at a part.
     pub(super) fn surveyed(
@@ -36,8 +34,8 @@ impl DividedScene {
         others: &mut dyn Exchange,
         views: Option<Views<'_>>,
     ) -> Result<Surveyed, DividedError> {
-        let sources = Self::sources_of(&file.layers, desc, others)?;
-        let (labels, label_warnings) = Self::labels_of(&file.layers, desc, others)?;
+        let sources = opened_boxes::volumes_of(&file.layers, desc, others)?;
+        let (labels, label_warnings) = opened_boxes::labels_of(&file.layers, desc, others)?;
         let others = RefCell::new(others);
         let surveys = surveys(&sources, &labels, &others);
         let values: Vec<BoxValues<'_, '_>> =
@@ -82,55 +80,6 @@ impl DividedScene {
         })?;
         sources.iter().for_each(|source| source.retain_chunks(0));
         Ok(Surveyed { opened, sources, labels, grids, outlines })
-    }
-
-    /// Where the volumes of layers are, if all shares can read them.
-    fn sources_of(
-        layers: &[LayerFile],
-        desc: &DividedDesc,
-        others: &mut dyn Exchange,
-    ) -> Result<Vec<VolumeBoxes>, DividedError> {
-        let mut sources: Vec<VolumeBoxes> = Vec::new();
-        for layer in layers {
-            let before = layers.iter().zip(&sources).find(|(of, _)| layer.shares_volume(of));
-            let source = match before {
-                Some((_, source)) => Ok(source.clone()),
-                None => layer.open_boxes(&desc.scratch),
-            };
-            let (source, is_there) = match source {
-                Ok(source) => (Some(source), Ok(Samples::U8(Vec::new()))),
-                Err(error) => (None, Err(error)),
-            };
-            others.all(is_there)?;
-            let source = source.ok_or(DividedError::Differing)?;
-            // What is looked at meets the same chunks again.
-            source.retain_chunks(desc.memory_bytes / OF_OVERVIEW);
-            sources.push(source);
-        }
-        Ok(sources)
-    }
-
-    /// Their labels, and what is to be said of these.
-    fn labels_of(
-        layers: &[LayerFile],
-        desc: &DividedDesc,
-        others: &mut dyn Exchange,
-    ) -> Result<(Vec<Option<LabelBoxes>>, Vec<String>), DividedError> {
-        let (mut all, mut all_warnings) = (Vec::new(), Vec::new());
-        for layer in layers {
-            let labels = layer.labels.as_ref().map(|labels| labels.open_boxes(&desc.scratch));
-            let (labels, is_there) = match labels.transpose() {
-                Ok(labels) => (labels, Ok(Samples::U8(Vec::new()))),
-                Err(error) => (None, Err(error)),
-            };
-            if layer.labels.is_some() {
-                others.all(is_there)?;
-            }
-            let (labels, warnings) = labels.unzip();
-            all.push(labels);
-            all_warnings.extend(warnings.into_iter().flatten());
-        }
-        Ok((all, all_warnings))
     }
 }
 

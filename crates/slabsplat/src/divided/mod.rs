@@ -15,7 +15,7 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `found_scene`, `survey`, `values` and `overview` (what is read before there is a scene),
+//! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there is a scene),
 //! `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
 
 mod ahead;
@@ -24,6 +24,7 @@ mod budget;
 mod drawing;
 mod found_scene;
 mod moments;
+mod opened_boxes;
 mod overview;
 mod painter;
 mod refine;
@@ -48,7 +49,7 @@ use thiserror::Error;
 
 pub use budget::NoRoom;
 pub use refine::Refinement;
-pub use shared::{Exchange, ShareCost, SharedScene};
+pub use shared::{Exchange, ShareCost, SharedDesc, SharedScene};
 
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///

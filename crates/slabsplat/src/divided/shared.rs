@@ -18,11 +18,55 @@ pub trait Exchange {
     /// Which of them this is, from 0.
     fn share_idx(&self) -> usize;
 
+    /// The first of those that run on this one's computer: what has to be unpacked that one unpacks, and the
+    /// others there read it.
+    fn first_here(&self) -> usize;
+
+    /// Does what may take long, while the others hear that this one is at work.
+    ///
+    /// # Errors
+    /// If the others cannot be told, as [`DividedError::Elsewhere`]; the work is done all the same.
+    fn at_work(&mut self, work: &mut (dyn FnMut() + Send)) -> Result<(), DividedError>;
+
     /// Hands in samples, or why there are none, and returns those of all, in order.
     ///
     /// # Errors
     /// If any of them failed, on all, as [`DividedError::Elsewhere`] or as the error that was handed in.
     fn all(&mut self, own: Result<Samples, IoError>) -> Result<Vec<Samples>, DividedError>;
+}
+
+/// What a share of a scene may take, and where.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct SharedDesc {
+    /// Bytes of memory; `None` is 1.3 times its part of what all volumes take, but 64 MiB at least, and what it
+    /// takes beside voxels.
+    pub memory_bytes: Option<u64>,
+    /// Where volumes are unpacked that cannot be read box by box as they are: by one share of each computer, for
+    /// all that are there.
+    pub scratch: ScratchDesc,
+    /// How the camera is aimed that the scene file says, or that is found.
+    pub aim: Aim,
+}
+
+impl SharedDesc {
+    /// The same with so many bytes of memory.
+    #[must_use]
+    pub fn memory_bytes(self, memory_bytes: Option<u64>) -> Self {
+        Self { memory_bytes, ..self }
+    }
+
+    /// The same with scratch there.
+    #[must_use]
+    pub fn scratch(self, scratch: ScratchDesc) -> Self {
+        Self { scratch, ..self }
+    }
+
+    /// The same with the camera aimed so.
+    #[must_use]
+    pub fn aim(self, aim: Aim) -> Self {
+        Self { aim, ..self }
+    }
 }
 
 /// A share of a scene that several programs draw.
@@ -53,22 +97,18 @@ pub struct ShareCost {
 }
 
 impl SharedScene {
-    /// Opens the scene of `file`, whose camera is aimed. Without a number of bytes a share has as many as 1.3
-    /// times its part of all volumes takes, but 64 MiB at least, and what it takes beside voxels.
-    ///
-    /// Volumes have to be stored so that boxes can be read of them: nothing is unpacked.
+    /// Opens the scene of `file` as `desc` says.
     ///
     /// # Errors
     /// As [`DividedScene::open`], and if another share fails while planes are exchanged.
     pub fn open(
         file: &SceneFile,
-        memory_bytes: Option<u64>,
-        aim: &Aim,
+        desc: &SharedDesc,
         others: &mut dyn Exchange,
     ) -> Result<Self, DividedError> {
-        // Each share would unpack a copy of its own, and those of one computer onto one disk.
+        let SharedDesc { memory_bytes, scratch, aim } = desc.clone();
         let desc = DividedDesc::new(memory_bytes.unwrap_or(LEAST_BYTES));
-        let desc = desc.scratch(ScratchDesc::default().refused()).aim(*aim);
+        let desc = desc.scratch(scratch).aim(aim);
         let (n_shares, share_idx) = (others.n_shares(), others.share_idx());
         let surveyed = DividedScene::surveyed(file, &desc, others, None)?;
         let Surveyed { opened, grids, .. } = &surveyed;
@@ -146,6 +186,15 @@ impl Exchange for Alone {
 
     fn share_idx(&self) -> usize {
         0
+    }
+
+    fn first_here(&self) -> usize {
+        0
+    }
+
+    fn at_work(&mut self, work: &mut (dyn FnMut() + Send)) -> Result<(), DividedError> {
+        work();
+        Ok(())
     }
 
     fn all(&mut self, own: Result<Samples, IoError>) -> Result<Vec<Samples>, DividedError> {
