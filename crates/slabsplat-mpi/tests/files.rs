@@ -3,20 +3,17 @@
 
 #![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
 
+mod common;
+
+use common::{LIMIT, ROUNDED_TWICE, by_ranks, whole};
 use fastrand::Rng;
-use slabsplat::io::{self, SceneFile};
-use slabsplat::{Aim, FrameHandle, Image, OpenScene, backend_named};
+use slabsplat::io;
+use slabsplat::{FrameHandle, SharedDesc};
 use slabsplat_mpi::{Communicator, DistributedScene, ThreadRank};
 use slabsplat_seeds::for_each_seed;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::time::Duration;
-
-/// What a picture may differ by of which each part is rounded on its own.
-const ROUNDED_TWICE: f32 = 1e-5;
-
-const LIMIT: Duration = Duration::from_secs(60);
 
 /// Blobs and noise in some of the volume, and nothing in the rest.
 fn write_volume(folder: &Path, name: &str, rng: &mut Rng) {
@@ -86,30 +83,6 @@ fn scene_text(rng: &mut Rng, n_layers: usize) -> String {
     text
 }
 
-/// By voxels, as parts are drawn.
-fn whole(file: &SceneFile) -> Image {
-    let opened = OpenScene::open(file).unwrap();
-    let mut planner = slabsplat::Planner::default();
-    planner.plan_cells(false);
-    let plan = planner.plan(&opened.scene).unwrap();
-    let (mut backend, frame) = (backend_named("cpu").unwrap(), FrameHandle::new());
-    backend.submit(&plan, &frame).unwrap();
-    backend.wait_image(&frame).unwrap().image
-}
-
-fn by_ranks(file: &SceneFile, n_ranks: usize) -> Image {
-    let ranks = ThreadRank::run(n_ranks, LIMIT, |comm| {
-        let scene = DistributedScene::open(comm, file, None, &Aim::default())?;
-        let picture = scene.picture(comm, &FrameHandle::new())?;
-        assert_eq!(picture.is_some(), comm.rank() == 0);
-        Ok::<_, slabsplat_mpi::MpiError>(picture)
-    });
-    let mut ranks = ranks.into_iter().map(Result::unwrap);
-    let picture = ranks.next().flatten().expect("rank 0 has it");
-    assert_eq!(picture.ranks.len(), n_ranks);
-    picture.picture.frame.image
-}
-
 #[test]
 fn ranks_are_one_process() {
     let mut worst = 0.0_f32;
@@ -123,7 +96,8 @@ fn ranks_are_one_process() {
         let file = io::read_scene(&path).unwrap();
         let expected = whole(&file);
         for n_ranks in [1, 2, 3, 4, 5, 8] {
-            let off = expected.max_difference(&by_ranks(&file, n_ranks));
+            let off =
+                expected.max_difference(&by_ranks(&file, &SharedDesc::default(), [n_ranks; 2]));
             worst = worst.max(off);
             assert!(off < ROUNDED_TWICE, "{n_ranks} ranks: {off}, {text}");
         }
@@ -144,13 +118,13 @@ fn ranks_fail_together() {
     without.layers[0].volume = io::VolumeSource::File(folder.path().join("none.nhdr"));
     let errors = ThreadRank::run(4, LIMIT, |comm| {
         let file = if comm.rank() == 2 { &without } else { &file };
-        DistributedScene::open(comm, file, None, &Aim::default()).unwrap_err()
+        DistributedScene::open(comm, file, &SharedDesc::default()).unwrap_err()
     });
     assert!(errors.windows(2).all(|pair| pair[0] == pair[1]), "{errors:?}");
     assert!(errors[0].is_shared() && errors[0].to_string().starts_with("rank 2: "), "{errors:?}");
     // A frame that is cancelled on one rank is on all.
     let errors = ThreadRank::run(3, LIMIT, |comm| {
-        let scene = DistributedScene::open(comm, &file, None, &Aim::default()).unwrap();
+        let scene = DistributedScene::open(comm, &file, &SharedDesc::default()).unwrap();
         let handle = FrameHandle::new();
         if comm.rank() == 1 {
             handle.cancel();
