@@ -123,7 +123,7 @@ fn distributed_changes_no_picture() {
     assert!(dir.path().join("found.png").is_file());
 }
 
-/// The brain, where it is: unpacked, as packed files are not read in boxes.
+/// The brain, where it is: packed, so that one of the ranks unpacks it for all of this computer.
 #[test]
 fn distributed_brain() {
     const PACKED: &str = "nifti/mni152_t1_1mm_uint8.nii.gz";
@@ -132,17 +132,18 @@ fn distributed_brain() {
     }
     let Some(volume) = slabsplat_testdata::volume(PACKED) else { return };
     let dir = tempfile::tempdir().unwrap();
-    answer(dir.path(), &format!("convert {} brain.nii", volume.display()));
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/scenes");
     let scene = std::fs::read_to_string(scenes.join("brain.toml")).unwrap();
-    let scene = scene.replace(&format!("../data/{PACKED}"), "brain.nii");
-    std::fs::write(dir.path().join("brain.toml"), scene).unwrap();
+    let found = scene.replace(&format!("../data/{PACKED}"), &volume.display().to_string());
+    assert_ne!(found, scene, "the scene is of that volume");
+    std::fs::write(dir.path().join("brain.toml"), found).unwrap();
     let args = "render brain.toml --tolerance 0 --opacity-cutoff 1 --width 300 --height 300";
     answer(dir.path(), &format!("{args} --backend cpu -o whole.exr"));
     for n_ranks in [2, 5] {
-        distributed(dir.path(), n_ranks, &format!("{args} -o ranks.exr"));
+        distributed(dir.path(), n_ranks, &format!("{args} -o ranks.exr --scratch ."));
         let worst = off(dir.path(), ["whole.exr", "ranks.exr"]);
         assert!(worst < 1e-5, "{n_ranks} ranks: {worst}");
+        assert_eq!(names_in(dir.path()), ["brain.toml", "ranks.exr", "whole.exr"], "no scratch");
     }
 }
 
@@ -162,13 +163,14 @@ fn distributed_failures_are_said_once() {
         ("scene.toml -o none/out.exr", "none"),
         ("scene.toml -o out.exr --mode maximum", "not the mode maximum"),
         ("scene.toml -o out.exr --memory 1MiB", "too few"),
-        ("ball.nii.gz -o out.exr", "cannot be read box by box: slabsplat convert"),
+        ("ball.nii.gz -o out.exr --scratch nowhere", "nowhere"),
     ] {
         let stderr = fail(dir.path(), &[(3, &run(args))]);
         let line = said(&stderr);
         assert!(line.contains(expected), "{args}: {line}");
-        // Only rank 0 looks where the picture goes.
-        assert_eq!(line.contains("rank"), args.contains("none/"), "{args}: {line}");
+        // Only rank 0 looks where the picture goes, and unpacks.
+        let is_of_rank_0 = args.contains("none/") || args.contains("nowhere");
+        assert_eq!(line.contains("rank 0"), is_of_rank_0, "{args}: {line}");
     }
     // Another computer, as it were, on which the volume is not.
     std::fs::create_dir(dir.path().join("elsewhere")).unwrap();
