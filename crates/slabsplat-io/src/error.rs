@@ -156,8 +156,8 @@ pub enum IoError {
     },
     /// What another process of this computer unpacked of a volume cannot be opened here.
     #[error(
-        "{}: what another process has unpacked of it cannot be opened: {source}: slabsplat convert makes a file \
-         that all can read",
+        "{}: what another process has unpacked of it cannot be opened: {source}: slabsplat convert makes a \
+         file that all can read",
         shown_path(path)
     )]
     SharedScratch {

@@ -15,8 +15,8 @@
 //! Several programs share a scene ([`SharedScene`]): the tree is cut between them first, by work, and each
 //! draws its own boxes.
 //!
-//! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there is a scene),
-//! `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
+//! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there
+//! is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
 
 mod ahead;
 mod balance;

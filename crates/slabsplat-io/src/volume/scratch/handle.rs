@@ -1,9 +1,9 @@
 //! How other processes of a computer open a scratch file, which has no name.
 //!
-//! Linux has a path for each open file of a process, `/proc/PID/fd/N`, which its user may open. So the file is
-//! shared without a name that somebody would have to remove, and a process that has opened it does not depend
-//! on the one that made it. A handle is that path as numbers, which file is there, and what is known of the
-//! volume, in JSON.
+//! Linux has a path for each open file of a process, `/proc/PID/fd/N`, which its user may open. So the file
+//! is shared without a name that somebody would have to remove, and a process that has opened it does not
+//! depend on the one that made it. A handle is that path as numbers, which file is there, and what is known
+//! of the volume, in JSON.
 
 use std::fs::File;
 use std::io;
