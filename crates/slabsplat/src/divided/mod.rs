@@ -16,7 +16,8 @@
 //! draws its own boxes.
 //!
 //! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there
-//! is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`, `shared`.
+//! is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`,
+//! `shared`.
 
 mod ahead;
 mod balance;

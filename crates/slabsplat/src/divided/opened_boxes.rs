@@ -88,9 +88,10 @@ fn opened<F: InBoxes>(
     others: &mut dyn Exchange,
 ) -> Result<F::Boxes, DividedError> {
     let unpacks = others.first_here() == others.share_idx();
-    let own = match unpacks {
-        true => opened_at_work(file, scratch, others)?,
-        false => opened_at_work(file, &scratch.clone().refused(), others)?,
+    let own = if unpacks {
+        opened_at_work(file, scratch, others)?
+    } else {
+        opened_at_work(file, &scratch.clone().refused(), others)?
     };
     let (own, handle) = match own {
         Err(IoError::NotInBoxes { .. }) if !unpacks => (None, Ok(None)),

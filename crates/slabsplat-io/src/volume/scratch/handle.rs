@@ -56,8 +56,8 @@ pub(super) fn of(file: &File, unpacked: &Unpacked, n_bytes: u64) -> io::Result<V
         dims: grid.dims(),
         world_from_index: grid.world_from_index().to_cols_array(),
         scaling: [scaling.slope, scaling.intercept],
-        samples: [unpacked.spilled, unpacked.narrowed].map(|of| position(SampleType::ALL, of)),
-        format: position(VolumeFormat::ALL, unpacked.format),
+        samples: [unpacked.spilled, unpacked.narrowed].map(|of| position(SampleType::ALL, &of)),
+        format: position(VolumeFormat::ALL, &unpacked.format),
         modality: acquisition.modality,
         orientation: acquisition.orientation,
         is_metric: acquisition.is_metric,
@@ -67,8 +67,8 @@ pub(super) fn of(file: &File, unpacked: &Unpacked, n_bytes: u64) -> io::Result<V
     Ok(serde_json::to_vec(&handle)?)
 }
 
-fn position<T: PartialEq>(all: &[T], of: T) -> usize {
-    all.iter().position(|other| *other == of).expect("all are listed")
+fn position<T: PartialEq>(all: &[T], of: &T) -> usize {
+    all.iter().position(|other| other == of).expect("all are listed")
 }
 
 /// The file, what it holds, and bytes of that.

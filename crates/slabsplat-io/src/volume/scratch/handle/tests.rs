@@ -12,11 +12,12 @@ fn layer(folder: &tempfile::TempDir, rng: &mut fastrand::Rng) -> LayerFile {
     let dims = [0; 3].map(|_| 1 + rng.usize(..12));
     let steps = DMat3::from_diagonal(DVec3::new(0.1 + rng.f64(), 2.0, 1.0 / 3.0));
     let origin = DVec3::new(rng.f64() * 100.0, -4.0, 5.0);
-    let grid = Grid::new(dims, DAffine3::from_mat3_translation(steps, origin)).unwrap();
+    let grid = Grid::new(dims, DAffine3::from_mat3_translation(steps, origin)).expect("a grid");
     let samples: Vec<i16> = (0..grid.n_voxels()).map(|_| rng.i16(..)).collect();
     let scaling = Scaling { slope: 0.5 + rng.f64(), intercept: rng.f64() };
     let path = folder.path().join("a.nii.gz");
-    write_volume(&path, &Volume::new(grid, samples.into(), scaling).unwrap()).unwrap();
+    let volume = Volume::new(grid, samples.into(), scaling).expect("as many samples as voxels");
+    write_volume(&path, &volume).expect("writable folder");
     of_file(path)
 }
 
