@@ -138,7 +138,6 @@ fn grids(scene: &Scene) -> Vec<Grid> {
 /// begins with those in front of it.
 fn pictures(backend: &mut dyn Backend, scene: &Scene, tree: &PartTree) -> [Image; 3] {
     let mut planner = Planner::default();
-    planner.plan_cells(false);
     let frame = FrameHandle::new();
     let whole = drawn(backend, &planner.plan_for_frame(scene, &frame).unwrap());
     let background = scene.image.premultiplied_background();
@@ -157,10 +156,12 @@ fn pictures(backend: &mut dyn Backend, scene: &Scene, tree: &PartTree) -> [Image
         part.image.background = [0.0; 4];
         for layer in &mut part.layers {
             let grid = layer.volume.grid();
-            let steps = planner.support_of_parts(&in_parts, grid).unwrap();
-            layer.volume = layer.volume.cropped(&tree.voxels_near(of, grid, steps)).into();
+            let support = planner.support_of_parts(&in_parts, grid).unwrap();
+            let volume = layer.volume.cropped(&tree.voxels_near(of, grid, &support));
+            let grid = volume.grid().with_cells_of_whole();
+            layer.volume = volume.with_grid(grid).unwrap().into();
         }
-        let mut plan = planner.plan_part(&part, &of.part, &frame).unwrap();
+        let mut plan = planner.plan_part(&part, &of.part, u32::MAX, &frame).unwrap();
         let alone = drawn(backend, &plan);
         lay_behind(&mut laid_over, &alone);
         plan.in_front = Some(&one_by_one);
@@ -195,13 +196,13 @@ fn parts_are_refused_where_they_would_not_be_the_whole() {
     for method in Method::ALL.iter().filter(|method| **method != Method::ImageAligned) {
         let mut scene = scene.clone();
         scene.settings.method = *method;
-        let error = Planner::default().plan_part(&scene, part, &FrameHandle::new()).unwrap_err();
+        let error = Planner::default().plan_part(&scene, part, 0, &FrameHandle::new()).unwrap_err();
         let text = error.to_string();
         assert!(text.contains("in parts") && text.contains(method.name()), "{text}");
     }
     assert!(Compositing::ALL.iter().all(|compositing| {
         let mut scene = scene.clone();
         scene.settings.mode = (*compositing).into();
-        Planner::default().plan_part(&scene, part, &FrameHandle::new()).is_ok()
+        Planner::default().plan_part(&scene, part, 0, &FrameHandle::new()).is_ok()
     }));
 }

@@ -1,9 +1,10 @@
 //! Which voxels around a part have a share in its picture (model §17).
 
 use crate::PlanError;
+use crate::seen_layer::SeenGrid;
 use slabsplat_core::glam::{DMat3, DVec3};
-use slabsplat_core::{Camera, Grid, ImageDesc, RenderSettings, View};
-use slabsplat_kernel::SplitLevels;
+use slabsplat_core::{Camera, Grid, ImageDesc, PartSupport, RenderSettings, View};
+use slabsplat_kernel::{DetailLevels, ErrorBudget, Kernel, SplitLevels};
 
 /// A scene that is drawn in parts, without its voxels.
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +27,28 @@ impl SceneInParts<'_> {
 
     /// How many steps of `grid`, one of the scene's, along each axis a voxel may lie outside of a part that
     /// shows anything of it: the kernel's support, as wide as it is drawn where a pixel is largest, the slabs
-    /// that it may be put off to, and one step more for gradients. Those further away change nothing.
+    /// that it may be put off to, and one step more for gradients. Those further away change nothing. Cells
+    /// reach no further from their middles.
     ///
     /// # Errors
     /// If the grid cannot be seen.
-    pub(crate) fn support(&self, grid: &Grid, radius: f64) -> Result<[f64; 3], PlanError> {
+    pub(crate) fn support(
+        &self,
+        grid: &Grid,
+        kernel: &dyn Kernel,
+    ) -> Result<PartSupport, PlanError> {
         let Self { grids, camera, image, settings } = *self;
         let center = Grid::center_of_all(grids);
         let view = View::about(center, grid, camera, image)?;
+        let levels = DetailLevels::new(kernel, ErrorBudget::new(settings).among(grids.len()));
+        let radius = kernel.radius();
+        let coarsest = SeenGrid::new(0, grid, view, radius).coarsest(grid, &levels);
+        let steps = self.steps(grid, &view, radius);
+        Ok(PartSupport::of_voxels(steps).with_cells(coarsest))
+    }
+
+    fn steps(&self, grid: &Grid, view: &View, radius: f64) -> [f64; 3] {
+        let Self { grids, settings, .. } = *self;
         let from_index = view.from_index(grid);
         let m = from_index.matrix;
         let kernel = [0, 1, 2].map(|axis| radius * m.row(axis).length());
@@ -60,7 +75,7 @@ impl SceneInParts<'_> {
         let ellipsoid = [0, 1, 2].map(|axis| radius * stretched.row(axis).length());
         let footprint = if has_tolerance { of_box(rectangle) } else { ellipsoid };
         let beside = of_box(beside);
-        Ok([0, 1, 2].map(|axis| (footprint[axis] + beside[axis]).ceil() + OF_GRADIENTS))
+        [0, 1, 2].map(|axis| (footprint[axis] + beside[axis]).ceil() + OF_GRADIENTS)
     }
 }
 

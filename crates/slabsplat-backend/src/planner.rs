@@ -4,12 +4,13 @@ use crate::layer_order::in_one_order;
 use crate::layer_to_plan::{FrameToPlan, TablesOfLayer};
 use crate::meshes;
 use crate::scene_checks::{check_method, check_parts, is_of_densities};
-use crate::seen_layer::SeenLayer;
+use crate::seen_layer::{CellsToSee, SeenLayer};
 use crate::slabs::{Depths, check_sections};
 use crate::work::SlabWork;
 use crate::{DensitySplats, FramePlan, PlanError, SceneInParts};
 use slabsplat_core::{
-    Compositing, FrameHandle, Grid, Layer, Light, Method, Mode, Part, PartInView, Scene,
+    Compositing, FrameHandle, Grid, Layer, Light, Method, Mode, Part, PartInView, PartSupport,
+    Scene,
 };
 use slabsplat_kernel::{DetailLevels, ErrorBudget, Kernel, KernelError, Kernels};
 use std::sync::Arc;
@@ -60,8 +61,8 @@ impl Planner {
         self.plan_what_is_drawn(scene, None, frame)
     }
 
-    /// How many steps along each axis of `grid`, which is of one of the layers of `scene`, its voxels may lie
-    /// outside of a part and have a share in its picture.
+    /// How far outside of a part voxels of `grid`, which is of one of the layers of `scene`, may have a share
+    /// in its picture, and the coarsest level of cells by which they may be drawn there.
     ///
     /// # Errors
     /// If the settings name no kernel, or the grid cannot be seen.
@@ -69,14 +70,15 @@ impl Planner {
         &self,
         scene: &SceneInParts<'_>,
         grid: &Grid,
-    ) -> Result<[f64; 3], PlanError> {
+    ) -> Result<PartSupport, PlanError> {
         let kernel = self.kernels.named(&scene.settings.kernel.0)?;
-        scene.support(grid, kernel.radius())
+        let support = scene.support(grid, &*kernel)?;
+        Ok(if self.leaves_out_cells { support.with_cells(0) } else { support })
     }
 
     /// Plans a frame of a part of a scene, whose layers need have no voxels but those
-    /// [around it](Self::support_of_parts), on grids of their own; all are drawn as voxels, none as cells
-    /// ([model §17](slabsplat_core::model)).
+    /// [around it](Self::support_of_parts), on grids of their own. Cells of levels up to `coarsest` may be
+    /// drawn of those on grids [in a whole](Grid::whole) ([model §17](slabsplat_core::model)).
     ///
     /// # Errors
     /// If the scene could not be drawn, or is not drawn in parts.
@@ -84,18 +86,20 @@ impl Planner {
         &mut self,
         scene: &'a Scene,
         part: &Part,
+        coarsest: u32,
         frame: &FrameHandle,
     ) -> Result<FramePlan<'a>, PlanError> {
         check_parts(scene)?;
-        self.plan_what_is_drawn(scene, Some(part), frame)
+        self.plan_what_is_drawn(scene, Some((part, coarsest)), frame)
     }
 
     fn plan_what_is_drawn<'a>(
         &mut self,
         scene: &'a Scene,
-        part: Option<&Part>,
+        part: Option<(&Part, u32)>,
         frame: &FrameHandle,
     ) -> Result<FramePlan<'a>, PlanError> {
+        let (part, coarsest_in_part) = part.unzip();
         let settings = scene.settings.clone().checked()?;
         scene.image.checked()?;
         Light::check_all(&scene.lights)?;
@@ -109,12 +113,12 @@ impl Planner {
         // What densities may be off is off in each layer by itself (model §10).
         let n_sharing = if method == Method::PostClassified { 1 } else { n_layers };
         let levels = DetailLevels::new(&*kernel, ErrorBudget::new(&settings).among(n_sharing));
-        let levels = (!self.leaves_out_cells && part.is_none()).then_some(&levels);
+        let cells = CellsToSee { levels: &levels, coarsest_in_part };
+        let cells = (!self.leaves_out_cells).then_some(&cells);
         let grids = layers.iter().map(|layer| layer.volume.grid());
         let center = part.map_or_else(|| Grid::center_of_all(grids.clone()), Part::center);
-        let seen = layers
-            .iter()
-            .map(|layer| SeenLayer::new(layer, center, scene, kernel.radius(), levels));
+        let seen =
+            layers.iter().map(|layer| SeenLayer::new(layer, center, scene, kernel.radius(), cells));
         let seen = collected(n_layers, seen)?;
         let views = seen.iter().map(|seen| (seen.layer.volume.grid().unit(), seen.voxels.view));
         let meshes = meshes::in_view(scene, views)?;

@@ -23,6 +23,14 @@ pub(crate) struct SeenGrid {
     pub(crate) depths: Depths,
 }
 
+/// Which cells may be drawn instead of voxels.
+pub(crate) struct CellsToSee<'a> {
+    pub(crate) levels: &'a DetailLevels,
+    /// The coarsest, where parts of a scene have no more than those need; none if their grids do not say of
+    /// what they are part.
+    pub(crate) coarsest_in_part: Option<u32>,
+}
+
 /// Cells, and which of them may be drawn.
 pub(crate) struct SeenCells {
     pub(crate) grid: SeenGrid,
@@ -31,14 +39,13 @@ pub(crate) struct SeenCells {
 }
 
 impl<'a> SeenLayer<'a> {
-    /// A layer of a scene whose depths count from `center`, with kernels of that radius, and cells if there
-    /// are levels.
+    /// A layer of a scene whose depths count from `center`, with kernels of that radius, and those cells.
     pub(crate) fn new(
         layer: &'a Layer,
         center: DVec3,
         scene: &Scene,
         radius: f64,
-        levels: Option<&DetailLevels>,
+        cells: Option<&CellsToSee<'_>>,
     ) -> Result<Self, PlanError> {
         if let Shading::Phong(phong) = layer.shading {
             phong.checked()?;
@@ -46,8 +53,8 @@ impl<'a> SeenLayer<'a> {
         let grid = layer.volume.grid();
         let view = View::about(center, grid, &scene.camera, &scene.image)?;
         let voxels = SeenGrid::new(0, grid, view, radius);
-        let cells = levels.map_or_else(Vec::new, |levels| {
-            voxels.all_cells(grid, levels, radius, lit_differences(layer, &scene.lights))
+        let cells = cells.map_or_else(Vec::new, |cells| {
+            voxels.all_cells(grid, cells, radius, lit_differences(layer, &scene.lights))
         });
         Ok(Self { layer, voxels, cells })
     }
@@ -60,7 +67,7 @@ impl<'a> SeenLayer<'a> {
 }
 
 impl SeenGrid {
-    fn new(level: u32, grid: &Grid, view: View, radius: f64) -> Self {
+    pub(crate) fn new(level: u32, grid: &Grid, view: View, radius: f64) -> Self {
         // Cells lie as near to each other in depth as their voxels do, on the average over a face of theirs.
         let shape = FootprintShape::new(grid, view.axes()).thinner(f64::from(1_u32 << level));
         let of_voxels = view.from_index(grid).depth_range(grid);
@@ -72,12 +79,13 @@ impl SeenGrid {
     fn all_cells(
         &self,
         voxels: &Grid,
-        levels: &DetailLevels,
+        &CellsToSee { levels, coarsest_in_part }: &CellsToSee<'_>,
         radius: f64,
         lit: [f64; 2],
     ) -> Vec<SeenCells> {
-        let least_dim = voxels.dims().into_iter().fold(usize::MAX, usize::min);
-        let coarsest = levels.coarsest(self.most_stretch(), least_dim);
+        let there =
+            coarsest_in_part.map_or(u32::MAX, |of| if voxels.is_in_whole() { of } else { 0 });
+        let coarsest = self.coarsest(voxels, levels).min(there);
         // None where their steps would be longer than a grid can have.
         (1..=coarsest).map_while(|level| self.cells(voxels, level, levels, radius, lit)).collect()
     }
@@ -102,6 +110,12 @@ impl SeenGrid {
     /// Where these are, of a layer.
     pub(crate) fn grid(&self, layer: &Layer) -> Grid {
         layer.volume.grid().of_cells(self.level).expect("they were seen there")
+    }
+
+    /// The coarsest level by which anything of a grid may be drawn.
+    pub(crate) fn coarsest(&self, voxels: &Grid, levels: &DetailLevels) -> u32 {
+        let least_dim = voxels.whole().dims().into_iter().fold(usize::MAX, usize::min);
+        levels.coarsest(self.most_stretch(), least_dim)
     }
 
     /// By how much footprints are stretched at the far end.

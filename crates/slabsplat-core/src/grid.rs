@@ -23,6 +23,8 @@ struct Uncropped {
     origin: DVec3,
     /// The first of those voxels.
     first: [usize; 3],
+    /// Whether cells are those of all voxels.
+    has_cells_of_whole: bool,
 }
 
 /// Why a grid cannot be made.
@@ -60,6 +62,9 @@ const MOST_VOXELS: u64 = 1 << 53;
 
 /// Voxel steps from the world's origin from which on positions between voxels are lost to rounding.
 const MAX_STEPS_FROM_ORIGIN: f64 = 1e10;
+
+/// Cells along each side of a brick ([model §16](crate::model)).
+const CELLS_ALONG_BRICK: usize = 8;
 
 /// Lengths of a voxel step whose squares and quotients still fit 32-bit floats, with room to spare.
 const STEP_LENGTHS: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
@@ -135,8 +140,38 @@ impl Grid {
         Self {
             dims: voxels.each_ref().map(Range::len),
             world_from_index: DAffine3 { translation: at, ..self.world_from_index },
-            cropped_of: Some(Uncropped { dims: whole.dims, origin, first }),
+            cropped_of: Some(Uncropped {
+                dims: whole.dims,
+                origin,
+                first,
+                has_cells_of_whole: false,
+            }),
         }
+    }
+
+    /// The same grid of some of the voxels of another one, of which all are drawn, in
+    /// [parts](crate::model): [cells](Self::of_cells) are those of the other grid.
+    #[must_use]
+    pub fn with_cells_of_whole(self) -> Self {
+        let has_cells = |whole| Uncropped { has_cells_of_whole: true, ..whole };
+        Self { cropped_of: self.cropped_of.map(has_cells), ..self }
+    }
+
+    /// The grid whose [cells](Self::of_cells) it has: the one that it was cropped of, if it is drawn
+    /// [as part of that](Self::with_cells_of_whole), or itself.
+    #[must_use]
+    pub fn whole(&self) -> Self {
+        if self.is_in_whole() { self.uncropped() } else { *self }
+    }
+
+    /// The index of the first voxel in [the whole](Self::whole).
+    pub fn first_in_whole(&self) -> [usize; 3] {
+        if self.is_in_whole() { self.first_voxel() } else { [0; 3] }
+    }
+
+    /// Whether [the whole](Self::whole) is another grid.
+    pub fn is_in_whole(&self) -> bool {
+        self.cropped_of.is_some_and(|whole| whole.has_cells_of_whole)
     }
 
     /// The grid that this one was cropped of, or itself.
@@ -155,7 +190,9 @@ impl Grid {
     }
 
     /// The grid of cells that each hold `2^level` voxels along every axis, those at the ends perhaps fewer: a
-    /// cell is where the middle of so many voxels is ([model §16](crate::model)).
+    /// cell is where the middle of so many voxels is ([model §16](crate::model)). If it is part of a
+    /// [whole](Self::whole), it is the grid of those cells of the whole that are in the same bricks of 8³ cells
+    /// as its voxels.
     ///
     /// # Errors
     /// As [`Grid::new`], if its steps are too long.
@@ -163,6 +200,7 @@ impl Grid {
         if level == 0 {
             return Ok(*self);
         }
+        let whole = self.whole();
         let side = 1_usize << level;
         let middle = DVec3::splat(0.5 * (side as f64 - 1.0));
         let voxel_from_cell = DAffine3::from_scale_rotation_translation(
@@ -170,16 +208,40 @@ impl Grid {
             DQuat::IDENTITY,
             middle,
         );
-        let dims = self.dims.map(|n| n.div_ceil(side));
-        Self::new(dims, self.world_from_index * voxel_from_cell)
+        let dims = whole.dims.map(|n| n.div_ceil(side));
+        let cells = Self::new_large(dims, whole.world_from_index * voxel_from_cell)?;
+        let is_in_whole = self.is_in_whole();
+        Ok(if is_in_whole {
+            cells.cropped(&self.cells(level)).with_cells_of_whole()
+        } else {
+            cells
+        })
+    }
+
+    /// The cells of a level, among those of [the whole](Self::whole), in whole bricks.
+    fn cells(&self, level: u32) -> [Range<usize>; 3] {
+        let (first, dims) = (self.first_in_whole(), self.whole().dims);
+        [0, 1, 2].map(|axis| {
+            let side = CELLS_ALONG_BRICK << level;
+            let bricks = first[axis] / side..(first[axis] + self.dims[axis]).div_ceil(side);
+            let n_cells = dims[axis].div_ceil(1 << level);
+            bricks.start * CELLS_ALONG_BRICK..n_cells.min(bricks.end * CELLS_ALONG_BRICK)
+        })
     }
 
     /// How many steps of theirs the first and the last cells of each axis lie further out than where
     /// [`of_cells`](Self::of_cells) puts them, so that the grid ends where its voxels do
-    /// ([model §16](crate::model)).
+    /// ([model §16](crate::model)); 0 where [the whole](Self::whole) goes on.
     pub fn ends_of_cells(&self, level: u32) -> [[f64; 2]; 3] {
         let side = 1_usize << level;
-        self.dims.map(|n| [side, (n - 1) % side + 1].map(|n_in_last| end_of_cells(side, n_in_last)))
+        let (dims, cells) = (self.whole().dims, self.cells(level));
+        [0, 1, 2].map(|axis| {
+            let (n, cells) = (dims[axis], &cells[axis]);
+            let is_last = cells.end == n.div_ceil(side);
+            let n_in_ends =
+                [(cells.start == 0).then_some(side), is_last.then_some((n - 1) % side + 1)];
+            n_in_ends.map(|n| n.map_or(0.0, |n| end_of_cells(side, n)))
+        })
     }
 
     /// Voxels along x, y and z.
@@ -334,6 +396,29 @@ mod tests {
         assert_eq!(y, [0.0625, 0.5 * (-0.5 + 0.25)], "a voxel alone");
         let [_, y, _] = grid.ends_of_cells(3);
         assert_eq!(y, [63.0 / 768.0; 2], "not further out than a whole one");
+    }
+
+    /// By hand: of 100 × 20 × 8 voxels those from (40, 8, 0) to (71, 19, 7).
+    #[test]
+    fn grid_cells_of_a_whole_are_where_its_own_are() {
+        let placed = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::ONE, 0.3 * DVec3::Z));
+        let whole = Grid::new([100, 20, 8], placed).unwrap();
+        let alone = whole.cropped(&[40..72, 8..20, 0..8]);
+        let part = alone.with_cells_of_whole();
+        assert_eq!((alone.whole(), alone.first_in_whole()), (alone, [0; 3]));
+        assert_eq!((part.whole(), part.first_in_whole()), (whole, [40, 8, 0]));
+        assert_eq!(alone.of_cells(1).unwrap().dims(), [16, 6, 4]);
+        for (level, first, dims) in
+            [(1, [16, 0, 0], [24, 10, 4]), (2, [8, 0, 0], [16, 5, 2]), (3, [0, 0, 0], [13, 3, 1])]
+        {
+            let cells = part.of_cells(level).unwrap();
+            assert_eq!((cells.first_voxel(), cells.dims()), (first, dims), "{level}");
+            let of_whole = whole.of_cells(level).unwrap();
+            assert_eq!(cells.uncropped(), of_whole);
+            let [x, y, z] = whole.ends_of_cells(level);
+            let x_in_part = if level == 3 { x } else { [0.0; 2] };
+            assert_eq!(part.ends_of_cells(level), [x_in_part, y, z], "{level}");
+        }
     }
 
     /// No direction is longer, and in orthogonal axes one is as long.

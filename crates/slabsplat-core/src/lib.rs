@@ -111,7 +111,7 @@ pub use light::{Light, LightDirection, LightError, LightInView, LightSource};
 pub use mesh::{DroppedElements, Mesh, MeshError, MeshParts};
 pub use mesh_layer::MeshLayer;
 pub use part::{Part, PartInView};
-pub use part_tree::{PartBox, PartTree};
+pub use part_tree::{PartBox, PartSupport, PartTree};
 pub use region::{Plane, Region, RegionError};
 pub use region_in_view::{PlaneInView, RegionInView, ViewRay};
 pub use sample::{Sample, SampleType, Samples};

@@ -25,8 +25,54 @@ pub struct PartBox {
     pub part: Part,
 }
 
-/// Voxels along the side of what backends round together.
+/// How far outside of a part voxels of a grid may have a share in its picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PartSupport {
+    /// Steps of the grid along each of its axes.
+    pub steps: [f64; 3],
+    /// The coarsest level of cells by which it may be drawn ([model §16](crate::model)); 0 if by its voxels.
+    pub coarsest: u32,
+}
+
+/// Voxels along the side of what backends round together, and cells along that of what is drawn by one level.
 const BRICK_SIDE: usize = 8;
+
+/// How many voxels around a brick of cells gradients look at.
+const OF_GRADIENTS: usize = 1;
+
+impl PartSupport {
+    /// So many steps, of voxels alone.
+    pub fn of_voxels(steps: [f64; 3]) -> Self {
+        Self { steps, coarsest: 0 }
+    }
+
+    /// The same with cells of levels up to that one.
+    #[must_use]
+    pub fn with_cells(self, coarsest: u32) -> Self {
+        Self { coarsest, ..self }
+    }
+
+    /// The voxels of a grid that may have a share in the picture of a box of some of its voxels, along an axis
+    /// of `n`, in whole bricks.
+    pub fn around(&self, axis: usize, voxels: &Range<usize>, n: usize) -> Range<usize> {
+        let steps = self.steps[axis].ceil() as usize;
+        self.in_bricks(voxels.start.saturating_sub(steps)..n.min(voxels.end + steps), n)
+    }
+
+    /// All of the bricks that some voxels are of, along an axis of `n`. Of a brick of cells all is there, as
+    /// that decides whether it is drawn.
+    fn in_bricks(&self, voxels: Range<usize>, n: usize) -> Range<usize> {
+        let whole = |of: Range<usize>, side: usize| {
+            of.start / side * side..of.end.next_multiple_of(side).min(n)
+        };
+        if self.coarsest == 0 {
+            return whole(voxels, BRICK_SIDE);
+        }
+        let Range { start, end } = whole(voxels, BRICK_SIDE << self.coarsest);
+        whole(start.saturating_sub(OF_GRADIENTS)..n.min(end + OF_GRADIENTS), BRICK_SIDE)
+    }
+}
 
 #[derive(Clone, Debug)]
 enum Node {
@@ -80,17 +126,23 @@ impl PartTree {
         groups.into_iter().map(|group| (group.part, group.boxes)).collect()
     }
 
-    /// The voxels of `grid`, which may be that of another layer, that lie within a box or so many steps of
-    /// that grid around it, and all of the bricks of 8³ that these are of, since what is rounded is rounded
-    /// brick by brick; always some, the nearest if there is none.
-    pub fn voxels_near(&self, of: &PartBox, grid: &Grid, steps: [f64; 3]) -> [Range<usize>; 3] {
+    /// The voxels of `grid`, which may be that of another layer, that may have a share in the picture of a
+    /// box, and all of the bricks of 8³ that these are of, since what is rounded is rounded brick by brick;
+    /// always some, the nearest if there is none.
+    pub fn voxels_near(
+        &self,
+        of: &PartBox,
+        grid: &Grid,
+        support: &PartSupport,
+    ) -> [Range<usize>; 3] {
+        let steps = support.steps;
         let [min, max] = self.ends_in(of, grid, steps);
         [0, 1, 2].map(|axis| {
-            let last = grid.dims()[axis] - 1;
-            let at = |index: f64| index.clamp(0.0, last as f64) as usize;
+            let n = grid.dims()[axis];
+            let at = |index: f64| index.clamp(0.0, (n - 1) as f64) as usize;
             let first = at((min[axis] - steps[axis]).ceil());
             let end = at((max[axis] + steps[axis]).floor()).max(first) + 1;
-            first / BRICK_SIDE * BRICK_SIDE..end.next_multiple_of(BRICK_SIDE).min(last + 1)
+            support.in_bricks(first..end, n)
         })
     }
 
@@ -327,6 +379,18 @@ mod tests {
         }
     }
 
+    /// By hand: of bricks of cells all is there, and what gradients look at, to the brick of voxels.
+    #[test]
+    fn part_support_has_whole_bricks_of_cells() {
+        let support = PartSupport::of_voxels([0.0; 3]);
+        for (coarsest, expected) in [(0, 96..112), (1, 88..120), (2, 88..136), (3, 56..136)] {
+            assert_eq!(support.with_cells(coarsest).in_bricks(100..110, 300), expected);
+        }
+        assert_eq!(support.with_cells(2).in_bricks(1..3, 300), 0..40);
+        assert_eq!(PartSupport::of_voxels([3.0; 3]).around(1, &(11..16), 300), 8..24);
+        assert_eq!(support.with_cells(3).in_bricks(100..110, 125), 56..125);
+    }
+
     /// Along the axes of its own grid, to the brick.
     #[test]
     fn part_tree_finds_voxels_near_a_box() {
@@ -344,7 +408,7 @@ mod tests {
             (9.0, [0..40, 8..40]),
         ] {
             for (of, along_x) in boxes.iter().zip(expected) {
-                let near = tree.voxels_near(of, &grid, [steps, 0.0, 0.0]);
+                let near = tree.voxels_near(of, &grid, &PartSupport::of_voxels([steps, 0.0, 0.0]));
                 assert_eq!(near, [along_x, 0..30, 0..50], "{steps}");
             }
         }
@@ -354,7 +418,7 @@ mod tests {
             let other = DAffine3::from_mat3_translation(columns, origin);
             let other = Grid::new([37, 9, 21], other).unwrap();
             for of in &boxes {
-                let near = tree.voxels_near(of, &other, [0.0; 3]);
+                let near = tree.voxels_near(of, &other, &PartSupport::of_voxels([0.0; 3]));
                 for at in (0..other.n_voxels()).map(|idx| other.voxel_coords(idx)) {
                     let in_index = DVec3::from_array(at.map(|c| c as f64));
                     let in_world = other.world_from_index().transform_point3(in_index);

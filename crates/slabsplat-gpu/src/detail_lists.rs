@@ -166,7 +166,7 @@ impl DetailLists {
     /// The bricks that no coarser level has a turn of.
     fn own_bricks(&self, level: u32, lister: &BrickLister<'_>) -> Vec<u32> {
         let has_turn = |level: u32, brick_idx: u32| {
-            turn_of_brick(self.bricks.grid(level).coords(brick_idx)) < self.share(level)
+            turn_of_brick(self.bricks.grid(level).coords_in_whole(brick_idx)) < self.share(level)
         };
         let is_own = |brick_idx: &u32| {
             let parent = || self.bricks.parent(level, *brick_idx);

@@ -5,6 +5,7 @@
 
 use crate::VoxelRecord;
 use slabsplat_core::Grid;
+use std::ops::Range;
 
 /// Voxels along each side of a brick.
 pub const BRICK_SIDE: usize = 8;
@@ -28,22 +29,24 @@ pub struct Brick {
 pub struct BrickGrid {
     dims: [usize; 3],
     n_along: [usize; 3],
+    first: [usize; 3],
 }
 
 impl Brick {
     /// The indices of its voxels in the list.
     #[inline]
-    pub fn voxels(&self) -> std::ops::Range<usize> {
+    pub fn voxels(&self) -> Range<usize> {
         let first = self.first as usize;
         first..first + usize::from(self.n_voxels)
     }
 }
 
 impl BrickGrid {
-    /// The bricks of `grid`.
+    /// The bricks of `grid`, of which the first begins with its first voxel.
     pub fn new(grid: &Grid) -> Self {
         let dims = grid.dims();
-        Self { dims, n_along: dims.map(|n| n.div_ceil(BRICK_SIDE)) }
+        let first = grid.first_in_whole().map(|first| first / BRICK_SIDE);
+        Self { dims, n_along: dims.map(|n| n.div_ceil(BRICK_SIDE)), first }
     }
 
     /// Voxels along x, y and z.
@@ -68,6 +71,22 @@ impl BrickGrid {
         let [n_x, n_y] = [self.n_along[0] as u32, self.n_along[1] as u32];
         let row = brick_idx / n_x;
         [brick_idx % n_x, row % n_y, row / n_y].map(|coord| coord as usize)
+    }
+
+    /// Where a brick is among all bricks of the whole that the grid is part of ([`Grid::whole`]).
+    #[inline]
+    pub fn coords_in_whole(&self, brick_idx: u32) -> [usize; 3] {
+        let coords = self.coords(brick_idx);
+        [0, 1, 2].map(|axis| coords[axis] + self.first[axis])
+    }
+
+    /// Those of some bricks of the whole that are here, along each axis.
+    pub(crate) fn here(&self, in_whole: [Range<usize>; 3]) -> [Range<usize>; 3] {
+        [0, 1, 2].map(|axis| {
+            let Range { start, end } = &in_whole[axis];
+            let here = |at: usize| at.saturating_sub(self.first[axis]).min(self.n_along[axis]);
+            here(*start)..here(*end)
+        })
     }
 
     /// The number of the brick that is there.

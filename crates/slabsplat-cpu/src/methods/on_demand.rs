@@ -69,7 +69,7 @@ impl<'a> SeenLevel<'a> {
             let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
             cells.share_at(front - self.plan.half_depth)
         });
-        turn_of_brick(self.bricks.grid().coords(brick_idx)) < share
+        turn_of_brick(self.bricks.grid().coords_in_whole(brick_idx)) < share
     }
 
     /// Whether all bricks do.

@@ -197,11 +197,11 @@ impl InSitu {
             image: &drawn.image,
             settings: &drawn.settings,
         };
-        let steps = Planner::default().support_of_parts(&in_parts, &self.grid)?;
+        let support = Planner::default().support_of_parts(&in_parts, &self.grid)?.with_cells(0);
         let leaves = self.tree.seen_by(&scene.camera);
         let near = self.boxes.iter().map(|of| {
             let leaf = leaves.iter().find(|leaf| leaf.voxels == *of)?;
-            Some(self.tree.voxels_near(leaf, &self.grid, steps))
+            Some(self.tree.voxels_near(leaf, &self.grid, &support))
         });
         Ok(near.collect())
     }
@@ -235,7 +235,7 @@ impl InSitu {
         scene.layers.iter_mut().zip(volumes).for_each(|(layer, volume)| layer.volume = volume);
         let mut backend = backend_named(&self.backend).map_err(RenderError::from)?;
         let (mut planner, frame) = (Planner::default(), FrameHandle::new());
-        let plan = planner.plan_part(&scene, &leaf.part, &frame)?;
+        let plan = planner.plan_part(&scene, &leaf.part, 0, &frame)?;
         backend.submit(&plan, &frame).map_err(RenderError::from)?;
         Ok(backend.wait_image(&frame).map_err(RenderError::from)?.image)
     }

@@ -119,8 +119,9 @@ impl BricksOnDemand {
     /// The brick of the next coarser level in which a brick lies.
     #[inline]
     pub fn parent(&self, level: u32, brick_idx: u32) -> u32 {
-        let coords = self.grid(level).coords(brick_idx);
-        self.grid(level + 1).brick_idx(coords.map(|at| at / 2))
+        let parent = self.grid(level).coords_in_whole(brick_idx).map(|at| at / 2..at / 2 + 1);
+        let coarser = self.grid(level + 1);
+        coarser.brick_idx(coarser.here(parent).map(|range| range.start))
     }
 
     /// The bricks of the next finer level that lie in one, of which each may hold relevant voxels.
@@ -209,8 +210,8 @@ impl BricksOnDemand {
 
     /// Where the first cell of a brick of voxels is in a brick of cells.
     fn first_cell(&self, level: u32, brick_idx: u32, child: u32) -> [usize; 3] {
-        let first = self.grid(level).coords(brick_idx).map(|at| at << level);
-        let at = self.grid(0).coords(child);
+        let first = self.grid(level).coords_in_whole(brick_idx).map(|at| at << level);
+        let at = self.grid(0).coords_in_whole(child);
         [0, 1, 2].map(|axis| (at[axis] - first[axis]) * (BRICK_SIDE >> level))
     }
 
@@ -267,10 +268,9 @@ fn within(
     brick_idx: u32,
     n_levels: u32,
 ) -> impl Iterator<Item = u32> + use<> {
-    let (fine, n_along, side) = (*fine, fine.n_along(), 1 << n_levels);
-    let first = coarse.coords(brick_idx).map(|at| at << n_levels);
-    let [xs, ys, zs] =
-        [0, 1, 2].map(|axis: usize| first[axis]..n_along[axis].min(first[axis] + side));
+    let fine = *fine;
+    let in_whole = coarse.coords_in_whole(brick_idx);
+    let [xs, ys, zs] = fine.here(in_whole.map(|at| at << n_levels..(at + 1) << n_levels));
     let rows = zs.flat_map(move |z| ys.clone().map(move |y| (y, z)));
     rows.flat_map(move |(y, z)| xs.clone().map(move |x| fine.brick_idx([x, y, z])))
 }

@@ -47,9 +47,9 @@ impl DividedScene {
     pub(super) fn read(&self, of: &PartBox) -> Result<BoxVoxels, DividedError> {
         // A page has no clock.
         let started = cfg!(not(target_arch = "wasm32")).then(Instant::now);
-        let layers = self.grids.iter().zip(&self.steps).enumerate();
-        let read = layers.map(|(layer_idx, (grid, steps))| {
-            let key = (layer_idx, self.boxes.voxels_near(of, grid, *steps));
+        let layers = self.grids.iter().zip(&self.supports).enumerate();
+        let read = layers.map(|(layer_idx, (grid, support))| {
+            let key = (layer_idx, self.boxes.voxels_near(of, grid, support));
             self.retained.get(&key, || self.layer_voxels(layer_idx, &key.1))
         });
         let layers = read.collect::<Result<Vec<_>, DividedError>>()?;
@@ -64,9 +64,12 @@ impl DividedScene {
     ) -> Result<LayerVoxels, DividedError> {
         let read = self.sources[layer_idx].read(voxels.clone())?;
         let colors = read.colors.and_then(|colors| colors.voxels);
+        let volume = Arc::unwrap_or_clone(read.volume);
+        let grid = volume.grid().with_cells_of_whole();
+        let volume = Arc::new(volume.with_grid(grid).expect("it has as many voxels as before"));
         let labels = self.labels[layer_idx].as_ref();
-        let labels = labels.map(|labels| labels.on(read.volume.grid())).transpose()?;
-        Ok(LayerVoxels { volume: read.volume, colors, labels })
+        let labels = labels.map(|labels| labels.on(&grid)).transpose()?;
+        Ok(LayerVoxels { volume, colors, labels })
     }
 }
 

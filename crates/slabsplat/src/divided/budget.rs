@@ -3,7 +3,7 @@
 use super::refine::MOST_GROUPS;
 use super::shares::Shares;
 use super::{DividedDesc, DividedError};
-use slabsplat_core::{Camera, Grid, ImageDesc, Layer, PartTree, Scene};
+use slabsplat_core::{Camera, Grid, ImageDesc, Layer, PartBox, PartSupport, PartTree, Scene};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -56,6 +56,9 @@ const OF_REFINED_PIXEL: u64 = 4 * MOST_GROUPS as u64 + 3 * 16;
 
 /// Of a voxel that is read, beside its sample: its record, if it is relevant, and its brick's.
 const OF_VOXEL: u64 = 9;
+
+/// Of a voxel that may be drawn as part of a cell: its share of cells, also of such as may not stand for it.
+const OF_CELLS: u64 = 3;
 
 /// Of a voxel in the range of depth that is drawn: projected and shaded, and on its tiles.
 const OF_VOXEL_IN_RANGE: u64 = 64;
@@ -124,54 +127,49 @@ impl Budget {
         self.n_threads
     }
 
+    /// Who sees them.
+    pub(super) fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
     /// Whether there is room for pictures that are shown meanwhile.
     pub(super) fn is_refined(&self) -> bool {
         self.is_refined
     }
 
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
-    /// layers together. Returns what is left for chunks that several boxes meet, too: always some, if there
-    /// are chunks.
+    /// layers together. Also says what is left for chunks that several boxes meet: always some, if there are
+    /// chunks.
     pub(super) fn boxes(
         &self,
-        grids: &[Grid],
-        steps: &[[f64; 3]],
-        voxel_bytes: impl Iterator<Item = u64> + Clone,
+        layers: &[LayerInBoxes<'_>],
         (shares, has_chunks): (&mut Shares, bool),
     ) -> Result<(PartTree, u64), DividedError> {
-        let layers: Vec<(&Grid, [f64; 3], u64)> = grids
-            .iter()
-            .zip(steps)
-            .zip(voxel_bytes)
-            .map(|((grid, steps), n_bytes)| (grid, *steps, n_bytes))
-            .collect();
-        let largest = layers.iter().max_by_key(|(grid, ..)| grid.n_voxels());
-        let Some(&(grid, steps, _)) = largest else {
+        let Some(largest) = layers.iter().max_by_key(|of| of.grid.n_voxels()) else {
             return Err(slabsplat_backend::PlanError::NoLayers.into());
         };
+        let center = Grid::center_of_all(layers.iter().map(|of| of.grid));
         let all = self.memory_bytes - self.fixed_bytes;
         let room = if has_chunks { all - all / OF_CHUNKS } else { all };
-        let widest = layers.iter().map(|(.., size)| *size).max().unwrap_or(1);
+        let widest = layers.iter().map(|of| of.voxel_bytes).max().unwrap_or(1);
+        let of_widest = LayerInBoxes { voxel_bytes: widest, ..*largest };
         // Of the largest layer alone at first; where others are finer, boxes get smaller until all fit.
         let mut of_one = room;
         loop {
             let mut deal = shares.deal();
-            let tree = PartTree::new(grid, Grid::center_of_all(grids), |voxels| {
+            let tree = PartTree::new(largest.grid, center, |voxels| {
                 deal.cut(voxels, |voxels| {
-                    let near =
-                        [0, 1, 2].map(|axis| voxels[axis].len() + 2 * steps[axis] as usize + 14);
-                    let needed = needed_bytes(near, widest) + sample_bytes(near, widest);
-                    if needed <= of_one { None } else { cut(voxels) }
+                    let near = of_widest.dims_around(voxels);
+                    let needed = of_widest.needed_bytes(near) + of_widest.sample_bytes(near);
+                    if needed <= of_one { None } else { cut(voxels, largest.support.coarsest) }
                 })
             });
             let own = tree.seen_by(&self.camera).into_iter();
             let [mut most, mut ahead] = [0, 0];
             for of in own.filter(|of| shares.are_own(&of.voxels)) {
-                let near = layers.iter().map(|(grid, steps, size)| {
-                    (tree.voxels_near(of, grid, *steps).map(|range| range.len()), *size)
-                });
-                most = most.max(near.clone().map(|(near, size)| needed_bytes(near, size)).sum());
-                ahead = ahead.max(near.map(|(near, size)| sample_bytes(near, size)).sum());
+                let near = layers.iter().map(|layer| (layer, layer.dims_near(&tree, of)));
+                most = most.max(near.clone().map(|(of, near)| of.needed_bytes(near)).sum());
+                ahead = ahead.max(near.map(|(of, near)| of.sample_bytes(near)).sum());
             }
             // While a box is drawn the voxels of another one are read.
             let most = most + ahead;
@@ -184,6 +182,40 @@ impl Budget {
             }
             of_one = of_one / 4 * 3;
         }
+    }
+}
+
+/// A layer that is drawn in boxes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LayerInBoxes<'a> {
+    /// Of all.
+    pub(super) grid: &'a Grid,
+    /// What is read around a box.
+    pub(super) support: PartSupport,
+    /// Of what is read of a voxel.
+    pub(super) voxel_bytes: u64,
+}
+
+impl LayerInBoxes<'_> {
+    /// How many voxels are read along each axis for one of the boxes of a tree.
+    pub(super) fn dims_near(&self, tree: &PartTree, of: &PartBox) -> [usize; 3] {
+        tree.voxels_near(of, self.grid, &self.support).map(|range| range.len())
+    }
+
+    /// The same for a box of its own voxels.
+    fn dims_around(&self, voxels: &[Range<usize>; 3]) -> [usize; 3] {
+        let dims = self.grid.dims();
+        [0, 1, 2].map(|axis| self.support.around(axis, &voxels[axis], dims[axis]).len())
+    }
+
+    /// What it takes to draw so many voxels along each axis, of which all may be relevant.
+    fn needed_bytes(&self, dims: [usize; 3]) -> u64 {
+        needed_bytes(dims, self.voxel_bytes, 0 < self.support.coarsest)
+    }
+
+    /// What the voxels of a box take that is not drawn yet.
+    fn sample_bytes(&self, dims: [usize; 3]) -> u64 {
+        dims.iter().map(|n| *n as u64).product::<u64>() * self.voxel_bytes
     }
 }
 
@@ -207,11 +239,11 @@ pub(super) fn voxel_bytes(layer: &Layer) -> u64 {
 
 /// What it takes to draw all overviews at once, beside their samples.
 fn of_overviews(scene: &Scene) -> u64 {
-    scene.layers.iter().map(|layer| needed_bytes(layer.volume.grid().dims(), 0)).sum()
+    scene.layers.iter().map(|layer| needed_bytes(layer.volume.grid().dims(), 0, false)).sum()
 }
 
 /// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.
-fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
+fn needed_bytes(dims: [usize; 3], sample_bytes: u64, has_cells: bool) -> u64 {
     let [mut x, mut y, mut z] = dims.map(|n| n as u64);
     // A range lies across the two longest sides: of a cube, at worst, in a hexagon of 1.3 of a side's area.
     if x < z {
@@ -222,20 +254,18 @@ fn needed_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
     }
     let n_voxels = x * y * z;
     let in_range = (x * y * IN_RANGE * 13 / 10).min(n_voxels);
-    n_voxels * (sample_bytes + OF_VOXEL) + in_range * OF_VOXEL_IN_RANGE
+    let of_cells = if has_cells { OF_CELLS } else { 0 };
+    n_voxels * (sample_bytes + OF_VOXEL + of_cells) + in_range * OF_VOXEL_IN_RANGE
 }
 
-/// What the voxels of a box take that is not drawn yet.
-fn sample_bytes(dims: [usize; 3], sample_bytes: u64) -> u64 {
-    dims.iter().map(|n| *n as u64).product::<u64>() * sample_bytes
-}
-
-/// Across the longest side, between bricks, as near to its middle as that is.
-fn cut(voxels: &[Range<usize>; 3]) -> Option<(usize, usize)> {
+/// Across the longest side, between bricks, if it can be of the coarsest cells, as near to its middle as that
+/// is.
+fn cut(voxels: &[Range<usize>; 3], coarsest: u32) -> Option<(usize, usize)> {
     let axis = (0..3).max_by_key(|axis| voxels[*axis].len())?;
     let Range { start, end } = voxels[axis].clone();
-    let at = start.midpoint(end).next_multiple_of(LEAST_SIDE);
-    (start < at && at < end).then_some((axis, at))
+    let at = |level: u32| start.midpoint(end).next_multiple_of(LEAST_SIDE << level);
+    let at = (0..=coarsest).rev().map(at).find(|at| start < *at && *at < end)?;
+    Some((axis, at))
 }
 
 #[cfg(test)]
@@ -244,15 +274,22 @@ mod tests {
 
     #[test]
     fn budget_counts_more_for_more() {
-        let small = needed_bytes([64, 64, 64], 1);
-        assert!(small < needed_bytes([64, 64, 64], 4) && small < needed_bytes([64, 65, 64], 1));
-        assert_eq!(needed_bytes([10, 20, 300], 2), needed_bytes([300, 10, 20], 2));
+        let small = needed_bytes([64, 64, 64], 1, false);
+        for more in [([64; 3], 4, false), ([64, 65, 64], 1, false), ([64; 3], 1, true)] {
+            assert!(small < needed_bytes(more.0, more.1, more.2));
+        }
+        let [deep, wide] = [[10, 20, 300], [300, 10, 20]].map(|dims| needed_bytes(dims, 2, false));
+        assert_eq!(deep, wide);
     }
 
     #[test]
     fn budget_cuts_between_bricks() {
-        assert_eq!(cut(&[0..100, 0..30, 0..99]), Some((0, 56)));
-        assert_eq!(cut(&[0..4, 8..16, 0..4]), None, "a brick is not cut");
-        assert_eq!(cut(&[0..4, 8..17, 0..4]), Some((1, 16)));
+        assert_eq!(cut(&[0..100, 0..30, 0..99], 0), Some((0, 56)));
+        assert_eq!(cut(&[0..4, 8..16, 0..4], 3), None, "a brick is not cut");
+        assert_eq!(cut(&[0..4, 8..17, 0..4], 0), Some((1, 16)));
+        for (coarsest, at) in [(1, 64), (2, 64), (3, 64)] {
+            assert_eq!(cut(&[0..100, 0..30, 0..99], coarsest), Some((0, at)));
+        }
+        assert_eq!(cut(&[0..60, 0..30, 0..20], 3), Some((0, 32)), "there is no larger brick");
     }
 }

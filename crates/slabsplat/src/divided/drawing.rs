@@ -41,7 +41,9 @@ impl DividedScene {
         scene.image.background = [0.0; 4];
         let mut image = Image::filled(width, height, [0.0; 4]);
         let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
-        let mut painter = Painter::new(&self.backend, self.n_threads);
+        let coarsest = self.supports.iter().map(|support| support.coarsest).max();
+        let mut painter =
+            Painter::new(&self.backend, self.n_threads).with_cells(coarsest.unwrap_or(0));
         self.retained.begin_frame(self.room_bytes);
         let boxes = self.own_boxes();
         std::thread::scope(|threads| {
@@ -102,10 +104,12 @@ impl DividedScene {
     ) -> Result<bool, DividedError> {
         let cutoff = scene.settings.opacity_cutoff as f32;
         let [width, height] = [image.width(), image.height()].map(|n| n as usize);
-        for (grid, steps) in self.grids.iter().zip(&self.steps) {
+        for (grid, support) in self.grids.iter().zip(&self.supports) {
             let view = View::about(of.part.center(), grid, &scene.camera, &scene.image)
                 .map_err(slabsplat_backend::PlanError::from)?;
-            let near = self.boxes.voxels_near(of, grid, *steps);
+            // Bricks of cells are read whole, but no more of them is seen.
+            let near = self.boxes.voxels_near(of, grid, &support.with_cells(0));
+            let steps = &support.steps;
             let ends = [
                 near.each_ref().map(|range| range.start as f64 - steps_around(steps)),
                 near.each_ref().map(|range| range.end as f64 + steps_around(steps)),

@@ -16,12 +16,13 @@
 //! draws its own boxes.
 //!
 //! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there
-//! is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`,
+//! is a scene), `balance`, `shares`, `budget`, `cells`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`,
 //! `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
+mod cells;
 mod drawing;
 mod found_scene;
 mod moments;
@@ -37,13 +38,14 @@ mod values;
 
 use crate::framing::Aim;
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
-use budget::Budget;
+use budget::{Budget, LayerInBoxes};
+use cells::Boxes;
 use found_scene::{Surveyed, Views, outlined};
 use painter::CPU;
 use retained::RetainedBoxes;
 use shares::Shares;
 use slabsplat_backend::{Frame, PlanError, Planner, SceneInParts};
-use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartTree, Volume};
+use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartSupport, PartTree, Volume};
 use slabsplat_io::{IoError, LabelBoxes, SceneFile, ScratchDesc, VolumeBoxes};
 use std::sync::Arc;
 use thiserror::Error;
@@ -55,8 +57,8 @@ pub use shared::{Exchange, ShareCost, SharedDesc, SharedScene};
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
 /// The picture is that of the scene with all voxels in memory, up to rounding, and so is what the scene file
-/// leaves open: transfer functions and the camera are found of the same voxels. Cells that stand for voxels
-/// under a tolerance are not drawn.
+/// leaves open: transfer functions and the camera are found of the same voxels. Cells stand for voxels under a
+/// tolerance as they do there, but finer ones or none where boxes are too small for it.
 ///
 /// ```no_run
 /// use slabsplat::DividedScene;
@@ -81,8 +83,8 @@ pub struct DividedScene {
     boxes: PartTree,
     /// Those that are drawn here, of all shares.
     own: Option<shares::VoxelBox>,
-    /// How many voxels around a box have a share in its picture, of each layer.
-    steps: Vec<[f64; 3]>,
+    /// What around a box has a share in its picture, of each layer.
+    supports: Vec<PartSupport>,
     memory_bytes: u64,
     /// As it was opened, for other scenes of the same volumes.
     desc: DividedDesc,
@@ -219,7 +221,8 @@ impl DividedScene {
         let drawn = frame_scene(scene).map_err(RenderError::from)?;
         let budget = Budget::new(scene, &drawn.image, desc)?;
         drop(drawn);
-        let (mut divided, _) = Self::divided(surveyed, desc, (&budget, Shares::whole()))?;
+        let (mut divided, _) =
+            Self::divided(surveyed, desc, (&budget, Shares::whole()), &mut shared::Alone)?;
         divided.draw_by(file);
         Ok(divided)
     }
@@ -228,6 +231,7 @@ impl DividedScene {
         surveyed: Surveyed,
         desc: &DividedDesc,
         (budget, mut shares): (&Budget, Shares),
+        others: &mut dyn Exchange,
     ) -> Result<(Self, Shares), DividedError> {
         let Surveyed { opened, sources, labels, grids, outlines } = surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
@@ -238,16 +242,23 @@ impl DividedScene {
             settings: &drawn.settings,
         };
         let planner = Planner::default();
-        let steps = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
-        let steps = steps.collect::<Result<Vec<_>, _>>()?;
+        let supports = grids.iter().map(|grid| planner.support_of_parts(&in_parts, grid));
+        let supports = supports.collect::<Result<Vec<_>, _>>()?;
         let of_labels = labels.iter().zip(&grids);
         let of_labels = of_labels
             .map(|(labels, grid)| labels.as_ref().map_or(0, |labels| labels.voxel_bytes(grid)));
         let voxel_bytes = drawn.layers.iter().map(budget::voxel_bytes);
         let voxel_bytes = voxel_bytes.zip(of_labels).map(|(own, of_labels)| own + of_labels);
+        let layers = grids.iter().zip(supports).zip(voxel_bytes);
+        let layers = layers.map(|((grid, support), voxel_bytes)| LayerInBoxes {
+            grid,
+            support,
+            voxel_bytes,
+        });
+        let layers: Vec<LayerInBoxes<'_>> = layers.collect();
         let has_chunks = sources.iter().any(VolumeBoxes::is_in_chunks);
-        let (boxes, left_bytes) =
-            budget.boxes(&grids, &steps, voxel_bytes, (&mut shares, has_chunks))?;
+        let Boxes { tree, left_bytes, supports, .. } =
+            Boxes::new(budget, &layers, (&mut shares, has_chunks), others)?;
         drop(drawn);
         let n_sources = sources.len().max(1) as u64;
         sources.iter().for_each(|source| source.retain_chunks(left_bytes / n_sources));
@@ -261,9 +272,9 @@ impl DividedScene {
             sources,
             labels,
             grids,
-            boxes,
+            boxes: tree,
             own,
-            steps,
+            supports,
             memory_bytes,
             desc: desc.clone(),
             retained: Arc::default(),

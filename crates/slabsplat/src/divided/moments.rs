@@ -1,5 +1,6 @@
 //! The same volumes seen otherwise, from frame to frame: what a film is made of.
 
+use super::shared::Alone;
 use super::{Budget, DividedError, DividedScene, Shares, Surveyed};
 use crate::{Picture, RenderError, frame_scene};
 use slabsplat_backend::check_parts;
@@ -41,7 +42,8 @@ impl DividedScene {
             grids: self.grids.clone(),
             outlines: self.outlines.clone(),
         };
-        let (divided, _) = Self::divided(surveyed, &self.desc, (&budget, Shares::whole()))?;
+        let (divided, _) =
+            Self::divided(surveyed, &self.desc, (&budget, Shares::whole()), &mut Alone)?;
         let backend = self.backend.clone();
         Ok(Self { retained: self.retained.clone(), backend, ..divided })
     }

@@ -16,6 +16,8 @@ pub(super) struct Painter<'a> {
     backend: Option<Box<dyn Backend>>,
     /// If it has fewer threads than there are.
     pool: Option<ThreadPool>,
+    /// The coarsest level of cells that it draws.
+    coarsest: u32,
 }
 
 impl<'a> Painter<'a> {
@@ -24,7 +26,13 @@ impl<'a> Painter<'a> {
         let is_fewer = n_threads < rayon::current_num_threads();
         // Where no threads can be started, those that there are draw.
         let pool = is_fewer.then(|| ThreadPoolBuilder::new().num_threads(n_threads).build().ok());
-        Self { planner: Planner::default(), backend_name, backend: None, pool: pool.flatten() }
+        let pool = pool.flatten();
+        Self { planner: Planner::default(), backend_name, backend: None, pool, coarsest: 0 }
+    }
+
+    /// The same that draws cells up to that level.
+    pub(super) fn with_cells(self, coarsest: u32) -> Self {
+        Self { coarsest, ..self }
     }
 
     /// Draws what there is of a scene in a part of the world, behind what is there.
@@ -39,7 +47,7 @@ impl<'a> Painter<'a> {
             Some(backend) => backend,
             none => none.insert(backend_named(self.backend_name).map_err(RenderError::from)?),
         };
-        let mut plan = self.planner.plan_part(scene, part, frame)?;
+        let mut plan = self.planner.plan_part(scene, part, self.coarsest, frame)?;
         plan.in_front = Some(in_front);
         let drawn = match &self.pool {
             Some(pool) => pool.install(|| drawn(&mut **backend, &plan, frame)),

@@ -120,7 +120,8 @@ impl SharedScene {
         drop(drawn);
         let cells = WorkCells::of(&opened.scene, grids);
         let shares = Shares::new(n_shares, share_idx, cells);
-        let (mut divided, shares) = DividedScene::divided(surveyed, &desc, (&budget, shares))?;
+        let (mut divided, shares) =
+            DividedScene::divided(surveyed, &desc, (&budget, shares), others)?;
         divided.draw_by(file);
         Ok(Self { divided, shares })
     }
