@@ -42,11 +42,10 @@ impl Viewer {
             let revision = document.revision();
             pane.paint_annotations(ui, rect, revision, &opened.scene, opened.acquisition);
         }
-        let pointed = ui::pointer(ui, &frame, &response, document);
-        self.is_held |= pointed.is_held;
-        if self.panel.edits_region {
-            self.is_held |= ui::show_handles(ui, &frame, document, self.panel.layer_idx);
-        }
+        let handle = self.panel.edits_region.then_some(self.panel.layer_idx);
+        let handle = handle.and_then(|layer_idx| ui::show_handles(ui, &frame, document, layer_idx));
+        let pointed = ui::pointer(ui, &frame, &response, document, handle.is_some());
+        self.is_held |= pointed.is_held || handle.is_some_and(|drag| drag.is_held);
         if 1 < document.n_panes() {
             let method = document.pane(pane_idx).scene.settings.method;
             ui::title(&ui.painter_at(rect), rect, method.name());

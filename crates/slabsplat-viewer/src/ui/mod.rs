@@ -1,11 +1,12 @@
 //! What is seen of the viewer but for the picture: controls, and what they change.
 //!
 //! Reading order: `style`, `colors`, `settings`; `transfer`, `strips`, `channels`, `layer_list`, `layers`,
-//! `meshes`, `scene`, `compare`, `files`, `dropped`, `help`; `pane`, `handles`, `ruler`.
+//! `meshes`, `scene`, `compare`, `files`, `dropped`, `help`; `drag`, `pane`, `handles`, `ruler`.
 
 mod channels;
 mod colors;
 mod compare;
+mod drag;
 mod dropped;
 mod files;
 mod handles;

@@ -1,5 +1,6 @@
 //! A pane of the view: the picture that is there, and what mouse, touch and wheel do on it.
 
+use super::drag::{Drag, drag_of};
 use crate::frames::{Drawn, WindowTexture};
 use crate::state::{self, Document, Picked, Touch, ViewPoint};
 use eframe::egui::{
@@ -172,18 +173,19 @@ pub(crate) fn rects(all: Rect, n_panes: usize) -> Vec<Rect> {
     (0..n_panes).map(of).collect()
 }
 
-/// What pointer, touch and wheel do to the camera.
+/// What pointer, touch and wheel do to the camera. Nothing is dragged if that is taken by what
+/// lies on the pane.
 pub(crate) fn pointer(
     ui: &Ui,
     frame: &Frame,
     response: &Response,
     document: &mut Document,
+    is_taken: bool,
 ) -> Pointed {
     let at = response.hover_pos().map(|at| frame.to_view(at));
     let (modifiers, wheel, pinch) =
         ui.input(|input| (input.modifiers, input.smooth_scroll_delta().y, input.zoom_delta()));
-    let drag = frame.drag(response.drag_delta());
-    let is_dragged = response.dragged() && drag != DVec2::ZERO;
+    let drag = drag_of(ui, response).filter(|_| !is_taken);
     let touch = ui.input(InputState::multi_touch);
     let touch = touch.filter(|touch| frame.rect.contains(touch.center_pos));
     if let Some(touch) = touch {
@@ -191,14 +193,13 @@ pub(crate) fn pointer(
         // What egui calls zoom and scrolling is the same fingers.
         return Pointed { at, clicked: None, is_held: true };
     }
-    if is_dragged {
-        let pans = modifiers.shift
-            || response.dragged_by(PointerButton::Secondary)
-            || response.dragged_by(PointerButton::Middle);
+    if let Some(drag) = drag.filter(|drag| drag.by() != Vec2::ZERO) {
+        let by = frame.drag(drag.by());
+        let pans = modifiers.shift || drag.button != PointerButton::Primary;
         document.move_camera(|camera| match (modifiers.command, pans) {
-            (true, _) => state::rolled(camera, roll_of(frame, response)),
-            (_, true) => state::panned(camera, drag),
-            _ => state::orbited(camera, drag),
+            (true, _) => state::rolled(camera, roll_of(frame, drag)),
+            (_, true) => state::panned(camera, by),
+            _ => state::orbited(camera, by),
         });
     }
     // Ctrl turns the wheel into a pinch.
@@ -206,11 +207,11 @@ pub(crate) fn pointer(
     if let Some(at) = at.filter(|_| factor != 1.0 && response.hovered()) {
         document.move_camera(|camera| state::zoomed(camera, at, factor));
     }
-    if response.drag_stopped() {
+    if drag.is_some_and(|drag| !drag.is_held) {
         document.settle();
     }
-    let clicked = response.clicked().then_some(()).and(at);
-    Pointed { at, clicked, is_held: response.dragged() }
+    let clicked = at.filter(|_| response.clicked() && drag.is_none());
+    Pointed { at, clicked, is_held: drag.is_some_and(|drag| drag.is_held) }
 }
 
 /// What fingers did in a frame, as the camera has it.
@@ -225,10 +226,8 @@ fn of_fingers(frame: &Frame, touch: &MultiTouchInfo) -> Touch {
 }
 
 /// The angle about the middle by which a pointer was dragged, counter-clockwise.
-fn roll_of(frame: &Frame, response: &Response) -> f64 {
-    let Some(now) = response.interact_pointer_pos() else { return 0.0 };
-    let arm = |at: Pos2| frame.to_view(at);
-    arm(now - response.drag_delta()).angle_to(arm(now))
+fn roll_of(frame: &Frame, drag: Drag) -> f64 {
+    frame.to_view(drag.from).angle_to(frame.to_view(drag.to))
 }
 
 /// What is under a point of the view.
@@ -310,7 +309,7 @@ mod tests {
             };
             let mut output = context.run_ui(input, |ui| {
                 let response = sensed(ui, all, 0);
-                let pointed = pointer(ui, &Frame { rect: all }, &response, document);
+                let pointed = pointer(ui, &Frame { rect: all }, &response, document, false);
                 assert!(pointed.is_held || frame_idx < 2);
             });
             // Nobody shows what is painted.
@@ -350,6 +349,55 @@ mod tests {
         document.settle();
         document.undo();
         assert_eq!(document.state().opened.scene.camera, camera, "it is one step");
+    }
+
+    /// A drag in a window whose frames show these events each; where it was clicked.
+    fn dragged(document: &mut Document, frames: &[&[Event]]) -> Vec<ViewPoint> {
+        let context = Context::default();
+        let all = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
+        let mut clicked = Vec::new();
+        for (frame_idx, events) in [&[][..]].iter().chain(frames).enumerate() {
+            let input = RawInput {
+                screen_rect: Some(all),
+                time: Some(frame_idx as f64),
+                events: events.to_vec(),
+                ..RawInput::default()
+            };
+            let mut output = context.run_ui(input, |ui| {
+                let response = sensed(ui, all, 0);
+                let pointed = pointer(ui, &Frame { rect: all }, &response, document, false);
+                clicked.extend(pointed.clicked);
+            });
+            output.textures_delta.clear();
+        }
+        clicked
+    }
+
+    /// In a frame that takes longer than press, way and release, which egui takes for a click.
+    #[test]
+    fn a_drag_within_a_frame_turns_as_any_other() {
+        let source = VolumeSource::Builtin { name: "sphere".to_owned(), size: Some(8) };
+        let file = SceneFile::of_volume(source);
+        let pressed = |pressed: bool, pos: Pos2| {
+            let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+            Event::PointerButton { pos, button, pressed, modifiers }
+        };
+        let (from, to) = (pos2(100.0, 100.0), pos2(220.0, 160.0));
+        let all = [pressed(true, from), pressed(false, to)];
+        let mut cameras = Vec::new();
+        for frames in [&[&all[..]][..], &[&all[..1], &all[1..]]] {
+            let mut document = Document::open(&file, String::new(), [400, 300]).unwrap();
+            let before = document.state().opened.scene.camera;
+            assert_eq!(dragged(&mut document, frames), []);
+            let after = document.state().opened.scene.camera;
+            assert!(1.0 < after.eye().distance(before.eye()), "{frames:?}");
+            cameras.push(after);
+            document.undo();
+            assert_eq!(document.state().opened.scene.camera, before, "it is one step");
+            let click = [pressed(true, from), pressed(false, from)];
+            assert_eq!(dragged(&mut document, &[&click]).len(), 1);
+        }
+        assert_eq!(cameras[0], cameras[1]);
     }
 
     #[test]
