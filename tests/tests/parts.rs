@@ -6,8 +6,8 @@
 use fastrand::Rng;
 use slabsplat::backend::{Backend, FramePlan, Planner, SceneInParts};
 use slabsplat::{
-    Compositing, FrameHandle, Grid, Image, ImageDesc, Layer, Method, PartTree, RenderSettings,
-    Scene, Volume,
+    Camera, Compositing, FrameHandle, Grid, Image, ImageDesc, Layer, Method, PartTree, Projection,
+    RenderSettings, Scene, TransferFunction, Volume,
 };
 use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{over, with_samples};
@@ -40,6 +40,65 @@ fn parts_with_a_tolerance_are_the_whole() {
         let [width, height] = [0; 2].map(|_| rng.u32(20..=70));
         (scene.image.width, scene.image.height) = (width, height);
     });
+}
+
+/// Cells of a part are those of the whole: where some voxels are in a pixel, brick by brick, of one layer or
+/// two, by all backends in turn.
+#[test]
+fn parts_by_cells_are_the_whole() {
+    let (mut worst, mut n_by_cells) = (0.0_f32, 0);
+    for_each_numbered_seed(4, |seed, mut rng| {
+        let name = backends_in_turn(Method::ImageAligned, seed as usize).next().unwrap();
+        let mut backend = open(name);
+        let scene = minified(&mut rng, name != "cpu");
+        let tree = random_tree(&mut rng, &scene);
+        let [whole, laid_over, one_by_one] = pictures(&mut *backend, &scene, &tree);
+        let mut planner = Planner::default();
+        n_by_cells += planner.plan(&scene).unwrap().layers[0].cells().count();
+        planner.plan_cells(false);
+        let by_voxels = drawn(&mut *backend, &planner.plan(&scene).unwrap());
+        let off = whole.max_difference(&laid_over).max(whole.max_difference(&one_by_one));
+        println!("{name}: {off}; cells {}", whole.max_difference(&by_voxels));
+        worst = worst.max(off);
+        assert!(off < ROUNDED_TWICE, "{name}: {off}");
+    });
+    println!("off by {worst} at most");
+    assert!(0 < n_by_cells, "there were cells");
+}
+
+/// Blobs of noise of which a pixel covers two to ten voxels.
+fn minified(rng: &mut Rng, is_small: bool) -> Scene {
+    let side = if is_small { 40..70 } else { 64..150 };
+    let layers = (0..rng.usize(1..3)).map(|_| {
+        let dims = [0; 3].map(|_| rng.usize(side.clone()));
+        let steps = [0; 3].map(|_| 0.8 + 0.5 * rng.f64());
+        let grid = Grid::centered(dims, steps).unwrap();
+        let middle = dims.map(|n| rng.f64() * n as f64);
+        let radius = 0.5 * dims[0] as f64;
+        let volume = Volume::from_fn(grid, |at| {
+            let from = [0, 1, 2].map(|axis| at[axis] as f64 - middle[axis]);
+            let distance = DVec3::from_array(from).length();
+            if distance < radius { 100 + rng.u8(..20) } else { 0 }
+        });
+        let opacity = [0.02, 0.1, 0.4][rng.usize(..3)];
+        let opacity = vec![(90.0, [0.0]), (100.0, [opacity]), (120.0, [1.2 * opacity])];
+        let color = vec![(100.0, [0.9, 0.4, 0.2]), (120.0, [0.8, 0.5, 0.3])];
+        Layer::new(volume, TransferFunction::new(opacity, color).unwrap())
+    });
+    let mut layers = layers.collect::<Vec<_>>().into_iter();
+    let eye = DVec3::from_array([0; 3].map(|_| rng.f64() - 0.5)).normalize() * 300.0;
+    let projection = if rng.bool() {
+        Projection::Perspective { fov_y_radians: 40.0_f64.to_radians() }
+    } else {
+        Projection::Orthographic { view_height: 180.0 }
+    };
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::new(0.1, 0.2, 1.0), projection).unwrap();
+    let mut scene = Scene::new(layers.next().unwrap(), camera);
+    scene.layers.extend(layers);
+    (scene.image.width, scene.image.height) = (rng.u32(18..80), rng.u32(18..80));
+    scene.settings.tolerance = [0.05, 0.2][rng.usize(..2)];
+    scene.settings.opacity_cutoff = 1.0;
+    scene
 }
 
 /// By one GPU backend or another, against its own picture of the whole.

@@ -43,19 +43,24 @@ fn check_memory() {
                 target = [95.0, 117.0, 68.0]\nup = [0.0, 0.0, 1.0]\nprojection = \"orthographic\"\n\
                 view_height = 280.0\n[image]\nwidth = 400\nheight = 400\n";
     for name in ["volume.nhdr", "volume.zarr"] {
-        let file = opened(folder.path(), &text.replace("volume.nhdr", name));
+        let text = text.replace("volume.nhdr", name);
+        let file = opened(folder.path(), &text);
+        // Of which a pixel covers three voxels.
+        let coarse = text.replace("width = 400\nheight = 400", "width = 100\nheight = 100");
+        let coarse = opened(folder.path(), &coarse);
         let profiler = dhat::Profiler::builder().testing().build();
-        for of_boxes in [16_u64 << 20, 40 << 20] {
-            let scene = divided(&file, of_boxes);
-            assert_eq!(scene.n_threads(), 1);
+        for (file, of_boxes) in [(&file, 16_u64), (&file, 40), (&coarse, 40), (&coarse, 90)] {
+            let scene = divided(file, of_boxes << 20);
+            assert!(scene.n_threads() <= 2, "more have more beside the heap");
             let memory = scene.memory_bytes();
             let before = dhat::HeapStats::get();
-            scene.picture(&slabsplat::FrameHandle::new()).unwrap();
+            let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap();
             let after = dhat::HeapStats::get();
             let most = after.max_bytes as u64;
             let chunks = scene.sources()[0].chunk_counts();
-            let n_boxes = scene.n_boxes();
+            let (n_boxes, n_splats) = (scene.n_boxes(), picture.frame.stats.n_splats);
             println!("{name}, {n_boxes} boxes: {most} bytes, {memory} granted; chunks {chunks:?}");
+            println!("{n_splats} splats");
             assert!(before.curr_bytes < after.max_bytes);
             assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
         }
@@ -67,6 +72,38 @@ fn check_memory() {
         assert!(most + BESIDE_HEAP <= memory, "{most} of {memory}");
         drop(profiler);
     }
+}
+
+/// Where a pixel covers some voxels, boxes are drawn by the cells that stand for them in core.
+#[test]
+fn out_of_core_by_cells_is_in_core() {
+    let _alone = alone();
+    for_each_seed(1, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [171, 160, 190], &mut rng);
+        for (of_boxes, tolerance) in [(60_u64 << 20, 0.05), (30 << 20, 0.2)] {
+            let render = format!("tolerance = {tolerance}\nopacity_cutoff = 1.0");
+            let text = scene_text(&mut rng, 0.1, &render);
+            let text = text.replace("view_height = 140.0", "view_height = 260.0");
+            let text = text.replace("fov_y = 40.0", "fov_y = 75.0");
+            let file = opened(folder.path(), &text);
+            let scene = divided(&file, of_boxes);
+            let drawn = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame;
+            let off = whole(&file).max_difference(&drawn.image);
+            let exact = opened(
+                folder.path(),
+                &text.replace(&render, "opacity_cutoff = 1.0\ntolerance = 0.0"),
+            );
+            let by_voxels = whole(&exact).max_difference(&drawn.image);
+            println!(
+                "{} boxes: {off}; {by_voxels} from voxels; {:?}",
+                scene.n_boxes(),
+                drawn.stats
+            );
+            assert!(off < ROUNDED_TWICE, "{} boxes: {off}, {text}", scene.n_boxes());
+            assert!(1 < scene.n_boxes());
+        }
+    });
 }
 
 /// By the GPU backend that the facade is built with here, against its own picture of the whole.
