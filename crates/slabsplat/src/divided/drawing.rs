@@ -41,9 +41,8 @@ impl DividedScene {
         scene.image.background = [0.0; 4];
         let mut image = Image::filled(width, height, [0.0; 4]);
         let (mut stats, mut cost) = (FrameStats::default(), ShareCost::default());
-        let coarsest = self.supports.iter().map(|support| support.coarsest).max();
-        let mut painter =
-            Painter::new(&self.backend, self.n_threads).with_cells(coarsest.unwrap_or(0));
+        let painter = Painter::new(&self.backend, self.n_threads);
+        let mut painter = painter.with_cells(self.coarsest_cells());
         self.retained.begin_frame(self.room_bytes);
         let boxes = self.own_boxes();
         std::thread::scope(|threads| {

@@ -328,6 +328,12 @@ impl DividedScene {
         &self.backend
     }
 
+    /// The coarsest level of cells by which it may be drawn ([model §16](slabsplat_core::model)), 0 … 3: that
+    /// in core, or less if boxes are too small for it, as cells are drawn of whole bricks.
+    pub fn coarsest_cells(&self) -> u32 {
+        self.supports.iter().map(|support| support.coarsest).max().unwrap_or(0)
+    }
+
     /// How many boxes there are.
     pub fn n_boxes(&self) -> usize {
         self.own_boxes().len()
