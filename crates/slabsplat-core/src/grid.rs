@@ -191,8 +191,8 @@ impl Grid {
 
     /// The grid of cells that each hold `2^level` voxels along every axis, those at the ends perhaps fewer: a
     /// cell is where the middle of so many voxels is ([model §16](crate::model)). If it is part of a
-    /// [whole](Self::whole), it is the grid of those cells of the whole that are in the same bricks of 8³ cells
-    /// as its voxels.
+    /// [whole](Self::whole), it is the grid of those cells of the whole that are in the same bricks of 8³
+    /// cells as its voxels.
     ///
     /// # Errors
     /// As [`Grid::new`], if its steps are too long.

@@ -35,7 +35,8 @@ pub struct PartSupport {
     pub coarsest: u32,
 }
 
-/// Voxels along the side of what backends round together, and cells along that of what is drawn by one level.
+/// Voxels along the side of what backends round together, and cells along that of what is drawn by one
+/// level.
 const BRICK_SIDE: usize = 8;
 
 /// How many voxels around a brick of cells gradients look at.

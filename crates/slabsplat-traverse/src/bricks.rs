@@ -81,7 +81,7 @@ impl BrickGrid {
     }
 
     /// Those of some bricks of the whole that are here, along each axis.
-    pub(crate) fn here(&self, in_whole: [Range<usize>; 3]) -> [Range<usize>; 3] {
+    pub(crate) fn here(&self, in_whole: &[Range<usize>; 3]) -> [Range<usize>; 3] {
         [0, 1, 2].map(|axis| {
             let Range { start, end } = &in_whole[axis];
             let here = |at: usize| at.saturating_sub(self.first[axis]).min(self.n_along[axis]);

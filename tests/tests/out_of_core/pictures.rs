@@ -74,8 +74,8 @@ fn check_memory() {
     }
 }
 
-/// Where a pixel covers some voxels, boxes are drawn by the cells that stand for them in core, unless they are
-/// so small that more would be read than is saved.
+/// Where a pixel covers some voxels, boxes are drawn by the cells that stand for them in core, unless they
+/// are so small that more would be read than is saved.
 #[test]
 fn out_of_core_by_cells_is_in_core() {
     let _alone = alone();

@@ -121,7 +121,7 @@ impl BricksOnDemand {
     pub fn parent(&self, level: u32, brick_idx: u32) -> u32 {
         let parent = self.grid(level).coords_in_whole(brick_idx).map(|at| at / 2..at / 2 + 1);
         let coarser = self.grid(level + 1);
-        coarser.brick_idx(coarser.here(parent).map(|range| range.start))
+        coarser.brick_idx(coarser.here(&parent).map(|range| range.start))
     }
 
     /// The bricks of the next finer level that lie in one, of which each may hold relevant voxels.
@@ -270,7 +270,7 @@ fn within(
 ) -> impl Iterator<Item = u32> + use<> {
     let fine = *fine;
     let in_whole = coarse.coords_in_whole(brick_idx);
-    let [xs, ys, zs] = fine.here(in_whole.map(|at| at << n_levels..(at + 1) << n_levels));
+    let [xs, ys, zs] = fine.here(&in_whole.map(|at| at << n_levels..(at + 1) << n_levels));
     let rows = zs.flat_map(move |z| ys.clone().map(move |y| (y, z)));
     rows.flat_map(move |(y, z)| xs.clone().map(move |x| fine.brick_idx([x, y, z])))
 }

@@ -1,8 +1,8 @@
 //! How coarse cells boxes are drawn by (model §16), and how large boxes are then.
 //!
-//! Whether a brick of cells is drawn depends on all of it, so that a box is read with all bricks that it shows
-//! anything of: those of the coarsest level have 64 voxels along each side. Where that makes more to be read
-//! than it saves, finer cells are drawn, of all boxes alike.
+//! Whether a brick of cells is drawn depends on all of it, so that a box is read with all bricks that it
+//! shows anything of: those of the coarsest level have 64 voxels along each side. Where that makes more to be
+//! read than it saves, finer cells are drawn, of all boxes alike.
 
 use super::budget::{Budget, LayerInBoxes};
 use super::shares::Shares;

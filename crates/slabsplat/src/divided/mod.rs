@@ -16,8 +16,8 @@
 //! draws its own boxes.
 //!
 //! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there
-//! is a scene), `balance`, `shares`, `budget`, `cells`, `retained`, `ahead`, `painter`, `drawing`, `refine`, `moments`,
-//! `shared`.
+//! is a scene), `balance`, `shares`, `budget`, `cells`, `retained`, `ahead`, `painter`, `drawing`, `refine`,
+//! `moments`, `shared`.
 
 mod ahead;
 mod balance;
@@ -57,8 +57,8 @@ pub use shared::{Exchange, ShareCost, SharedDesc, SharedScene};
 /// A scene that is drawn within a budget of memory, however large its volumes are.
 ///
 /// The picture is that of the scene with all voxels in memory, up to rounding, and so is what the scene file
-/// leaves open: transfer functions and the camera are found of the same voxels. Cells stand for voxels under a
-/// tolerance as they do there, but finer ones or none where boxes are too small for it.
+/// leaves open: transfer functions and the camera are found of the same voxels. Cells stand for voxels under
+/// a tolerance as they do there, but finer ones or none where boxes are too small for it.
 ///
 /// ```no_run
 /// use slabsplat::DividedScene;
