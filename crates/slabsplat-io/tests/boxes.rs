@@ -3,11 +3,11 @@
 
 #![expect(clippy::unwrap_used, reason = "functions of tests are tests, too")]
 
-use slabsplat_core::glam::DVec3;
+use slabsplat_core::glam::{DAffine3, DVec3};
 use slabsplat_core::{Grid, SampleType, Samples, Volume};
 use slabsplat_io::{
-    Endian, LayerFile, RawDesc, VolumeOptions, VolumeSource, read_volume, read_volume_with,
-    write_volume,
+    Endian, LayerFile, RawDesc, ScratchDesc, VolumeOptions, VolumeSource, read_volume,
+    read_volume_with, write_volume,
 };
 use slabsplat_seeds::for_each_seed;
 use std::fs;
@@ -106,6 +106,66 @@ fn boxes_of_chunks_are_what_the_whole_has() {
     assert!(error.contains("1.0.0"), "{error}");
     let beside = VolumeOptions::default().voxels([5..13, 4..7, 2..4]);
     assert!(read_volume_with(&folder, &beside).is_ok());
+}
+
+/// An image of several levels.
+fn write_levels(folder: &Path, levels: &[Volume]) {
+    fs::create_dir(folder).unwrap();
+    let mut datasets = Vec::new();
+    for (idx, level) in levels.iter().enumerate() {
+        let alone = folder.with_extension(format!("{idx}.zarr"));
+        write_volume(&alone, level).unwrap();
+        fs::rename(alone.join("0"), folder.join(idx.to_string())).unwrap();
+        let ([x, y, z], first) =
+            (level.grid().spacing(), level.grid().world_from_index().translation);
+        datasets.push(format!(
+            r#"{{"path": "{idx}", "coordinateTransformations": [{{"type": "scale", "scale": [{z}, {y}, {x}]}},
+                {{"type": "translation", "translation": [{}, {}, {}]}}]}}"#,
+            first.z, first.y, first.x
+        ));
+    }
+    let axes =
+        ["z", "y", "x"].map(|name| format!(r#"{{"name": "{name}", "type": "space"}}"#)).join(", ");
+    let datasets = datasets.join(", ");
+    let text = format!(r#"{{"multiscales": [{{"axes": [{axes}], "datasets": [{datasets}]}}]}}"#);
+    fs::write(folder.join(".zattrs"), text).unwrap();
+}
+
+/// A level of a volume of 40 × 24 × 16 voxels, begun so far off the middle of the first ones that it stands for.
+fn level(factor: usize, off: f64) -> Volume {
+    let middle = (factor as f64 - 1.0) / 2.0 + off;
+    let place = DAffine3::from_translation(DVec3::splat(middle))
+        * DAffine3::from_scale(DVec3::splat(factor as f64));
+    let grid = Grid::new([40, 24, 16].map(|n| n / factor), place).unwrap();
+    Volume::from_fn(grid, move |[i, j, k]| (factor * (i + 3 * j + 5 * k)) as u8)
+}
+
+#[test]
+fn coarser_levels_stand_for_finer_ones_of_the_same_place() {
+    let dir = tempfile::tempdir().unwrap();
+    let open = |name: &str, levels: &[Volume]| {
+        let path = dir.path().join(name);
+        write_levels(&path, levels);
+        LayerFile::of_volume(VolumeSource::File(path)).open_boxes(&ScratchDesc::default()).unwrap()
+    };
+    let of_all = open("all.zarr", &[1, 2, 4, 8].map(|factor| level(factor, 0.0)));
+    for (least_voxels, factor) in [(1, 8), (30, 8), (31, 4), (240, 4), (241, 2), (1920, 2)] {
+        let coarser = of_all.coarser(least_voxels).unwrap().expect("there is one");
+        let expected = level(factor, 0.0);
+        assert_eq!(coarser.grid(), *expected.grid(), "{least_voxels}");
+        let [nx, ny, nz] = coarser.grid().dims();
+        let read = coarser.read([0..nx, 0..ny, 0..nz]).unwrap().volume;
+        assert_eq!(read.samples(), expected.samples());
+    }
+    assert!(of_all.coarser(1921).unwrap().is_none(), "the finest has more, and is no coarser one");
+    // As by those who write no translation.
+    let off = open("off.zarr", &[level(1, 0.0), level(2, -0.5), level(4, -1.5)]);
+    assert_eq!(off.coarser(1).unwrap().unwrap().grid().dims(), [10, 6, 4]);
+    let elsewhere = open("elsewhere.zarr", &[level(1, 0.0), level(2, 1.0), level(4, 9.0)]);
+    assert_eq!(elsewhere.coarser(1).unwrap().unwrap().grid().dims(), [20, 12, 8]);
+    let grid = *level(2, 0.0).grid();
+    let other_type = open("type.zarr", &[level(1, 0.0), Volume::from_fn(grid, |_| 1.0_f32)]);
+    assert!(other_type.coarser(1).unwrap().is_none());
 }
 
 #[test]

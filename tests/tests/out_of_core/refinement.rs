@@ -1,6 +1,7 @@
 //! Pictures that are shown while boxes come, and frames that are given up.
 
 use super::*;
+use slabsplat::glam::{DAffine3, DVec3};
 
 /// By how much pixels differ, in the mean of all channels.
 fn mean_difference(a: &Image, b: &Image) -> f64 {
@@ -40,6 +41,63 @@ fn out_of_core_is_refined() {
     let scene = divided(&opened(folder.path(), &text), 12 << 20);
     let error = scene.refined(&slabsplat::FrameHandle::new(), &mut |_| {}).unwrap_err();
     assert!(matches!(error, DividedError::NotRefined), "{error}");
+}
+
+/// A volume of as many bytes as there are voxels, as an image of two levels, of which one has means of the other.
+fn write_levels(folder: &Path, volume: &Volume) -> Volume {
+    let [nx, ny, nz] = volume.grid().dims().map(|n| n / 2);
+    let coarse =
+        DAffine3::from_translation(DVec3::splat(0.5)) * DAffine3::from_scale(DVec3::splat(2.0));
+    let grid = Grid::new([nx, ny, nz], volume.grid().world_from_index() * coarse).unwrap();
+    let mean = Volume::from_fn(grid, |[i, j, k]| {
+        let of_fine =
+            [0, 1, 2, 3, 4, 5, 6, 7].map(|n| [2 * i + n % 2, 2 * j + n / 2 % 2, 2 * k + n / 4]);
+        let sum: f64 = of_fine.iter().map(|at| volume.value(volume.grid().voxel_idx(*at))).sum();
+        (sum / 8.0).round() as u8
+    });
+    for (level, volume) in [volume, &mean].into_iter().enumerate() {
+        io::write_volume(folder.join(format!("{level}.zarr")), volume).unwrap();
+    }
+    fs::rename(folder.join("1.zarr/0"), folder.join("0.zarr/1")).unwrap();
+    let said = [0, 1].map(|level| {
+        let text = fs::read_to_string(folder.join(format!("{level}.zarr/.zattrs"))).unwrap();
+        let mut said: serde_json::Value = serde_json::from_str(&text).unwrap();
+        said["multiscales"][0]["datasets"][0]["path"] = level.to_string().into();
+        said
+    });
+    let [mut finer, mut coarser] = said;
+    let dataset = coarser["multiscales"][0]["datasets"][0].take();
+    finer["multiscales"][0]["datasets"].as_array_mut().unwrap().push(dataset);
+    fs::write(folder.join("0.zarr/.zattrs"), finer.to_string()).unwrap();
+    mean
+}
+
+/// What is shown at first is of a coarser level, if the file has one; what is drawn is of the finest.
+#[test]
+fn out_of_core_is_refined_from_coarser_levels() {
+    let _alone = alone();
+    for_each_seed(2, |mut rng| {
+        let folder = tempfile::tempdir().unwrap();
+        write_volume(folder.path(), [197, 170, 161], &mut rng);
+        let text = scene_text(&mut rng, 0.3, "tolerance = 0.0\nopacity_cutoff = 1.0");
+        let volume =
+            OpenScene::open(&opened(folder.path(), &text)).unwrap().scene.layers[0].volume.clone();
+        let mean = write_levels(folder.path(), &volume);
+        let file = opened(folder.path(), &text.replace("volume.nhdr", "0.zarr"));
+        let scene = refined(&file, 1 << 20);
+        let shown = &scene.opened().scene.layers[0].volume;
+        assert_eq!((shown.grid(), shown.samples()), (mean.grid(), mean.samples()));
+        let mut first = None;
+        let picture = scene.refined(&slabsplat::FrameHandle::new(), &mut |of| {
+            first.get_or_insert_with(|| of.picture().frame.image);
+        });
+        let (picture, expected) = (picture.unwrap().frame.image, whole(&file));
+        let (off, at_first) =
+            (expected.max_difference(&picture), mean_difference(&first.unwrap(), &expected));
+        println!("{} boxes: {off}, at first {at_first} in the mean", scene.n_boxes());
+        assert!(1 < scene.n_boxes() && off < ROUNDED_TWICE, "{off}");
+        assert!(at_first < COARSE, "{at_first}");
+    });
 }
 
 /// Who hears of a picture may cancel the frame, which leaves no trace in the next one; and so may others

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use slabsplat_core::Grid;
+use slabsplat_core::glam::DVec3;
 
 use super::{LayerFile, VolumeSource};
 use crate::volume::{ALPHA_IS_CONSTANT, ChunkCache, Scratch, is_constant};
@@ -71,6 +72,9 @@ impl LayerFile {
     }
 }
 
+/// Levels that are looked for beyond the one that is read: each has mostly an eighth of the voxels.
+const MOST_LEVELS: usize = 16;
+
 /// Bytes of a piece, if a row of voxels has no more.
 const PIECE_BYTES: usize = 4 << 20;
 
@@ -100,6 +104,59 @@ impl VolumeBoxes {
             }
             None => self.layer.read_box(voxels),
         }
+    }
+
+    /// The coarsest level of the same image that has so many voxels or more, for who wants a first impression
+    /// and not each voxel; none where the file has one level, as most do, or where the others are not of the
+    /// same samples in the same place.
+    ///
+    /// ```
+    /// # use slabsplat_io::{LayerFile, ScratchDesc, VolumeSource, builtin_volume, write_volume};
+    /// # let dir = tempfile::tempdir()?;
+    /// # let path = dir.path().join("ball.zarr");
+    /// write_volume(&path, &builtin_volume("sphere", Some(20))?)?;
+    /// let layer = LayerFile::of_volume(VolumeSource::File(path));
+    /// let boxes = layer.open_boxes(&ScratchDesc::default())?;
+    /// assert!(boxes.coarser(1)?.is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a level cannot be read.
+    pub fn coarser(&self, least_voxels: usize) -> Result<Option<Self>, IoError> {
+        let levels = &self.first.choices.level;
+        let mut coarsest = None;
+        for level in (levels.chosen + 1..levels.n).take(MOST_LEVELS) {
+            let mut layer = self.layer.clone();
+            layer.options.level = Some(level);
+            let first = layer.read_box([0..1, 0..1, 0..1])?;
+            let coarser = Self { layer, first, scratch: None, chunks: self.chunks.clone() };
+            if coarser.grid().n_voxels() < least_voxels {
+                break;
+            }
+            if coarser.stands_for(self) {
+                coarsest = Some(coarser);
+            }
+        }
+        Ok(coarsest)
+    }
+
+    /// Whether it has the same samples in the same place, up to two of its own voxels on each side.
+    fn stands_for(&self, finer: &Self) -> bool {
+        let type_of = |of: &Self| {
+            let own = of.first.colors.as_ref().and_then(|colors| colors.voxels.as_ref());
+            (of.first.volume.sample_type(), own.map(|colors| colors.samples().size_bytes()))
+        };
+        let (own, other) = (self.grid(), finer.grid());
+        let ends = |grid: &Grid| {
+            let dims = DVec3::from_array(grid.dims().map(|n| n as f64));
+            [DVec3::splat(-0.5), dims - 0.5]
+        };
+        let index_from_index = own.index_from_world() * other.world_from_index();
+        let is_near = |(end, other): (DVec3, DVec3)| {
+            (index_from_index.transform_point3(other) - end).abs().max_element() <= 2.0
+        };
+        type_of(self) == type_of(finer) && ends(&own).into_iter().zip(ends(&other)).all(is_near)
     }
 
     /// Finds of a volume of colours what opacity is made of, which is known of all voxels alone.

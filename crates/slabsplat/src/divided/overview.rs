@@ -1,4 +1,5 @@
-//! What stands for a volume while the scene is opened: every so manieth of its voxels.
+//! What stands for a volume while the scene is opened: every so manieth of its voxels, or of those of a coarser
+//! level, where the file has some.
 
 use super::DividedError;
 use super::survey::{Survey, joined};
@@ -13,9 +14,13 @@ use std::sync::Arc;
 /// Voxels of an overview, at most.
 const MOST_VOXELS: usize = 1 << 21;
 
+/// Voxels of a coarser level, at least, for an overview to be made of it: half as many along each axis as an
+/// overview may have.
+const LEAST_VOXELS: usize = MOST_VOXELS / 8;
+
 /// A volume, as far as a scene has to know it before it is drawn.
 pub(super) struct Overview {
-    /// Its voxels that are `step` apart along each axis.
+    /// Voxels that are equally far apart along each axis, of a coarser level if there is one.
     pub(super) loaded: LoadedVolume,
     /// The grid of all.
     pub(super) whole: Grid,
@@ -27,18 +32,27 @@ impl Overview {
         let source = survey.source;
         let (first, n_shares) = survey.share();
         let (loaded, whole) = (source.first(), source.grid());
-        let step = step_of(whole.dims());
-        let planes = own_planes(source, (first, n_shares), step);
+        let coarser = match source.coarser(LEAST_VOXELS) {
+            Ok(coarser) => coarser,
+            Err(error) => {
+                survey.all(Err(error))?;
+                return Err(DividedError::Differing);
+            }
+        };
+        let read = coarser.as_ref().unwrap_or(source);
+        let level = read.grid();
+        let step = step_of(level.dims());
+        let planes = own_planes(read, (first, n_shares), step);
         let (planes, colors) = match planes {
             Ok((planes, colors)) => (Ok(planes), colors),
             Err(error) => (Err(error), None),
         };
         let all = survey.all(planes)?;
-        let dims = whole.dims().map(|n| n.div_ceil(step));
+        let dims = level.dims().map(|n| n.div_ceil(step));
         let samples = joined(all, (0..dims[2]).map(|_| dims[0] * dims[1]))?;
         let coarse = DAffine3::from_scale(DVec3::splat(step as f64));
         let path = || source.path().to_owned();
-        let grid = Grid::new(dims, whole.world_from_index() * coarse)
+        let grid = Grid::new(dims, level.world_from_index() * coarse)
             .map_err(|source| IoError::Grid { path: path(), source })?;
         let volume = Volume::new(grid, samples, loaded.volume.scaling())
             .map_err(|source| IoError::Volume { path: path(), source })?;
