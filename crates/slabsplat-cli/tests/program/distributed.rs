@@ -172,6 +172,13 @@ fn distributed_failures_are_said_once() {
         let is_of_rank_0 = args.contains("none/") || args.contains("nowhere");
         assert_eq!(line.contains("rank 0"), is_of_rank_0, "{args}: {line}");
     }
+    // A disk that is full before the volume is unpacked.
+    let full = format!("ulimit -f 8; {}", run("ball.nii.gz -o out.exr --scratch ."));
+    let stderr = fail(dir.path(), &[(1, &full), (2, &run("ball.nii.gz -o out.exr --scratch ."))]);
+    assert!(
+        said(&stderr).contains("rank 0") && said(&stderr).contains("File too large"),
+        "{stderr}"
+    );
     // Another computer, as it were, on which the volume is not.
     std::fs::create_dir(dir.path().join("elsewhere")).unwrap();
     std::fs::write(dir.path().join("elsewhere/scene.toml"), SCENE).unwrap();
