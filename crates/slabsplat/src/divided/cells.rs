@@ -9,9 +9,9 @@ use super::shares::Shares;
 use super::{DividedError, Exchange};
 use slabsplat_core::{PartSupport, PartTree, Samples};
 
-/// How many times as many voxels as without cells may be read for them. A voxel costs a nanosecond to read
-/// from memory, and fifty to draw.
-const MOST_TIMES: u64 = 2;
+/// How many voxels more than without cells may be read for them, as a part of these: one of so many.
+/// `docs/scaling.md` has what other parts take.
+const OF_MORE: u64 = 8;
 
 /// Boxes for a level of cells.
 pub(super) struct Boxes {
@@ -38,7 +38,7 @@ impl Boxes {
     ) -> Result<Self, DividedError> {
         let by_voxels = Self::of_level(budget, layers, 0, (&mut *shares, has_chunks));
         let most = layers.iter().map(|of| of.support.coarsest).max().unwrap_or(0);
-        let n_most = by_voxels.as_ref().map_or(0, |boxes| MOST_TIMES * boxes.n_read);
+        let n_most = by_voxels.as_ref().map_or(0, |boxes| boxes.n_read + boxes.n_read / OF_MORE);
         let own = (1..=most).rev().find(|level| {
             let boxes = Self::of_level(budget, layers, *level, (&mut *shares, has_chunks));
             boxes.is_ok_and(|boxes| boxes.n_read <= n_most)
