@@ -88,7 +88,7 @@ fn out_of_core_by_cells_is_in_core() {
         let text = text.replace("view_height = 140.0", "view_height = 150.0");
         let file = opened(folder.path(), &text);
         let expected = whole(&file);
-        for (of_boxes, level) in [(110_u64, 1), (12, 0)] {
+        for (of_boxes, level) in [(150_u64, 1), (110, 0), (12, 0)] {
             let scene = divided(&file, of_boxes << 20);
             assert_eq!((scene.coarsest_cells(), 1 < scene.n_boxes()), (level, true));
             let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
