@@ -54,8 +54,8 @@ impl PartSupport {
         Self { coarsest, ..self }
     }
 
-    /// The voxels of a grid that may have a share in the picture of a box of some of its voxels, along an axis
-    /// of `n`, in whole bricks.
+    /// The voxels of a grid that may have a share in the picture of a box of some of its voxels, along an
+    /// axis of `n`, in whole bricks.
     pub fn around(&self, axis: usize, voxels: &Range<usize>, n: usize) -> Range<usize> {
         let steps = self.steps[axis].ceil() as usize;
         self.in_bricks(voxels.start.saturating_sub(steps)..n.min(voxels.end + steps), n)

@@ -131,7 +131,8 @@ fn write_levels(folder: &Path, levels: &[Volume]) {
     fs::write(folder.join(".zattrs"), text).unwrap();
 }
 
-/// A level of a volume of 40 × 24 × 16 voxels, begun so far off the middle of the first ones that it stands for.
+/// A level of a volume of 40 × 24 × 16 voxels, begun so far off the middle of the first ones that it stands
+/// for.
 fn level(factor: usize, off: f64) -> Volume {
     let middle = (factor as f64 - 1.0) / 2.0 + off;
     let place = DAffine3::from_translation(DVec3::splat(middle))

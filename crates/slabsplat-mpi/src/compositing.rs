@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Every pixel is laid over by one rank in one order, so that the picture has the same bits for any division
-//! of its rows. Binary swap sends fewer messages, more bytes, and joins neighbours first: other sums.
-//! `docs/scaling.md` has both measured.
+//! of its rows. Binary swap sends fewer messages, more bytes, and joins neighbours first: other sums. Both
+//! were measured, under "Direct send or binary swap" of the project's page on scaling.
 
 use crate::collective::{all_gather, gather};
 use crate::communicator::receive;

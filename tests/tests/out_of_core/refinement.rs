@@ -43,7 +43,8 @@ fn out_of_core_is_refined() {
     assert!(matches!(error, DividedError::NotRefined), "{error}");
 }
 
-/// A volume of as many bytes as there are voxels, as an image of two levels, of which one has means of the other.
+/// A volume of as many bytes as there are voxels, as an image of two levels, of which one has means of the
+/// other.
 fn write_levels(folder: &Path, volume: &Volume) -> Volume {
     let [nx, ny, nz] = volume.grid().dims().map(|n| n / 2);
     let coarse =

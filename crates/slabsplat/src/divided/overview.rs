@@ -1,5 +1,5 @@
-//! What stands for a volume while the scene is opened: every so manieth of its voxels, or of those of a coarser
-//! level, where the file has some.
+//! What stands for a volume while the scene is opened: every so manieth of its voxels, or of those of a
+//! coarser level, where the file has some.
 
 use super::DividedError;
 use super::survey::{Survey, joined};
