@@ -63,8 +63,9 @@ const MOST_VOXELS: u64 = 1 << 53;
 /// Voxel steps from the world's origin from which on positions between voxels are lost to rounding.
 const MAX_STEPS_FROM_ORIGIN: f64 = 1e10;
 
-/// Cells along each side of a brick ([model §16](crate::model)).
-const CELLS_ALONG_BRICK: usize = 8;
+/// Cells along each side of a brick ([model §16](crate::model)), and voxels along that of what backends round
+/// together.
+pub(crate) const BRICK_SIDE: usize = 8;
 
 /// Lengths of a voxel step whose squares and quotients still fit 32-bit floats, with room to spare.
 const STEP_LENGTHS: std::ops::RangeInclusive<f64> = 1e-12..=1e12;
@@ -222,10 +223,10 @@ impl Grid {
     fn cells(&self, level: u32) -> [Range<usize>; 3] {
         let (first, dims) = (self.first_in_whole(), self.whole().dims);
         [0, 1, 2].map(|axis| {
-            let side = CELLS_ALONG_BRICK << level;
+            let side = BRICK_SIDE << level;
             let bricks = first[axis] / side..(first[axis] + self.dims[axis]).div_ceil(side);
             let n_cells = dims[axis].div_ceil(1 << level);
-            bricks.start * CELLS_ALONG_BRICK..n_cells.min(bricks.end * CELLS_ALONG_BRICK)
+            bricks.start * BRICK_SIDE..n_cells.min(bricks.end * BRICK_SIDE)
         })
     }
 

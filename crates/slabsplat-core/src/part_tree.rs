@@ -1,5 +1,6 @@
 //! A k-d tree of parts (model §17): a grid cut into boxes, and the order in which an eye sees them.
 
+use crate::grid::BRICK_SIDE;
 use crate::{Camera, Grid, Part, Plane, Projection};
 use glam::{BVec3, DVec3};
 use std::ops::Range;
@@ -34,10 +35,6 @@ pub struct PartSupport {
     /// The coarsest level of cells by which it may be drawn ([model §16](crate::model)); 0 if by its voxels.
     pub coarsest: u32,
 }
-
-/// Voxels along the side of what backends round together, and cells along that of what is drawn by one
-/// level.
-const BRICK_SIDE: usize = 8;
 
 /// How many voxels around a brick of cells gradients look at.
 const OF_GRADIENTS: usize = 1;
