@@ -145,9 +145,10 @@ impl OfMethods {
     ) -> Result<Drawn, StageError> {
         self.of_layers.resize_with(plan.layers.len(), OfLayer::default);
         let of_layers = self.of_layers.iter_mut().zip(&plan.layers);
+        let budget = self.budget.of(plan);
         let mut stages = Vec::with_capacity(plan.layers.len());
         for (of_layer, layer) in of_layers {
-            stages.push(of_layer.stage(plan, layer, level, self.budget, watch.frame())?);
+            stages.push(of_layer.stage(plan, layer, level, budget, watch.frame())?);
         }
         watch.done("list")?;
         let n_voxels = stages.iter().map(|stage: &Stage<'_>| stage.relevant.n_voxels()).sum();

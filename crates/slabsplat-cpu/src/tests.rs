@@ -182,7 +182,8 @@ fn cpu_lists_on_demand_what_the_list_has() {
         for spacing in [[1.0; 3], [1.0, 0.6, 2.5]] {
             let volume = noise(&mut rng, spacing);
             let n_bytes = volume.grid().n_voxels() * 8;
-            let budgets = [usize::MAX, n_bytes / 3, 0].map(|least_bytes| Budget { least_bytes });
+            let budgets =
+                [usize::MAX, n_bytes / 3, 0].map(|least_bytes| Budget::Quarter { least_bytes });
             let new = |budget| CpuBackend {
                 buffers: frame::Buffers::with_budget(budget),
                 ..CpuBackend::new()
@@ -214,7 +215,7 @@ fn cpu_lists_on_demand_within_a_budget() {
     // On one thread: which brick falls to which one is chance, and each has buffers.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let resident = [usize::MAX, 1 << 18, 0].map(|least_bytes| {
-        let buffers = frame::Buffers::with_budget(Budget { least_bytes });
+        let buffers = frame::Buffers::with_budget(Budget::Quarter { least_bytes });
         let mut backend = CpuBackend { buffers, ..CpuBackend::new() };
         let mut rng = fastrand::Rng::with_seed(1);
         let settings = RenderSettings::default().tolerance(0.0);

@@ -100,11 +100,22 @@ fn opened(folder: &Path, text: &str) -> io::SceneFile {
 
 /// As large as it needs to be for so many bytes in boxes.
 fn divided(file: &io::SceneFile, of_boxes: u64) -> DividedScene {
-    let fixed = match DividedScene::open(file, 1) {
+    DividedScene::open(file, needed_of(file, 1) + of_boxes).unwrap()
+}
+
+/// As large as it needs to be for the smallest boxes that there are.
+fn in_smallest_boxes(file: &io::SceneFile) -> DividedScene {
+    // A byte for boxes is said to be too little, too.
+    let beside_boxes = needed_of(file, 1);
+    DividedScene::open(file, needed_of(file, beside_boxes + 1)).unwrap()
+}
+
+/// What it says that it takes, where there is less.
+fn needed_of(file: &io::SceneFile, memory_bytes: u64) -> u64 {
+    match DividedScene::open(file, memory_bytes) {
         Err(DividedError::NoRoom(no_room)) => no_room.needed_bytes,
-        other => panic!("a byte is too little: {other:?}"),
-    };
-    DividedScene::open(file, fixed + of_boxes).unwrap()
+        other => panic!("{memory_bytes} bytes are too few: {other:?}"),
+    }
 }
 
 /// As large as it needs to be to be shown while it is drawn, and to have boxes of so many bytes.

@@ -1,7 +1,7 @@
 //! The relevant voxels of the last plan, cached for the next one: a list of all, or bricks that are made when
 //! they are seen.
 
-use slabsplat_backend::{ByIdentity, Cached, ColorSplats, LayerPlan, Splats};
+use slabsplat_backend::{ByIdentity, Cached, ColorSplats, FramePlan, LayerPlan, Splats};
 use slabsplat_core::{Cancelled, FrameHandle, IsoRange, StageError, Volume};
 use slabsplat_traverse::{
     BrickLister, BrickRanges, BricksOnDemand, OwnVoxelRules, RelevantList, VoxelRecord, VoxelRules,
@@ -56,24 +56,37 @@ pub(crate) struct OnDemand<'a> {
     pub(crate) moments_from: f32,
 }
 
-/// What may be retained of a volume's relevant voxels: a quarter of what the volume takes, so that it fits
-/// where that does, and as much of small ones.
+/// What may be retained of a volume's relevant voxels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Budget {
-    pub(crate) least_bytes: usize,
+pub(crate) enum Budget {
+    /// Nothing, as where they serve one frame.
+    Nothing,
+    /// A quarter of what the volume takes, so that it fits where that does, and as much of small ones.
+    Quarter {
+        /// What is that of small ones.
+        least_bytes: usize,
+    },
 }
 
 impl Default for Budget {
     /// Some million voxels or cells.
     fn default() -> Self {
-        Self { least_bytes: 64 << 20 }
+        Self::Quarter { least_bytes: 64 << 20 }
     }
 }
 
 impl Budget {
+    /// That of a frame: a part is drawn once, within a budget of its caller's (model §17).
+    pub(crate) fn of(self, plan: &FramePlan<'_>) -> Self {
+        if plan.part.is_some() { Self::Nothing } else { self }
+    }
+
     fn bytes(self, volume: &Volume) -> usize {
         let of_samples = volume.grid().n_voxels() * volume.sample_type().size_bytes();
-        (of_samples / 4).max(self.least_bytes)
+        match self {
+            Self::Nothing => 0,
+            Self::Quarter { least_bytes } => (of_samples / 4).max(least_bytes),
+        }
     }
 
     /// Whether a list of so many voxels may be retained.

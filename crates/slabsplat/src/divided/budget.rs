@@ -1,9 +1,11 @@
 //! How large boxes may be within a budget of memory.
 
+use super::painter::CPU;
 use super::refine::MOST_GROUPS;
 use super::shares::Shares;
 use super::{DividedDesc, DividedError};
-use slabsplat_core::{Camera, Grid, ImageDesc, Layer, PartBox, PartSupport, PartTree, Scene};
+use slabsplat_core::glam::DVec3;
+use slabsplat_core::{Camera, Grid, ImageDesc, Layer, PartBox, PartSupport, PartTree, Scene, View};
 use std::ops::Range;
 use thiserror::Error;
 
@@ -33,8 +35,20 @@ pub(super) struct Budget {
     /// What there is beside them.
     fixed_bytes: u64,
     n_threads: usize,
+    /// Tiles that they draw at a time, at most.
+    n_tiles: u64,
     camera: Camera,
     is_refined: bool,
+    listing: Listing,
+}
+
+/// How those who draw have the relevant voxels of a box.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Listing {
+    /// The CPU makes bricks of them when they are seen, and retains none.
+    BrickByBrick,
+    /// For a GPU the host lists all of them.
+    All,
 }
 
 /// The program and its tables.
@@ -54,17 +68,27 @@ const OF_PIXEL: u64 = 112;
 /// made of, and what becomes of it.
 const OF_REFINED_PIXEL: u64 = 4 * MOST_GROUPS as u64 + 3 * 16;
 
-/// Of a voxel that is read, beside its sample: its record, if it is relevant, and its brick's.
-const OF_VOXEL: u64 = 9;
+/// Of a voxel that is listed: its record, if it is relevant, and its brick's.
+const OF_LISTED_VOXEL: u64 = 9;
 
-/// Of a voxel that may be drawn as part of a cell: its share of cells, also of such as may not stand for it.
-const OF_CELLS: u64 = 3;
+/// The same of one that may be drawn as part of a cell: its share of cells, also of such as may not stand
+/// for it.
+const OF_LISTED_CELLS: u64 = 3;
+
+/// So many voxels take a byte for what is known of their bricks, which is 128 bytes of each.
+const PER_BYTE_OF_BRICKS: u64 = 4;
 
 /// Of a voxel in the range of depth that is drawn: projected and shaded, and on its tiles.
 const OF_VOXEL_IN_RANGE: u64 = 64;
 
+/// Of such a voxel on a tile that a thread draws: it sorts all that are there.
+const OF_VOXEL_ON_TILE: u64 = 36;
+
+/// Pixels along a side of a tile.
+const TILE_SIDE: f64 = 32.0;
+
 /// How many voxel steps are in such a range, what waits for the next one included.
-const IN_RANGE: u64 = 36;
+const IN_RANGE: u64 = 20;
 
 /// The part of what is there for voxels that chunks have which several boxes meet: of a box of 264³ voxels a
 /// side of chunks of 64³ is a fortieth.
@@ -76,19 +100,24 @@ const OF_SHARE: u64 = 64 << 20;
 /// The least side of a box.
 const LEAST_SIDE: usize = 8;
 
+/// The part of what is read before it and behind it that a side of a box is, at least: of boxes whose sides
+/// are half of that, 125 times as much is read as they have.
+const OF_SIDE: f64 = 2.0;
+
 impl Budget {
     pub(super) fn new(
         scene: &Scene,
         image: &ImageDesc,
-        desc: &DividedDesc,
+        (desc, backend): (&DividedDesc, &str),
     ) -> Result<Self, DividedError> {
         let &DividedDesc { memory_bytes, is_refined, .. } = desc;
+        let listing = Listing::by(backend);
         let mut shared_bytes = shared_bytes(scene, image);
         let mut needed_bytes = shared_bytes + OF_THREAD;
         if is_refined {
             shared_bytes += OF_REFINED_PIXEL * image.n_pixels() as u64;
             // Overviews are drawn before the first box is.
-            needed_bytes = shared_bytes + OF_THREAD + of_overviews(scene);
+            needed_bytes = shared_bytes + OF_THREAD + of_overviews(scene, listing);
         }
         if memory_bytes <= needed_bytes {
             return Err(NoRoom { memory_bytes, needed_bytes }.into());
@@ -96,15 +125,16 @@ impl Budget {
         let n_paid_for = (memory_bytes - shared_bytes) / OF_THREADS / OF_THREAD;
         let n_threads = rayon::current_num_threads().min(n_paid_for as usize).max(1);
         let fixed_bytes = shared_bytes + OF_THREAD * n_threads as u64;
-        Ok(Self { memory_bytes, fixed_bytes, n_threads, camera: scene.camera, is_refined })
+        let (camera, n_tiles) = (scene.camera, n_tiles_at_once(image, n_threads));
+        Ok(Self { memory_bytes, fixed_bytes, n_threads, n_tiles, camera, is_refined, listing })
     }
 
     /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
     pub(super) fn of_share(
         scene: &Scene,
         image: &ImageDesc,
-        grids: &[Grid],
-        n_shares: usize,
+        (grids, n_shares): (&[Grid], usize),
+        backend: &str,
     ) -> Self {
         let n_threads = rayon::current_num_threads();
         let fixed_bytes = shared_bytes(scene, image) + OF_THREAD * n_threads as u64;
@@ -113,8 +143,9 @@ impl Budget {
             of_volumes.map(|(layer, grid)| grid.n_voxels() as u64 * voxel_bytes(layer));
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
         let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
-        let camera = scene.camera;
-        Self { memory_bytes, fixed_bytes, n_threads, camera, is_refined: false }
+        let (camera, listing) = (scene.camera, Listing::by(backend));
+        let (n_tiles, is_refined) = (n_tiles_at_once(image, n_threads), false);
+        Self { memory_bytes, fixed_bytes, n_threads, n_tiles, camera, is_refined, listing }
     }
 
     /// All that there is.
@@ -127,14 +158,21 @@ impl Budget {
         self.n_threads
     }
 
-    /// Who sees them.
-    pub(super) fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     /// Whether there is room for pictures that are shown meanwhile.
     pub(super) fn is_refined(&self) -> bool {
         self.is_refined
+    }
+
+    /// What it takes to draw a box of a layer, all of whose voxels may be relevant.
+    fn needed_bytes(&self, of: &LayerInBoxes<'_>, around: Around) -> u64 {
+        let n_read = n_voxels(around.read);
+        let of_lists = self.listing.needed_bytes(n_read, 0 < of.support.coarsest);
+        let in_range = n_in_range(around.drawn);
+        let on_tiles = in_range.min(of.n_on_tile) * self.n_tiles;
+        n_read * of.voxel_bytes
+            + of_lists
+            + in_range * OF_VOXEL_IN_RANGE
+            + on_tiles * OF_VOXEL_ON_TILE
     }
 
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
@@ -153,34 +191,43 @@ impl Budget {
         let room = if has_chunks { all - all / OF_CHUNKS } else { all };
         let widest = layers.iter().map(|of| of.voxel_bytes).max().unwrap_or(1);
         let of_widest = LayerInBoxes { voxel_bytes: widest, ..*largest };
+        let least_sides = largest.least_sides();
         // Of the largest layer alone at first; where others are finer, boxes get smaller until all fit.
         let mut of_one = room;
         loop {
             let mut deal = shares.deal();
             let tree = PartTree::new(largest.grid, center, |voxels| {
                 deal.cut(voxels, |voxels| {
-                    let near = of_widest.dims_around(voxels);
-                    let needed = of_widest.needed_bytes(near) + of_widest.sample_bytes(near);
-                    if needed <= of_one { None } else { cut(voxels, largest.support.coarsest) }
+                    let around = of_widest.around(voxels);
+                    let ahead = n_voxels(around.read) * widest;
+                    let needed = self.needed_bytes(&of_widest, around) + ahead;
+                    if needed <= of_one {
+                        None
+                    } else {
+                        cut(voxels, largest.support.coarsest, least_sides)
+                    }
                 })
             });
             let own = tree.seen_by(&self.camera).into_iter();
             let [mut most, mut ahead] = [0, 0];
             for of in own.filter(|of| shares.are_own(&of.voxels)) {
-                let near = layers.iter().map(|layer| (layer, layer.dims_near(&tree, of)));
-                most = most.max(near.clone().map(|(of, near)| of.needed_bytes(near)).sum());
-                ahead = ahead.max(near.map(|(of, near)| of.sample_bytes(near)).sum());
+                let near = layers.iter().map(|layer| (layer, layer.near(&tree, of)));
+                let needed = near.clone().map(|(layer, near)| self.needed_bytes(layer, near));
+                most = most.max(needed.sum());
+                let sample_bytes =
+                    near.map(|(layer, near)| n_voxels(near.read) * layer.voxel_bytes);
+                ahead = ahead.max(sample_bytes.sum());
             }
             // While a box is drawn the voxels of another one are read.
             let most = most + ahead;
             if most <= room {
                 return Ok((tree, all - most));
             }
-            if of_one < room / 64 {
+            if of_one <= room / 64 {
                 let needed_bytes = self.fixed_bytes + most;
                 return Err(NoRoom { memory_bytes: self.memory_bytes, needed_bytes }.into());
             }
-            of_one = of_one / 4 * 3;
+            of_one = of_one / 8 * 7;
         }
     }
 }
@@ -194,29 +241,67 @@ pub(super) struct LayerInBoxes<'a> {
     pub(super) support: PartSupport,
     /// Of what is read of a voxel.
     pub(super) voxel_bytes: u64,
+    /// How many of its voxels in a range of depth may lie on a tile.
+    pub(super) n_on_tile: u64,
+}
+
+/// How many voxels there are along each axis in a box and around it.
+#[derive(Clone, Copy, Debug)]
+struct Around {
+    /// That are read: of bricks of cells all.
+    read: [usize; 3],
+    /// That may be drawn.
+    drawn: [usize; 3],
 }
 
 impl LayerInBoxes<'_> {
-    /// How many voxels are read along each axis for one of the boxes of a tree.
-    pub(super) fn dims_near(&self, tree: &PartTree, of: &PartBox) -> [usize; 3] {
-        tree.voxels_near(of, self.grid, &self.support).map(|range| range.len())
+    /// Of one of the boxes of a tree.
+    fn near(&self, tree: &PartTree, of: &PartBox) -> Around {
+        self.by_both(|support| tree.voxels_near(of, self.grid, support).map(|range| range.len()))
     }
 
-    /// The same for a box of its own voxels.
-    fn dims_around(&self, voxels: &[Range<usize>; 3]) -> [usize; 3] {
+    /// Of a box of its own voxels.
+    fn around(&self, voxels: &[Range<usize>; 3]) -> Around {
         let dims = self.grid.dims();
-        [0, 1, 2].map(|axis| self.support.around(axis, &voxels[axis], dims[axis]).len())
+        let along = |axis: usize, support: &PartSupport| {
+            support.around(axis, &voxels[axis], dims[axis]).len()
+        };
+        self.by_both(|support| [0, 1, 2].map(|axis| along(axis, support)))
     }
 
-    /// What it takes to draw so many voxels along each axis, of which all may be relevant.
-    fn needed_bytes(&self, dims: [usize; 3]) -> u64 {
-        needed_bytes(dims, self.voxel_bytes, 0 < self.support.coarsest)
+    /// The shortest sides of a box, for which what is around it is not too much.
+    fn least_sides(&self) -> [usize; 3] {
+        let bricks =
+            if 0 < self.support.coarsest { LEAST_SIDE << self.support.coarsest } else { 0 };
+        let reach = self.support.steps.map(|steps| steps.max(bricks as f64));
+        reach.map(|reach| ((reach / OF_SIDE) as usize).next_multiple_of(LEAST_SIDE).max(LEAST_SIDE))
     }
 
-    /// What the voxels of a box take that is not drawn yet.
-    fn sample_bytes(&self, dims: [usize; 3]) -> u64 {
-        dims.iter().map(|n| *n as u64).product::<u64>() * self.voxel_bytes
+    fn by_both(&self, dims: impl Fn(&PartSupport) -> [usize; 3]) -> Around {
+        Around { read: dims(&self.support), drawn: dims(&self.support.with_cells(0)) }
     }
+}
+
+/// How many voxels of a layer in a range of depth may lie on a tile, anywhere in the picture.
+pub(super) fn n_on_tile(grid: &Grid, view: &View, support: &PartSupport) -> u64 {
+    let from_index = view.from_index(grid);
+    let farthest = from_index.depth_range(grid)[1].max(view.near_depth());
+    let [right, up] = [0, 1].map(|axis| {
+        let reach = DVec3::from_array(support.steps).dot(from_index.matrix.row(axis).abs());
+        TILE_SIDE / view.pixels_per_world(farthest) + 2.0 * reach
+    });
+    let of_world = right * up * IN_RANGE as f64 * grid.unit();
+    (of_world / from_index.matrix.determinant().abs()).ceil() as u64
+}
+
+/// How many tiles so many threads draw at a time.
+fn n_tiles_at_once(image: &ImageDesc, n_threads: usize) -> u64 {
+    let along = |n_pixels: u32| (f64::from(n_pixels) / TILE_SIDE).ceil() as u64;
+    (along(image.width) * along(image.height)).min(n_threads as u64)
+}
+
+fn n_voxels(dims: [usize; 3]) -> u64 {
+    dims.iter().map(|n| *n as u64).product()
 }
 
 /// What there is beside threads and the voxels of a box.
@@ -228,6 +313,16 @@ fn shared_bytes(scene: &Scene, image: &ImageDesc) -> u64 {
     OF_PROGRAM + of_pixels + overviews.sum::<u64>()
 }
 
+/// What it takes to draw all overviews at once by one thread, beside their samples.
+fn of_overviews(scene: &Scene, listing: Listing) -> u64 {
+    let of_layer = |layer: &Layer| {
+        let dims = layer.volume.grid().dims();
+        let of_lists = listing.needed_bytes(n_voxels(dims), false);
+        of_lists + n_in_range(dims) * (OF_VOXEL_IN_RANGE + OF_VOXEL_ON_TILE)
+    };
+    scene.layers.iter().map(of_layer).sum()
+}
+
 /// Bytes of what is read of a voxel.
 pub(super) fn voxel_bytes(layer: &Layer) -> u64 {
     let n_voxels = layer.volume.grid().n_voxels();
@@ -237,59 +332,101 @@ pub(super) fn voxel_bytes(layer: &Layer) -> u64 {
     (layer.volume.sample_type().size_bytes() + of_colors + of_labels) as u64
 }
 
-/// What it takes to draw all overviews at once, beside their samples.
-fn of_overviews(scene: &Scene) -> u64 {
-    scene.layers.iter().map(|layer| needed_bytes(layer.volume.grid().dims(), 0, false)).sum()
+impl Listing {
+    fn by(backend: &str) -> Self {
+        if backend == CPU { Self::BrickByBrick } else { Self::All }
+    }
+
+    /// What it takes to have the voxels of a box, of which all may be relevant.
+    fn needed_bytes(self, n_voxels: u64, has_cells: bool) -> u64 {
+        match (self, has_cells) {
+            (Self::BrickByBrick, _) => n_voxels / PER_BYTE_OF_BRICKS,
+            (Self::All, false) => n_voxels * OF_LISTED_VOXEL,
+            (Self::All, true) => n_voxels * (OF_LISTED_VOXEL + OF_LISTED_CELLS),
+        }
+    }
 }
 
-/// What it takes to draw a box that has so many voxels along each axis, of which all may be relevant.
-fn needed_bytes(dims: [usize; 3], sample_bytes: u64, has_cells: bool) -> u64 {
-    let [mut x, mut y, mut z] = dims.map(|n| n as u64);
-    // A range lies across the two longest sides: of a cube, at worst, in a hexagon of 1.3 of a side's area.
-    if x < z {
-        (x, z) = (z, x);
-    }
-    if y < z {
-        (y, z) = (z, y);
-    }
-    let n_voxels = x * y * z;
-    let in_range = (x * y * IN_RANGE * 13 / 10).min(n_voxels);
-    let of_cells = if has_cells { OF_CELLS } else { 0 };
-    n_voxels * (sample_bytes + OF_VOXEL + of_cells) + in_range * OF_VOXEL_IN_RANGE
+/// How many voxels are in a range of depth of a box that has so many along each axis.
+fn n_in_range(dims: [usize; 3]) -> u64 {
+    let mut sides = dims.map(|n| n as u64);
+    sides.sort_unstable();
+    // It lies across the two longest sides: of a cube, at worst, in a hexagon of 1.3 of a side's area.
+    let [_, y, x] = sides;
+    (x * y * IN_RANGE * 13 / 10).min(n_voxels(dims))
 }
 
-/// Across the longest side, between bricks, if it can be of the coarsest cells, as near to its middle as that
-/// is.
-fn cut(voxels: &[Range<usize>; 3], coarsest: u32) -> Option<(usize, usize)> {
-    let axis = (0..3).max_by_key(|axis| voxels[*axis].len())?;
-    let Range { start, end } = voxels[axis].clone();
-    let at = |level: u32| start.midpoint(end).next_multiple_of(LEAST_SIDE << level);
-    let at = (0..=coarsest).rev().map(at).find(|at| start < *at && *at < end)?;
-    Some((axis, at))
+/// Across the longest side that can be cut, between bricks, if it can be of the coarsest cells, as near to its
+/// middle as that is.
+fn cut(
+    voxels: &[Range<usize>; 3],
+    coarsest: u32,
+    least_sides: [usize; 3],
+) -> Option<(usize, usize)> {
+    let cut_across = |axis: usize| {
+        let Range { start, end } = voxels[axis].clone();
+        let middle = start.midpoint(end);
+        let at = (0..=coarsest).rev().map(|level| middle.next_multiple_of(LEAST_SIDE << level));
+        let fits = |at: &usize| start + least_sides[axis] <= *at && at + least_sides[axis] <= end;
+        at.into_iter().find(fits).map(|at| (axis, at))
+    };
+    let mut axes = [0, 1, 2];
+    axes.sort_by_key(|axis| std::cmp::Reverse(voxels[*axis].len()));
+    axes.into_iter().find_map(cut_across)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slabsplat_core::Projection;
+
+    fn needed_bytes(backend: &str, dims: [usize; 3], voxel_bytes: u64, coarsest: u32) -> u64 {
+        let listing = Listing::by(backend);
+        let projection = Projection::Orthographic { view_height: 1.0 };
+        let camera = Camera::new(DVec3::ONE, DVec3::ZERO, DVec3::Y, projection).unwrap();
+        let budget = Budget {
+            memory_bytes: 1 << 30,
+            fixed_bytes: 0,
+            n_threads: 2,
+            n_tiles: 2,
+            camera,
+            is_refined: false,
+            listing,
+        };
+        let grid = Grid::with_spacing(dims, [1.0; 3]).unwrap();
+        let support = PartSupport::of_voxels([3.0; 3]).with_cells(coarsest);
+        let layer = LayerInBoxes { grid: &grid, support, voxel_bytes, n_on_tile: 1 << 15 };
+        budget.needed_bytes(&layer, Around { read: dims, drawn: dims })
+    }
 
     #[test]
     fn budget_counts_more_for_more() {
-        let small = needed_bytes([64, 64, 64], 1, false);
-        for more in [([64; 3], 4, false), ([64, 65, 64], 1, false), ([64; 3], 1, true)] {
-            assert!(small < needed_bytes(more.0, more.1, more.2));
+        for backend in [CPU, "wgpu"] {
+            let small = needed_bytes(backend, [64, 64, 64], 1, 0);
+            for dims in [[64, 65, 64], [65, 64, 64]] {
+                assert!(small < needed_bytes(backend, dims, 1, 0));
+            }
+            assert!(small < needed_bytes(backend, [64; 3], 4, 0));
+            let [deep, wide] = [[10, 20, 300], [300, 10, 20]];
+            let [deep, wide] = [deep, wide].map(|dims| needed_bytes(backend, dims, 2, 0));
+            assert_eq!(deep, wide);
         }
-        let [deep, wide] = [[10, 20, 300], [300, 10, 20]].map(|dims| needed_bytes(dims, 2, false));
-        assert_eq!(deep, wide);
+        let by_cells = [0, 1].map(|coarsest| needed_bytes("wgpu", [64; 3], 1, coarsest));
+        assert!(by_cells[0] < by_cells[1], "{by_cells:?}");
+        let large = [CPU, "wgpu"].map(|backend| needed_bytes(backend, [512; 3], 1, 1));
+        assert!(2 * large[0] < large[1], "{large:?}");
     }
 
     #[test]
     fn budget_cuts_between_bricks() {
-        assert_eq!(cut(&[0..100, 0..30, 0..99], 0), Some((0, 56)));
-        assert_eq!(cut(&[0..4, 8..16, 0..4], 3), None, "a brick is not cut");
-        assert_eq!(cut(&[0..4, 8..17, 0..4], 0), Some((1, 16)));
+        let cut_of = |voxels: &[Range<usize>; 3], coarsest| cut(voxels, coarsest, [8; 3]);
+        assert_eq!(cut_of(&[0..100, 0..30, 0..99], 0), Some((0, 56)));
+        assert_eq!(cut_of(&[0..4, 8..16, 0..4], 3), None, "a brick is not cut");
+        assert_eq!(cut_of(&[0..4, 8..25, 0..4], 0), Some((1, 16)));
         for (coarsest, at) in [(1, 64), (2, 64), (3, 64)] {
-            assert_eq!(cut(&[0..100, 0..30, 0..99], coarsest), Some((0, at)));
+            assert_eq!(cut_of(&[0..100, 0..30, 0..99], coarsest), Some((0, at)));
         }
-        assert_eq!(cut(&[0..60, 0..30, 0..20], 3), Some((0, 32)), "there is no larger brick");
+        assert_eq!(cut_of(&[0..60, 0..30, 0..20], 3), Some((0, 32)), "there is no larger brick");
+        assert_eq!(cut(&[0..60, 0..50, 0..20], 0, [40, 16, 8]), Some((1, 32)), "not too short");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::opened_boxes;
 use super::overview::{self, Overview};
+use super::painter::CPU;
 use super::survey::{self, Survey};
 use super::values::BoxValues;
 use super::{DividedDesc, DividedError, DividedScene, Exchange};
@@ -21,6 +22,8 @@ pub(super) struct Surveyed {
     pub(super) labels: Vec<Option<LabelBoxes>>,
     pub(super) grids: Vec<Grid>,
     pub(super) outlines: Vec<Arc<Volume>>,
+    /// What draws it, by name.
+    pub(super) backend: String,
 }
 
 /// The cameras that go around with one.
@@ -79,7 +82,9 @@ impl DividedScene {
             Ok::<_, DividedError>(opened.framing_of(cells, &grids, &finished))
         })?;
         sources.iter().for_each(|source| source.retain_chunks(0));
-        Ok(Surveyed { opened, sources, labels, grids, outlines })
+        let named = if of_file.backend == "auto" { CPU } else { &of_file.backend };
+        let backend = named.to_owned();
+        Ok(Surveyed { opened, sources, labels, grids, outlines, backend })
     }
 }
 

@@ -16,13 +16,12 @@
 //! draws its own boxes.
 //!
 //! Reading order: `opened_boxes`, `found_scene`, `survey`, `values` and `overview` (what is read before there
-//! is a scene), `balance`, `shares`, `budget`, `cells`, `retained`, `ahead`, `painter`, `drawing`, `refine`,
+//! is a scene), `balance`, `shares`, `budget`, `retained`, `ahead`, `painter`, `drawing`, `refine`,
 //! `moments`, `shared`.
 
 mod ahead;
 mod balance;
 mod budget;
-mod cells;
 mod drawing;
 mod found_scene;
 mod moments;
@@ -39,13 +38,11 @@ mod values;
 use crate::framing::Aim;
 use crate::{OpenError, OpenScene, Picture, RenderError, finished, frame_scene};
 use budget::{Budget, LayerInBoxes};
-use cells::Boxes;
 use found_scene::{Surveyed, Views, outlined};
-use painter::CPU;
 use retained::RetainedBoxes;
 use shares::Shares;
 use slabsplat_backend::{Frame, PlanError, Planner, SceneInParts};
-use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartSupport, PartTree, Volume};
+use slabsplat_core::{Camera, FrameHandle, Grid, PartBox, PartSupport, PartTree, View, Volume};
 use slabsplat_io::{IoError, LabelBoxes, SceneFile, ScratchDesc, VolumeBoxes};
 use std::sync::Arc;
 use thiserror::Error;
@@ -58,7 +55,7 @@ pub use shared::{Exchange, ShareCost, SharedDesc, SharedScene};
 ///
 /// The picture is that of the scene with all voxels in memory, up to rounding, and so is what the scene file
 /// leaves open: transfer functions and the camera are found of the same voxels. Cells stand for voxels under
-/// a tolerance as they do there, but finer ones or none where boxes are too small for it.
+/// a tolerance as they do there.
 ///
 /// ```no_run
 /// use slabsplat::DividedScene;
@@ -219,11 +216,10 @@ impl DividedScene {
         let surveyed = Self::surveyed(file, desc, &mut shared::Alone, views)?;
         let scene = &surveyed.opened.scene;
         let drawn = frame_scene(scene).map_err(RenderError::from)?;
-        let budget = Budget::new(scene, &drawn.image, desc)?;
+        let budget = Budget::new(scene, &drawn.image, (desc, &surveyed.backend))?;
         drop(drawn);
-        let (mut divided, _) =
-            Self::divided(surveyed, desc, (&budget, Shares::whole()), &mut shared::Alone)?;
-        divided.draw_by(file);
+        let shares = Shares::whole();
+        let (divided, _) = Self::divided(surveyed, desc, (&budget, shares))?;
         Ok(divided)
     }
 
@@ -231,9 +227,8 @@ impl DividedScene {
         surveyed: Surveyed,
         desc: &DividedDesc,
         (budget, mut shares): (&Budget, Shares),
-        others: &mut dyn Exchange,
     ) -> Result<(Self, Shares), DividedError> {
-        let Surveyed { opened, sources, labels, grids, outlines } = surveyed;
+        let Surveyed { opened, sources, labels, grids, outlines, backend } = surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let in_parts = SceneInParts {
             grids: &grids,
@@ -249,23 +244,23 @@ impl DividedScene {
             .map(|(labels, grid)| labels.as_ref().map_or(0, |labels| labels.voxel_bytes(grid)));
         let voxel_bytes = drawn.layers.iter().map(budget::voxel_bytes);
         let voxel_bytes = voxel_bytes.zip(of_labels).map(|(own, of_labels)| own + of_labels);
-        let layers = grids.iter().zip(supports).zip(voxel_bytes);
-        let layers = layers.map(|((grid, support), voxel_bytes)| LayerInBoxes {
-            grid,
-            support,
-            voxel_bytes,
+        let center = Grid::center_of_all(&grids);
+        let layers = grids.iter().zip(&supports).zip(voxel_bytes);
+        let layers = layers.map(|((grid, &support), voxel_bytes)| {
+            let view = View::about(center, grid, &drawn.camera, &drawn.image)?;
+            let n_on_tile = budget::n_on_tile(grid, &view, &support);
+            Ok(LayerInBoxes { grid, support, voxel_bytes, n_on_tile })
         });
-        let layers: Vec<LayerInBoxes<'_>> = layers.collect();
+        let layers = layers.collect::<Result<Vec<_>, PlanError>>()?;
         let has_chunks = sources.iter().any(VolumeBoxes::is_in_chunks);
-        let Boxes { tree, left_bytes, supports, .. } =
-            Boxes::new(budget, &layers, (&mut shares, has_chunks), others)?;
+        let (tree, left_bytes) = budget.boxes(&layers, (&mut shares, has_chunks))?;
         drop(drawn);
         let n_sources = sources.len().max(1) as u64;
         sources.iter().for_each(|source| source.retain_chunks(left_bytes / n_sources));
         let room_bytes = if has_chunks { 0 } else { left_bytes };
         let (memory_bytes, n_threads) = (budget.memory_bytes(), budget.n_threads());
         let own = shares.own_box();
-        let (backend, is_refined) = (CPU.to_owned(), budget.is_refined());
+        let is_refined = budget.is_refined();
         let divided = Self {
             opened,
             outlines,
@@ -316,20 +311,14 @@ impl DividedScene {
         self.n_threads
     }
 
-    /// Has it drawn by the backend that a scene file names.
-    fn draw_by(&mut self, file: &SceneFile) {
-        let named = if file.backend == "auto" { CPU } else { &file.backend };
-        named.clone_into(&mut self.backend);
-    }
-
     /// The name of the backend that draws it: the one of the scene file, and the CPU if that is `auto`. What
     /// others have on their device is beside the memory that it was opened for.
     pub fn backend(&self) -> &str {
         &self.backend
     }
 
-    /// The coarsest level of cells by which it may be drawn ([model §16](slabsplat_core::model)), 0 … 3: that
-    /// in core, or less if boxes are too small for it, as cells are drawn of whole bricks.
+    /// The coarsest level of cells by which it may be drawn ([model §16](slabsplat_core::model)), 0 … 3, as in
+    /// core.
     pub fn coarsest_cells(&self) -> u32 {
         self.supports.iter().map(|support| support.coarsest).max().unwrap_or(0)
     }

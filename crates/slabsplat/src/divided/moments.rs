@@ -1,6 +1,5 @@
 //! The same volumes seen otherwise, from frame to frame: what a film is made of.
 
-use super::shared::Alone;
 use super::{Budget, DividedError, DividedScene, Shares, Surveyed};
 use crate::{Picture, RenderError, frame_scene};
 use slabsplat_backend::check_parts;
@@ -33,7 +32,7 @@ impl DividedScene {
         let mut opened = self.opened.clone();
         opened.scene = scene.clone();
         let drawn = frame_scene(scene).map_err(RenderError::from)?;
-        let budget = Budget::new(scene, &drawn.image, &self.desc)?;
+        let budget = Budget::new(scene, &drawn.image, (&self.desc, &self.backend))?;
         drop(drawn);
         let surveyed = Surveyed {
             opened,
@@ -41,11 +40,10 @@ impl DividedScene {
             labels: self.labels.clone(),
             grids: self.grids.clone(),
             outlines: self.outlines.clone(),
+            backend: self.backend.clone(),
         };
-        let (divided, _) =
-            Self::divided(surveyed, &self.desc, (&budget, Shares::whole()), &mut Alone)?;
-        let backend = self.backend.clone();
-        Ok(Self { retained: self.retained.clone(), backend, ..divided })
+        let (divided, _) = Self::divided(surveyed, &self.desc, (&budget, Shares::whole()))?;
+        Ok(Self { retained: self.retained.clone(), ..divided })
     }
 
     /// The film of the scene's file, as [`OpenScene::film`](crate::OpenScene::film).

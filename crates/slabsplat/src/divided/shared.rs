@@ -111,18 +111,16 @@ impl SharedScene {
         let desc = desc.scratch(scratch).aim(aim);
         let (n_shares, share_idx) = (others.n_shares(), others.share_idx());
         let surveyed = DividedScene::surveyed(file, &desc, others, None)?;
-        let Surveyed { opened, grids, .. } = &surveyed;
+        let Surveyed { opened, grids, backend, .. } = &surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;
         let budget = match memory_bytes {
-            Some(_) => Budget::new(&opened.scene, &drawn.image, &desc)?,
-            None => Budget::of_share(&opened.scene, &drawn.image, grids, n_shares),
+            Some(_) => Budget::new(&opened.scene, &drawn.image, (&desc, backend))?,
+            None => Budget::of_share(&opened.scene, &drawn.image, (grids, n_shares), backend),
         };
         drop(drawn);
         let cells = WorkCells::of(&opened.scene, grids);
         let shares = Shares::new(n_shares, share_idx, cells);
-        let (mut divided, shares) =
-            DividedScene::divided(surveyed, &desc, (&budget, shares), others)?;
-        divided.draw_by(file);
+        let (divided, shares) = DividedScene::divided(surveyed, &desc, (&budget, shares))?;
         Ok(Self { divided, shares })
     }
 

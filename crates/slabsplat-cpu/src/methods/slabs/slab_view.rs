@@ -11,7 +11,8 @@ use slabsplat_traverse::BrickBounds;
 /// another range; thicker, and more is taken in that turns out to be occluded.
 const RANGE_THICKNESS: f64 = 32.0;
 
-/// The same of volumes of more than so many voxels, of which a range takes hundreds of megabytes.
+/// The same of volumes of more than so many voxels, of which a range takes hundreds of megabytes, and of
+/// parts, which have a budget of memory.
 const OF_LARGE: f64 = 16.0;
 const LARGE: usize = 1 << 27;
 
@@ -100,7 +101,7 @@ impl<'a> SlabView<'a> {
 /// The same in world units.
 fn range_thickness(plan: &FramePlan<'_>) -> f64 {
     let n_voxels = plan.layers.iter().map(|layer| layer.volume.grid().n_voxels());
-    let is_large = n_voxels.fold(0, usize::saturating_add) > LARGE;
+    let is_large = plan.part.is_some() || n_voxels.fold(0, usize::saturating_add) > LARGE;
     plan.least_unit() * if is_large { OF_LARGE } else { RANGE_THICKNESS }
 }
 
