@@ -32,11 +32,11 @@ fn in_mib(n_bytes: u64) -> String {
 /// What boxes may take.
 pub(super) struct Budget {
     memory_bytes: u64,
-    /// What there is beside them.
-    fixed_bytes: u64,
+    /// What there is beside them and threads.
+    shared_bytes: u64,
     n_threads: usize,
-    /// Tiles that they draw at a time, at most.
-    n_tiles: u64,
+    /// Of the picture.
+    n_tiles: usize,
     camera: Camera,
     is_refined: bool,
     listing: Listing,
@@ -79,7 +79,7 @@ const OF_LISTED_CELLS: u64 = 3;
 const PER_BYTE_OF_BRICKS: u64 = 4;
 
 /// Of a voxel in the range of depth that is drawn: projected and shaded, and on its tiles.
-const OF_VOXEL_IN_RANGE: u64 = 64;
+const OF_VOXEL_IN_RANGE: u64 = 72;
 
 /// Of such a voxel on a tile that a thread draws: it sorts all that are there.
 const OF_VOXEL_ON_TILE: u64 = 36;
@@ -88,7 +88,7 @@ const OF_VOXEL_ON_TILE: u64 = 36;
 const TILE_SIDE: f64 = 32.0;
 
 /// How many voxel steps are in such a range, what waits for the next one included.
-const IN_RANGE: u64 = 20;
+const IN_RANGE: u64 = 27;
 
 /// The part of what is there for voxels that chunks have which several boxes meet: of a box of 264³ voxels a
 /// side of chunks of 64³ is a fortieth.
@@ -124,9 +124,8 @@ impl Budget {
         }
         let n_paid_for = (memory_bytes - shared_bytes) / OF_THREADS / OF_THREAD;
         let n_threads = rayon::current_num_threads().min(n_paid_for as usize).max(1);
-        let fixed_bytes = shared_bytes + OF_THREAD * n_threads as u64;
-        let (camera, n_tiles) = (scene.camera, n_tiles_at_once(image, n_threads));
-        Ok(Self { memory_bytes, fixed_bytes, n_threads, n_tiles, camera, is_refined, listing })
+        let (camera, n_tiles) = (scene.camera, n_tiles(image));
+        Ok(Self { memory_bytes, shared_bytes, n_threads, n_tiles, camera, is_refined, listing })
     }
 
     /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
@@ -137,15 +136,16 @@ impl Budget {
         backend: &str,
     ) -> Self {
         let n_threads = rayon::current_num_threads();
-        let fixed_bytes = shared_bytes(scene, image) + OF_THREAD * n_threads as u64;
+        let shared_bytes = shared_bytes(scene, image);
         let of_volumes = scene.layers.iter().zip(grids);
         let of_volumes =
             of_volumes.map(|(layer, grid)| grid.n_voxels() as u64 * voxel_bytes(layer));
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
-        let memory_bytes = fixed_bytes + (of_share * 13 / 10).max(OF_SHARE);
+        let of_threads = OF_THREAD * n_threads as u64;
+        let memory_bytes = shared_bytes + of_threads + (of_share * 13 / 10).max(OF_SHARE);
         let (camera, listing) = (scene.camera, Listing::by(backend));
-        let (n_tiles, is_refined) = (n_tiles_at_once(image, n_threads), false);
-        Self { memory_bytes, fixed_bytes, n_threads, n_tiles, camera, is_refined, listing }
+        let (n_tiles, is_refined) = (n_tiles(image), false);
+        Self { memory_bytes, shared_bytes, n_threads, n_tiles, camera, is_refined, listing }
     }
 
     /// All that there is.
@@ -168,7 +168,7 @@ impl Budget {
         let n_read = n_voxels(around.read);
         let of_lists = self.listing.needed_bytes(n_read, 0 < of.support.coarsest);
         let in_range = n_in_range(around.drawn);
-        let on_tiles = in_range.min(of.n_on_tile) * self.n_tiles;
+        let on_tiles = in_range.min(of.n_on_tile) * self.n_threads.min(self.n_tiles) as u64;
         n_read * of.voxel_bytes
             + of_lists
             + in_range * OF_VOXEL_IN_RANGE
@@ -177,8 +177,21 @@ impl Budget {
 
     /// Cuts the largest grid into boxes for all shares, and the own one into boxes of which each fits, of all
     /// layers together. Also says what is left for chunks that several boxes meet: always some, if there are
-    /// chunks.
+    /// chunks. If the smallest boxes have no room, fewer threads draw.
     pub(super) fn boxes(
+        &mut self,
+        layers: &[LayerInBoxes<'_>],
+        (shares, has_chunks): (&mut Shares, bool),
+    ) -> Result<(PartTree, u64), DividedError> {
+        loop {
+            match self.boxes_by_threads(layers, (&mut *shares, has_chunks)) {
+                Err(DividedError::NoRoom(_)) if 1 < self.n_threads => self.n_threads /= 2,
+                boxes => return boxes,
+            }
+        }
+    }
+
+    fn boxes_by_threads(
         &self,
         layers: &[LayerInBoxes<'_>],
         (shares, has_chunks): (&mut Shares, bool),
@@ -187,7 +200,8 @@ impl Budget {
             return Err(slabsplat_backend::PlanError::NoLayers.into());
         };
         let center = Grid::center_of_all(layers.iter().map(|of| of.grid));
-        let all = self.memory_bytes - self.fixed_bytes;
+        let fixed_bytes = self.shared_bytes + OF_THREAD * self.n_threads as u64;
+        let all = self.memory_bytes - fixed_bytes;
         let room = if has_chunks { all - all / OF_CHUNKS } else { all };
         let widest = layers.iter().map(|of| of.voxel_bytes).max().unwrap_or(1);
         let of_widest = LayerInBoxes { voxel_bytes: widest, ..*largest };
@@ -224,7 +238,8 @@ impl Budget {
                 return Ok((tree, all - most));
             }
             if of_one <= room / 64 {
-                let needed_bytes = self.fixed_bytes + most;
+                let of_chunks = if has_chunks { most.div_ceil(OF_CHUNKS - 1) } else { 0 };
+                let needed_bytes = fixed_bytes + most + of_chunks;
                 return Err(NoRoom { memory_bytes: self.memory_bytes, needed_bytes }.into());
             }
             of_one = of_one / 8 * 7;
@@ -294,10 +309,10 @@ pub(super) fn n_on_tile(grid: &Grid, view: &View, support: &PartSupport) -> u64 
     (of_world / from_index.matrix.determinant().abs()).ceil() as u64
 }
 
-/// How many tiles so many threads draw at a time.
-fn n_tiles_at_once(image: &ImageDesc, n_threads: usize) -> u64 {
-    let along = |n_pixels: u32| (f64::from(n_pixels) / TILE_SIDE).ceil() as u64;
-    (along(image.width) * along(image.height)).min(n_threads as u64)
+/// How many tiles a picture has.
+fn n_tiles(image: &ImageDesc) -> usize {
+    let along = |n_pixels: u32| (f64::from(n_pixels) / TILE_SIDE).ceil() as usize;
+    along(image.width) * along(image.height)
 }
 
 fn n_voxels(dims: [usize; 3]) -> u64 {
@@ -386,7 +401,7 @@ mod tests {
         let camera = Camera::new(DVec3::ONE, DVec3::ZERO, DVec3::Y, projection).unwrap();
         let budget = Budget {
             memory_bytes: 1 << 30,
-            fixed_bytes: 0,
+            shared_bytes: 0,
             n_threads: 2,
             n_tiles: 2,
             camera,

@@ -219,14 +219,14 @@ impl DividedScene {
         let budget = Budget::new(scene, &drawn.image, (desc, &surveyed.backend))?;
         drop(drawn);
         let shares = Shares::whole();
-        let (divided, _) = Self::divided(surveyed, desc, (&budget, shares))?;
+        let (divided, _) = Self::divided(surveyed, desc, (budget, shares))?;
         Ok(divided)
     }
 
     fn divided(
         surveyed: Surveyed,
         desc: &DividedDesc,
-        (budget, mut shares): (&Budget, Shares),
+        (mut budget, mut shares): (Budget, Shares),
     ) -> Result<(Self, Shares), DividedError> {
         let Surveyed { opened, sources, labels, grids, outlines, backend } = surveyed;
         let drawn = frame_scene(&opened.scene).map_err(RenderError::from)?;

@@ -42,7 +42,7 @@ impl DividedScene {
             outlines: self.outlines.clone(),
             backend: self.backend.clone(),
         };
-        let (divided, _) = Self::divided(surveyed, &self.desc, (&budget, Shares::whole()))?;
+        let (divided, _) = Self::divided(surveyed, &self.desc, (budget, Shares::whole()))?;
         Ok(Self { retained: self.retained.clone(), ..divided })
     }
 

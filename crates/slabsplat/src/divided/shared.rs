@@ -120,7 +120,7 @@ impl SharedScene {
         drop(drawn);
         let cells = WorkCells::of(&opened.scene, grids);
         let shares = Shares::new(n_shares, share_idx, cells);
-        let (divided, shares) = DividedScene::divided(surveyed, &desc, (&budget, shares))?;
+        let (divided, shares) = DividedScene::divided(surveyed, &desc, (budget, shares))?;
         Ok(Self { divided, shares })
     }
 
