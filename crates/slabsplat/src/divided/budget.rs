@@ -371,8 +371,8 @@ fn n_in_range(dims: [usize; 3]) -> u64 {
     (x * y * IN_RANGE * 13 / 10).min(n_voxels(dims))
 }
 
-/// Across the longest side that can be cut, between bricks, if it can be of the coarsest cells, as near to its
-/// middle as that is.
+/// Across the longest side that can be cut, between bricks, if it can be of the coarsest cells, as near to
+/// its middle as that is.
 fn cut(
     voxels: &[Range<usize>; 3],
     coarsest: u32,

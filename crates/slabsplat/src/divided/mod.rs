@@ -317,8 +317,8 @@ impl DividedScene {
         &self.backend
     }
 
-    /// The coarsest level of cells by which it may be drawn ([model §16](slabsplat_core::model)), 0 … 3, as in
-    /// core.
+    /// The coarsest level of cells by which it may be drawn ([model §16](slabsplat_core::model)), 0 … 3, as
+    /// in core.
     pub fn coarsest_cells(&self) -> u32 {
         self.supports.iter().map(|support| support.coarsest).max().unwrap_or(0)
     }
