@@ -12,7 +12,7 @@ fn out_of_core_is_in_core_within_its_memory() {
         let text = scene_text(&mut rng, opacity, "tolerance = 0.0\nopacity_cutoff = 1.0");
         let file = opened(folder.path(), &text);
         let expected = whole(&file);
-        for of_boxes in [5 << 20, 8 << 20] {
+        for of_boxes in [8 << 20, 12 << 20] {
             let scene = divided(&file, of_boxes);
             let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
             let off = expected.max_difference(&picture);
@@ -22,7 +22,7 @@ fn out_of_core_is_in_core_within_its_memory() {
         // By default rays end at an opacity, which may be in another slab.
         let text = text.replace("opacity_cutoff = 1.0", "opacity_cutoff = 0.998");
         let file = opened(folder.path(), &text);
-        let scene = divided(&file, 5 << 20);
+        let scene = divided(&file, 8 << 20);
         let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
         let off = whole(&file).max_difference(&picture);
         assert!(off <= 2e-3 + ROUNDED_TWICE, "{off}, {text}");
@@ -54,13 +54,13 @@ fn check_memory() {
         let (coarse, exact) = (smaller(100, 0.0041), smaller(100, 0.0));
         let (coarsest, exactest) = (smaller(20, 0.0041), smaller(20, 0.0));
         let of_boxes = [
-            (&file, 16_u64),
+            (&file, 24_u64),
             (&file, 40),
-            (&coarse, 40),
+            (&coarse, 60),
             (&coarse, 90),
-            (&exact, 40),
-            (&coarsest, 110),
-            (&exactest, 110),
+            (&exact, 60),
+            (&coarsest, 200),
+            (&exactest, 200),
         ];
         let n_files = if name == "volume.nhdr" { of_boxes.len() } else { 5 };
         for (file, of_boxes) in of_boxes.into_iter().take(n_files) {
@@ -113,7 +113,7 @@ fn out_of_core_by_cells_is_in_core() {
             .replace("height = 60", &format!("height = {height}"));
         let file = opened(folder.path(), &text);
         let expected = whole(&file);
-        for of_boxes in [60_u64, 24] {
+        for of_boxes in [80_u64, 40] {
             let scene = divided(&file, of_boxes << 20);
             let (n_boxes, level) = (scene.n_boxes(), scene.coarsest_cells());
             let picture = scene.picture(&slabsplat::FrameHandle::new()).unwrap().frame.image;
