@@ -105,6 +105,28 @@ fn ranks_are_one_process() {
     println!("off by {worst} at most");
 }
 
+/// Where a pixel covers a dozen voxels, the smallest boxes need more than a rank's part: it has that, too.
+#[test]
+fn ranks_have_room_for_minified_volumes() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = io::builtin_volume("sphere", Some(240)).unwrap();
+    io::write_volume(folder.path().join("volume.npy"), &volume).unwrap();
+    let path = folder.path().join("scene.toml");
+    let text = "[volume]\npath = \"volume.npy\"\n[image]\nwidth = 16\nheight = 16\n\
+                [render]\nopacity_cutoff = 1.0\n";
+    fs::write(&path, text).unwrap();
+    let file = io::read_scene(&path).unwrap();
+    let expected = whole(&file);
+    let off = expected.max_difference(&by_ranks(&file, &SharedDesc::default(), [4; 2]));
+    assert!(off < ROUNDED_TWICE, "{off}");
+    // What is said is kept to.
+    let little = SharedDesc::default().memory_bytes(Some(110 << 20));
+    let errors = ThreadRank::run(4, LIMIT, |comm| {
+        DistributedScene::open(comm, &file, &little).unwrap_err().to_string()
+    });
+    assert!(errors[0].contains("110 MiB of memory are too few"), "{errors:?}");
+}
+
 /// What a rank cannot read fails on all of them, by one error.
 #[test]
 fn ranks_fail_together() {

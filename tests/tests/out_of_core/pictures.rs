@@ -54,13 +54,13 @@ fn check_memory() {
         let (coarse, exact) = (smaller(100, 0.0041), smaller(100, 0.0));
         let (coarsest, exactest) = (smaller(20, 0.0041), smaller(20, 0.0));
         let of_boxes = [
-            (&file, 24_u64),
+            (&file, 16_u64),
             (&file, 40),
-            (&coarse, 60),
+            (&coarse, 40),
             (&coarse, 90),
-            (&exact, 60),
-            (&coarsest, 200),
-            (&exactest, 200),
+            (&exact, 40),
+            (&coarsest, 160),
+            (&exactest, 160),
         ];
         let n_files = if name == "volume.nhdr" { of_boxes.len() } else { 5 };
         for (file, of_boxes) in of_boxes.into_iter().take(n_files) {

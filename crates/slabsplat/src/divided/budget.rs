@@ -40,6 +40,8 @@ pub(super) struct Budget {
     camera: Camera,
     is_refined: bool,
     listing: Listing,
+    /// Whether there is as much as the smallest boxes need, as nobody said how much there is.
+    grows: bool,
 }
 
 /// How those who draw have the relevant voxels of a box.
@@ -124,11 +126,20 @@ impl Budget {
         }
         let n_paid_for = (memory_bytes - shared_bytes) / OF_THREADS / OF_THREAD;
         let n_threads = rayon::current_num_threads().min(n_paid_for as usize).max(1);
-        let (camera, n_tiles) = (scene.camera, n_tiles(image));
-        Ok(Self { memory_bytes, shared_bytes, n_threads, n_tiles, camera, is_refined, listing })
+        Ok(Self {
+            memory_bytes,
+            shared_bytes,
+            n_threads,
+            n_tiles: n_tiles(image),
+            camera: scene.camera,
+            is_refined,
+            listing,
+            grows: false,
+        })
     }
 
-    /// Of one of so many who share a scene, whose volumes are on those grids: it grows with its part of them.
+    /// Of one of so many who share a scene, whose volumes are on those grids: as large as its part of them
+    /// takes, or as the smallest boxes do.
     pub(super) fn of_share(
         scene: &Scene,
         image: &ImageDesc,
@@ -143,9 +154,16 @@ impl Budget {
         let of_share = of_volumes.sum::<u64>() / n_shares as u64;
         let of_threads = OF_THREAD * n_threads as u64;
         let memory_bytes = shared_bytes + of_threads + (of_share * 13 / 10).max(OF_SHARE);
-        let (camera, listing) = (scene.camera, Listing::by(backend));
-        let (n_tiles, is_refined) = (n_tiles(image), false);
-        Self { memory_bytes, shared_bytes, n_threads, n_tiles, camera, is_refined, listing }
+        Self {
+            memory_bytes,
+            shared_bytes,
+            n_threads,
+            n_tiles: n_tiles(image),
+            camera: scene.camera,
+            is_refined: false,
+            listing: Listing::by(backend),
+            grows: true,
+        }
     }
 
     /// All that there is.
@@ -186,6 +204,7 @@ impl Budget {
         loop {
             match self.boxes_by_threads(layers, (&mut *shares, has_chunks)) {
                 Err(DividedError::NoRoom(_)) if 1 < self.n_threads => self.n_threads /= 2,
+                Err(DividedError::NoRoom(of)) if self.grows => self.memory_bytes = of.needed_bytes,
                 boxes => return boxes,
             }
         }
@@ -407,6 +426,7 @@ mod tests {
             camera,
             is_refined: false,
             listing,
+            grows: false,
         };
         let grid = Grid::with_spacing(dims, [1.0; 3]).unwrap();
         let support = PartSupport::of_voxels([3.0; 3]).with_cells(coarsest);

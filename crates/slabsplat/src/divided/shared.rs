@@ -39,8 +39,8 @@ pub trait Exchange {
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct SharedDesc {
-    /// Bytes of memory; `None` is 1.3 times its part of what all volumes take, but 64 MiB at least, and what
-    /// it takes beside voxels.
+    /// Bytes of memory; `None` is 1.3 times its part of what all volumes take, but 64 MiB at least, or what
+    /// the smallest boxes need, and what it takes beside voxels.
     pub memory_bytes: Option<u64>,
     /// Where volumes are unpacked that cannot be read box by box as they are: by one share of each computer,
     /// for all that are there.
