@@ -340,3 +340,25 @@ fn random_shading(rng: &mut Rng) -> Shading {
         .two_sided(rng.bool());
     Shading::Phong(phong)
 }
+
+/// Balls of even stuff and of noise, and nothing between them, on up to 150³ voxels: where a pixel covers more
+/// than ten voxels, some bricks are drawn by the coarsest cells and others by what is finer (model §16).
+pub fn layer_of_all_levels(rng: &mut Rng) -> Layer {
+    let dims = [0; 3].map(|_| rng.usize(72..150));
+    let grid = Grid::centered(dims, [0; 3].map(|_| between(rng, 0.8, 1.2)));
+    let balls = [0; 6].map(|_| {
+        let middle = DVec3::from_array(dims.map(|n| rng.f64() * n as f64));
+        (middle, between(rng, 12.0, 42.0), rng.u8(..3) == 0)
+    });
+    let volume = Volume::from_fn(grid.expect("its steps are positive"), |at| {
+        let at = DVec3::from_array(at.map(|at| at as f64));
+        let ball = balls.iter().find(|(middle, radius, _)| middle.distance(at) < *radius);
+        ball.map_or(0, |(.., is_even)| if *is_even { 100 } else { 200 * rng.u8(..2) })
+    });
+    let opacity = [0.05, 0.4, 0.9][rng.usize(..3)];
+    let transfer = TransferFunction::new(
+        vec![(0.0, [0.0]), (100.0, [opacity])],
+        vec![(0.0, [0.9, 0.1, 0.2]), (200.0, [0.1, 0.5, 0.9])],
+    );
+    Layer::new(volume, transfer.expect("the points rise"))
+}

@@ -30,6 +30,8 @@ pub struct BrickView {
     rows: [Vec3; N_ROWS],
     /// How many steps the first and the last of each axis lie further out.
     ends: [[f64; 2]; 3],
+    /// How many steps of theirs the voxels of cells lie from their middles, along every axis.
+    voxels_beside: f64,
 }
 
 /// The box in view space, parallel to its axes, that a brick's voxels lie in.
@@ -58,12 +60,14 @@ impl BrickView {
             steps_along_x: std::array::from_fn(|x| (m.x_axis * x as f64).as_vec3()),
             rows: std::array::from_fn(|idx| row(idx).as_vec3()),
             ends: [[0.0; 2]; 3],
+            voxels_beside: 0.0,
         }
     }
 
     /// Those of cells of a level, whose grid is `grid`, of a grid of `voxels`.
     pub fn of_cells(voxels: &Grid, level: u32, grid: &Grid, view: &View) -> Self {
-        Self { ends: voxels.ends_of_cells(level), ..Self::new(grid, view) }
+        let voxels_beside = 0.5 - 0.5 / f64::from(1_u32 << level);
+        Self { ends: voxels.ends_of_cells(level), voxels_beside, ..Self::new(grid, view) }
     }
 
     /// The bricks.
@@ -128,12 +132,32 @@ impl BrickView {
     /// A box that holds all points of the brick that [`project_brick`](Self::project_brick) gives, for
     /// relevant voxels or not.
     pub fn bounds(&self, brick: &Brick) -> BrickBounds {
+        let ends_of = |axis: usize, at: [usize; 2]| at.map(|at| at as f64 + self.shift(axis, at));
+        self.bounds_from(brick, ends_of)
+    }
+
+    /// The same box if it also holds the brick's voxels, and cells of finer levels, which lie nearer to its
+    /// faces than its own cells do.
+    pub fn bounds_of_all_levels(&self, brick: &Brick) -> BrickBounds {
+        let beside = self.voxels_beside;
+        let ends_of = |axis: usize, [first, last]: [usize; 2]| {
+            let [before, behind] = [-self.shift(axis, first), self.shift(axis, last)];
+            [first as f64 - before.max(beside), last as f64 + behind.max(beside)]
+        };
+        self.bounds_from(brick, ends_of)
+    }
+
+    /// The box of what lies between such ends along each axis, for the first and the last of a brick.
+    #[inline(always)]
+    fn bounds_from(
+        &self,
+        brick: &Brick,
+        ends_of: impl Fn(usize, [usize; 2]) -> [f64; 2],
+    ) -> BrickBounds {
         let origin = self.grid.origin(brick.brick_idx);
         let size = self.grid.size_at(origin);
-        let ends = [0, 1, 2].map(|axis| {
-            let ends = [origin[axis], origin[axis] + size[axis] - 1];
-            ends.map(|at| at as f64 + self.shift(axis, at))
-        });
+        let ends =
+            [0, 1, 2].map(|axis| ends_of(axis, [origin[axis], origin[axis] + size[axis] - 1]));
         let half = ends.map(|[first, last]| 0.5 * (last - first));
         let center = self.in_view(ends.map(|[first, last]| 0.5 * (first + last)));
         let m = self.view_from_index.matrix;
@@ -227,5 +251,37 @@ mod tests {
                 assert!(beyond < 1e-3 * longest_step, "nothing comes near a face: {beyond}");
             }
         }
+    }
+
+    /// Bricks of cells, at the ends of a grid and within it, and the voxels that they hold.
+    #[test]
+    fn project_bounds_hold_all_levels() {
+        for_each_seed(3, |mut rng| {
+            let dims = [0; 3].map(|_| rng.usize(64..150));
+            let grid = Grid::with_spacing(dims, [0; 3].map(|_| 0.5 + rng.f64())).unwrap();
+            let eye = DVec3::from_array([0; 3].map(|_| 900.0 * (rng.f64() - 0.5)));
+            let projection = Projection::Orthographic { view_height: 5.0 };
+            let camera = Camera::new(eye, DVec3::ZERO, DVec3::new(0.1, 0.3, 1.0), projection);
+            let view = View::new(&grid, &camera.unwrap(), &ImageDesc::default()).unwrap();
+            let view_from_index = view.from_index(&grid);
+            for level in 0..4 {
+                let cells = grid.of_cells(level).unwrap();
+                let bricks = BrickView::of_cells(&grid, level, &cells, &view);
+                for _ in 0..100 {
+                    let at = dims.map(|n| rng.usize(..n));
+                    let brick_idx =
+                        bricks.grid().brick_idx(at.map(|at| (at >> level) / BRICK_SIDE));
+                    let brick = Brick { brick_idx, first: 0, n_voxels: 0 };
+                    let [all, own] = [bricks.bounds_of_all_levels(&brick), bricks.bounds(&brick)];
+                    let at = view_from_index.transform(DVec3::from_array(at.map(|at| at as f64)));
+                    for axis in 0..3 {
+                        let from_center = at[axis] - f64::from(all.center[axis]);
+                        assert!(from_center.abs() <= f64::from(all.half_extents[axis]), "{level}");
+                        let beyond = (own.center[axis] - all.center[axis]).abs();
+                        assert!(beyond + own.half_extents[axis] <= all.half_extents[axis] + 1e-3);
+                    }
+                }
+            }
+        });
     }
 }

@@ -45,8 +45,10 @@ pub(crate) fn render(
     let layers = drawn.iter().filter_map(|drawn| {
         let Stage { plan, frame, level, .. } = drawn.stage;
         let (layer, raster, bricks, voxels) = drawn.parts();
+        let finest = (drawn.stage.layer, &drawn.stage.raster);
         let Splats::Colors(ColorSplats::Sections(splats)) = &layer.splats else { return None };
-        let stage = slabs::Stage { plan, layer, frame, level: *level, raster, bricks, voxels };
+        let stage =
+            slabs::Stage { plan, layer, frame, level: *level, raster, finest, bricks, voxels };
         Some((stage, SectionsInSlabs::of_colors(splats)))
     });
     let Some((_, first)) = layers.clone().next() else { return Ok(0) };

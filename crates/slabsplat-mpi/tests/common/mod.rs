@@ -1,7 +1,7 @@
 //! Pictures of one process and of ranks that are threads, which may be those of several computers.
 
 use slabsplat::io::SceneFile;
-use slabsplat::{FrameHandle, Image, OpenScene, Planner, SharedDesc, backend_named};
+use slabsplat::{FrameHandle, Image, OpenScene, Renderer, SharedDesc, backend_named};
 use slabsplat_mpi::{Communicator, DistributedScene, MpiError, Tag, ThreadRank, Traffic};
 use std::time::Duration;
 
@@ -10,15 +10,10 @@ pub(crate) const ROUNDED_TWICE: f32 = 1e-5;
 
 pub(crate) const LIMIT: Duration = Duration::from_secs(60);
 
-/// By voxels, as parts are drawn.
+/// All of it in memory.
 pub(crate) fn whole(file: &SceneFile) -> Image {
-    let opened = OpenScene::open(file).unwrap();
-    let mut planner = Planner::default();
-    planner.plan_cells(false);
-    let plan = planner.plan(&opened.scene).unwrap();
-    let (mut backend, frame) = (backend_named("cpu").unwrap(), FrameHandle::new());
-    backend.submit(&plan, &frame).unwrap();
-    backend.wait_image(&frame).unwrap().image
+    let OpenScene { scene, .. } = OpenScene::open(file).unwrap();
+    Renderer::new(backend_named("cpu").unwrap()).render(&scene).unwrap().image
 }
 
 /// By so many ranks, of which so many each are on one computer.

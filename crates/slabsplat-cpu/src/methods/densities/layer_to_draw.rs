@@ -31,7 +31,8 @@ impl LayerToDraw<'_> {
         level: Level,
     ) -> (Stage<'a>, SectionsInSlabs<'a>) {
         let Self { layer, frame, splats, raster, bricks, voxels, .. } = self;
-        let stage = Stage { plan, layer, frame, level, raster, bricks, voxels };
+        let stage =
+            Stage { plan, layer, frame, level, raster, finest: (layer, raster), bricks, voxels };
         (stage, SectionsInSlabs::of_densities(splats))
     }
 

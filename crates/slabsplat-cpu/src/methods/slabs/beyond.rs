@@ -25,7 +25,7 @@ pub(super) struct Beyond<'a> {
 impl<'a> Beyond<'a> {
     /// `None` if the layer is seen everywhere, and all of the frame is drawn.
     pub(super) fn new(stage: &Stage<'a>, slabs: &SlabGrid) -> Option<Self> {
-        let layer = stage.layer;
+        let (layer, _) = stage.finest;
         let view = &layer.view;
         let (region, part) = (layer.region.as_ref(), stage.plan.part.as_ref());
         if region.is_none() && part.is_none() {

@@ -147,7 +147,7 @@ impl Scratch {
         key: u32,
     ) -> u64 {
         let brick = &stage.voxels.brick(key);
-        let in_view = stage.bricks.bounds(brick);
+        let in_view = stage.bounds_of_brick(brick);
         if setup.beyond.as_ref().is_some_and(|beyond| beyond.hides(&in_view)) {
             return 0;
         }

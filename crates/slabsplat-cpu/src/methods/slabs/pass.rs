@@ -80,10 +80,10 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// The range of slabs in which the first section of a brick lies.
+/// The range of slabs in which the first section of a brick lies, or of what may be drawn instead.
 fn range_of(stage: &Stage<'_>, setup: &Setup<'_>, brick: &Brick) -> u32 {
     let slabs = &setup.slabs;
-    let bounds = stage.bricks.bounds(brick);
+    let bounds = stage.bounds_of_brick(brick);
     let first = slabs.meeting(bounds.center[2] - bounds.half_extents[2])[0];
-    (first.saturating_sub(setup.spans.most_slabs_before()) / slabs.n_per_range) as u32
+    (first.saturating_sub(setup.most_slabs_before) / slabs.n_per_range) as u32
 }

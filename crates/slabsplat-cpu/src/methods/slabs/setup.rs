@@ -35,6 +35,8 @@ pub(super) struct Setup<'a> {
     pub(super) slabs: SlabView<'a>,
     /// Which slabs voxels are drawn in.
     pub(super) spans: SpanFinder<'a>,
+    /// How many slabs before all that kernels meet anything of a brick may be drawn.
+    pub(super) most_slabs_before: usize,
     /// Which voxels wait for how many slabs, and how they are drawn.
     pub(super) classes: Classes,
     /// What they are drawn by.
@@ -136,10 +138,12 @@ impl<'a> Setup<'a> {
         });
         let with_shapes = separable.as_ref().map(|(sections, shapes)| (*sections, shapes));
         prepared.shapes.update(raster, &layer.view, &slabs.grid, with_shapes);
-        let slabs = SlabView::new(slabs, raster, &prepared.shapes, stage.plan, at_once);
+        let slabs = SlabView::new(slabs, stage, &prepared.shapes, at_once);
+        let spans = SpanFinder::new(&slabs, splits);
         Ok(Self {
             frame: stage.frame,
-            spans: SpanFinder::new(&slabs, splits),
+            most_slabs_before: spans.most_slabs_before(stage.has_finer()),
+            spans,
             beyond: Beyond::new(stage, slabs.grid),
             classes: Classes {
                 most_of_separable: with_shapes.zip(budget).map_or(

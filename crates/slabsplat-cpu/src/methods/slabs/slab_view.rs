@@ -2,6 +2,7 @@
 //! there.
 
 use super::slab_shapes::SlabShapes;
+use super::stage::Stage;
 use crate::footprints::raster::{PixelShape, Raster};
 use slabsplat_backend::{FramePlan, Slabs};
 use slabsplat_core::SlabGrid;
@@ -20,6 +21,8 @@ const LARGE: usize = 1 << 27;
 pub(super) struct SlabView<'a> {
     pub(super) grid: &'a SlabGrid,
     pub(super) raster: &'a Raster,
+    /// Of what else a brick may be drawn by: nothing's is wider.
+    widest: Option<&'a Raster>,
     pub(super) shapes: &'a SlabShapes,
     /// The first slab whose sections are drawn.
     pub(super) first_drawn: usize,
@@ -33,16 +36,17 @@ impl<'a> SlabView<'a> {
     /// Those of a frame in which sheets have the sums of so many slabs.
     pub(super) fn new(
         slabs: &'a Slabs,
-        raster: &'a Raster,
+        stage: &Stage<'a>,
         shapes: &'a SlabShapes,
-        plan: &FramePlan<'_>,
         at_once: usize,
     ) -> Self {
+        let Stage { plan, raster, finest: (_, widest), .. } = *stage;
         let Slabs { grid, first_drawn, n_before, .. } = slabs;
         let n_per_range = (range_thickness(plan) / grid.thickness()) as usize;
         Self {
             grid,
             raster,
+            widest: stage.has_finer().then_some(widest),
             shapes,
             first_drawn: *first_drawn,
             n_before: *n_before,
@@ -63,7 +67,7 @@ impl<'a> SlabView<'a> {
         self.shapes.of(self.raster, self.grid, slab)
     }
 
-    /// The pixels that sections of a brick's voxels may touch: the least and the largest corner; `None` if
+    /// The pixels that sections of what a brick may be drawn by may touch: the least and the largest corner; `None` if
     /// none of them is drawn.
     pub(super) fn bounds_of_brick(&self, bounds: &BrickBounds) -> Option<[[f32; 2]; 2]> {
         let BrickBounds { center, half_extents } = *bounds;
@@ -74,10 +78,14 @@ impl<'a> SlabView<'a> {
             return None;
         }
         let corner = |sign: f32| [0, 1, 2].map(|axis| center[axis] + sign * half_extents[axis]);
-        let shapes = [first, last].map(|slab| self.shape(slab));
-        let all = shapes.iter().flat_map(|shape| {
-            [corner(-1.0), corner(1.0)].map(|point| self.raster.bounds(shape, point))
+        let shapes = [first, last].map(|slab| match self.widest {
+            Some(widest) => widest.shape_at(self.grid.middle(slab)),
+            None => self.shape(slab),
         });
+        let raster = self.widest.unwrap_or(self.raster);
+        let all = shapes
+            .iter()
+            .flat_map(|shape| [corner(-1.0), corner(1.0)].map(|point| raster.bounds(shape, point)));
         all.reduce(union)
     }
 

@@ -41,14 +41,12 @@ impl<'a> SpanFinder<'a> {
     }
 
     /// How many slabs before all that its kernel meets a voxel may go to: where slabs are thick, a whole one
-    /// may. What rounding does at a face is in the bounds.
-    pub(super) fn most_slabs_before(&self) -> usize {
+    /// may, of this level or of a finer one. What rounding does at a face is in the bounds.
+    pub(super) fn most_slabs_before(&self, has_finer: bool) -> usize {
         let n_met_before = (self.half_depth * self.slabs_per_depth) as usize;
         match self.splits {
-            Splits::All => 0,
-            Splits::ByExtinction(_) | Splits::Never => {
-                SplitLevels::MOST_SLABS_BEFORE.saturating_sub(n_met_before)
-            }
+            Splits::All if !has_finer => 0,
+            _ => SplitLevels::MOST_SLABS_BEFORE.saturating_sub(n_met_before),
         }
     }
 

@@ -6,7 +6,7 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 use slabsplat_backend::{FramePlan, LayerPlan};
 use slabsplat_core::FrameHandle;
-use slabsplat_traverse::{Brick, BrickRoom, BrickView, CellBrick, VoxelRecord};
+use slabsplat_traverse::{Brick, BrickBounds, BrickRoom, BrickView, CellBrick, VoxelRecord};
 
 /// What the stages of a frame that goes through slabs share, for one layer or one level of detail of it.
 #[derive(Clone, Copy)]
@@ -17,6 +17,9 @@ pub(in crate::methods) struct Stage<'a> {
     /// The instructions to be used.
     pub(in crate::methods) level: Level,
     pub(in crate::methods) raster: &'a Raster,
+    /// The layer by voxels, which a brick of cells may be drawn by instead; of all levels they have the widest
+    /// kernels.
+    pub(in crate::methods) finest: (&'a LayerPlan<'a>, &'a Raster),
     pub(in crate::methods) bricks: &'a BrickView,
     pub(in crate::methods) voxels: &'a dyn Voxels,
 }
@@ -59,6 +62,18 @@ pub(in crate::methods) trait Voxels: Sync {
         records: &[VoxelRecord],
         colors: &mut [[f32; 4]],
     );
+}
+
+impl Stage<'_> {
+    /// The box in view space of all that a brick may be drawn by.
+    pub(super) fn bounds_of_brick(&self, brick: &Brick) -> BrickBounds {
+        self.bricks.bounds_of_all_levels(brick)
+    }
+
+    /// Whether its bricks may be drawn by others.
+    pub(super) fn has_finer(&self) -> bool {
+        0 < self.layer.level
+    }
 }
 
 /// The voxels of a brick, in memory order.
