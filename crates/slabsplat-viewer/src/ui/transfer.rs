@@ -1,6 +1,7 @@
 //! The editor of a transfer function: opacities over a histogram, colours below.
 
 use super::colors::{self, shown};
+use super::drag::{Drag, drag_of};
 use crate::state::{Curve, Document, span, with_result};
 use eframe::egui::{
     Align2, Color32, DragValue, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, pos2,
@@ -21,8 +22,8 @@ const REACH: f32 = 9.0;
 pub(crate) struct Editor {
     /// The point whose numbers are shown.
     selected: Option<Selected>,
-    /// What is dragged.
-    held: Option<Selected>,
+    /// What is dragged, if anything is: perhaps no point.
+    held: Option<Option<Selected>>,
     /// The values that the plot goes over, if not all.
     shown: Option<[f64; 2]>,
 }
@@ -42,6 +43,19 @@ struct Plot {
 }
 
 impl Plot {
+    /// Of all that is shown.
+    const HEIGHT: f32 = PLOT_HEIGHT + STRIP_HEIGHT + ENDS_HEIGHT + 2.0;
+
+    fn within(all: Rect, values: [f64; 2]) -> Self {
+        let mut all = all.shrink2(vec2(6.0, 2.0));
+        all.max.y -= ENDS_HEIGHT;
+        Self {
+            rect: Rect::from_min_size(all.min, vec2(all.width(), PLOT_HEIGHT - 4.0)),
+            strip: Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max),
+            values,
+        }
+    }
+
     fn x(&self, value: f64) -> f32 {
         let [lo, hi] = self.values;
         self.rect.left() + (((value - lo) / (hi - lo)) as f32) * self.rect.width()
@@ -68,18 +82,18 @@ impl Editor {
         let transfer = layer.transfer.clone();
         let counts = document.counts_of(layer_idx).cloned();
         let values = self.shown.unwrap_or_else(|| all_values(&transfer, counts.as_ref()));
-        let height = PLOT_HEIGHT + STRIP_HEIGHT + ENDS_HEIGHT + 2.0;
-        let size = vec2(ui.available_width(), height);
+        let size = vec2(ui.available_width(), Plot::HEIGHT);
         let (response, painter) = ui.allocate_painter(size, Sense::click_and_drag());
-        let mut all = response.rect.shrink2(vec2(6.0, 2.0));
-        all.max.y -= ENDS_HEIGHT;
-        let plot = Plot {
-            rect: Rect::from_min_size(all.min, vec2(all.width(), PLOT_HEIGHT - 4.0)),
-            strip: Rect::from_min_max(pos2(all.left(), all.bottom() - STRIP_HEIGHT), all.max),
-            values,
-        };
+        let plot = Plot::within(response.rect, values);
         self.paint(&painter, &plot, &transfer, counts.as_ref(), ui);
-        if let Some(edited) = self.dragged(ui, &response, &plot, &transfer) {
+        let edited = match drag_of(ui, &response) {
+            Some(drag) => self.dragged(drag, &plot, &transfer),
+            None => {
+                self.held = None;
+                self.clicked(ui, &response, &plot, &transfer)
+            }
+        };
+        if let Some(edited) = edited {
             set(document, layer_idx, "transfer function", edited);
         }
         self.zoom(ui, &response, &plot);
@@ -134,8 +148,8 @@ impl Editor {
         ends(painter, plot, visuals.weak_text_color());
     }
 
-    /// What the pointer does to points; the transfer function that comes of it, if it is another.
-    fn dragged(
+    /// What a click does to points; the transfer function that comes of it, if it is another.
+    fn clicked(
         &mut self,
         ui: &Ui,
         response: &Response,
@@ -143,42 +157,53 @@ impl Editor {
         transfer: &TransferFunction,
     ) -> Option<TransferFunction> {
         let pointer = response.interact_pointer_pos()?;
-        if response.drag_started() || response.clicked() || response.secondary_clicked() {
+        if response.clicked() || response.secondary_clicked() {
             let origin = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
             self.selected = nearest(plot, transfer, origin);
-            self.held = self.selected;
-        }
-        let (opacity, color) = (transfer.opacity_points(), transfer.color_points());
-        if response.double_clicked() && self.selected.is_none() {
-            let value = plot.value(pointer.x);
-            if plot.strip.contains(pointer) {
-                let (color, idx) = color.with_point(value);
-                self.selected = Some(Selected::Color(idx));
-                return Some(TransferFunction::of_curves(opacity.clone(), color));
-            }
-            let (opacity, idx) = opacity.with_point(value);
-            self.selected = Some(Selected::Opacity(idx));
-            let opacity = with_result(&opacity, idx, [plot.opacity(pointer.y)]);
-            return Some(TransferFunction::of_curves(opacity, color.clone()));
         }
         if response.secondary_clicked() {
             return self.remove(transfer);
         }
-        if response.dragged() {
-            let value = plot.value(pointer.x);
-            return match self.held? {
-                Selected::Opacity(idx) => {
-                    let moved = opacity.point_moved(idx, value);
-                    let moved = with_result(&moved, idx, [plot.opacity(pointer.y)]);
-                    Some(TransferFunction::of_curves(moved, color.clone()))
-                }
-                Selected::Color(idx) => {
-                    let moved = color.point_moved(idx, value);
-                    Some(TransferFunction::of_curves(opacity.clone(), moved))
-                }
-            };
+        if !response.double_clicked() || self.selected.is_some() {
+            return None;
         }
-        None
+        let (opacity, color) = (transfer.opacity_points(), transfer.color_points());
+        let value = plot.value(pointer.x);
+        if plot.strip.contains(pointer) {
+            let (color, idx) = color.with_point(value);
+            self.selected = Some(Selected::Color(idx));
+            return Some(TransferFunction::of_curves(opacity.clone(), color));
+        }
+        let (opacity, idx) = opacity.with_point(value);
+        self.selected = Some(Selected::Opacity(idx));
+        let opacity = with_result(&opacity, idx, [plot.opacity(pointer.y)]);
+        Some(TransferFunction::of_curves(opacity, color.clone()))
+    }
+
+    /// What a drag does to the point at which it began, if it began at one.
+    fn dragged(
+        &mut self,
+        drag: Drag,
+        plot: &Plot,
+        transfer: &TransferFunction,
+    ) -> Option<TransferFunction> {
+        let held = *self.held.get_or_insert_with(|| nearest(plot, transfer, drag.from));
+        self.selected = held;
+        if !drag.is_held {
+            self.held = None;
+        }
+        let (opacity, color) = (transfer.opacity_points(), transfer.color_points());
+        let value = plot.value(drag.to.x);
+        Some(match held? {
+            Selected::Opacity(idx) => {
+                let moved = opacity.point_moved(idx, value);
+                let moved = with_result(&moved, idx, [plot.opacity(drag.to.y)]);
+                TransferFunction::of_curves(moved, color.clone())
+            }
+            Selected::Color(idx) => {
+                TransferFunction::of_curves(opacity.clone(), color.point_moved(idx, value))
+            }
+        })
     }
 
     /// The transfer function without what is selected.
@@ -360,6 +385,68 @@ fn ends(painter: &Painter, plot: &Plot, color: Color32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::{Context, Event, Modifiers, PointerButton, RawInput};
+    use slabsplat::io::{SceneFile, VolumeSource};
+
+    fn button(pressed: bool, pos: Pos2) -> Event {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed, modifiers }
+    }
+
+    /// The transfer functions after frames of these events each, and the editor's plot.
+    fn edited(document: &mut Document, frames: &[&[Event]]) -> (Vec<TransferFunction>, Plot) {
+        let (context, mut editor) = (Context::default(), Editor::default());
+        let all = Rect::from_min_size(Pos2::ZERO, vec2(400.0, 300.0));
+        let (mut transfers, mut plot) = (Vec::new(), None);
+        for (idx, events) in [&[][..]].iter().chain(frames).enumerate() {
+            let input = RawInput {
+                screen_rect: Some(all),
+                time: Some(idx as f64),
+                events: events.to_vec(),
+                ..RawInput::default()
+            };
+            let mut output = context.run_ui(input, |ui| {
+                let size = vec2(ui.available_width(), Plot::HEIGHT);
+                let transfer = &document.state().opened.scene.layers[0].transfer;
+                let values = all_values(transfer, document.counts_of(0));
+                plot = Some(Plot::within(Rect::from_min_size(ui.cursor().min, size), values));
+                editor.show(ui, document, 0);
+            });
+            output.textures_delta.clear();
+            transfers.push(document.state().opened.scene.layers[0].transfer.clone());
+        }
+        (transfers, plot.expect("it was shown"))
+    }
+
+    /// A point goes where the pointer does, however much of its way falls into a frame.
+    #[test]
+    fn points_are_dragged_within_a_frame() {
+        let source = VolumeSource::Builtin { name: "sphere".to_owned(), size: Some(8) };
+        let file = SceneFile::of_volume(source);
+        let open = || Document::open(&file, String::new(), [400, 300]).unwrap();
+        let (before, plot) = edited(&mut open(), &[]);
+        let (value, [opacity]) = before[0].opacity_points().points()[1];
+        let from = plot.at(value, opacity);
+        // No further than its neighbours are.
+        let to = pos2(from.x + 2.0, plot.rect.center().y);
+        let moved = Event::PointerMoved(from.lerp(to, 0.5));
+        let all = [button(true, from), moved, button(false, to)];
+        for frames in [&[&all[..]][..], &[&all[..1], &all[1..]], &[&all[..2], &all[2..]]] {
+            let mut document = open();
+            let (transfers, _) = edited(&mut document, frames);
+            let after = transfers.last().unwrap();
+            let (value, [opacity]) = after.opacity_points().points()[1];
+            assert!(plot.at(value, opacity).distance(to) < 0.01, "{frames:?}");
+            assert_eq!(after.color_points(), before[0].color_points());
+            document.settle();
+            document.undo();
+            let undone = &document.state().opened.scene.layers[0].transfer;
+            assert_eq!(*undone, before[0], "it is one step");
+        }
+        // Beside all points nothing is dragged.
+        let beside = [button(true, plot.rect.left_top()), button(false, to)];
+        assert_eq!(edited(&mut open(), &[&beside]).0[1], before[0]);
+    }
 
     #[test]
     fn columns_are_as_high_as_their_highest_bin() {
