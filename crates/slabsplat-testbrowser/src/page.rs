@@ -37,6 +37,8 @@ pub enum Key {
     Escape,
     /// The key of a letter of ASCII in lower case, with Ctrl.
     Ctrl(char),
+    /// The same with Shift, too.
+    CtrlShift(char),
 }
 
 /// Two frames of the page: what was told before the first is drawn in it or in the second.
@@ -165,6 +167,12 @@ impl Page {
         self.next_frames();
     }
 
+    /// Writes text where the page takes it.
+    pub fn write(&self, text: &str) {
+        self.ask("Input.insertText", json!({ "text": text }));
+        self.next_frames();
+    }
+
     /// The next download of any page, whole, if it comes in time.
     pub fn download(&self, at_most: Duration) -> Option<Download> {
         let mut devtools = self.devtools.borrow_mut();
@@ -193,14 +201,24 @@ fn mouse(kind: &str, [x, y]: [i32; 2], n_clicks: u32) -> Value {
     json!({ "type": kind, "x": x, "y": y, "button": button, "clickCount": n_clicks })
 }
 
+/// What is held with a key, as bits.
+const CTRL: u32 = 2;
+const SHIFT: u32 = 8;
+
+/// What a letter's key is called, what it writes, its number, and what is held with it.
+fn letter_with(letter: char, written: char, held: u32) -> (String, String, u32, u32) {
+    let upper = letter.to_ascii_uppercase();
+    (written.to_string(), format!("Key{upper}"), upper as u32, held)
+}
+
 impl Key {
     fn event(self, kind: &str) -> Value {
         let (key, code, number, modifiers) = match self {
             Self::Enter => ("Enter".to_owned(), "Enter".to_owned(), 13, 0),
             Self::Escape => ("Escape".to_owned(), "Escape".to_owned(), 27, 0),
-            Self::Ctrl(letter) => {
-                let upper = letter.to_ascii_uppercase();
-                (letter.to_string(), format!("Key{upper}"), upper as u32, 2)
+            Self::Ctrl(letter) => letter_with(letter, letter, CTRL),
+            Self::CtrlShift(letter) => {
+                letter_with(letter, letter.to_ascii_uppercase(), CTRL | SHIFT)
             }
         };
         json!({

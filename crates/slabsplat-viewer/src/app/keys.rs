@@ -26,6 +26,7 @@ impl Viewer {
         let redoes = shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             || shortcut(Modifiers::COMMAND, Key::Y);
         let undoes = shortcut(Modifiers::COMMAND, Key::Z);
+        let films = shortcut(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
         let saves = [Key::S, Key::E].map(|key| shortcut(Modifiers::COMMAND, key));
         let Some(document) = &mut self.document else { return };
         match (redoes, undoes, saves) {
@@ -33,6 +34,7 @@ impl Viewer {
             (_, true, _) => document.undo(),
             (_, _, [true, _]) => self.files.ask_scene(),
             (_, _, [_, true]) => self.files.ask_picture(self.view),
+            _ if films => self.files.ask_film(self.view),
             _ => {}
         }
         // Whoever writes a number does not turn the camera, nor who writes a name for which there is no field

@@ -20,7 +20,7 @@ pub(crate) const KEYS: &[[&str; 2]] = &[
     ["C", "controls shown and hidden"],
     ["Ctrl + Z, Ctrl + Shift + Z", "undo, redo"],
     ["Ctrl + O, Ctrl + Shift + O", "open a volume or a scene, add one as a layer"],
-    ["Ctrl + S, Ctrl + E", "save the scene, save a picture"],
+    ["Ctrl + S, Ctrl + E, Ctrl + Shift + E", "save the scene, save a picture, film a turn"],
     ["Tab, Space, Enter", "reach and use any control"],
     ["?", "this help"],
 ];

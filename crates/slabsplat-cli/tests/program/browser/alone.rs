@@ -2,8 +2,11 @@
 
 use super::{Used, first_picture, site};
 use crate::view::mean_difference;
+use image::codecs::{gif::GifDecoder, png::PngDecoder};
+use image::{AnimationDecoder, RgbaImage};
 use slabsplat_testbrowser::{Chromium, Graphics, Server};
 use std::fs;
+use std::io::Cursor;
 
 /// By how much numbers of 8 bits may differ whose colours are 10⁻³ apart at most (model §9): by which of two
 /// neighbours they are rounded to.
@@ -46,6 +49,29 @@ fn a_page_draws_by_webgpu_what_the_cpu_draws() {
     let small = "index.html?scene=small.toml&backend=wgpu";
     first_picture(&used, "a small volume by WebGPU", &server.url(small));
     use_it(&used);
+}
+
+/// Turns of six seconds, in the forms that a page makes, begin with what is shown.
+#[test]
+fn a_page_films_a_turn() {
+    let Some(site) = site() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("small.toml"), SMALL).unwrap();
+    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
+    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
+    let used = Used { page: chromium.page([420, 300]), folder: dir.path() };
+    first_picture(&used, "a small volume to be filmed", &server.url("index.html?scene=small.toml"));
+    let shown = used.saved("filmed");
+    let gif = used.film("turn.gif");
+    let frames = GifDecoder::new(Cursor::new(gif)).unwrap().into_frames();
+    let apng = PngDecoder::new(Cursor::new(used.film("turn.apng"))).unwrap();
+    for (what, frames) in [("gif", frames), ("apng", apng.apng().unwrap().into_frames())] {
+        let frames: Vec<RgbaImage> = frames.map(|frame| frame.unwrap().into_buffer()).collect();
+        assert_eq!(frames.len(), 180, "{what}");
+        // A palette has 256 colours.
+        assert!(mean_difference(&frames[0], &shown) < 2.0, "{what}");
+        assert!(1.0 < mean_difference(&frames[45], &shown), "{what} turns");
+    }
 }
 
 /// Turns, edits, and has all of it be what `render` draws.

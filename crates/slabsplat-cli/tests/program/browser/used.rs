@@ -98,6 +98,19 @@ impl Used<'_> {
         panic!("{name} was not saved; the page says: {}", self.says());
     }
 
+    /// A film of a turn, named so, as people ask for one.
+    pub(super) fn film(&self, name: &str) -> Vec<u8> {
+        self.page.press(Key::CtrlShift('e'));
+        self.page.press(Key::Ctrl('a'));
+        self.page.write(name);
+        self.page.press(Key::Enter);
+        let Some(film) = self.page.download(PATIENCE) else {
+            panic!("{name} was not saved; the page says: {}", self.says());
+        };
+        assert_eq!(film.name, name);
+        film.bytes
+    }
+
     /// What `slabsplat render` draws of the scene that was saved, by the CPU.
     pub(super) fn rendered(&self, name: &str) -> RgbaImage {
         let command = format!("render saved-{name}.toml --backend cpu -o rendered-{name}.png");
