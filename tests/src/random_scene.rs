@@ -341,8 +341,8 @@ fn random_shading(rng: &mut Rng) -> Shading {
     Shading::Phong(phong)
 }
 
-/// Balls of even stuff and of noise, and nothing between them, on up to 150³ voxels: where a pixel covers more
-/// than ten voxels, some bricks are drawn by the coarsest cells and others by what is finer (model §16).
+/// Balls of even stuff and of noise, and nothing between them, on up to 150³ voxels: where a pixel covers
+/// more than ten voxels, some bricks are drawn by the coarsest cells and others by what is finer (model §16).
 pub fn layer_of_all_levels(rng: &mut Rng) -> Layer {
     let dims = [0; 3].map(|_| rng.usize(72..150));
     let grid = Grid::centered(dims, [0; 3].map(|_| between(rng, 0.8, 1.2)));

@@ -71,9 +71,9 @@ fn parts_by_cells_are_the_whole() {
     assert!(0 < n_by_cells, "there were cells");
 }
 
-/// The only part is the whole, and is drawn in thinner ranges of depth. Voxels that are drawn instead of cells
-/// begin before them, mostly in one range, sometimes in the one before: where they were missed, it was off by
-/// 0.004.
+/// The only part is the whole, and is drawn in thinner ranges of depth. Voxels that are drawn instead of
+/// cells begin before them, mostly in one range, sometimes in the one before: where they were missed, it was
+/// off by 0.004.
 #[test]
 fn parts_by_all_levels_are_the_whole() {
     let mut worst = 0.0_f32;

@@ -67,8 +67,8 @@ impl<'a> SlabView<'a> {
         self.shapes.of(self.raster, self.grid, slab)
     }
 
-    /// The pixels that sections of what a brick may be drawn by may touch: the least and the largest corner; `None` if
-    /// none of them is drawn.
+    /// The pixels that sections of a brick's voxels, or of what it may be drawn by instead, may touch: the
+    /// least and the largest corner; `None` if none of them is drawn.
     pub(super) fn bounds_of_brick(&self, bounds: &BrickBounds) -> Option<[[f32; 2]; 2]> {
         let BrickBounds { center, half_extents } = *bounds;
         let ends = [center[2] - half_extents[2], center[2] + half_extents[2]];

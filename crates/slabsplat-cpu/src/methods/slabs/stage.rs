@@ -17,8 +17,8 @@ pub(in crate::methods) struct Stage<'a> {
     /// The instructions to be used.
     pub(in crate::methods) level: Level,
     pub(in crate::methods) raster: &'a Raster,
-    /// The layer by voxels, which a brick of cells may be drawn by instead; of all levels they have the widest
-    /// kernels.
+    /// The layer by voxels, by which bricks of cells may be drawn instead: of all levels they have the
+    /// widest kernels.
     pub(in crate::methods) finest: (&'a LayerPlan<'a>, &'a Raster),
     pub(in crate::methods) bricks: &'a BrickView,
     pub(in crate::methods) voxels: &'a dyn Voxels,
