@@ -14,6 +14,7 @@ use xtask::process::{cargo, run as run_command};
 use xtask::workspace::{self, Workspace};
 
 use crate::lint::{WASM, WASM_FLAGS, WASM_VECTORS, has_target};
+use crate::package;
 use crate::web::PAGES;
 
 pub(crate) fn run() -> Result<()> {
@@ -67,7 +68,7 @@ pub(crate) fn programs() -> PathBuf {
 
 /// Name and unpacked package of each library that is published.
 pub(crate) fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
-    let folder = workspace.target_directory.join("package");
+    let folder = package::folder(workspace);
     workspace
         .published()
         // Cargo complains of what nobody can use.

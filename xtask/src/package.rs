@@ -28,8 +28,9 @@ pub(crate) fn run() -> Result<()> {
     let of_all = |subcommand: &str| {
         let mut command = cargo(workspace::root());
         command.arg(subcommand).args(names.iter().flat_map(|name| ["--package", *name]));
-        // Otherwise each package builds all that it depends on anew, in a folder of its own.
-        command.arg("--target-dir").arg(&workspace.target_directory);
+        // Otherwise each package builds all that it depends on anew, in a folder of its own; and what is
+        // forgotten below would be what tests have built.
+        command.arg("--target-dir").arg(target(&workspace));
         command
     };
     // What was compiled of the last packages counts as that of these, whose versions are the same.
@@ -39,6 +40,15 @@ pub(crate) fn run() -> Result<()> {
     run_command(
         package.args(["--all-features", "--allow-dirty"]).env("CARGO_PROFILE_DEV_DEBUG", "0"),
     )
+}
+
+fn target(workspace: &Workspace) -> PathBuf {
+    workspace.target_directory.join("packages")
+}
+
+/// Where packages are unpacked, each in a folder that is called by its name and version.
+pub(crate) fn folder(workspace: &Workspace) -> PathBuf {
+    target(workspace).join("package")
 }
 
 fn cargo_home() -> Option<PathBuf> {
