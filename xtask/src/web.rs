@@ -29,7 +29,8 @@ const VIEWER: &str = "viewer";
 
 /// What is served as it is.
 const FILES: &[&str] = &["browser/site/test.html", "browser/site/test.js", "page/index.html"];
-const VIEWER_FILES: &[&str] = &["viewer/index.html", "viewer/start.js", "viewer/viewer.css"];
+const VIEWER_FILES: &[&str] =
+    &["viewer/index.html", "viewer/start.js", "viewer/worker.js", "viewer/viewer.css"];
 
 /// Tells the test where the pages are.
 const SITE: &str = "SLABSPLAT_SITE";

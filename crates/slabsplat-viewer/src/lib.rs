@@ -17,12 +17,14 @@
 //! ```
 //!
 //! Reading order: `state` (what is open, without a window), `frames` (where pictures come from), `jobs`,
-//! `ui`, `app` (all of it), `window`; in a browser `page` and `received`.
+//! `ui`, `app` (all of it), `window`; in a browser `page`, `handed` and `received`.
 
 pub mod state;
 
 mod frames;
 
+#[cfg(any(target_arch = "wasm32", test))]
+mod handed;
 mod jobs;
 #[cfg(target_arch = "wasm32")]
 mod page;
@@ -46,6 +48,6 @@ pub use frames::{
 pub use frames::{RenderingThread, WindowDevice};
 pub use jobs::{Opener, Opening};
 #[cfg(target_arch = "wasm32")]
-pub use page::show_in_page;
+pub use page::{draw_for_page, show_in_page};
 #[cfg(not(target_arch = "wasm32"))]
 pub use window::{Start, WindowError, show};

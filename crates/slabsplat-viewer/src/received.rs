@@ -57,12 +57,21 @@ struct SessionLayer {
     is_metric: bool,
 }
 
+/// An acquisition of names.
+pub(crate) fn acquisition_of(
+    modality: Option<&str>,
+    orientation: &str,
+    is_metric: bool,
+) -> Result<Acquisition, NotAChoice> {
+    let mut acquisition = Acquisition::default().orientation(orientation.parse()?);
+    acquisition.modality = modality.map(str::parse).transpose()?;
+    acquisition.is_metric = is_metric;
+    Ok(acquisition)
+}
+
 impl SessionLayer {
     fn acquisition(&self) -> Result<Acquisition, NotAChoice> {
-        let mut acquisition = Acquisition::default().orientation(self.orientation.parse()?);
-        acquisition.modality = self.modality.as_deref().map(str::parse).transpose()?;
-        acquisition.is_metric = self.is_metric;
-        Ok(acquisition)
+        acquisition_of(self.modality.as_deref(), &self.orientation, self.is_metric)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Job, Opener, Progress, Volumes, file_of, picture_format};
 use crate::frames::Wake;
-use crate::page::{backend, bytes_of, download, picture_of, token, turn_of_page};
+use crate::page::{Pictures, backend, bytes_of, download, token, turn_of_others};
 use crate::received::Session;
 use crate::state::{self, Bytes, Document};
 use eframe::egui::DroppedFileHandle;
@@ -11,9 +11,7 @@ use slabsplat::io::{
     FilesInMemory, LayerFile, LoadedVolume, PictureFormat, Provenance, SceneFile, VolumeOptions,
     VolumeSource, parse_scene, scene_text,
 };
-use slabsplat::{
-    Acquisition, Image, OpenScene, RenderError, Renderer, Scene, TurnAxis, finished, frame_scene,
-};
+use slabsplat::{Image, OpenScene, TurnAxis};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc;
@@ -187,22 +185,13 @@ fn with_volumes(
 pub(crate) fn save_picture(mut opened: OpenScene, path: PathBuf, wake: &Wake) -> Job<String> {
     let title = format!("drawing {}", path.display());
     Job::of_future(title, wake, move |_| async move {
-        let text = |error: &dyn std::fmt::Display| error.to_string();
         let format = picture_format(&path)?;
-        let (image, volumes) = match token() {
-            Some(token) => (picture_of(&token, opened.clone()).await?.image, Volumes::Elsewhere),
-            None => (drawn_here(&mut opened).await.map_err(|e| text(&e))?, Volumes::Here),
-        };
+        let mut pictures = Pictures::open()?;
+        let image = pictures.picture_of(opened.clone()).await?.image;
+        let volumes = if token().is_some() { Volumes::Elsewhere } else { Volumes::Here };
+        opened.backend = pictures.backend().unwrap_or(opened.backend);
         download_picture(format, &path, &image, &file_of(&opened, volumes)?)
     })
-}
-
-/// The picture of a scene, finished; the scene then says what drew it.
-async fn drawn_here(opened: &mut OpenScene) -> Result<Image, RenderError> {
-    let mut renderer = Renderer::open_async(&opened.backend, |_| {}).await?;
-    let image = drawn(&mut renderer, &opened.scene, opened.acquisition).await?;
-    renderer.caps().name.clone_into(&mut opened.backend);
-    Ok(image)
 }
 
 fn download_picture(
@@ -216,17 +205,6 @@ fn download_picture(
     let name = path.display().to_string();
     download(&name, &bytes)?;
     Ok(format!("{name} is among your downloads"))
-}
-
-/// A finished picture.
-async fn drawn(
-    renderer: &mut Renderer,
-    scene: &Scene,
-    acquisition: Acquisition,
-) -> Result<Image, RenderError> {
-    let of_frame = frame_scene(scene)?.into_owned();
-    let frame = renderer.render_async(&of_frame).await?;
-    Ok(finished(frame, scene, acquisition).frame.image)
 }
 
 /// Downloads a scene file. Returns a sentence.
@@ -247,7 +225,7 @@ pub(crate) fn save_scene(
 /// Fits a preset to a layer, for a small picture of it.
 pub(crate) fn thumbnail(opened: OpenScene, preset_idx: usize, wake: &Wake) -> Job<OpenScene> {
     Job::of_future(String::new(), wake, move |_| async move {
-        turn_of_page().await;
+        turn_of_others().await;
         state::thumbnail(opened, preset_idx)
     })
 }
@@ -286,17 +264,16 @@ async fn filmed(
         other => text(&other),
     })?;
     let turn = Turn::new(TurnAxis::Up, 360.0, n_frames);
-    let mut renderer = Renderer::open_async(&opened.backend, |_| {}).await.map_err(|e| text(&e))?;
+    let mut pictures = Pictures::open()?;
+    let mut opened = opened.clone();
+    let first = opened.scene.clone();
     for frame_idx in 0..n_frames {
-        // The page has its turn, in which it may be given up.
-        turn_of_page().await;
         if progress.is_cancelled() {
             return Err("the film was given up".to_owned());
         }
         progress.reach(f64::from(frame_idx) / f64::from(n_frames));
-        let scene = turn.scene_at(&opened.scene, frame_idx).map_err(|e| text(&e))?;
-        let image = drawn(&mut renderer, &scene, opened.acquisition).await.map_err(|e| text(&e))?;
-        film.add(&image).map_err(|e| text(&e))?;
+        opened.scene = turn.scene_at(&first, frame_idx).map_err(|e| text(&e))?;
+        film.add(&pictures.picture_of(opened.clone()).await?.image).map_err(|e| text(&e))?;
     }
     film.finish().map_err(|e| text(&e))
 }

@@ -4,19 +4,22 @@
 //! The page's address may say `?url=` of a volume, `?scene=` of a scene file, `?builtin=` a built-in volume,
 //! `?backend=` what draws, and `?token=` that a server draws.
 //!
-//! Reading order: `address` and `fetch` (what the page asks for), `renderer` (frames drawn in the page),
-//! `remote` (frames of a server), `aloud` (messages as text).
+//! Reading order: `address` and `fetch` (what the page asks for), `worker` (frames of a worker), `drawing`
+//! (what that does), `remote` (frames of a server), `pictures` (what is saved), `aloud` (messages as text).
 
 mod address;
 mod aloud;
+mod drawing;
 mod fetch;
+mod pictures;
 mod remote;
-mod renderer;
+mod worker;
 
 pub(crate) use address::{backend, token};
+pub use drawing::draw_for_page;
+pub(crate) use drawing::turn_of_others;
 pub(crate) use fetch::{bytes_of, download};
-pub(crate) use remote::picture_of;
-pub(crate) use renderer::turn_of_page;
+pub(crate) use pictures::Pictures;
 
 use crate::app::Viewer;
 use crate::frames::{FrameSource, Wake};
@@ -27,6 +30,9 @@ use web_sys::HtmlCanvasElement;
 
 /// Shows the viewer in a canvas, for as long as the page is there. What it says to its user is also the text
 /// of the element `said`, if the page has one, for those who cannot read it in the canvas.
+///
+/// Frames are drawn by workers, unless a server draws them: `worker.js` beside the page, a module, loads this
+/// program, too, and calls [`draw_for_page`].
 ///
 /// # Errors
 /// If the browser draws nothing in it, in a sentence for people.
@@ -54,13 +60,9 @@ fn get_context(canvas: &HtmlCanvasElement) -> Result<(), JsValue> {
 fn viewer(egui: &eframe::egui::Context) -> Result<Viewer, String> {
     let of_wake = egui.clone();
     let wake: Wake = Arc::new(move || of_wake.request_repaint());
-    let token = token();
-    let source: Box<dyn FrameSource> = match &token {
-        Some(token) => Box::new(remote::Remote::connect(token, wake.clone())?),
-        None => Box::new(renderer::PageRenderer::open(backend(), wake.clone())),
-    };
+    let source = source(wake.clone())?;
     let mut viewer = Viewer::new(egui, source, jobs::opener(), wake);
-    if let Some(token) = token {
+    if let Some(token) = token() {
         viewer.set_served();
         viewer.begin(|size, wake| jobs::open_session(token, size, wake));
     } else if let Some(url) = address::parameter("scene").or_else(|| address::parameter("url")) {
@@ -70,4 +72,21 @@ fn viewer(egui: &eframe::egui::Context) -> Result<Viewer, String> {
         viewer.begin(|size, wake| jobs::open_builtin(name, size, wake));
     }
     Ok(viewer)
+}
+
+/// Where a page's frames come from.
+pub(crate) trait PageSource: FrameSource {
+    /// Why there will be no more frames, if so.
+    fn ended(&self) -> Option<String>;
+
+    /// What drew the last one, as scene files call it, if that is known.
+    fn backend(&self) -> Option<String>;
+}
+
+/// The server that the address names, or a worker.
+fn source(wake: Wake) -> Result<Box<dyn PageSource>, String> {
+    Ok(match token() {
+        Some(token) => Box::new(remote::Remote::connect(&token, wake)?),
+        None => Box::new(worker::Worker::start(wake)?),
+    })
 }

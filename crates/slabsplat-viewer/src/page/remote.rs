@@ -1,17 +1,13 @@
 //! Frames of a server, by a WebSocket: scenes go there as text, pictures come back as files.
 
-use super::address;
-use crate::frames::{Drawn, Event, FrameSource, Request, Urgency, Wake};
+use super::{PageSource, address};
+use crate::frames::{Event, FrameSource, Request, Wake};
 use crate::received::{Answer, drawn_of, request_text};
 use eframe::wasm_bindgen::JsCast;
 use eframe::wasm_bindgen::closure::Closure;
 use js_sys::{ArrayBuffer, Uint8Array};
-use slabsplat::OpenScene;
 use std::cell::RefCell;
-use std::future::poll_fn;
 use std::rc::Rc;
-use std::sync::{Arc, Mutex, PoisonError};
-use std::task::{Poll, Waker};
 use web_sys::{BinaryType, CloseEvent, MessageEvent, WebSocket};
 
 /// A server that draws.
@@ -70,37 +66,18 @@ impl Remote {
     }
 }
 
-/// What the server draws of a scene at rest, by a connection of its own, as a picture that is saved has its
-/// own size and is no pane's.
-///
-/// # Errors
-/// What the server says, or that it says nothing.
-pub(crate) async fn picture_of(token: &str, opened: OpenScene) -> Result<Drawn, String> {
-    let waker = Arc::new(Mutex::new(None::<Waker>));
-    let of_wake = waker.clone();
-    let wake: Wake = Arc::new(move || {
-        let waker = of_wake.lock().unwrap_or_else(PoisonError::into_inner).take();
-        waker.into_iter().for_each(Waker::wake);
-    });
-    let mut remote = Remote::connect(token, wake)?;
-    let urgency = Urgency::AtRest;
-    remote.ask(Request { pane: 0, number: 1, opened, urgency, is_read_back: true });
-    poll_fn(|context| {
-        *waker.lock().unwrap_or_else(PoisonError::into_inner) = Some(context.waker().clone());
-        for event in remote.events() {
-            match event {
-                Event::Drawn(drawn) => return Poll::Ready(Ok(*drawn)),
-                Event::Failed { why, .. } => return Poll::Ready(Err(why)),
-                // No server has the page's textures.
-                Event::Note(_) | Event::InTexture(_) => {}
-            }
+impl PageSource for Remote {
+    fn ended(&self) -> Option<String> {
+        match self.socket.ready_state() {
+            WebSocket::CONNECTING | WebSocket::OPEN => None,
+            _ => Some("the server has no room for one more picture".to_owned()),
         }
-        match remote.socket.ready_state() {
-            WebSocket::CONNECTING | WebSocket::OPEN => Poll::Pending,
-            _ => Poll::Ready(Err("the server has no room for one more picture".to_owned())),
-        }
-    })
-    .await
+    }
+
+    /// It does not say.
+    fn backend(&self) -> Option<String> {
+        None
+    }
 }
 
 impl Drop for Remote {

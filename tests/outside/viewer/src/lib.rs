@@ -8,6 +8,15 @@
 use wasm_bindgen::prelude::{JsCast, JsValue, wasm_bindgen};
 use web_sys::HtmlCanvasElement;
 
+/// Called in the page's worker.
+///
+/// # Errors
+/// If it is called elsewhere.
+#[wasm_bindgen]
+pub fn draw() -> Result<(), JsValue> {
+    Ok(slabsplat_viewer::draw_for_page()?)
+}
+
 /// Called when the page has loaded.
 ///
 /// # Errors

@@ -1,0 +1,205 @@
+//! What a worker does: it draws what its page asks for, by WebGPU where the browser has it, and else by the
+//! CPU.
+
+use crate::frames::Urgency;
+use crate::handed::{Asked, Outside, PictureHead, Said, Volumes};
+use eframe::wasm_bindgen::closure::Closure;
+use eframe::wasm_bindgen::{JsCast, JsValue};
+use js_sys::{Array, Float32Array, Uint8Array};
+use slabsplat::{FrameHandle, OpenScene, Picture, RenderError, Renderer, finished, frame_scene};
+use std::cell::RefCell;
+use std::rc::Rc;
+use wasm_bindgen_futures::{JsFuture, spawn_local};
+use web_sys::{DedicatedWorkerGlobalScope, MessageChannel, MessageEvent};
+use web_time::Instant;
+
+/// Draws for the page that started the worker in which this is called, for as long as both are there.
+///
+/// # Errors
+/// If this is no worker.
+pub fn draw_for_page() -> Result<(), String> {
+    let scope: Result<DedicatedWorkerGlobalScope, _> = js_sys::global().dyn_into();
+    let scope = scope.map_err(|_| "this is no worker")?;
+    let drawing = Drawing { scope: scope.clone(), shared: Rc::default() };
+    let of_messages = drawing.clone();
+    let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |message: MessageEvent| {
+        if let Err(why) = of_messages.hear(&message.data()) {
+            of_messages.say(&Said::Note(why));
+        }
+    });
+    scope.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
+    // It is there until the worker ends.
+    on_message.forget();
+    drawing.say(&Said::Ready);
+    Ok(())
+}
+
+/// What all of the worker's tasks have.
+#[derive(Clone)]
+struct Drawing {
+    scope: DedicatedWorkerGlobalScope,
+    shared: Rc<RefCell<Shared>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    volumes: Volumes,
+    /// The newest request of each pane, the oldest first.
+    waiting: Vec<Asked>,
+    under_way: Option<(FrameHandle, usize, Urgency)>,
+    /// Whether somebody takes what waits.
+    is_drawing: bool,
+    /// A renderer for each pane, and what it was asked for as; none while it draws.
+    renderers: Vec<Option<(String, Renderer)>>,
+}
+
+impl Drawing {
+    fn hear(&self, data: &JsValue) -> Result<(), String> {
+        let mut shared = self.shared.borrow_mut();
+        let Some(text) = data.as_string() else {
+            let parts: &Array = data.dyn_ref().ok_or("the page sent nothing")?;
+            let head = parts.get(0).as_string().unwrap_or_default();
+            let head = serde_json::from_str(&head).map_err(|error| error.to_string())?;
+            let [samples, colors] = [1, 2].map(|part| Uint8Array::new(&parts.get(part)));
+            let outside = |len: u32, copy_to| Outside { len: len as usize, copy_to };
+            return shared.volumes.add(
+                &head,
+                outside(samples.length(), &|into| samples.copy_to(into)),
+                outside(colors.length(), &|into| colors.copy_to(into)),
+            );
+        };
+        let asked: Asked = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+        shared.ask(asked);
+        if !std::mem::replace(&mut shared.is_drawing, true) {
+            spawn_local(self.clone().draw_all());
+        }
+        Ok(())
+    }
+
+    /// Draws what waits until nothing does. Messages are heard between frames.
+    async fn draw_all(self) {
+        loop {
+            turn_of_others().await;
+            let asked = {
+                let mut shared = self.shared.borrow_mut();
+                if shared.waiting.is_empty() {
+                    shared.is_drawing = false;
+                    return;
+                }
+                shared.waiting.remove(0)
+            };
+            let (pane, number) = (asked.pane, asked.number);
+            if let Err(Some(why)) = self.draw(asked).await {
+                self.say(&Said::Failed { pane, number, why });
+            }
+            self.shared.borrow_mut().under_way = None;
+        }
+    }
+
+    /// Draws a frame, and sends it. An error is what is wrong; nothing is, if it was cancelled.
+    async fn draw(&self, asked: Asked) -> Result<(), Option<String>> {
+        let opened = self.shared.borrow_mut().volumes.scene(&asked).map_err(Some)?;
+        let mut renderer = self.renderer(asked.pane, &asked.backend).await.map_err(Some)?;
+        let frame = FrameHandle::new();
+        self.shared.borrow_mut().under_way = Some((frame.clone(), asked.pane, asked.urgency()));
+        let started = Instant::now();
+        let result = drawn(&mut renderer, &opened, &frame).await;
+        let ms = started.elapsed().as_secs_f64() * 1e3;
+        let sent = match &result {
+            Ok(picture) => self.send(&asked, picture, &renderer, ms).map_err(Some),
+            Err(error) => Err((!error.is_cancelled()).then(|| error.to_string())),
+        };
+        self.shared.borrow_mut().renderers[asked.pane] = Some((asked.backend, renderer));
+        sent
+    }
+
+    /// The renderer of a pane, which is opened if there is none. Where a scene names what browsers do not
+    /// have, what they have draws it.
+    async fn renderer(&self, pane: usize, backend: &str) -> Result<Renderer, String> {
+        let known = {
+            let renderers = &mut self.shared.borrow_mut().renderers;
+            if renderers.len() <= pane {
+                renderers.resize_with(pane + 1, || None);
+            }
+            renderers[pane].take()
+        };
+        if let Some((_, renderer)) = known.filter(|(of, _)| of == backend) {
+            return Ok(renderer);
+        }
+        match Renderer::open_async(backend, |_| {}).await {
+            Ok(renderer) => Ok(renderer),
+            Err(error) => {
+                self.say(&Said::Note(format!("{error}; the browser draws as it can")));
+                Renderer::open_async("auto", |_| {}).await.map_err(|error| error.to_string())
+            }
+        }
+    }
+
+    fn send(
+        &self,
+        asked: &Asked,
+        Picture { frame, notes, .. }: &Picture,
+        renderer: &Renderer,
+        ms: f64,
+    ) -> Result<(), String> {
+        let head = PictureHead {
+            pane: asked.pane,
+            number: asked.number,
+            is_moving: asked.is_moving,
+            size: [frame.image.width(), frame.image.height()],
+            ms,
+            n_voxels: frame.stats.n_voxels,
+            notes: notes.clone(),
+            backend: renderer.caps().name.to_owned(),
+            device: renderer.caps().device.clone(),
+        };
+        let head = serde_json::to_string(&head).map_err(|error| error.to_string())?;
+        let pixels: &[f32] = bytemuck::cast_slice(frame.image.pixels());
+        let pixels = JsValue::from(Float32Array::from(pixels).buffer());
+        let message = Array::of2(&head.into(), &pixels);
+        let sent = self.scope.post_message_with_transfer(&message, &Array::of1(&pixels));
+        sent.map_err(|error| format!("the page takes nothing: {error:?}"))
+    }
+
+    fn say(&self, said: &Said) {
+        let text = serde_json::to_string(said).unwrap_or_default();
+        // There is nobody else to tell.
+        drop(self.scope.post_message(&text.into()));
+    }
+}
+
+impl Shared {
+    /// What is asked for replaces what its pane was asked for and has not begun; a picture that is only made
+    /// better is given up for whatever is newer.
+    fn ask(&mut self, asked: Asked) {
+        if let Some((frame, pane, Urgency::AtRest)) = &self.under_way
+            && (*pane == asked.pane || asked.is_moving)
+        {
+            frame.cancel();
+        }
+        self.waiting.retain(|waiting| waiting.pane != asked.pane);
+        self.waiting.push(asked);
+    }
+}
+
+async fn drawn(
+    renderer: &mut Renderer,
+    opened: &OpenScene,
+    frame: &FrameHandle,
+) -> Result<Picture, RenderError> {
+    renderer.submit_as(&*frame_scene(&opened.scene)?, frame)?;
+    let frame = renderer.wait_async(frame).await?;
+    Ok(finished(frame, &opened.scene, opened.acquisition))
+}
+
+/// Lets others have a turn: what is heard, and in a page what is shown. A message to oneself comes at once,
+/// a timer may come later.
+pub(crate) async fn turn_of_others() {
+    let promise = js_sys::Promise::new(&mut |resolve, _| {
+        let Ok(channel) = MessageChannel::new() else { return };
+        channel.port1().set_onmessage(Some(&resolve));
+        // Nothing is sent but that it is time.
+        drop(channel.port2().post_message(&JsValue::NULL));
+    });
+    drop(JsFuture::from(promise).await);
+}

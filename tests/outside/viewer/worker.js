@@ -1,0 +1,4 @@
+import init, { draw } from './viewer.js';
+
+await init();
+draw();
