@@ -1,7 +1,7 @@
 //! A kernel that slabsplat does not bring, on every backend against the float64 reference.
 
 #[expect(dead_code, reason = "the example's own `main` draws a picture")]
-#[path = "../../crates/slabsplat/examples/own_kernel.rs"]
+#[path = "../../../crates/slabsplat/examples/own_kernel.rs"]
 mod example;
 
 use example::Biweight;

@@ -2,7 +2,7 @@
 //! thin shell, whose edges are known, are looked at from all sides, and the opacity across their edges says
 //! where they seem to be and how soft.
 //!
-//! `cargo test --release -p slabsplat-tests --test sharpness -- --nocapture` prints the table of
+//! `cargo test --release -p slabsplat-tests --test renderer sharpness -- --nocapture` prints the table of
 //! `docs/numerics.md`.
 
 use slabsplat::glam::DVec3;
