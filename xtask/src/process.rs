@@ -48,6 +48,12 @@ pub fn output(command: &mut Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("`{line}` printed no UTF-8"))
 }
 
+/// Whether there is a program that says its version.
+#[must_use]
+pub fn starts(program: &str) -> bool {
+    output(Command::new(program).arg("--version")).is_ok()
+}
+
 /// Whether cargo has the subcommand `name`, which may be a program of others.
 #[must_use]
 pub fn has_subcommand(name: &str) -> bool {

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
-use xtask::process::output;
+use xtask::process::{output, starts};
+use xtask::test_build;
 
 pub(crate) struct Need {
     name: &'static str,
@@ -46,7 +47,7 @@ pub(crate) const TESTS: &[Need] = &[
     Need {
         name: "MPI",
         packages: &["openmpi-bin", "libopenmpi-dev", "gcc", "libc6-dev"],
-        is_there: has_mpi,
+        is_there: test_build::has_mpi,
     },
     Need {
         // For a window that nobody sees, and who uses it and looks at it.
@@ -90,11 +91,6 @@ pub(crate) fn set_up(command: &str, needs: &'static [Need], is_told_to: bool) {
 /// Whether instructions can be counted.
 pub(crate) fn has_valgrind() -> bool {
     starts("valgrind")
-}
-
-/// Whether ranks can be built and started.
-pub(crate) fn has_mpi() -> bool {
-    starts("mpicc") && starts("mpirun")
 }
 
 /// Whether there is a browser.
@@ -143,10 +139,6 @@ fn lack(command: &str, missing: &[&Need]) -> String {
 
 fn packages(missing: &[&Need]) -> Vec<&'static str> {
     missing.iter().flat_map(|need| need.packages).copied().collect()
-}
-
-fn starts(program: &str) -> bool {
-    output(Command::new(program).arg("--version")).is_ok()
 }
 
 fn has_loader() -> bool {

@@ -11,6 +11,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::Result;
 use xtask::process::{REPEATABLE, cargo, run as run_command};
+use xtask::test_build::all_packages;
 use xtask::workspace;
 
 use crate::{bench, system};
@@ -53,9 +54,6 @@ impl std::fmt::Display for Seeds {
     }
 }
 
-/// What is built with MPI, where there is one.
-const MPI: &str = "slabsplat-cli/mpi,slabsplat-mpi/mpi";
-
 /// Our own flags come first; what follows them is for cargo.
 pub(crate) fn parse(args: &[OsString]) -> Result<Test, String> {
     match args {
@@ -89,10 +87,7 @@ pub(crate) fn run(Test { installs, seeds, args }: &Test) -> Result<()> {
     }
     // Cargo takes both without an error, and then tests all packages.
     if !names_package(args) {
-        test.arg("--workspace");
-        if system::has_mpi() {
-            test.args(["--features", MPI]);
-        }
+        test.args(all_packages());
     }
     run_command(test.args(args))?;
     if counts {

@@ -9,7 +9,22 @@ use std::process::Stdio;
 use anyhow::{Context, Result};
 use serde_json::Value;
 
-use crate::process::{REPEATABLE, cargo, output};
+use crate::process::{REPEATABLE, cargo, output, starts};
+
+/// What is built with MPI, where there is one.
+const MPI: &str = "slabsplat-cli/mpi,slabsplat-mpi/mpi";
+
+/// Whether ranks can be built and started.
+#[must_use]
+pub fn has_mpi() -> bool {
+    starts("mpicc") && starts("mpirun")
+}
+
+/// The arguments of cargo for all packages, with the features that all tests have.
+#[must_use]
+pub fn all_packages() -> &'static [&'static str] {
+    if has_mpi() { &["--workspace", "--features", MPI] } else { &["--workspace"] }
+}
 
 /// The program of a test.
 ///
@@ -31,7 +46,7 @@ fn program(root: &Path, args: &[&str], name: &str) -> Result<PathBuf> {
     let mut build = cargo(root);
     let (variable, value) = REPEATABLE;
     build.env(variable, value);
-    build.args(args).arg("--workspace");
+    build.args(args).args(all_packages());
     build.arg("--message-format=json-render-diagnostics").stderr(Stdio::inherit());
     let messages = output(&mut build)?;
     let program = messages.lines().filter_map(|line| program_in(line, name)).next_back();

@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use xtask::process::{cargo, run as run_command};
+use xtask::test_build::all_packages;
 use xtask::workspace::{self, Package, Workspace};
 
 use crate::lint::{WASM, has_target};
@@ -82,7 +83,7 @@ pub(crate) fn run(web: Web) -> Result<()> {
     let site = build(web)?;
     let mut test = cargo(workspace::root());
     // As all tests are built, which have been already.
-    test.args(["test", "--workspace", "--test", "browser", "--test", "program", "--"]);
+    test.arg("test").args(all_packages()).args(["--test", "browser", "--test", "program", "--"]);
     // One browser after the other: each takes all of a small machine, as its graphics card is a program.
     test.args(["browser", "--nocapture", "--test-threads=1"]);
     run_command(test.env(SITE, site))

@@ -1,8 +1,8 @@
-//! The renderer as a whole: its pictures by every backend against the float64 reference, against what is known
-//! without one, and against each other.
+//! The renderer as a whole: its pictures by every backend against the float64 reference, against what is
+//! known without one, and against each other.
 //!
-//! One program, as each links all of slabsplat: forty of them took ten minutes to build. What counts a heap or
-//! instructions, or waits for a browser, is one of its own.
+//! One program, as each links all of slabsplat, and its devices keep their pipelines from test to test. What
+//! counts a heap or instructions, or waits for a browser, is a program of its own.
 
 mod cancel;
 mod colors;
