@@ -4,7 +4,7 @@
 //! A worker has a memory of its own, so that each volume is there twice.
 
 use crate::frames::{Drawn, Event, Request, Urgency};
-use crate::received::acquisition_of;
+use crate::received::{Header, acquisition_of, name_of, urgency_of};
 use serde::{Deserialize, Serialize};
 use slabsplat::glam::DAffine3;
 use slabsplat::io::{ContentHash, LoadedVolume, parse_scene_alone, scene_text};
@@ -36,7 +36,7 @@ pub(crate) struct VolumeHead {
 pub(crate) struct Asked {
     pub(crate) pane: usize,
     pub(crate) number: u64,
-    pub(crate) is_moving: bool,
+    urgency: String,
     /// What draws, as a scene file calls it.
     pub(crate) backend: String,
     /// The volumes of the scene's layers.
@@ -50,16 +50,10 @@ pub(crate) struct Asked {
 /// A picture beside its pixels.
 #[derive(Debug, Deserialize, Serialize)]
 pub(crate) struct PictureHead {
-    pub(crate) pane: usize,
-    pub(crate) number: u64,
-    pub(crate) is_moving: bool,
+    pub(crate) header: Header,
     pub(crate) size: [u32; 2],
-    pub(crate) ms: f64,
-    pub(crate) n_voxels: u64,
-    pub(crate) notes: Vec<String>,
     /// What drew it, as a scene file calls that, and as the device calls itself.
-    pub(crate) backend: String,
-    pub(crate) device: String,
+    pub(crate) drawn_by: [String; 2],
 }
 
 /// What a worker says in words.
@@ -86,12 +80,8 @@ impl Said {
 
 impl Asked {
     pub(crate) fn urgency(&self) -> Urgency {
-        urgency_of(self.is_moving)
+        urgency_of(&self.urgency)
     }
-}
-
-fn urgency_of(is_moving: bool) -> Urgency {
-    if is_moving { Urgency::Moving } else { Urgency::AtRest }
 }
 
 /// Bytes that lie outside of this memory, and are copied to where they belong.
@@ -152,9 +142,9 @@ impl Handed {
         file.layers.iter_mut().for_each(|layer| layer.hash = None);
         let scene = scene_text(&file, "scene.toml").map_err(|error| error.to_string())?;
         let Request { pane, number, urgency, .. } = *request;
-        let is_moving = urgency == Urgency::Moving;
+        let urgency = name_of(urgency).to_owned();
         let backend = opened.backend.clone();
-        let asked = Asked { pane, number, is_moving, backend, keys, forgotten, scene };
+        let asked = Asked { pane, number, urgency, backend, keys, forgotten, scene };
         serde_json::to_string(&asked).map_err(|error| error.to_string())
     }
 
@@ -237,15 +227,7 @@ impl PictureHead {
     /// The picture of these pixels.
     pub(crate) fn drawn(self, pixels: Vec<[f32; 4]>) -> Drawn {
         let [width, height] = self.size;
-        Drawn {
-            pane: self.pane,
-            number: self.number,
-            urgency: urgency_of(self.is_moving),
-            image: Image::from_pixels(width, height, pixels),
-            notes: self.notes,
-            ms: Some(self.ms),
-            n_voxels: self.n_voxels,
-        }
+        self.header.drawn(Image::from_pixels(width, height, pixels))
     }
 }
 
@@ -389,7 +371,7 @@ mod tests {
         let mut one = opened("neuron");
         one.backend = "cpu".to_owned();
         let (asked, made, n_handed) = handed(&one, &mut page, &mut worker);
-        assert_eq!((asked.pane, asked.number, asked.is_moving, n_handed), (1, 7, true, 1));
+        assert_eq!((asked.pane, asked.number, n_handed), (1, 7, 1));
         assert_eq!((asked.backend.as_str(), asked.urgency()), ("cpu", Urgency::Moving));
         assert_equal(&made, &one);
         one.scene.camera = one.scene.camera.orbited(0.3);
@@ -416,10 +398,12 @@ mod tests {
 
     #[test]
     fn pictures_and_words_are_events() {
-        let head = r#"{"pane":2,"number":5,"is_moving":false,"size":[2,1],"ms":2.5,"n_voxels":9,
-            "notes":["hm"],"backend":"cpu","device":"a CPU"}"#;
-        let head: PictureHead = serde_json::from_str(head).unwrap();
-        assert_eq!((head.n_pixels(), &*head.backend, &*head.device), (2, "cpu", "a CPU"));
+        let header = Header::of((2, 5, Urgency::AtRest), 2.5, 9, vec!["hm".to_owned()]);
+        let drawn_by = ["cpu".to_owned(), "a CPU".to_owned()];
+        let head = PictureHead { header, size: [2, 1], drawn_by };
+        let head = serde_json::to_string(&head).unwrap();
+        let head: PictureHead = serde_json::from_str(&head).unwrap();
+        assert_eq!((head.n_pixels(), &*head.drawn_by[0]), (2, "cpu"));
         let pixels = vec![[0.1, 0.2, 0.3, 0.4], [0.0, 0.0, 0.0, 1.0]];
         let drawn = head.drawn(pixels.clone());
         assert_eq!((drawn.pane, drawn.number, drawn.urgency), (2, 5, Urgency::AtRest));

@@ -23,15 +23,51 @@ struct Asked<'a> {
 }
 
 /// What is said before a picture.
-#[derive(Deserialize)]
-struct Header {
-    pane: usize,
-    number: u64,
+#[derive(Debug, Deserialize, Serialize)]
+pub(crate) struct Header {
+    pub(crate) pane: usize,
+    pub(crate) number: u64,
     urgency: String,
     ms: f64,
     n_voxels: u64,
     #[serde(default)]
     notes: Vec<String>,
+}
+
+impl Header {
+    /// What a picture that is asked for so will be.
+    pub(crate) fn of(
+        (pane, number, urgency): (usize, u64, Urgency),
+        ms: f64,
+        n_voxels: u64,
+        notes: Vec<String>,
+    ) -> Self {
+        Self { pane, number, urgency: name_of(urgency).to_owned(), ms, n_voxels, notes }
+    }
+
+    pub(crate) fn drawn(self, image: Image) -> Drawn {
+        Drawn {
+            pane: self.pane,
+            number: self.number,
+            urgency: urgency_of(&self.urgency),
+            image,
+            notes: self.notes,
+            ms: Some(self.ms),
+            n_voxels: self.n_voxels,
+        }
+    }
+}
+
+/// What messages call it.
+pub(crate) fn name_of(urgency: Urgency) -> &'static str {
+    match urgency {
+        Urgency::Moving => "moving",
+        Urgency::AtRest => "rest",
+    }
+}
+
+pub(crate) fn urgency_of(name: &str) -> Urgency {
+    if name == name_of(Urgency::Moving) { Urgency::Moving } else { Urgency::AtRest }
 }
 
 /// What a server shows, without its volumes.
@@ -155,10 +191,7 @@ impl Answer {
 pub(crate) fn request_text(request: &Request) -> Result<String, String> {
     let file = request.opened.to_file().map_err(|error| error.to_string())?;
     let scene = scene_text(&file, "scene.toml").map_err(|error| error.to_string())?;
-    let urgency = match request.urgency {
-        Urgency::Moving => "moving",
-        Urgency::AtRest => "rest",
-    };
+    let urgency = name_of(request.urgency);
     let layers = request.opened.layer_numbers();
     let asked = Asked { pane: request.pane, number: request.number, urgency, layers, scene };
     serde_json::to_string(&asked).map_err(|error| error.to_string())
@@ -171,15 +204,7 @@ pub(crate) fn drawn_of(bytes: &[u8]) -> Result<Drawn, String> {
     let length = u32::from_le_bytes(*length) as usize;
     let (header, picture) = rest.split_at_checked(length).ok_or(SHORT)?;
     let header: Header = serde_json::from_slice(header).map_err(|error| error.to_string())?;
-    Ok(Drawn {
-        pane: header.pane,
-        number: header.number,
-        urgency: if header.urgency == "moving" { Urgency::Moving } else { Urgency::AtRest },
-        image: decoded(picture)?,
-        notes: header.notes,
-        ms: Some(header.ms),
-        n_voxels: header.n_voxels,
-    })
+    Ok(header.drawn(decoded(picture)?))
 }
 
 /// A file's pixels, premultiplied.

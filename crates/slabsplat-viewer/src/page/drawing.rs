@@ -3,6 +3,7 @@
 
 use crate::frames::Urgency;
 use crate::handed::{Asked, Outside, PictureHead, Said, Volumes};
+use crate::received::Header;
 use eframe::wasm_bindgen::closure::Closure;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use js_sys::{Array, Float32Array, Uint8Array};
@@ -142,16 +143,12 @@ impl Drawing {
         renderer: &Renderer,
         ms: f64,
     ) -> Result<(), String> {
+        let as_asked = (asked.pane, asked.number, asked.urgency());
+        let caps = renderer.caps();
         let head = PictureHead {
-            pane: asked.pane,
-            number: asked.number,
-            is_moving: asked.is_moving,
+            header: Header::of(as_asked, ms, frame.stats.n_voxels, notes.clone()),
             size: [frame.image.width(), frame.image.height()],
-            ms,
-            n_voxels: frame.stats.n_voxels,
-            notes: notes.clone(),
-            backend: renderer.caps().name.to_owned(),
-            device: renderer.caps().device.clone(),
+            drawn_by: [caps.name.to_owned(), caps.device.clone()],
         };
         let head = serde_json::to_string(&head).map_err(|error| error.to_string())?;
         let pixels: &[f32] = bytemuck::cast_slice(frame.image.pixels());
@@ -173,7 +170,7 @@ impl Shared {
     /// better is given up for whatever is newer.
     fn ask(&mut self, asked: Asked) {
         if let Some((frame, pane, Urgency::AtRest)) = &self.under_way
-            && (*pane == asked.pane || asked.is_moving)
+            && (*pane == asked.pane || asked.urgency() == Urgency::Moving)
         {
             frame.cancel();
         }

@@ -166,7 +166,7 @@ impl Shared {
         let parts: &Array = data.dyn_ref().ok_or("the worker sent nothing")?;
         let head = parts.get(0).as_string().unwrap_or_default();
         let head: PictureHead = serde_json::from_str(&head).map_err(|error| error.to_string())?;
-        self.drawn_by = Some([head.backend.clone(), head.device.clone()]);
+        self.drawn_by = Some(head.drawn_by.clone());
         let values = Float32Array::new(&parts.get(1));
         let mut pixels = vec![[0.0_f32; 4]; head.n_pixels()];
         if values.length() as usize != 4 * pixels.len() {
