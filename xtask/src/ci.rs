@@ -8,11 +8,12 @@ use anyhow::Result;
 use crate::deny::{self, Deny};
 use crate::test::{self, Test};
 use crate::web::{self, Web};
-use crate::{lint, msrv, outside, package, semver};
+use crate::{lint, msrv, outside, package, scalar, semver};
 
 pub(crate) fn run() -> Result<()> {
     lint::run()?;
     test::run(&Test::default())?;
+    scalar::run()?;
     package::run()?;
     web::run(Web::OF_PACKAGES)?;
     outside::run()?;

@@ -10,6 +10,7 @@
 //! Both run as tests too, so that a plain `cargo test` finds what they find.
 
 mod lint;
+mod scalar;
 mod test;
 mod web;
 
@@ -46,6 +47,7 @@ Usage: cargo xtask COMMAND
   test [ARGS]              `cargo test ARGS`, of all packages unless some are named
   test --install [ARGS]    the same, and first install the system packages that are missing for it (apt-get)
   test --seeds N [ARGS]    the same with N fresh seeds for each test at random, which are fixed otherwise
+  scalar                   test what the CPU backend does on computers that have no vectors
   web [--install]          have Chromium draw, by WebAssembly and WebGPU, what the CPU draws here
   web --packages           the same of the packages that `package` made, as `outside` then finds it built
   fuzz [TARGET] [SECONDS]  give one reader of files or each hostile ones for a minute, or for so long (cargo-fuzz)
@@ -58,7 +60,7 @@ Usage: cargo xtask COMMAND
   bench [ARGS]             measure time, scaling, instructions, other renderers: `cargo xtask bench help`
   sheet [FOLDER [PICTURE]] one picture of all volumes of a folder, as they look without any flag
   manual                   write man pages and completions of shells into target/manual
-  ci                       lint, test, package, web, outside, msrv, deny, semver, each crate alone
+  ci                       lint, test, scalar, package, web, outside, msrv, deny, semver, each crate alone
   help                     print this
 
 Tests that need a GPU, or a driver that does without one, are skipped where there is none;
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
 enum Task {
     Lint,
     Test(Test),
+    Scalar,
     Web(Web),
     Fuzz(Fuzz),
     Package,
@@ -106,6 +109,7 @@ fn run(task: &Task) -> anyhow::Result<()> {
     match task {
         Task::Lint => lint::run(),
         Task::Test(test) => test::run(test),
+        Task::Scalar => scalar::run(),
         Task::Web(web) => web::run(*web),
         Task::Fuzz(fuzz) => fuzz::run(fuzz),
         Task::Package => package::run(),
@@ -136,6 +140,7 @@ fn parse(mut args: impl Iterator<Item = OsString>) -> Result<Task, String> {
         Some("deny") => return Ok(Task::Deny(deny::parse(&rest))),
         Some("semver") => return semver::parse(&rest).map(Task::Semver),
         Some("msrv") => return msrv::parse(&rest).map(|installs| Task::Msrv { installs }),
+        Some("scalar") => Task::Scalar,
         Some("package") => Task::Package,
         Some("outside") => Task::Outside,
         Some("lint") => Task::Lint,
@@ -166,6 +171,7 @@ mod tests {
         check(&["lint"], Ok(Task::Lint));
         check(&["ci"], Ok(Task::Ci));
         check(&["--help"], Ok(Task::Help));
+        check(&["scalar"], Ok(Task::Scalar));
         check(&["package"], Ok(Task::Package));
         check(&["web"], Ok(Task::Web(Web::default())));
         check(&["outside"], Ok(Task::Outside));
