@@ -23,8 +23,8 @@ fn cpu_conforms_on_one_thread() {
     pool.install(|| slabsplat_backend::conformance::check(&mut CpuBackend::new()));
 }
 
-/// The sets of instructions that this machine has, but for the least of them; among them the scalar one, which
-/// computers have that have no vectors, if all of these are tested by `cargo xtask scalar`.
+/// The sets of instructions that this machine has, but for the least of them; among them the scalar one, of
+/// computers without vectors, if all of these are tested by `cargo xtask scalar`.
 pub(crate) fn levels() -> Vec<(&'static str, Level)> {
     let best = Level::new();
     let mut levels = Vec::new();
