@@ -74,6 +74,64 @@ fn a_page_films_a_turn() {
     }
 }
 
+/// What a page hands to its worker: colours of voxels, samples of other types, grids that are neither cubic
+/// nor rectangular, several layers; and what of a scene is not the page's: a backend that no browser has.
+#[test]
+fn a_page_hands_all_of_a_scene_to_its_worker() {
+    let Some(site) = site() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    let volumes = [("colors", colors as fn([i32; 3]) -> Vec<u8>, COLORS), ("shell", shell, SHELL)];
+    for (name, bytes_of, header) in volumes {
+        let at =
+            |idx: i32| [idx % SIDE, idx / SIDE % SIDE, idx / SIDE / SIDE].map(|i| 2 * i - SIDE);
+        let bytes = (0..SIDE.pow(3)).flat_map(|idx| bytes_of(at(idx)));
+        let file = header.bytes().chain(*b"\n\n").chain(bytes).collect::<Vec<u8>>();
+        fs::write(dir.path().join(format!("{name}.nrrd")), file).unwrap();
+    }
+    fs::write(dir.path().join("two.toml"), TWO).unwrap();
+    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
+    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
+    let used = Used { page: chromium.page([520, 480]), folder: dir.path() };
+    first_picture(&used, "colours and a shell", &server.url("index.html?scene=two.toml"));
+    used.must_say("the browser draws as it can");
+    let first = used.saves_what_render_draws("layers", ROUNDING);
+    used.turn();
+    let turned = used.saves_what_render_draws("layers-turned", ROUNDING);
+    assert!(1.0 < mean_difference(&turned, &first), "it was turned");
+}
+
+const TWO: &str = "render = { backend = \"ash\" }\n\
+                   camera = { projection = \"perspective\" }\n\
+                   image = { background = [0.1, 0.1, 0.12, 1.0] }\n\
+                   layers = [{ volume = { path = \"colors.nrrd\" } }, { volume = { path = \"shell.nrrd\" } }]\n";
+
+/// Voxels along each side.
+const SIDE: i32 = 24;
+
+const COLORS: &str = "NRRD0004\ntype: uint16\ndimension: 4\nsizes: 3 24 24 24\n\
+                      space: right-anterior-superior\n\
+                      space directions: none (1,0.2,0) (0,1.3,0) (0,0.3,2)\n\
+                      space origin: (-12,-12,-12)\nkinds: RGB-color domain domain domain\n\
+                      endian: little\nencoding: raw";
+
+const SHELL: &str = "NRRD0004\ntype: int16\ndimension: 3\nsizes: 24 24 24\n\
+                     space: right-anterior-superior\n\
+                     space directions: (1.5,0,0) (0.4,1,0) (0,0,2.5)\n\
+                     space origin: (-20,-12,-30)\nendian: little\nencoding: raw";
+
+/// A ball whose colours say where they are.
+fn colors(at: [i32; 3]) -> Vec<u8> {
+    let is_inside = at.iter().map(|x| x * x).sum::<i32>() < SIDE * SIDE / 3;
+    let color = at.map(|x| if is_inside { (1200 * (x + SIDE)) as u16 } else { 0 });
+    color.into_iter().flat_map(u16::to_le_bytes).collect()
+}
+
+/// A sphere that can be seen through.
+fn shell(at: [i32; 3]) -> Vec<u8> {
+    let distance = at.iter().map(|x| x * x).sum::<i32>() - SIDE * SIDE / 2;
+    ((1000 - 20 * distance.abs()).max(-1000) as i16).to_le_bytes().to_vec()
+}
+
 /// Turns, edits, and has all of it be what `render` draws.
 fn use_it(used: &Used<'_>) {
     let first = used.saves_what_render_draws("first", ROUNDING);
