@@ -69,7 +69,7 @@
 //! # Reading order
 //!
 //! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `otsu`, `transfer`, `scene_file`, `scene_changes`, `scene_layers`, `scene_film`, `divided`;
+//! `framing`, `otsu`, `small_samples`, `transfer`, `scene_file`, `scene_changes`, `scene_layers`, `scene_film`, `divided`;
 //! `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -100,6 +100,7 @@ mod scene_file;
 mod scene_film;
 #[cfg(feature = "files")]
 mod scene_layers;
+mod small_samples;
 mod transfer;
 #[cfg(feature = "files")]
 mod volume_facts;

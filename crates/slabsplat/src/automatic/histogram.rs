@@ -20,7 +20,7 @@ const PEAKS: usize = 64;
 const LEAST_OBJECT: f64 = 1e-4;
 
 /// What is known of the voxels of a level.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Bin {
     /// How many there are.
     pub(super) n: u64,
@@ -31,7 +31,7 @@ pub(super) struct Bin {
 }
 
 /// Voxels by the level of their values.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Histogram {
     pub(super) scale: Scale,
     pub(super) bins: Vec<Bin>,

@@ -16,6 +16,7 @@ use std::collections::BTreeSet;
 
 use super::histogram::{Histogram, N_BINS};
 use super::scale::Scale;
+use crate::small_samples::SmallSamples;
 
 /// Voxels that are looked at: more would not change a picture, and 1024³ would take seconds.
 const N_VOXELS: usize = 1 << 22;
@@ -37,7 +38,7 @@ const OUTLIERS: f64 = 5e-4;
 const MAX_CUTS: usize = 16;
 
 /// What is known of a volume's values.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Statistics {
     /// By level; `None` if there are no two values that can be told apart.
     pub(super) histogram: Option<Histogram>,
@@ -79,12 +80,42 @@ struct Rows<'a, T> {
     scaling: Scaling,
     dims: [usize; 3],
     looked_at: LookedAt,
+    /// The values of their voxels and how many have each, where that is fewer numbers.
+    counted: Option<Vec<(f64, u64)>>,
 }
 
 impl<'a, T: Sample> Rows<'a, T> {
     fn new(volume: &Volume, samples: &'a [T]) -> Self {
         let dims = volume.grid().dims();
-        Self { samples, scaling: volume.scaling(), dims, looked_at: LookedAt::of(dims) }
+        let (scaling, looked_at) = (volume.scaling(), LookedAt::of(dims));
+        let rows = Self { samples, scaling, dims, looked_at, counted: None };
+        Self { counted: rows.count(), ..rows }
+    }
+
+    fn count(&self) -> Option<Vec<(f64, u64)>> {
+        let small = SmallSamples::fewer_than(self.looked_at.n_rows * self.dims[0], T::TYPE)?;
+        let counts = self.by_task(|rows| small.counts(rows.flat_map(|row| self.row(row))));
+        Some(small.with_values(&counts, self.scaling))
+    }
+
+    /// What becomes of `nothing` by all values and how many voxels have each, part by part.
+    fn folded<R: Send>(
+        &self,
+        nothing: impl Fn() -> R + Sync,
+        add: impl Fn(&mut R, f64, u64) + Sync,
+    ) -> Vec<R> {
+        if let Some(counted) = &self.counted {
+            let mut all = nothing();
+            counted.iter().for_each(|&(value, n)| add(&mut all, value, n));
+            return vec![all];
+        }
+        self.by_task(|rows| {
+            let mut of_task = nothing();
+            for &sample in rows.flat_map(|row| self.row(row)) {
+                add(&mut of_task, self.value(sample), 1);
+            }
+            of_task
+        })
     }
 
     fn statistics(&self) -> Statistics {
@@ -116,36 +147,45 @@ impl<'a, T: Sample> Rows<'a, T> {
     }
 
     fn extremes(&self) -> [f64; 2] {
+        self.extremes_where(f64::is_finite)
+    }
+
+    /// The least and the largest of some values, infinite if there are none.
+    fn extremes_where(&self, is_one: impl Fn(f64) -> bool + Sync) -> [f64; 2] {
         let nothing = [f64::INFINITY, f64::NEG_INFINITY];
         let joined = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
-        let of_rows = self.by_task(|rows| {
-            let values = rows.flat_map(|row| self.row(row)).map(|&sample| self.value(sample));
-            values.filter(|value| value.is_finite()).fold(nothing, |all, v| joined(all, [v, v]))
-        });
-        of_rows.into_iter().fold(nothing, joined)
+        let of_parts = self.folded(
+            || nothing,
+            |ends, value, _| {
+                if is_one(value) {
+                    *ends = joined(*ends, [value; 2]);
+                }
+            },
+        );
+        of_parts.into_iter().fold(nothing, joined)
     }
 
     /// All values, if they are whole and few.
     fn distinct(&self) -> Option<Vec<f64>> {
-        let of_rows = self.by_task(|rows| {
-            let (mut found, mut last) = (BTreeSet::new(), f64::NAN);
-            for value in rows.flat_map(|row| self.row(row)).map(|&sample| self.value(sample)) {
-                if value == last || !value.is_finite() {
-                    continue;
+        let of_parts = self.folded(
+            || (Some(BTreeSet::new()), f64::NAN),
+            |(found, last), value, _| {
+                let Some(values) = found else { return };
+                if value == *last || !value.is_finite() {
+                    return;
                 }
-                last = value;
-                if value.fract() != 0.0 || 2_f64.powi(53) < value.abs() {
-                    return None;
+                *last = value;
+                let is_whole = value.fract() == 0.0 && value.abs() <= 2_f64.powi(53);
+                if is_whole {
+                    values.insert(value as i64);
                 }
-                found.insert(value as i64);
-                if MAX_DISTINCT < found.len() {
-                    return None;
+                if !is_whole || MAX_DISTINCT < values.len() {
+                    *found = None;
                 }
-            }
-            Some(found)
-        });
+            },
+        );
         let mut all = BTreeSet::new();
-        for found in of_rows {
+        for (found, _) in of_parts {
             all.extend(found?);
         }
         (all.len() <= MAX_DISTINCT).then(|| all.into_iter().map(|value| value as f64).collect())
@@ -179,14 +219,9 @@ impl<'a, T: Sample> Rows<'a, T> {
         if OUTLIERS * (counts[most] as f64) < n_others as f64 {
             return None;
         }
-        let nothing = [f64::INFINITY, f64::NEG_INFINITY];
-        let of_rows = self.by_task(|rows| {
-            let values = rows.flat_map(|row| self.row(row)).map(|&sample| self.value(sample));
-            let inside = values.filter(|&value| range[0] <= value && value <= range[1]);
-            let inside = inside.filter(|&value| levels.level_of(value) == Some(most));
-            inside.fold(nothing, |[lo, hi], value| [value.min(lo), value.max(hi)])
-        });
-        let all = of_rows.iter().fold(nothing, |[lo, hi], [a, b]| [a.min(lo), b.max(hi)]);
+        let is_inside = |value| range[0] <= value && value <= range[1];
+        let all =
+            self.extremes_where(|value| is_inside(value) && levels.level_of(value) == Some(most));
         (all[0] < all[1]).then_some(all)
     }
 
@@ -204,18 +239,15 @@ impl<'a, T: Sample> Rows<'a, T> {
     }
 
     fn counts(&self, levels: &Scale) -> Vec<u64> {
-        let of_rows = self.by_task(|rows| {
-            let mut counts = vec![0; levels.n()];
-            for &sample in rows.flat_map(|row| self.row(row)) {
-                if let Some(level) = levels.level_of(self.value(sample)) {
-                    counts[level] += 1;
-                }
-            }
-            counts
-        });
+        let of_parts = self.folded(
+            || vec![0; levels.n()],
+            |counts: &mut Vec<u64>, value, n| {
+                levels.level_of(value).into_iter().for_each(|level| counts[level] += n);
+            },
+        );
         let mut all = vec![0; levels.n()];
-        for counts in of_rows {
-            all.iter_mut().zip(counts).for_each(|(all, n): (&mut u64, u64)| *all += n);
+        for counts in of_parts {
+            all.iter_mut().zip(counts).for_each(|(all, n)| *all += n);
         }
         all
     }
@@ -265,4 +297,39 @@ fn without_outliers(counts: &[u64]) -> [usize; 2] {
         0
     };
     [end(&mut (0..counts.len())), end(&mut (0..counts.len()).rev())]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slabsplat_core::Grid;
+
+    /// Counted values and voxels one by one say the same.
+    fn assert_same<T: Sample>(samples: &[T])
+    where
+        Vec<T>: Into<slabsplat_core::Samples>,
+    {
+        let grid = Grid::with_spacing([samples.len() / 20, 5, 4], [1.0; 3]).unwrap();
+        let scaling = Scaling { slope: 0.25, intercept: -7.0 };
+        let volume = Volume::new(grid, samples.to_vec().into(), scaling).unwrap();
+        let counted = Rows::new(&volume, samples);
+        assert!(counted.counted.is_some(), "{:?}", T::TYPE);
+        let one_by_one = Rows { counted: None, ..Rows::new(&volume, samples) };
+        assert_eq!(counted.statistics(), one_by_one.statistics(), "{:?}", T::TYPE);
+    }
+
+    #[test]
+    fn statistics_are_the_same_of_counts_and_of_voxels() {
+        let mut rng = fastrand::Rng::with_seed(3);
+        for spread in [1, 3, 40, 1000] {
+            let mut sample = || (1.0 - rng.f64().powi(4)) * f64::from(spread);
+            let n = 120_000;
+            assert_same(&(0..n).map(|_| sample() as u8).collect::<Vec<_>>());
+            assert_same(&(0..n).map(|_| -sample() as i8).collect::<Vec<_>>());
+            assert_same(&(0..n).map(|_| sample() as u16).collect::<Vec<_>>());
+            // One that strays.
+            let strays = (0..n).map(|i| if i == 9 { 32767 } else { -9 - sample() as i16 });
+            assert_same(&strays.collect::<Vec<_>>());
+        }
+    }
 }

@@ -2,8 +2,9 @@
 
 use super::DividedError;
 use super::survey::Survey;
+use crate::small_samples::SmallSamples;
 use crate::transfer::{Bins, VolumeValues};
-use slabsplat_core::{SampleType, Samples, Volume};
+use slabsplat_core::{Samples, Volume, with_samples};
 use slabsplat_io::IoError;
 use std::cell::{OnceCell, RefCell};
 
@@ -16,9 +17,6 @@ pub(super) struct BoxValues<'a, 'e> {
     counted: OnceCell<Option<Vec<(f64, u64)>>>,
     failure: RefCell<Option<DividedError>>,
 }
-
-/// Samples of 16 bits.
-const N_SMALL: usize = 1 << 16;
 
 impl<'a, 'e> BoxValues<'a, 'e> {
     pub(super) fn new(survey: Survey<'a, 'e>) -> Self {
@@ -67,19 +65,25 @@ impl<'a, 'e> BoxValues<'a, 'e> {
     /// Each value, if samples are of 16 bits or fewer.
     fn counted(&self) -> Option<&[(f64, u64)]> {
         let count = || {
-            let first = &self.survey.source.first().volume;
-            let lowest = lowest_of_small(first.sample_type())?;
-            let add = |volume: &Volume, counts: &mut [f64]| add_small(volume.samples(), counts);
-            let counts = self.of_pieces(&vec![0.0; N_SMALL], add, |a, b| a + b)?;
-            let value = |idx: usize| first.scaling().apply(idx as f64 + lowest);
-            let values = counts.into_iter().enumerate().filter(|(_, n)| 0.0 < *n);
-            Some(values.map(|(idx, n)| (value(idx), n as u64)).collect())
+            let small = self.small()?;
+            let add = |volume: &Volume, all: &mut [f64]| {
+                let of_piece = with_samples!(volume.samples(), |s| small.counts(s.iter()));
+                all.iter_mut().zip(of_piece).for_each(|(all, n)| *all += n as f64);
+            };
+            let counts = self.of_pieces(&vec![0.0; small.n()], add, |a, b| a + b)?;
+            let counts = counts.into_iter().map(|n| n as u64).collect();
+            let scaling = self.survey.source.first().volume.scaling();
+            Some(small.with_values(&[counts], scaling))
         };
         self.counted.get_or_init(count).as_deref()
     }
 
+    fn small(&self) -> Option<SmallSamples> {
+        SmallSamples::of(self.survey.source.first().volume.sample_type())
+    }
+
     fn is_small(&self) -> bool {
-        lowest_of_small(self.survey.source.first().volume.sample_type()).is_some()
+        self.small().is_some()
     }
 
     /// The least and the largest of what is found in each piece.
@@ -139,26 +143,5 @@ impl VolumeValues for BoxValues<'_, '_> {
         let values = self.counted()?.iter().map(|(value, _)| *value);
         let ends = values.filter(|value| is_one(*value)).map(|value| [value, value]);
         ends.reduce(|[lo, hi], [value, _]| [lo.min(value), hi.max(value)])
-    }
-}
-
-/// The least sample of a type of 16 bits or fewer.
-fn lowest_of_small(sample_type: SampleType) -> Option<f64> {
-    match sample_type {
-        SampleType::U8 | SampleType::U16 => Some(0.0),
-        SampleType::I8 => Some(i8::MIN.into()),
-        SampleType::I16 => Some(i16::MIN.into()),
-        SampleType::U32 | SampleType::I32 | SampleType::F32 | SampleType::F64 => None,
-    }
-}
-
-fn add_small(samples: &Samples, counts: &mut [f64]) {
-    let mut add = |idx: usize| counts[idx] += 1.0;
-    match samples {
-        Samples::U8(samples) => samples.iter().for_each(|s| add(usize::from(*s))),
-        Samples::U16(samples) => samples.iter().for_each(|s| add(usize::from(*s))),
-        Samples::I8(samples) => samples.iter().for_each(|s| add(s.abs_diff(i8::MIN).into())),
-        Samples::I16(samples) => samples.iter().for_each(|s| add(s.abs_diff(i16::MIN).into())),
-        _ => {}
     }
 }

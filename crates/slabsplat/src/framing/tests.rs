@@ -328,3 +328,27 @@ fn framing_of_axes_leaves_room_for_annotations() {
         }
     });
 }
+
+/// Of large volumes of small samples, each sample is looked up once.
+#[test]
+fn framing_is_of_values_whatever_their_type() {
+    let grid = Grid::with_spacing([70, 50, 40], [1.0, 1.5, 0.7]).unwrap();
+    let value = |[x, y, z]: [usize; 3]| (x * x + 3 * y + 7 * z * x) % 251;
+    let look = |volume: Volume| {
+        let curve = [(20.0, 0.0), (60.0, 0.4), (90.0, 0.1), (200.0, 0.0)];
+        let transfer = TransferFunction::new(curve, [(0.0, [1.0; 3])]).unwrap();
+        Cells::of_layer(&Layer::new(volume, transfer), Mode::Extinction)
+    };
+    let expected = look(Volume::from_fn(grid, |voxel| value(voxel) as f32));
+    let same = [
+        look(Volume::from_fn(grid, |voxel| value(voxel) as u8)),
+        look(Volume::from_fn(grid, |voxel| value(voxel) as u16)),
+        look(Volume::from_fn(grid, |voxel| value(voxel) as i16)),
+    ];
+    for cells in same {
+        assert_eq!(cells.cells.len(), expected.cells.len());
+        for (cell, expected) in cells.cells.iter().zip(&expected.cells) {
+            assert_eq!((cell.middle, cell.weight), (expected.middle, expected.weight));
+        }
+    }
+}

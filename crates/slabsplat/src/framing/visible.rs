@@ -3,12 +3,15 @@
 //! A pass over the volume, once for whatever number of directions: 96 cells along the longest axis are 1 % of
 //! a picture each, and of a larger cell no more than 3³ voxels are looked at.
 
+use crate::small_samples::SmallSamples;
 use rayon::prelude::*;
 use slabsplat_core::glam::{BVec3, DVec3};
 use slabsplat_core::{
     Grid, Isosurface, LabelMap, Layer, Mode, Sample, TransferFunction, extinction, with_samples,
 };
+use std::iter::StepBy;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Cells along the longest axis.
 const N_CELLS: usize = 96;
@@ -97,6 +100,13 @@ pub(crate) struct CellLayout<'a> {
     /// Voxels along the sides of a cell.
     sides: [usize; 3],
     n_cells: [usize; 3],
+    /// The extinction of each sample, where there are fewer of these than voxels.
+    tabled: OnceLock<Option<Tabled>>,
+}
+
+struct Tabled {
+    small: SmallSamples,
+    extinctions: Vec<f64>,
 }
 
 /// What is known of a cell some of whose planes have been looked at.
@@ -106,6 +116,16 @@ pub(crate) struct CellSum {
     n: u32,
     /// The least and the largest value.
     range: [f64; 2],
+}
+
+impl CellSum {
+    fn add(&mut self, value: f64, extinction: impl FnOnce() -> f64) {
+        self.n += 1;
+        if !value.is_nan() {
+            self.range = [value.min(self.range[0]), value.max(self.range[1])];
+            self.extinction += extinction();
+        }
+    }
 }
 
 impl<'a> CellLayout<'a> {
@@ -118,7 +138,8 @@ impl<'a> CellLayout<'a> {
         let sides =
             [0, 1, 2].map(|axis| ((side as f64 / steps[axis]).round() as usize).clamp(1, side));
         let n_cells = [0, 1, 2].map(|axis| dims[axis].div_ceil(sides[axis]));
-        Self { look: Look::new(layer, mode), grid: *grid, sides, n_cells }
+        let look = Look::new(layer, mode);
+        Self { look, grid: *grid, sides, n_cells, tabled: OnceLock::new() }
     }
 
     /// How many layers of cells there are along z.
@@ -144,7 +165,7 @@ impl<'a> CellLayout<'a> {
     }
 
     /// Those of them that are looked at.
-    fn samples(&self, axis: usize, cell: usize) -> impl Iterator<Item = usize> + use<> {
+    fn samples(&self, axis: usize, cell: usize) -> StepBy<Range<usize>> {
         let voxels = self.voxels(axis, cell);
         let stride = voxels.len().div_ceil(N_SAMPLES);
         voxels.step_by(stride)
@@ -161,6 +182,16 @@ impl<'a> CellLayout<'a> {
         vec![CellSum { extinction: 0.0, n: 0, range }; self.n_in_layer()]
     }
 
+    fn tabled<T: Sample>(&self) -> Option<&Tabled> {
+        let table = || {
+            let small = SmallSamples::fewer_than(self.grid.n_voxels(), T::TYPE)?;
+            let values = small.values(self.look.layer.volume.scaling());
+            let extinctions = values.map(|value| self.look.extinction(value, None)).collect();
+            Some(Tabled { small, extinctions })
+        };
+        self.tabled.get_or_init(table).as_ref()
+    }
+
     /// Looks at some rows of a plane of voxels, of which samples are given, and labels with the first of
     /// theirs: those of a cell come in their order.
     pub(crate) fn add<T: Sample>(
@@ -172,22 +203,29 @@ impl<'a> CellLayout<'a> {
     ) {
         let [nx, _, _] = self.grid.dims();
         let scaling = self.look.layer.volume.scaling();
+        let tabled = self.tabled::<T>().filter(|_| labels.is_none());
+        let label_at = |idx: usize| {
+            labels.map(|(map, first)| map.labels()[usize::from(map.indices()[first + idx])])
+        };
+        let columns: Vec<_> = (0..self.n_cells[0]).map(|cell| self.samples(0, cell)).collect();
         for cell_y in rows.start / self.sides[1]..rows.end.div_ceil(self.sides[1]) {
             for y in self.samples(1, cell_y).filter(|y| rows.contains(y)) {
                 let row = (y - rows.start) * nx;
-                for cell_x in 0..self.n_cells[0] {
-                    let sum = &mut sums[cell_y * self.n_cells[0] + cell_x];
-                    for x in self.samples(0, cell_x) {
-                        let value = scaling.apply(samples[row + x].to_f64());
-                        sum.n += 1;
-                        if !value.is_nan() {
-                            sum.range = [value.min(sum.range[0]), value.max(sum.range[1])];
-                            let label = labels.map(|(map, first)| {
-                                map.labels()[usize::from(map.indices()[first + row + x])]
-                            });
-                            sum.extinction += self.look.extinction(value, label);
-                        }
+                let sums = &mut sums[cell_y * self.n_cells[0]..];
+                for (of_cell, columns) in sums.iter_mut().zip(&columns) {
+                    // By itself, so that it stays in registers.
+                    let mut sum = *of_cell;
+                    for x in columns.clone() {
+                        let sample = samples[row + x];
+                        let value = scaling.apply(sample.to_f64());
+                        sum.add(value, || match tabled {
+                            Some(Tabled { small, extinctions }) => {
+                                extinctions[small.idx_of(sample)]
+                            }
+                            None => self.look.extinction(value, label_at(row + x)),
+                        });
                     }
+                    *of_cell = sum;
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! How many voxels of a volume have which values.
 
+use crate::small_samples::SmallSamples;
 use rayon::prelude::*;
 use slabsplat_core::{Sample, Scaling, Volume, with_samples};
 
@@ -56,16 +57,19 @@ fn extremes_of<T: Sample>(
     is_one: impl Fn(f64) -> bool + Sync,
 ) -> Option<[f64; 2]> {
     let nothing = || [f64::INFINITY, f64::NEG_INFINITY];
+    let joined = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
+    if let Some(small) = SmallSamples::fewer_than(samples.len(), T::TYPE) {
+        let values = small.counted(samples, scaling).into_iter().map(|(value, _)| value);
+        let ends = values.filter(|&value| is_one(value)).map(|value| [value; 2]);
+        return ends.reduce(joined);
+    }
     let of_chunk = |chunk: &[T]| {
         let values = chunk.iter().map(|sample| scaling.apply(sample.to_f64()));
         values
             .filter(|&value| is_one(value))
             .fold(nothing(), |[min, max], value| [min.min(value), max.max(value)])
     };
-    let [min, max] = samples
-        .par_chunks(CHUNK_LEN)
-        .map(of_chunk)
-        .reduce(nothing, |[a, b], [c, d]| [a.min(c), b.max(d)]);
+    let [min, max] = samples.par_chunks(CHUNK_LEN).map(of_chunk).reduce(nothing, joined);
     (min <= max).then_some([min, max])
 }
 
@@ -114,6 +118,13 @@ impl Bins {
     }
 
     fn counts_of<T: Sample>(self, samples: &[T], scaling: Scaling) -> Vec<u64> {
+        if let Some(small) = SmallSamples::fewer_than(samples.len(), T::TYPE) {
+            let mut counts = vec![0; self.n_bins];
+            for (value, n) in small.counted(samples, scaling) {
+                self.bin_of(value).into_iter().for_each(|bin| counts[bin] += n);
+            }
+            return counts;
+        }
         let count = |mut counts: Vec<u64>, chunk: &[T]| {
             let values = chunk.iter().map(|sample| scaling.apply(sample.to_f64()));
             values.filter_map(|value| self.bin_of(value)).for_each(|bin| counts[bin] += 1);
@@ -144,5 +155,22 @@ mod tests {
         let counted = ValueCounts::of(&volume, 4).unwrap();
         assert_eq!((counted.range, counted.counts), ([0.0, 4.0], vec![2, 1, 1, 1]));
         assert_eq!(ValueCounts::of(&row(Samples::F32(vec![f32::NAN])), 4), None);
+    }
+
+    #[test]
+    fn values_of_every_type_are_counted_alike() {
+        let of = |idx: u32| (idx.wrapping_mul(2_654_435_761) >> 20) as u8 & 0x7f;
+        let all: Vec<u8> = (0..100_000).map(of).collect();
+        let expected =
+            ValueCounts::of(&row(Samples::F32(all.iter().map(|&v| v.into()).collect())), 37);
+        let same = [
+            Samples::U8(all.clone()),
+            Samples::I8(all.iter().map(|&v| v as i8).collect()),
+            Samples::U16(all.iter().map(|&v| v.into()).collect()),
+            Samples::I16(all.iter().map(|&v| v.into()).collect()),
+        ];
+        for samples in same {
+            assert_eq!(ValueCounts::of(&row(samples), 37), expected);
+        }
     }
 }
