@@ -4,6 +4,7 @@
 //! A worker has a memory of its own, so that each volume is there twice.
 
 use crate::frames::{Drawn, Event, Request, Urgency};
+use crate::read_elsewhere::ToRead;
 use crate::received::{Header, acquisition_of, name_of, urgency_of};
 use serde::{Deserialize, Serialize};
 use slabsplat::glam::DAffine3;
@@ -56,6 +57,15 @@ pub(crate) struct PictureHead {
     pub(crate) drawn_by: [String; 2],
 }
 
+/// What comes to a worker with bytes.
+#[derive(Debug, Deserialize, Serialize)]
+pub(crate) enum WithBytes {
+    /// A volume that pictures are asked for of; its samples, and its colours.
+    Volume(VolumeHead),
+    /// A file that is to be read; its bytes.
+    ToRead(ToRead),
+}
+
 /// What a worker says in words.
 #[derive(Debug, Deserialize, Serialize)]
 pub(crate) enum Said {
@@ -65,13 +75,17 @@ pub(crate) enum Said {
     Failed { pane: usize, number: u64, why: String },
     /// Something that people should know.
     Note(String),
+    /// The share of a file that is read.
+    Read(f64),
+    /// Why a file is not read.
+    NotRead(String),
 }
 
 impl Said {
     /// What the page is to know of it.
     pub(crate) fn into_event(self) -> Option<Event> {
         match self {
-            Self::Ready => None,
+            Self::Ready | Self::Read(_) | Self::NotRead(_) => None,
             Self::Failed { pane, number, why } => Some(Event::Failed { pane, number, why }),
             Self::Note(note) => Some(Event::Note(note)),
         }
@@ -124,7 +138,7 @@ impl Handed {
     pub(crate) fn asked(
         &mut self,
         request: &Request,
-        mut hand: impl FnMut(&VolumeHead, &[u8], &[u8]) -> Result<(), String>,
+        mut hand: impl FnMut(VolumeHead, &[u8], &[u8]) -> Result<(), String>,
     ) -> Result<String, String> {
         let opened = &request.opened;
         let is_gone = |handed: &HandedVolume| handed.volume.strong_count() == 0;
@@ -153,7 +167,7 @@ impl Handed {
         &mut self,
         layer: &Layer,
         acquisition: Acquisition,
-        hand: &mut impl FnMut(&VolumeHead, &[u8], &[u8]) -> Result<(), String>,
+        hand: &mut impl FnMut(VolumeHead, &[u8], &[u8]) -> Result<(), String>,
     ) -> Result<&HandedVolume, String> {
         let (volume, colors) = (&layer.volume, layer.colors.as_ref());
         let is_it = |handed: &HandedVolume| handed.volume.as_ptr() == Arc::as_ptr(volume);
@@ -162,7 +176,7 @@ impl Handed {
         }
         let key = self.n_handed;
         let head = VolumeHead::of(key, volume, colors, acquisition);
-        hand(&head, bytes_of(volume), colors.map_or(&[], bytes_of_colors))?;
+        hand(head, bytes_of(volume), colors.map_or(&[], bytes_of_colors))?;
         self.n_handed += 1;
         let hash = ContentHash::of_volume(volume, colors);
         self.volumes.push(HandedVolume { key, volume: Arc::downgrade(volume), hash });
@@ -232,7 +246,7 @@ impl PictureHead {
 }
 
 impl VolumeHead {
-    fn of(
+    pub(crate) fn of(
         key: u32,
         volume: &Volume,
         colors: Option<&VoxelColors>,
@@ -257,7 +271,7 @@ impl VolumeHead {
         }
     }
 
-    fn volume(&self, samples: Outside<'_>) -> Result<Volume, String> {
+    pub(crate) fn volume(&self, samples: Outside<'_>) -> Result<Volume, String> {
         let place = DAffine3::from_cols_array(&self.world_from_index);
         let grid = Grid::new(self.dims, place).map_err(|error| error.to_string())?;
         let sample_type: SampleType =
@@ -267,7 +281,7 @@ impl VolumeHead {
         Volume::new(grid, samples, scaling).map_err(|error| error.to_string())
     }
 
-    fn colors(&self, colors: Outside<'_>) -> Result<Option<VoxelColors>, String> {
+    pub(crate) fn colors(&self, colors: Outside<'_>) -> Result<Option<VoxelColors>, String> {
         let samples = match self.color_bits {
             None => return Ok(None),
             Some(8) => ColorSamples::U8(colors.to_vec()?),
@@ -276,7 +290,7 @@ impl VolumeHead {
         VoxelColors::new(self.dims, samples).map(Some).map_err(|error| error.to_string())
     }
 
-    fn acquisition(&self) -> Result<Acquisition, String> {
+    pub(crate) fn acquisition(&self) -> Result<Acquisition, String> {
         acquisition_of(self.modality.as_deref(), &self.orientation, self.is_metric)
             .map_err(|error| error.to_string())
     }
@@ -295,11 +309,11 @@ fn samples_of(sample_type: SampleType, samples: Outside<'_>) -> Result<Samples, 
     })
 }
 
-fn bytes_of(volume: &Volume) -> &[u8] {
+pub(crate) fn bytes_of(volume: &Volume) -> &[u8] {
     with_samples!(volume.samples(), |samples| bytemuck::cast_slice(samples))
 }
 
-fn bytes_of_colors(colors: &VoxelColors) -> &[u8] {
+pub(crate) fn bytes_of_colors(colors: &VoxelColors) -> &[u8] {
     match colors.samples() {
         ColorSamples::U8(colors) => bytemuck::cast_slice(colors),
         ColorSamples::U16(colors) => bytemuck::cast_slice(colors),
@@ -308,13 +322,13 @@ fn bytes_of_colors(colors: &VoxelColors) -> &[u8] {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use slabsplat::io::{SceneFile, VolumeSource};
     use slabsplat::{Modality, Orientation, Plane, Region};
 
     /// Calls something with bytes as if they were outside.
-    fn outside<T>(bytes: &[u8], call: impl FnOnce(Outside<'_>) -> T) -> T {
+    pub(crate) fn outside<T>(bytes: &[u8], call: impl FnOnce(Outside<'_>) -> T) -> T {
         call(Outside { len: bytes.len(), copy_to: &|into| into.copy_from_slice(bytes) })
     }
 
@@ -335,10 +349,12 @@ mod tests {
         worker: &mut Volumes,
     ) -> (Asked, OpenScene, usize) {
         let mut n_handed = 0;
-        let hand = |head: &VolumeHead, samples: &[u8], colors: &[u8]| {
+        let hand = |head: VolumeHead, samples: &[u8], colors: &[u8]| {
             n_handed += 1;
-            let head = serde_json::to_string(head).unwrap();
-            let head = serde_json::from_str(&head).unwrap();
+            let told = serde_json::to_string(&WithBytes::Volume(head)).unwrap();
+            let WithBytes::Volume(head) = serde_json::from_str(&told).unwrap() else {
+                panic!("a volume is handed over, not {told}");
+            };
             outside(samples, |samples| outside(colors, |colors| worker.add(&head, samples, colors)))
         };
         let text = page.asked(&request(opened), hand).unwrap();

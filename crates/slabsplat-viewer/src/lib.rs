@@ -17,7 +17,8 @@
 //! ```
 //!
 //! Reading order: `state` (what is open, without a window), `frames` (where pictures come from), `jobs`,
-//! `ui`, `app` (all of it), `window`; in a browser `page`, `handed` and `received`.
+//! `ui`, `app` (all of it), `window`; in a browser `page`, `handed`,
+//! `read_elsewhere` and `received`.
 
 pub mod state;
 
@@ -28,6 +29,8 @@ mod handed;
 mod jobs;
 #[cfg(target_arch = "wasm32")]
 mod page;
+#[cfg(any(target_arch = "wasm32", test))]
+mod read_elsewhere;
 #[cfg(any(target_arch = "wasm32", test))]
 mod received;
 #[cfg(not(target_arch = "wasm32"))]
@@ -48,6 +51,6 @@ pub use frames::{
 pub use frames::{RenderingThread, WindowDevice};
 pub use jobs::{Opener, Opening};
 #[cfg(target_arch = "wasm32")]
-pub use page::{draw_for_page, show_in_page};
+pub use page::{show_in_page, work_for_page};
 #[cfg(not(target_arch = "wasm32"))]
 pub use window::{Start, WindowError, show};

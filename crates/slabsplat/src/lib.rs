@@ -68,9 +68,9 @@
 //!
 //! # Reading order
 //!
-//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `automatic`,
-//! `framing`, `otsu`, `small_samples`, `transfer`, `scene_file`, `scene_changes`, `scene_layers`, `scene_film`, `divided`;
-//! `popping`, `comparison`; [`paper`].
+//! `renderer`, `picture`, `backends`; `pending_frame`, `render_thread`; `texture_renderer`; `small_samples`,
+//! `automatic`, `framing`, `otsu`, `transfer`, `scene_file`, `scene_changes`, `scene_layers`, `scene_film`,
+//! `divided`; `popping`, `comparison`; [`paper`].
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![deny(clippy::exhaustive_enums, clippy::exhaustive_structs)]

@@ -1,4 +1,4 @@
-import init, { draw } from './viewer.js';
+import init, { work } from './viewer.js';
 
 await init();
-draw();
+work();

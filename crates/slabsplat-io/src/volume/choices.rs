@@ -31,7 +31,7 @@ const MAX_LISTED: usize = 12;
 /// let options = VolumeOptions::default().channel(1).time(20);
 /// assert_eq!((options.series, options.channel, options.time), (None, Some(1), Some(20)));
 /// ```
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[non_exhaustive]
 pub struct VolumeOptions {
     /// Which series of a folder, or image of a file, counted from 0.
@@ -58,9 +58,11 @@ pub struct VolumeOptions {
     /// so ([`IoError::NotInBoxes`]). Of colours with alpha that is the opacity, unless something else is
     /// asked for: whether it tells voxels apart is not known of some.
     pub voxels: Option<[Range<usize>; 3]>,
-    /// What hears how far reading is.
+    /// What hears how far reading is; it is no part of what is serialized.
+    #[serde(skip)]
     pub progress: Option<ProgressCallback>,
     /// What several boxes of a store of chunks need of it.
+    #[serde(skip)]
     pub(crate) chunks: Option<ChunkCache>,
 }
 

@@ -7,6 +7,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use slabsplat_core::{ColorSamples, Grid, Sample, SampleType, Samples, Scaling, VoxelColors};
 
 use super::choices::{Choice, Part, VolumeChoices, VolumeOptions};
@@ -19,10 +20,10 @@ use crate::IoError;
 macro_rules! named {
     ($(#[$doc:meta])+ $Type:ident { $($(#[$of:meta])+ $Variant:ident = $name:literal,)+ }) => {
         $(#[$doc])+
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize)]
         #[non_exhaustive]
         pub enum $Type {
-            $($(#[$of])+ $Variant,)+
+            $($(#[$of])+ #[serde(rename = $name)] $Variant,)+
         }
 
         impl $Type {
@@ -85,6 +86,13 @@ pub struct LoadedColors {
     pub has_alpha: bool,
     /// What the scalar is.
     pub opacity_from: OpacitySource,
+}
+
+impl LoadedColors {
+    /// Colours that were read elsewhere.
+    pub fn new(voxels: Option<VoxelColors>, has_alpha: bool, opacity_from: OpacitySource) -> Self {
+        Self { voxels, has_alpha, opacity_from }
+    }
 }
 
 /// What a format says that the values of a voxel are.

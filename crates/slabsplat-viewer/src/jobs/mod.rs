@@ -18,6 +18,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::sync::{Arc, Mutex, PoisonError};
+#[cfg(target_arch = "wasm32")]
+use std::task::Waker;
 
 /// What a scene file makes of a name: a volume, a scene, a picture that says what it shows.
 pub type Opener = Arc<dyn Fn(&Path) -> Result<SceneFile, String> + Send + Sync>;
@@ -69,10 +71,13 @@ pub(crate) struct Progress {
     thousandths: Arc<AtomicU32>,
     is_cancelled: Arc<AtomicU32>,
     frame: Arc<Mutex<Option<FrameHandle>>>,
+    /// Who waits for others to do it.
+    #[cfg(target_arch = "wasm32")]
+    waker: Arc<Mutex<Option<Waker>>>,
 }
 
 impl Progress {
-    fn reach(&self, share: f64) {
+    pub(crate) fn reach(&self, share: f64) {
         self.thousandths.store((1000.0 * share) as u32, Ordering::Relaxed);
     }
 
@@ -87,7 +92,7 @@ impl Progress {
         frame
     }
 
-    fn is_cancelled(&self) -> bool {
+    pub(crate) fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed) != 0
     }
 
@@ -96,6 +101,20 @@ impl Progress {
         if let Some(frame) = &*self.frame.lock().unwrap_or_else(PoisonError::into_inner) {
             frame.cancel();
         }
+        #[cfg(target_arch = "wasm32")]
+        self.wake();
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn set_waker(&self, waker: &Waker) {
+        *self.waker.lock().unwrap_or_else(PoisonError::into_inner) = Some(waker.clone());
+    }
+
+    /// Has whoever waits look again.
+    #[cfg(target_arch = "wasm32")]
+    pub(crate) fn wake(&self) {
+        let waker = self.waker.lock().unwrap_or_else(PoisonError::into_inner).take();
+        waker.into_iter().for_each(Waker::wake);
     }
 }
 

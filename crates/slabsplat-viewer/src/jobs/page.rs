@@ -2,7 +2,7 @@
 
 use super::{Job, Opener, Progress, Volumes, file_of, picture_format};
 use crate::frames::Wake;
-use crate::page::{Pictures, backend, bytes_of, download, token, turn_of_others};
+use crate::page::{Pictures, backend, bytes_of, download, read, token, turn_of_others};
 use crate::received::Session;
 use crate::state::{self, Bytes, Document};
 use eframe::egui::DroppedFileHandle;
@@ -44,9 +44,9 @@ pub(crate) fn opener() -> Opener {
 #[expect(clippy::needless_pass_by_value, reason = "a desktop's thread takes it along")]
 pub(crate) fn open(_: Opener, url: PathBuf, size: [u32; 2], wake: &Wake) -> Job<Document> {
     let url = url.to_string_lossy().into_owned();
-    Job::of_future(format!("opening {url}"), wake, move |_| async move {
+    Job::of_future(format!("opening {url}"), wake, move |progress| async move {
         let bytes = bytes_of(&url).await?;
-        document(&url, bytes, size).await
+        document(&url, bytes, size, &progress).await
     })
 }
 
@@ -59,9 +59,9 @@ pub(crate) fn open_dropped(
 ) -> Job<Document> {
     let file = file.clone();
     let name = file.path().to_string_lossy().into_owned();
-    Job::of_future(format!("opening {name}"), wake, move |_| async move {
+    Job::of_future(format!("opening {name}"), wake, move |progress| async move {
         let bytes = file.bytes_async().await?;
-        document(&name, bytes, size).await
+        document(&name, bytes, size, &progress).await
     })
 }
 
@@ -73,13 +73,13 @@ pub(crate) fn open_channel(
     size: [u32; 2],
     wake: &Wake,
 ) -> Job<Document> {
-    Job::of_future(format!("opening {name}"), wake, move |_| async move {
+    Job::of_future(format!("opening {name}"), wake, move |progress| async move {
         let layer = &file.layers[0];
         let volume = match (&bytes, &layer.volume) {
             (Some(bytes), VolumeSource::File(path)) => {
-                read(&path.to_string_lossy(), bytes, &layer.options)?
+                read(&path.to_string_lossy(), bytes, &layer.options, &progress).await?
             }
-            _ => fetched(layer).await?,
+            _ => fetched(layer, &progress).await?,
         };
         let mut document = Document::of(with_volumes(vec![volume], &file, size)?, name);
         document.set_bytes(bytes);
@@ -95,7 +95,9 @@ pub(crate) fn open_bytes(
     wake: &Wake,
 ) -> Job<Document> {
     let title = format!("opening {name}");
-    Job::of_future(title, wake, move |_| async move { document(&name, bytes, size).await })
+    Job::of_future(title, wake, move |progress| async move {
+        document(&name, bytes, size, &progress).await
+    })
 }
 
 /// Opens a built-in volume.
@@ -121,7 +123,7 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
         for (layer_idx, layer) in file.layers.iter_mut().enumerate() {
             (layer.hash, layer.labels) = (None, None);
             let bytes = bytes_of(&format!("overview/{layer_idx}?token={token}")).await?;
-            volumes.push(read("overview.nrrd", &bytes, &VolumeOptions::default())?);
+            volumes.push(read_overview(&bytes)?);
         }
         for (volume, acquisition) in volumes.iter_mut().zip(session.acquisitions()?) {
             volume.acquisition = acquisition;
@@ -134,11 +136,16 @@ pub(crate) fn open_session(token: String, size: [u32; 2], wake: &Wake) -> Job<Do
     })
 }
 
-async fn document(name: &str, bytes: Vec<u8>, size: [u32; 2]) -> Result<Document, String> {
+async fn document(
+    name: &str,
+    bytes: Vec<u8>,
+    size: [u32; 2],
+    progress: &Progress,
+) -> Result<Document, String> {
     if !Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
     {
         let file = SceneFile::of_volume(VolumeSource::File(name.into()));
-        let volume = read(name, &bytes, &VolumeOptions::default())?;
+        let volume = read(name, &bytes, &VolumeOptions::default(), progress).await?;
         // Of other files there is nothing more to be read.
         let has_channels = 1 < volume.choices.channel.n;
         let mut document = Document::of(with_volumes(vec![volume], &file, size)?, name.to_owned());
@@ -149,24 +156,26 @@ async fn document(name: &str, bytes: Vec<u8>, size: [u32; 2]) -> Result<Document
     let file = parse_scene(&text, name).map_err(|error| error.to_string())?;
     let mut volumes = Vec::new();
     for layer in &file.layers {
-        volumes.push(fetched(layer).await?);
+        volumes.push(fetched(layer, progress).await?);
     }
     Ok(Document::of(with_volumes(volumes, &file, size)?, name.to_owned()))
 }
 
 /// A layer's volume, from where the scene says that it is.
-async fn fetched(layer: &LayerFile) -> Result<LoadedVolume, String> {
+async fn fetched(layer: &LayerFile, progress: &Progress) -> Result<LoadedVolume, String> {
     let VolumeSource::File(path) = &layer.volume else {
         return layer.load_volume().map_err(|error| error.to_string());
     };
     let url = path.to_string_lossy();
     let bytes = bytes_of(&url).await?;
-    read(&url, &bytes, &layer.options)
+    read(&url, &bytes, &layer.options, progress).await
 }
 
-fn read(name: &str, bytes: &[u8], options: &VolumeOptions) -> Result<LoadedVolume, String> {
+/// A server's overview, which is small.
+fn read_overview(bytes: &[u8]) -> Result<LoadedVolume, String> {
+    let name = "overview.nrrd";
     let files = FilesInMemory::from_iter([(name, bytes)]);
-    files.read_volume_with(name, options).map_err(|error| error.to_string())
+    files.read_volume_with(name, &VolumeOptions::default()).map_err(|error| error.to_string())
 }
 
 fn with_volumes(

@@ -1,12 +1,14 @@
-//! What a worker does: it draws what its page asks for, by WebGPU where the browser has it, and else by the
-//! CPU.
+//! What a worker does: it reads files for its page, or draws what that asks for, by WebGPU where the browser
+//! has it, and else by the CPU.
 
 use crate::frames::Urgency;
-use crate::handed::{Asked, Outside, PictureHead, Said, Volumes};
+use crate::handed::{Asked, Outside, PictureHead, Said, VolumeHead, Volumes, WithBytes};
+use crate::read_elsewhere::{LoadedHead, ToRead, parts_of};
 use crate::received::Header;
 use eframe::wasm_bindgen::closure::Closure;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use js_sys::{Array, Float32Array, Uint8Array};
+use serde::Serialize;
 use slabsplat::{FrameHandle, OpenScene, Picture, RenderError, Renderer, finished, frame_scene};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -14,24 +16,25 @@ use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{DedicatedWorkerGlobalScope, MessageChannel, MessageEvent};
 use web_time::Instant;
 
-/// Draws for the page that started the worker in which this is called, for as long as both are there.
+/// Reads and draws for the page that started the worker in which this is called, for as long as both are
+/// there.
 ///
 /// # Errors
 /// If this is no worker.
-pub fn draw_for_page() -> Result<(), String> {
+pub fn work_for_page() -> Result<(), String> {
     let scope: Result<DedicatedWorkerGlobalScope, _> = js_sys::global().dyn_into();
     let scope = scope.map_err(|_| "this is no worker")?;
     let drawing = Drawing { scope: scope.clone(), shared: Rc::default() };
     let of_messages = drawing.clone();
     let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |message: MessageEvent| {
         if let Err(why) = of_messages.hear(&message.data()) {
-            of_messages.say(&Said::Note(why));
+            say(&Said::Note(why));
         }
     });
     scope.set_onmessage(Some(on_message.as_ref().unchecked_ref()));
     // It is there until the worker ends.
     on_message.forget();
-    drawing.say(&Said::Ready);
+    say(&Said::Ready);
     Ok(())
 }
 
@@ -56,25 +59,39 @@ struct Shared {
 
 impl Drawing {
     fn hear(&self, data: &JsValue) -> Result<(), String> {
-        let mut shared = self.shared.borrow_mut();
         let Some(text) = data.as_string() else {
             let parts: &Array = data.dyn_ref().ok_or("the page sent nothing")?;
             let head = parts.get(0).as_string().unwrap_or_default();
-            let head = serde_json::from_str(&head).map_err(|error| error.to_string())?;
-            let [samples, colors] = [1, 2].map(|part| Uint8Array::new(&parts.get(part)));
-            let outside = |len: u32, copy_to| Outside { len: len as usize, copy_to };
-            return shared.volumes.add(
-                &head,
-                outside(samples.length(), &|into| samples.copy_to(into)),
-                outside(colors.length(), &|into| colors.copy_to(into)),
-            );
+            return match serde_json::from_str(&head).map_err(|error| error.to_string())? {
+                WithBytes::Volume(head) => self.shared.borrow_mut().add(&head, parts),
+                WithBytes::ToRead(to_read) => self.read(to_read, parts),
+            };
         };
         let asked: Asked = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+        let mut shared = self.shared.borrow_mut();
         shared.ask(asked);
         if !std::mem::replace(&mut shared.is_drawing, true) {
             spawn_local(self.clone().draw_all());
         }
         Ok(())
+    }
+
+    /// Reads a file, and sends what was read, or why nothing is.
+    fn read(&self, to_read: ToRead, parts: &Array) -> Result<(), String> {
+        let bytes = Uint8Array::new(&parts.get(1)).to_vec();
+        let hear = |share| say(&Said::Read(share));
+        match to_read.read(&bytes, hear) {
+            Ok(loaded) => {
+                let head = LoadedHead::of(&loaded);
+                let [samples, colors] =
+                    parts_of(&loaded).map(|part| JsValue::from(Uint8Array::from(part).buffer()));
+                self.send(&head, &[samples, colors])
+            }
+            Err(why) => {
+                say(&Said::NotRead(why));
+                Ok(())
+            }
+        }
     }
 
     /// Draws what waits until nothing does. Messages are heard between frames.
@@ -91,7 +108,7 @@ impl Drawing {
             };
             let (pane, number) = (asked.pane, asked.number);
             if let Err(Some(why)) = self.draw(asked).await {
-                self.say(&Said::Failed { pane, number, why });
+                say(&Said::Failed { pane, number, why });
             }
             self.shared.borrow_mut().under_way = None;
         }
@@ -107,7 +124,7 @@ impl Drawing {
         let result = drawn(&mut renderer, &opened, &frame).await;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         let sent = match &result {
-            Ok(picture) => self.send(&asked, picture, &renderer, ms).map_err(Some),
+            Ok(picture) => self.send_picture(&asked, picture, &renderer, ms).map_err(Some),
             Err(error) => Err((!error.is_cancelled()).then(|| error.to_string())),
         };
         self.shared.borrow_mut().renderers[asked.pane] = Some((asked.backend, renderer));
@@ -130,13 +147,13 @@ impl Drawing {
         match Renderer::open_async(backend, |_| {}).await {
             Ok(renderer) => Ok(renderer),
             Err(error) => {
-                self.say(&Said::Note(format!("{error}; the browser draws as it can")));
+                say(&Said::Note(format!("{error}; the browser draws as it can")));
                 Renderer::open_async("auto", |_| {}).await.map_err(|error| error.to_string())
             }
         }
     }
 
-    fn send(
+    fn send_picture(
         &self,
         asked: &Asked,
         Picture { frame, notes, .. }: &Picture,
@@ -150,22 +167,39 @@ impl Drawing {
             size: [frame.image.width(), frame.image.height()],
             drawn_by: [caps.name.to_owned(), caps.device.clone()],
         };
-        let head = serde_json::to_string(&head).map_err(|error| error.to_string())?;
         let pixels: &[f32] = bytemuck::cast_slice(frame.image.pixels());
-        let pixels = JsValue::from(Float32Array::from(pixels).buffer());
-        let message = Array::of2(&head.into(), &pixels);
-        let sent = self.scope.post_message_with_transfer(&message, &Array::of1(&pixels));
-        sent.map_err(|error| format!("the page takes nothing: {error:?}"))
+        self.send(&head, &[Float32Array::from(pixels).buffer().into()])
     }
 
-    fn say(&self, said: &Said) {
-        let text = serde_json::to_string(said).unwrap_or_default();
-        // There is nobody else to tell.
-        drop(self.scope.post_message(&text.into()));
+    /// A head, and parts that are handed over.
+    fn send(&self, head: &impl Serialize, parts: &[JsValue]) -> Result<(), String> {
+        let head = serde_json::to_string(head).map_err(|error| error.to_string())?;
+        let transferred = parts.iter().collect::<Array>();
+        let message = Array::of1(&head.into()).concat(&transferred);
+        let sent = self.scope.post_message_with_transfer(&message, &transferred);
+        sent.map_err(|error| format!("the page takes nothing: {error:?}"))
     }
 }
 
+/// Tells the page, from wherever it is that something is to be said.
+fn say(said: &Said) {
+    let scope: Result<DedicatedWorkerGlobalScope, _> = js_sys::global().dyn_into();
+    let text = serde_json::to_string(said).unwrap_or_default();
+    // There is nobody else to tell.
+    drop(scope.map(|scope| scope.post_message(&text.into())));
+}
+
 impl Shared {
+    fn add(&mut self, head: &VolumeHead, parts: &Array) -> Result<(), String> {
+        let [samples, colors] = [1, 2].map(|part| Uint8Array::new(&parts.get(part)));
+        let outside = |len: u32, copy_to| Outside { len: len as usize, copy_to };
+        self.volumes.add(
+            head,
+            outside(samples.length(), &|into| samples.copy_to(into)),
+            outside(colors.length(), &|into| colors.copy_to(into)),
+        )
+    }
+
     /// What is asked for replaces what its pane was asked for and has not begun; a picture that is only made
     /// better is given up for whatever is newer.
     fn ask(&mut self, asked: Asked) {

@@ -4,22 +4,26 @@
 //! The page's address may say `?url=` of a volume, `?scene=` of a scene file, `?builtin=` a built-in volume,
 //! `?backend=` what draws, and `?token=` that a server draws.
 //!
-//! Reading order: `address` and `fetch` (what the page asks for), `worker` (frames of a worker), `drawing`
-//! (what that does), `remote` (frames of a server), `pictures` (what is saved), `aloud` (messages as text).
+//! Reading order: `address` and `fetch` (what the page asks for), `thread` (a worker), `reading` (files that
+//! one reads), `worker` (frames that one draws), `drawing` (what workers do), `remote` (frames of a server),
+//! `pictures` (what is saved), `aloud` (messages as text).
 
 mod address;
 mod aloud;
 mod drawing;
 mod fetch;
 mod pictures;
+mod reading;
 mod remote;
+mod thread;
 mod worker;
 
 pub(crate) use address::{backend, token};
-pub use drawing::draw_for_page;
 pub(crate) use drawing::turn_of_others;
+pub use drawing::work_for_page;
 pub(crate) use fetch::{bytes_of, download};
 pub(crate) use pictures::Pictures;
+pub(crate) use reading::read;
 
 use crate::app::Viewer;
 use crate::frames::{FrameSource, Wake};
@@ -31,8 +35,8 @@ use web_sys::HtmlCanvasElement;
 /// Shows the viewer in a canvas, for as long as the page is there. What it says to its user is also the text
 /// of the element `said`, if the page has one, for those who cannot read it in the canvas.
 ///
-/// Frames are drawn by workers, unless a server draws them: `worker.js` beside the page, a module, loads this
-/// program, too, and calls [`draw_for_page`].
+/// Files are read and frames are drawn by workers, unless a server draws them: `worker.js` beside the page, a
+/// module, loads this program, too, and calls [`work_for_page`].
 ///
 /// # Errors
 /// If the browser draws nothing in it, in a sentence for people.

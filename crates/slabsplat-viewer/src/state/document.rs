@@ -29,9 +29,8 @@ pub struct Document {
     history: History<State>,
     /// Changes whenever what is shown does.
     revision: u64,
-    framing: Framing,
-    /// What that is of.
-    framed: Seen,
+    /// What pictures are to hold, once somebody has asked, and what that is of.
+    framing: Option<(Framing, Seen)>,
 }
 
 impl Document {
@@ -51,11 +50,9 @@ impl Document {
 
     /// What is open already.
     pub fn of(opened: OpenScene, name: String) -> Self {
-        let framing = opened.framing();
-        let framed = Seen::of(&opened.scene);
         let layers = opened.scene.layers.iter().map(LayerState::of).collect();
         let history = History::new(State { opened, compared: Vec::new(), layers });
-        Self { name, history, framing, framed, revision: 0 }
+        Self { name, history, framing: None, revision: 0 }
     }
 
     /// What is now.
@@ -137,11 +134,11 @@ impl Document {
     pub fn aim(&mut self, viewpoint: Option<Viewpoint>) -> Result<(), CameraError> {
         let shown = self.shown();
         let seen = Seen::of(&shown.scene);
-        if seen.is_to_be_looked_at_after(&self.framed) {
-            (self.framing, self.framed) = (shown.framing(), seen);
-        }
+        let known = self.framing.take();
+        let known = known.filter(|(_, framed)| !seen.is_to_be_looked_at_after(framed));
+        let (framing, _) = self.framing.insert(known.unwrap_or_else(|| (shown.framing(), seen)));
         let aim = Aim::default().viewpoint(viewpoint).fit(slabsplat::Fit::Visible);
-        let camera = self.framing.aimed(&shown.scene.camera, &aim, true, &shown.scene.image)?;
+        let camera = framing.aimed(&shown.scene.camera, &aim, true, &shown.scene.image)?;
         self.move_camera(|_| camera);
         Ok(())
     }

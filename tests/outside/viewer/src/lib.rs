@@ -13,8 +13,8 @@ use web_sys::HtmlCanvasElement;
 /// # Errors
 /// If it is called elsewhere.
 #[wasm_bindgen]
-pub fn draw() -> Result<(), JsValue> {
-    Ok(slabsplat_viewer::draw_for_page()?)
+pub fn work() -> Result<(), JsValue> {
+    Ok(slabsplat_viewer::work_for_page()?)
 }
 
 /// Called when the page has loaded.

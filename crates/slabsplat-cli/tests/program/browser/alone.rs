@@ -75,7 +75,8 @@ fn a_page_films_a_turn() {
 }
 
 /// What a page hands to its worker: colours of voxels, samples of other types, grids that are neither cubic
-/// nor rectangular, several layers; and what of a scene is not the page's: a backend that no browser has.
+/// nor rectangular, several layers; and what of a scene is not the page's: a backend that no browser has. A
+/// file that no worker can read is named.
 #[test]
 fn a_page_hands_all_of_a_scene_to_its_worker() {
     let Some(site) = site() else { return };
@@ -98,6 +99,10 @@ fn a_page_hands_all_of_a_scene_to_its_worker() {
     used.turn();
     let turned = used.saves_what_render_draws("layers-turned", ROUNDING);
     assert!(1.0 < mean_difference(&turned, &first), "it was turned");
+    let whole = fs::read(dir.path().join("shell.nrrd")).unwrap();
+    fs::write(dir.path().join("cut.nrrd"), &whole[..whole.len() / 2]).unwrap();
+    used.page.open(&server.url("index.html?url=cut.nrrd"));
+    used.must_say("cut.nrrd");
 }
 
 const TWO: &str = "render = { backend = \"ash\" }\n\
