@@ -137,6 +137,31 @@ impl Page {
         self.mouse("mouseReleased", around, 1);
     }
 
+    /// Fingers touch the page at points, go to others frame by frame, and are lifted.
+    pub fn touch<const N: usize>(&self, from: [[i32; 2]; N], to: [[i32; 2]; N]) {
+        self.ask(
+            "Emulation.setTouchEmulationEnabled",
+            json!({ "enabled": true, "maxTouchPoints": N }),
+        );
+        self.fingers("touchStart", &from);
+        for step in 1..=N_STEPS {
+            let at = |finger: usize, axis: usize| {
+                let [from, to] = [from[finger][axis], to[finger][axis]];
+                from + (to - from) * step / N_STEPS
+            };
+            let now: Vec<[i32; 2]> = (0..N).map(|finger| [at(finger, 0), at(finger, 1)]).collect();
+            self.fingers("touchMove", &now);
+        }
+        self.fingers("touchEnd", &[]);
+    }
+
+    fn fingers(&self, kind: &str, at: &[[i32; 2]]) {
+        let point = |(id, [x, y]): (usize, &[i32; 2])| json!({ "x": x, "y": y, "id": id });
+        let points: Vec<Value> = at.iter().enumerate().map(point).collect();
+        self.ask("Input.dispatchTouchEvent", json!({ "type": kind, "touchPoints": points }));
+        self.next_frames();
+    }
+
     /// Clicks.
     pub fn click(&self, at: [i32; 2]) {
         self.mouse("mouseMoved", at, 0);

@@ -51,6 +51,33 @@ fn a_page_draws_by_webgpu_what_the_cpu_draws() {
     use_it(&used);
 }
 
+/// A finger turns, two zoom.
+#[test]
+fn a_page_is_touched() {
+    let Some(site) = site() else { return };
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("small.toml"), SMALL).unwrap();
+    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
+    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
+    let used = Used { page: chromium.page([520, 380]), folder: dir.path() };
+    first_picture(
+        &used,
+        "a small volume to be touched",
+        &server.url("index.html?scene=small.toml"),
+    );
+    let first = used.saves_what_render_draws("before-touch", ROUNDING);
+    used.page.touch([[60, 200]], [[150, 230]]);
+    let turned = used.saves_what_render_draws("turned-by-touch", ROUNDING);
+    assert!(1.0 < mean_difference(&turned, &first), "it was turned");
+    used.page.touch([[90, 200], [100, 220]], [[60, 150], [130, 270]]);
+    let zoomed = used.saves_what_render_draws("zoomed-by-touch", ROUNDING);
+    let [before, after] =
+        ["turned", "zoomed"].map(|name| used.view_height(&format!("{name}-by-touch")));
+    let spread = f64::hypot(70.0, 120.0) / f64::hypot(10.0, 20.0);
+    assert!((before / after / spread - 1.0).abs() < 0.1, "{before} to {after}, not by {spread}");
+    assert!(1.0 < mean_difference(&zoomed, &turned), "it was zoomed");
+}
+
 /// Turns of six seconds, in the forms that a page makes, begin with what is shown.
 #[test]
 fn a_page_films_a_turn() {

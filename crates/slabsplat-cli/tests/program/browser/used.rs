@@ -131,6 +131,15 @@ impl Used<'_> {
         rendered
     }
 
+    /// The height of what an orthographic scene shows that was saved by that name.
+    pub(super) fn view_height(&self, name: &str) -> f64 {
+        let text = fs::read_to_string(self.folder.join(format!("saved-{name}.toml")));
+        let text = text.expect("it was saved");
+        let height = text.split_once("view_height = ").expect("the camera is orthographic").1;
+        let number = height.split(|c: char| !(c.is_ascii_digit() || c == '.')).next();
+        number.and_then(|number| number.parse().ok()).expect("it is a number")
+    }
+
     /// Turns by a drag through the view.
     pub(super) fn turn(&self) {
         self.page.drag([60, 200], [150, 230]);
