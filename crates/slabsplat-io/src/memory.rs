@@ -6,7 +6,7 @@
 use std::fmt;
 use std::path::Path;
 
-use sysinfo::{MemoryRefreshKind, RefreshKind, System};
+use sysinfo::{CGroupLimits, MemoryRefreshKind, RefreshKind, System};
 
 use crate::builtin::builtin_bytes;
 use crate::printable::shown_path;
@@ -95,8 +95,14 @@ pub(crate) fn free_bytes() -> Option<u64> {
         RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram().with_swap());
     let system = System::new_with_specifics(memory);
     let free = system.available_memory().saturating_add(system.free_swap());
-    let of_container = system.cgroup_limits().map(|limits| limits.free_memory);
+    let of_container = system.cgroup_limits().map(|limits| room_of(&limits));
     Some(free.min(of_container.unwrap_or(u64::MAX))).filter(|&free| 0 < free)
+}
+
+/// What a container's programs do not hold. What its system retains of files that were read is theirs for the
+/// asking, though it counts as used.
+fn room_of(limits: &CGroupLimits) -> u64 {
+    limits.total_memory.saturating_sub(limits.rss)
 }
 
 impl MemoryNeeds {
@@ -132,6 +138,16 @@ mod tests {
     use super::*;
     use crate::Endian;
     use slabsplat_core::SampleType;
+
+    #[test]
+    fn memory_of_files_that_were_read_is_free() {
+        let (total_memory, rss) = (8 << 30, 1 << 30);
+        // The system retains nearly all of it for files.
+        let limits = CGroupLimits { total_memory, rss, free_memory: 1 << 28, free_swap: 0 };
+        assert_eq!(room_of(&limits), 7 << 30);
+        let limits = CGroupLimits { rss: 9 << 30, ..limits };
+        assert_eq!(room_of(&limits), 0, "swap holds what is over");
+    }
 
     #[test]
     fn memory_errors_say_what_each_needs() {
