@@ -24,12 +24,13 @@ pub(crate) async fn read(
 ) -> Result<LoadedVolume, String> {
     let result = Rc::new(RefCell::new(None));
     let thread = {
-        let (result, progress) = (result.clone(), progress.clone());
+        let (result, progress, of_file) = (result.clone(), progress.clone(), name.to_owned());
         Thread::start(move |heard| {
             let came = match heard {
                 Heard::Said(Said::Read(share)) => return progress.reach(share),
-                Heard::Said(Said::NotRead(why)) | Heard::Ended(why) => Err(why),
-                Heard::Said(_) => return,
+                Heard::Said(Said::NotRead(why) | Said::Note(why)) => Err(why),
+                Heard::Said(Said::Ready | Said::Failed { .. }) => return,
+                Heard::Ended(why) => Err(format!("what reads {of_file} stopped: {why}")),
                 Heard::Parts(head, parts) => loaded(&head, &parts),
             };
             *result.borrow_mut() = Some(came);
