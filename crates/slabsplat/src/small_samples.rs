@@ -11,8 +11,11 @@ pub(crate) struct SmallSamples {
     n: usize,
 }
 
-/// Voxels that a thread counts at a time.
-const CHUNK_LEN: usize = 1 << 20;
+/// Parts in which voxels are counted at most, each of which has its own counts.
+const N_PARTS: usize = 32;
+
+/// Voxels of a part, at least.
+const PART_LEN: usize = 1 << 20;
 
 impl SmallSamples {
     /// Of a type of up to 16 bits.
@@ -57,8 +60,8 @@ impl SmallSamples {
 
     /// The values that voxels have, and how many.
     pub(crate) fn counted<T: Sample>(self, samples: &[T], scaling: Scaling) -> Vec<(f64, u64)> {
-        let counts: Vec<_> =
-            samples.par_chunks(CHUNK_LEN).map(|chunk| self.counts(chunk.iter())).collect();
+        let parts = samples.par_chunks(samples.len().div_ceil(N_PARTS).max(PART_LEN));
+        let counts: Vec<_> = parts.map(|part| self.counts(part.iter())).collect();
         self.with_values(&counts, scaling)
     }
 
