@@ -54,17 +54,10 @@ fn a_page_draws_by_webgpu_what_the_cpu_draws() {
 /// A finger turns, two zoom.
 #[test]
 fn a_page_is_touched() {
-    let Some(site) = site() else { return };
-    let dir = tempfile::tempdir().unwrap();
-    fs::write(dir.path().join("small.toml"), SMALL).unwrap();
-    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
-    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
-    let used = Used { page: chromium.page([520, 380]), folder: dir.path() };
-    first_picture(
-        &used,
-        "a small volume to be touched",
-        &server.url("index.html?scene=small.toml"),
-    );
+    with_small_volume([520, 380], touch);
+}
+
+fn touch(used: &Used<'_>) {
     let first = used.saves_what_render_draws("before-touch", ROUNDING);
     used.page.touch([[60, 200]], [[150, 230]]);
     let turned = used.saves_what_render_draws("turned-by-touch", ROUNDING);
@@ -81,24 +74,35 @@ fn a_page_is_touched() {
 /// Turns of six seconds, in the forms that a page makes, begin with what is shown.
 #[test]
 fn a_page_films_a_turn() {
-    let Some(site) = site() else { return };
-    let dir = tempfile::tempdir().unwrap();
-    fs::write(dir.path().join("small.toml"), SMALL).unwrap();
-    let server = Server::start(vec![site, dir.path().to_owned()]).unwrap();
-    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
-    let used = Used { page: chromium.page([420, 300]), folder: dir.path() };
-    first_picture(&used, "a small volume to be filmed", &server.url("index.html?scene=small.toml"));
+    with_small_volume([420, 300], film);
+}
+
+fn film(used: &Used<'_>) {
     let shown = used.saved("filmed");
     let gif = used.film("turn.gif");
-    let frames = GifDecoder::new(Cursor::new(gif)).unwrap().into_frames();
-    let apng = PngDecoder::new(Cursor::new(used.film("turn.apng"))).unwrap();
-    for (what, frames) in [("gif", frames), ("apng", apng.apng().unwrap().into_frames())] {
-        let frames: Vec<RgbaImage> = frames.map(|frame| frame.unwrap().into_buffer()).collect();
+    let frames = GifDecoder::new(Cursor::new(gif)).expect("it is a GIF").into_frames();
+    let apng = PngDecoder::new(Cursor::new(used.film("turn.apng"))).expect("it is a PNG");
+    for (what, frames) in [("gif", frames), ("apng", apng.apng().expect("it moves").into_frames())]
+    {
+        let frames: Vec<RgbaImage> =
+            frames.map(|frame| frame.expect("it is whole").into_buffer()).collect();
         assert_eq!(frames.len(), 180, "{what}");
         // A palette has 256 colours.
         assert!(mean_difference(&frames[0], &shown) < 2.0, "{what}");
         assert!(1.0 < mean_difference(&frames[45], &shown), "{what} turns");
     }
+}
+
+/// Has a page used that shows a small volume, drawn by the CPU.
+fn with_small_volume(size: [u32; 2], use_it: impl FnOnce(&Used<'_>)) {
+    let Some(site) = site() else { return };
+    let dir = tempfile::tempdir().expect("there is room");
+    fs::write(dir.path().join("small.toml"), SMALL).expect("there is room");
+    let server = Server::start(vec![site, dir.path().to_owned()]).expect("a port is free");
+    let chromium = Chromium::start(Graphics::WebGl).expect("Chromium is installed");
+    let used = Used { page: chromium.page(size), folder: dir.path() };
+    first_picture(&used, "a small volume", &server.url("index.html?scene=small.toml"));
+    use_it(&used);
 }
 
 /// What a page hands to its worker: colours of voxels, samples of other types, grids that are neither cubic
