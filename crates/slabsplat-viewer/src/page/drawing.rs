@@ -1,8 +1,9 @@
 //! What a worker does: it reads files for its page, or draws what that asks for, by WebGPU where the browser
 //! has it, and else by the CPU.
 
+use super::thread::of_volume;
 use crate::frames::Urgency;
-use crate::handed::{Asked, Outside, PictureHead, Said, VolumeHead, Volumes, WithBytes};
+use crate::handed::{Asked, PictureHead, Said, Volumes, WithBytes};
 use crate::read_elsewhere::{LoadedHead, ToRead, parts_of};
 use crate::received::Header;
 use eframe::wasm_bindgen::closure::Closure;
@@ -63,7 +64,9 @@ impl Drawing {
             let parts: &Array = data.dyn_ref().ok_or("the page sent nothing")?;
             let head = parts.get(0).as_string().unwrap_or_default();
             return match serde_json::from_str(&head).map_err(|error| error.to_string())? {
-                WithBytes::Volume(head) => self.shared.borrow_mut().add(&head, parts),
+                WithBytes::Volume(head) => of_volume(parts, 1, |samples, colors| {
+                    self.shared.borrow_mut().volumes.add(&head, samples, colors)
+                }),
                 WithBytes::ToRead(to_read) => self.read(to_read, parts),
             };
         };
@@ -190,16 +193,6 @@ fn say(said: &Said) {
 }
 
 impl Shared {
-    fn add(&mut self, head: &VolumeHead, parts: &Array) -> Result<(), String> {
-        let [samples, colors] = [1, 2].map(|part| Uint8Array::new(&parts.get(part)));
-        let outside = |len: u32, copy_to| Outside { len: len as usize, copy_to };
-        self.volumes.add(
-            head,
-            outside(samples.length(), &|into| samples.copy_to(into)),
-            outside(colors.length(), &|into| colors.copy_to(into)),
-        )
-    }
-
     /// What is asked for replaces what its pane was asked for and has not begun; a picture that is only made
     /// better is given up for whatever is newer.
     fn ask(&mut self, asked: Asked) {

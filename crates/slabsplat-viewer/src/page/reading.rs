@@ -1,11 +1,11 @@
 //! Files that a worker reads, one for each, so that the page goes on meanwhile. Reading that is given up ends
 //! with its worker.
 
-use super::thread::{Heard, Thread};
-use crate::handed::{Outside, Said, WithBytes};
+use super::thread::{Heard, Thread, of_volume};
+use crate::handed::{Said, WithBytes};
 use crate::jobs::Progress;
 use crate::read_elsewhere::{LoadedHead, ToRead};
-use js_sys::{Array, Uint8Array};
+use js_sys::Array;
 use slabsplat::io::{LoadedVolume, VolumeOptions};
 use std::cell::RefCell;
 use std::future::poll_fn;
@@ -57,10 +57,5 @@ fn poll(
 
 fn loaded(head: &str, parts: &Array) -> Result<LoadedVolume, String> {
     let head: LoadedHead = serde_json::from_str(head).map_err(|error| error.to_string())?;
-    let [samples, colors] = [0, 1].map(|part| Uint8Array::new(&parts.get(part)));
-    let outside = |len: u32, copy_to| Outside { len: len as usize, copy_to };
-    head.loaded(
-        outside(samples.length(), &|into| samples.copy_to(into)),
-        outside(colors.length(), &|into| colors.copy_to(into)),
-    )
+    of_volume(parts, 0, |samples, colors| head.loaded(samples, colors))
 }

@@ -1,7 +1,7 @@
 //! A worker: a thread of the browser's with a memory of its own, in which this program runs once more. What
 //! is said to it before it listens waits.
 
-use crate::handed::Said;
+use crate::handed::{Outside, Said};
 use eframe::wasm_bindgen::closure::Closure;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use js_sys::{Array, Uint8Array};
@@ -123,6 +123,20 @@ impl Shared {
         self.is_ready = true;
         std::mem::take(&mut self.unsaid).iter().try_for_each(|message| message.send(worker))
     }
+}
+
+/// What is made of a volume's samples and colours, which are two parts of a message, `first` and the next.
+pub(super) fn of_volume<T>(
+    parts: &Array,
+    first: u32,
+    make: impl FnOnce(Outside<'_>, Outside<'_>) -> T,
+) -> T {
+    let [samples, colors] = [first, first + 1].map(|part| Uint8Array::new(&parts.get(part)));
+    let outside = |len: u32, copy_to| Outside { len: len as usize, copy_to };
+    make(
+        outside(samples.length(), &|into| samples.copy_to(into)),
+        outside(colors.length(), &|into| colors.copy_to(into)),
+    )
 }
 
 fn heard(data: &JsValue) -> Result<Heard, String> {
