@@ -19,7 +19,10 @@ fn project(
     let record = records[in_chunk(step.first + record_of_pass)];
     let coords = coords_of(record.voxel_idx, layers[step.layer].dims);
     let center = in_view(vec3<f32>(coords));
-    put_splat(record_of_pass, coords, center, splat_color(record, center));
+    let sheet = place(record_of_pass, coords, center);
+    if sheet != NO_SHEET {
+        put_splat(record_of_pass, center, sheet, splat_color(record, center));
+    }
 }
 
 // The voxel's colour and weight in the form that the compositing sums.

@@ -21,9 +21,12 @@ fn project_cells(
     let record = records[in_chunk(step.first + record_of_pass)];
     let coords = coords_of(record.cell_idx, layers[step.layer].dims);
     let center = in_view(within_ends(coords));
-    let color = lit_color(cell_of(record));
-    let summed = summed_color(frame.compositing, color, record.extinction);
-    put_splat(record_of_pass, coords, center, summed);
+    let sheet = place(record_of_pass, coords, center);
+    if sheet != NO_SHEET {
+        let color = lit_color(cell_of(record));
+        let summed = summed_color(frame.compositing, color, record.extinction);
+        put_splat(record_of_pass, center, sheet, summed);
+    }
 }
 
 // Where a cell is: the first and the last along an axis lie further out than their indices say, so that the grid

@@ -11,6 +11,7 @@
 var<workgroup> n_splats: array<vec4<u32>, 256>;
 // Tiles with splats, saturated tiles, paused tiles, faulty tiles.
 var<workgroup> n_tiles: array<vec4<u32>, 256>;
+var<workgroup> cut_tiles: array<u32, 256>;
 
 fn add(sum: vec2<u32>, n: vec2<u32>) -> vec2<u32> {
     let low = sum.x + n.x;
@@ -22,6 +23,7 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
     var splatted = vec2(0u);
     var culled = vec2(0u);
     var n = vec4(0u);
+    var n_cut_tiles = 0u;
     for (var i = thread; i < step.n_elements; i += 256u) {
         let tile = tiles[i];
         splatted = add(splatted, vec2(tile.n_splatted, 0u));
@@ -32,7 +34,9 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
             tile.state == STATE_PAUSED,
             tile.state == STATE_FAULTY,
         ));
+        n_cut_tiles += u32(tile.state == STATE_CUT);
     }
+    cut_tiles[thread] = n_cut_tiles;
     n_splats[thread] = vec4(splatted, culled);
     n_tiles[thread] = n;
     workgroupBarrier();
@@ -43,7 +47,9 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
         splatted = add(splatted, n_splats[i].xy);
         culled = add(culled, n_splats[i].zw);
         n += n_tiles[i];
+        n_cut_tiles += cut_tiles[i];
     }
+    culled = add(culled, vec2(counts[COUNT_HIDDEN], counts[COUNT_HIDDEN + 1u]));
     counts[COUNT_SPLATTED] = splatted.x;
     counts[COUNT_SPLATTED + 1u] = splatted.y;
     counts[COUNT_CULLED] = culled.x;
@@ -53,6 +59,8 @@ fn tally(@builtin(local_invocation_index) thread: u32) {
     counts[COUNT_PAUSED_TILES] = n.z;
     let n_faults = max(counts[COUNT_FAULTS], n.w);
     counts[COUNT_FAULTS] = n_faults;
+    counts[COUNT_CUT_TILES] = n_cut_tiles;
     let has_room = counts[COUNT_SPLATS] <= step.n_blocks;
-    counts[COUNT_IS_WHOLE] = select(0u, 1u, has_room && n.z == 0u && n_faults == 0u);
+    let is_whole = has_room && n_cut_tiles == 0u && n.z == 0u && n_faults == 0u;
+    counts[COUNT_IS_WHOLE] = select(0u, 1u, is_whole);
 }

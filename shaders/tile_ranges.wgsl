@@ -18,7 +18,8 @@ fn tile_ranges(
     if tile < step.n_elements {
         let begin = first_not_before(tile);
         let end = first_not_before(tile + 1u);
-        tiles[tile] = TileWork(begin, end, NO_SHEET, 0u, 0u, STATE_UNTOUCHED);
+        let last_tossed = tiles[tile].last_tossed;
+        tiles[tile] = TileWork(begin, end, NO_SHEET, 0u, 0u, STATE_UNTOUCHED, last_tossed);
     }
 }
 

@@ -4,7 +4,7 @@
 //#include "shared/step.wgsl"
 //#include "shared/scan.wgsl"
 //#include "shared/frame.wgsl"
-//#include "shared/counted.wgsl"
+//#include "shared/counted_atomically.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/toss.wgsl"
 
@@ -17,7 +17,7 @@
 @group(0) @binding(5) var<storage, read> totals: array<u32>;
 @group(0) @binding(6) var<storage, read_write> tossed_tiles: array<u32>;
 @group(0) @binding(7) var<storage, read_write> tossed_voxels: array<u32>;
-@group(0) @binding(8) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(8) var<storage, read_write> counts: array<atomic<u32>>;
 
 @compute @workgroup_size(256)
 fn toss_emit(
@@ -30,7 +30,7 @@ fn toss_emit(
     let end = min(start + PER_THREAD, n_counted());
     var n = 0u;
     for (var i = start; i < end; i++) {
-        n = saturating_sum(n, n_touched(rects[order[i]]));
+        n = saturating_sum(n, n_tossed(rects[order[i]]));
     }
     let before = scan_workgroup(thread, n);
     if end <= start {
@@ -42,13 +42,16 @@ fn toss_emit(
         slot = emit(order[i], slot);
     }
     if slot != saturating_sum(saturating_sum(before_block, before), n) {
-        counts[COUNT_FAULTS] = 1u;
+        atomicStore(&counts[COUNT_FAULTS], 1u);
     }
 }
 
 // Writes a voxel's tiles from `slot` on, and gives the slot behind them.
 fn emit(voxel: u32, first_slot: u32) -> u32 {
     let rect = rects[voxel];
+    if is_hidden(rect) {
+        return first_slot;
+    }
     let size = rect_size(rect);
     let first_tile = (rect.x >> 16u) * frame.n_tiles.x + (rect.x & 0xffffu);
     var slot = first_slot;

@@ -19,6 +19,8 @@ struct Batch {
 }
 
 var<workgroup> batch: Batch;
+// The same, while threads say of their pixels whether they can.
+var<workgroup> any_is_open: atomic<u32>;
 
 // The layer of a voxel: the last one that does not begin behind it.
 fn layer_of(voxel: u32) -> u32 {
@@ -39,9 +41,41 @@ fn splat_at(voxel: u32) -> Splat {
     }
 }
 
-// Finds what the batch holds of the sheet's run: sheets rise within it, so the ends of the run are where they
-// pass two limits.
-fn find_run(sheet: u32, thread: u32, is_open: bool) {
+// What the batch that is staged holds of the sheet's run, and whether any pixel can still change.
+fn run_of(sheet: u32, thread: u32, is_open: bool) -> Batch {
+    if thread == 0u {
+        atomicStore(&any_is_open, 0u);
+    }
+    workgroupBarrier();
+    find_run(sheet, thread);
+    return batch_if_open(thread, is_open);
+}
+
+// Whether any pixel can still change.
+fn is_any_open(thread: u32, is_open: bool) -> bool {
+    workgroupBarrier();
+    if thread == 0u {
+        atomicStore(&any_is_open, 0u);
+    }
+    workgroupBarrier();
+    return batch_if_open(thread, is_open).is_open == 1u;
+}
+
+// The batch, with what all threads say of their pixels.
+fn batch_if_open(thread: u32, is_open: bool) -> Batch {
+    if is_open {
+        atomicStore(&any_is_open, 1u);
+    }
+    workgroupBarrier();
+    if thread == 0u {
+        batch.is_open = atomicLoad(&any_is_open);
+    }
+    return workgroupUniformLoad(&batch);
+}
+
+// Finds the sheet's run among what is staged: sheets rise within it, so the ends of the run are where they pass
+// two limits.
+fn find_run(sheet: u32, thread: u32) {
     let first_alive = sheet - min(sheet, frame.n_slabs_before);
     let own = staged[thread].sheet;
     // Before the first splat there is nothing, as if it had begun long ago.
@@ -67,8 +101,5 @@ fn find_run(sheet: u32, thread: u32, is_open: bool) {
             batch.end = BATCH;
             batch.next_sheet = NO_SHEET;
         }
-    }
-    if is_open {
-        batch.is_open = 1u;
     }
 }

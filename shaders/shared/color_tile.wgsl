@@ -117,7 +117,9 @@ fn composite(
     var interval = interval_of(0u, corner + at);
     let has_regions = frame.has_regions == 1u;
     let compositing = frame.compositing;
-    while begin < todo.end && sheet < frame.n_sheets {
+    let end_sheet = end_of_sheets(todo);
+    var last_sheet = sheet;
+    while begin < todo.end && sheet < end_sheet {
         if frame.max_visits < n_visits {
             atomicAdd(&n_splatted, n_staged);
             return Composited(pixel, Reached(begin, sheet, STATE_PAUSED));
@@ -133,12 +135,7 @@ fn composite(
         loop {
             workgroupBarrier();
             let is_staged = stage(first + thread, todo.end, sheet, thread);
-            if thread == 0u {
-                batch.is_open = 0u;
-            }
-            workgroupBarrier();
-            find_run(sheet, thread, is_open);
-            let now = workgroupUniformLoad(&batch);
+            let now = run_of(sheet, thread, is_open);
             if now.is_open == 0u {
                 atomicAdd(&n_splatted, n_staged);
                 return Composited(pixel, Reached(first, sheet, STATE_SATURATED));
@@ -206,14 +203,19 @@ fn composite(
         }
         is_open = is_inside && pixel.a < frame.opacity_cutoff;
         n_visits += n_alive + 1u;
+        last_sheet = sheet;
         if METHOD != METHOD_VOXELS {
             sheet = next_sheet;
         }
     }
-    if !is_whole || (begin < todo.end && sheet < frame.n_sheets) {
+    if !is_whole || (begin < todo.end && sheet < end_sheet) {
         atomicStore(&is_faulty, 1u);
     }
     atomicAdd(&n_splatted, n_staged);
+    if end_sheet < frame.n_sheets {
+        let state = select(STATE_SATURATED, STATE_CUT, is_any_open(thread, is_open));
+        return Composited(pixel, Reached(begin, last_sheet, state));
+    }
     return Composited(pixel, Reached(begin, sheet, STATE_DONE));
 }
 

@@ -159,7 +159,10 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
     // How many sheets on end hold nothing, up to the last one.
     var n_empty = N_SHEETS;
     var n_visits = 0u;
-    while (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
+    let end_sheet = end_of_sheets(todo);
+    let is_limited = end_sheet < frame.n_sheets;
+    var last_sheet = sheet;
+    while (begin < todo.end && sheet < end_sheet) || (n_empty < N_BEHIND && !is_limited) {
         // Every round gets further by a sheet.
         if first_shown < sheet && frame.max_visits < n_visits {
             return Reached(begins[0], sheet, STATE_PAUSED);
@@ -174,7 +177,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
         n_staged = 0u;
         is_whole = true;
         var summed = Summed(begin, 0u, sheet + 1u, true);
-        if begin < todo.end && sheet < frame.n_sheets {
+        if begin < todo.end && sheet < end_sheet {
             summed = sum_sheet(begin, todo.end, sheet, pixel, is_open);
         }
         if !is_whole {
@@ -203,10 +206,16 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
             is_open = held[0].a < frame.opacity_cutoff;
         }
         n_visits += summed.n_alive + 1u;
+        last_sheet = sheet;
         sheet = next;
     }
-    if (begin < todo.end && sheet < frame.n_sheets) || n_empty < N_BEHIND {
+    if (begin < todo.end && sheet < end_sheet) || (n_empty < N_BEHIND && !is_limited) {
         atomicStore(&is_faulty, 1u);
+    }
+    if is_limited {
+        // What lies before the last sheets is not shown, as it may change with those behind.
+        let state = select(STATE_SATURATED, STATE_CUT, is_any_open(pixel.thread, is_open));
+        return Reached(begin, last_sheet, state);
     }
     return Reached(begin, sheet, STATE_DONE);
 }
@@ -234,12 +243,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
     loop {
         workgroupBarrier();
         let is_staged = stage(first + pixel.thread, end, sheet, pixel.thread);
-        if pixel.thread == 0u {
-            batch.is_open = 0u;
-        }
-        workgroupBarrier();
-        find_run(sheet, pixel.thread, is_open);
-        let now = workgroupUniformLoad(&batch);
+        let now = run_of(sheet, pixel.thread, is_open);
         if now.is_open == 0u {
             summed.is_open = false;
             return summed;

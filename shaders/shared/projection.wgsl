@@ -11,6 +11,7 @@
 //#include "shared/pixels.wgsl"
 //#include "shared/slabs.wgsl"
 //#include "shared/tile.wgsl"
+//#include "shared/tile_work.wgsl"
 //#include "shared/compositing.wgsl"
 //#include "shared/region.wgsl"
 //#include "shared/light.wgsl"
@@ -26,6 +27,7 @@
 @group(0) @binding(7) var<storage, read_write> order: array<u32>;
 @group(0) @binding(8) var<storage, read_write> rects: array<vec2<u32>>;
 @group(0) @binding(9) var<storage, read_write> counts: array<u32>;
+@group(0) @binding(10) var<storage, read> tiles: array<TileWork>;
 
 // Whether there is a record for a thread. Behind the records of a layer there is room for some more, which the
 // next one leaves.
@@ -51,6 +53,8 @@ fn is_listed(record_of_pass: u32) -> bool {
 fn begin_counts() {
     if step.layer == 0u {
         counts[COUNT_FAULTS] = 0u;
+        counts[COUNT_HIDDEN] = 0u;
+        counts[COUNT_HIDDEN + 1u] = 0u;
         counts[COUNT_VOXELS] = counts[step.count_slot];
     } else {
         counts[COUNT_VOXELS] += counts[step.count_slot];
@@ -62,14 +66,42 @@ fn in_chunk(idx: u32) -> u32 {
     return idx & ((1u << step.chunk_bits) - 1u);
 }
 
-// Writes the splat of a record.
-fn put_splat(record_of_pass: u32, coords: vec3<u32>, center: vec3<f32>, color: vec4<f32>) {
+// Puts a record into its sheet and onto its tiles; `NO_SHEET` if it was hidden on all of them.
+fn place(record_of_pass: u32, coords: vec3<u32>, center: vec3<f32>) -> u32 {
     let voxel = layers[step.layer].first_voxel + step.first + record_of_pass;
     let sheet = sheet_of(coords, center.z);
-    splats[in_chunk(voxel)] = Splat(center, sheet, color);
+    let rect = rect_of(center, sheet);
+    let is_hidden = is_hidden_on(rect, sheet);
     keys[voxel] = sheet;
     order[voxel] = voxel;
-    rects[voxel] = rect_of(center, sheet);
+    rects[voxel] = vec2(rect.x, rect.y | select(0u, HIDDEN, is_hidden));
+    return select(sheet, NO_SHEET, is_hidden);
+}
+
+// Writes the splat of a record.
+fn put_splat(record_of_pass: u32, center: vec3<f32>, sheet: u32, color: vec4<f32>) {
+    let voxel = layers[step.layer].first_voxel + step.first + record_of_pass;
+    splats[in_chunk(voxel)] = Splat(center, sheet, color);
+}
+
+// Tiles that are looked at, as most voxels touch no more.
+const MOST_LOOKED_AT: u32 = 16u;
+
+// Whether what begins in a sheet was hidden on all tiles of a rectangle in the frame before.
+fn is_hidden_on(rect: vec2<u32>, sheet: u32) -> bool {
+    let size = rect_size(rect);
+    let n = size.x * size.y;
+    if n == 0u || MOST_LOOKED_AT < n {
+        return false;
+    }
+    let first_tile = (rect.x >> 16u) * frame.n_tiles.x + (rect.x & 0xffffu);
+    for (var i = 0u; i < n; i++) {
+        let tile = first_tile + i / size.x * frame.n_tiles.x + i % size.x;
+        if sheet <= tiles[tile].last_tossed {
+            return false;
+        }
+    }
+    return true;
 }
 
 // A point of index space in view space.

@@ -23,6 +23,10 @@ struct Step {
     layer: u32,
     // Where surfaces begin: see `surfaces.wgsl`.
     first_surface: u32,
+    // Whether tiles are as the last frame left them, and this frame is much like it; and how many sheets further
+    // back than there what was hidden then is hidden now.
+    follows_last: u32,
+    sheets_behind: i32,
 }
 
 const NO_COUNT: u32 = 0xffffffffu;
@@ -39,10 +43,15 @@ const COUNT_FULL_TILES: u32 = 7u;
 const COUNT_PAUSED_TILES: u32 = 8u;
 // Whether a driver cut a loop short: some stop all loops after 65535 turns.
 const COUNT_FAULTS: u32 = 9u;
-// 1 if the picture is whole: there was room for all splats, no tile needs another round, no loop was cut.
+// 1 if the picture is whole: there was room for all splats, none of those that were not tossed is seen, no tile
+// needs another round, no loop was cut.
 const COUNT_IS_WHOLE: u32 = 10u;
+// Tiles on which splats are seen that were not tossed.
+const COUNT_CUT_TILES: u32 = 11u;
+// Splats that were not tossed; two words.
+const COUNT_HIDDEN: u32 = 12u;
 // Relevant voxels of each list that there is.
-const COUNT_OF_LISTS: u32 = 11u;
+const COUNT_OF_LISTS: u32 = 14u;
 
 // The number of a workgroup in a dispatch that is wider than one dimension allows.
 fn linear_group(group: vec3<u32>, n_groups: vec3<u32>) -> u32 {

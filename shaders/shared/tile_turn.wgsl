@@ -37,15 +37,24 @@ fn first_sheet(todo: TileWork) -> u32 {
     return splat_at(tossed_voxels[todo.begin]).sheet;
 }
 
+// The sheet behind the last one of which all splats of the tile were tossed.
+fn end_of_sheets(todo: TileWork) -> u32 {
+    let end = select(todo.last_tossed + 1u, NO_SHEET, todo.last_tossed == NO_SHEET);
+    return min(frame.n_sheets, end);
+}
+
 // Notes what became of a tile, once all threads are through with it. One without splats stays untouched.
 fn end_turn(tile: u32, thread: u32, todo: TileWork, reached: Reached) {
     workgroupBarrier();
-    if thread == 0u && todo.begin < todo.end {
+    let is_touched = todo.begin < todo.end || end_of_sheets(todo) < frame.n_sheets;
+    if thread == 0u && is_touched {
         let n_before = todo.n_splatted + atomicLoad(&n_splatted);
         // Those behind a full tile are counted, and not looked at.
         let n_behind = select(0u, todo.end - reached.begin, reached.state == STATE_SATURATED);
         let state = select(reached.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
-        tiles[tile] = TileWork(reached.begin, todo.end, reached.sheet, n_before, n_behind, state);
+        let last_tossed = todo.last_tossed;
+        tiles[tile] =
+            TileWork(reached.begin, todo.end, reached.sheet, n_before, n_behind, state, last_tossed);
     }
 }
 

@@ -9,6 +9,9 @@ struct TileWork {
     n_splatted: u32,
     n_culled: u32,
     state: u32,
+    // Splats that begin behind this sheet are not tossed: in the frame before they were hidden. `NO_SHEET` if
+    // all are.
+    last_tossed: u32,
 }
 
 const NO_SHEET: u32 = 0xffffffffu;
@@ -20,3 +23,5 @@ const STATE_DONE: u32 = 2u;
 const STATE_SATURATED: u32 = 3u;
 // The driver cut a loop short.
 const STATE_FAULTY: u32 = 4u;
+// Splats that were not tossed are seen.
+const STATE_CUT: u32 = 5u;

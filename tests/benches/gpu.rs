@@ -141,11 +141,12 @@ fn report(name: &str, frames: &[(Frame, f64)]) {
     let stats = &last.stats;
     println!("{name:<28} {device:>9.3} {whole:>9.3}  {}", stages.join(", "));
     println!(
-        "{:<28} voxels {}, splats {}, culled {}, tiles {} ({} saturated), {} MiB resident",
+        "{:<28} voxels {}, splats {}, culled {} ({} not tossed), tiles {} ({} saturated), {} MiB resident",
         "",
         stats.n_voxels / 1000,
         stats.n_splats / 1000,
         stats.n_culled / 1000,
+        last.cost.n_hidden / 1000,
         stats.n_tiles,
         stats.n_saturated_tiles,
         last.cost.resident_bytes >> 20,

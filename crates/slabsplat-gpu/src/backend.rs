@@ -4,7 +4,8 @@
 //! room for as many as are likely, or as the last frames had. If that was too few, the counts that
 //! come back say so, the room is made, and the job goes out again, before any later frame is handed out. So
 //! it is with tiles that have more splats than a dispatch should take on: the job goes out again with more
-//! rounds of splatting.
+//! rounds of splatting; and with a frame that left out splats which it took for hidden, since they were in the
+//! frame before, and which are not: it goes out again with all of them.
 //!
 //! A picture that is left on the device goes there right behind the work that draws it, if the device finds
 //! it whole. A job that goes out again leaves its picture again, unless a later frame has gone to the same
@@ -15,6 +16,7 @@ use crate::drawn_by::LastFits;
 use crate::frame_memory::FrameMemory;
 use crate::frame_params::SplatLayer;
 use crate::frame_passes::max_rounds;
+use crate::hidden::Hidden;
 use crate::job::Job;
 use crate::listing::Listing;
 use crate::listings::Listings;
@@ -42,6 +44,7 @@ pub struct GpuBackend<D> {
     lists: VoxelLists,
     surfaces: LastSurfaces,
     fits: LastFits,
+    hidden: Hidden,
     frame: FrameMemory,
     /// In the order of submission.
     under_way: VecDeque<UnderWay<D>>,
@@ -76,6 +79,7 @@ impl<D: Device> GpuBackend<D> {
             lists: VoxelLists::new(),
             surfaces: LastSurfaces::default(),
             fits: LastFits::default(),
+            hidden: Hidden::default(),
             frame: FrameMemory::new(info),
             under_way: VecDeque::new(),
             done: Vec::new(),
@@ -125,6 +129,7 @@ impl<D: Device> GpuBackend<D> {
         let most_voxels = self.frame.splats.most();
         let mut job = Job::new(plan, (&layers, drawn_by), listings, surfaces, most_voxels);
         job.frame.max_visits = max_visits(self.device.info().kind);
+        job.sheets_behind = self.hidden.sheets_behind(&job);
         // A list that was begun and not ended is none, so that this is the last chance to leave all as it is.
         frame.check()?;
         Ok(job)
@@ -151,6 +156,7 @@ impl<D: Device> GpuBackend<D> {
         is_read: bool,
     ) -> Result<(WorkId, Picture), BackendError> {
         let begun = self.try_begin(job, handle, is_read);
+        self.hidden.follow(begun.is_ok().then_some(job));
         if begun.is_err() {
             self.lists.forget(&mut self.memory, &mut self.device);
             self.frame.forget(&mut self.memory, &mut self.device);
@@ -219,7 +225,8 @@ impl<D: Device> GpuBackend<D> {
         }
         let counts: Counts =
             *bytemuck::from_bytes(&bytemuck::cast_slice(&done.reads[0])[..size_of::<Counts>()]);
-        if counts.n_faults != 0 {
+        let is_cut = counts.n_cut_tiles != 0;
+        if counts.n_faults != 0 || (is_cut && job.job.sheets_behind.is_none()) {
             let reason = "its driver ends loops before they are through, as Mesa's software driver does before \
                           version 23";
             return Err(self.unable(reason));
@@ -228,12 +235,18 @@ impl<D: Device> GpuBackend<D> {
         if job.frame.is_cancelled() || job.frame.is_abandoned() {
             return Err(Cancelled.into());
         }
-        if has_room && counts.n_paused_tiles == 0 {
+        if has_room && counts.n_paused_tiles == 0 && !is_cut {
+            if job.job.sheets_behind.is_some() {
+                self.hidden.was_right();
+            }
             job.frame.reach(1.0);
             return Ok(Poll::Ready(self.frame_of(job, done, &counts)));
         }
-        let Self { device, memory, frame, .. } = self;
-        if has_room {
+        let Self { device, memory, frame, hidden, .. } = self;
+        if is_cut {
+            hidden.was_wrong();
+            job.job.sheets_behind = None;
+        } else if has_room {
             let n_bands = frame.picture(&job.job, device.info()).bands.len();
             if max_rounds(n_bands) <= job.n_rounds {
                 return Err(self.unable("a tile has more splats than it can take on"));
@@ -280,7 +293,9 @@ impl<D: Device> GpuBackend<D> {
         stats.n_tiles = counts.n_tiles.into();
         stats.n_saturated_tiles = counts.n_saturated_tiles.into();
         let stages = done.stage_ms.iter().map(|&(name, ms)| StageTime::new(name, ms)).collect();
-        Frame::new(image, stats, FrameCost::new(stages, self.memory.resident_bytes()))
+        let mut cost = FrameCost::new(stages, self.memory.resident_bytes());
+        cost.n_hidden = wide(counts.n_hidden);
+        Frame::new(image, stats, cost)
     }
 }
 

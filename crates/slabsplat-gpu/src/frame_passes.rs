@@ -4,13 +4,13 @@ use crate::chunks::Chunks;
 use crate::frame_memory::{FrameMemory, bands};
 use crate::job::Job;
 use crate::memory::{Buffer, Memory};
-use crate::params::{COUNT_SPLATS, RECORD_BYTES, SPLAT_BYTES, Step, TILE_SIDE};
+use crate::params::{COUNT_SPLATS, RECORD_BYTES, SPLAT_BYTES, Step, TILE_SIDE, flag};
 use crate::pass_list::{MAX_STEPS, PassList, n_groups};
 use crate::sums::{BLOCK, bits_for};
 use crate::voxel_list::VoxelList;
 use crate::{Device, DeviceInfo, Pass, Write};
 use slabsplat_backend::BackendError;
-use slabsplat_shaders::{DEPTH_KEY, TALLY, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
+use slabsplat_shaders::{DEPTH_KEY, TALLY, TILE_LIMITS, TILE_RANGES, TOSS_COUNT, TOSS_EMIT};
 
 /// Rounds of splatting that a list has room for beside all other passes. On a device that is none but a
 /// program, that is 16 million splats a tile.
@@ -34,6 +34,7 @@ impl FrameMemory {
         let mut passes = self.steps.list(memory, device)?;
         if !job.layers.is_empty() {
             passes.begin("project");
+            self.push_limits(job, &mut passes);
             self.push_project(job, lists, &mut passes);
             passes.begin("sort");
             self.push_depth_sort(job, &lists[0].records, &mut passes);
@@ -45,10 +46,23 @@ impl FrameMemory {
         Ok(self.steps.finish(passes, writes))
     }
 
+    /// What is left out of the tiles, if it was hidden in the frame before.
+    fn push_limits(&self, job: &Job, passes: &mut PassList) {
+        let n_tiles = job.n_tiles();
+        let step = Step {
+            n_elements: n_tiles,
+            follows_last: flag(job.sheets_behind.is_some()),
+            sheets_behind: job.sheets_behind.unwrap_or(0),
+            ..Step::default()
+        };
+        let bindings = [self.frame.all(), self.work.all()];
+        passes.push(&TILE_LIMITS, &bindings, step, n_groups(n_tiles.into(), 256));
+    }
+
     /// A pass for each run of voxels of a layer whose records are in one chunk, and whose splats are.
     fn push_project(&self, job: &Job, lists: &[VoxelList], passes: &mut PassList) {
-        let [frame, layers, rects, counts] =
-            [&self.frame, &self.layers, &self.rects, &self.counts].map(Buffer::all);
+        let [frame, layers, rects, counts, tiles] =
+            [&self.frame, &self.layers, &self.rects, &self.counts, &self.work].map(Buffer::all);
         let (keys, order, tables) = (self.voxels.keys(), self.voxels.values(), self.tables.all());
         for (idx, (layer, list)) in job.layers.iter().zip(lists).enumerate() {
             let first_voxel = u64::from(job.params[idx].first_voxel);
@@ -66,7 +80,7 @@ impl FrameMemory {
                         ..Step::default()
                     };
                     let bindings =
-                        [frame, layers, tables, records, splats, keys, order, rects, counts];
+                        [frame, layers, tables, records, splats, keys, order, rects, counts, tiles];
                     passes.push(layer.projected_by, &bindings, step, n_groups(n_elements, 256));
                     start += n_elements;
                 }

@@ -36,6 +36,9 @@ pub(crate) struct Job {
     pub(crate) splats_by: &'static Shader,
     /// What the picture is laid behind once it is there.
     pub(crate) in_front: Option<Arc<Image>>,
+    /// If it follows a frame that is much like it: by how many sheets what is hidden on a tile lies behind those in
+    /// which the tile was saturated then.
+    pub(crate) sheets_behind: Option<i32>,
 }
 
 /// A layer of a frame, or one level of it.
@@ -81,7 +84,18 @@ impl Job {
         let splats_by = densities.as_ref().map_or(shader, |densities| densities.stage.shader);
         let in_front = plan.in_front.cloned().map(Arc::new);
         let layers = job_layers;
-        Self { frame, layers, params, planes, densities, surfaces, depth_sort, splats_by, in_front }
+        Self {
+            frame,
+            layers,
+            params,
+            planes,
+            densities,
+            surfaces,
+            depth_sort,
+            splats_by,
+            in_front,
+            sheets_behind: None,
+        }
     }
 
     /// Elements of the shaders' `table` that section tables take, planes behind those, and what densities are

@@ -86,6 +86,7 @@ mod listings;
 mod classifier;
 mod frame_memory;
 mod frame_passes;
+mod hidden;
 mod job;
 mod tables;
 mod uploads;

@@ -184,6 +184,8 @@ pub(crate) struct Step {
     pub(crate) first_sample: u32,
     pub(crate) layer: u32,
     pub(crate) first_surface: u32,
+    pub(crate) follows_last: u32,
+    pub(crate) sheets_behind: i32,
 }
 
 /// No slot of the counts.
@@ -209,6 +211,10 @@ pub(crate) struct Counts {
     pub(crate) n_faults: u32,
     /// 1 if the picture is whole, as the device needs to know that leaves it in a texture.
     pub(crate) is_whole: u32,
+    /// Tiles on which splats are seen that were not tossed.
+    pub(crate) n_cut_tiles: u32,
+    /// Splats that were not tossed.
+    pub(crate) n_hidden: [u32; 2],
 }
 
 /// The word of the counts that says whether the picture is whole.
@@ -233,7 +239,7 @@ pub(crate) const RECORD_BYTES: u64 = size_of::<Record>() as u64;
 /// Bytes of `shaders/shared/splat.wgsl`.
 pub(crate) const SPLAT_BYTES: u64 = 32;
 /// Bytes of `shaders/shared/tile_work.wgsl`.
-pub(crate) const TILE_WORK_BYTES: u64 = 24;
+pub(crate) const TILE_WORK_BYTES: u64 = 28;
 
 /// `shaders/shared/tile.wgsl`: pixels along the side of a tile.
 pub(crate) const TILE_SIDE: u32 = 8;
@@ -381,6 +387,8 @@ mod tests {
             first_sample,
             layer,
             first_surface,
+            follows_last,
+            sheets_behind,
         });
     }
 
@@ -433,5 +441,7 @@ mod tests {
         ));
         declares(format!("COUNT_FAULTS: u32 = {}u", slot(offset_of!(Counts, n_faults))));
         declares(format!("COUNT_IS_WHOLE: u32 = {}u", slot(offset_of!(Counts, is_whole))));
+        declares(format!("COUNT_CUT_TILES: u32 = {}u", slot(offset_of!(Counts, n_cut_tiles))));
+        declares(format!("COUNT_HIDDEN: u32 = {}u", slot(offset_of!(Counts, n_hidden))));
     }
 }

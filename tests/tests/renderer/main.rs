@@ -14,6 +14,7 @@ mod extremes;
 mod gpu;
 mod gpu_densities;
 mod gpu_density_layers;
+mod gpu_hidden;
 mod gpu_meshes;
 mod gpu_samples;
 mod gpu_transfers;
