@@ -1,6 +1,6 @@
 //! The backends on graphics cards, as `auto` sees them: something to open, or to pass over.
 
-use super::{FoundDevice, NoBackend};
+use super::{FoundDevice, NoBackend, race};
 use slabsplat_backend::Backend;
 use std::pin::Pin;
 
@@ -20,8 +20,30 @@ pub(super) type Opening = Pin<Box<dyn Future<Output = Result<Opened, String>> + 
 /// A backend on a device.
 pub(super) struct Opened {
     pub(super) backend: Box<dyn Backend>,
-    /// Whether it is faster than the CPU backend.
-    pub(super) is_fast: bool,
+    pub(super) pace: Pace,
+}
+
+/// What the kind of a device says of its speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Pace {
+    /// It is faster than the CPU backend.
+    Fast,
+    /// It may be, or not.
+    Unknown,
+    /// It is slower.
+    Slow,
+}
+
+impl Opened {
+    /// The backend, if it beats the CPU.
+    fn if_fast(mut self) -> Option<Box<dyn Backend>> {
+        let is_fast = match self.pace {
+            Pace::Fast => true,
+            Pace::Unknown => race::is_won_by(&mut *self.backend),
+            Pace::Slow => false,
+        };
+        is_fast.then_some(self.backend)
+    }
 }
 
 /// Those of this build, in the order in which `auto` tries them.
@@ -47,7 +69,7 @@ impl Gpu {
         // Opening comes first: where it succeeds, which is where time counts, listing the devices would
         // only start the driver twice.
         let reason = match (self.open)().await {
-            Ok(opened) => return Ok(opened.is_fast.then_some(opened.backend)),
+            Ok(opened) => return Ok(opened.if_fast()),
             Err(reason) => reason,
         };
         let found = (self.devices)().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! The graphics interfaces of this build: how their devices are listed and opened.
 
 use super::FoundDevice;
-use super::gpu::{Gpu, Opened};
+use super::gpu::{Gpu, Opened, Pace};
 use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend, OpenOptions, Unavailable};
 
 #[cfg(feature = "ash")]
@@ -27,8 +27,8 @@ fn opened<D: Device + 'static>(
     device: Result<D, Unavailable>,
 ) -> Result<Opened, String> {
     let device = device.map_err(|unavailable| unavailable.reason)?;
-    let is_fast = is_fast(device.info().kind);
-    Ok(Opened { backend: Box::new(GpuBackend::new(name, device)), is_fast })
+    let pace = pace(device.info().kind);
+    Ok(Opened { backend: Box::new(GpuBackend::new(name, device)), pace })
 }
 
 fn found(devices: Result<Vec<DeviceInfo>, Unavailable>) -> Result<Vec<FoundDevice>, String> {
@@ -48,9 +48,20 @@ fn found_device(info: DeviceInfo) -> FoundDevice {
     }
 }
 
-/// Whether it beats the CPU.
+/// Whether it may beat the CPU.
 pub(crate) fn is_fast(kind: DeviceKind) -> bool {
-    kind < DeviceKind::Software
+    pace(kind) != Pace::Slow
+}
+
+fn pace(kind: DeviceKind) -> Pace {
+    match kind {
+        DeviceKind::Discrete => Pace::Fast,
+        // Browsers say nothing of a card, give a program one thread, and cannot wait for a race.
+        DeviceKind::Integrated | DeviceKind::Virtual | DeviceKind::Other => {
+            if cfg!(target_family = "wasm") { Pace::Fast } else { Pace::Unknown }
+        }
+        DeviceKind::Software => Pace::Slow,
+    }
 }
 
 fn kind_name(kind: DeviceKind) -> &'static str {

@@ -1,13 +1,15 @@
 //! Choices among graphics cards that are not there.
 
-use super::gpu::{Opened, Opening};
+use super::gpu::{Opened, Opening, Pace};
 use super::*;
-use slabsplat_backend::{BackendError, Caps, Frame, FramePlan};
-use slabsplat_core::{FrameHandle, Method};
+use slabsplat_backend::{BackendError, Caps, Frame, FrameCost, FramePlan, FrameStats};
+use slabsplat_core::{FrameHandle, Image, Method};
 use std::future::{poll_fn, ready};
 use std::mem::replace;
 use std::pin::pin;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::task::{Context, Poll, Waker};
+use std::time::Duration;
 
 /// A backend that has a name and nothing else.
 struct Named(Caps);
@@ -26,9 +28,9 @@ impl Backend for Named {
     }
 }
 
-fn opened(name: &'static str, is_fast: bool) -> Result<Opened, String> {
+fn opened(name: &'static str, pace: Pace) -> Result<Opened, String> {
     let caps = Caps::new(name, "Fake 3000", Method::ALL);
-    Ok(Opened { backend: Box::new(Named(caps)), is_fast })
+    Ok(Opened { backend: Box::new(Named(caps)), pace })
 }
 
 fn listed(is_fast: bool) -> Result<Vec<FoundDevice>, String> {
@@ -48,13 +50,22 @@ fn at_once_is(opened: Result<Opened, String>) -> Opening {
 }
 
 const CARD: Gpu =
-    Gpu { name: "card", devices: || listed(true), open: || at_once_is(opened("card", true)) };
-const PLAYED: Gpu =
-    Gpu { name: "played", devices: || listed(false), open: || at_once_is(opened("played", false)) };
+    Gpu { name: "card", devices: || listed(true), open: || at_once_is(opened("card", Pace::Fast)) };
+const PLAYED: Gpu = Gpu {
+    name: "played",
+    devices: || listed(false),
+    open: || at_once_is(opened("played", Pace::Slow)),
+};
 const BROKEN: Gpu = Gpu {
     name: "broken",
     devices: || listed(true),
     open: || at_once_is(Err("it sparks".to_owned())),
+};
+/// It has not been seen to draw anything.
+const DUBIOUS: Gpu = Gpu {
+    name: "dubious",
+    devices: || listed(true),
+    open: || at_once_is(opened("dubious", Pace::Unknown)),
 };
 const NOTHING: Gpu = Gpu {
     name: "nothing",
@@ -72,7 +83,7 @@ async fn opened_later() -> Result<Opened, String> {
         false => Poll::Pending,
     });
     wait.await;
-    opened("late", true)
+    opened("late", Pace::Fast)
 }
 
 /// Which backend is chosen, and the notes.
@@ -95,6 +106,59 @@ fn auto_takes_the_first_card() {
 fn auto_takes_the_cpu_rather_than_software() {
     assert_eq!(choice(&[PLAYED, NOTHING], "auto"), Ok(("cpu", Vec::new())));
     assert_eq!(choice(&[], "auto"), Ok(("cpu", Vec::new())));
+}
+
+#[test]
+#[cfg(feature = "cpu")]
+fn auto_takes_no_card_that_loses_a_race() {
+    assert_eq!(choice(&[DUBIOUS], "auto"), Ok(("cpu", Vec::new())));
+    assert_eq!(choice(&[DUBIOUS, CARD], "auto"), Ok(("card", Vec::new())));
+    assert_eq!(choice(&[DUBIOUS], "dubious"), Ok(("dubious", Vec::new())));
+}
+
+/// A backend whose frames take as long as it says, the first one ten times as long, by a clock of ours.
+struct Runner<'a> {
+    caps: Caps,
+    /// In milliseconds.
+    clock: &'a AtomicU64,
+    takes: u64,
+    has_begun: bool,
+}
+
+impl Backend for Runner<'_> {
+    fn caps(&self) -> &Caps {
+        &self.caps
+    }
+
+    fn submit(&mut self, _: &FramePlan<'_>, _: &FrameHandle) -> Result<(), BackendError> {
+        let factor = if replace(&mut self.has_begun, true) { 1 } else { 10 };
+        self.clock.fetch_add(factor * self.takes, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn poll_image(&mut self, _: &FrameHandle) -> Result<Poll<Frame>, BackendError> {
+        let image = Image::from_pixels(0, 0, Vec::new());
+        Ok(Poll::Ready(Frame::new(image, FrameStats::default(), FrameCost::default())))
+    }
+}
+
+#[test]
+fn races_are_won_by_the_faster() {
+    let clock = AtomicU64::new(0);
+    let now = || Duration::from_millis(clock.load(Ordering::Relaxed));
+    let runner = |takes| Runner {
+        caps: Caps::new("runner", "Fake 3000", Method::ALL),
+        clock: &clock,
+        takes,
+        has_begun: false,
+    };
+    let is_faster = |card, cpu| race::is_faster(&mut runner(card), &mut runner(cpu), now);
+    assert!(is_faster(7, 8), "the first frame, of 70 ms, does not count");
+    assert!(!is_faster(8, 7));
+    assert!(!is_faster(7, 7), "whoever is no faster is not worth the memory");
+    let mut broken = Named(Caps::new("broken", "Fake 3000", Method::ALL));
+    assert!(!race::is_faster(&mut broken, &mut runner(9), now));
+    assert!(race::is_faster(&mut runner(9), &mut broken, now));
 }
 
 #[test]
