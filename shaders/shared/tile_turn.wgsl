@@ -52,9 +52,15 @@ fn end_turn(tile: u32, thread: u32, todo: TileWork, reached: Reached) {
         // Those behind a full tile are counted, and not looked at.
         let n_behind = select(0u, todo.end - reached.begin, reached.state == STATE_SATURATED);
         let state = select(reached.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
-        let last_tossed = todo.last_tossed;
-        tiles[tile] =
-            TileWork(reached.begin, todo.end, reached.sheet, n_before, n_behind, state, last_tossed);
+        tiles[tile] = TileWork(
+            reached.begin,
+            todo.end,
+            reached.sheet,
+            n_before,
+            n_behind,
+            state,
+            todo.last_tossed,
+        );
     }
 }
 

@@ -147,7 +147,8 @@ pub struct FrameCost {
     /// Bytes that the backend holds between frames, on its device, beside the volume of the plan; a copy of
     /// the volume on another device counts.
     pub resident_bytes: u64,
-    /// Of the splats that were culled, those that the frame did not look at, as they were hidden in the frame before.
+    /// Of the splats that were culled, those that the frame did not look at, as they were hidden in the frame
+    /// before.
     pub n_hidden: u64,
 }
 

@@ -4,8 +4,8 @@
 //! room for as many as are likely, or as the last frames had. If that was too few, the counts that
 //! come back say so, the room is made, and the job goes out again, before any later frame is handed out. So
 //! it is with tiles that have more splats than a dispatch should take on: the job goes out again with more
-//! rounds of splatting; and with a frame that left out splats which it took for hidden, since they were in the
-//! frame before, and which are not: it goes out again with all of them.
+//! rounds of splatting. And of a frame that left out what was hidden in the frame before: where that is seen,
+//! it goes out again with everything.
 //!
 //! A picture that is left on the device goes there right behind the work that draws it, if the device finds
 //! it whole. A job that goes out again leaves its picture again, unless a later frame has gone to the same

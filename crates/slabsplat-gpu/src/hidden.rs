@@ -1,15 +1,15 @@
 //! What a frame leaves out since it was hidden in the frame before.
 //!
-//! Tiles of the device remember in which sheet they were saturated (`shaders/tile_limits.wgsl`); the host knows
-//! whether the next frame is like the last one, and by how much all sheets have moved. What is left out is a
-//! guess that the device checks, so that a frame may go out twice: where that happens, the frames after it are
-//! drawn without a guess, twice as many each time.
+//! Tiles of the device remember in which sheet they were saturated (`shaders/tile_limits.wgsl`); the host
+//! knows whether the next frame is like the last one, and by how much all sheets have moved. What is left out
+//! is a guess that the device checks, so that a frame may go out twice: where that happens, the frames after
+//! it are drawn without a guess, twice as many each time.
 
 use crate::job::Job;
 use crate::params::{Frame, Layer};
 
-/// Sheets that are tossed behind those in which tiles were saturated. A surface that a camera turns by a degree
-/// or two moves by a few, beside what the tiles around a tile allow for.
+/// Sheets that are tossed behind those in which tiles were saturated. A surface that a camera turns by a
+/// degree or two moves by a few, beside what the tiles around a tile allow for.
 const MARGIN: i32 = 8;
 
 /// Frames without a guess after one that was wrong, at most.
@@ -34,8 +34,8 @@ struct Last {
 }
 
 impl Last {
-    /// `None` if what begins in a sheet is not what its tiles were saturated by: `every-sample` has no sheets,
-    /// and meshes end rays in between.
+    /// `None` if it is not sheets alone that saturate tiles: `every-sample` has none, and meshes end rays in
+    /// between.
     fn of(job: &Job) -> Option<Self> {
         let Job { frame, params, surfaces: None, depth_sort: None, .. } = job else { return None };
         let &Frame { image_size, method, .. } = frame;

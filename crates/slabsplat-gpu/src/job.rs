@@ -36,8 +36,8 @@ pub(crate) struct Job {
     pub(crate) splats_by: &'static Shader,
     /// What the picture is laid behind once it is there.
     pub(crate) in_front: Option<Arc<Image>>,
-    /// If it follows a frame that is much like it: by how many sheets what is hidden on a tile lies behind those in
-    /// which the tile was saturated then.
+    /// If it follows a frame that is much like it: by how many sheets what is hidden on a tile lies behind
+    /// those in which the tile was saturated then.
     pub(crate) sheets_behind: Option<i32>,
 }
 

@@ -97,7 +97,8 @@ fn little_moves_when_one_layer_changes() {
         let shared = n_written(&scene);
         let what = format!("{again}, {reclassified}, {reordered}, {shared} bytes by {name}");
         println!("{what}");
-        assert!(again <= 1024 && reclassified <= 2048 && reordered == again, "{what}");
+        // `again` is also the first that is told how it follows another frame.
+        assert!(again <= 1024 && reclassified <= 2048 && reordered <= again, "{what}");
         assert!(shared < 8 * volume.grid().n_voxels(), "{what}");
     });
 }

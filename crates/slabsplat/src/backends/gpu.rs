@@ -20,28 +20,14 @@ pub(super) type Opening = Pin<Box<dyn Future<Output = Result<Opened, String>> + 
 /// A backend on a device.
 pub(super) struct Opened {
     pub(super) backend: Box<dyn Backend>,
-    pub(super) pace: Pace,
-}
-
-/// What the kind of a device says of its speed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pace {
-    /// It is faster than the CPU backend.
-    Fast,
-    /// It may be, or not.
-    Unknown,
-    /// It is slower.
-    Slow,
+    /// Whether it is faster than the CPU backend, if its kind says so.
+    pub(super) is_fast: Option<bool>,
 }
 
 impl Opened {
     /// The backend, if it beats the CPU.
     fn if_fast(mut self) -> Option<Box<dyn Backend>> {
-        let is_fast = match self.pace {
-            Pace::Fast => true,
-            Pace::Unknown => race::is_won_by(&mut *self.backend),
-            Pace::Slow => false,
-        };
+        let is_fast = self.is_fast.unwrap_or_else(|| race::is_won_by(&mut *self.backend));
         is_fast.then_some(self.backend)
     }
 }

@@ -1,7 +1,7 @@
 //! The graphics interfaces of this build: how their devices are listed and opened.
 
 use super::FoundDevice;
-use super::gpu::{Gpu, Opened, Pace};
+use super::gpu::{Gpu, Opened};
 use slabsplat_gpu::{Device, DeviceInfo, DeviceKind, GpuBackend, OpenOptions, Unavailable};
 
 #[cfg(feature = "ash")]
@@ -27,8 +27,8 @@ fn opened<D: Device + 'static>(
     device: Result<D, Unavailable>,
 ) -> Result<Opened, String> {
     let device = device.map_err(|unavailable| unavailable.reason)?;
-    let pace = pace(device.info().kind);
-    Ok(Opened { backend: Box::new(GpuBackend::new(name, device)), pace })
+    let is_fast = known_to_be_fast(device.info().kind);
+    Ok(Opened { backend: Box::new(GpuBackend::new(name, device)), is_fast })
 }
 
 fn found(devices: Result<Vec<DeviceInfo>, Unavailable>) -> Result<Vec<FoundDevice>, String> {
@@ -50,17 +50,18 @@ fn found_device(info: DeviceInfo) -> FoundDevice {
 
 /// Whether it may beat the CPU.
 pub(crate) fn is_fast(kind: DeviceKind) -> bool {
-    pace(kind) != Pace::Slow
+    known_to_be_fast(kind) != Some(false)
 }
 
-fn pace(kind: DeviceKind) -> Pace {
+/// Whether it beats the CPU, if that is known.
+fn known_to_be_fast(kind: DeviceKind) -> Option<bool> {
     match kind {
-        DeviceKind::Discrete => Pace::Fast,
+        DeviceKind::Discrete => Some(true),
         // Browsers say nothing of a card, give a program one thread, and cannot wait for a race.
         DeviceKind::Integrated | DeviceKind::Virtual | DeviceKind::Other => {
-            if cfg!(target_family = "wasm") { Pace::Fast } else { Pace::Unknown }
+            cfg!(target_family = "wasm").then_some(true)
         }
-        DeviceKind::Software => Pace::Slow,
+        DeviceKind::Software => Some(false),
     }
 }
 

@@ -96,9 +96,9 @@ impl fmt::Debug for Choice {
 /// Opens the backend called `name`.
 ///
 /// `auto` takes the first graphics card that opens, by `ash` and then by `wgpu`; otherwise the CPU,
-/// which beats a driver that plays a graphics card on it. A card that is not one of its own, on the processor's
-/// chip or of a virtual machine, is taken if it draws a small scene faster than the CPU does: they race once in
-/// a program, for some tenths of a second.
+/// which beats a driver that plays a graphics card on it. A card on the processor's chip, or of a virtual
+/// machine, is taken if it draws a small scene faster than the CPU does: they race once in a program, for
+/// some tenths of a second.
 ///
 /// # Errors
 /// If this build has no such backend, or this machine nothing that it runs on.

@@ -1,6 +1,6 @@
 //! Choices among graphics cards that are not there.
 
-use super::gpu::{Opened, Opening, Pace};
+use super::gpu::{Opened, Opening};
 use super::*;
 use slabsplat_backend::{BackendError, Caps, Frame, FrameCost, FramePlan, FrameStats};
 use slabsplat_core::{FrameHandle, Image, Method};
@@ -28,9 +28,9 @@ impl Backend for Named {
     }
 }
 
-fn opened(name: &'static str, pace: Pace) -> Result<Opened, String> {
+fn opened(name: &'static str, is_fast: Option<bool>) -> Result<Opened, String> {
     let caps = Caps::new(name, "Fake 3000", Method::ALL);
-    Ok(Opened { backend: Box::new(Named(caps)), pace })
+    Ok(Opened { backend: Box::new(Named(caps)), is_fast })
 }
 
 fn listed(is_fast: bool) -> Result<Vec<FoundDevice>, String> {
@@ -50,11 +50,11 @@ fn at_once_is(opened: Result<Opened, String>) -> Opening {
 }
 
 const CARD: Gpu =
-    Gpu { name: "card", devices: || listed(true), open: || at_once_is(opened("card", Pace::Fast)) };
+    Gpu { name: "card", devices: || listed(true), open: || at_once_is(opened("card", Some(true))) };
 const PLAYED: Gpu = Gpu {
     name: "played",
     devices: || listed(false),
-    open: || at_once_is(opened("played", Pace::Slow)),
+    open: || at_once_is(opened("played", Some(false))),
 };
 const BROKEN: Gpu = Gpu {
     name: "broken",
@@ -62,11 +62,8 @@ const BROKEN: Gpu = Gpu {
     open: || at_once_is(Err("it sparks".to_owned())),
 };
 /// It has not been seen to draw anything.
-const DUBIOUS: Gpu = Gpu {
-    name: "dubious",
-    devices: || listed(true),
-    open: || at_once_is(opened("dubious", Pace::Unknown)),
-};
+const DUBIOUS: Gpu =
+    Gpu { name: "dubious", devices: || listed(true), open: || at_once_is(opened("dubious", None)) };
 const NOTHING: Gpu = Gpu {
     name: "nothing",
     devices: || Err("there is no driver".to_owned()),
@@ -83,7 +80,7 @@ async fn opened_later() -> Result<Opened, String> {
         false => Poll::Pending,
     });
     wait.await;
-    opened("late", Pace::Fast)
+    opened("late", Some(true))
 }
 
 /// Which backend is chosen, and the notes.
