@@ -209,7 +209,7 @@ fn composite(
         }
     }
     if !is_whole || (begin < todo.end && sheet < end_sheet) {
-        atomicStore(&is_faulty, 1u);
+        atomicStore(&is_faulty[0], 1u);
     }
     atomicAdd(&n_splatted, n_staged);
     if end_sheet < frame.n_sheets {

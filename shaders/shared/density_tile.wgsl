@@ -181,7 +181,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
             summed = sum_sheet(begin, todo.end, sheet, pixel, is_open);
         }
         if !is_whole {
-            atomicStore(&is_faulty, 1u);
+            atomicStore(&is_faulty[0], 1u);
         }
         if !summed.is_open {
             return Reached(begin, sheet, STATE_SATURATED);
@@ -210,7 +210,7 @@ fn through_sheets(todo: TileWork, pixel: Pixel) -> Reached {
         sheet = next;
     }
     if (begin < todo.end && sheet < end_sheet) || (n_empty < N_BEHIND && !is_limited) {
-        atomicStore(&is_faulty, 1u);
+        atomicStore(&is_faulty[0], 1u);
     }
     if is_limited {
         // What lies before the last sheets is not shown, as it may change with those behind.

@@ -4,8 +4,9 @@
 
 var<workgroup> work: TileWork;
 var<workgroup> n_splatted: atomic<u32>;
-// Whether any thread's loops ended before they were through.
-var<workgroup> is_faulty: atomic<u32>;
+// Whether any thread's loops ended before they were through: the first of these. There are four, so that
+// splats come behind 64 bytes: compilers load four numbers at once only from multiples of 16.
+var<workgroup> is_faulty: array<atomic<u32>, 4>;
 
 // How far a turn came, which is the same for all pixels: the first splat and the sheet that are next, and why
 // it ended.
@@ -20,7 +21,7 @@ fn begin_turn(tile: u32, thread: u32) -> TileWork {
     if thread == 0u {
         work = tiles[tile];
         atomicStore(&n_splatted, 0u);
-        atomicStore(&is_faulty, 0u);
+        atomicStore(&is_faulty[0], 0u);
     }
     return workgroupUniformLoad(&work);
 }
@@ -51,7 +52,7 @@ fn end_turn(tile: u32, thread: u32, todo: TileWork, reached: Reached) {
         let n_before = todo.n_splatted + atomicLoad(&n_splatted);
         // Those behind a full tile are counted, and not looked at.
         let n_behind = select(0u, todo.end - reached.begin, reached.state == STATE_SATURATED);
-        let state = select(reached.state, STATE_FAULTY, atomicLoad(&is_faulty) == 1u);
+        let state = select(reached.state, STATE_FAULTY, atomicLoad(&is_faulty[0]) == 1u);
         tiles[tile] = TileWork(
             reached.begin,
             todo.end,
