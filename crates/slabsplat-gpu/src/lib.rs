@@ -11,9 +11,9 @@
 //!    So it does where pixels are larger than voxels, and cells of these may be drawn (model §16): a list for
 //!    each level, which is a layer from there on.
 //! 2. *Project*: every relevant voxel is shaded and projected, into one list for all layers; those beyond
-//!    their layer's region, or the part that is drawn (model §17), are tossed nowhere, and so are
-//!    those that were hidden in the frame before. A new camera sends 112 bytes, 240 a layer, 32 for each plane
-//!    of a region and of the part, and 52 for each pass that it changes.
+//!    their layer's region, or the part that is drawn (model §17), are tossed nowhere, and so are those that
+//!    were hidden in the frame before. A new camera sends 112 bytes, 240 a layer, 32 for each plane of a
+//!    region and of the part, and 52 for each pass that it changes.
 //! 3. *Sort* the voxels by the sheet in which they begin (by depth for `every-sample`).
 //! 4. *Toss* them onto tiles of 8² pixels (paper §7): count, prefix sum, scatter; a stable sort by tile then
 //!    keeps the order from front to back within each.
