@@ -18,7 +18,7 @@ const ROUNDED: f32 = 1e-6;
 fn parity_of_lights() {
     let (mut n_scenes, mut max) = (0, 0.0_f64);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
-        for (number, kind) in SceneKind::share(seed).step_by(3).enumerate() {
+        for (number, kind) in SceneKind::share(seed).step_by(6).enumerate() {
             let mut scene = random_scene(&mut rng, &kind);
             add_lights(&mut rng, &mut scene);
             let image = render("cpu", &scene);

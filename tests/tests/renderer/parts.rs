@@ -153,7 +153,7 @@ fn check_parts_by(
         let mut backend = open(name);
         let kinds = SceneKind::share(seed).filter(|kind| kind.method == Method::ImageAligned);
         // Drivers that only play a device take long.
-        let every = if name == "cpu" { 1 } else { 4 };
+        let every = if name == "cpu" { 3 } else { 8 };
         for kind in kinds.step_by(every) {
             let mut scene = random_layers(&mut rng, &kind);
             change(&mut rng, &mut scene);
