@@ -7,8 +7,8 @@ use slabsplat_core::{
     TransferFunction2d, View, Volume, VoxelColors,
 };
 use slabsplat_kernel::{
-    CellLimits, CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, SectionTable,
-    SplitLevels, TiltedSections, share_by_cells,
+    CellLimits, CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, LitDifferences,
+    SectionTable, SplitLevels, TiltedSections, share_by_cells,
 };
 use std::sync::Arc;
 
@@ -105,8 +105,8 @@ pub struct CellsPlan<'a> {
     pub plan: LayerPlan<'a>,
     /// Those that do not exceed these.
     pub limits: CellLimits,
-    /// By how much lit colours differ at most where colours differ by 1, and where normals do.
-    pub lit: [f64; 2],
+    /// What light makes of differences in them.
+    pub lit: LitDifferences,
 }
 
 impl CellsPlan<'_> {

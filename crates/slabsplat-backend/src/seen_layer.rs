@@ -4,7 +4,7 @@ use crate::PlanError;
 use crate::slabs::Depths;
 use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Grid, Layer, Light, Scene, Shading, View};
-use slabsplat_kernel::{CellLimits, DetailLevels, FootprintShape};
+use slabsplat_kernel::{CellLimits, DetailLevels, FootprintShape, LitDifferences};
 
 /// A layer as the camera sees it.
 pub(crate) struct SeenLayer<'a> {
@@ -35,7 +35,7 @@ pub(crate) struct CellsToSee<'a> {
 pub(crate) struct SeenCells {
     pub(crate) grid: SeenGrid,
     pub(crate) limits: CellLimits,
-    pub(crate) lit: [f64; 2],
+    pub(crate) lit: LitDifferences,
 }
 
 impl<'a> SeenLayer<'a> {
@@ -81,7 +81,7 @@ impl SeenGrid {
         voxels: &Grid,
         &CellsToSee { levels, coarsest_in_part }: &CellsToSee<'_>,
         radius: f64,
-        lit: [f64; 2],
+        lit: LitDifferences,
     ) -> Vec<SeenCells> {
         let there =
             coarsest_in_part.map_or(u32::MAX, |of| if voxels.is_in_whole() { of } else { 0 });
@@ -97,12 +97,12 @@ impl SeenGrid {
         level: u32,
         levels: &DetailLevels,
         radius: f64,
-        lit: [f64; 2],
+        lit: LitDifferences,
     ) -> Option<SeenCells> {
         let view = self.view.of_cells(level, levels.kernel_variance());
         Some(SeenCells {
             grid: Self::new(level, &voxels.of_cells(level).ok()?, view, radius),
-            limits: levels.limits(level, voxels.longest_in_world() / voxels.unit(), lit[1]),
+            limits: levels.limits(level, voxels.longest_in_world() / voxels.unit(), lit),
             lit,
         })
     }
@@ -125,10 +125,9 @@ impl SeenGrid {
     }
 }
 
-/// What a difference of colours, and of normals, makes of lit colours at most (model §16).
-fn lit_differences(layer: &Layer, lights: &[Light]) -> [f64; 2] {
-    let Shading::Phong(phong) = layer.shading else { return [1.0, 0.0] };
+/// What the light of a layer makes of differences at most (model §16).
+fn lit_differences(layer: &Layer, lights: &[Light]) -> LitDifferences {
+    let Shading::Phong(phong) = layer.shading else { return LitDifferences::UNLIT };
     let in_all = lights.iter().map(|light| DVec3::from(light.color)).sum::<DVec3>().max_element();
-    let diffuse = phong.diffuse * in_all;
-    [(phong.ambient + diffuse).max(1.0), diffuse + phong.specular * in_all]
+    LitDifferences::new(&phong, in_all)
 }

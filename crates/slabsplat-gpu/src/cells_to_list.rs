@@ -2,13 +2,13 @@
 
 use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
-use slabsplat_kernel::CellLimits;
+use slabsplat_kernel::{CellLimits, LitDifferences};
 
 /// What decides which bricks of cells of a level are listed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CellsToList {
     pub(crate) limits: CellLimits,
-    pub(crate) lit: [f64; 2],
+    pub(crate) lit: LitDifferences,
     /// The share of bricks whose turn has come.
     pub(crate) share: f64,
 }

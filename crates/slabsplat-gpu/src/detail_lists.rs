@@ -20,10 +20,10 @@ use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Cancelled, Compositing, FrameHandle, IsoRange, Region, RegionInView, StageError,
 };
-use slabsplat_kernel::turn_of_brick;
+use slabsplat_kernel::{CellDifferences, turn_of_brick};
 use slabsplat_traverse::{
     Brick, BrickBounds, BrickGrid, BrickLister, BrickMaker, BrickRoom, BrickView, BricksOnDemand,
-    CellBrick, Classification, Contrast, OwnVoxelRules, VoxelLighting, VoxelRecord, map_for_frame,
+    CellBrick, Classification, OwnVoxelRules, VoxelLighting, VoxelRecord, map_for_frame,
 };
 use std::sync::Arc;
 
@@ -195,10 +195,14 @@ impl DetailLists {
         };
         let CellsToList { limits, lit, .. } = self.cells[idx];
         let cells = self.bricks.cells(maker, level as u32, brick_idx, &mut room.made);
-        let Contrast { color, normal, noise } = cells.contrast();
-        limits
-            .allow(lit, [color, normal], noise, cells.largest_of_voxels())
-            .then(|| [cells.cells().len() as u64, cells.n_voxels()])
+        let differences = CellDifferences {
+            contrast: cells.contrast(),
+            spread: cells.spread(),
+            spread_of_extinction: cells.spread_of_extinction(),
+            noise: cells.noise(),
+            extinction: cells.largest_of_voxels(),
+        };
+        limits.allow(lit, &differences).then(|| [cells.cells().len() as u64, cells.n_voxels()])
     }
 
     fn records(

@@ -5,14 +5,14 @@
 //! stretch²   = s²/4ˡ − (1 − 4⁻ˡ)/(12 v)     of cells, where that of voxels is s: as wide together
 //! variance   = (4ˡ − 1)/12                  of the depths of a cell's voxels, in steps of λ
 //! a brick    by cells of the largest l that are stretched enough where it is nearest,
-//!            variance · λ · contrast/2ˡ ≤ a share of the tolerance, and ½·√variance · λ · μ ≤ another
+//!            variance · λ · contrast/2ˡ ≤ a share of the tolerance, and √variance · λ · spread ≤ another
 //! ```
 //!
 //! In the image plane nothing is lost: where a pixel covers some voxels their footprints are as wide as that
 //! anyway, and cells only need to lie near enough to each other. In depth a cell's kernel is as thin as those
 //! of its voxels, which it puts together in one place: that blurs the order in which things hide each other.
-//! What a pixel can tell of that is as much as what changes places differs, and no more than how opaque it
-//! is: the tolerance bounds both. [Numerics] has where they come from.
+//! What a pixel can tell of that is as much as what changes places differs, from cell to cell and within
+//! them, times how opaque it is: the tolerance bounds both. [Numerics] has where they come from.
 //!
 //! In parallel rays all bricks are equally near. They change their level one after the other all the same, or
 //! a zoom would show it.
@@ -20,6 +20,7 @@
 //! [Numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 
 use crate::{ErrorBudget, Kernel};
+use slabsplat_core::Phong;
 
 /// What cells are made of a kernel's voxels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,23 +35,99 @@ pub struct CellLimits {
     /// Difference of lit colours between layers of cells that follow each other, times extinction per voxel
     /// step.
     pub contrast: f64,
-    /// The same between single cells side by side, the root of the mean of squares.
+    /// Standard deviation of lit colours among voxels side by side, times the same; and of the latter.
+    pub spread: f64,
+    /// The same before directions, and times the root of the extinction.
     pub noise: f64,
+    /// Difference of colours before light between single cells side by side, the root of the mean of squares,
+    /// times extinction; more of what has little contrast.
+    pub step_noise: f64,
+    /// Difference of lit colours over layers of cells as of `contrast`, without the extinction.
+    pub little_contrast: f64,
     /// Mean extinction of a cell's voxels, per voxel step.
     pub extinction: f64,
     /// The same in bricks whose cells are lit by mean normals alone; others need second moments of these.
     pub by_mean_normals: f64,
 }
 
+/// How unlike the voxels of a brick of cells are, from wherever they are seen; all times extinction per voxel
+/// step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CellDifferences {
+    /// From one layer of cells to the next: colours, and normals.
+    pub contrast: [f32; 2],
+    /// Standard deviations among the voxels of some cells side by side: of colours; of what light makes of
+    /// their directions, where 1 is the most that it makes of any; and the second times the mean colour.
+    pub spread: [f32; 3],
+    /// Of extinction alone.
+    pub spread_of_extinction: f32,
+    /// The root of the mean of squares over the brick: the first of `spread`, but times the root of the
+    /// extinction; and differences of colours between cells side by side.
+    pub noise: [f32; 2],
+    /// The mean extinction of the most opaque cell's voxels.
+    pub extinction: f32,
+}
+
+/// What light makes of differences, at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LitDifferences {
+    /// By how much lit colours differ where colours do by 1.
+    pub colors: f64,
+    /// By how much where normals do.
+    pub normals: f64,
+    /// The standard deviation of highlights where directions differ most.
+    pub highlights: f64,
+    /// That of diffuse light on white.
+    pub diffuse: f64,
+}
+
+/// The standard deviations of `|n·l|` and of `max(n·l, 0)` where directions differ most: they are 0.29 and
+/// 0.32 where all are alike likely, and 0.33 and 0.40 for von Mises–Fisher distributions of a mean length of
+/// ½. No power of them has a larger one.
+const OF_DIRECTIONS: [f64; 2] = [1.0 / 3.0, 0.41];
+
+impl LitDifferences {
+    /// Without light.
+    pub const UNLIT: Self = Self { colors: 1.0, normals: 0.0, highlights: 0.0, diffuse: 0.0 };
+
+    /// In the light of all `lights` together, in their brightest channel.
+    pub fn new(phong: &Phong, lights: f64) -> Self {
+        let [diffuse, specular] = [phong.diffuse, phong.specular].map(|share| share * lights);
+        let [two_sided, one_sided] = OF_DIRECTIONS;
+        let of_directions = if phong.two_sided { two_sided } else { one_sided };
+        Self {
+            colors: (phong.ambient + diffuse).max(1.0),
+            normals: diffuse + specular,
+            highlights: of_directions * specular,
+            diffuse: of_directions * diffuse,
+        }
+    }
+}
+
 impl CellLimits {
-    /// Whether a brick may be drawn whose cells differ so much in colours, normals and `noise`, and whose
-    /// most opaque one has that mean extinction per voxel step; lit colours differ by `lit` where colours
-    /// do by 1, and where normals do.
-    pub fn allow(&self, lit: [f64; 2], differ: [f32; 2], noise: f32, extinction: f32) -> bool {
-        let contrast: f64 = lit.iter().zip(differ).map(|(lit, by)| lit * f64::from(by)).sum();
-        contrast <= self.contrast
-            && f64::from(noise) <= self.noise
-            && f64::from(extinction) <= self.extinction
+    /// Whether a brick may be drawn whose cells differ so much, in such a light.
+    pub fn allow(&self, lit: LitDifferences, differ: &CellDifferences) -> bool {
+        let [color, normal] = differ.contrast.map(f64::from);
+        let extinction = f64::from(differ.extinction);
+        lit.colors * color + lit.normals * normal <= self.contrast
+            && extinction <= self.extinction
+            && (0.5 * extinction <= self.spread || self.allow_spread(lit, differ))
+            && (f64::from(differ.noise[1]) <= self.step_noise || self.allow_noise(lit, differ))
+    }
+
+    /// Whether voxels are so much alike that it does not matter how opaque they are.
+    fn allow_spread(&self, lit: LitDifferences, differ: &CellDifferences) -> bool {
+        let [of_colors, of_directions, of_lit_colors] = differ.spread.map(f64::from);
+        let of_light = lit.highlights * of_directions + lit.diffuse * of_lit_colors;
+        (lit.colors * of_colors).hypot(of_light) <= self.spread
+            && f64::from(differ.spread_of_extinction) <= self.spread
+    }
+
+    /// Whether colours are so much alike that it does not matter which of them a pixel sees.
+    fn allow_noise(&self, lit: LitDifferences, differ: &CellDifferences) -> bool {
+        let [color, _] = differ.contrast.map(f64::from);
+        lit.colors * f64::from(differ.noise[0]) <= self.noise
+            && lit.colors * color <= self.little_contrast * f64::from(differ.extinction)
     }
 }
 
@@ -129,25 +206,23 @@ impl DetailLevels {
     }
 
     /// What bricks of cells of a level are drawn, of a layer whose kernel has the half-depth `λ` over its
-    /// radius, in `unit`s. `lit` is by how much colours differ at most whose normals differ by 1; 0 without
-    /// light.
-    pub fn limits(&self, level: u32, layer_depth: f64, lit: f64) -> CellLimits {
+    /// radius, in `unit`s.
+    pub fn limits(&self, level: u32, layer_depth: f64, lit: LitDifferences) -> CellLimits {
         let side = 2_f64.powi(level as i32);
-        let [by_mean_normals, by_moments] = self.budget.light_of_cells().map(|mu| mu / (lit * lit));
-        let in_depth = self.budget.opaque_cells() / (depth(level) * layer_depth);
+        let per_extinction = lit.normals * lit.normals;
+        let [by_mean_normals, by_moments] =
+            self.budget.light_of_cells().map(|mu| mu / per_extinction);
         CellLimits {
             contrast: self.budget.cells() / (variance_of_depth(level) / side * layer_depth),
-            noise: self.budget.noise_of_cells() / (depth(level) * layer_depth),
-            extinction: in_depth.min(by_moments),
+            spread: self.budget.spread_of_cells() / (variance_of_depth(level).sqrt() * layer_depth),
+            noise: self.budget.noise_of_cells(),
+            step_noise: self.budget.steps_of_cells()
+                / (0.5 * variance_of_depth(level).sqrt() * layer_depth),
+            little_contrast: self.budget.contrast_of_cells(),
+            extinction: by_moments,
             by_mean_normals,
         }
     }
-}
-
-/// How many steps' worth of extinction cells move across any face of a medium, forward or backward, at most:
-/// half of what a voxel is moved by on the average, which is no more than half of the standard deviation.
-fn depth(level: u32) -> f64 {
-    0.5 * variance_of_depth(level).sqrt()
 }
 
 /// Of the voxels of a cell, in voxel steps.
@@ -233,23 +308,60 @@ mod tests {
 
     #[test]
     fn detail_levels_spend_the_tolerance() {
-        let at = |level, layer_depth| levels("gaussian", 0.05).limits(level, layer_depth, 0.0);
+        let unlit = LitDifferences::UNLIT;
+        let at = |level, layer_depth| levels("gaussian", 0.05).limits(level, layer_depth, unlit);
         // Two voxels lie half a step before and behind their middle.
-        let CellLimits { contrast, noise, extinction, by_mean_normals } = at(1, 1.0);
-        assert_eq!(by_mean_normals, f64::INFINITY, "no light");
-        let (limits, lit) = (at(1, 1.0), [1.0, 0.5]);
-        assert!(limits.allow(lit, [0.5, 0.5], 0.009, 0.49), "0.75 of 0.8");
-        for (differ, noise, extinction) in
-            [([0.5, 0.7], 0.0, 0.0), ([0.0; 2], 0.011, 0.0), ([0.0; 2], 0.0, 0.51)]
-        {
-            assert!(!limits.allow(lit, differ, noise, extinction), "{differ:?} {noise}");
+        let unlit_limits = at(1, 1.0);
+        let CellLimits { contrast, spread, noise, step_noise, .. } = unlit_limits;
+        let of_light = [unlit_limits.by_mean_normals, unlit_limits.extinction];
+        assert_eq!(of_light, [f64::INFINITY; 2], "no light");
+        assert!((contrast - 0.8).abs() < 1e-12);
+        assert!((spread - 0.25).abs() < 1e-12, "of black and white of extinction 0.5");
+        assert!((noise - 0.1).abs() < 1e-12, "of black and white of extinction 0.04");
+        assert!((step_noise - 0.01).abs() < 1e-12, "of cells of such");
+        assert!((unlit_limits.little_contrast - 0.2).abs() < 1e-12);
+        let in_light = |normals| LitDifferences {
+            normals,
+            highlights: 0.1,
+            diffuse: 0.2,
+            ..LitDifferences::UNLIT
+        };
+        let of_light = |normals| levels("gaussian", 0.05).limits(1, 1.0, in_light(normals));
+        assert!((of_light(2.0).by_mean_normals - 0.0225 / 4.0).abs() < 1e-12);
+        assert!((of_light(2.0).extinction - 0.49 / 4.0).abs() < 1e-12, "bright light");
+        let (lit, limits) = (in_light(0.5), of_light(1.0));
+        let even = CellDifferences::default();
+        let opaque = CellDifferences {
+            contrast: [0.08, 0.5],
+            spread: [0.2, 0.4, 0.4],
+            spread_of_extinction: 0.24,
+            noise: [0.09, 0.08],
+            extinction: 0.48,
+        };
+        // Of extinction 0.5 all may differ in depth, were it not for light.
+        let opaque_in_depth = CellDifferences { extinction: 0.6, ..opaque };
+        assert!(limits.allow(lit, &opaque) && limits.allow(lit, &even));
+        assert!(unlit_limits.allow(LitDifferences::UNLIT, &opaque_in_depth));
+        for (beyond, limits) in [
+            (CellDifferences { contrast: [0.5, 0.7], ..even }, limits),
+            (CellDifferences { spread: [0.26, 0.0, 0.0], ..opaque_in_depth }, unlit_limits),
+            (CellDifferences { spread_of_extinction: 0.26, ..opaque_in_depth }, unlit_limits),
+            (CellDifferences { noise: [0.11, 0.02], ..opaque }, limits),
+            (CellDifferences { contrast: [0.1, 0.0], ..opaque }, limits),
+            (CellDifferences { extinction: 0.5, ..even }, limits),
+        ] {
+            assert!(!limits.allow(lit, &beyond), "{beyond:?}");
         }
-        let lit = levels("gaussian", 0.05).limits(1, 1.0, 2.0);
-        assert!((lit.by_mean_normals - 0.0225 / 4.0).abs() < 1e-12);
-        assert!((lit.extinction - 0.49 / 4.0).abs() < 1e-12, "bright light");
-        assert!((noise - 0.01).abs() < 1e-12, "of white noise of extinction 0.04");
-        assert!((contrast - 0.8).abs() < 1e-12 && (extinction - 0.5).abs() < 1e-12);
+        let in_light = CellLimits { extinction: 1.0, ..limits };
+        let directions = CellDifferences { spread: [0.2, 0.6, 0.5], ..opaque_in_depth };
+        assert!(unlit_limits.allow(LitDifferences::UNLIT, &directions));
+        assert!(!in_light.allow(lit, &directions), "they are lit otherwise");
+        let faint = CellDifferences { extinction: 0.49, ..directions };
+        assert!(in_light.allow(lit, &faint), "faint, whatever is in it");
+        let calm = CellDifferences { noise: [0.9, 0.009], ..opaque };
+        assert!(limits.allow(lit, &calm), "alike from cell to cell, whatever is in these");
         assert_eq!(at(1, 2.0).contrast, 0.5 * contrast, "deep kernels");
+        assert_eq!(at(1, 2.0).spread, 0.5 * spread, "deep kernels");
         assert!((at(2, 1.0).contrast / contrast - 0.4).abs() < 1e-12);
         assert_eq!(levels("gaussian", 0.0).coarsest(100.0, 99), 0, "exact");
         let separate = RenderSettings::default().mode(Mode::Separate);

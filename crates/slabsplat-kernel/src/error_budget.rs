@@ -4,9 +4,9 @@
 //! | --- | --- | --- | --- |
 //! | merged sections (model §7) | the tolerance | `split_levels.rs` | they save most |
 //! | levels of detail (model §16) | twice of it, for the contrast of a brick's cells | `detail_levels.rs` | measured: a pixel tells a fifth of that at most, and stripes and ramps no more with four times as much as with half of it |
-//! | the same | a twentieth of it, for colours that differ from cell to cell without order | `detail_levels.rs` | in the image plane noise is off by several times as much |
+//! | the same | twice of it, for colours that differ from voxel to voxel without order | `detail_levels.rs` | in the image plane a pixel takes others of them, and tells half of that at most |
 //! | the same, in light by the mean of normals, and by second moments too | two thirds of it; just over it | `detail_levels.rs` | both grow with the root of the extinction |
-//! | the same in depth | two and a half times it, for cells as unlike as they can be within themselves | `detail_levels.rs` | only stripes along the image plane that alternate from voxel to voxel come near it |
+//! | the same in depth | two and a half times it, for cells as unlike within themselves as they are | `detail_levels.rs` | only stripes along the image plane that alternate from voxel to voxel come near it |
 //! | separable footprints | an eighth of it, for a voxel | `slabsplat-cpu` | their errors have either sign, and one voxel hides others |
 //! | separable footprints of densities | an eighth of it, of a voxel's weight | `slabsplat-cpu` | what is as dense everywhere looks just as it should |
 //! | polynomials | a hundredth of it, for the most opaque voxel; a twentieth, for a pixel of any | `slabsplat-cpu` | they are fitted so well anyway |
@@ -82,14 +82,28 @@ impl ErrorBudget {
         2.0 * self.tolerance
     }
 
-    /// The same of colours that differ from cell to cell without any order: a fifth of the tolerance if
-    /// voxels are black and white, of which cells of eight differ by a quarter.
+    /// The standard deviation of colours that differ from voxel to voxel without any order, times the root of
+    /// the extinction: the part of a pixel's noise that depends on which voxels it sees, of some `10/μ`. What
+    /// cells change of that is a fifth, in the mean of squares, and the worst of thousands of pixels is off
+    /// by four and a half times as much.
     pub fn noise_of_cells(self) -> f64 {
+        2.0 * self.tolerance
+    }
+
+    /// The same of colours that differ from cell to cell: a fifth of the tolerance if voxels are black and
+    /// white, of which cells of eight differ by a quarter.
+    pub fn steps_of_cells(self) -> f64 {
         self.tolerance / 20.0
     }
 
-    /// What cells may tell in depth, if their voxels were black and white.
-    pub fn opaque_cells(self) -> f64 {
+    /// By how much colours may differ from one layer of cells to the next however opaque they are: what a
+    /// pixel tells of where in its cell a border lies is a fourth of it at most.
+    pub fn contrast_of_cells(self) -> f64 {
+        4.0 * self.tolerance
+    }
+
+    /// What cells may tell in depth, of how unlike their voxels are.
+    pub fn spread_of_cells(self) -> f64 {
         2.5 * self.tolerance
     }
 

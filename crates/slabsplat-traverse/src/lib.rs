@@ -81,7 +81,7 @@ pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use buckets::Buckets;
 pub use cells::{
     BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS, CellBrick, CellRecord, CellValues, Cells8,
-    Contrast, Moments,
+    Moments,
 };
 pub use classification::Classification;
 pub use depth_order::DepthOrder;

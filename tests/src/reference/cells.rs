@@ -1,12 +1,13 @@
 //! Levels of detail (model §16): cells of voxels, where a tolerance allows them.
 
+use super::cell_bricks::{OfBrick, OfLight, Sums, bricks, sums};
 use super::frame::{LayerInView, Voxel};
 use super::region::lit_face;
 use super::section::KernelInView;
 use super::shade::{Directions, shaded_cell_color};
 use super::view::View;
 use super::{GaussLegendre, Kernel};
-use slabsplat_core::glam::{DMat3, DVec3};
+use slabsplat_core::glam::DVec3;
 use slabsplat_core::{Grid, Light, Region, Shading};
 use std::collections::BTreeMap;
 
@@ -46,8 +47,8 @@ impl Stretch {
     }
 }
 
-/// A layer by the largest cells that it may be drawn by, brick by brick: what each level draws. All are taken
-/// for as faint and as much alike as they must be.
+/// A layer by the largest cells that it may be drawn by, brick by brick: what each level draws. Cells are
+/// taken for as little different from each other as they must be.
 pub(super) fn within(
     layer: LayerInView,
     (shading, lights): &(Shading, Vec<Light>),
@@ -71,19 +72,18 @@ pub(super) fn within(
             }
         })
         .collect();
-    let lit = lit_difference(shading, lights);
-    let limits: Vec<OfBrick> =
-        cells.iter().map(|cells| cells.limits(&layer, tolerance, lit)).collect();
-    let bricks: Vec<_> = cells.iter().map(|cells| cells.bricks(&layer.voxels)).collect();
-    let by_mean_normals = (3.0 * tolerance / lit).powi(2);
+    let light = OfLight::new(shading, lights);
+    let bricks: Vec<_> = cells
+        .iter()
+        .map(|cells| bricks((&layer.voxels, cells.side), &cells.grid, &light))
+        .collect();
+    let by_mean_normals = (3.0 * tolerance / light.normals).powi(2);
     let level_of = |voxel: &Voxel| {
         let levels = || 0..cells.len();
         let of_depth = levels().rev().find(|&level| cells[level].draw(voxel.coords))?;
         let is_even = |&level: &usize| {
-            let (of_brick, limits) =
-                (bricks[level][&cells[level].brick(voxel.coords)], limits[level]);
-            of_brick.noise <= limits.noise
-                && of_brick.extinction <= limits.extinction
+            let of_brick = &bricks[level][&cells[level].brick(voxel.coords)];
+            of_brick.is_even(tolerance, cells[level].depth_of_voxels(&grid), &light)
                 && !cells[level].is_near_lit_face(voxel.coords, region)
         };
         (0..=of_depth).rev().find(is_even)
@@ -139,54 +139,6 @@ struct Cells<'a> {
     view: &'a View,
 }
 
-/// Sums over the voxels of a cell: extinction `μ`; `μ` times colour and normal; `μ` of those without a
-/// normal.
-#[derive(Default)]
-struct Sums {
-    extinction: f64,
-    color: [f64; 3],
-    normal: DVec3,
-    undirected: f64,
-    /// Of normal times normal, transposed, column by column: a matrix begins as the identity.
-    moments: [DVec3; 3],
-}
-
-/// What decides how a brick of cells is drawn.
-#[derive(Clone, Copy)]
-struct OfBrick {
-    /// By how much colours differ from one cell to the next, times the lesser extinction: the root of the
-    /// mean square.
-    noise: f64,
-    /// The mean extinction of the most opaque cell's voxels.
-    extinction: f64,
-}
-
-impl Sums {
-    fn color(&self) -> [f64; 3] {
-        self.color.map(|sum| sum / self.extinction)
-    }
-
-    fn normal(&self) -> DVec3 {
-        self.normal / self.extinction
-    }
-
-    fn undirected(&self) -> f64 {
-        self.undirected / self.extinction
-    }
-
-    fn moments(&self) -> DMat3 {
-        let [x, y, z] = self.moments.map(|sum| sum / self.extinction);
-        DMat3::from_cols(x, y, z)
-    }
-
-    /// By how much colours differ from those of another, times the lesser extinction.
-    fn difference(&self, other: &Self) -> f64 {
-        let pairs = self.color().into_iter().zip(other.color());
-        let color = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-        self.extinction.min(other.extinction) * color
-    }
-}
-
 impl Cells<'_> {
     /// Whether the brick of 8³ cells that holds a voxel lies where these cells may be drawn.
     fn draw(&self, voxel: [usize; 3]) -> bool {
@@ -223,41 +175,9 @@ impl Cells<'_> {
         voxel.map(|at| at / self.side / 8)
     }
 
-    /// What a brick may not exceed, else a finer level draws it.
-    fn limits(&self, layer: &LayerInView, tolerance: f64, lit: f64) -> OfBrick {
-        let layer_depth = longest_in_world(&layer.grid) / layer.unit;
-        let depth = 0.5 * (((self.side * self.side - 1) as f64) / 12.0).sqrt();
-        let in_depth = tolerance / (depth * layer_depth);
-        OfBrick {
-            noise: in_depth / 20.0,
-            extinction: (2.5 * in_depth).min((14.0 * tolerance / lit).powi(2)),
-        }
-    }
-
-    /// What decides of each brick.
-    fn bricks(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], OfBrick> {
-        let cells = self.sums(voxels);
-        // Squares, pairs, and the most extinction.
-        let mut sums: BTreeMap<[usize; 3], [f64; 3]> = BTreeMap::new();
-        for (coords, a) in &cells {
-            let [squares, n_pairs, most] = sums.entry(coords.map(|at| at / 8)).or_default();
-            *most = most.max(a.extinction);
-            for axis in (0..3).filter(|&axis| coords[axis] % 8 != 7) {
-                let mut next = *coords;
-                next[axis] += 1;
-                if let Some(b) = cells.get(&next) {
-                    *squares += a.difference(b).powi(2);
-                    *n_pairs += 1.0;
-                }
-            }
-        }
-        // Of the extinction of all voxels of a cell, what one has.
-        let per_voxel = (self.side as f64).powi(-3);
-        let of_brick = |[squares, n_pairs, most]: [f64; 3]| OfBrick {
-            noise: per_voxel * (squares / n_pairs.max(1.0)).sqrt(),
-            extinction: per_voxel * most,
-        };
-        sums.into_iter().map(|(brick, sums)| (brick, of_brick(sums))).collect()
+    /// How deep the voxels of a cell lie apart, at most from any side: their standard deviation.
+    fn depth_of_voxels(&self, voxels: &Grid) -> f64 {
+        ((self.side * self.side - 1) as f64 / 12.0).sqrt() * longest_in_world(voxels) / self.unit
     }
 
     fn center_in_view(&self, cell: [usize; 3]) -> DVec3 {
@@ -279,20 +199,6 @@ impl Cells<'_> {
         } else {
             0.0
         }
-    }
-
-    fn sums(&self, voxels: &[Voxel]) -> BTreeMap<[usize; 3], Sums> {
-        let mut sums: BTreeMap<[usize; 3], Sums> = BTreeMap::new();
-        for voxel in voxels {
-            let (mu, n) = (voxel.extinction(), voxel.normal);
-            let sum = sums.entry(voxel.coords.map(|at| at / self.side)).or_default();
-            sum.extinction += mu;
-            sum.color.iter_mut().zip(voxel.unlit).for_each(|(sum, channel)| *sum += mu * channel);
-            sum.normal += mu * n;
-            sum.undirected += if n == DVec3::ZERO { mu } else { 0.0 };
-            sum.moments.iter_mut().zip(n.to_array()).for_each(|(column, x)| *column += mu * x * n);
-        }
-        sums
     }
 
     fn of(
@@ -319,15 +225,8 @@ impl Cells<'_> {
                 normal: sums.normal(),
             }
         };
-        self.sums(voxels).into_iter().map(cell).collect()
+        sums(voxels, self.side).into_iter().map(cell).collect()
     }
-}
-
-/// What a difference of normals makes of lit colours at most.
-fn lit_difference(shading: &Shading, lights: &[Light]) -> f64 {
-    let Shading::Phong(phong) = shading else { return 0.0 };
-    let in_all = lights.iter().map(|light| DVec3::from(light.color)).sum::<DVec3>().max_element();
-    (phong.diffuse + phong.specular) * in_all
 }
 
 /// Along any axis.

@@ -22,6 +22,7 @@ mod sheet;
 mod view;
 
 mod between_sheets;
+mod cell_bricks;
 mod cells;
 mod classified_part;
 mod density;

@@ -47,7 +47,7 @@ fn minified(rng: &mut fastrand::Rng, kind: &SceneKind) -> Scene {
     scene
 }
 
-/// A ball of noise, or noise alone, about as opaque as it may be, black and white.
+/// A ball of noise, or noise alone, about as opaque as it may be: black and white, or of less contrast.
 fn faint(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
     let (center, is_ball) = (grid.center_in_index(), rng.bool());
     let value = |idx: usize| {
@@ -57,10 +57,11 @@ fn faint(rng: &mut fastrand::Rng, grid: Grid) -> Layer {
     };
     let samples = Samples::F64((0..grid.n_voxels()).map(value).collect());
     let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("a sample a voxel");
-    let opacity = [0.01, 0.02, 0.045, 0.048][rng.usize(..4)];
+    let looks = [(0.01, 0.0), (0.02, 0.0), (0.036, 0.0), (0.039, 0.0), (0.07, 0.3), (0.1, 0.42)];
+    let (opacity, darkest) = looks[rng.usize(..looks.len())];
     let transfer = TransferFunction::new(
         vec![(0.5, [0.0]), (1.0, [opacity])],
-        vec![(1.5, [0.0; 3]), (1.5, [1.0; 3])],
+        vec![(1.5, [darkest; 3]), (1.5, [1.0; 3])],
     );
     Layer::new(volume, transfer.expect("the points rise"))
 }
@@ -82,7 +83,8 @@ fn detail_levels_on_random_scenes() {
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         for kind in SceneKind::share(seed).filter(may_merge) {
             let mut scene = minified(&mut rng, &kind);
-            if rng.u32(..4) == 0 {
+            let is_cut = rng.u32(..4) == 0;
+            if is_cut {
                 cut_and_light(&mut rng, &mut scene);
             }
             let [exact, cells] = [render(&scene), render_within_tolerance(&scene)];
@@ -90,7 +92,12 @@ fn detail_levels_on_random_scenes() {
             assert!(off < scene.settings.tolerance, "{off} from voxels: {kind:?}");
             worst = worst.max(off);
             for name in backends() {
-                let of_backend = cells.compare(&by_backend(name, &scene)).max;
+                let image = by_backend(name, &scene);
+                let of_backend = cells.compare(&image).max;
+                // More bricks may count as near a lit face than are, and these are drawn by voxels.
+                if is_cut && OF_FOOTPRINTS <= of_backend && exact.compare(&image).max < off {
+                    continue;
+                }
                 assert!(of_backend < OF_FOOTPRINTS, "{name} is off by {of_backend}: {kind:?}");
                 worst_of_backends = worst_of_backends.max(of_backend);
             }

@@ -9,6 +9,7 @@ mod colors;
 mod conformance;
 mod density_layers;
 mod detail_levels;
+mod detail_levels_of_patterns;
 mod determinism;
 mod extremes;
 mod gpu;

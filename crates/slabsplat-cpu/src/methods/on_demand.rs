@@ -24,9 +24,9 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
-use slabsplat_kernel::turn_of_brick;
+use slabsplat_kernel::{CellDifferences, turn_of_brick};
 use slabsplat_traverse::{
-    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells8, Contrast, VoxelRecord,
+    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells8, VoxelRecord,
 };
 
 /// A level of a layer, as the view sees it.
@@ -120,10 +120,14 @@ impl<'a> LevelVoxels<'a> {
 
     /// Whether cells are alike enough, and faint enough, to stand for their voxels.
     fn allows(&self, cells: &CellBrick) -> bool {
-        let Contrast { color, normal, noise } = cells.contrast();
-        self.seen.cells.is_none_or(|CellsPlan { limits, lit, .. }| {
-            limits.allow(*lit, [color, normal], noise, cells.largest_of_voxels())
-        })
+        let differences = CellDifferences {
+            contrast: cells.contrast(),
+            spread: cells.spread(),
+            spread_of_extinction: cells.spread_of_extinction(),
+            noise: cells.noise(),
+            extinction: cells.largest_of_voxels(),
+        };
+        self.seen.cells.is_none_or(|CellsPlan { limits, lit, .. }| limits.allow(*lit, &differences))
     }
 
     /// Whether a brick may lie where the light of a lit face begins or ends, which cells would blur.

@@ -17,25 +17,31 @@ pub struct CellBrick {
     largest: f32,
     per_voxel: f32,
     n_voxels: u32,
-    contrast: Contrast,
+    contrast: [f32; 2],
+    spread: Spread,
+    step_noise: f32,
 }
 
-/// How much layers of cells that follow each other differ, as a pixel sees them: differences times the lesser
-/// extinction per voxel, averaged over 2×2 pairs, the largest in the brick. Noise averages out there as it
-/// does in a picture.
+/// How unlike voxels are that a pixel sees at once, whatever their order: standard deviations within blocks
+/// of 2³ cells, the most of any block unless said otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Contrast {
-    /// In the channel in which their colours differ most.
-    pub color: f32,
-    /// In their normals, and in what has none.
-    pub normal: f32,
-    /// Of colours of single cells side by side, not averaged: the root of the mean of squares.
-    pub noise: f32,
+struct Spread {
+    /// Of colours in the channel in which it is largest, times the mean extinction per voxel.
+    color: f32,
+    /// Of what light makes of directions, over the most that it makes of any, times the same.
+    direction: f32,
+    /// The same times the mean colour, in its brightest channel.
+    lit_color: f32,
+    /// Of extinction per voxel.
+    extinction: f32,
+    /// Of colours, times the root of the extinction: the root of the mean of squares.
+    noise: f32,
 }
 
 impl CellBrick {
-    /// The brick of those sums, which are of so many voxels.
-    pub(super) fn new(sums: &CellSums, level: u32, n_voxels: u32) -> Self {
+    /// The brick of those sums, which are of so many voxels; if it is at an end of its grid, there is nothing
+    /// beside it.
+    pub(super) fn new(sums: &CellSums, level: u32, n_voxels: u32, is_at_end: bool) -> Self {
         let mut values = [CellValues::default(); N_SLOTS];
         let mut is_there = [0; N_SLOTS / 64];
         let (mut n_cells, mut largest) = (0, 0.0_f32);
@@ -48,9 +54,12 @@ impl CellBrick {
         let mut cells = Vec::with_capacity(n_cells);
         let are_there = (0..N_SLOTS).filter(|slot| is_there[slot / 64] >> (slot % 64) & 1 == 1);
         cells.extend(are_there.map(|slot| CellRecord::new(&values[slot], slot, largest)));
-        let contrast = Contrast::of(&values, level);
         // A cell's extinction is the sum of its voxels', over the voxels along an edge.
         let per_voxel = 1.0 / f32::from(1_u16 << (2 * level));
+        let mut spread = Spread::of(sums, level);
+        if is_at_end {
+            spread.extinction = spread.extinction.max(0.5 * largest * per_voxel);
+        }
         Self {
             is_there,
             cells: cells.into_boxed_slice(),
@@ -58,7 +67,9 @@ impl CellBrick {
             largest,
             per_voxel,
             n_voxels,
-            contrast,
+            contrast: contrast(&values, level),
+            spread,
+            step_noise: per_voxel * noise(&values),
         }
     }
 
@@ -109,9 +120,32 @@ impl CellBrick {
         self.n_voxels.into()
     }
 
-    /// How much its cells differ.
-    pub fn contrast(&self) -> Contrast {
+    /// How much layers of cells that follow each other differ, as a pixel sees them: differences times the
+    /// lesser extinction per voxel, averaged over 2×2 pairs, the largest in the brick. Noise averages out
+    /// there as it does in a picture. Of colours, in the channel in which they differ most; and of normals,
+    /// and of what has none.
+    pub fn contrast(&self) -> [f32; 2] {
         self.contrast
+    }
+
+    /// How unlike voxels are that a pixel sees at once, whatever their order: standard deviations within
+    /// blocks of 2³ cells, times the mean extinction per voxel, the largest in the brick. Of colours, in the
+    /// channel in which it is largest; of what light makes of directions, over the most that it makes of any;
+    /// and the second times the mean colour, in its brightest channel.
+    pub fn spread(&self) -> [f32; 3] {
+        let Spread { color, direction, lit_color, .. } = self.spread;
+        [color, direction, lit_color]
+    }
+
+    /// The same of extinction per voxel, which at an end of the grid is 0 beyond it.
+    pub fn spread_of_extinction(&self) -> f32 {
+        self.spread.extinction
+    }
+
+    /// Of colours, the root of the mean of squares over the brick: of voxels in such blocks, times the root
+    /// of the extinction; and of steps from one cell to the next, times the lesser extinction.
+    pub fn noise(&self) -> [f32; 2] {
+        [self.spread.noise, self.step_noise]
     }
 
     /// Bytes held, with itself.
@@ -131,26 +165,55 @@ const N_GAPS: usize = BRICK_SIDE - 1;
 /// Differences of red, green, blue, of the normal, and of what has none.
 type Difference = [f32; 7];
 
-impl Contrast {
-    fn of(values: &[CellValues; N_SLOTS], level: u32) -> Self {
-        let per_block = 1.0 / (BLOCK_SIDE * BLOCK_SIDE) as f32 / f32::from(1_u16 << (2 * level));
-        let mut most = Self::default();
-        for strides in [[1, 8, 64], [8, 64, 1], [64, 1, 8]] {
-            for sum in differences(values, strides).as_flattened().as_flattened() {
-                let [r, g, b, x, y, z, undirected] = sum.map(|sum| per_block * sum);
-                let length = (x * x + y * y + z * z).sqrt();
-                most.color = most.color.max(r.abs()).max(g.abs()).max(b.abs());
-                most.normal = most.normal.max(length + undirected.abs());
-            }
+/// Of colours and of normals.
+fn contrast(values: &[CellValues; N_SLOTS], level: u32) -> [f32; 2] {
+    let per_block = 1.0 / (BLOCK_SIDE * BLOCK_SIDE) as f32 / f32::from(1_u16 << (2 * level));
+    let [mut color, mut normal] = [0.0_f32; 2];
+    for strides in [[1, 8, 64], [8, 64, 1], [64, 1, 8]] {
+        for sum in differences(values, strides).as_flattened().as_flattened() {
+            let [r, g, b, x, y, z, undirected] = sum.map(|sum| per_block * sum);
+            let length = (x * x + y * y + z * z).sqrt();
+            color = color.max(r.abs()).max(g.abs()).max(b.abs());
+            normal = normal.max(length + undirected.abs());
         }
-        most.noise = noise(values, level);
+    }
+    [color, normal]
+}
+
+impl Spread {
+    fn of(sums: &CellSums, level: u32) -> Self {
+        let mut most = Self::default();
+        let (mut squares, mut n_blocks) = (0.0, 0_u16);
+        for (mu, [r, g, b, x, y, z, undirected, rr, gg, bb, mean_mu]) in sums.blocks(level) {
+            let variances = [rr - r * r, gg - g * g, bb - b * b];
+            let variance = variances.into_iter().fold(0.0, f32::max);
+            let mean_length = (x * x + y * y + z * z).sqrt();
+            let of_directions = mu * variance_of_light(mean_length, undirected).sqrt();
+            most.color = most.color.max(mu * variance.sqrt());
+            most.direction = most.direction.max(of_directions);
+            most.lit_color = most.lit_color.max(of_directions * r.max(g).max(b));
+            most.extinction = most.extinction.max((mu * (mean_mu - mu)).max(0.0).sqrt());
+            squares += mu * variance;
+            n_blocks += 1;
+        }
+        most.noise = (squares / f32::from(n_blocks.max(1))).sqrt();
         most
     }
 }
 
+/// The variance of what light makes of directions whose mean has that length, over the most that it makes of
+/// any, which is of a mean length of ½. Those without a direction may be lit as any of the others.
+fn variance_of_light(mean_length: f32, undirected: f32) -> f32 {
+    let directed = (1.0 - undirected).max(mean_length).min(1.0);
+    let alike = mean_length / directed.max(f32::MIN_POSITIVE);
+    let square = (alike * alike).min(1.0);
+    let among_directed = ((1.0 - square) * (0.75 + 2.7 * square)).min(1.0);
+    directed * among_directed + 9.0 * directed * (1.0 - directed)
+}
+
 /// How much colours of cells side by side differ in the channel in which they differ most, times the lesser
-/// extinction per voxel: the root of the mean square.
-fn noise(values: &[CellValues; N_SLOTS], level: u32) -> f32 {
+/// extinction: the root of the mean square.
+fn noise(values: &[CellValues; N_SLOTS]) -> f32 {
     let (mut squares, mut n_pairs) = (0.0, 0_u16);
     for (axis, stride) in (0..).zip([1, BRICK_SIDE, BRICK_SIDE * BRICK_SIDE]) {
         for slot in 0..N_SLOTS - stride {
@@ -165,8 +228,7 @@ fn noise(values: &[CellValues; N_SLOTS], level: u32) -> f32 {
             }
         }
     }
-    let per_voxel = 1.0 / f32::from(1_u16 << (2 * level));
-    per_voxel * (squares / f32::from(n_pairs.max(1))).sqrt()
+    (squares / f32::from(n_pairs.max(1))).sqrt()
 }
 
 /// The sums of differences over blocks of pairs, where cells of a pair lie `across` slots from each other.
@@ -206,7 +268,7 @@ mod tests {
     use crate::NORMAL_STEPS;
 
     /// Voxels of opaque black before white, in the first 4³ voxels of a brick: 2³ cells of level 1.
-    fn halves() -> CellBrick {
+    fn halves(is_at_end: bool) -> CellBrick {
         let (mut sums, mut moments) = (CellSums::default(), MomentSums::default());
         sums.clear();
         moments.clear();
@@ -222,12 +284,12 @@ mod tests {
         let colors: Vec<_> = records.iter().map(color).collect();
         sums.add(1, [0; 3], &records, &colors);
         moments.add(1, [0; 3], &records, &colors);
-        CellBrick::new(&sums, 1, 64).with_moments(&sums, &moments)
+        CellBrick::new(&sums, 1, 64, is_at_end).with_moments(&sums, &moments)
     }
 
     #[test]
     fn cell_brick_holds_its_cells() {
-        let brick = halves();
+        let brick = halves(false);
         let slots: Vec<_> = brick.slots().map(|record| record.slot).collect();
         assert_eq!(slots, [0, 1, 8, 9, 64, 65, 72, 73]);
         assert_eq!((brick.cells().len(), brick.moments().len(), brick.n_voxels()), (8, 8, 64));
@@ -240,10 +302,25 @@ mod tests {
     /// From one cell to the next colours differ by 1 along x alone, in each of 2×2 pairs.
     #[test]
     fn cell_brick_knows_its_contrast() {
-        let Contrast { color, normal, noise } = halves().contrast();
+        let [color, normal] = halves(false).contrast();
         assert!((color - 0.3).abs() < 1e-6, "{color}");
         assert_eq!(normal, 0.0, "all face one way");
+    }
+
+    /// Blocks have all colours, or those of one half, beside what is empty or not.
+    #[test]
+    fn cell_brick_knows_its_spread() {
+        let brick = halves(false);
+        let ([color, direction, _], [noise, step_noise]) = (brick.spread(), brick.noise());
+        assert!((color - 0.3 * 0.5).abs() < 1e-6, "{color}");
+        assert!(direction < 1e-3, "all face one way: {direction}");
+        // Cells of 2³ in the first 2×2×2 slots: eight blocks, the first of all colours, those beside it along
+        // y, z and both of half as many voxels and as few again; the others are white.
+        let squares: f32 = [1.0, 0.5, 0.5, 0.25].iter().map(|filled| 0.3 * filled * 0.25).sum();
+        assert!((noise - (squares / 8.0).sqrt()).abs() < 1e-6, "{noise}");
         // Four of twelve pairs.
-        assert!((noise - 0.3 * (4.0_f32 / 12.0).sqrt()).abs() < 1e-6, "{noise}");
+        assert!((step_noise - 0.3 * (4.0_f32 / 12.0).sqrt()).abs() < 1e-6, "{step_noise}");
+        assert!((brick.spread_of_extinction() - 0.15).abs() < 1e-6, "a half is empty");
+        assert!((halves(true).spread_of_extinction() - 0.15).abs() < 1e-6, "so is what is beyond");
     }
 }

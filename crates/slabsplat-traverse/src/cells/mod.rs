@@ -21,7 +21,7 @@ mod on_demand;
 mod record;
 mod sums;
 
-pub use brick::{CellBrick, Contrast};
+pub use brick::CellBrick;
 pub use cells8::Cells8;
 pub use moments::Moments;
 pub(crate) use moments::along;

@@ -24,6 +24,8 @@ pub struct BricksOnDemand {
     voxels: LazyBricks<Box<[VoxelRecord]>>,
     cells: [LazyBricks<Box<CellBrick>>; CELL_LEVELS],
     n_voxels: u64,
+    /// Bricks along each axis of the whole of which the volume is a part.
+    n_in_whole: [[usize; 3]; CELL_LEVELS + 1],
     /// Counts up.
     frame: u32,
     bytes: AtomicUsize,
@@ -67,8 +69,11 @@ impl BricksOnDemand {
             grid.of_cells(level).as_ref().map_or_else(|_| BrickGrid::default(), BrickGrid::new)
         };
         let grids = [0, 1, 2, 3].map(of_level);
+        let whole = grid.whole().dims();
+        let n_in_whole = [0, 1, 2, 3].map(|level| whole.map(|n| n.div_ceil(BRICK_SIDE << level)));
         Self {
             grids,
+            n_in_whole,
             may_hold: Default::default(),
             voxels: LazyBricks::new(grids[0].n_bricks()),
             cells: [1, 2, 3].map(|level| LazyBricks::new(grids[level].n_bricks())),
@@ -197,7 +202,7 @@ impl BricksOnDemand {
                 without_moments.push(child);
             }
         });
-        let brick = CellBrick::new(sums, level, n_voxels);
+        let brick = CellBrick::new(sums, level, n_voxels, self.is_at_end(level, brick_idx));
         if brick.largest_of_voxels() <= maker.moments_from {
             return brick;
         }
@@ -206,6 +211,13 @@ impl BricksOnDemand {
             moments.add(level, self.first_cell(level, brick_idx, child), records, colors);
         });
         brick.with_moments(sums, moments)
+    }
+
+    /// Whether a brick is the first or last along any axis.
+    fn is_at_end(&self, level: u32, brick_idx: u32) -> bool {
+        let at = self.grid(level).coords_in_whole(brick_idx);
+        let n_along = self.n_in_whole[level as usize];
+        at.iter().zip(n_along).any(|(&at, n)| at == 0 || at + 1 == n)
     }
 
     /// Where the first cell of a brick of voxels is in a brick of cells.

@@ -16,8 +16,8 @@ pub(super) fn cell_slot(record: &VoxelRecord, level: u32, [x, y, z]: [usize; 3])
 }
 
 /// Sums of one cell: extinction `μ`, and `μ` times red, green, blue; `μ` times the normal; `μ` of voxels
-/// without one.
-type Sum = [f32; 8];
+/// without one; `μ` times the squares of red, green, blue; `μ²`.
+type Sum = [f32; 12];
 
 /// The sums of a brick of cells, once they have been cleared; before, they take no memory.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +63,7 @@ fn normal_of(record: &VoxelRecord) -> [f32; 3] {
 impl CellSums {
     pub(super) fn clear(&mut self) {
         self.0.clear();
-        self.0.resize(N_SLOTS, [0.0; 8]);
+        self.0.resize(N_SLOTS, Sum::default());
     }
 
     /// Adds voxels of a brick, with red, green, blue and extinction of each, where a cell holds `2^level`
@@ -79,7 +79,7 @@ impl CellSums {
             let slot = cell_slot(record, level, first);
             let [n_x, n_y, n_z] = normal_of(record);
             let undirected = if record.normal == [0; 3] { 1.0 } else { 0.0 };
-            let of_voxel = [1.0, r, g, b, n_x, n_y, n_z, undirected];
+            let of_voxel = [1.0, r, g, b, n_x, n_y, n_z, undirected, r * r, g * g, b * b, mu];
             let sum = &mut self.0[slot];
             for (sum, number) in sum.iter_mut().zip(of_voxel) {
                 *sum += mu * number;
@@ -92,12 +92,32 @@ impl CellSums {
         self.0[slot][0]
     }
 
+    /// What blocks of 2³ cells have together, of all in which anything is visible, wherever they begin:
+    /// extinction per voxel step, and means over it as [`Sum`] has them.
+    pub(super) fn blocks(&self, level: u32) -> impl Iterator<Item = (f32, [f32; 11])> {
+        let per_voxel = 1.0 / f32::from(1_u16 << (3 * (level + 1)));
+        let mut blocks = self.0.clone();
+        for stride in [1, BRICK_SIDE, BRICK_SIDE * BRICK_SIDE] {
+            for slot in 0..N_SLOTS - stride {
+                let next = blocks[slot + stride];
+                blocks[slot].iter_mut().zip(next).for_each(|(sum, of_next)| *sum += of_next);
+            }
+        }
+        let is_block = |slot: usize| {
+            let at = [slot, slot / BRICK_SIDE, slot / BRICK_SIDE.pow(2)];
+            at.iter().all(|at| at % BRICK_SIDE != BRICK_SIDE - 1)
+        };
+        let blocks = blocks.into_iter().enumerate().filter(move |(slot, _)| is_block(*slot));
+        let visible = blocks.filter(|(_, [mu, ..])| 0.0 < *mu);
+        visible.map(move |(_, [mu, weighted @ ..])| (mu * per_voxel, weighted.map(|sum| sum / mu)))
+    }
+
     /// The cells in which anything is visible, with their slots.
     pub(super) fn cells(&self, level: u32) -> impl Iterator<Item = (usize, CellValues)> {
         let per_row = 1.0 / f32::from(1_u16 << level);
         self.0.iter().enumerate().filter(|(_, sum)| 0.0 < sum[0]).map(move |(slot, sum)| {
             let [mu, ref weighted @ ..] = *sum;
-            let [r, g, b, x, y, z, undirected] = weighted.map(|sum| sum / mu);
+            let [r, g, b, x, y, z, undirected, ..] = weighted.map(|sum| sum / mu);
             let values = CellValues {
                 extinction: mu * per_row,
                 color: [r, g, b],

@@ -1,0 +1,117 @@
+//! Levels of detail (model §16) of volumes that are made to be hard for cells: what alternates, in any
+//! direction and at any period, faint and opaque, with much contrast and with little, lit or not.
+
+use fastrand::Rng;
+use slabsplat::{
+    Camera, Grid, Image, Layer, Phong, Projection, RenderSettings, Samples, Scaling, Scene,
+    Shading, TransferFunction, Volume,
+};
+use slabsplat_core::glam::DVec3;
+use slabsplat_seeds::for_each_seed;
+use slabsplat_tests::render::render;
+
+/// Voxels along a side: room for bricks of all levels.
+const SIDE: usize = 64;
+
+fn random_direction(rng: &mut Rng) -> DVec3 {
+    let random = DVec3::from_array([0; 3].map(|_| rng.f64() - 0.5)).normalize();
+    if rng.bool() { DVec3::AXES[rng.usize(..3)] } else { random }
+}
+
+/// From 0 to 1, by place in index space.
+fn random_pattern(rng: &mut Rng) -> (String, Box<dyn Fn(DVec3) -> f64>) {
+    let along = random_direction(rng);
+    let period = [2.0, 3.0, 4.0, 8.0, 16.0, 2.0 + 20.0 * rng.f64()][rng.usize(..6)];
+    let phase = rng.f64();
+    let seed = rng.u64(..);
+    let wave = move |at: DVec3| (along.dot(at) / period + phase).rem_euclid(1.0);
+    let names = ["stripes", "waves", "ramp", "border", "balls", "sheets", "noise", "boxes"];
+    let kind = rng.usize(..names.len());
+    let pattern: Box<dyn Fn(DVec3) -> f64> = match names[kind] {
+        "stripes" => Box::new(move |at| f64::from(u8::from(wave(at) < 0.5))),
+        "waves" => Box::new(move |at| 0.5 + 0.5 * (std::f64::consts::TAU * wave(at)).sin()),
+        "ramp" => Box::new(move |at| (0.5 + along.dot(at - 31.5) / 64.0).clamp(0.0, 1.0)),
+        "border" => Box::new(move |at| f64::from(u8::from(along.dot(at - 31.5) < 6.0 * phase))),
+        "balls" => Box::new(move |at| {
+            let from_center = (at / (2.0 * period)).fract() - 0.5;
+            f64::from(u8::from(from_center.length() < 0.35))
+        }),
+        "sheets" => Box::new(move |at| f64::from(u8::from(wave(at) * period < 1.0))),
+        "noise" => Box::new(move |at| {
+            let idx = at.x as u64 + 64 * (at.y as u64 + 64 * at.z as u64);
+            Rng::with_seed(seed ^ idx.wrapping_mul(0x9e37_79b9_7f4a_7c15)).f64()
+        }),
+        _ => Box::new(move |at| {
+            let [x, y, z] = (at / (0.5 * period)).to_array().map(|at| at as usize);
+            ((x + y + z) % 2) as f64
+        }),
+    };
+    (format!("{} of {period:.1} along {along:.2}", names[kind]), pattern)
+}
+
+fn random_layer(rng: &mut Rng) -> (String, Layer) {
+    let (mut what, pattern) = random_pattern(rng);
+    let grid = Grid::with_spacing([SIDE; 3], [1.0, 1.0, [1.0, 1.7][rng.usize(..2)]]);
+    let grid = grid.expect("its steps are positive");
+    let radius = [22.0, 1e9][rng.usize(..2)];
+    let value = |idx: usize| {
+        let at = DVec3::from_array(grid.voxel_coords(idx).map(|at| at as f64));
+        let is_inside = grid.center_in_index().distance(at) < radius;
+        if is_inside { 1.0 + pattern(at) as f32 } else { 0.0 }
+    };
+    let samples = Samples::F32((0..grid.n_voxels()).map(value).collect());
+    let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("a sample a voxel");
+    let most = 0.01 * 80_f64.powf(rng.f64());
+    let least = most * [1.0, 1.0, 0.5, 0.01][rng.usize(..4)];
+    let contrast = [1.0, 0.5, 0.2, 0.1, 0.0][rng.usize(..5)];
+    let transfer = TransferFunction::new(
+        vec![(0.5, [0.0]), (1.0, [least]), (2.0, [most])],
+        vec![(1.0, [1.0 - contrast, 1.0, 0.7]), (2.0, [1.0, 1.0 - contrast, 0.7])],
+    );
+    let phong = Phong::default().two_sided(rng.bool());
+    let shading = if rng.bool() { Shading::None } else { Shading::Phong(phong) };
+    what += &format!(", opacity {least:.3} to {most:.3}, contrast {contrast}, {shading:?}");
+    (what, Layer::new(volume, transfer.expect("the points rise")).shading(shading))
+}
+
+/// Pictures by voxels and by cells.
+fn pictures(rng: &mut Rng, layer: Layer, voxels_a_pixel: f64) -> [Image; 2] {
+    let grid = *layer.volume.grid();
+    let (target, from) = (grid.center_in_world(), random_direction(rng));
+    let n_pixels = (1.8 * SIDE as f64 / voxels_a_pixel).ceil().max(6.0);
+    let view_height = n_pixels * voxels_a_pixel;
+    let up = if from.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
+    let projection = Projection::Orthographic { view_height };
+    let camera = Camera::new(target + 400.0 * from, target, up, projection);
+    let mut scene = Scene::new(layer, camera.expect("up is not forward"));
+    (scene.image.width, scene.image.height) = (n_pixels as u32, n_pixels as u32);
+    [0.0, RenderSettings::default().tolerance].map(|tolerance| {
+        scene.settings.tolerance = tolerance;
+        render("cpu", &scene)
+    })
+}
+
+/// What a pixel is off by at most is 0.016 on the average over 1,800 scenes, 0.28 in one: edges that are seen
+/// edge-on, most of all opaque ones, and what alternates from cell to cell. Where bricks were drawn for
+/// little differences of colours alone, whatever their edges, one in twenty was off by half as much again.
+#[test]
+fn detail_levels_of_patterns() {
+    let (mut sum, mut n_scenes, mut worst, mut n_by_cells) = (0.0, 0.0, 0.0_f32, 0);
+    for_each_seed(40, |mut rng| {
+        for least in [2.15, 4.8, 11.2] {
+            let (what, layer) = random_layer(&mut rng);
+            let voxels_a_pixel = least * (1.0 + rng.f64().powi(2));
+            let [exact, cells] = pictures(&mut rng, layer, voxels_a_pixel);
+            let off = exact.max_difference(&cells);
+            println!("{off:.4}, {voxels_a_pixel:.2} voxels a pixel: {what}");
+            sum += off;
+            n_scenes += 1.0;
+            worst = worst.max(off);
+            n_by_cells += usize::from(1e-3 < off);
+        }
+    });
+    let mean = sum / n_scenes;
+    println!("off by {mean:.4} on the average, {worst:.4} at most");
+    assert!(mean < 0.02 && worst < 0.35, "{mean}, {worst}");
+    assert!(10 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
+}
