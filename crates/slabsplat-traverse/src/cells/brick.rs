@@ -323,4 +323,37 @@ mod tests {
         assert!((brick.spread_of_extinction() - 0.15).abs() < 1e-6, "a half is empty");
         assert!((halves(true).spread_of_extinction() - 0.15).abs() < 1e-6, "so is what is beyond");
     }
+
+    /// `|n·l|` of directions `n` of von Mises–Fisher distributions around the z axis, from all alike likely
+    /// to nearly one, for lights `l` at any angle to it: samples by the inverse of their distribution
+    /// (Ulrich, "Computer Generation of Distributions on the m-Sphere", Applied Statistics 33(2), 1984).
+    #[test]
+    fn cell_brick_knows_how_much_light_differs() {
+        const N: u16 = 60;
+        let evenly = || (0..N).map(|idx| (f32::from(idx) + 0.5) / f32::from(N));
+        for concentration in [0.01_f32, 0.5, 1.0, 2.0, 3.0, 5.0, 10.0, 20.0] {
+            let mean_length = 1.0 / concentration.tanh() - 1.0 / concentration;
+            let along =
+                |u: f32| 1.0 + (u + (1.0 - u) * (-2.0 * concentration).exp()).ln() / concentration;
+            let mut most = 0.0_f32;
+            for angle in (0..=18_u8).map(|step| f32::from(step) * std::f32::consts::PI / 18.0) {
+                let (mut sum, mut squares) = (0.0, 0.0);
+                for z in evenly().map(along) {
+                    let across = (1.0 - z * z).max(0.0).sqrt();
+                    for turn in evenly() {
+                        let x = across * (turn * std::f32::consts::TAU).cos();
+                        let lit = (z * angle.cos() + x * angle.sin()).abs();
+                        sum += lit;
+                        squares += lit * lit;
+                    }
+                }
+                let n = f32::from(N).powi(2);
+                most = most.max((squares / n - (sum / n).powi(2)).max(0.0).sqrt());
+            }
+            let of_most = variance_of_light(mean_length, 0.0).sqrt();
+            let share = most * 3.0 / of_most;
+            assert!((0.8..1.07).contains(&share), "{mean_length}: {most} is {share} of it");
+        }
+        assert!((variance_of_light(0.0, 1.0), variance_of_light(1.0, 0.0)) == (0.0, 0.0));
+    }
 }
