@@ -74,7 +74,7 @@ pub(crate) fn packages(workspace: &Workspace) -> Result<Vec<(&str, PathBuf)>> {
         // Cargo complains of what nobody can use.
         .filter(|package| package.has_library())
         .map(|package| {
-            let unpacked = folder.join(format!("{}-{}", package.name, package.version));
+            let unpacked = folder.join(package::unpacked(package));
             let is_there = unpacked.join("Cargo.toml").is_file();
             ensure!(is_there, "{} is not packed: `cargo xtask package` does it", package.name);
             Ok((&*package.name, unpacked))

@@ -1,87 +1,84 @@
-//! `cargo xtask package`: packs every crate that is published as `cargo publish` would, and builds each from
-//! its package alone.
+//! `cargo xtask package`: packs every crate that is published as `cargo publish` would, and checks that each
+//! compiles of its package alone.
 //!
 //! A checkout hides what a package lacks: a file outside of the crate's folder, a version that a dependency
 //! has only by its path, a licence. Here crates find each other by their packages too, as they would in a
 //! registry. Nothing is uploaded, and what is not committed yet is packed as it is.
+//!
+//! Cargo itself would build them to the end, each in turn; what is built of packages to the end, and run, is
+//! `cargo xtask web --packages` and `cargo xtask outside`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
 use xtask::process::{cargo, output, run as run_command};
-use xtask::workspace::{self, Workspace};
+use xtask::workspace::{self, Package, Workspace};
 
 /// What every package must hold beside its code.
 const IN_EVERY_PACKAGE: &[&str] = &["LICENSE-APACHE", "LICENSE-MIT", "README.md"];
 
 pub(crate) fn run() -> Result<()> {
     let workspace = Workspace::read()?;
-    let names: Vec<&str> = workspace.published().map(|package| &*package.name).collect();
-    for name in &names {
-        check_list(name)?;
+    let packages: Vec<&Package> = workspace.published().collect();
+    for package in &packages {
+        check_list(&package.name)?;
     }
-    if let Some(home) = cargo_home() {
-        forget_unpacked(&home.join("registry").join("src"), &names)?;
+    let folder = folder(&workspace);
+    // What packages held once they may lack now.
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())?;
     }
-    let of_all = |subcommand: &str| {
-        let mut command = cargo(workspace::root());
-        command.arg(subcommand).args(names.iter().flat_map(|name| ["--package", *name]));
-        // Otherwise each package builds all that it depends on anew, in a folder of its own; and what is
-        // forgotten below would be what tests have built.
-        command.arg("--target-dir").arg(target(&workspace));
-        command
-    };
-    // What was compiled of the last packages counts as that of these, whose versions are the same.
-    run_command(&mut of_all("clean"))?;
-    // Nobody debugs it, and with debug information it takes twice as long.
-    let mut package = of_all("package");
-    run_command(
-        package.args(["--all-features", "--allow-dirty"]).env("CARGO_PROFILE_DEV_DEBUG", "0"),
-    )
+    let mut pack = cargo(workspace::root());
+    pack.args(["package", "--no-verify", "--allow-dirty", "--target-dir"]).arg(target(&workspace));
+    run_command(pack.args(packages.iter().flat_map(|package| ["--package", &*package.name])))?;
+    for package in &packages {
+        unpack(&folder, package)?;
+    }
+    check(&workspace, &packages)
 }
 
 fn target(workspace: &Workspace) -> PathBuf {
     workspace.target_directory.join("packages")
 }
 
-/// Where packages are unpacked, each in a folder that is called by its name and version.
+/// Where cargo puts packages, and where they are unpacked.
 pub(crate) fn folder(workspace: &Workspace) -> PathBuf {
     target(workspace).join("package")
 }
 
-fn cargo_home() -> Option<PathBuf> {
-    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-    home.or_else(|| Some(std::env::home_dir()?.join(".cargo")))
+/// As packages and the folders in them are called.
+pub(crate) fn unpacked(package: &Package) -> String {
+    format!("{}-{}", package.name, package.version)
 }
 
-/// Removes what cargo unpacked of our packages the last time. It takes a version for what it was, as that of
-/// a registry never changes, and would build others on yesterday's code. Such a registry, which is a folder
-/// in the target folder, has a name that begins with a hyphen.
-fn forget_unpacked(sources: &Path, names: &[&str]) -> Result<()> {
-    let is_local = |folder: &PathBuf| file_name(folder).starts_with('-');
-    let registries = entries(sources).into_iter().filter(is_local);
-    for package in registries.flat_map(|registry| entries(&registry)) {
-        if names.iter().any(|name| is_version_of(&file_name(&package), name)) {
-            fs::remove_dir_all(&package).with_context(|| package.display().to_string())?;
-        }
+fn unpack(folder: &Path, package: &Package) -> Result<()> {
+    let archive = format!("{}.crate", unpacked(package));
+    run_command(Command::new("tar").current_dir(folder).args(["-xzf", &*archive]))
+}
+
+/// Checks them all, as members of a workspace in which each stands for what a registry has by its name.
+fn check(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
+    let folder = folder(workspace);
+    fs::write(folder.join("Cargo.toml"), manifest(packages))?;
+    fs::copy(workspace::root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
+    let mut check = cargo(&folder);
+    // Most of what they use has been checked there by `cargo xtask lint`.
+    check.args(["check", "--workspace", "--all-features", "--target-dir"]);
+    run_command(check.arg(&workspace.target_directory).env("CARGO_PROFILE_DEV_OPT_LEVEL", "1"))
+}
+
+/// Of the workspace of packages.
+fn manifest(packages: &[&Package]) -> String {
+    let members: Vec<String> = packages.iter().map(|package| unpacked(package)).collect();
+    let mut manifest = format!("[workspace]\nresolver = \"3\"\nmembers = {members:?}\n");
+    manifest.push_str("[patch.crates-io]\n");
+    for (package, member) in packages.iter().zip(members) {
+        manifest.push_str(&format!("{} = {{ path = {member:?} }}\n", package.name));
     }
-    Ok(())
-}
-
-fn is_version_of(folder: &str, name: &str) -> bool {
-    let version = folder.strip_prefix(name).and_then(|rest| rest.strip_prefix('-'));
-    version.is_some_and(|version| version.starts_with(|c: char| c.is_ascii_digit()))
-}
-
-/// None, if there is no such folder.
-fn entries(folder: &Path) -> Vec<PathBuf> {
-    fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
-}
-
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    manifest
 }
 
 fn check_list(name: &str) -> Result<()> {
@@ -111,12 +108,21 @@ mod tests {
     }
 
     #[test]
-    fn unpacked_versions_by_name() {
-        assert!(is_version_of("slabsplat-0.1.0", "slabsplat"));
-        assert!(is_version_of("slabsplat-core-1.2.3", "slabsplat-core"));
-        for other in ["slabsplat-core-0.1.0", "slabsplat", "slabsplatter-0.1.0"] {
-            assert!(!is_version_of(other, "slabsplat"), "{other}");
-        }
+    fn manifest_knows_packages_by_name() {
+        let package = |name: &str| {
+            let (name, version) = (name.to_owned(), "1.2.3".to_owned());
+            Package { name, version, ..Package::default() }
+        };
+        let packages = [package("slabsplat"), package("slabsplat-core")];
+        let manifest = manifest(&packages.each_ref());
+        let manifest: toml::Table = manifest.parse().unwrap();
+        assert_eq!(
+            manifest["workspace"]["members"].as_array().unwrap().len(),
+            packages.len(),
+            "{manifest}"
+        );
+        let patch = &manifest["patch"]["crates-io"];
+        assert_eq!(patch["slabsplat-core"]["path"].as_str(), Some("slabsplat-core-1.2.3"));
     }
 
     #[test]

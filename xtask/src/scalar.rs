@@ -1,17 +1,28 @@
 //! `cargo xtask scalar`: the loops of computers without vectors, which this one may have, against its own.
 //!
-//! They take three times as long to compile as all else of slabsplat-cpu, so that no other build has them.
+//! Optimised they take three times as long to compile as all else of slabsplat-cpu, so that no other build
+//! has them. Here they are not: floats are the same then, and only tests that compare sets of instructions
+//! run.
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 
-use xtask::process::{cargo, run as run_command};
+use xtask::process::{cargo, output};
 use xtask::workspace::{self, Workspace};
+
+/// What such tests have in their names.
+const TESTS: &str = "level";
 
 pub(crate) fn run() -> Result<()> {
     let folder = Workspace::read()?.target_directory.join("scalar");
     let mut test = cargo(workspace::root());
     test.args(["test", "--package", "slabsplat-cpu", "--lib", "--target-dir"]).arg(folder);
+    test.args(["--config", "profile.dev.package.slabsplat-cpu.opt-level=0", TESTS]);
     // Nobody debugs it.
     test.env("RUSTFLAGS", "--cfg slabsplat_scalar").env("CARGO_PROFILE_DEV_DEBUG", "0");
-    run_command(&mut test)
+    // Frames of functions hold all their variables.
+    test.env("RUST_MIN_STACK", (64 << 20).to_string());
+    let said = output(&mut test)?;
+    print!("{said}");
+    ensure!(!said.contains("running 0 tests"), "no test of slabsplat-cpu is called `{TESTS}`");
+    Ok(())
 }

@@ -27,11 +27,11 @@ const METHODS_OF_COLORS: [Method; 3] =
 fn small_bindings_give_the_same_bits() {
     let _alone = alone();
     let [large, small] = [volume([44, 40, 36]), volume([9, 8, 7])];
-    let chunks = METHODS_OF_COLORS.map(|method| (scene(&large, 40, method), 512 << 10));
-    let bands = METHODS_OF_COLORS.map(|method| (scene(&small, 200, method), 128 << 10));
+    let chunks = METHODS_OF_COLORS.map(|method| (scene(&large, 20, method), 512 << 10));
+    let bands = METHODS_OF_COLORS.map(|method| (scene(&small, 130, method), 128 << 10));
     let densities = scene(&volume([16, 14, 20]), 64, Method::PostClassified);
     // The second layer begins within a chunk, and ends in another.
-    let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 64);
+    let layers = layered_scene([&volume([34, 40, 36]), &stretched(&small, 5.0)], 32);
     let mut by_host = layered_scene([&small, &stretched(&volume([34, 40, 36]), 0.3)], 40);
     by_host.layers[1] = listed_by_host(by_host.layers[1].clone());
     let others = [(densities, 96 << 10), (layers, 512 << 10), (by_host, 512 << 10)];

@@ -68,7 +68,7 @@ mod tests {
 
     /// Every point of a ball between two planes is within, and one is at each end.
     #[test]
-    fn bands_hold_what_is_between_their_faces() {
+    fn bands_of_every_level_hold_what_is_between_their_faces() {
         for_each_seed(1, |mut rng| {
             for (_, level) in levels() {
                 for _ in 0..100 {
