@@ -11,7 +11,7 @@
 //! Nothing of a cell depends on the view or on light, so that a brick of them serves until the transfer
 //! function changes.
 //!
-//! Reading order: `record`, `moments`, `sums`, `brick`, `cells8`, `lazy_bricks`, `on_demand`.
+//! Reading order: `record`, `moments`, `sums`, `brick`, `cells8`, `lazy_bricks`, `retained`, `on_demand`.
 
 mod brick;
 mod cells8;
@@ -19,6 +19,7 @@ mod lazy_bricks;
 mod moments;
 mod on_demand;
 mod record;
+mod retained;
 mod sums;
 
 pub use brick::CellBrick;

@@ -2,15 +2,15 @@
 //!
 //! What has been made serves until values, rules or the transfer function change. Once the budget is spent, a
 //! brick is made for the frame that asks and not retained; the frame after such a one first forgets what the
-//! last one did not see.
+//! last one did not see, and voxels where cells had no room.
 
 use super::brick::CellBrick;
 use super::lazy_bricks::LazyBricks;
+use super::retained::Retained;
 use super::sums::{CellSums, MomentSums};
 use crate::{BRICK_SIDE, Brick, BrickGrid, BrickLister, VoxelLighting, VoxelRecord};
 use slabsplat_core::{FrameHandle, Grid};
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Levels of cells: a cell of the last has 8³ voxels, and a brick of those 64³.
 pub const CELL_LEVELS: usize = 3;
@@ -28,9 +28,7 @@ pub struct BricksOnDemand {
     n_in_whole: [[usize; 3]; CELL_LEVELS + 1],
     /// Counts up.
     frame: u32,
-    bytes: AtomicUsize,
-    budget_bytes: usize,
-    is_spent: AtomicBool,
+    retained: Retained,
 }
 
 /// What bricks are made of: of the same volume, values and rules as long as a [`BricksOnDemand`] lives.
@@ -79,9 +77,7 @@ impl BricksOnDemand {
             cells: [1, 2, 3].map(|level| LazyBricks::new(grids[level].n_bricks())),
             n_voxels,
             frame: 0,
-            bytes: AtomicUsize::new(0),
-            budget_bytes,
-            is_spent: AtomicBool::new(false),
+            retained: Retained::new(budget_bytes),
         }
     }
 
@@ -90,13 +86,18 @@ impl BricksOnDemand {
         self.n_voxels
     }
 
-    /// Makes room for another frame, if the last one had not enough: what that did not ask for is forgotten.
+    /// Makes room for another frame, if the last one had not enough: what that did not ask for is forgotten,
+    /// and all voxels if cells need their room.
     pub fn start_frame(&mut self) {
-        if std::mem::take(self.is_spent.get_mut()) {
-            let Self { frame, voxels, cells, bytes, .. } = self;
-            *bytes.get_mut() -= voxels.forget_before(*frame, |records| size_of_val(&**records));
+        let Self { frame, voxels, cells, retained, .. } = self;
+        if retained.was_spent() {
+            let bytes_of = |records: &Box<[VoxelRecord]>| size_of_val(&**records);
+            retained.forget_voxels(voxels.forget_before(*frame, bytes_of));
             for of_level in cells {
-                *bytes.get_mut() -= of_level.forget_before(*frame, |brick| brick.bytes());
+                retained.forget_cells(of_level.forget_before(*frame, |brick| brick.bytes()));
+            }
+            if retained.make_room_for_cells() {
+                retained.forget_voxels(voxels.forget_before(*frame + 1, bytes_of));
             }
         }
         self.frame += 1;
@@ -153,7 +154,7 @@ impl BricksOnDemand {
         }
         room.clear();
         maker.lister.list(brick_idx, room);
-        if self.spends(size_of_val(&**room)) {
+        if self.retained.spends_on_voxels(size_of_val(&**room)) {
             return self.voxels.retain(brick_idx, self.frame, room.as_slice().into());
         }
         room
@@ -172,7 +173,7 @@ impl BricksOnDemand {
             return brick;
         }
         let brick = self.made(maker, level, brick_idx, room);
-        if !maker.frame.is_cancelled() && self.spends(brick.bytes()) {
+        if !maker.frame.is_cancelled() && self.retained.spends_on_cells(brick.bytes()) {
             return of_level.retain(brick_idx, self.frame, Box::new(brick));
         }
         room.unretained.insert(brick)
@@ -251,25 +252,11 @@ impl BricksOnDemand {
         }
     }
 
-    /// Whether the budget still has so much, which is then spent.
-    fn spends(&self, bytes: usize) -> bool {
-        let before = self.bytes.fetch_add(bytes, Ordering::Relaxed);
-        let has_room = before + bytes <= self.budget_bytes;
-        if !has_room {
-            self.bytes.fetch_sub(bytes, Ordering::Relaxed);
-            self.is_spent.store(true, Ordering::Relaxed);
-        }
-        has_room
-    }
-
     /// Bytes held.
     pub fn resident_bytes(&self) -> usize {
         let of_cells: usize = self.cells.iter().map(LazyBricks::resident_bytes).sum();
         let lists = self.may_hold.iter().filter_map(OnceLock::get).map(|list| list.capacity() * 4);
-        self.bytes.load(Ordering::Relaxed)
-            + self.voxels.resident_bytes()
-            + of_cells
-            + lists.sum::<usize>()
+        self.retained.bytes() + self.voxels.resident_bytes() + of_cells + lists.sum::<usize>()
     }
 }
 
@@ -413,7 +400,7 @@ mod tests {
         with_maker(&volume, &ranges, |maker, n_voxels| {
             // A brick of voxels takes 4 KiB, and one of cells a little more.
             let mut bricks = BricksOnDemand::new(&grid, n_voxels, 100 << 10);
-            let retained = |bricks: &BricksOnDemand| bricks.bytes.load(Ordering::Relaxed);
+            let retained = |bricks: &BricksOnDemand| bricks.retained.bytes();
             let read = |bricks: &BricksOnDemand, voxels: Range<u32>, cells: Range<u32>| {
                 let (mut room, mut records) = (BrickRoom::default(), Vec::new());
                 for idx in voxels {
@@ -428,11 +415,16 @@ mod tests {
             let of_all = retained(&bricks);
             assert!((90 << 10..=100 << 10).contains(&of_all), "{of_all}");
             bricks.start_frame();
-            assert_eq!(retained(&bricks), of_all, "the last frame saw it");
-            read(&bricks, 100..101, 7..10);
-            assert_eq!(retained(&bricks), of_all, "there was no room");
+            assert_eq!(retained(&bricks), 0, "cells had no room beside voxels");
+            read(&bricks, 0..512, 0..64);
+            let of_cells = retained(&bricks);
+            assert!((90 << 10..=100 << 10).contains(&of_cells), "{of_cells}");
             bricks.start_frame();
-            assert_eq!(retained(&bricks), 0, "nobody has asked for it any more");
+            assert_eq!(retained(&bricks), of_cells, "the last frame saw them");
+            read(&bricks, 100..101, 40..43);
+            assert_eq!(retained(&bricks), of_cells, "there was no room");
+            bricks.start_frame();
+            assert_eq!(retained(&bricks), 0, "nobody has asked for them any more");
             read(&bricks, 100..101, 7..10);
             let of_some = retained(&bricks);
             assert!((16 << 10..20 << 10).contains(&of_some), "{of_some}");
