@@ -91,13 +91,14 @@ impl BricksOnDemand {
     pub fn start_frame(&mut self) {
         let Self { frame, voxels, cells, retained, .. } = self;
         if retained.was_spent() {
-            let bytes_of = |records: &Box<[VoxelRecord]>| size_of_val(&**records);
-            retained.forget_voxels(voxels.forget_before(*frame, bytes_of));
+            let mut forget_voxels_before =
+                |frame| voxels.forget_before(frame, |records| size_of_val(&**records));
+            retained.forget_voxels(forget_voxels_before(*frame));
             for of_level in cells {
                 retained.forget_cells(of_level.forget_before(*frame, |brick| brick.bytes()));
             }
             if retained.make_room_for_cells() {
-                retained.forget_voxels(voxels.forget_before(*frame + 1, bytes_of));
+                retained.forget_voxels(forget_voxels_before(*frame + 1));
             }
         }
         self.frame += 1;
