@@ -56,7 +56,9 @@ pub(crate) fn unpacked(package: &Package) -> String {
 
 fn unpack(folder: &Path, package: &Package) -> Result<()> {
     let archive = format!("{}.crate", unpacked(package));
-    run_command(Command::new("tar").current_dir(folder).args(["-xzf", &*archive]))
+    // `m`: with dates of now. All files in packages have the same one, by which what was built of the last
+    // packages would count as built of these.
+    run_command(Command::new("tar").current_dir(folder).args(["-xzmf", &*archive]))
 }
 
 /// Checks them all, as members of a workspace in which each stands for what a registry has by its name.
