@@ -67,7 +67,8 @@ fn check(workspace: &Workspace, packages: &[&Package]) -> Result<()> {
     fs::write(folder.join("Cargo.toml"), manifest(packages))?;
     fs::copy(workspace::root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
     let mut check = cargo(&folder);
-    // Most of what they use has been checked there by `cargo xtask lint`.
+    // With the optimisation of our own workspace: so most of what they use has been checked there by
+    // `cargo xtask lint`.
     check.args(["check", "--workspace", "--all-features", "--target-dir"]);
     run_command(check.arg(&workspace.target_directory).env("CARGO_PROFILE_DEV_OPT_LEVEL", "1"))
 }

@@ -6,7 +6,7 @@
 
 use anyhow::{Result, ensure};
 
-use xtask::process::{cargo, output};
+use xtask::process::{cargo, output, run as run_command};
 use xtask::workspace::{self, Workspace};
 
 /// What such tests have in their names.
@@ -14,15 +14,18 @@ const TESTS: &str = "level";
 
 pub(crate) fn run() -> Result<()> {
     let folder = Workspace::read()?.target_directory.join("scalar");
-    let mut test = cargo(workspace::root());
-    test.args(["test", "--package", "slabsplat-cpu", "--lib", "--target-dir"]).arg(folder);
-    test.args(["--config", "profile.dev.package.slabsplat-cpu.opt-level=0", TESTS]);
-    // Nobody debugs it.
-    test.env("RUSTFLAGS", "--cfg slabsplat_scalar").env("CARGO_PROFILE_DEV_DEBUG", "0");
-    // Frames of functions hold all their variables.
-    test.env("RUST_MIN_STACK", (64 << 20).to_string());
-    let said = output(&mut test)?;
-    print!("{said}");
-    ensure!(!said.contains("running 0 tests"), "no test of slabsplat-cpu is called `{TESTS}`");
+    let tests = || {
+        let mut test = cargo(workspace::root());
+        test.args(["test", "--package", "slabsplat-cpu", "--lib", "--target-dir"]).arg(&folder);
+        test.args(["--config", "profile.dev.package.slabsplat-cpu.opt-level=0", TESTS]);
+        // Nobody debugs it.
+        test.env("RUSTFLAGS", "--cfg slabsplat_scalar").env("CARGO_PROFILE_DEV_DEBUG", "0");
+        // Frames of functions hold all their variables.
+        test.env("RUST_MIN_STACK", (64 << 20).to_string());
+        test
+    };
+    run_command(&mut tests())?;
+    let list = output(tests().args(["--", "--list"]))?;
+    ensure!(list.contains(": test"), "no test of slabsplat-cpu has `{TESTS}` in its name");
     Ok(())
 }
