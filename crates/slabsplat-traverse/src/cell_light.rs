@@ -24,11 +24,10 @@
 use crate::Cells8;
 use crate::blinn_phong::BlinnPhong8;
 use crate::cells::along;
-use std::array::from_fn;
 
 /// What eight cells have in common with eight others: what there is of directions among their voxels.
 struct Facing8<'a> {
-    normals: [[f32; 8]; 3],
+    cells: &'a Cells8,
     /// `d`, and one over it.
     directed: [f32; 8],
     per_directed: [f32; 8],
@@ -36,7 +35,6 @@ struct Facing8<'a> {
     alike: [f32; 8],
     /// `q`.
     spread: [f32; 8],
-    moments: &'a Option<[[f32; 6]; 8]>,
 }
 
 /// The least of what is divided by: where there is no direction at all, all that depends on one is 0 times
@@ -45,104 +43,138 @@ const LEAST: f32 = 1e-12;
 
 impl<'a> Facing8<'a> {
     #[inline(always)]
-    fn new(Cells8 { values: cells, moments }: &'a Cells8) -> Self {
-        let normals: [[f32; 8]; 3] = from_fn(|axis| from_fn(|i| cells[i].normal[axis]));
+    fn new(cells: &'a Cells8) -> Self {
+        let Cells8 { normals: [x, y, z], undirected, .. } = cells;
         let (mut directed, mut per_directed) = ([0.0; 8], [0.0; 8]);
         let (mut alike, mut spread) = ([0.0; 8], [0.0; 8]);
         for i in 0..8 {
-            let [x, y, z] = normals.map(|component| component[i]);
-            let length = (x * x + y * y + z * z).sqrt();
+            let length = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
             // Rounding may have made a normal longer than what has one.
-            let d = (1.0 - cells[i].undirected).max(length);
-            directed[i] = d.min(1.0);
-            per_directed[i] = 1.0 / d.max(LEAST);
+            let d = larger(1.0 - undirected[i], length);
+            directed[i] = lesser(d, 1.0);
+            per_directed[i] = 1.0 / larger(d, LEAST);
             let r = length * per_directed[i];
             alike[i] = r;
             spread[i] = (1.0 - r * r) / (3.0 - r * r);
         }
-        Self { normals, directed, per_directed, alike, spread, moments }
+        Self { cells, directed, per_directed, alike, spread }
     }
 
     /// `m`, −1 … 1.
     #[inline(always)]
     fn means(&self, direction: [f32; 3]) -> [f32; 8] {
-        let [x, y, z] = &self.normals;
-        from_fn(|i| {
+        let [x, y, z] = &self.cells.normals;
+        let mut means = [0.0; 8];
+        for i in 0..8 {
             let product = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
-            (product * self.per_directed[i]).clamp(-1.0, 1.0)
-        })
+            means[i] = lesser(larger(product * self.per_directed[i], -1.0), 1.0);
+        }
+        means
     }
-}
 
-impl Facing8<'_> {
     /// `v`, for directions whose means are those.
     #[inline(always)]
     fn variances(&self, means: &[f32; 8], direction: [f32; 3]) -> [f32; 8] {
-        match self.moments {
-            None => from_fn(|i| self.spread[i] * (1.0 - means[i] * means[i])),
-            Some(moments) => from_fn(|i| {
-                let square = along(moments[i], direction) * self.per_directed[i];
-                (square - means[i] * means[i]).max(0.0)
-            }),
+        let mut variances = [0.0; 8];
+        match &self.cells.moments {
+            None => {
+                for i in 0..8 {
+                    variances[i] = self.spread[i] * (1.0 - means[i] * means[i]);
+                }
+            }
+            Some([xx, yy, zz, xy, xz, yz]) => {
+                for i in 0..8 {
+                    let square = along([xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]], direction);
+                    variances[i] = larger(square * self.per_directed[i] - means[i] * means[i], 0.0);
+                }
+            }
         }
+        variances
+    }
+
+    /// The mean of `|n·l|` times `d`, or of its positive part where light is one-sided, and the share of
+    /// directions that face the light.
+    #[inline(always)]
+    fn diffuse(&self, to_light: [f32; 3], two_sided: bool) -> [[f32; 8]; 2] {
+        let means = self.means(to_light);
+        let variances = self.variances(&means, to_light);
+        let (mut n_l, mut shares) = ([0.0; 8], [1.0; 8]);
+        for i in 0..8 {
+            let (m, v) = (means[i], variances[i]);
+            let beyond = 0.75 * v * v / larger(v + 0.5 * m * m, LEAST);
+            let both_sides = larger(m * m + beyond, LEAST).sqrt();
+            let one_side = 0.5 * (both_sides + m);
+            n_l[i] = self.directed[i] * if two_sided { both_sides } else { one_side };
+            shares[i] = if two_sided { 1.0 } else { one_side / both_sides };
+        }
+        [n_l, shares]
+    }
+
+    /// The mean of highlights, times `d`.
+    #[inline(always)]
+    fn highlights(&self, halfway: [f32; 3], shininess: f32, two_sided: bool) -> [f32; 8] {
+        let n_h = self.means(halfway);
+        let mut highlights = [0.0; 8];
+        for i in 0..8 {
+            let r = self.alike[i];
+            let product = lesser(larger(n_h[i] / larger(r, LEAST), -1.0), 1.0);
+            let product = if two_sided { product.abs() } else { product };
+            let sharper = r / larger(r + shininess * (1.0 - r), LEAST);
+            let exponent = sharper * shininess;
+            let factor = (1.0 + exponent) / (1.0 + shininess);
+            let of_many = exp2_of_negative(larger(exponent * LOG2_E * (product - 1.0), -125.0));
+            let of_one = power(larger(product, 0.0), exponent);
+            let highlight = factor * (r * r * of_one + (1.0 - r * r) * of_many);
+            highlights[i] = self.directed[i] * highlight;
+        }
+        highlights
     }
 }
 
 impl BlinnPhong8 {
-    /// The colours of eight cells under this light.
+    /// Red, green and blue of eight cells under this light.
     #[inline(always)]
-    pub fn on_cells(&self, cells: &Cells8) -> [[f32; 3]; 8] {
+    pub fn on_cells(&self, cells: &Cells8) -> [[f32; 8]; 3] {
         let facing = Facing8::new(cells);
-        let cells = &cells.values;
         let mut diffuse = [[self.ambient; 8]; 3];
         let mut specular = [[0.0; 8]; 3];
         for (diffuse, of_all) in diffuse.iter_mut().zip(self.undirected) {
-            for i in 0..8 {
-                diffuse[i] += of_all * cells[i].undirected;
+            for (diffuse, undirected) in diffuse.iter_mut().zip(cells.undirected) {
+                *diffuse += of_all * undirected;
             }
         }
         let shininess = self.shininess.exponent();
         for light in self.lights() {
-            let means = facing.means(light.to_light);
-            let variances = facing.variances(&means, light.to_light);
-            let (mut n_l, mut shares) = ([0.0; 8], [1.0; 8]);
-            for i in 0..8 {
-                let m = means[i];
-                let v = variances[i];
-                let beyond = 0.75 * v * v / (v + 0.5 * m * m).max(LEAST);
-                let both_sides = (m * m + beyond).max(LEAST).sqrt();
-                let one_side = 0.5 * (both_sides + m);
-                n_l[i] = facing.directed[i] * if self.two_sided { both_sides } else { one_side };
-                shares[i] = if self.two_sided { 1.0 } else { one_side / both_sides };
-            }
-            let n_h = facing.means(light.halfway);
-            let mut highlights = [0.0; 8];
-            for i in 0..8 {
-                let r = facing.alike[i];
-                let product = (n_h[i] / r.max(LEAST)).clamp(-1.0, 1.0);
-                let product = if self.two_sided { product.abs() } else { product };
-                let sharper = r / (r + shininess * (1.0 - r)).max(LEAST);
-                let exponent = sharper * shininess;
-                let factor = (1.0 + exponent) / (1.0 + shininess);
-                let of_many = exp2_of_negative((exponent * LOG2_E * (product - 1.0)).max(-125.0));
-                let of_one = power(product.clamp(0.0, 1.0), exponent);
-                let highlight = factor * (r * r * of_one + (1.0 - r * r) * of_many);
-                highlights[i] = facing.directed[i] * shares[i] * highlight;
-            }
+            let [n_l, shares] = facing.diffuse(light.to_light, self.two_sided);
+            let highlights = facing.highlights(light.halfway, shininess, self.two_sided);
             for channel in 0..3 {
                 for i in 0..8 {
                     diffuse[channel][i] += light.diffuse[channel] * n_l[i];
-                    specular[channel][i] += light.specular[channel] * highlights[i];
+                    specular[channel][i] += light.specular[channel] * (shares[i] * highlights[i]);
                 }
             }
         }
-        from_fn(|i| {
-            from_fn(|channel| {
-                let lit = cells[i].color[channel] * diffuse[channel][i] + specular[channel][i];
-                if lit < 1.0 { lit } else { 1.0 }
-            })
-        })
+        let mut lit = [[0.0; 8]; 3];
+        for channel in 0..3 {
+            for i in 0..8 {
+                let color = cells.colors[channel][i];
+                lit[channel][i] = lesser(color * diffuse[channel][i] + specular[channel][i], 1.0);
+            }
+        }
+        lit
     }
+}
+
+/// The larger of two numbers, the second if the first is none, as processors have it.
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    if b < a { a } else { b }
+}
+
+/// The lesser, the same way.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
 }
 
 /// `base^exponent` for bases of 0 … 1, to 2·10⁻⁵ for exponents of up to 100. 0 counts as 2⁻¹²⁷.
@@ -174,11 +206,13 @@ fn log2(number: f32) -> f32 {
 }
 
 /// Of −125 … 0.
+///
+/// Adding 2²³ rounds to whole numbers and leaves them in the low bits; a cast takes each number by itself.
 #[inline(always)]
 fn exp2_of_negative(number: f32) -> f32 {
-    let whole = (number + 127.0) as i32;
-    let t = number + 127.0 - whole as f32;
-    f32::from_bits((whole as u32) << 23)
+    let rounded = (number + 126.5) + 8_388_608.0;
+    let t = number + 127.0 - (rounded - 8_388_608.0);
+    f32::from_bits(rounded.to_bits() << 23)
         * (1.0 + t * EXP2.iter().rev().fold(0.0, |sum, factor| sum * t + factor))
 }
 
@@ -189,6 +223,7 @@ mod tests {
     use slabsplat_core::glam::DVec3;
     use slabsplat_core::{BlinnPhong, Light, LightInView, Phong};
     use slabsplat_seeds::for_each_seed;
+    use std::array::from_fn;
 
     #[test]
     fn power_is_a_power() {
@@ -226,6 +261,16 @@ mod tests {
         let lights = [light(), light()];
         let forward = random_direction(rng);
         BlinnPhong { phong, lights: lights.map(|light| LightInView::new(light, forward)).to_vec() }
+    }
+
+    fn eight(cells: &[CellValues; 8], moments: Option<[[f32; 6]; 8]>) -> Cells8 {
+        Cells8 {
+            extinctions: cells.map(|cell| cell.extinction),
+            colors: from_fn(|channel| cells.map(|cell| cell.color[channel])),
+            normals: from_fn(|axis| cells.map(|cell| cell.normal[axis])),
+            undirected: cells.map(|cell| cell.undirected),
+            moments: moments.map(|of_cells| from_fn(|which| of_cells.map(|of| of[which]))),
+        }
     }
 
     /// The definition of model §16, in 64 bits.
@@ -279,12 +324,11 @@ mod tests {
                 });
                 // Of a random matrix, whether it can be that of normals or not.
                 let moments = rng.bool().then(|| [0; 8].map(|_| [0; 6].map(|_| 0.5 * rng.f32())));
-                let eight = Cells8 { values: cells, moments };
-                let lit = BlinnPhong8::new(&light).on_cells(&eight);
-                for (idx, (cell, lit)) in cells.iter().zip(lit).enumerate() {
+                let lit = BlinnPhong8::new(&light).on_cells(&eight(&cells, moments));
+                for (idx, cell) in cells.iter().enumerate() {
                     let expected = naive(&light, cell, moments.map(|of| of[idx]));
                     for (channel, expected) in lit.iter().zip(expected) {
-                        let off = (f64::from(*channel) - expected).abs();
+                        let off = (f64::from(channel[idx]) - expected).abs();
                         assert!(off < 1e-4, "{off}: {cell:?} {:?}", light.phong);
                     }
                 }
@@ -319,8 +363,8 @@ mod tests {
                 }
                 let light8 = BlinnPhong8::new(&light);
                 for (is_known, moments) in [(false, None), (true, Some([moments; 8]))] {
-                    let [lit, ..] = light8.on_cells(&Cells8 { values: [cell; 8], moments });
-                    let off = (DVec3::from_array(lit.map(f64::from)) - expected).abs();
+                    let lit = light8.on_cells(&eight(&[cell; 8], moments));
+                    let off = (DVec3::from_array(lit.map(|of| of[0].into())) - expected).abs();
                     let kind = if width == 0.0 { 0 } else { 1 + usize::from(is_known) };
                     worst[kind] = worst[kind].max(off.max_element());
                 }

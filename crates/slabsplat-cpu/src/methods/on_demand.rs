@@ -140,18 +140,23 @@ impl<'a> LevelVoxels<'a> {
         })
     }
 
-    /// Lights up to eight cells.
-    fn light(&self, cells: &Cells8, colors: &mut [[f32; 4]]) {
-        let lit = match self.stage.lighting.light() {
-            None => cells.values.map(|cell| cell.color),
-            Some(light) => dispatch!(self.stage.level, simd => simd.vectorize(
-                #[inline(always)]
-                || light.on_cells(cells),
-            )),
-        };
-        for ((color, [r, g, b]), cell) in colors.iter_mut().zip(lit).zip(&cells.values) {
-            let mu = cell.extinction;
-            *color = [mu * r, mu * g, mu * b, mu];
+    /// Colours cells of a brick: extinction times what light makes of them, and extinction.
+    #[inline(always)]
+    fn color_cells(&self, cells: &CellBrick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
+        let light = self.stage.lighting.light();
+        for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
+            let eight = Cells8::of(cells, records);
+            // A closure would not be compiled for the vectors of this function.
+            let [r, g, b] = match light {
+                None => eight.colors,
+                Some(light) => light.on_cells(&eight),
+            };
+            let mut weighted = [[0.0; 4]; AT_ONCE];
+            for i in 0..AT_ONCE {
+                let mu = eight.extinctions[i];
+                weighted[i] = [mu * r[i], mu * g[i], mu * b[i], mu];
+            }
+            colors.copy_from_slice(&weighted[..colors.len()]);
         }
     }
 }
@@ -215,14 +220,9 @@ impl Voxels for LevelVoxels<'_> {
             let faces = self.faces.as_ref();
             return self.stage.color(faces, brick, records, colors);
         };
-        // Those that were not culled, in the same order.
-        let mut all = read.records.iter().enumerate();
-        let mut idx_of = |record: &VoxelRecord| {
-            let found = all.find(|(_, read)| read.slot == record.slot);
-            found.map_or(0, |(idx, _)| idx)
-        };
-        for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
-            self.light(&Cells8::of(cells, records.iter().map(&mut idx_of)), colors);
-        }
+        dispatch!(self.stage.level, simd => simd.vectorize(
+            #[inline(always)]
+            || self.color_cells(cells, records, colors),
+        ));
     }
 }

@@ -10,6 +10,8 @@ use crate::{BRICK_SIDE, VoxelRecord};
 pub struct CellBrick {
     /// A bit a slot.
     is_there: [u64; N_SLOTS / 64],
+    /// For each of these words, how many there are in those before it.
+    n_before: [u16; N_SLOTS / 64],
     /// Those that are there, in the order of slots.
     cells: Box<[CellRecord]>,
     /// As many, or none.
@@ -43,7 +45,7 @@ impl CellBrick {
     /// beside it.
     pub(super) fn new(sums: &CellSums, level: u32, n_voxels: u32, is_at_end: bool) -> Self {
         let mut values = [CellValues::default(); N_SLOTS];
-        let mut is_there = [0; N_SLOTS / 64];
+        let mut is_there = [0_u64; N_SLOTS / 64];
         let (mut n_cells, mut largest) = (0, 0.0_f32);
         for (slot, cell) in sums.cells(level) {
             values[slot] = cell;
@@ -60,8 +62,13 @@ impl CellBrick {
         if is_at_end {
             spread.extinction = spread.extinction.max(0.5 * largest * per_voxel);
         }
+        let mut n_before = [0; N_SLOTS / 64];
+        for word in 1..n_before.len() {
+            n_before[word] = n_before[word - 1] + is_there[word - 1].count_ones() as u16;
+        }
         Self {
             is_there,
+            n_before,
             cells: cells.into_boxed_slice(),
             moments: Box::default(),
             largest,
@@ -93,6 +100,14 @@ impl CellBrick {
                 ..VoxelRecord::default()
             })
         })
+    }
+
+    /// Which of [`cells`](Self::cells) is in a slot that has one.
+    #[inline(always)]
+    pub(super) fn idx_of(&self, slot: u16) -> usize {
+        let word = usize::from(slot / 64);
+        let before = self.is_there[word] & ((1 << (slot % 64)) - 1);
+        usize::from(self.n_before[word]) + before.count_ones() as usize
     }
 
     /// The cells in these slots.

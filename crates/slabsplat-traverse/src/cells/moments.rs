@@ -35,7 +35,7 @@ impl Moments {
     pub fn values(self) -> [f32; 6] {
         let mut values = [0.0; 6];
         for (idx, value) in values.iter_mut().enumerate() {
-            let steps = (self.0 >> (BITS * idx) & ((1 << BITS) - 1)) as f32;
+            let steps = ((self.0 >> (BITS * idx)) as u32 & ((1 << BITS) - 1)) as f32;
             *value = steps * (1.0 / STEPS) - if idx < 3 { 0.0 } else { 0.5 };
         }
         values

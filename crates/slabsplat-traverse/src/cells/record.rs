@@ -73,13 +73,14 @@ impl CellRecord {
     /// What it was made of, but for rounding.
     #[inline(always)]
     pub fn values(self, largest: f32) -> CellValues {
-        let byte = |at: u32| (self.0 >> at & 0xff) as f32;
-        let extinction = (self.0 & ((1 << EXTINCTION_BITS) - 1)) as f32;
+        // By way of 32 bits, of which processors make eight numbers at once.
+        let byte = |at: u32| ((self.0 >> at) as u32 & 0xff) as f32;
+        let extinction = (self.0 as u32 & ((1 << EXTINCTION_BITS) - 1)) as f32;
         CellValues {
             extinction: extinction * (largest / EXTINCTION_STEPS),
             color: [0, 8, 16].map(|at| byte(EXTINCTION_BITS + at) * (1.0 / COLOR_STEPS)),
             normal: [0, 8, 16].map(|at| byte(NORMAL_AT + at) * (1.0 / NORMAL_STEPS) - 1.0),
-            undirected: (self.0 >> UNDIRECTED_AT) as f32 * (1.0 / UNDIRECTED_STEPS),
+            undirected: (self.0 >> UNDIRECTED_AT) as u32 as f32 * (1.0 / UNDIRECTED_STEPS),
         }
     }
 }
