@@ -14,7 +14,7 @@ use slabsplat_core::{Cancelled, FrameHandle};
 ///
 /// Tiles may have a border, which is their neighbours' and holds what they need to know of them. Pixels are
 /// then counted from the corner of the image's own border.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TileGrid {
     /// Pixels from a tile to the next.
     step: u32,
@@ -22,6 +22,8 @@ pub struct TileGrid {
     border: u32,
     /// `2³²/step`, rounded up: a multiplication is cheaper than a division.
     per_step: u64,
+    /// Across and down, with borders.
+    n_pixels: [f32; 2],
     /// Tiles in a row.
     pub n_x: usize,
     /// Rows of tiles.
@@ -92,13 +94,14 @@ impl TileGrid {
     pub fn new([width, height]: [u32; 2], side: usize, border: usize) -> Self {
         assert!(2 * border < side, "tiles of {side} pixels with borders of {border}");
         let step = (side - 2 * border) as u32;
-        let across = |pixels: u32| pixels.div_ceil(step) as usize;
+        let [n_x, n_y] = [width, height].map(|pixels| pixels.div_ceil(step));
         Self {
             step,
             border: border as u32,
             per_step: (1_u64 << 32).div_ceil(step.into()),
-            n_x: across(width),
-            n_y: across(height),
+            n_pixels: [n_x, n_y].map(|n_tiles| (n_tiles * step + 2 * border as u32) as f32),
+            n_x: n_x as usize,
+            n_y: n_y as usize,
         }
     }
 
@@ -133,12 +136,10 @@ impl TileGrid {
     /// there are none on any tile.
     #[inline(always)]
     pub fn pixels_within(&self, min: [f32; 2], max: [f32; 2]) -> Option<PixelRect> {
-        let n_tiles = [self.n_x, self.n_y];
         let mut rect = PixelRect { min: [0; 2], end: [0; 2] };
         for axis in 0..2 {
-            let n_pixels = (n_tiles[axis] as u32 * self.step + 2 * self.border) as f32;
-            rect.min[axis] = nearest(min[axis] - MARGIN, n_pixels);
-            rect.end[axis] = nearest(max[axis] + MARGIN, n_pixels);
+            rect.min[axis] = nearest(min[axis] - MARGIN, self.n_pixels[axis]);
+            rect.end[axis] = nearest(max[axis] + MARGIN, self.n_pixels[axis]);
         }
         let holds_any = rect.min[0] < rect.end[0] && rect.min[1] < rect.end[1];
         holds_any.then_some(rect)

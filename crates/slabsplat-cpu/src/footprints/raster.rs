@@ -102,16 +102,17 @@ impl Raster {
     }
 
     /// Where a point of view space lies, in pixels from the corner of the image's border.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn pixel_of(&self, shape: &PixelShape, [right, up, _]: [f32; 3]) -> [f32; 2] {
         [self.center[0] + right * shape.scale, self.center[1] - up * shape.scale]
     }
 
     /// The rectangle of pixels that a whole kernel covers there: its least and its largest corner.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn bounds(&self, shape: &PixelShape, point: [f32; 3]) -> [[f32; 2]; 2] {
         let at = self.pixel_of(shape, point);
-        let half = shape.half_extent.map(|extent| extent * self.radius);
+        let [half_width, half_height] = shape.half_extent;
+        let half = [half_width * self.radius, half_height * self.radius];
         [[at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]]]
     }
 }

@@ -67,10 +67,15 @@ impl SlabShapes {
     /// The footprint of a slab; of no meaning for one that is not drawn.
     #[inline]
     pub(super) fn of(&self, raster: &Raster, slabs: &SlabGrid, slab: usize) -> PixelShape {
+        self.cached(slab).copied().unwrap_or_else(|| raster.shape_at(slabs.middle(slab)))
+    }
+
+    /// The same, unless there are too many slabs.
+    #[inline(always)]
+    pub(super) fn cached(&self, slab: usize) -> Option<&PixelShape> {
         match self.shapes.as_slice() {
-            [only] => *only,
-            [] => raster.shape_at(slabs.middle(slab)),
-            shapes => shapes[slab],
+            [only] => Some(only),
+            shapes => shapes.get(slab),
         }
     }
 }

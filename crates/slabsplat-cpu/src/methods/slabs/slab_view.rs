@@ -101,8 +101,18 @@ impl<'a> SlabView<'a> {
         if last < first {
             return None;
         }
-        let [near, far] = [first, last].map(|slab| self.raster.bounds(&self.shape(slab), point));
+        // A closure would not be compiled for the vectors of the caller.
+        let (near, far) = (self.bounds_in(first, point), self.bounds_in(last, point));
         Some(union(near, far))
+    }
+
+    /// The pixels that a section of a voxel may touch.
+    #[inline(always)]
+    fn bounds_in(&self, slab: usize, point: [f32; 3]) -> [[f32; 2]; 2] {
+        match self.shapes.cached(slab) {
+            Some(shape) => self.raster.bounds(shape, point),
+            None => self.raster.bounds(&self.shape(slab), point),
+        }
     }
 }
 
@@ -116,5 +126,5 @@ fn range_thickness(plan: &FramePlan<'_>) -> f64 {
 /// The least rectangle around two.
 #[inline(always)]
 fn union([min, max]: [[f32; 2]; 2], [a, b]: [[f32; 2]; 2]) -> [[f32; 2]; 2] {
-    [[0, 1].map(|axis| a[axis].min(min[axis])), [0, 1].map(|axis| b[axis].max(max[axis]))]
+    [[a[0].min(min[0]), a[1].min(min[1])], [b[0].max(max[0]), b[1].max(max[1])]]
 }
