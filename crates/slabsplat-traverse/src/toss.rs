@@ -136,13 +136,15 @@ impl TileGrid {
     /// there are none on any tile.
     #[inline(always)]
     pub fn pixels_within(&self, min: [f32; 2], max: [f32; 2]) -> Option<PixelRect> {
-        let mut rect = PixelRect { min: [0; 2], end: [0; 2] };
-        for axis in 0..2 {
-            rect.min[axis] = nearest(min[axis] - MARGIN, self.n_pixels[axis]);
-            rect.end[axis] = nearest(max[axis] + MARGIN, self.n_pixels[axis]);
+        // All four as one vector.
+        let edges = [min[0] - MARGIN, min[1] - MARGIN, max[0] + MARGIN, max[1] + MARGIN];
+        let mut pixels = [0; 4];
+        for (side, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = nearest(edges[side], self.n_pixels[side % 2]);
         }
-        let holds_any = rect.min[0] < rect.end[0] && rect.min[1] < rect.end[1];
-        holds_any.then_some(rect)
+        let [left, top, right, bottom] = pixels;
+        let holds_any = left < right && top < bottom;
+        holds_any.then_some(PixelRect { min: [left, top], end: [right, bottom] })
     }
 
     /// The tiles that hold pixels of a rectangle.

@@ -46,6 +46,24 @@ pub(crate) struct PixelShape {
     pub(crate) gain: f32,
 }
 
+/// The rectangles around footprints of one shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FootprintBounds {
+    center: [f32; 2],
+    scale: f32,
+    half_extent: [f32; 2],
+}
+
+impl FootprintBounds {
+    /// The pixels that the footprint of a point in view space covers: the least and the largest corner.
+    #[inline(always)]
+    pub(crate) fn at(&self, [right, up, _]: [f32; 3]) -> [[f32; 2]; 2] {
+        let Self { center, scale, half_extent: [width, height] } = *self;
+        let [x, y] = [center[0] + right * scale, center[1] - up * scale];
+        [[x - width, y - height], [x + width, y + height]]
+    }
+}
+
 impl Raster {
     /// For tiles of which `border` pixels on each side are their neighbours'.
     pub(crate) fn new(layer: &LayerPlan<'_>, border: usize) -> Self {
@@ -107,12 +125,14 @@ impl Raster {
         [self.center[0] + right * shape.scale, self.center[1] - up * shape.scale]
     }
 
-    /// The rectangle of pixels that a whole kernel covers there: its least and its largest corner.
+    /// The rectangle around whole footprints of a shape.
     #[inline(always)]
-    pub(crate) fn bounds(&self, shape: &PixelShape, point: [f32; 3]) -> [[f32; 2]; 2] {
-        let at = self.pixel_of(shape, point);
+    pub(crate) fn bounds(&self, shape: &PixelShape) -> FootprintBounds {
         let [half_width, half_height] = shape.half_extent;
-        let half = [half_width * self.radius, half_height * self.radius];
-        [[at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]]]
+        FootprintBounds {
+            center: self.center,
+            scale: shape.scale,
+            half_extent: [half_width * self.radius, half_height * self.radius],
+        }
     }
 }

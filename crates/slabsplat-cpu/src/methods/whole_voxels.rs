@@ -47,7 +47,7 @@ pub(super) fn toss(
         if point[2] < raster.near {
             return TileRect::EMPTY;
         }
-        let [min, max] = raster.bounds(&raster.shape_at(point[2].into()), point);
+        let [min, max] = raster.bounds(&raster.shape_at(point[2].into())).at(point);
         tiles.pixels_within(min, max).map_or(TileRect::EMPTY, |pixels| tiles.tiles_of(&pixels))
     };
     splats.toss(tiles, n_splats, rect_of, frame)

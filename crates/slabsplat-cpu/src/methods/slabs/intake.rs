@@ -192,9 +192,15 @@ impl Scratch {
         let first = voxels.len();
         kept.clear();
         let points = Cell::from_mut(points.as_mut_slice()).as_slice_of_cells();
+        // Copies, as nobody can tell that what is written to buffers is none of these.
+        let (tiles, bounds_in_all) = (*tiles, setup.slabs.bounds_in_all());
         for (record, point) in records.iter().zip(points) {
             let point = point.get();
-            let Some([min, max]) = setup.slabs.bounds_of_voxel(point) else { continue };
+            let bounds = match &bounds_in_all {
+                Some(bounds) => Some(bounds.at(point)),
+                None => setup.slabs.bounds_of_voxel(point),
+            };
+            let Some([min, max]) = bounds else { continue };
             let Some(pixels) = tiles.pixels_within(min, max) else { continue };
             if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
                 continue;

@@ -3,7 +3,7 @@
 
 use super::slab_shapes::SlabShapes;
 use super::stage::Stage;
-use crate::footprints::raster::{PixelShape, Raster};
+use crate::footprints::raster::{FootprintBounds, PixelShape, Raster};
 use slabsplat_backend::{FramePlan, Slabs};
 use slabsplat_core::SlabGrid;
 use slabsplat_traverse::BrickBounds;
@@ -83,35 +83,40 @@ impl<'a> SlabView<'a> {
             None => self.shape(slab),
         });
         let raster = self.widest.unwrap_or(self.raster);
-        let all = shapes
-            .iter()
-            .flat_map(|shape| [corner(-1.0), corner(1.0)].map(|point| raster.bounds(shape, point)));
+        let all = shapes.iter().flat_map(|shape| {
+            [corner(-1.0), corner(1.0)].map(|point| raster.bounds(shape).at(point))
+        });
         all.reduce(union)
+    }
+
+    /// The pixels that voxels' sections may touch, wherever they lie, if all slabs see one footprint and all
+    /// are drawn.
+    #[inline(always)]
+    pub(super) fn bounds_in_all(&self) -> Option<FootprintBounds> {
+        let only = self.shapes.only().filter(|_| self.first_drawn == 0);
+        only.map(|only| self.raster.bounds(only))
     }
 
     /// The pixels that a voxel's sections may touch. Their position and size change monotonically with their
     /// slabs' depth, so that the first and the last one bound all of them.
     #[inline(always)]
     pub(super) fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {
-        if let (Some(only), 0) = (self.shapes.only(), self.first_drawn) {
-            return Some(self.raster.bounds(only, point));
-        }
         let [first, last] = self.meeting(point[2]);
         let first = first.max(self.first_drawn);
         if last < first {
             return None;
         }
         // A closure would not be compiled for the vectors of the caller.
-        let (near, far) = (self.bounds_in(first, point), self.bounds_in(last, point));
+        let (near, far) = (self.bounds_in(first).at(point), self.bounds_in(last).at(point));
         Some(union(near, far))
     }
 
-    /// The pixels that a section of a voxel may touch.
+    /// The pixels that sections in a slab may touch.
     #[inline(always)]
-    fn bounds_in(&self, slab: usize, point: [f32; 3]) -> [[f32; 2]; 2] {
+    fn bounds_in(&self, slab: usize) -> FootprintBounds {
         match self.shapes.cached(slab) {
-            Some(shape) => self.raster.bounds(shape, point),
-            None => self.raster.bounds(&self.shape(slab), point),
+            Some(shape) => self.raster.bounds(shape),
+            None => self.raster.bounds(&self.shape(slab)),
         }
     }
 }
