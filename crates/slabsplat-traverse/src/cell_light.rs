@@ -19,35 +19,38 @@
 //! Graphics Tools 10(3), 2005), as a power where normals are alike and as an exponential, which has no kink
 //! at a right angle, where they are not: off by 0.024 to 0.036 in the mean of squares, without that by 0.05.
 //!
-//! All goes eight cells at a time, without branches on cells.
+//! All goes sixteen cells at a time, without branches on cells.
 
-use crate::Cells8;
+use crate::Cells16;
 use crate::blinn_phong::BlinnPhong8;
 use crate::cells::along;
 
-/// What eight cells have in common with eight others: what there is of directions among their voxels.
-struct Facing8<'a> {
-    cells: &'a Cells8,
+/// Cells that are lit at once.
+const N: usize = Cells16::N;
+
+/// What the lights of cells have in common: what there is of directions among their voxels.
+struct Facing<'a> {
+    cells: &'a Cells16,
     /// `d`, and one over it.
-    directed: [f32; 8],
-    per_directed: [f32; 8],
+    directed: [f32; N],
+    per_directed: [f32; N],
     /// `r`.
-    alike: [f32; 8],
+    alike: [f32; N],
     /// `q`.
-    spread: [f32; 8],
+    spread: [f32; N],
 }
 
 /// The least of what is divided by: where there is no direction at all, all that depends on one is 0 times
 /// something finite.
 const LEAST: f32 = 1e-12;
 
-impl<'a> Facing8<'a> {
+impl<'a> Facing<'a> {
     #[inline(always)]
-    fn new(cells: &'a Cells8) -> Self {
-        let Cells8 { normals: [x, y, z], undirected, .. } = cells;
-        let (mut directed, mut per_directed) = ([0.0; 8], [0.0; 8]);
-        let (mut alike, mut spread) = ([0.0; 8], [0.0; 8]);
-        for i in 0..8 {
+    fn new(cells: &'a Cells16) -> Self {
+        let Cells16 { normals: [x, y, z], undirected, .. } = cells;
+        let (mut directed, mut per_directed) = ([0.0; N], [0.0; N]);
+        let (mut alike, mut spread) = ([0.0; N], [0.0; N]);
+        for i in 0..N {
             let length = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]).sqrt();
             // Rounding may have made a normal longer than what has one.
             let d = larger(1.0 - undirected[i], length);
@@ -62,10 +65,10 @@ impl<'a> Facing8<'a> {
 
     /// `m`, −1 … 1.
     #[inline(always)]
-    fn means(&self, direction: [f32; 3]) -> [f32; 8] {
+    fn means(&self, direction: [f32; 3]) -> [f32; N] {
         let [x, y, z] = &self.cells.normals;
-        let mut means = [0.0; 8];
-        for i in 0..8 {
+        let mut means = [0.0; N];
+        for i in 0..N {
             let product = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
             means[i] = lesser(larger(product * self.per_directed[i], -1.0), 1.0);
         }
@@ -74,16 +77,16 @@ impl<'a> Facing8<'a> {
 
     /// `v`, for directions whose means are those.
     #[inline(always)]
-    fn variances(&self, means: &[f32; 8], direction: [f32; 3]) -> [f32; 8] {
-        let mut variances = [0.0; 8];
+    fn variances(&self, means: &[f32; N], direction: [f32; 3]) -> [f32; N] {
+        let mut variances = [0.0; N];
         match &self.cells.moments {
             None => {
-                for i in 0..8 {
+                for i in 0..N {
                     variances[i] = self.spread[i] * (1.0 - means[i] * means[i]);
                 }
             }
             Some([xx, yy, zz, xy, xz, yz]) => {
-                for i in 0..8 {
+                for i in 0..N {
                     let square = along([xx[i], yy[i], zz[i], xy[i], xz[i], yz[i]], direction);
                     variances[i] = larger(square * self.per_directed[i] - means[i] * means[i], 0.0);
                 }
@@ -95,11 +98,11 @@ impl<'a> Facing8<'a> {
     /// The mean of `|n·l|` times `d`, or of its positive part where light is one-sided, and the share of
     /// directions that face the light.
     #[inline(always)]
-    fn diffuse(&self, to_light: [f32; 3], two_sided: bool) -> [[f32; 8]; 2] {
+    fn diffuse(&self, to_light: [f32; 3], two_sided: bool) -> [[f32; N]; 2] {
         let means = self.means(to_light);
         let variances = self.variances(&means, to_light);
-        let (mut n_l, mut shares) = ([0.0; 8], [1.0; 8]);
-        for i in 0..8 {
+        let (mut n_l, mut shares) = ([0.0; N], [1.0; N]);
+        for i in 0..N {
             let (m, v) = (means[i], variances[i]);
             let beyond = 0.75 * v * v / larger(v + 0.5 * m * m, LEAST);
             let both_sides = larger(m * m + beyond, LEAST).sqrt();
@@ -112,10 +115,10 @@ impl<'a> Facing8<'a> {
 
     /// The mean of highlights, times `d`.
     #[inline(always)]
-    fn highlights(&self, halfway: [f32; 3], shininess: f32, two_sided: bool) -> [f32; 8] {
+    fn highlights(&self, halfway: [f32; 3], shininess: f32, two_sided: bool) -> [f32; N] {
         let n_h = self.means(halfway);
-        let mut highlights = [0.0; 8];
-        for i in 0..8 {
+        let mut highlights = [0.0; N];
+        for i in 0..N {
             let r = self.alike[i];
             let product = lesser(larger(n_h[i] / larger(r, LEAST), -1.0), 1.0);
             let product = if two_sided { product.abs() } else { product };
@@ -132,12 +135,12 @@ impl<'a> Facing8<'a> {
 }
 
 impl BlinnPhong8 {
-    /// Red, green and blue of eight cells under this light.
+    /// Red, green and blue of sixteen cells under this light.
     #[inline(always)]
-    pub fn on_cells(&self, cells: &Cells8) -> [[f32; 8]; 3] {
-        let facing = Facing8::new(cells);
-        let mut diffuse = [[self.ambient; 8]; 3];
-        let mut specular = [[0.0; 8]; 3];
+    pub fn on_cells(&self, cells: &Cells16) -> [[f32; N]; 3] {
+        let facing = Facing::new(cells);
+        let mut diffuse = [[self.ambient; N]; 3];
+        let mut specular = [[0.0; N]; 3];
         for (diffuse, of_all) in diffuse.iter_mut().zip(self.undirected) {
             for (diffuse, undirected) in diffuse.iter_mut().zip(cells.undirected) {
                 *diffuse += of_all * undirected;
@@ -148,15 +151,15 @@ impl BlinnPhong8 {
             let [n_l, shares] = facing.diffuse(light.to_light, self.two_sided);
             let highlights = facing.highlights(light.halfway, shininess, self.two_sided);
             for channel in 0..3 {
-                for i in 0..8 {
+                for i in 0..N {
                     diffuse[channel][i] += light.diffuse[channel] * n_l[i];
                     specular[channel][i] += light.specular[channel] * (shares[i] * highlights[i]);
                 }
             }
         }
-        let mut lit = [[0.0; 8]; 3];
+        let mut lit = [[0.0; N]; 3];
         for channel in 0..3 {
-            for i in 0..8 {
+            for i in 0..N {
                 let color = cells.colors[channel][i];
                 lit[channel][i] = lesser(color * diffuse[channel][i] + specular[channel][i], 1.0);
             }
@@ -263,8 +266,8 @@ mod tests {
         BlinnPhong { phong, lights: lights.map(|light| LightInView::new(light, forward)).to_vec() }
     }
 
-    fn eight(cells: &[CellValues; 8], moments: Option<[[f32; 6]; 8]>) -> Cells8 {
-        Cells8 {
+    fn sixteen(cells: &[CellValues; N], moments: Option<[[f32; 6]; N]>) -> Cells16 {
+        Cells16 {
             extinctions: cells.map(|cell| cell.extinction),
             colors: from_fn(|channel| cells.map(|cell| cell.color[channel])),
             normals: from_fn(|axis| cells.map(|cell| cell.normal[axis])),
@@ -315,7 +318,7 @@ mod tests {
         for_each_seed(1, |mut rng| {
             for _ in 0..200 {
                 let light = random_light(&mut rng);
-                let cells = [0; 8].map(|_| {
+                let cells = [0; N].map(|_| {
                     let undirected = [0.0, 1.0, 0.5, rng.f32()][rng.usize(..4)];
                     let length = (1.0 - undirected) * [0.0, 1.0, rng.f32()][rng.usize(..3)];
                     let normal = (random_direction(&mut rng) * f64::from(length)).as_vec3();
@@ -323,8 +326,8 @@ mod tests {
                     CellValues { extinction: 1.0, color, normal: normal.to_array(), undirected }
                 });
                 // Of a random matrix, whether it can be that of normals or not.
-                let moments = rng.bool().then(|| [0; 8].map(|_| [0; 6].map(|_| 0.5 * rng.f32())));
-                let lit = BlinnPhong8::new(&light).on_cells(&eight(&cells, moments));
+                let moments = rng.bool().then(|| [0; N].map(|_| [0; 6].map(|_| 0.5 * rng.f32())));
+                let lit = BlinnPhong8::new(&light).on_cells(&sixteen(&cells, moments));
                 for (idx, cell) in cells.iter().enumerate() {
                     let expected = naive(&light, cell, moments.map(|of| of[idx]));
                     for (channel, expected) in lit.iter().zip(expected) {
@@ -362,8 +365,8 @@ mod tests {
                     moments.iter_mut().zip(of_voxel).for_each(|(sum, it)| *sum += it as f32 / 64.0);
                 }
                 let light8 = BlinnPhong8::new(&light);
-                for (is_known, moments) in [(false, None), (true, Some([moments; 8]))] {
-                    let lit = light8.on_cells(&eight(&[cell; 8], moments));
+                for (is_known, moments) in [(false, None), (true, Some([moments; N]))] {
+                    let lit = light8.on_cells(&sixteen(&[cell; N], moments));
                     let off = (DVec3::from_array(lit.map(|of| of[0].into())) - expected).abs();
                     let kind = if width == 0.0 { 0 } else { 1 + usize::from(is_known) };
                     worst[kind] = worst[kind].max(off.max_element());

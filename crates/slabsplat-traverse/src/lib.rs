@@ -80,7 +80,7 @@ pub use brick_ranges::BrickRanges;
 pub use bricks::{BRICK_SIDE, Brick, BrickGrid};
 pub use buckets::Buckets;
 pub use cells::{
-    BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS, CellBrick, CellRecord, CellValues, Cells8,
+    BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS, CellBrick, CellRecord, CellValues, Cells16,
     Moments,
 };
 pub use classification::Classification;

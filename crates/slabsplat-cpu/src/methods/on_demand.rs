@@ -26,7 +26,7 @@ use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
 use slabsplat_kernel::{CellDifferences, turn_of_brick};
 use slabsplat_traverse::{
-    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells8, VoxelRecord,
+    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells16, VoxelRecord,
 };
 
 /// A level of a layer, as the view sees it.
@@ -144,25 +144,22 @@ impl<'a> LevelVoxels<'a> {
     #[inline(always)]
     fn color_cells(&self, cells: &CellBrick, records: &[VoxelRecord], colors: &mut [[f32; 4]]) {
         let light = self.stage.lighting.light();
-        for (records, colors) in records.chunks(AT_ONCE).zip(colors.chunks_mut(AT_ONCE)) {
-            let eight = Cells8::of(cells, records);
+        for (records, colors) in records.chunks(Cells16::N).zip(colors.chunks_mut(Cells16::N)) {
+            let cells = Cells16::of(cells, records);
             // A closure would not be compiled for the vectors of this function.
             let [r, g, b] = match light {
-                None => eight.colors,
-                Some(light) => light.on_cells(&eight),
+                None => cells.colors,
+                Some(light) => light.on_cells(&cells),
             };
-            let mut weighted = [[0.0; 4]; AT_ONCE];
-            for i in 0..AT_ONCE {
-                let mu = eight.extinctions[i];
+            let mut weighted = [[0.0; 4]; Cells16::N];
+            for i in 0..Cells16::N {
+                let mu = cells.extinctions[i];
                 weighted[i] = [mu * r[i], mu * g[i], mu * b[i], mu];
             }
             colors.copy_from_slice(&weighted[..colors.len()]);
         }
     }
 }
-
-/// Cells that are lit at once.
-const AT_ONCE: usize = 8;
 
 impl Voxels for LevelVoxels<'_> {
     fn n_voxels(&self) -> u64 {

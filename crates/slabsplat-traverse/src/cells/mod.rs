@@ -11,10 +11,10 @@
 //! Nothing of a cell depends on the view or on light, so that a brick of them serves until the transfer
 //! function changes.
 //!
-//! Reading order: `record`, `moments`, `sums`, `brick`, `cells8`, `lazy_bricks`, `retained`, `on_demand`.
+//! Reading order: `record`, `moments`, `sums`, `brick`, `cells16`, `lazy_bricks`, `retained`, `on_demand`.
 
 mod brick;
-mod cells8;
+mod cells16;
 mod lazy_bricks;
 mod moments;
 mod on_demand;
@@ -23,7 +23,7 @@ mod retained;
 mod sums;
 
 pub use brick::CellBrick;
-pub use cells8::Cells8;
+pub use cells16::Cells16;
 pub use moments::Moments;
 pub(crate) use moments::along;
 pub use on_demand::{BrickMaker, BrickRoom, BricksOnDemand, CELL_LEVELS};
