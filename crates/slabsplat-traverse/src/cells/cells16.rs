@@ -38,8 +38,8 @@ impl Cells16 {
             *cell = brick.cells()[idx];
         }
         let mut all = Self::default();
-        for i in 0..Self::N {
-            let values = cells[i].values(brick.largest());
+        for (i, cell) in cells.into_iter().enumerate() {
+            let values = cell.values(brick.largest());
             all.extinctions[i] = values.extinction;
             all.undirected[i] = values.undirected;
             for axis in 0..3 {
