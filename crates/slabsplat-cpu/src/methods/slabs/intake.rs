@@ -166,7 +166,7 @@ impl Scratch {
                 self.points.resize(records.len(), [0.0; 3]);
                 stage.bricks.project_brick(brick, records, &mut self.points);
                 let occlusion = (visibility == Visibility::Partial).then_some(occlusion);
-                self.cull(setup, tiles, occlusion, records);
+                self.cull(simd, setup, tiles, occlusion, records);
                 self.colors.resize(self.records.len(), [0.0; 4]);
                 stage.voxels.color(brick, &read, &self.records, &mut self.colors);
                 self.make_voxels(simd, setup);
@@ -181,8 +181,9 @@ impl Scratch {
     /// Keeps the records and points of voxels that may be seen, and enters them for their tiles. None is
     /// occluded where there is no `occlusion`.
     #[inline(always)]
-    fn cull(
+    fn cull<S: Simd>(
         &mut self,
+        simd: S,
         setup: &Setup<'_>,
         tiles: &TileGrid,
         occlusion: Option<&Occlusion>,
@@ -191,23 +192,32 @@ impl Scratch {
         let Self { voxels, entries, points, records: kept, .. } = self;
         let first = voxels.len();
         kept.clear();
-        let points = Cell::from_mut(points.as_mut_slice()).as_slice_of_cells();
+        let all = Cell::from_mut(points.as_mut_slice()).as_slice_of_cells();
         // Copies, as nobody can tell that what is written to buffers is none of these.
         let (tiles, bounds_in_all) = (*tiles, setup.slabs.bounds_in_all());
-        for (record, point) in records.iter().zip(points) {
-            let point = point.get();
-            let bounds = match &bounds_in_all {
-                Some(bounds) => Some(bounds.at(point)),
-                None => setup.slabs.bounds_of_voxel(point),
-            };
-            let Some([min, max]) = bounds else { continue };
-            let Some(pixels) = tiles.pixels_within(min, max) else { continue };
-            if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
-                continue;
+        let mut slabs = [[0; N_AT_ONCE]; 2];
+        for (records, points) in records.chunks(N_AT_ONCE).zip(all.chunks(N_AT_ONCE)) {
+            if bounds_in_all.is_none() {
+                slabs = setup.spans.met(simd, &eight(points, |point| point.get()[2]));
             }
-            tiles.push(tiles.tiles_of(&pixels), (first + kept.len()) as u32, entries);
-            points[kept.len()].set(point);
-            kept.push(*record);
+            for (idx, (record, point)) in records.iter().zip(points).enumerate() {
+                let point = point.get();
+                let bounds = match &bounds_in_all {
+                    Some(bounds) => Some(bounds.at(point)),
+                    None => {
+                        let slabs = [slabs[0][idx] as usize, slabs[1][idx] as usize];
+                        setup.slabs.bounds_between(slabs, point)
+                    }
+                };
+                let Some([min, max]) = bounds else { continue };
+                let Some(pixels) = tiles.pixels_within(min, max) else { continue };
+                if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
+                    continue;
+                }
+                tiles.push(tiles.tiles_of(&pixels), (first + kept.len()) as u32, entries);
+                all[kept.len()].set(point);
+                kept.push(*record);
+            }
         }
     }
 
@@ -216,11 +226,8 @@ impl Scratch {
     fn make_voxels<S: Simd>(&mut self, simd: S, setup: &Setup<'_>) {
         let points = self.points[..self.records.len()].chunks(N_AT_ONCE);
         for (points, colors) in points.zip(self.colors.chunks(N_AT_ONCE)) {
-            // Where there are fewer than eight, the first stands for the others.
-            let mut depths = [points[0][2]; N_AT_ONCE];
-            let mut extinctions = [colors[0][3]; N_AT_ONCE];
-            depths.iter_mut().zip(points).for_each(|(depth, point)| *depth = point[2]);
-            extinctions.iter_mut().zip(colors).for_each(|(sum, color)| *sum = color[3]);
+            let depths = eight(points, |point| point[2]);
+            let extinctions = eight(colors, |color| color[3]);
             let spans = setup.spans.spans(simd, &depths, &extinctions);
             let parts = points.iter().zip(colors).zip(spans);
             let voxel = |((&point, &color), sheets)| Voxel { point, sheets, color };
@@ -235,4 +242,12 @@ impl Scratch {
         self.voxels.capacity() * size_of::<SpannedVoxel>()
             + self.entries.capacity() * size_of::<TileEntry>()
     }
+}
+
+/// A number of each of up to eight items; where there are fewer, the first stands for the others.
+#[inline(always)]
+fn eight<T>(items: &[T], number_of: impl Fn(&T) -> f32) -> [f32; N_AT_ONCE] {
+    let mut numbers = [number_of(&items[0]); N_AT_ONCE];
+    numbers.iter_mut().zip(items).for_each(|(number, item)| *number = number_of(item));
+    numbers
 }

@@ -97,11 +97,15 @@ impl<'a> SlabView<'a> {
         only.map(|only| self.raster.bounds(only))
     }
 
-    /// The pixels that a voxel's sections may touch. Their position and size change monotonically with their
-    /// slabs' depth, so that the first and the last one bound all of them.
+    /// The pixels that a voxel's sections may touch, of the slabs that its kernel meets: none if none of them
+    /// is drawn. Their position and size change monotonically with their slabs' depth, so that the first and
+    /// the last one bound all of them.
     #[inline(always)]
-    pub(super) fn bounds_of_voxel(&self, point: [f32; 3]) -> Option<[[f32; 2]; 2]> {
-        let [first, last] = self.meeting(point[2]);
+    pub(super) fn bounds_between(
+        &self,
+        [first, last]: [usize; 2],
+        point: [f32; 3],
+    ) -> Option<[[f32; 2]; 2]> {
         let first = first.max(self.first_drawn);
         if last < first {
             return None;

@@ -50,6 +50,22 @@ impl<'a> SpanFinder<'a> {
         }
     }
 
+    /// The first and the last slab that the kernels of eight voxels at those depths meet.
+    #[inline(always)]
+    pub(super) fn met<S: Simd>(&self, simd: S, depths: &[f32; N_AT_ONCE]) -> [[u32; N_AT_ONCE]; 2] {
+        let depths: f32x8<S> = (*depths).simd_into(simd);
+        let near = ((depths - self.half_depth) * self.slabs_per_depth).floor();
+        let far = ((depths + self.half_depth) * self.slabs_per_depth).ceil() - 1.0;
+        [near, far.max(near)].map(|slabs| self.indices(simd, slabs).into())
+    }
+
+    /// The indices of slabs, given by their numbers counted from the centre.
+    #[inline(always)]
+    fn indices<S: Simd>(&self, simd: S, slabs: f32x8<S>) -> u32x8<S> {
+        let last = f32x8::splat(simd, self.last_slab);
+        (slabs - self.first_slab).max(f32x8::splat(simd, 0.0)).min(last).to_int()
+    }
+
     /// The slabs of eight voxels, given by their depths and extinctions (or whatever the compositing sums).
     #[inline(always)]
     pub(super) fn spans<S: Simd>(
@@ -87,10 +103,53 @@ impl<'a> SpanFinder<'a> {
             is_all.select(((depths - self.half_depth) * self.slabs_per_depth).floor(), near);
         let is_thick = n_slabs.simd_gt(f32x8::splat(simd, 1.0));
         let middle = (near / n_slabs).floor().mul_add(n_slabs, n_slabs * 0.5);
-        let first = is_thick.select(middle, first) - self.first_slab;
-        let last_slab = f32x8::splat(simd, self.last_slab);
-        let first: u32x8<S> = first.max(f32x8::splat(simd, 0.0)).min(last_slab).to_int();
+        let first = self.indices(simd, is_thick.select(middle, first));
         let n_more: u32x8<S> = is_all.select(all, far - near).to_int();
         <[u32; N_AT_ONCE]>::from(Span::bits(first, n_more)).map(Span)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+    use slabsplat_core::SlabGrid;
+    use slabsplat_seeds::for_each_seed;
+
+    /// Also of depths before and behind all slabs. Where an end of a kernel is next to a face, rounding may
+    /// put it on either side.
+    #[test]
+    fn span_finder_meets_the_slabs_of_the_grid() {
+        for_each_seed(1, |mut rng| {
+            let thickness = 0.1 + 2.0 * rng.f64();
+            let ends = [-1.0, 1.0].map(|sign| sign * (1.0 + 50.0 * rng.f64()));
+            let grid = SlabGrid::covering(ends, thickness).unwrap();
+            let half_depth = 0.05 + 4.0 * rng.f32();
+            let finder = SpanFinder {
+                splits: Splits::All,
+                half_depth,
+                slabs_per_depth: (1.0 / thickness) as f32,
+                first_slab: (grid.front(0) / thickness).round() as f32,
+                last_slab: (grid.n_slabs() - 1) as f32,
+            };
+            for _ in 0..500 {
+                let depths = std::array::from_fn(|_| 120.0 * rng.f32() - 60.0);
+                let found = dispatch!(Level::new(), simd => finder.met(simd, &depths));
+                let spans = dispatch!(Level::new(), simd => finder.spans(simd, &depths, &depths));
+                for (idx, depth) in depths.into_iter().enumerate() {
+                    let [near, far] = [depth - half_depth, depth + half_depth].map(f64::from);
+                    let expected = grid.meeting(near, far);
+                    let is_at_face = |end: f64| {
+                        let slabs = end / thickness;
+                        (slabs - slabs.round()).abs() < 1e-3
+                    };
+                    let found = found.map(|slabs| slabs[idx] as usize);
+                    assert_eq!(spans[idx].first(), found[0]);
+                    if !is_at_face(near) && !is_at_face(far) {
+                        assert_eq!(found, expected, "{depth} ± {half_depth}, {thickness} thick");
+                    }
+                }
+            }
+        });
     }
 }
