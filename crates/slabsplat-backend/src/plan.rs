@@ -8,7 +8,7 @@ use slabsplat_core::{
 };
 use slabsplat_kernel::{
     CellLimits, CubicSectionTable, ErrorBudget, FootprintShape, FootprintTable, LitDifferences,
-    SectionTable, SplitLevels, TiltedSections, share_by_cells,
+    SectionTable, ShareByCells, SplitLevels, TiltedSections,
 };
 use std::sync::Arc;
 
@@ -111,10 +111,10 @@ pub struct CellsPlan<'a> {
 
 impl CellsPlan<'_> {
     /// The share of bricks whose turn has come at a depth from the centre of all layers, not before the near
-    /// depth: those that [`turn_of_brick`](slabsplat_kernel::turn_of_brick) puts below it.
-    pub fn share_at(&self, depth: f64) -> f64 {
+    /// depth.
+    pub fn share_at(&self, depth: f64) -> ShareByCells {
         let view = &self.plan.view;
-        share_by_cells(self.plan.level, view.stretch(view.pixels_per_world(depth)))
+        ShareByCells::new(self.plan.level, view.stretch(view.pixels_per_world(depth)))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
-use slabsplat_kernel::{CellLimits, LitDifferences};
+use slabsplat_kernel::{CellLimits, LitDifferences, ShareByCells};
 
 /// What decides which bricks of cells of a level are listed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,16 +10,16 @@ pub(crate) struct CellsToList {
     pub(crate) limits: CellLimits,
     pub(crate) lit: LitDifferences,
     /// The share of bricks whose turn has come.
-    pub(crate) share: f64,
+    pub(crate) share: ShareByCells,
 }
 
 /// A frame's share of bricks is one of so many, or none.
-const N_SHARES: f64 = 16.0;
+const N_SHARES: u32 = 16;
 
 /// What a layer's cells are to be listed by, if they are.
 pub(crate) fn cells_to_list(layer: &LayerPlan<'_>) -> Vec<CellsToList> {
     let to_list = |cells: &CellsPlan<'_>| {
-        let share = (cells.share_at(nearest_depth(&cells.plan)) * N_SHARES).floor() / N_SHARES;
+        let share = cells.share_at(nearest_depth(&cells.plan)).in_parts_of(N_SHARES);
         CellsToList { limits: cells.limits, lit: cells.lit, share }
     };
     layer.cells().map(to_list).collect()

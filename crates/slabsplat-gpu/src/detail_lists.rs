@@ -20,7 +20,7 @@ use slabsplat_core::glam::DVec3;
 use slabsplat_core::{
     Cancelled, Compositing, FrameHandle, IsoRange, Region, RegionInView, StageError,
 };
-use slabsplat_kernel::{CellDifferences, turn_of_brick};
+use slabsplat_kernel::CellDifferences;
 use slabsplat_traverse::{
     Brick, BrickBounds, BrickGrid, BrickLister, BrickMaker, BrickRoom, BrickView, BricksOnDemand,
     CellBrick, Classification, OwnVoxelRules, VoxelLighting, VoxelRecord, map_for_frame,
@@ -166,7 +166,10 @@ impl DetailLists {
     /// The bricks that no coarser level has a turn of.
     fn own_bricks(&self, level: u32, lister: &BrickLister<'_>) -> Vec<u32> {
         let has_turn = |level: u32, brick_idx: u32| {
-            turn_of_brick(self.bricks.grid(level).coords_in_whole(brick_idx)) < self.share(level)
+            let Some(idx) = (level as usize).checked_sub(1) else { return true };
+            let is_at_end = self.bricks.is_at_end(level, brick_idx);
+            let coords = self.bricks.grid(level).coords_in_whole(brick_idx);
+            self.cells[idx].share.includes(coords, is_at_end)
         };
         let is_own = |brick_idx: &u32| {
             let parent = || self.bricks.parent(level, *brick_idx);
@@ -174,11 +177,6 @@ impl DetailLists {
             has_turn(level, *brick_idx) && (is_coarsest || !has_turn(level + 1, parent()))
         };
         self.bricks.may_hold(level, lister).iter().copied().filter(is_own).collect()
-    }
-
-    fn share(&self, level: u32) -> f64 {
-        // A turn is less than 1.
-        (level as usize).checked_sub(1).map_or(1.0, |idx| self.cells[idx].share)
     }
 
     /// How many records a brick has, and of how many voxels; nothing if its cells may not be drawn.

@@ -139,10 +139,14 @@ const MAX_LEVEL: u32 = MIN_STRETCH.len() as u32;
 const LEAST_CELLS: usize = 8;
 
 /// The narrowest footprints that cells of each level may have, against those of voxels on a grid of their
-/// own. At 0.95 the sum of all is uneven by twice as much as it is at 1: 3·10⁻³, if these are Gaussians. The
-/// coarser a level, the deeper is what lies behind a pixel, and the more it shows of the tails of footprints
-/// at a silhouette.
-const MIN_STRETCH: [f64; 3] = [0.95, 1.1, 1.3];
+/// own. At 0.87 the sum of all is uneven by 9·10⁻³ if these are Gaussians, which a pixel shows a third of at
+/// most; and all that two voxels a pixel or more are seen of is drawn by cells.
+const MIN_STRETCH: [f64; 3] = [0.87, 0.9, 0.9];
+
+/// The same in bricks at an end of the grid, where a solid ends at once and along a whole face. The coarser a
+/// level, the deeper is what lies behind a pixel, and the more it shows of the tails of footprints at such a
+/// silhouette.
+const MIN_STRETCH_AT_ENDS: [f64; 3] = [0.95, 1.1, 1.3];
 
 /// By how much more footprints of cells must be stretched in the last of all bricks than in the first.
 const RANGE_OF_STRETCH: f64 = 1.0 / 24.0;
@@ -153,18 +157,49 @@ const RANGE_OF_STRETCH: f64 = 1.0 / 24.0;
 /// [Roberts 2018]: https://extremelearning.com.au/unreasonable-effectiveness-of-quasirandom-sequences/
 const TURNS: [f64; 3] = [0.8191725133961645, 0.6710436067037893, 0.5497004779019703];
 
-/// The share of bricks that may be drawn by cells of a level, from 1 on, where footprints of these are
-/// stretched so far ([`View::stretch`]): none, all, or between both those that come first
-/// ([`turn_of_brick`]).
-///
-/// [`View::stretch`]: slabsplat_core::View::stretch
-pub fn share_by_cells(level: u32, stretch: f64) -> f64 {
-    let from_first = stretch / MIN_STRETCH[level as usize - 1] - 1.0;
-    (from_first / RANGE_OF_STRETCH).clamp(0.0, 1.0)
+/// The share of bricks that may be drawn by cells of a level: none, all, or between both those that come
+/// first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShareByCells {
+    /// Of those inside of the grid, 0 … 1.
+    inside: f64,
+    /// Of those at an end of it.
+    at_ends: f64,
+}
+
+impl ShareByCells {
+    /// That of a level, from 1 on, where footprints of cells are stretched so far ([`View::stretch`]).
+    ///
+    /// [`View::stretch`]: slabsplat_core::View::stretch
+    pub fn new(level: u32, stretch: f64) -> Self {
+        let share = |least: &[f64; 3]| {
+            let from_first = stretch / least[level as usize - 1] - 1.0;
+            (from_first / RANGE_OF_STRETCH).clamp(0.0, 1.0)
+        };
+        Self { inside: share(&MIN_STRETCH), at_ends: share(&MIN_STRETCH_AT_ENDS) }
+    }
+
+    /// The same in whole parts of so many, rounded down.
+    #[must_use]
+    pub fn in_parts_of(self, n: u32) -> Self {
+        let n = f64::from(n);
+        let [inside, at_ends] = [self.inside, self.at_ends].map(|share| (share * n).floor() / n);
+        Self { inside, at_ends }
+    }
+
+    /// Whether the brick with those indices is among them.
+    pub fn includes(&self, brick: [usize; 3], is_at_end: bool) -> bool {
+        turn_of_brick(brick) < if is_at_end { self.at_ends } else { self.inside }
+    }
+
+    /// Whether all are.
+    pub fn is_all(&self) -> bool {
+        self.inside.min(self.at_ends) == 1.0
+    }
 }
 
 /// When a brick with those indices changes its level, 0 … 1: if a larger share of all does.
-pub fn turn_of_brick(brick: [usize; 3]) -> f64 {
+fn turn_of_brick(brick: [usize; 3]) -> f64 {
     let turn: f64 = brick.into_iter().zip(TURNS).map(|(at, step)| at as f64 * step).sum();
     turn.fract()
 }
@@ -276,7 +311,7 @@ mod tests {
     #[test]
     fn detail_levels_need_pixels_larger_than_voxels() {
         let at = |stretch| levels("gaussian", 0.05).coarsest(stretch, 99);
-        assert_eq!([1.0, 2.0, 2.15, 4.6, 4.8, 10.8, 11.2, 1e9].map(at), [0, 0, 1, 1, 2, 2, 3, 3]);
+        assert_eq!([1.0, 1.9, 1.96, 4.0, 4.1, 8.1, 8.2, 1e9].map(at), [0, 0, 1, 1, 2, 2, 3, 3]);
         for level in 1..=MAX_LEVEL {
             let least = levels("gaussian", 0.05).least_stretch(level);
             assert_eq!([0.999, 1.001].map(|by| at(by * least)), [level - 1, level]);
@@ -297,13 +332,29 @@ mod tests {
             }
         }
         assert!(tenths.iter().all(|n| (90..=110).contains(n)), "{tenths:?}");
-        for (level, least) in (1..).zip(MIN_STRETCH) {
-            let share =
-                |of_range: f64| share_by_cells(level, least * (1.0 + of_range * RANGE_OF_STRETCH));
-            let [before, first, quarter, all] = [-1.0, 0.0, 0.25, 1.0001].map(share);
-            assert_eq!((before, first, all), (0.0, 0.0, 1.0));
-            assert!((quarter - 0.25).abs() < 1e-9);
+    }
+
+    /// Those at an end of the grid later.
+    #[test]
+    fn detail_levels_are_shares_of_bricks() {
+        let bricks: Vec<_> = (0..1000).map(|idx| [idx % 10, idx / 10 % 10, idx / 100]).collect();
+        for (is_at_end, all_least) in [(false, MIN_STRETCH), (true, MIN_STRETCH_AT_ENDS)] {
+            for (level, least) in (1..).zip(all_least) {
+                let share = |of_range: f64| {
+                    let share =
+                        ShareByCells::new(level, least * (1.0 + of_range * RANGE_OF_STRETCH));
+                    let among = |brick: &&[usize; 3]| share.includes(**brick, is_at_end);
+                    assert_eq!(share.in_parts_of(1 << 20).is_all(), share.is_all());
+                    (bricks.iter().filter(among).count(), share.is_all())
+                };
+                assert_eq!(share(-1.0), (0, false));
+                assert_eq!(share(0.0), (0, false));
+                assert!((240..=260).contains(&share(0.25).0), "{:?}", share(0.25));
+                assert_eq!(share(1.0001), (1000, is_at_end));
+            }
         }
+        let half = ShareByCells { inside: 0.499, at_ends: 0.27 }.in_parts_of(4);
+        assert_eq!(half, ShareByCells { inside: 0.25, at_ends: 0.25 });
     }
 
     #[test]

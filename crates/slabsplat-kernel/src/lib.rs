@@ -62,9 +62,7 @@ mod footprint_shape;
 
 pub use crawfis_max::CrawfisMax;
 pub use cubic_section_table::CubicSectionTable;
-pub use detail_levels::{
-    CellDifferences, CellLimits, DetailLevels, LitDifferences, share_by_cells, turn_of_brick,
-};
+pub use detail_levels::{CellDifferences, CellLimits, DetailLevels, LitDifferences, ShareByCells};
 pub use error_budget::ErrorBudget;
 pub use footprint_shape::FootprintShape;
 pub use footprint_table::FootprintTable;

@@ -151,7 +151,13 @@ impl Cells<'_> {
             self.center_in_view(at).z
         });
         let nearest = nearest.fold(f64::INFINITY, f64::min) - self.kernel.depth_reach;
-        let of_level = [0.95, 1.1, 1.3][self.side.ilog2() as usize - 1];
+        let n_bricks = self.n_voxels.map(|n| n.div_ceil(8 * self.side));
+        let is_at_end = (0..3).any(|axis| {
+            let at = self.brick(voxel)[axis];
+            at == 0 || at + 1 == n_bricks[axis]
+        });
+        let of_levels = if is_at_end { [0.95, 1.1, 1.3] } else { [0.87, 0.9, 0.9] };
+        let of_level = of_levels[self.side.ilog2() as usize - 1];
         let least = of_level * (1.0 + turn(self.brick(voxel)) / 24.0);
         self.view.near_depth(self.unit) <= nearest && least <= self.stretch.at(self.view, nearest)
     }

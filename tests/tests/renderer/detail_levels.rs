@@ -170,7 +170,9 @@ fn detail_levels_of_opaque_layers() {
         let up = scene.camera.axes().up;
         scene.layers[0] = layer;
         let target = grid.center_in_world();
-        let height = 2.2 * f64::from(scene.image.height) * grid.unit();
+        // With fewer voxels a pixel bricks at the ends of the grid are not drawn by cells.
+        let voxels_a_pixel = [2.0, 2.2][seed as usize % 2];
+        let height = voxels_a_pixel * f64::from(scene.image.height) * grid.unit();
         let projection = Projection::Orthographic { view_height: height };
         let camera = Camera::new(target - 200.0 * forward, target, up, projection);
         scene.camera = camera.expect("up is not forward");
@@ -200,7 +202,7 @@ fn detail_levels_do_not_pop_in_a_zoom() {
     let mut rng = fastrand::Rng::with_seed(1);
     let grid = Grid::with_spacing([80; 3], [1.0; 3]).expect("its steps are positive");
     let layer = noise(&mut rng, grid, 0.005);
-    let mut scene = Scene::new(layer, camera_on(&grid, DVec3::new(1.0, 2.0, -9.0), 40.0 * 2.04));
+    let mut scene = Scene::new(layer, camera_on(&grid, DVec3::new(1.0, 2.0, -9.0), 40.0 * 1.92));
     (scene.image.width, scene.image.height) = (40, 40);
     let mut renderer = Renderer::open("cpu", |_| ()).expect("it is part of every build");
     let mut measure = |tolerance: f64| {

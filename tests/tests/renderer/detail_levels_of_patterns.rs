@@ -98,7 +98,7 @@ fn pictures(rng: &mut Rng, layer: Layer, voxels_a_pixel: f64) -> [Image; 2] {
 fn detail_levels_of_patterns() {
     let (mut sum, mut n_scenes, mut worst, mut n_by_cells) = (0.0, 0.0, 0.0_f32, 0);
     for_each_seed(40, |mut rng| {
-        for least in [2.15, 4.8, 11.2] {
+        for least in [2.0, 4.2, 8.5] {
             let (what, layer) = random_layer(&mut rng);
             let voxels_a_pixel = least * (1.0 + rng.f64().powi(2));
             let [exact, cells] = pictures(&mut rng, layer, voxels_a_pixel);

@@ -24,9 +24,9 @@ use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 use slabsplat_backend::{CellsPlan, LayerPlan};
 use slabsplat_core::glam::DVec3;
-use slabsplat_kernel::{CellDifferences, turn_of_brick};
+use slabsplat_kernel::{CellDifferences, ShareByCells};
 use slabsplat_traverse::{
-    Brick, BrickBounds, BrickMaker, BrickView, CellBrick, Cells16, VoxelRecord,
+    Brick, BrickBounds, BrickMaker, BrickView, BricksOnDemand, CellBrick, Cells16, VoxelRecord,
 };
 
 /// A level of a layer, as the view sees it.
@@ -62,23 +62,25 @@ impl<'a> SeenLevel<'a> {
     }
 
     /// Whether a brick lies where this level may be drawn.
-    fn reaches(&self, brick_idx: u32) -> bool {
+    fn reaches(&self, brick_idx: u32, bricks: &BricksOnDemand) -> bool {
         let Some(cells) = self.cells else { return true };
         let share = self.share_everywhere(cells).unwrap_or_else(|| {
             let bounds = self.bricks.bounds(&whole(brick_idx));
             let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
             cells.share_at(front - self.plan.half_depth)
         });
-        turn_of_brick(self.bricks.grid().coords_in_whole(brick_idx)) < share
+        let is_at_end = bricks.is_at_end(self.plan.level, brick_idx);
+        share.includes(self.bricks.grid().coords_in_whole(brick_idx), is_at_end)
     }
 
     /// Whether all bricks do.
     fn reaches_everything(&self) -> bool {
-        self.cells.and_then(|cells| self.share_everywhere(cells)) == Some(1.0)
+        let share = self.cells.and_then(|cells| self.share_everywhere(cells));
+        share.is_some_and(|share| share.is_all())
     }
 
     /// The share of bricks that do, where rays are parallel.
-    fn share_everywhere(&self, cells: &CellsPlan<'_>) -> Option<f64> {
+    fn share_everywhere(&self, cells: &CellsPlan<'_>) -> Option<ShareByCells> {
         (!self.plan.view.is_perspective()).then(|| cells.share_at(0.0))
     }
 }
@@ -114,8 +116,10 @@ impl<'a> LevelVoxels<'a> {
 
     /// Whether a brick is drawn by this level as far as its depth is concerned.
     fn is_of_this_level(&self, brick_idx: u32) -> bool {
-        let parent = || self.on_demand.bricks.parent(self.level, brick_idx);
-        self.seen.reaches(brick_idx) && !self.coarser.is_some_and(|seen| seen.reaches(parent()))
+        let bricks = self.on_demand.bricks;
+        let parent = || bricks.parent(self.level, brick_idx);
+        self.seen.reaches(brick_idx, bricks)
+            && !self.coarser.is_some_and(|seen| seen.reaches(parent(), bricks))
     }
 
     /// Whether cells are alike enough, and faint enough, to stand for their voxels.

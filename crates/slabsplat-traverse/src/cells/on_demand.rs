@@ -216,7 +216,7 @@ impl BricksOnDemand {
     }
 
     /// Whether a brick is the first or last along any axis.
-    fn is_at_end(&self, level: u32, brick_idx: u32) -> bool {
+    pub fn is_at_end(&self, level: u32, brick_idx: u32) -> bool {
         let at = self.grid(level).coords_in_whole(brick_idx);
         let n_along = self.n_in_whole[level as usize];
         at.iter().zip(n_along).any(|(&at, n)| at == 0 || at + 1 == n)
