@@ -10,7 +10,7 @@ use slabsplat_core::glam::DVec3;
 use slabsplat_seeds::for_each_seed;
 use slabsplat_tests::render::render;
 
-/// Voxels along a side: room for bricks of all levels.
+/// Voxels along a side that are not empty: room for bricks of all levels.
 const SIDE: usize = 64;
 
 fn random_direction(rng: &mut Rng) -> DVec3 {
@@ -49,14 +49,21 @@ fn random_pattern(rng: &mut Rng) -> (String, Box<dyn Fn(DVec3) -> f64>) {
     (format!("{} of {period:.1} along {along:.2}", names[kind]), pattern)
 }
 
-fn random_layer(rng: &mut Rng) -> (String, Layer) {
+/// With so many empty voxels on each side, without which all bricks of the coarser levels would be at an end
+/// of the grid.
+fn random_layer(rng: &mut Rng, n_beside: usize) -> (String, Layer) {
     let (mut what, pattern) = random_pattern(rng);
-    let grid = Grid::with_spacing([SIDE; 3], [1.0, 1.0, [1.0, 1.7][rng.usize(..2)]]);
+    let dims = [SIDE + 2 * n_beside; 3];
+    let grid = Grid::with_spacing(dims, [1.0, 1.0, [1.0, 1.7][rng.usize(..2)]]);
     let grid = grid.expect("its steps are positive");
     let radius = [22.0, 1e9][rng.usize(..2)];
     let value = |idx: usize| {
-        let at = DVec3::from_array(grid.voxel_coords(idx).map(|at| at as f64));
-        let is_inside = grid.center_in_index().distance(at) < radius;
+        let coords = grid.voxel_coords(idx);
+        if !coords.iter().all(|at| (n_beside..n_beside + SIDE).contains(at)) {
+            return 0.0;
+        }
+        let at = DVec3::from_array(coords.map(|at| (at - n_beside) as f64));
+        let is_inside = DVec3::splat(0.5 * (SIDE - 1) as f64).distance(at) < radius;
         if is_inside { 1.0 + pattern(at) as f32 } else { 0.0 }
     };
     let samples = Samples::F32((0..grid.n_voxels()).map(value).collect());
@@ -91,27 +98,34 @@ fn pictures(rng: &mut Rng, layer: Layer, voxels_a_pixel: f64) -> [Image; 2] {
     })
 }
 
-/// What a pixel is off by at most is 0.016 on the average over 1,800 scenes, 0.28 in one: edges that are seen
-/// edge-on, most of all opaque ones, and what alternates from cell to cell. Where bricks were drawn for
-/// little differences of colours alone, whatever their edges, one in twenty was off by half as much again.
+/// What a pixel is off by at most is 0.015 on the average, and 0.28 in one of 960 scenes: edges that are seen
+/// edge-on, most of all opaque ones, and what alternates from cell to cell. It is 0.032, and 0.04 for the
+/// first 40 seeds, where no brick is at an end of the grid, so that cells begin with fewer voxels a pixel,
+/// and the sides of what is solid lie just between cells. Where bricks were drawn for little differences of colours
+/// alone, whatever their edges, one in twenty was off by half as much again.
 #[test]
 fn detail_levels_of_patterns() {
-    let (mut sum, mut n_scenes, mut worst, mut n_by_cells) = (0.0, 0.0, 0.0_f32, 0);
+    let (mut at_ends, mut inside) = (Vec::new(), Vec::new());
     for_each_seed(40, |mut rng| {
-        for least in [2.0, 4.2, 8.5] {
-            let (what, layer) = random_layer(&mut rng);
+        for (level, least) in [(1, 2.0), (2, 4.2), (3, 8.5)] {
+            let n_beside = [0, 8 << level][rng.usize(..2)];
+            let (what, layer) = random_layer(&mut rng, n_beside);
             let voxels_a_pixel = least * (1.0 + rng.f64().powi(2));
             let [exact, cells] = pictures(&mut rng, layer, voxels_a_pixel);
             let off = exact.max_difference(&cells);
-            println!("{off:.4}, {voxels_a_pixel:.2} voxels a pixel: {what}");
-            sum += off;
-            n_scenes += 1.0;
-            worst = worst.max(off);
-            n_by_cells += usize::from(1e-3 < off);
+            println!("{off:.4}, {voxels_a_pixel:.2} voxels a pixel, {n_beside} beside: {what}");
+            if n_beside == 0 { &mut at_ends } else { &mut inside }.push(off);
         }
     });
-    let mean = sum / n_scenes;
-    println!("off by {mean:.4} on the average, {worst:.4} at most");
-    assert!(mean < 0.02 && worst < 0.35, "{mean}, {worst}");
-    assert!(10 < n_by_cells, "hardly anything was drawn by cells: {n_by_cells}");
+    check_errors("at the ends of the grid", &at_ends, 0.02);
+    check_errors("inside of it", &inside, 0.05);
+}
+
+fn check_errors(where_: &str, errors: &[f32], most_on_average: f32) {
+    let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+    let worst = errors.iter().copied().fold(0.0, f32::max);
+    println!("{where_} off by {mean:.4} on the average, {worst:.4} at most");
+    assert!(mean < most_on_average && worst < 0.35, "{where_}: {mean}, {worst}");
+    let n_by_cells = errors.iter().filter(|off| 1e-3 < **off).count();
+    assert!(10 < n_by_cells, "hardly anything was drawn by cells {where_}: {n_by_cells}");
 }
