@@ -98,11 +98,11 @@ fn pictures(rng: &mut Rng, layer: Layer, voxels_a_pixel: f64) -> [Image; 2] {
     })
 }
 
-/// What a pixel is off by at most is 0.015 on the average, and 0.28 in one of 960 scenes: edges that are seen
-/// edge-on, most of all opaque ones, and what alternates from cell to cell. It is 0.032, and 0.04 for the
-/// first 40 seeds, where no brick is at an end of the grid, so that cells begin with fewer voxels a pixel,
-/// and the sides of what is solid lie just between cells. Where bricks were drawn for little differences of colours
-/// alone, whatever their edges, one in twenty was off by half as much again.
+/// What a pixel is off by at most is 0.015 on the average, and 0.28 in one of 960 scenes: edges that are
+/// seen edge-on, most of all opaque ones, and what alternates from cell to cell. It is 0.032, and 0.04 for
+/// the first 40 seeds, where no brick is at an end of the grid, so that cells begin with fewer voxels a
+/// pixel, and the sides of what is solid lie just between cells. Where bricks were drawn for little
+/// differences of colours alone, whatever their edges, one in twenty was off by half as much again.
 #[test]
 fn detail_levels_of_patterns() {
     let (mut at_ends, mut inside) = (Vec::new(), Vec::new());
