@@ -190,33 +190,24 @@ impl Scratch {
         records: &[VoxelRecord],
     ) {
         let Self { voxels, entries, points, records: kept, .. } = self;
-        let first = voxels.len();
         kept.clear();
         let all = Cell::from_mut(points.as_mut_slice()).as_slice_of_cells();
-        // Copies, as nobody can tell that what is written to buffers is none of these.
-        let (tiles, bounds_in_all) = (*tiles, setup.slabs.bounds_in_all());
-        let mut slabs = [[0; N_AT_ONCE]; 2];
-        for (records, points) in records.chunks(N_AT_ONCE).zip(all.chunks(N_AT_ONCE)) {
-            if bounds_in_all.is_none() {
-                slabs = setup.spans.met(simd, &eight(points, |point| point.get()[2]));
+        let first = voxels.len();
+        // A copy, as nobody can tell that what is written to buffers is not these.
+        let mut keeper = Keeper { tiles: *tiles, occlusion, first, entries, records: kept, all };
+        if let Some(bounds) = setup.slabs.bounds_in_all() {
+            for (record, point) in records.iter().zip(all) {
+                keeper.keep_if_seen(record, point.get(), bounds.at(point.get()));
             }
+            return;
+        }
+        for (records, points) in records.chunks(N_AT_ONCE).zip(all.chunks(N_AT_ONCE)) {
+            let [first, last] = setup.spans.met(simd, &eight(points, |point| point.get()[2]));
             for (idx, (record, point)) in records.iter().zip(points).enumerate() {
-                let point = point.get();
-                let bounds = match &bounds_in_all {
-                    Some(bounds) => Some(bounds.at(point)),
-                    None => {
-                        let slabs = [slabs[0][idx] as usize, slabs[1][idx] as usize];
-                        setup.slabs.bounds_between(slabs, point)
-                    }
-                };
-                let Some([min, max]) = bounds else { continue };
-                let Some(pixels) = tiles.pixels_within(min, max) else { continue };
-                if occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
-                    continue;
+                let slabs = [first[idx] as usize, last[idx] as usize];
+                if let Some(bounds) = setup.slabs.bounds_between(slabs, point.get()) {
+                    keeper.keep_if_seen(record, point.get(), bounds);
                 }
-                tiles.push(tiles.tiles_of(&pixels), (first + kept.len()) as u32, entries);
-                all[kept.len()].set(point);
-                kept.push(*record);
             }
         }
     }
@@ -241,6 +232,34 @@ impl Scratch {
     pub(super) fn resident_bytes(&self) -> usize {
         self.voxels.capacity() * size_of::<SpannedVoxel>()
             + self.entries.capacity() * size_of::<TileEntry>()
+    }
+}
+
+/// What keeps voxels of a brick, moving their points to the front.
+struct Keeper<'a> {
+    tiles: TileGrid,
+    occlusion: Option<&'a Occlusion>,
+    /// The voxel that the first to be kept becomes.
+    first: usize,
+    entries: &'a mut Vec<TileEntry>,
+    records: &'a mut Vec<VoxelRecord>,
+    all: &'a [Cell<[f32; 3]>],
+}
+
+impl Keeper<'_> {
+    /// Keeps a voxel with these bounds, and enters it for its tiles, if it is in the picture and not
+    /// occluded.
+    #[inline(always)]
+    fn keep_if_seen(&mut self, record: &VoxelRecord, point: [f32; 3], [min, max]: [[f32; 2]; 2]) {
+        let Some(pixels) = self.tiles.pixels_within(min, max) else { return };
+        if self.occlusion.is_some_and(|map| map.visibility(&pixels) == Visibility::None) {
+            return;
+        }
+        let n_kept = self.records.len();
+        let voxel = (self.first + n_kept) as u32;
+        self.tiles.push(self.tiles.tiles_of(&pixels), voxel, self.entries);
+        self.all[n_kept].set(point);
+        self.records.push(*record);
     }
 }
 
