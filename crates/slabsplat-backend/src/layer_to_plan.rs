@@ -71,7 +71,9 @@ impl FrameToPlan<'_> {
         let is_cut = !layer.region.is_everywhere();
         let is_split = is_cut || self.has_meshes;
         let (kernel, frame) = (self.kernel, self.frame);
-        let to_splat = LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split, frame };
+        let level = *level;
+        let to_splat =
+            LayerToSplat { kernel, grid, level, view, shape, settings, slabs, is_split, frame };
         Ok(LayerPlan {
             volume: &layer.volume,
             relevant: shown_ranges(layer, self.scene.settings.mode.into()),
@@ -88,7 +90,7 @@ impl FrameToPlan<'_> {
                 }
             },
             region: is_cut.then(|| RegionInView::new(&layer.region, view)),
-            level: *level,
+            level,
             coarser,
             splats: tables.splats(to_splat)?,
             radius: kernel.radius(),

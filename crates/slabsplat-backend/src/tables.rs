@@ -31,6 +31,8 @@ pub(crate) struct Tables {
 pub(crate) struct LayerToSplat<'a> {
     pub(crate) kernel: &'a dyn Kernel,
     pub(crate) grid: &'a Grid,
+    /// Of detail.
+    pub(crate) level: u32,
     pub(crate) view: &'a View,
     pub(crate) shape: &'a FootprintShape,
     /// Widths in voxel steps of this layer.
@@ -81,12 +83,14 @@ impl Tables {
     /// # Errors
     /// If the frame is cancelled.
     pub(crate) fn splats(&mut self, layer: LayerToSplat<'_>) -> Result<Splats, Cancelled> {
-        let LayerToSplat { kernel, grid, view, shape, settings, slabs, is_split, frame } = layer;
+        let LayerToSplat { kernel, grid, level, view, shape, settings, slabs, is_split, frame } =
+            layer;
         let key = TableKey { kappa: rounded(shape.kappa), settings };
         let split_view = SplitView {
             layer_depth: shape.half_depth / grid.unit(),
             steepest_ray: view.steepest_ray(),
             is_cut: is_split,
+            level,
         };
         let colors = match key.settings.method {
             Method::ImageAligned => ColorSplats::Sections(Box::new(SectionSplats {

@@ -71,7 +71,8 @@ impl ErrorBudget {
         self.tolerance / LAYERS_PER_FACE
     }
 
-    /// Extinction of all layers, from a face to the middle of the slab, that may be drawn whole in that slab.
+    /// Extinction of all layers of voxels, from a face to the middle of the slab, that may be drawn whole in
+    /// that slab; of cells, that of the voxels for which they stand.
     pub fn per_thick_slab(self) -> f64 {
         self.tolerance
     }

@@ -12,6 +12,9 @@
 //! splatted whole, into the slab that holds its centre, and an opaque one in all its sections, but
 //! for slivers at its ends. [Numerics] says why this bounds a pixel's error.
 //!
+//! A cell (model §16) is whole however opaque it is, but for the sake of steep rays, with 0 for `μ`: its own
+//! voxels lie deeper apart than its kernel is thick, and where a pixel could tell, no cells are drawn.
+//!
 //! [Numerics]: https://github.com/slabsplat/slabsplat/blob/main/docs/numerics.md
 //!
 //! This knows neither slabs nor voxels: a level is a number, and a split half-depth is a share of the
@@ -24,8 +27,8 @@ use std::f64::consts::PI;
 /// How slabs split a voxel's kernel, by its extinction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SplitLevels {
-    /// The greatest extinction of a voxel that is split like this: first whole in slabs 4 and 2 times as
-    /// thick, then by split level. Never falling; the last is infinite.
+    /// The greatest extinction of a voxel that is split like this, unless one before allows it: first whole
+    /// in slabs 4 and 2 times as thick, then by split level. The last is infinite.
     max_extinctions: [f32; N_SPLITS],
     /// By the leading bits of an extinction: which of those the least number with these bits has.
     first_splits: Vec<u8>,
@@ -56,6 +59,8 @@ pub struct SplitView {
     pub steepest_ray: f64,
     /// Whether a region cuts what is seen ([model §11](slabsplat_core::model)).
     pub is_cut: bool,
+    /// The level of detail that is seen, 0 for voxels ([model §16](slabsplat_core::model)).
+    pub level: u32,
 }
 
 /// Level 0 is a whole kernel, and the last level all sections.
@@ -94,11 +99,13 @@ impl SplitLevels {
     /// definition, or no slabs split anything, every voxel has the last.
     pub fn new(settings: &RenderSettings, tails: &KernelTails, view: SplitView) -> Self {
         let budget = ErrorBudget::new(settings);
-        // The ray's slope counts as extinction: where it is too steep, this level is for none.
+        // The ray's slope counts as extinction: where it is too steep, this level is for none. Of cells it is
+        // all that counts.
         let at_level = |level: usize| {
             let allowed = budget.per_face() / (view.layer_depth * tails.0[level]);
             let is_too_steep = budget.per_face() <= 0.0 || allowed < view.steepest_ray;
-            if is_too_steep { f32::NEG_INFINITY } else { allowed as f32 }
+            let allowed = if view.level == 0 { allowed as f32 } else { f32::INFINITY };
+            if is_too_steep { f32::NEG_INFINITY } else { allowed }
         };
         let in_thick = |n_doublings: usize| {
             // A layer goes as far as from a face of the thick slab to its middle, and the kernels with it. A
@@ -107,7 +114,10 @@ impl SplitLevels {
             let n_others = if view.is_cut { n_slabs - 1.0 } else { 0.5 * n_slabs };
             let layers = n_others * settings.slab_width + view.layer_depth;
             let is_allowed = 0.0 < budget.per_thick_slab() && view.steepest_ray == 0.0;
-            let allowed = (budget.per_thick_slab() / layers) as f32;
+            // Cells go where voxels of their mean extinction would, which is one of 4ˡ of theirs, and count
+            // layers in steps of 2ˡ.
+            let of_cells = f64::from(1_u32 << view.level);
+            let allowed = (of_cells * budget.per_thick_slab() / layers) as f32;
             if is_allowed { allowed } else { f32::NEG_INFINITY }
         };
         Self::up_to(std::array::from_fn(|split| match split.checked_sub(MAX_DOUBLINGS) {
@@ -187,7 +197,8 @@ mod tests {
     use crate::{Gaussian, KERNEL_NAMES, kernel_named};
     use slabsplat_core::{Compositing, Normalization};
 
-    const UPRIGHT: SplitView = SplitView { layer_depth: 1.0, steepest_ray: 0.0, is_cut: false };
+    const UPRIGHT: SplitView =
+        SplitView { layer_depth: 1.0, steepest_ray: 0.0, is_cut: false, level: 0 };
 
     fn levels(tolerance: f64, view: SplitView) -> SplitLevels {
         let settings = RenderSettings::default().tolerance(tolerance);
@@ -281,6 +292,39 @@ mod tests {
             |mu: f32, is_cut: bool| levels(2e-3, SplitView { is_cut, ..UPRIGHT }).split(mu).n_slabs;
         for (mu, whole, cut) in [(4e-4, 4.0, 4.0), (6e-4, 4.0, 2.0), (9e-4, 2.0, 2.0)] {
             assert_eq!([thickness(mu, false), thickness(mu, true)], [whole, cut], "{mu}");
+        }
+    }
+
+    /// In steps of their own grid cells of 2ˡ voxels have slabs and kernels a part as thick.
+    #[test]
+    fn levels_of_cells_are_thick_slabs_where_those_of_their_voxels_are() {
+        let of_voxels = levels(2e-3, UPRIGHT);
+        let side = |level: u32| f64::from(1 << level);
+        for level in [1, 2, 3] {
+            let layer_depth = 1.0 / side(level);
+            let settings = RenderSettings::default().tolerance(2e-3).slab_width(layer_depth);
+            let view = SplitView { layer_depth, level, ..UPRIGHT };
+            let of_cells = SplitLevels::new(&settings, &KernelTails::of(&Gaussian), view);
+            for step in 0..1000 {
+                let mu = 1.1e-6 * step as f32;
+                let n_slabs = of_cells.split(mu * side(level).powi(2) as f32).n_slabs;
+                assert_eq!(n_slabs, of_voxels.split(mu).n_slabs, "level {level}: {mu}");
+            }
+        }
+    }
+
+    #[test]
+    fn levels_of_cells_go_by_the_slope_of_rays_alone() {
+        let most_at = |steepest_ray: f64, level: u32| {
+            let of_cells = levels(2e-3, SplitView { steepest_ray, level, ..UPRIGHT });
+            of_cells.split(1e9).share_of_half_depth
+        };
+        for level in [1, 2, 3] {
+            assert_eq!(most_at(0.0, level), 0.0);
+            for slope in [1e-4, 2e-3, 0.1, 0.6] {
+                let voxel_as_opaque = levels(2e-3, UPRIGHT).split(slope as f32);
+                assert_eq!(most_at(slope, level), voxel_as_opaque.share_of_half_depth, "{slope}");
+            }
         }
     }
 

@@ -41,6 +41,11 @@ impl Stretch {
         ((of_voxels / self.side).powi(2) - self.spread).max(0.25).sqrt()
     }
 
+    /// Voxels along an edge of what is drawn.
+    pub(super) fn side(&self) -> f64 {
+        self.side
+    }
+
     /// The shortest voxel step, whatever is drawn.
     pub(super) fn unit(&self) -> f64 {
         self.unit

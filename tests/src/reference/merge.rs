@@ -77,6 +77,8 @@ struct Levels {
     depth_reach: f64,
     steepest_ray: f64,
     tolerance: f64,
+    /// Voxels along an edge of what is drawn.
+    cell_side: f64,
     /// Whether a region or a mesh cuts the layer.
     is_cut: bool,
 }
@@ -92,6 +94,7 @@ impl Levels {
             depth_reach,
             steepest_ray: view.steepest_ray(),
             tolerance,
+            cell_side: layer.stretch.side(),
             is_cut: layer.is_cut,
         }
     }
@@ -101,15 +104,18 @@ impl Levels {
         let is_allowed = |n: &u32| {
             let n_slabs = f64::from(1 << n);
             let n_others = if self.is_cut { n_slabs - 1.0 } else { 0.5 * n_slabs };
-            let layers = slab_width * n_others + self.layer_depth;
-            self.steepest_ray == 0.0 && voxel.extinction() * layers <= self.tolerance
+            // Of cells, those of their voxels, of which each has its share.
+            let layers = self.cell_side * (slab_width * n_others + self.layer_depth);
+            let extinction = voxel.extinction() / self.cell_side.powi(2);
+            self.steepest_ray == 0.0 && extinction * layers <= self.tolerance
         };
         (1..=2).rev().find(is_allowed).unwrap_or(0)
     }
 
     /// The first of the distances beyond which there is little enough.
     fn reach(&self, voxel: &Voxel) -> f64 {
-        let extinction = voxel.extinction().max(self.steepest_ray);
+        let is_voxel = self.cell_side == 1.0;
+        let extinction = if is_voxel { voxel.extinction() } else { 0.0 }.max(self.steepest_ray);
         let is_little = |merged: &f64| extinction * merged <= self.tolerance / 2.0;
         let level = self.merged.iter().position(is_little).unwrap_or(32);
         share(level as u32) * self.depth_reach

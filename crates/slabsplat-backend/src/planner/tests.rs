@@ -80,7 +80,7 @@ fn planner_merges_sections_of_slabs_as_wide_as_the_kernel() {
         };
         let merged = sections.merged.as_ref().expect("faint voxels are whole");
         let kernel = Kernels::default().named("gaussian").unwrap();
-        let split_view = SplitView { layer_depth, steepest_ray: 0.0, is_cut: false };
+        let split_view = SplitView { layer_depth, steepest_ray: 0.0, is_cut: false, level: 0 };
         let levels = SplitLevels::new(&scene.settings, &KernelTails::of(&*kernel), split_view);
         assert_eq!(merged.levels, levels, "{spacing:?}");
         let radius = kernel.radius() as f32;
