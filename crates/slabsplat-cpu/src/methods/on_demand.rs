@@ -36,6 +36,8 @@ pub(super) struct SeenLevel<'a> {
     pub(super) bricks: BrickView,
     /// What may be drawn of it; everything of voxels.
     cells: Option<&'a CellsPlan<'a>>,
+    /// The share of its bricks that may be, if that is the same at all depths: in parallel rays.
+    everywhere: Option<ShareByCells>,
 }
 
 /// The bricks of a level.
@@ -51,11 +53,12 @@ pub(super) struct LevelVoxels<'a> {
 impl<'a> SeenLevel<'a> {
     /// All levels of a layer, voxels first.
     pub(super) fn all(layer: &'a LayerPlan<'a>) -> Vec<Self> {
-        let seen = |plan: &'a LayerPlan<'a>, cells| Self {
+        let seen = |plan: &'a LayerPlan<'a>, cells: Option<&'a CellsPlan<'a>>| Self {
             plan,
             raster: Raster::new(plan, 0),
             bricks: BrickView::of_cells(plan.volume.grid(), plan.level, &plan.grid(), &plan.view),
             cells,
+            everywhere: cells.filter(|_| !plan.view.is_perspective()).map(|c| c.share_at(0.0)),
         };
         let cells = layer.cells().map(|cells| seen(&cells.plan, Some(cells)));
         std::iter::once(seen(layer, None)).chain(cells).collect()
@@ -64,7 +67,7 @@ impl<'a> SeenLevel<'a> {
     /// Whether a brick lies where this level may be drawn.
     fn reaches(&self, brick_idx: u32, bricks: &BricksOnDemand) -> bool {
         let Some(cells) = self.cells else { return true };
-        let share = self.share_everywhere(cells).unwrap_or_else(|| {
+        let share = self.everywhere.unwrap_or_else(|| {
             let bounds = self.bricks.bounds(&whole(brick_idx));
             let front = f64::from(bounds.center[2] - bounds.half_extents[2]);
             cells.share_at(front - self.plan.half_depth)
@@ -75,13 +78,7 @@ impl<'a> SeenLevel<'a> {
 
     /// Whether all bricks do.
     fn reaches_everything(&self) -> bool {
-        let share = self.cells.and_then(|cells| self.share_everywhere(cells));
-        share.is_some_and(|share| share.is_all())
-    }
-
-    /// The share of bricks that do, where rays are parallel.
-    fn share_everywhere(&self, cells: &CellsPlan<'_>) -> Option<ShareByCells> {
-        (!self.plan.view.is_perspective()).then(|| cells.share_at(0.0))
+        self.everywhere.is_some_and(|share| share.is_all())
     }
 }
 
