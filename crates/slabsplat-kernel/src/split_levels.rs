@@ -114,8 +114,8 @@ impl SplitLevels {
             let n_others = if view.is_cut { n_slabs - 1.0 } else { 0.5 * n_slabs };
             let layers = n_others * settings.slab_width + view.layer_depth;
             let is_allowed = 0.0 < budget.per_thick_slab() && view.steepest_ray == 0.0;
-            // Cells go where voxels of their mean extinction would, which is one of 4ˡ of theirs, and count
-            // layers in steps of 2ˡ.
+            // A cell goes where a voxel of its voxels' mean extinction would: 4ˡ times that is its own, and
+            // 2ˡ times as many layers are as deep, as these count steps of its grid.
             let of_cells = f64::from(1_u32 << view.level);
             let allowed = (of_cells * budget.per_thick_slab() / layers) as f32;
             if is_allowed { allowed } else { f32::NEG_INFINITY }
