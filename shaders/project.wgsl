@@ -19,9 +19,9 @@ fn project(
     let record = records[in_chunk(step.first + record_of_pass)];
     let coords = coords_of(record.voxel_idx, layers[step.layer].dims);
     let center = in_view(vec3<f32>(coords));
-    let sheet = place(record_of_pass, coords, center);
-    if sheet != NO_SHEET {
-        put_splat(record_of_pass, center, sheet, splat_color(record, center));
+    let span = span_or_slice(coords, center.z, record.color.a);
+    if is_placed(record_of_pass, span, center) {
+        put_splat(record_of_pass, center, span, splat_color(record, center));
     }
 }
 

@@ -21,11 +21,11 @@ fn project_cells(
     let record = records[in_chunk(step.first + record_of_pass)];
     let coords = coords_of(record.cell_idx, layers[step.layer].dims);
     let center = in_view(within_ends(coords));
-    let sheet = place(record_of_pass, coords, center);
-    if sheet != NO_SHEET {
+    let span = span_or_slice(coords, center.z, record.extinction);
+    if is_placed(record_of_pass, span, center) {
         let color = lit_color(cell_of(record));
         let summed = summed_color(frame.compositing, color, record.extinction);
-        put_splat(record_of_pass, center, sheet, summed);
+        put_splat(record_of_pass, center, span, summed);
     }
 }
 

@@ -16,30 +16,13 @@ fn splat_table_sections(
     render_tile(local.xy, thread, linear_group(group, n_groups));
 }
 
-// Stages the section of the splat at a place of the list; 1 if the slab holds it.
-fn stage(place: u32, end: u32, slab: u32, thread: u32) -> u32 {
-    staged[thread].sheet = NO_SHEET;
-    // What is not to be seen has a ρ² of 0 everywhere: before it is written, workgroup memory may hold
-    // anything, and so could make a ρ² of less.
-    staged[thread].rho_squared_max = -1.0;
-    staged[thread].across = 0.0;
-    staged[thread].along = 0.0;
-    if end <= place {
-        return 0u;
-    }
-    let voxel = tossed_voxels[place];
-    let splat = splat_at(voxel);
-    let layer = layer_of(voxel);
-    staged[thread].sheet = splat.sheet;
-    staged[thread].layer = layer;
-    if slab < splat.sheet || stage_section(splat, layer, slab, thread) == 0u {
-        return 0u;
-    }
-    staged[thread].center -= corner;
-    let row = row_at(layer, staged[thread].front, staged[thread].back);
-    staged[thread].row = row.first_element;
-    staged[thread].row_t = row.t;
-    return 1u;
+// Stages the section of a splat in a slab.
+fn stage(splat: Splat, layer: u32, slab: u32, slot: u32) {
+    let section = stage_section(splat, layer, slab, slot);
+    staged[slot].center -= corner;
+    let row = row_at(layer, section);
+    staged[slot].row = row.first_element;
+    staged[slot].row_t = row.t;
 }
 
 // ρ² of a staged splat at a place of the tile.
@@ -57,7 +40,8 @@ fn weight_of(i: u32, at: vec2<f32>, rho_squared: f32) -> f32 {
     var row = Row(staged[i].row, staged[i].row_t);
     if frame.is_tilted == 1u {
         let later = dot(staged[i].tilt, at - staged[i].center);
-        row = row_at(staged[i].layer, staged[i].front + later, staged[i].back + later);
+        let faces = vec2(staged[i].front, staged[i].back) + later;
+        row = row_at(staged[i].layer, Section(faces, staged[i].is_merged == 1u));
     }
     return weight_at(row, rho_squared);
 }

@@ -3,7 +3,7 @@
 //
 //   for each sheet that any of the tile's splats reaches into, until all pixels are saturated:
 //       for each batch of 64 splats from the first that still reaches into it:
-//           every thread stages one splat: where it lies in this sheet, and what weighs it there
+//           every thread stages one splat, if the sheet holds it: where it lies there, and what weighs it
 //           every thread adds all staged splats to its pixel
 //       put the sheet behind the pixel
 //
@@ -25,8 +25,8 @@
 // A tile that has visited many splats pauses after a sheet, and the next dispatch continues it: systems
 // reset devices that do not answer for seconds.
 //
-// Whoever includes this declares `METHOD`, stages splats by `stage`, and says by `form_at`, `is_within` and
-// `weight_of` what they weigh.
+// Whoever includes this declares `METHOD`, stages splats by `stage`, says by `is_drawn` which a sheet holds, and by
+// `form_at`, `is_within` and `weight_of` what they weigh.
 
 //#include "shared/step.wgsl"
 //#include "shared/frame.wgsl"
@@ -134,17 +134,21 @@ fn composite(
         var is_last = false;
         loop {
             workgroupBarrier();
-            let is_staged = stage(first + thread, todo.end, sheet, thread);
-            let now = run_of(sheet, thread, is_open);
+            let candidate = look_at(first + thread, todo.end, sheet, thread);
+            let now = run_of(sheet, thread, candidate, is_open);
             if now.is_open == 0u {
                 atomicAdd(&n_splatted, n_staged);
                 return Composited(pixel, Reached(first, sheet, STATE_SATURATED));
             }
-            n_staged += is_staged;
+            if candidate.is_drawn {
+                stage(candidate.splat, candidate.layer, sheet, n_drawn_before(thread));
+                n_staged++;
+            }
+            workgroupBarrier();
             if is_open {
-                var i = now.n_dead;
-                while i < now.end {
-                    var end = now.end;
+                var i = 0u;
+                while i < now.n_drawn {
+                    var end = now.n_drawn;
                     if has_regions {
                         let next = layers[staged[i].layer].region;
                         if next != region {
@@ -153,7 +157,7 @@ fn composite(
                             region = next;
                             interval = interval_of(region, corner + at);
                         }
-                        end = end_of_region(i, now.end);
+                        end = end_of_region(i, now.n_drawn);
                     }
                     // The innermost loop. What is staged is a power of two, so that an index modulo that is
                     // itself, and compilers know how large it is: then they put offsets into loads.
@@ -170,7 +174,7 @@ fn composite(
                         i++;
                     }
                 }
-                is_whole = is_whole && now.end <= i;
+                is_whole = is_whole && now.n_drawn <= i;
             }
             if 0u < now.n_dead {
                 begin = first + now.n_dead;

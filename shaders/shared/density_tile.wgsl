@@ -3,7 +3,7 @@
 //
 //   for each sheet that any of the tile's splats reaches into, and three behind the last:
 //       for each batch of splats from the first that still reaches into it:
-//           every thread stages one splat: where it lies in this sheet
+//           every thread stages one splat, if the sheet holds it: where it lies there
 //           every thread adds all staged splats to its pixel: how much of the ray, and that times the values
 //       for each layer: the density, and how it changes from pixel to pixel; put that with the five sheets before
 //       show what lies between the two sheets in the middle
@@ -242,15 +242,20 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
     var is_last = false;
     loop {
         workgroupBarrier();
-        let is_staged = stage(first + pixel.thread, end, sheet, pixel.thread);
-        let now = run_of(sheet, pixel.thread, is_open);
+        let candidate = look_at(first + pixel.thread, end, sheet, pixel.thread);
+        let now = run_of(sheet, pixel.thread, candidate, is_open);
         if now.is_open == 0u {
             summed.is_open = false;
             return summed;
         }
-        n_staged += is_staged;
-        var i = now.n_dead;
-        while i < now.end {
+        if candidate.is_drawn {
+            let slot = n_drawn_before(pixel.thread);
+            stage_section(candidate.splat, candidate.layer, sheet, slot);
+            n_staged++;
+        }
+        workgroupBarrier();
+        var i = 0u;
+        while i < now.n_drawn {
             if 1u < MOST_LAYERS && staged_layer(i) != layer {
                 sums_of_layers[layer] = sum;
                 layer = staged_layer(i);
@@ -259,7 +264,7 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
             sum += staged[i].color.wx * weight_at(i, pixel.at);
             i++;
         }
-        is_whole = is_whole && now.end <= i;
+        is_whole = is_whole && now.n_drawn <= i;
         if 0u < now.n_dead {
             summed.begin = first + now.n_dead;
         }
@@ -274,27 +279,6 @@ fn sum_sheet(begin: u32, end: u32, sheet: u32, pixel: Pixel, is_open: bool) -> S
     sums_of_layers[layer] = sum;
     is_whole = is_whole && is_last;
     return summed;
-}
-
-// Stages the splat at a slot of the list; 1 if the sheet holds it.
-fn stage(slot: u32, end: u32, sheet: u32, thread: u32) -> u32 {
-    staged[thread].sheet = NO_SHEET;
-    staged[thread].rho_squared_max = -1.0;
-    if end <= slot {
-        return 0u;
-    }
-    let voxel = tossed_voxels[slot];
-    let splat = splat_at(voxel);
-    var layer = 0u;
-    if 1u < MOST_LAYERS {
-        layer = layer_of(voxel);
-    }
-    staged[thread].sheet = splat.sheet;
-    staged[thread].layer = layer;
-    if sheet < splat.sheet {
-        return 0u;
-    }
-    return stage_section(splat, layer, sheet, thread);
 }
 
 // Puts what was summed with the five sheets before. Layers take turns at the sums that neighbours see: those

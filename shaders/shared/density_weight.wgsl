@@ -8,10 +8,6 @@
 
 // The weight of a staged section at a pixel's centre.
 fn weight_at(i: u32, at: vec2<f32>) -> f32 {
-    // Nothing else of a splat that is not to be seen was staged.
-    if staged[i].rho_squared_max <= 0.0 {
-        return 0.0;
-    }
     let d = at - staged[i].center;
     let x = d.x + staged[i].shear * d.y;
     let rho_squared = staged[i].across * x * x + staged[i].along * d.y * d.y;

@@ -7,8 +7,7 @@ struct Footprint {
     color: vec4<f32>,
     // In pixels from the image's upper left corner.
     center: vec2<f32>,
-    // ρ² at which it ends; negative if it is not to be seen. Then nothing else need be set, and may
-    // be anything.
+    // ρ² at which it ends.
     rho_squared_max: f32,
     row_t: f32,
     // The quadratic form in pixels.
@@ -20,41 +19,43 @@ struct Footprint {
     back: f32,
     tilt: vec2<f32>,
     row: u32,
-    // The sheet in which the splat begins.
-    sheet: u32,
     layer: u32,
+    // Whether the row is one of the merged sections'.
+    is_merged: u32,
 }
 
 var<workgroup> staged: array<Footprint, BATCH>;
 
-// Stages the section of a splat, but for its row of the table; 1 if the slab holds it.
-fn stage_section(splat: Splat, layer: u32, slab: u32, thread: u32) -> u32 {
-    let depth = splat.center.z;
-    if !is_met(depth, layer, slab) {
-        return 0u;
-    }
-    stage_shape(splat, layer, middle_of(layer, slab), thread);
-    let from_voxel = faces_behind(depth, layer, slab);
-    staged[thread].front = from_voxel.x;
-    staged[thread].back = from_voxel.y;
+fn is_drawn(splat: Splat, layer: u32, slab: u32) -> bool {
+    return is_drawn_in(slab, splat.span, layer, splat.center.z);
+}
+
+// Stages the section of a splat in a slab, but for its row of the table.
+fn stage_section(splat: Splat, layer: u32, slab: u32, slot: u32) -> Section {
+    let section = section_in(slab, splat.span, layer, splat.center.z);
+    stage_shape(splat, layer, middle_of(layer, slab), slot);
+    staged[slot].layer = layer;
+    staged[slot].front = section.faces.x;
+    staged[slot].back = section.faces.y;
+    staged[slot].is_merged = u32(section.is_merged);
     // The disc in which the slab cuts the ball.
     var nearest = 0.0;
     if layers[layer].is_tilted == 0u {
-        nearest = max(max(from_voxel.x, -from_voxel.y), 0.0);
+        nearest = max(max(section.faces.x, -section.faces.y), 0.0);
     }
-    staged[thread].rho_squared_max = frame.radius * frame.radius - nearest * nearest;
-    return 1u;
+    staged[slot].rho_squared_max = frame.radius * frame.radius - nearest * nearest;
+    return section;
 }
 
 // What depends on the depth at which a splat is projected.
-fn stage_shape(splat: Splat, layer: u32, depth: f32, thread: u32) {
+fn stage_shape(splat: Splat, layer: u32, depth: f32, slot: u32) {
     let scale = scale_at(layer, depth);
     let stretch = stretch_of(layer, scale);
     let pixels = scale * stretch;
-    staged[thread].center = pixel_of(splat.center, scale);
-    staged[thread].across = layers[layer].across / (pixels * pixels);
-    staged[thread].shear = layers[layer].shear;
-    staged[thread].along = layers[layer].along / (pixels * pixels);
-    staged[thread].tilt = layers[layer].tilt / pixels;
-    staged[thread].color = splat.color / (stretch * stretch);
+    staged[slot].center = pixel_of(splat.center, scale);
+    staged[slot].across = layers[layer].across / (pixels * pixels);
+    staged[slot].shear = layers[layer].shear;
+    staged[slot].along = layers[layer].along / (pixels * pixels);
+    staged[slot].tilt = layers[layer].tilt / pixels;
+    staged[slot].color = splat.color / (stretch * stretch);
 }

@@ -78,4 +78,11 @@ struct Layer {
     last_out: vec3<f32>,
     // Planes behind those of the region: of the part of the frame that is drawn, the same of all layers.
     n_part_planes: u32,
+
+    // Where its splits are in `table`: see `spans.wgsl`.
+    first_split: u32,
+    // The table of sections with all that lies before or behind a face.
+    first_merged_element: u32,
+    merged_rows_per_index: f32,
+    last_merged_row: f32,
 }

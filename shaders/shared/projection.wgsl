@@ -10,6 +10,7 @@
 //#include "shared/splat.wgsl"
 //#include "shared/pixels.wgsl"
 //#include "shared/slabs.wgsl"
+//#include "shared/spans.wgsl"
 //#include "shared/tile.wgsl"
 //#include "shared/tile_work.wgsl"
 //#include "shared/compositing.wgsl"
@@ -66,22 +67,22 @@ fn in_chunk(idx: u32) -> u32 {
     return idx & ((1u << step.chunk_bits) - 1u);
 }
 
-// Puts a record into its sheet and onto its tiles; `NO_SHEET` if it was hidden on all of them.
-fn place(record_of_pass: u32, coords: vec3<u32>, center: vec3<f32>) -> u32 {
+// Puts a record into its sheet and onto its tiles; whether it was hidden on all of them.
+fn is_placed(record_of_pass: u32, span: u32, center: vec3<f32>) -> bool {
     let voxel = layers[step.layer].first_voxel + step.first + record_of_pass;
-    let sheet = sheet_of(coords, center.z);
-    let rect = rect_of(center, sheet);
+    let sheet = sheet_of(span, step.layer);
+    let rect = rect_of(center, span);
     let is_hidden = is_hidden_on(rect, sheet);
     keys[voxel] = sheet;
     order[voxel] = voxel;
     rects[voxel] = vec2(rect.x, rect.y | select(0u, HIDDEN, is_hidden));
-    return select(sheet, NO_SHEET, is_hidden);
+    return !is_hidden;
 }
 
 // Writes the splat of a record.
-fn put_splat(record_of_pass: u32, center: vec3<f32>, sheet: u32, color: vec4<f32>) {
+fn put_splat(record_of_pass: u32, center: vec3<f32>, span: u32, color: vec4<f32>) {
     let voxel = layers[step.layer].first_voxel + step.first + record_of_pass;
-    splats[in_chunk(voxel)] = Splat(center, sheet, color);
+    splats[in_chunk(voxel)] = Splat(center, span, color);
 }
 
 // Tiles that are looked at, as most voxels touch no more.
@@ -115,11 +116,12 @@ fn in_view(at: vec3<f32>) -> vec3<f32> {
     );
 }
 
-fn sheet_of(coords: vec3<u32>, depth: f32) -> u32 {
+// The slabs of a record at a depth that sums so much, or its slice.
+fn span_or_slice(coords: vec3<u32>, depth: f32, summed: f32) -> u32 {
     let layer = step.layer;
     switch frame.method {
         case METHOD_SECTIONS, METHOD_DENSITIES: {
-            return max(slabs_of(layer, depth).x, layers[layer].first_drawn);
+            return span_of(layer, depth, summed);
         }
         case METHOD_SLICES: {
             let axis = layers[layer].slice_axis;
@@ -143,13 +145,14 @@ fn bounds_at(center: vec3<f32>, depth: f32) -> vec4<f32> {
 
 // A section's position and size change monotonically with its slab's depth, so that the first and the last
 // section bound all of them.
-fn rect_of(center: vec3<f32>, sheet: u32) -> vec2<u32> {
+fn rect_of(center: vec3<f32>, span: u32) -> vec2<u32> {
     if frame.method == METHOD_SECTIONS || frame.method == METHOD_DENSITIES {
-        let last = slabs_of(step.layer, center.z).y;
-        if last < sheet || is_beyond(step.layer, center) {
+        let first = sheet_of(span, step.layer);
+        let last = last_slab_of(span, step.layer, center.z);
+        if last < first || is_beyond(step.layer, center) {
             return NO_TILES;
         }
-        let near = bounds_at(center, middle_of(step.layer, sheet));
+        let near = bounds_at(center, middle_of(step.layer, first));
         let far = bounds_at(center, middle_of(step.layer, last));
         // Slopes of densities are differences to the next pixels, beside the tile too.
         let beside = select(0.0, 1.0, frame.method == METHOD_DENSITIES);

@@ -17,17 +17,14 @@ const N_COEFFICIENT_QUADS: u32 = N_QUADS * BATCH;
 
 struct RadialFootprint {
     color: vec4<f32>,
-    // √(1 + x) along the minor axis: across.x·X + across.y·Y + across.z; and `x` at which the splat ends,
-    // less than any if it is not to be seen.
+    // √(1 + x) along the minor axis: across.x·X + across.y·Y + across.z; and `x` at which the splat ends.
     across: vec4<f32>,
     // The same across that: along.x·Y + along.y.
     along: vec2<f32>,
-    // The sheet in which the splat begins.
-    sheet: u32,
     layer: u32,
+    // Compilers load four numbers at once only from multiples of 16 bytes.
+    padding: u32,
 }
-
-const NOT_SEEN: f32 = -2.0;
 
 var<workgroup> staged: array<RadialFootprint, BATCH>;
 var<workgroup> coefficients: array<vec4<f32>, N_COEFFICIENT_QUADS>;
@@ -35,14 +32,8 @@ var<workgroup> coefficients: array<vec4<f32>, N_COEFFICIENT_QUADS>;
 // kernel √(1 − x) behind its nearest point.
 var<workgroup> chord_faces: array<vec2<f32>, BATCH>;
 
-// Nothing of a splat, so far.
-fn stage_nothing(thread: u32) {
-    staged[thread].sheet = NO_SHEET;
-    staged[thread].across.w = NOT_SEEN;
-}
-
 // Stages where a splat lies that is projected at a depth, and what it looks like.
-fn stage_place(splat: Splat, layer: u32, depth: f32, thread: u32) {
+fn stage_place(splat: Splat, layer: u32, depth: f32, slot: u32) {
     let scale = scale_at(layer, depth);
     let stretch = stretch_of(layer, scale);
     let per_pixel = sqrt(2.0) / (frame.radius * scale * stretch);
@@ -50,27 +41,28 @@ fn stage_place(splat: Splat, layer: u32, depth: f32, thread: u32) {
     let along = sqrt(layers[layer].along) * per_pixel;
     let center = pixel_of(splat.center, scale) - corner;
     let shear = layers[layer].shear;
-    staged[thread].across.x = across;
-    staged[thread].across.y = across * shear;
-    staged[thread].across.z = -across * (center.x + shear * center.y);
-    staged[thread].along = along * vec2(1.0, -center.y);
-    staged[thread].color = splat.color / (stretch * stretch);
+    staged[slot].across.x = across;
+    staged[slot].across.y = across * shear;
+    staged[slot].across.z = -across * (center.x + shear * center.y);
+    staged[slot].along = along * vec2(1.0, -center.y);
+    staged[slot].color = splat.color / (stretch * stretch);
+    staged[slot].layer = layer;
 }
 
 // Stages the coefficients of a row, and where its splat ends.
-fn stage_coefficients(row: Row, faces: vec2<f32>, thread: u32) {
+fn stage_coefficients(row: Row, faces: vec2<f32>, slot: u32) {
     for (var i = 0u; i < N_QUADS; i++) {
         let near = bitcast<vec4<f32>>(table[row.first_element + i]);
         let next = bitcast<vec4<f32>>(table[row.first_element + frame.row_len + i]);
-        coefficients[N_QUADS * thread + i] = mix(near, next, row.t);
+        coefficients[N_QUADS * slot + i] = mix(near, next, row.t);
     }
     let units = sqrt(2.0) / frame.radius;
     if N_QUADS == 3u {
-        chord_faces[thread] = faces * units;
+        chord_faces[slot] = faces * units;
     }
     // The disc in which the slab cuts the ball.
     let nearest = max(max(faces.x, -faces.y), 0.0) * units;
-    staged[thread].across.w = 1.0 - nearest * nearest;
+    staged[slot].across.w = 1.0 - nearest * nearest;
 }
 
 // `x` of a staged splat at a place of the tile.

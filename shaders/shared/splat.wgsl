@@ -3,8 +3,8 @@
 struct Splat {
     // Right, up and depth.
     center: vec3<f32>,
-    // The first slab that its kernel meets, or its slice; every-sample has no sheets.
-    sheet: u32,
+    // The slabs in which it is drawn, a span of `slabs.wgsl`, or its slice; every-sample has no sheets.
+    span: u32,
     // What a sheet sums (model §3).
     color: vec4<f32>,
 }

@@ -1,5 +1,5 @@
 // Looking up a section (paper §3.2, figure 5), or a whole footprint, which is a table of one row. Each layer has
-// a table; all have rows of one length.
+// a table, and another one of merged sections, if any are; all have rows of one length.
 //
 // Rows run over the half chord √(R² − ρ²), and stand at equal steps of the depth to which the slab goes into the
 // kernel. An element holds all four values that are interpolated between: two neighbours of a row, and
@@ -13,13 +13,20 @@ struct Row {
     t: f32,
 }
 
-// The row of the section of a layer between the faces `front` and `back`, in index units behind the voxel.
-fn row_at(layer: u32, front: f32, back: f32) -> Row {
-    let from_front = back + frame.radius;
+// The row of a section of a layer.
+fn row_at(layer: u32, section: Section) -> Row {
+    let from_front = section.faces.y + frame.radius;
     let is_mirrored = layers[layer].is_mirrored == 1u;
-    let depth = select(from_front, min(from_front, frame.radius - front), is_mirrored);
-    let position = clamp(depth * layers[layer].rows_per_index, 0.0, layers[layer].last_row);
-    let first_element = layers[layer].first_element;
+    let depth = select(from_front, min(from_front, frame.radius - section.faces.x), is_mirrored);
+    var first_element = layers[layer].first_element;
+    var rows_per_index = layers[layer].rows_per_index;
+    var last_row = layers[layer].last_row;
+    if section.is_merged {
+        first_element = layers[layer].first_merged_element;
+        rows_per_index = layers[layer].merged_rows_per_index;
+        last_row = layers[layer].last_merged_row;
+    }
+    let position = clamp(depth * rows_per_index, 0.0, last_row);
     if frame.is_nearest == 1u {
         return Row(first_element + u32(position + 0.5) * frame.row_len, 0.0);
     }

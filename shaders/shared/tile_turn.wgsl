@@ -4,9 +4,9 @@
 
 var<workgroup> work: TileWork;
 var<workgroup> n_splatted: atomic<u32>;
-// Whether any thread's loops ended before they were through: the first of these. There are four, so that
-// splats come behind 64 bytes: compilers load four numbers at once only from multiples of 16.
-var<workgroup> is_faulty: array<atomic<u32>, 4>;
+// Whether any thread's loops ended before they were through: the first of these. There are two, so that splats
+// come behind 336 bytes: compilers load four numbers at once only from multiples of 16.
+var<workgroup> is_faulty: array<atomic<u32>, 2>;
 
 // How far a turn came, which is the same for all pixels: the first splat and the sheet that are next, and why
 // it ended.
@@ -35,7 +35,8 @@ fn first_sheet(todo: TileWork) -> u32 {
     if todo.state == STATE_PAUSED || todo.end <= todo.begin {
         return todo.sheet;
     }
-    return splat_at(tossed_voxels[todo.begin]).sheet;
+    let voxel = tossed_voxels[todo.begin];
+    return sheet_of(splat_at(voxel).span, layer_of(voxel));
 }
 
 // The sheet behind the last one of which all splats of the tile were tossed.

@@ -2,7 +2,7 @@
 //! and the stage that does it. All layers are drawn alike.
 
 use crate::frame_params::SplatLayer;
-use crate::tables::Table;
+use crate::tables::{LayerTables, Table};
 use slabsplat_backend::{
     ByIdentity, ColorSplats, FramePlan, PolynomialPair, SectionSplats, Splats,
 };
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// The tables of all layers, and the stage that splats colours by them.
 #[derive(Clone, Debug)]
 pub(crate) struct DrawnBy {
-    pub(crate) tables: Vec<Table>,
+    pub(crate) tables: Vec<LayerTables>,
     pub(crate) shader: &'static Shader,
 }
 
@@ -38,13 +38,23 @@ impl LastFits {
         // Nothing is fitted to tilted sections, whose tables are new in every frame of a camera that turns.
         let kind = if is_tilted { None } else { self.kind(&last, plan.compositing, layers) };
         let tables = layers.iter().map(|(_, splats)| match splats {
-            Splats::Densities(densities) => Table::of_densities(densities),
-            Splats::Colors(ColorSplats::Sections(sections)) => match kind {
-                None => Table::Sections(sections.table.clone()),
-                Some(_) => Table::Polynomials(self.pair(&last, sections).of(false).clone()),
-            },
+            Splats::Densities(densities) => Table::of_densities(densities).alone(),
+            Splats::Colors(ColorSplats::Sections(sections)) => {
+                let budget = budget_of(sections);
+                let mut of = |table: &Arc<SectionTable>| match kind {
+                    None => Table::Sections(table.clone()),
+                    Some(_) => {
+                        Table::Polynomials(self.pair(&last, table, budget).of(false).clone())
+                    }
+                };
+                let merged = sections.merged.as_ref();
+                LayerTables {
+                    sections: of(&sections.table),
+                    merged: merged.map_or(Table::None, |merged| of(&merged.table)),
+                }
+            }
             Splats::Colors(ColorSplats::Slices { table, .. } | ColorSplats::Voxels { table }) => {
-                Table::Polynomials(self.footprint(&last, table))
+                Table::Polynomials(self.footprint(&last, table)).alone()
             }
         });
         let tables = tables.collect();
@@ -72,22 +82,29 @@ impl LastFits {
         let mut degree = Degree::Low;
         for (_, splats) in layers {
             let Splats::Colors(ColorSplats::Sections(sections)) = splats else { continue };
-            let pair = self.pair(last, sections);
-            if budget_of(sections).is_none() && !pair.are_exact(compositing) {
+            let budget = budget_of(sections);
+            let pair = self.pair(last, &sections.table, budget);
+            if budget.is_none() && !pair.are_exact(compositing) {
                 return None;
             }
-            if !pair.is_low() {
+            let merged = sections.merged.as_ref();
+            let merged = merged.map(|merged| self.pair(last, &merged.table, budget));
+            if !pair.is_low() || merged.is_some_and(|merged| !merged.is_low()) {
                 degree = Degree::High;
             }
         }
         Some(degree)
     }
 
-    fn pair(&mut self, last: &Self, sections: &SectionSplats) -> PolynomialPair {
-        let budget = budget_of(sections);
-        let key = (ByIdentity::of(&sections.table), budget);
+    fn pair(
+        &mut self,
+        last: &Self,
+        table: &Arc<SectionTable>,
+        budget: Option<ErrorBudget>,
+    ) -> PolynomialPair {
+        let key = (ByIdentity::of(table), budget);
         found_or_added(&mut self.sections, &last.sections, key, || {
-            PolynomialPair::new(&sections.table, budget)
+            PolynomialPair::new(table, budget)
         })
     }
 
@@ -146,7 +163,8 @@ mod tests {
             plan.layers.iter().map(|layer| (layer, &layer.splats)).collect();
         let mut fits = LastFits::default();
         let [first, second] = [0, 1].map(|_| fits.of(&plan, &layers));
-        assert!(first.tables[0].is(&second.tables[0]), "it is fitted once");
+        assert!(first.tables[0].sections.is(&second.tables[0].sections), "it is fitted once");
+        assert!(first.tables[0].merged.is(&second.tables[0].merged), "so is what is merged");
         assert_eq!(first.shader.name, second.shader.name);
         second
     }
@@ -157,7 +175,7 @@ mod tests {
         let check = |settings: RenderSettings, expected: &str| {
             let drawn_by = drawn_by(&cubic.clone().settings(settings));
             assert_eq!(drawn_by.shader.name, expected);
-            let is_fitted = matches!(drawn_by.tables[..], [Table::Polynomials(_)]);
+            let is_fitted = matches!(drawn_by.tables[0].sections, Table::Polynomials(_));
             assert_eq!(is_fitted, expected != "splat_table_sections");
         };
         let settings = RenderSettings::default();
@@ -174,6 +192,7 @@ mod tests {
     fn drawn_by_tables_at_a_slant() {
         let drawn_by = drawn_by(&scene([1.0, 1.0, 1.5]));
         assert_eq!(drawn_by.shader.name, "splat_table_sections");
-        assert!(matches!(drawn_by.tables[..], [Table::Sections(_)]));
+        assert!(matches!(drawn_by.tables[0].sections, Table::Sections(_)));
+        assert!(matches!(drawn_by.tables[0].merged, Table::Sections(_)));
     }
 }

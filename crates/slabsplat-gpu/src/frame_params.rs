@@ -4,6 +4,7 @@
 use crate::classification::compositing_code;
 use crate::params::{Frame, LightInView, TILE_SIDE, flag};
 use crate::regions::ray_per_pixel;
+use crate::splits::merged_sections;
 use slabsplat_backend::{ColorSplats, FramePlan, LayerPlan, Slabs, Splats};
 use slabsplat_core::Lookup;
 use slabsplat_core::glam::DVec3;
@@ -54,6 +55,14 @@ pub(crate) fn slabs_of(splats: &Splats) -> Option<&Slabs> {
     }
 }
 
+/// How many slabs before a slab the splats may begin whose sections it holds: none of those that are all whole,
+/// as cells are in parallel rays.
+fn n_slabs_before(splats: &Splats) -> usize {
+    let are_all_whole = merged_sections(splats)
+        .is_some_and(|merged| merged.levels.split(f32::MAX).share_of_half_depth == 0.0);
+    if are_all_whole { 0 } else { slabs_of(splats).map_or(0, |slabs| slabs.n_before) }
+}
+
 /// What sheets of the first layer have in common with those of the others.
 fn put_sheets(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
     let Some((layer, splats)) = layers.first() else { return };
@@ -65,9 +74,8 @@ fn put_sheets(layers: &[SplatLayer<'_, '_>], frame: &mut Frame) {
         let [start, step] = ray_per_pixel(&layer.view);
         [frame.ray_start, frame.ray_step] = [(start / grid.thickness()) as f32, step as f32];
     }
-    for slabs in layers.iter().filter_map(|(_, splats)| slabs_of(splats)) {
-        frame.n_slabs_before = frame.n_slabs_before.max(slabs.n_before as u32);
-    }
+    let n_before = layers.iter().map(|(_, splats)| n_slabs_before(splats));
+    frame.n_slabs_before = n_before.max().unwrap_or(0) as u32;
     match splats {
         Splats::Colors(ColorSplats::Sections(sections)) => {
             let table = &sections.table;

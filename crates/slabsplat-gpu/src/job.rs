@@ -7,10 +7,11 @@ use crate::drawn_by::DrawnBy;
 use crate::frame_params::{SplatLayer, frame_params, slabs_of};
 use crate::layer_params::layer_params;
 use crate::listing::Listing;
-use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, NO_SURFACES, TILE_SIDE};
+use crate::params::{COUNT_VOXELS, Frame, Layer, NO_COUNT, NO_SPLITS, NO_SURFACES, TILE_SIDE};
 use crate::regions::{self, ELEMENTS_OF_PLANE, Element, Plane};
+use crate::splits;
 use crate::surfaces::Surfaces;
-use crate::tables::Table;
+use crate::tables::LayerTables;
 use slabsplat_backend::{ColorSplats, FramePlan, Splats};
 use slabsplat_core::Image;
 use slabsplat_shaders::{PROJECT, PROJECT_CELLS, Shader};
@@ -26,6 +27,8 @@ pub(crate) struct Job {
     pub(crate) params: Vec<Layer>,
     /// The planes of all regions, and of the part that is drawn.
     pub(crate) planes: Vec<Plane>,
+    /// How slabs split the kernels of all layers that have merged sections.
+    pub(crate) splits: Vec<Element>,
     /// What sheets of densities are shown by, if they are of densities.
     pub(crate) densities: Option<DensityJob>,
     /// Where rays end, if there are meshes.
@@ -47,7 +50,7 @@ pub(crate) struct JobLayer {
     pub(crate) listing: Listing,
     /// The stage that projects what is listed.
     pub(crate) projected_by: &'static Shader,
-    pub(crate) table: Table,
+    pub(crate) tables: LayerTables,
     /// At least as many voxels as are relevant, and at least one: a little more than are, so that the
     /// number stays where the list grows and shrinks a little.
     pub(crate) max_voxels: u64,
@@ -64,22 +67,22 @@ impl Job {
         most_voxels: u64,
     ) -> Self {
         let DrawnBy { tables, shader } = drawn_by;
-        let job_layer = |(listing, table): (Listing, _)| {
+        let job_layer = |(listing, tables): (Listing, _)| {
             let max_voxels = listing.max_voxels().max(1);
             let projected_by = if listing.level() == 0 { &PROJECT } else { &PROJECT_CELLS };
-            JobLayer { listing, projected_by, table, max_voxels }
+            JobLayer { listing, projected_by, tables, max_voxels }
         };
         let mut job_layers: Vec<_> = listings.into_iter().zip(tables).map(job_layer).collect();
         leave_room(&mut job_layers, most_voxels);
-        let (params, planes) = placed(plan, layers, &job_layers);
+        let (params, planes, splits) = placed(plan, layers, &job_layers);
         let depth_sort = match layers {
             [(layer, Splats::Colors(ColorSplats::Voxels { .. }))] => Some(DepthSort::new(layer)),
             _ => None,
         };
-        let n_quads: u32 = job_layers.iter().map(|layer| layer.table.n_quads()).sum();
-        let n_before = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32;
+        let n_quads: u32 = job_layers.iter().map(|layer| layer.tables.n_quads()).sum();
+        let n_before = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32 + splits.len() as u32;
         let densities = DensityJob::new(plan, layers, &job_layers, n_before);
-        let row_len = job_layers.first().map_or(0, |layer| layer.table.row_len());
+        let row_len = job_layers.first().map_or(0, |layer| layer.tables.sections.row_len());
         let frame = frame_params(plan, layers, row_len);
         let splats_by = densities.as_ref().map_or(shader, |densities| densities.stage.shader);
         let in_front = plan.in_front.cloned().map(Arc::new);
@@ -89,6 +92,7 @@ impl Job {
             layers,
             params,
             planes,
+            splits,
             densities,
             surfaces,
             depth_sort,
@@ -98,12 +102,12 @@ impl Job {
         }
     }
 
-    /// Elements of the shaders' `table` that section tables take, planes behind those, and what densities are
-    /// shown by behind those.
-    pub(crate) fn n_elements(&self) -> [u64; 3] {
-        let of_tables = self.layers.iter().map(|layer| u64::from(layer.table.n_quads())).sum();
+    /// Elements of the shaders' `table` that section tables take, planes behind those, splits, and what
+    /// densities are shown by.
+    pub(crate) fn n_elements(&self) -> [u64; 4] {
+        let of_tables = self.layers.iter().map(|layer| u64::from(layer.tables.n_quads())).sum();
         let of_planes = u64::from(ELEMENTS_OF_PLANE) * self.planes.len() as u64;
-        [of_tables, of_planes, self.shown().len() as u64]
+        [of_tables, of_planes, self.splits.len() as u64, self.shown().len() as u64]
     }
 
     /// What densities are shown by.
@@ -179,16 +183,17 @@ fn leave_room(layers: &mut [JobLayer], most_voxels: u64) {
     }
 }
 
-/// What the shaders read of layers, their voxels, tables and planes one after the other; and the planes.
+/// What the shaders read of layers, their voxels, tables, planes and splits one after the other; and the planes
+/// and splits.
 fn placed(
     plan: &FramePlan<'_>,
     layers: &[SplatLayer<'_, '_>],
     job_layers: &[JobLayer],
-) -> (Vec<Layer>, Vec<Plane>) {
+) -> (Vec<Layer>, Vec<Plane>, Vec<Element>) {
     let part = plan.part.as_ref();
     let n_part_planes = part.map_or(0, |part| part.faces().len() as u32);
-    let n_quads: u32 = job_layers.iter().map(|layer| layer.table.n_quads()).sum();
-    let (mut params, mut planes): (Vec<Layer>, Vec<_>) = Default::default();
+    let n_quads: u32 = job_layers.iter().map(|layer| layer.tables.n_quads()).sum();
+    let (mut params, mut planes, mut all_splits): (Vec<Layer>, Vec<_>, Vec<_>) = Default::default();
     let (mut first_voxel, mut first_element, mut region) = (0, 0, 0);
     for (idx, ((layer, splats), job_layer)) in layers.iter().zip(job_layers).enumerate() {
         // Layers of one region follow each other.
@@ -201,9 +206,18 @@ fn placed(
         }
         let own = layer_params(layer, splats);
         let placed = Layer { first_voxel, first_element, region, first_plane, ..own };
-        params.push(Layer { n_part_planes, ..placed });
+        let first_merged_element = first_element + job_layer.tables.sections.n_quads();
+        // Counted from the first of all, until it is known where that is.
+        let splits = splits::elements(splats);
+        let first_split = if splits.is_some() { all_splits.len() as u32 } else { NO_SPLITS };
+        all_splits.extend(splits.into_iter().flatten());
+        params.push(Layer { n_part_planes, first_merged_element, first_split, ..placed });
         first_voxel += job_layer.max_voxels as u32;
-        first_element += job_layer.table.n_quads();
+        first_element += job_layer.tables.n_quads();
     }
-    (params, planes)
+    let n_before = n_quads + ELEMENTS_OF_PLANE * planes.len() as u32;
+    for layer in params.iter_mut().filter(|layer| layer.first_split != NO_SPLITS) {
+        layer.first_split += n_before;
+    }
+    (params, planes, all_splits)
 }

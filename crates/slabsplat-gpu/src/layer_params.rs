@@ -14,12 +14,17 @@ pub(crate) fn layer_params(plan: &LayerPlan<'_>, splats: &Splats) -> Layer {
     put_footprint(plan, &mut layer);
     match splats {
         Splats::Colors(ColorSplats::Sections(sections)) => {
-            let SectionSplats { slabs, table, .. } = &**sections;
+            let SectionSplats { slabs, table, merged, .. } = &**sections;
             put_slabs(plan, slabs, &mut layer);
             let rows = table.rows();
             layer.rows_per_index = rows.rows_per_index;
             layer.last_row = rows.last_row;
             layer.is_mirrored = flag(rows.mirrored);
+            if let Some(merged) = merged {
+                let rows = merged.table.rows();
+                layer.merged_rows_per_index = rows.rows_per_index;
+                layer.last_merged_row = rows.last_row;
+            }
         }
         Splats::Colors(ColorSplats::Slices { order, .. }) => put_slices(order, &mut layer),
         Splats::Colors(ColorSplats::Voxels { .. }) => {}

@@ -69,6 +69,7 @@ mod regions;
 mod samples;
 mod section_table;
 mod segments;
+mod splits;
 mod surface_elements;
 mod surfaces;
 

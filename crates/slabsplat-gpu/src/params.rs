@@ -102,6 +102,10 @@ pub(crate) struct Layer {
     pub(crate) spread: f32,
     pub(crate) last_out: [f32; 3],
     pub(crate) n_part_planes: u32,
+    pub(crate) first_split: u32,
+    pub(crate) first_merged_element: u32,
+    pub(crate) merged_rows_per_index: f32,
+    pub(crate) last_merged_row: f32,
 }
 
 /// `shaders/shared/densities.wgsl`, likewise.
@@ -191,6 +195,9 @@ pub(crate) struct Step {
 /// No slot of the counts.
 pub(crate) const NO_COUNT: u32 = u32::MAX;
 
+/// `shaders/shared/spans.wgsl`.
+pub(crate) const NO_SPLITS: u32 = u32::MAX;
+
 /// `shaders/shared/surfaces.wgsl`.
 pub(crate) const NO_SURFACES: u32 = u32::MAX;
 
@@ -253,6 +260,7 @@ mod tests {
     use crate::regions::ELEMENTS_OF_PLANE;
     use slabsplat_backend::ShownDensities;
     use slabsplat_core::{Compositing, Statistic};
+    use slabsplat_kernel::SplitLevels;
     use slabsplat_mesh::N_SAMPLES;
     use slabsplat_shaders::{STRUCTS, StructLayout};
 
@@ -342,6 +350,10 @@ mod tests {
             spread,
             last_out,
             n_part_planes,
+            first_split,
+            first_merged_element,
+            merged_rows_per_index,
+            last_merged_row,
         });
         check!(Densities {
             mode,
@@ -424,6 +436,8 @@ mod tests {
         declares(format!("const COUNT_SPLATS: u32 = {COUNT_SPLATS}u;"));
         declares(format!("const COUNT_OF_LISTS: u32 = {COUNT_OF_LISTS}u;"));
         declares(format!("const MAX_LAYERS: u32 = {MAX_LAYERS}u;"));
+        declares(format!("const NO_SPLITS: u32 = {NO_SPLITS:#x}u;"));
+        declares(format!("const N_SPLITS: u32 = {}u;", SplitLevels::N_SPLITS));
         declares(format!("const NO_SURFACES: u32 = {NO_SURFACES:#x}u;"));
         declares(format!("const N_SAMPLES: u32 = {N_SAMPLES}u;"));
         declares(format!("const ELEMENTS_OF_PLANE: u32 = {ELEMENTS_OF_PLANE}u;"));

@@ -1,8 +1,10 @@
 //! Regions, and the part of a frame that is drawn, as the shaders read them: `shaders/shared/region.wgsl`.
 
+use crate::splits::merged_sections;
 use slabsplat_backend::{LayerPlan, Slabs, Splats};
 use slabsplat_core::glam::{DMat3, DVec3};
 use slabsplat_core::{PartInView, PlaneInView, RegionInView, View};
+use slabsplat_kernel::SplitLevels;
 
 /// An element of the shaders' `table`.
 pub(crate) type Element = [f32; 4];
@@ -44,6 +46,8 @@ struct Reach {
     /// How far the steepest ray moves sideways within half a slab, over which rays count as parallel.
     aside: f64,
     thickness: f64,
+    /// How many slabs further back a voxel may be drawn whole than that whose face is before it.
+    n_behind: f64,
     /// Of densities, how far the neighbours lie that slopes are taken to: to the side, and in thicknesses.
     beside: f64,
     n_beside: f64,
@@ -55,6 +59,7 @@ const SHEETS_BESIDE_PART: f64 = 2.5;
 impl Reach {
     fn new(layer: &LayerPlan<'_>, slabs: &Slabs) -> Self {
         let (view, thickness) = (&layer.view, slabs.grid.thickness());
+        let is_merged = merged_sections(&layer.splats).is_some();
         let is_of_densities = matches!(layer.splats, Splats::Densities(_));
         let [_, end] = slabs.grid.faces(slabs.grid.n_slabs() - 1);
         let farthest = view.pixels_per_world(end.max(view.near_depth()));
@@ -63,19 +68,22 @@ impl Reach {
             radius: layer.radius * view.stretch(farthest),
             aside: 0.5 * thickness * view.steepest_ray(),
             thickness,
+            n_behind: if is_merged { SplitLevels::MOST_SLABS_BEFORE as f64 } else { 0.0 },
             beside: if is_of_densities { 1.0 / farthest } else { 0.0 },
             n_beside: if is_of_densities { SHEETS_BESIDE_PART } else { 0.0 },
         }
     }
 
     /// How far before a plane a voxel may lie that adds to anything behind it, in thicknesses of a slab: as
-    /// far as its footprint goes, and to the other end of a slab that the plane cuts.
+    /// far as its footprint goes, and to the other end of a slab that the plane cuts, or of one that a whole voxel
+    /// is put off to.
     fn before(&self, PlaneInView { normal, .. }: &PlaneInView) -> f64 {
         let of_kernel = self.radius * (self.view_from_index.transpose() * *normal).length();
         let n_thicknesses = 1.0 + 2.0 * self.n_beside;
         let aside = n_thicknesses * self.aside + self.beside;
         let of_ray = aside * normal.truncate().length();
-        (of_kernel + of_ray) / self.thickness + (1.0 + self.n_beside) * normal.z.abs()
+        let n_deep = 1.0 + self.n_behind + self.n_beside;
+        (of_kernel + of_ray) / self.thickness + n_deep * normal.z.abs()
     }
 }
 

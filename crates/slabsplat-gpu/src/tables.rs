@@ -1,5 +1,5 @@
-//! What all layers read on the device: their section tables, the planes of their regions, what densities are
-//! shown by, and the surfaces at which rays end.
+//! What all layers read on the device: their section tables, the planes of their regions, how slabs split their
+//! kernels, what densities are shown by, and the surfaces at which rays end.
 
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
@@ -10,14 +10,33 @@ use slabsplat_backend::{BackendError, DensitySplats, SmoothSections};
 use slabsplat_kernel::{CubicSectionTable, RadialPolynomials, SectionTable};
 use std::sync::Arc;
 
-/// The table of a layer.
+/// The tables of a layer.
+#[derive(Clone, Debug)]
+pub(crate) struct LayerTables {
+    pub(crate) sections: Table,
+    /// Sections with all that lies before or behind a face.
+    pub(crate) merged: Table,
+}
+
+/// A table of a layer.
 #[derive(Clone, Debug)]
 pub(crate) enum Table {
-    /// Of a kernel whose sections are computed.
+    /// Of a kernel whose sections are computed, or of merged sections where none are.
     None,
     Cubics(Arc<CubicSectionTable>),
     Sections(Arc<SectionTable>),
     Polynomials(Arc<RadialPolynomials>),
+}
+
+impl LayerTables {
+    /// As they lie one behind the other.
+    fn all(&self) -> impl Iterator<Item = &Table> {
+        [&self.sections, &self.merged].into_iter()
+    }
+
+    pub(crate) fn n_quads(&self) -> u32 {
+        self.all().map(Table::n_quads).sum()
+    }
 }
 
 impl Table {
@@ -26,6 +45,11 @@ impl Table {
             SmoothSections::Product(_) => Self::None,
             SmoothSections::Table(table) => Self::Cubics(table.clone()),
         }
+    }
+
+    /// Of a layer whose sections are never merged.
+    pub(crate) fn alone(self) -> LayerTables {
+        LayerTables { sections: self, merged: Self::None }
     }
 
     /// Whether both are one table, not only alike.
@@ -68,8 +92,8 @@ impl Table {
     }
 }
 
-/// The tables of all layers, one after the other, then the planes, then what densities are shown by, and then
-/// the surfaces.
+/// The tables of all layers, one after the other, then the planes, then how slabs split kernels, then what
+/// densities are shown by, and then the surfaces.
 #[derive(Debug)]
 pub(crate) struct TablesBuffer {
     buffer: Buffer,
@@ -101,13 +125,13 @@ impl TablesBuffer {
         job: &'a Job,
         writes: &mut Vec<Write<'a>>,
     ) -> Result<(), BackendError> {
-        let tables = || job.layers.iter().map(|layer| &layer.table);
+        let tables = || job.layers.iter().flat_map(|layer| layer.tables.all());
         let n_bytes = job.n_elements().map(|n| n * ELEMENT_BYTES);
         let n_bytes_before = n_bytes.iter().sum();
         let surfaces = job.surfaces.as_ref().map(|it| (n_bytes_before, it));
         self.make_room((memory, device), n_bytes_before, surfaces)?;
         let buffer = self.buffer.all().buffer;
-        let are_there = self.holds.len() == job.layers.len()
+        let are_there = self.holds.len() == tables().count()
             && self.holds.iter().zip(tables()).all(|(there, table)| there.is(table));
         if !are_there {
             let quads: Vec<Quad> = tables().flat_map(Table::quads).collect();
@@ -117,13 +141,17 @@ impl TablesBuffer {
             }
             self.holds = tables().cloned().collect();
         }
-        let [n_table_bytes, n_plane_bytes, _] = n_bytes;
-        let planes: &[u8] = bytemuck::cast_slice(&job.planes);
-        let shown: &[u8] = bytemuck::cast_slice(job.shown());
-        for (offset, bytes) in [(n_table_bytes, planes), (n_table_bytes + n_plane_bytes, shown)] {
-            if !bytes.is_empty() {
-                writes.push(Write { buffer, offset, bytes: bytes.into() });
+        let [mut offset, n_plane_bytes, n_split_bytes, n_shown_bytes] = n_bytes;
+        for (n_bytes, elements) in [
+            (n_plane_bytes, job.planes.as_flattened()),
+            (n_split_bytes, job.splits.as_slice()),
+            (n_shown_bytes, job.shown()),
+        ] {
+            if !elements.is_empty() {
+                let bytes = bytemuck::cast_slice(elements).into();
+                writes.push(Write { buffer, offset, bytes });
             }
+            offset += n_bytes;
         }
         if let Some((offset, surfaces)) = surfaces
             && !self.holds_surfaces(offset, surfaces)

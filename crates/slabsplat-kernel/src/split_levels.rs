@@ -71,7 +71,7 @@ const N_LEVELS: usize = 33;
 /// out to be occluded.
 const MAX_DOUBLINGS: usize = 2;
 
-const N_SPLITS: usize = MAX_DOUBLINGS + N_LEVELS;
+const N_SPLITS: usize = SplitLevels::N_SPLITS;
 
 /// The bits of a positive number behind its exponent and the first four of its fraction.
 const TRAILING_BITS: u32 = 19;
@@ -91,6 +91,9 @@ impl SplitLevels {
     /// By how many slabs at most a whole voxel goes before the one that holds its centre: from the last slab
     /// of the thickest one to that behind its middle.
     pub const MOST_SLABS_BEFORE: usize = (1 << (MAX_DOUBLINGS - 1)) - 1;
+
+    /// How many ways there are to split a kernel.
+    pub const N_SPLITS: usize = MAX_DOUBLINGS + N_LEVELS;
 
     /// The split of a voxel so faint that no face splits it.
     pub const WHOLE: SlabSplit = SPLITS[0];
@@ -139,6 +142,16 @@ impl SplitLevels {
         };
         let first_splits = (0..N_LEADING).map(first_split).collect();
         Self { max_extinctions, first_splits }
+    }
+
+    /// All ways to split a kernel, each with the most extinction of the voxels that have it, unless they have one
+    /// before: it rises, and of the last, which has all sections, it is infinite.
+    pub fn all(&self) -> impl Iterator<Item = (f32, SlabSplit)> {
+        let rising = self.max_extinctions.iter().scan(f32::NEG_INFINITY, |most, &of_split| {
+            *most = most.max(of_split);
+            Some(*most)
+        });
+        rising.zip(SPLITS)
     }
 
     /// How slabs split a voxel of extinction `mu`.
@@ -281,6 +294,24 @@ mod tests {
         for (split, &most) in levels.max_extinctions.iter().enumerate().take(N_SPLITS - 1) {
             assert_eq!(levels.split(most), SPLITS[split], "{most}");
             assert_eq!(levels.split(most.next_up()), SPLITS[split + 1], "{most}");
+        }
+    }
+
+    /// What searches among all finds what `split` does.
+    #[test]
+    fn levels_are_among_all() {
+        for (tolerance, level, is_cut) in
+            [(2e-3, 0, false), (5e-2, 0, true), (5e-2, 2, false), (0.8, 0, false)]
+        {
+            let levels =
+                levels(tolerance, SplitView { layer_depth: 1.7, level, is_cut, ..UPRIGHT });
+            let all: Vec<_> = levels.all().collect();
+            assert!(all.is_sorted_by(|a, b| a.0 <= b.0));
+            for step in 0..2000 {
+                let mu = 0.007 * step as f32;
+                let first = all.partition_point(|(most, _)| *most < mu);
+                assert_eq!(all[first].1, levels.split(mu), "{mu}");
+            }
         }
     }
 

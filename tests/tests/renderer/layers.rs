@@ -20,7 +20,7 @@ const FROM_CPU: f64 = 1e-3;
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
 
-/// The part of a tolerance that the CPU backend may use up with simpler footprints: the most on sheared
+/// The part of a tolerance that a backend may use up with simpler footprints: the most on sheared
 /// grids, cut or not.
 const SHARE_OF_FOOTPRINTS: f64 = 0.2;
 
@@ -164,7 +164,7 @@ fn order_of_layers_changes_no_bit() {
     });
 }
 
-/// All layers together may be off by no more than the tolerance of the picture, cut or not; and the CPU
+/// All layers together may be off by no more than the tolerance of the picture, cut or not; and every backend
 /// merges what the definition says.
 #[test]
 fn tolerance_of_layers() {
@@ -176,25 +176,28 @@ fn tolerance_of_layers() {
                 && kind.normalization == Normalization::None
         };
         let kinds = SceneKind::share(seed).filter(merges);
-        for (kind, tolerance) in kinds.flat_map(|kind| [1e-3, 0.05].map(|t| (kind, t))) {
+        let kinds = kinds.flat_map(|kind| [1e-3, 0.05].map(|t| (kind, t)));
+        for (number, (kind, tolerance)) in kinds.enumerate() {
             let mut scene = random_layers(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (16, 16);
             scene.settings.tolerance = tolerance;
             if rng.bool() {
                 scene.layers.iter_mut().for_each(|layer| make_haze(&mut rng, layer));
             }
-            let image = render("cpu", &scene);
             let what = what(&kind, &scene);
-            let [merged, exact] =
-                [reference::render_within_tolerance(&scene), reference::render(&scene)];
+            let both = [reference::render_within_tolerance(&scene), reference::render(&scene)];
             let undecided = undecided_pixels(&scene);
-            let [merged, exact] = [merged, exact]
-                .map(|expected| leaving(&undecided, expected, &image).compare(&image).max);
-            assert!(merged < 1e-3 + SHARE_OF_FOOTPRINTS * tolerance, "{merged}: {what}");
-            assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {what}");
-
-            worst = worst.max(merged / tolerance);
-            worst_from_exact = worst_from_exact.max(exact / tolerance);
+            for backend in backends_in_turn(Method::ImageAligned, number) {
+                let image = render(backend, &scene);
+                let [merged, exact] = both.each_ref().map(|expected| {
+                    leaving(&undecided, expected.clone(), &image).compare(&image).max
+                });
+                let most = 1e-3 + SHARE_OF_FOOTPRINTS * tolerance;
+                assert!(merged < most, "{merged}: {backend}, {what}");
+                assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {backend}, {what}");
+                worst = worst.max(merged / tolerance);
+                worst_from_exact = worst_from_exact.max(exact / tolerance);
+            }
         }
     });
     println!("{worst:.2} tolerances from what merges, {worst_from_exact:.2} from exact");

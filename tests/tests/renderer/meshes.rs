@@ -23,7 +23,7 @@ const ONE_IN: u64 = 3;
 /// What a pixel may differ from that of the CPU backend.
 const FROM_CPU: f32 = 1e-3;
 
-/// The part of a tolerance that the CPU backend may use up with simpler footprints.
+/// The part of a tolerance that a backend may use up with simpler footprints.
 const SHARE_OF_FOOTPRINTS: f64 = 0.2;
 
 #[test]
@@ -97,7 +97,7 @@ fn leaving(undecided: &[bool], mut expected: ReferenceImage, image: &Image) -> R
     expected
 }
 
-/// Pictures with meshes may be off by no more than their tolerance, and the CPU merges what the definition
+/// Pictures with meshes may be off by no more than their tolerance, and every backend merges what the definition
 /// says.
 #[test]
 fn tolerance_beside_meshes() {
@@ -108,19 +108,23 @@ fn tolerance_beside_meshes() {
                 && kind.compositing == Compositing::Extinction
                 && kind.normalization == Normalization::None
         };
-        for kind in SceneKind::share(seed).filter(merges) {
+        for (number, kind) in SceneKind::share(seed).filter(merges).enumerate() {
             let tolerance = [1e-3, 0.05][rng.usize(..2)];
             let mut scene = random_meshes(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (16, 16);
             scene.settings.tolerance = tolerance;
-            let image = render("cpu", &scene);
             let undecided = undecided_pixels(&scene);
             let both = [reference::render_within_tolerance(&scene), reference::render(&scene)];
-            let [merged, exact] =
-                both.map(|expected| leaving(&undecided, expected, &image).compare(&image).max);
-            assert!(merged < 1e-3 + SHARE_OF_FOOTPRINTS * tolerance, "{merged}: {kind:?}");
-            assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {kind:?}");
-            worst = worst.max(exact / tolerance);
+            for backend in backends_in_turn(Method::ImageAligned, number) {
+                let image = render(backend, &scene);
+                let [merged, exact] = both.each_ref().map(|expected| {
+                    leaving(&undecided, expected.clone(), &image).compare(&image).max
+                });
+                let most = 1e-3 + SHARE_OF_FOOTPRINTS * tolerance;
+                assert!(merged < most, "{merged}: {backend}, {kind:?}");
+                assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {backend}, {kind:?}");
+                worst = worst.max(exact / tolerance);
+            }
         }
     });
     println!("at most {worst:.2} tolerances");

@@ -1,6 +1,7 @@
 //! What a tolerance may change: the reference with sections merged against the reference with all of them
 //! (model §7).
 
+use slabsplat::Renderer;
 use slabsplat_core::glam::{DAffine3, DMat3, DVec3};
 use slabsplat_core::{
     Camera, Compositing, Grid, Image, ImageDesc, Layer, Method, Normalization, Projection,
@@ -9,10 +10,10 @@ use slabsplat_core::{
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{ReferenceImage, render, render_within_tolerance};
-use slabsplat_tests::render::render as by_backend;
+use slabsplat_tests::render::{backends, backends_in_turn, open, render as by_backend};
 use std::sync::Arc;
 
-/// The part of a tolerance that the CPU backend may use up with simpler footprints: shorter polynomials, and
+/// The part of a tolerance that a backend may use up with simpler footprints: shorter polynomials, and of the CPU
 /// products.
 const SHARE_OF_FOOTPRINTS: f64 = 0.15;
 
@@ -56,14 +57,15 @@ fn tolerance_on_random_scenes() {
     assert!(0.01 < worst, "nothing was merged");
 }
 
-/// The CPU backend merges what the definition says: as far from the reference that merges as it may be
-/// without a tolerance, and from the exact one as far more as the tolerance.
+/// Every backend merges what the definition says: as far from the reference that merges as it may be without a
+/// tolerance, and from the exact one as far more as the tolerance.
 #[test]
-fn tolerance_on_the_cpu() {
+fn tolerance_on_every_backend() {
     let (mut worst, mut worst_share, mut worst_from_exact) = (0.0_f64, 0.0_f64, 0.0_f64);
     for_each_numbered_seed(SceneKind::SHARES, |seed, mut rng| {
         let kinds = SceneKind::share(seed).filter(merges);
-        for (kind, tolerance) in kinds.flat_map(|kind| TOLERANCES.map(|t| (kind, t))) {
+        let kinds = kinds.flat_map(|kind| TOLERANCES.map(|t| (kind, t)));
+        for (number, (kind, tolerance)) in kinds.enumerate() {
             let mut scene = random_scene(&mut rng, &kind);
             (scene.image.width, scene.image.height) = (16, 16);
             scene.settings.slab_width = [0.3, 0.77, 1.0, 2.0, 3.3][rng.usize(..5)];
@@ -71,20 +73,56 @@ fn tolerance_on_the_cpu() {
             if rng.bool() {
                 scene.layers[0].transfer = black_to_white(0.1 * rng.f64());
             }
-            let image = by_backend("cpu", &scene);
-            let merged = render_within_tolerance(&scene).compare(&image);
-            let exact = render(&scene).compare(&image);
-            let share = (merged.max - 1e-3) / tolerance;
-            assert!(share < SHARE_OF_FOOTPRINTS, "{share} of {tolerance}: {kind:?}");
-            worst_share = worst_share.max(share);
-            assert!(exact.max < 1e-3 + tolerance, "{}: {kind:?} {tolerance}", exact.max);
-            worst = worst.max(merged.max);
-            worst_from_exact = worst_from_exact.max(exact.max / tolerance);
+            let [merged, exact] = [render_within_tolerance(&scene), render(&scene)];
+            for backend in backends_in_turn(Method::ImageAligned, number) {
+                let image = by_backend(backend, &scene);
+                let [merged, exact] =
+                    [&merged, &exact].map(|expected| expected.compare(&image).max);
+                let share = (merged - 1e-3) / tolerance;
+                let what = format!("{backend}, {kind:?}, {tolerance}");
+                assert!(share < SHARE_OF_FOOTPRINTS, "{share} of the tolerance: {what}");
+                assert!(exact < 1e-3 + tolerance, "{exact}: {what}");
+                worst_share = worst_share.max(share);
+                worst = worst.max(merged);
+                worst_from_exact = worst_from_exact.max(exact / tolerance);
+            }
         }
     });
     println!(
         "at most {worst:.1e} from what merges, {worst_share:.2} tolerances beyond 1e-3; {worst_from_exact:.2} tolerances from exact"
     );
+}
+
+/// A block seen on one tile, whose pixels are so many voxels wide.
+fn block_on_a_tile(alpha: f64, voxels_per_pixel: f64) -> Scene {
+    let grid = Grid::with_spacing([24; 3], [1.0; 3]).expect("no axis is empty");
+    let samples = Samples::U8(vec![1; grid.n_voxels()]);
+    let volume = Volume::new(grid, samples, Scaling::IDENTITY).expect("one sample a voxel");
+    let layer = Layer::new(volume, black_to_white(alpha)).shading(Shading::None);
+    let (target, view_height) = (grid.center_in_world(), 8.0 * voxels_per_pixel);
+    let eye = target + DVec3::new(13.0, 21.0, 100.0);
+    let camera = Camera::new(eye, target, DVec3::Y, Projection::Orthographic { view_height });
+    Scene::new(layer, camera.expect("up is not forward")).image(ImageDesc::new(8, 8))
+}
+
+/// Faint voxels are one splat each, and so are cells however opaque they are.
+#[test]
+fn tolerance_saves_sections_on_every_backend() {
+    let n_splats = |backend: &str, scene: &Scene| {
+        let frame = Renderer::new(open(backend)).render(scene).expect("the scene is valid");
+        frame.stats.n_splats
+    };
+    for &backend in backends() {
+        let faint = block_on_a_tile(0.005, 1.9);
+        let [merged, all] = [&faint, &exact(&faint)].map(|scene| n_splats(backend, scene));
+        assert!(3 * merged < all, "{backend}: {merged} of {all}");
+        let by_cells = block_on_a_tile(0.1, 3.0);
+        assert_eq!(n_splats(backend, &by_cells), 12 * 12 * 12, "{backend}");
+    }
+}
+
+fn exact(scene: &Scene) -> Scene {
+    scene.clone().settings(scene.settings.clone().tolerance(0.0))
 }
 
 fn merges(kind: &SceneKind) -> bool {
