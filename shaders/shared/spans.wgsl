@@ -11,12 +11,16 @@
 const NO_SPLITS: u32 = 0xffffffffu;
 const N_SPLITS: u32 = 35u;
 
+// How many slabs before a face a whole voxel counts as on it.
+const ON_FACE: f32 = 0.0009765625;
+
 // The span of a voxel at a depth that sums so much extinction, or whatever the compositing sums.
 fn span_of(layer: u32, depth: f32, summed: f32) -> u32 {
     let split = split_of(layer, summed);
     let half_depth = split.y * layers[layer].half_depth;
     let thickness = layers[layer].slab_thickness;
-    let near = floor((depth - half_depth) / thickness);
+    let on_face = select(0.0, ON_FACE, half_depth == 0.0);
+    let near = floor((depth - half_depth) / thickness + on_face);
     let n_more = max(ceil((depth + half_depth) / thickness) - 1.0 - near, 0.0);
     // A voxel that has as many slabs as a span can hold is drawn in all that it meets, to be sure.
     if 1.0 <= split.y || f32(ALL) <= n_more {

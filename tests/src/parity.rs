@@ -15,6 +15,11 @@ const MEAN_DIFFERENCE: f64 = 1e-4;
 /// What a pixel may differ from that of the CPU backend.
 const FROM_CPU: f32 = 1e-3;
 
+/// The part of a tolerance that a backend may use up with simpler footprints: the error budget
+/// (`error_budget.rs` of `slabsplat-kernel`) lets products and polynomials have 0.185 for the footprint of a
+/// voxel, and a pixel near the middle of one sees little else.
+pub const SHARE_OF_FOOTPRINTS: f64 = 0.2;
+
 /// What came of some scenes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Parity {

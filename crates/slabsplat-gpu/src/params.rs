@@ -437,6 +437,7 @@ mod tests {
         declares(format!("const COUNT_OF_LISTS: u32 = {COUNT_OF_LISTS}u;"));
         declares(format!("const MAX_LAYERS: u32 = {MAX_LAYERS}u;"));
         declares(format!("const NO_SPLITS: u32 = {NO_SPLITS:#x}u;"));
+        declares(format!("const ON_FACE: f32 = {};", SplitLevels::ON_FACE));
         declares(format!("const N_SPLITS: u32 = {}u;", SplitLevels::N_SPLITS));
         declares(format!("const NO_SURFACES: u32 = {NO_SURFACES:#x}u;"));
         declares(format!("const N_SAMPLES: u32 = {N_SAMPLES}u;"));

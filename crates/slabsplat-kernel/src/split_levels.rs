@@ -92,6 +92,10 @@ impl SplitLevels {
     /// of the thickest one to that behind its middle.
     pub const MOST_SLABS_BEFORE: usize = (1 << (MAX_DOUBLINGS - 1)) - 1;
 
+    /// A voxel that is whole lies on a face if it is less than so many slabs before it: many do, those of grids
+    /// along the view and those in the middle of any, and rounding must not choose the slab of these.
+    pub const ON_FACE: f32 = 1.0 / 1024.0;
+
     /// How many ways there are to split a kernel.
     pub const N_SPLITS: usize = MAX_DOUBLINGS + N_LEVELS;
 

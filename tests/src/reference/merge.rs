@@ -47,14 +47,20 @@ fn whole_in_thick_slab(layer: &LayerInView, slabs: &Slabs, voxel: &Voxel, n: u32
     let width = (last + 1 - first) as f64 * slabs.width_in(layer.unit);
     let whole = Cut::Slab { front: slabs.face(first), width };
     let side = 1_i64 << n;
-    (slabs.at(depth).div_euclid(side) * side + side / 2, whole)
+    (home(slabs, layer, depth).div_euclid(side) * side + side / 2, whole)
+}
+
+/// The slab that holds the centre of a voxel, which is in the one behind if it lies on a face, or less before it
+/// than a rounding error of 32 bits may be.
+fn home(slabs: &Slabs, layer: &LayerInView, depth: f64) -> i64 {
+    slabs.at(depth + slabs.width_in(layer.unit) * layer.unit / 1024.0)
 }
 
 /// The sections of a voxel, each with the slab in which it is drawn.
 /// It is cut by the faces that are nearer to its centre than `cut_reach`.
 fn sections(layer: &LayerInView, slabs: &Slabs, voxel: &Voxel, cut_reach: f64) -> Vec<(i64, Cut)> {
     let (depth, reach) = (voxel.center_in_view.z, layer.kernel.depth_reach);
-    let home = slabs.at(depth);
+    let home = home(slabs, layer, depth);
     let met: RangeInclusive<i64> = slabs.at(depth - reach)..=slabs.at(depth + reach);
     let is_cut = |&face: &i64| (slabs.face(face) - depth).abs() < cut_reach;
     let mut starts = vec![*met.start()];

@@ -12,7 +12,7 @@ use slabsplat_tests::random_scene::{SceneKind, layer_of_all_levels, random_scene
 use slabsplat_tests::reference::{render, render_within_tolerance};
 use slabsplat_tests::render::{backends, open, render as by_backend};
 
-/// What simpler footprints may add to 10⁻³, as in `tolerance.rs`: 0.15 of the tolerance.
+/// What simpler footprints may add to 10⁻³: 0.15 of the tolerance.
 const OF_FOOTPRINTS: f64 = 1e-3 + 0.15 * 0.05;
 
 fn may_merge(kind: &SceneKind) -> bool {

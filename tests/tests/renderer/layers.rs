@@ -6,6 +6,7 @@ use slabsplat::{
     Compositing, Image, Layer, Method, Normalization, Region, Scene, Shading, TransferFunction,
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
+use slabsplat_tests::parity::SHARE_OF_FOOTPRINTS;
 use slabsplat_tests::random_scene::{SceneKind, random_layers, random_scene};
 use slabsplat_tests::reference::{self, Difference, ReferenceImage, undecided_pixels};
 use slabsplat_tests::render::{backends, backends_in_turn, backends_with, pictures, render};
@@ -19,10 +20,6 @@ const FROM_CPU: f64 = 1e-3;
 
 /// What a picture may differ by of which each part is rounded on its own.
 const ROUNDED_TWICE: f32 = 1e-5;
-
-/// The part of a tolerance that a backend may use up with simpler footprints: the most on sheared
-/// grids, cut or not.
-const SHARE_OF_FOOTPRINTS: f64 = 0.2;
 
 /// Of so many scenes one is drawn by a GPU, too, and all by the CPU: drivers that only play a device take
 /// longer than all else.

@@ -9,6 +9,7 @@ use slabsplat::{
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
 use slabsplat_tests::exact_settings;
+use slabsplat_tests::parity::SHARE_OF_FOOTPRINTS;
 use slabsplat_tests::random_scene::{SceneKind, random_meshes};
 use slabsplat_tests::reference::{self, ReferenceImage, undecided_pixels};
 use slabsplat_tests::render::{backends, backends_in_turn, backends_with, open, pictures, render};
@@ -22,9 +23,6 @@ const ONE_IN: u64 = 3;
 
 /// What a pixel may differ from that of the CPU backend.
 const FROM_CPU: f32 = 1e-3;
-
-/// The part of a tolerance that a backend may use up with simpler footprints.
-const SHARE_OF_FOOTPRINTS: f64 = 0.2;
 
 #[test]
 fn parity_of_meshes_in_layers() {

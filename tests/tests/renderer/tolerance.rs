@@ -8,14 +8,11 @@ use slabsplat_core::{
     RenderSettings, Samples, Scaling, Scene, Shading, TransferFunction, Volume,
 };
 use slabsplat_seeds::{for_each_numbered_seed, for_each_seed};
+use slabsplat_tests::parity::SHARE_OF_FOOTPRINTS;
 use slabsplat_tests::random_scene::{SceneKind, random_scene};
 use slabsplat_tests::reference::{ReferenceImage, render, render_within_tolerance};
 use slabsplat_tests::render::{backends, backends_in_turn, open, render as by_backend};
 use std::sync::Arc;
-
-/// The part of a tolerance that a backend may use up with simpler footprints: shorter polynomials, and of the CPU
-/// products.
-const SHARE_OF_FOOTPRINTS: f64 = 0.15;
 
 const TOLERANCES: [f64; 4] = [1e-4, 1e-3, 1e-2, 5e-2];
 

@@ -94,7 +94,12 @@ impl<'a> SpanFinder<'a> {
         // Numbers of slabs, counted from the centre; whole and exact, as there are at most 2²² of
         // them.
         let split_half_depth = shares * self.half_depth;
-        let near = ((depths - split_half_depth) * self.slabs_per_depth).floor();
+        let is_whole = shares.simd_eq(f32x8::splat(simd, 0.0));
+        let on_face =
+            is_whole.select(f32x8::splat(simd, SplitLevels::ON_FACE), f32x8::splat(simd, 0.0));
+        let near =
+            (depths - split_half_depth).mul_add(f32x8::splat(simd, self.slabs_per_depth), on_face);
+        let near = near.floor();
         let far = (((depths + split_half_depth) * self.slabs_per_depth).ceil() - 1.0).max(near);
         // A voxel that has as many slabs as a span can hold is drawn in all that it meets, to be sure.
         let all = f32x8::splat(simd, Span::ALL as f32);
