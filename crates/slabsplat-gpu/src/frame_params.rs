@@ -55,8 +55,8 @@ pub(crate) fn slabs_of(splats: &Splats) -> Option<&Slabs> {
     }
 }
 
-/// How many slabs before a slab the splats may begin whose sections it holds: none of those that are all whole,
-/// as cells are in parallel rays.
+/// How many slabs before a slab the splats may begin whose sections it holds: none of those that are all
+/// whole, as cells are in parallel rays.
 fn n_slabs_before(splats: &Splats) -> usize {
     let are_all_whole = merged_sections(splats)
         .is_some_and(|merged| merged.levels.split(f32::MAX).share_of_half_depth == 0.0);

@@ -183,8 +183,8 @@ fn leave_room(layers: &mut [JobLayer], most_voxels: u64) {
     }
 }
 
-/// What the shaders read of layers, their voxels, tables, planes and splits one after the other; and the planes
-/// and splits.
+/// What the shaders read of layers, their voxels, tables, planes and splits one after the other; and the
+/// planes and splits.
 fn placed(
     plan: &FramePlan<'_>,
     layers: &[SplatLayer<'_, '_>],

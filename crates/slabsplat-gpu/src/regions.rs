@@ -75,8 +75,8 @@ impl Reach {
     }
 
     /// How far before a plane a voxel may lie that adds to anything behind it, in thicknesses of a slab: as
-    /// far as its footprint goes, and to the other end of a slab that the plane cuts, or of one that a whole voxel
-    /// is put off to.
+    /// far as its footprint goes, and to the other end of a slab that the plane cuts, or of one that a whole
+    /// voxel is put off to.
     fn before(&self, PlaneInView { normal, .. }: &PlaneInView) -> f64 {
         let of_kernel = self.radius * (self.view_from_index.transpose() * *normal).length();
         let n_thicknesses = 1.0 + 2.0 * self.n_beside;

@@ -1,8 +1,9 @@
-//! What all layers read on the device: their section tables, the planes of their regions, how slabs split their
-//! kernels, what densities are shown by, and the surfaces at which rays end.
+//! What all layers read on the device: their section tables, the planes of their regions, how slabs split
+//! their kernels, what densities are shown by, and the surfaces at which rays end.
 
 use crate::job::Job;
 use crate::memory::{Buffer, Memory, too_large};
+use crate::regions::Element;
 use crate::section_table::{QUADS_OF_ROW, Quad, polynomial_quads, section_quads};
 use crate::surfaces::Surfaces;
 use crate::{Device, Slice, Write};
@@ -98,6 +99,8 @@ impl Table {
 pub(crate) struct TablesBuffer {
     buffer: Buffer,
     holds: Vec<Table>,
+    /// How slabs split kernels, as it has it, and from which byte on.
+    splits: (u64, Vec<Element>),
     /// The surfaces that it holds, and from which byte on.
     surfaces: Option<(u64, Arc<Surfaces>)>,
 }
@@ -110,6 +113,7 @@ impl TablesBuffer {
         Self {
             buffer: Buffer::new("section tables and surfaces"),
             holds: Vec::new(),
+            splits: Default::default(),
             surfaces: None,
         }
     }
@@ -141,18 +145,22 @@ impl TablesBuffer {
             }
             self.holds = tables().cloned().collect();
         }
-        let [mut offset, n_plane_bytes, n_split_bytes, n_shown_bytes] = n_bytes;
-        for (n_bytes, elements) in [
-            (n_plane_bytes, job.planes.as_flattened()),
-            (n_split_bytes, job.splits.as_slice()),
-            (n_shown_bytes, job.shown()),
+        let [planes_at, n_plane_bytes, n_split_bytes, _] = n_bytes;
+        let splits_at = planes_at + n_plane_bytes;
+        // They stay while a camera turns around a cubic grid.
+        let splits: &[Element] =
+            if self.splits == (splits_at, job.splits.clone()) { &[] } else { &job.splits };
+        for (offset, elements) in [
+            (planes_at, job.planes.as_flattened()),
+            (splits_at, splits),
+            (splits_at + n_split_bytes, job.shown()),
         ] {
             if !elements.is_empty() {
                 let bytes = bytemuck::cast_slice(elements).into();
                 writes.push(Write { buffer, offset, bytes });
             }
-            offset += n_bytes;
         }
+        self.splits = (splits_at, job.splits.clone());
         if let Some((offset, surfaces)) = surfaces
             && !self.holds_surfaces(offset, surfaces)
         {
@@ -194,6 +202,7 @@ impl TablesBuffer {
     /// The buffer, to be freed: nothing is in it then.
     pub(crate) fn emptied(&mut self) -> &mut Buffer {
         self.holds.clear();
+        self.splits = Default::default();
         self.surfaces = None;
         &mut self.buffer
     }

@@ -92,8 +92,8 @@ impl SplitLevels {
     /// of the thickest one to that behind its middle.
     pub const MOST_SLABS_BEFORE: usize = (1 << (MAX_DOUBLINGS - 1)) - 1;
 
-    /// A voxel that is whole lies on a face if it is less than so many slabs before it: many do, those of grids
-    /// along the view and those in the middle of any, and rounding must not choose the slab of these.
+    /// A voxel that is whole lies on a face if it is less than so many slabs before it: many do, those of
+    /// grids along the view and those in the middle of any, and rounding must not choose the slab of these.
     pub const ON_FACE: f32 = 1.0 / 1024.0;
 
     /// How many ways there are to split a kernel.
@@ -148,8 +148,8 @@ impl SplitLevels {
         Self { max_extinctions, first_splits }
     }
 
-    /// All ways to split a kernel, each with the most extinction of the voxels that have it, unless they have one
-    /// before: it rises, and of the last, which has all sections, it is infinite.
+    /// All ways to split a kernel, each with the most extinction of the voxels that have it, unless they have
+    /// one before: it rises, and of the last, which has all sections, it is infinite.
     pub fn all(&self) -> impl Iterator<Item = (f32, SlabSplit)> {
         let rising = self.max_extinctions.iter().scan(f32::NEG_INFINITY, |most, &of_split| {
             *most = most.max(of_split);

@@ -95,8 +95,8 @@ fn leaving(undecided: &[bool], mut expected: ReferenceImage, image: &Image) -> R
     expected
 }
 
-/// Pictures with meshes may be off by no more than their tolerance, and every backend merges what the definition
-/// says.
+/// Pictures with meshes may be off by no more than their tolerance, and every backend merges what the
+/// definition says.
 #[test]
 fn tolerance_beside_meshes() {
     let mut worst = 0.0_f64;

@@ -54,8 +54,8 @@ fn tolerance_on_random_scenes() {
     assert!(0.01 < worst, "nothing was merged");
 }
 
-/// Every backend merges what the definition says: as far from the reference that merges as it may be without a
-/// tolerance, and from the exact one as far more as the tolerance.
+/// Every backend merges what the definition says: as far from the reference that merges as it may be without
+/// a tolerance, and from the exact one as far more as the tolerance.
 #[test]
 fn tolerance_on_every_backend() {
     let (mut worst, mut worst_share, mut worst_from_exact) = (0.0_f64, 0.0_f64, 0.0_f64);
