@@ -50,8 +50,8 @@ fn whole_in_thick_slab(layer: &LayerInView, slabs: &Slabs, voxel: &Voxel, n: u32
     (home(slabs, layer, depth).div_euclid(side) * side + side / 2, whole)
 }
 
-/// The slab that holds the centre of a voxel: the one behind if it lies on a face, or so little before it that
-/// rounding in 32 bits might.
+/// The slab that holds the centre of a voxel: the one behind if it lies on a face, or so little before
+/// it that rounding in 32 bits might.
 fn home(slabs: &Slabs, layer: &LayerInView, depth: f64) -> i64 {
     slabs.at(depth + slabs.width_in(layer.unit) * layer.unit / 1024.0)
 }
