@@ -2,10 +2,10 @@
 //! model §9.
 
 use fastrand::Rng;
-use slabsplat::Scene;
+use slabsplat::{Image, Scene};
 use std::fmt::{self, Debug, Display, Formatter};
 
-use crate::reference;
+use crate::reference::{self, ReferenceImage};
 use crate::render::{backends, pictures};
 
 /// What a pixel may differ from the reference at most, and on average over a picture.
@@ -15,10 +15,46 @@ const MEAN_DIFFERENCE: f64 = 1e-4;
 /// What a pixel may differ from that of the CPU backend.
 const FROM_CPU: f32 = 1e-3;
 
-/// The part of a tolerance that a backend may use up with simpler footprints: the error budget
-/// (`error_budget.rs` of `slabsplat-kernel`) lets products and polynomials have 0.185 for the footprint of a
-/// voxel, and a pixel near the middle of one sees little else.
-pub const SHARE_OF_FOOTPRINTS: f64 = 0.2;
+/// What a backend may make of a scene within its tolerance: it merges what the definition says.
+#[derive(Clone, Debug)]
+pub struct WithinTolerance {
+    tolerance: f64,
+    merged: ReferenceImage,
+    exact: ReferenceImage,
+}
+
+/// The part of a tolerance that a GPU backend may use up with shorter polynomials.
+const SHARE_OF_POLYNOMIALS: f64 = 0.05;
+
+impl WithinTolerance {
+    /// What the reference makes of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let merged = reference::render_within_tolerance(scene);
+        Self { tolerance: scene.settings.tolerance, merged, exact: reference::render(scene) }
+    }
+
+    /// How far a backend's picture is from what merges and from the exact one, but for pixels that are
+    /// undecided; and of the CPU, which may use up `share_of_footprints` of a tolerance with simpler ones.
+    ///
+    /// # Panics
+    /// If it is further than it may be.
+    pub fn check(
+        &self,
+        (backend, image): (&str, &Image),
+        undecided: &[bool],
+        share_of_footprints: f64,
+        what: &impl Debug,
+    ) -> [f64; 2] {
+        let Self { tolerance, .. } = *self;
+        let [merged, exact] = [&self.merged, &self.exact]
+            .map(|expected| expected.clone().leaving(undecided, image).compare(image).max);
+        let share = if backend == "cpu" { share_of_footprints } else { SHARE_OF_POLYNOMIALS };
+        let most = 1e-3 + share * tolerance;
+        assert!(merged < most, "{merged} off what merges, {tolerance}: {backend}, {what:?}");
+        assert!(exact < 1e-3 + tolerance, "{exact} of {tolerance}: {backend}, {what:?}");
+        [merged, exact]
+    }
+}
 
 /// What came of some scenes.
 #[derive(Clone, Copy, Debug, Default)]

@@ -25,6 +25,15 @@ pub struct Difference {
 }
 
 impl ReferenceImage {
+    /// Takes over the pixels of a picture that depend on how planes, edges and crossings are rounded.
+    #[must_use]
+    pub fn leaving(mut self, undecided: &[bool], image: &Image) -> Self {
+        for (idx, _) in undecided.iter().enumerate().filter(|(_, is_undecided)| **is_undecided) {
+            self.pixels[idx] = image.pixels()[idx].map(f64::from);
+        }
+        self
+    }
+
     /// The pixel in column `x` of row `y`.
     pub fn pixel(&self, x: u32, y: u32) -> [f64; 4] {
         self.pixels[(y * self.width + x) as usize]
